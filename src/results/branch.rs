@@ -21,12 +21,17 @@ pub struct BranchRow {
     pub elastic_energy_j: f64,
     /// Elastic energy with the potentials of contact and gravity; that of other loads is not in it.
     pub energy_j: f64,
-    /// Negative pivots of the Hessian: directions in which the energy falls.
+    /// Negative pivots of the Hessian: directions in which the energy falls. Under forces without an energy, small motions that
+    /// grow; one that oscillates counts twice.
     pub negative_pivots: usize,
     /// Whether there are none.
     pub stable: bool,
-    /// Lowest eigenvalue of the Hessian.
-    pub lowest_eigenvalue_n_per_m: f64,
+    /// Lowest eigenvalue of the Hessian; empty under forces without an energy.
+    pub lowest_eigenvalue_n_per_m: Option<f64>,
+    /// Rate at which the fastest small motion grows, under forces without an energy.
+    pub growth_rate_per_s: Option<f64>,
+    /// Its frequency, 0 where it does not oscillate; of a stable equilibrium the lowest.
+    pub frequency_hz: Option<f64>,
     /// `regular`, or what makes the point critical.
     pub kind: BranchKind,
     /// Newton iterations from the point before.
@@ -43,6 +48,8 @@ pub enum BranchKind {
     Fold,
     /// Another branch crosses.
     Bifurcation,
+    /// Oscillations begin or cease to grow.
+    Flutter,
 }
 
 /// Reads `branch.csv` of a results directory; a last row that a crash left in part is left out.

@@ -33,7 +33,7 @@ pub struct CaseOutcome {
     pub elastic_energy: Option<f64>,
     /// Potential of gravity there, J.
     pub gravitational_energy: Option<f64>,
-    /// Path parameter of the first fold or bifurcation of a path of equilibria.
+    /// Path parameter of the first fold, bifurcation or onset of flutter of a path of equilibria.
     pub critical_parameter: Option<f64>,
     /// What observers of the run say of it: further columns of the summary. Earlier versions called it `knot`, the only
     /// thing that was observed.

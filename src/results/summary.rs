@@ -43,7 +43,7 @@ pub struct SummaryRow {
     pub elastic_energy_j: Option<f64>,
     /// Potential of gravity at the last output.
     pub gravitational_energy_j: Option<f64>,
-    /// Path parameter of the first fold or bifurcation; empty where there is no path, or none on it.
+    /// Path parameter of the first fold, bifurcation or onset of flutter; empty where there is no path, or none on it.
     pub critical_parameter: Option<f64>,
     /// What people should know of the case, sentences joined by "; ".
     #[serde(default)]

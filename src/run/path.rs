@@ -107,11 +107,14 @@ fn row(point: &PathPoint, displacement_rms_m: f64, energies: &Energies) -> Branc
         energy_j: elastic + energies.contact + energies.gravitational,
         negative_pivots: point.negative,
         stable: point.negative == 0,
-        lowest_eigenvalue_n_per_m: point.lowest_eigenvalue,
+        lowest_eigenvalue_n_per_m: Some(point.lowest_eigenvalue).filter(|value| value.is_finite()),
+        growth_rate_per_s: point.motions.map(|motions| motions.growth_rate),
+        frequency_hz: point.motions.map(|motions| motions.frequency),
         kind: match point.kind {
             PointKind::Regular => BranchKind::Regular,
             PointKind::Fold => BranchKind::Fold,
             PointKind::Bifurcation => BranchKind::Bifurcation,
+            PointKind::Flutter => BranchKind::Flutter,
         },
         newton_iterations: point.iterations,
     }

@@ -50,9 +50,9 @@ pub use load::{Loaded, from_text, load};
 pub use resolve::{END_STATE, read_polyline};
 pub use resolved::{
     Actuation, ActuationKind, Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, Course,
-    CrossSection, Experiment, Fluid, Handedness, Hold, Inertia, Joint, JointKind, Load, LoadKind,
-    Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, PathMethod, Place, Plane,
-    Pose, Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
+    CrossSection, Experiment, Fluid, Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame,
+    LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, PathMethod, Place,
+    Plane, Pose, Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
 };
 pub use resolved::{
     AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,

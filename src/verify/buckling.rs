@@ -1,12 +1,13 @@
-//! Loads at which straight rods and rings buckle: where the stiffness matrix ceases to be positive.
+//! Loads at which straight rods and rings buckle, where the stiffness matrix ceases to be positive, and one at which small
+//! motions begin to flutter.
 
-use super::rods::{STIFFNESS_RATIO, clamp, line, unit_rod, unit_stiffness};
-use super::theory::beam::{CLAMPED_COLUMN, clamped_twist_moment, ring_twist};
+use super::rods::{STIFFNESS_RATIO, clamp, line, steady, unit_rod, unit_stiffness};
+use super::theory::beam::{CLAMPED_COLUMN, beck_load, clamped_twist_moment, ring_twist};
 use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use crate::mechanics::kirchhoff::numerics::bisect;
-use crate::mechanics::scene::{NaturalShape, RodDescription, Scene};
+use crate::mechanics::scene::{LoadKind, NaturalShape, RodDescription, Scene};
 use std::f64::consts::TAU;
 
 const EULER: Expectation = Expectation {
@@ -21,7 +22,17 @@ const MICHELL: Expectation = Expectation {
     formula: "Θ = 2π√3 EI/GJ",
     source: "Michell 1889, Zajac 1962",
 };
+const BECK: Expectation = Expectation {
+    formula: "P = 20.0509 EI/L²",
+    source: "Beck 1952",
+};
+const ORDER: Expectation = Expectation {
+    formula: "log₂(error at N / error at 2N)",
+    source: "second order",
+};
 const EDGES: usize = 80;
+/// Edges of Beck's column: the coarser of two.
+const BECK_EDGES: usize = 20;
 /// The ring buckles into two waves: its error at 80 edges is 0.5 %.
 const RING_EDGES: usize = 140;
 /// Relative error allowed.
@@ -29,7 +40,26 @@ const BOUND: f64 = 2e-3;
 
 /// Euler's column, the twisted rod and the twisted ring.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    let beck = [BECK_EDGES, 2 * BECK_EDGES].map(flutter_load);
+    let [coarse, fine] = beck;
+    let [coarse, fine] = [coarse?, fine?];
+    let exact = beck_load();
     Ok(vec![
+        BECK.relative(
+            "Beck's column, pushed along its end, 40 edges: load of flutter P L²/EI",
+            "",
+            exact,
+            fine,
+            BOUND,
+        ),
+        ORDER.scaled(
+            "the same, 20 to 40 edges: order",
+            "",
+            2.0,
+            libm::log2((coarse - exact) / (fine - exact)),
+            1.0,
+            0.2,
+        ),
         EULER.relative(
             "column with clamped ends: critical load P L²/EI",
             "",
@@ -65,6 +95,36 @@ fn critical(range: std::ops::Range<f64>, scene: fn(f64) -> Scene) -> Result<f64,
         let simulation = Simulation::new(&scene(load), &IntegrationParameters::default());
         simulation.map_or(f64::NAN, |mut simulation| stability(&mut simulation))
     }))
+}
+
+/// The load at which Beck's column begins to flutter.
+fn flutter_load(edges: usize) -> Result<f64, SimulationError> {
+    let flutters = |load: f64| -> Result<bool, SimulationError> {
+        let column = Scene {
+            rods: vec![unit_rod(line(Vector3::zeros(), Vector3::x(), edges))],
+            clamps: vec![clamp(0)],
+            loads: vec![steady(LoadKind::FollowerForce {
+                rod: 0,
+                node: edges,
+                force: -load * Vector3::z(),
+            })],
+            ..Scene::default()
+        };
+        let mut simulation = Simulation::new(&column, &IntegrationParameters::default())?;
+        simulation.find_nearby_equilibrium()?;
+        let motions = simulation.small_motions();
+        Ok(motions.is_some_and(|motions| motions.unstable.flutter > 0))
+    };
+    let (mut low, mut high) = (15.0, 25.0);
+    while high - low > 1e-7 {
+        let middle = 0.5 * (low + high);
+        if flutters(middle)? {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Ok(low)
 }
 
 /// 1 where the configuration is stable, −1 where not. Free rings have modes without stiffness, so only

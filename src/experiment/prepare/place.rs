@@ -6,8 +6,8 @@ use super::round_rod::relaxation;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene as mechanics;
 use crate::scenario::{
-    Actuation, ActuationKind, Clamp, Course, Hold, Inertia, Issue, KeyPath, Load, LoadKind,
-    Movement, NaturalShape, Place, Plane, Rod, did_you_mean,
+    Actuation, ActuationKind, Clamp, Course, Hold, Inertia, Issue, KeyPath, Load, LoadFrame,
+    LoadKind, Movement, NaturalShape, Place, Plane, Rod, did_you_mean,
 };
 
 pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescription, Issue> {
@@ -134,29 +134,52 @@ pub(super) fn place_load(
         LoadKind::Gravity { acceleration } => mechanics::LoadKind::Gravity {
             acceleration: Vector3::from(*acceleration),
         },
-        LoadKind::Force { rod, at, force } => {
+        LoadKind::Force {
+            rod,
+            at,
+            force,
+            frame,
+        } => {
             let rod = find_rod(rod, rods, &path.key("rod"))?;
-            mechanics::LoadKind::Force {
-                rod,
-                node: find_node(*at, &rods[rod], path)?,
-                force: Vector3::from(*force),
+            let node = find_node(*at, &rods[rod], path)?;
+            let force = Vector3::from(*force);
+            match frame {
+                LoadFrame::Space => mechanics::LoadKind::Force { rod, node, force },
+                LoadFrame::Material => mechanics::LoadKind::FollowerForce { rod, node, force },
             }
         }
-        LoadKind::Moment { rod, at, moment } => {
+        LoadKind::Moment {
+            rod,
+            at,
+            moment,
+            frame,
+        } => {
             let rod = find_rod(rod, rods, &path.key("rod"))?;
-            mechanics::LoadKind::Moment {
-                rod,
-                edge: find_edge(*at, &rods[rod], path)?,
-                moment: Vector3::from(*moment),
+            let edge = find_edge(*at, &rods[rod], path)?;
+            let moment = Vector3::from(*moment);
+            match frame {
+                LoadFrame::Space => mechanics::LoadKind::Moment { rod, edge, moment },
+                LoadFrame::Material => mechanics::LoadKind::FollowerMoment { rod, edge, moment },
             }
         }
         LoadKind::Distributed {
             rod,
             force_per_length,
-        } => mechanics::LoadKind::Distributed {
-            rod: find_any(rod)?,
-            force_per_length: Vector3::from(*force_per_length),
-        },
+            frame,
+        } => {
+            let rod = find_any(rod)?;
+            let force_per_length = Vector3::from(*force_per_length);
+            match frame {
+                LoadFrame::Space => mechanics::LoadKind::Distributed {
+                    rod,
+                    force_per_length,
+                },
+                LoadFrame::Material => mechanics::LoadKind::FollowerDistributed {
+                    rod,
+                    force_per_length,
+                },
+            }
+        }
         LoadKind::Drag {
             rod,
             translation,

@@ -5,16 +5,20 @@ use super::failure::no_equilibrium;
 use super::integrator::{STIFFENING, report_contacts};
 use super::report::{SimulationError, StepReport};
 use super::simulation::ONLY_EULER;
-use crate::mechanics::statics::{Descent, nearby_equilibrium};
+use crate::mechanics::statics::{Descent, SmallMotions, nearby_equilibrium, small_motions};
 use crate::mechanics::system::name_overlap;
 use crate::mechanics::{Overlap, SceneError};
-use tracing::debug;
+use tracing::{debug, warn};
 
 /// Times that contact is made stiffer, where rods penetrate, before that is an error.
 const STIFFENINGS: usize = 8;
 
 const NO_ENERGY: SceneError =
     SceneError::Unsuitable("with friction an equilibrium has no energy whose least it could be");
+
+const NOT_JUDGED: SceneError = SceneError::Unsuitable(
+    "the stability of an equilibrium under moments and forces that turn with rods is found for up to 1500 nodes",
+);
 
 impl Simulation {
     /// Finds the equilibrium at the present time where the scene would come to rest: Newton's method without
@@ -74,6 +78,8 @@ impl Simulation {
         self.rest_at(&trial);
         self.validity
             .check_strains(&self.system, &trial, self.state.time);
+        self.validity.check_slides(&self.system, self.state.time);
+        self.judge_stability();
         report_contacts(&self.system, &mut report);
         debug!(
             time = report.time,
@@ -84,8 +90,37 @@ impl Simulation {
         Ok(Some(report))
     }
 
+    /// Small motions about the present equilibrium, where forces have no potential; `None` where they have, with friction,
+    /// and where there are too many unknowns.
+    pub fn small_motions(&mut self) -> Option<SmallMotions> {
+        if self.system.is_symmetric() || self.system.rubs() {
+            return None;
+        }
+        small_motions(&mut self.system, &self.state.unknowns)
+    }
+
+    /// Judges an equilibrium that was found by its small motions, where forces have no potential.
+    fn judge_stability(&mut self) {
+        if self.system.is_symmetric() || self.system.rubs() {
+            return;
+        }
+        let message = match self.small_motions() {
+            None => Some("whether the equilibrium is stable was not found out".to_owned()),
+            Some(motions) => {
+                let how = motions.in_words();
+                how.map(|how| format!("the equilibrium is unstable: {how}"))
+            }
+        };
+        if let Some(message) = message {
+            warn!("{message}");
+            self.validity.note_instability(message);
+        }
+        // The residual of the equilibrium again.
+        self.system.evaluate(&self.state.unknowns, None);
+    }
+
     /// Goes to the nearest equilibrium at the present time, which need not be stable; returns the number of
-    /// directions in which its energy falls: 0 where it is stable.
+    /// directions in which its energy falls, or of small motions that grow: 0 where it is stable.
     ///
     /// # Errors
     /// [`SimulationError::NoEquilibrium`], and [`SimulationError::BadScene`] with rigid contact or friction,
@@ -96,11 +131,20 @@ impl Simulation {
         }
         let tolerance = self.integrator.setting.parameters.force_tolerance;
         let mut trial = self.state.unknowns.clone();
+        if self.system.rubs() {
+            return Err(NO_ENERGY.into());
+        }
         let inertia = nearby_equilibrium(&mut self.system, &mut trial, tolerance)
-            .map_err(|divergence| no_equilibrium(&mut self.system, &trial, &divergence))?
-            .ok_or(NO_ENERGY)?;
+            .map_err(|divergence| no_equilibrium(&mut self.system, &trial, &divergence))?;
         self.rest_at(&trial);
-        Ok(inertia.negative)
+        match inertia {
+            Some(inertia) => Ok(inertia.negative),
+            None => {
+                let motions = self.small_motions().ok_or(NOT_JUDGED)?;
+                self.system.evaluate(&self.state.unknowns, None);
+                Ok(motions.unstable.total())
+            }
+        }
     }
 
     /// Takes over an equilibrium.

@@ -45,6 +45,7 @@ pub use crate::mechanics::system::{Break, Grasp, Resultants};
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;
+pub use validity::{LARGEST_CATCH, apparent_friction};
 
 #[cfg(test)]
 mod actuation_tests;

@@ -5,9 +5,14 @@ use super::failure::no_next_point;
 use super::report::SimulationError;
 use crate::mechanics::SceneError;
 use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
+use crate::mechanics::system::MOST_UNKNOWNS;
 
 const NO_PATH: SceneError = SceneError::Unsuitable(
-    "a path of equilibria needs forces that have an energy: no friction, no contact by complementarity, no moments of fixed direction (turn a clamp instead)",
+    "a path of equilibria allows no friction and no contact by complementarity: their forces depend on the way to a configuration",
+);
+
+const TOO_MANY: SceneError = SceneError::Unsuitable(
+    "the stability of a path under moments and forces that turn with rods is found for up to 1500 nodes: take fewer edges",
 );
 
 impl Simulation {
@@ -15,11 +20,14 @@ impl Simulation {
     /// prescribes over time it takes from the path parameter.
     ///
     /// # Errors
-    /// [`SimulationError::BadScene`] with friction, with rigid contact, and with moments of fixed direction,
-    /// whose Hessians are not symmetric.
+    /// [`SimulationError::BadScene`] with friction, with rigid contact, and where small motions without an energy would
+    /// have too many unknowns.
     pub fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError> {
-        if self.system.has_constraints() || !self.system.is_symmetric() {
+        if self.system.has_constraints() || self.system.rubs() {
             return Err(NO_PATH.into());
+        }
+        if !self.system.is_symmetric() && self.state.unknowns.len() > MOST_UNKNOWNS {
+            return Err(TOO_MANY.into());
         }
         let tolerance = self.integrator.setting.parameters.force_tolerance;
         Ok(Tracer::new(

@@ -198,19 +198,84 @@ fn the_lowest_eigenvalue_is_that_of_the_dense_matrix() {
 }
 
 #[test]
-fn moments_of_fixed_direction_have_no_path() {
+fn an_end_moment_of_fixed_direction_rolls_a_rod_up_along_a_path() {
     let mut scene = column();
-    scene.loads.push(Load {
+    scene.loads = vec![Load {
         kind: LoadKind::Moment {
             rod: 0,
-            edge: 3,
-            moment: Vector3::x(),
+            edge: EDGES - 1,
+            moment: Vector3::z(),
         },
-        schedule: Vec::new(),
-    });
-    let simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
-    let refused = simulation.path(plan(1.0, PathMethod::Natural));
-    assert!(refused.err().unwrap().to_string().contains("turn a clamp"));
+        schedule: vec![(-1e3, -1e3), (1e3, 1e3)],
+    }];
+    let (points, finished) = follow(&scene, plan(PI, PathMethod::Arclength));
+    assert!(finished);
+    let last = points.last().unwrap();
+    assert_eq!(last.parameter, PI);
+    // Half a circle of the diameter 2/π.
+    let tip = Vector3::from_column_slice(&last.unknowns[4 * EDGES..4 * EDGES + 3]);
+    assert!((tip - Vector3::y() * (2.0 / PI)).norm() < 2e-3, "{tip}");
+    assert!(last.motions.is_some());
+}
+
+/// A column clamped at its start under a force along its end, which turns with it by this part.
+fn followed_column(following: f64) -> Scene {
+    let mut scene = column();
+    scene.loads = vec![
+        growing(EDGES, Vector3::x() * (following - 1.0)),
+        Load {
+            kind: LoadKind::FollowerForce {
+                rod: 0,
+                node: EDGES,
+                force: -Vector3::z() * following,
+            },
+            schedule: vec![(-1e3, -1e3), (1e3, 1e3)],
+        },
+    ];
+    scene
+}
+
+#[test]
+fn a_column_under_a_force_that_turns_with_its_end_flutters_at_becks_load() {
+    for method in [PathMethod::Natural, PathMethod::Arclength] {
+        let (points, finished) = follow(&followed_column(1.0), plan(24.0, method));
+        assert!(finished);
+        let critical = points.iter().find(|point| point.kind != PointKind::Regular);
+        let critical = critical.unwrap();
+        assert_eq!(critical.kind, PointKind::Flutter);
+        // Beck 1952; second order in the edge length.
+        assert!(
+            (critical.parameter / 20.0509 - 1.0).abs() < 5e-3,
+            "{}",
+            critical.parameter
+        );
+        for point in points.iter().filter(|p| p.kind == PointKind::Regular) {
+            let motions = point.motions.unwrap();
+            let stable = point.parameter < critical.parameter;
+            assert_eq!(point.negative, if stable { 0 } else { 2 });
+            assert_eq!(motions.growth_rate > 0.0, !stable, "{motions:?}");
+            assert!(motions.frequency > 0.0);
+        }
+    }
+}
+
+#[test]
+fn a_column_under_a_force_that_turns_only_a_little_diverges() {
+    // Below one half: buckling at P with a + (1 − a) cos √P = 0, a the part that follows (Kordas and Życzkowski 1963).
+    let following = 0.2;
+    let exact = (-following / (1.0 - following)).acos().powi(2);
+    let (points, _) = follow(&followed_column(following), plan(4.0, PathMethod::Natural));
+    let critical = points.iter().find(|point| point.kind != PointKind::Regular);
+    let critical = critical.unwrap();
+    assert_eq!(
+        (critical.kind, critical.negative),
+        (PointKind::Bifurcation, 1)
+    );
+    assert!(
+        (critical.parameter / exact - 1.0).abs() < 2e-3,
+        "{} {exact}",
+        critical.parameter
+    );
 }
 
 #[test]

@@ -392,6 +392,54 @@ fn a_ring_on_a_slack_rope_rests_where_both_halves_make_the_same_angle() {
     assert!(difference < 1e-6, "{difference:e}");
 }
 
+#[test]
+fn a_ring_comes_to_rest_on_ropes_of_any_stiffness_and_number_of_edges() {
+    let mut most = 0;
+    for (edges, factors) in [
+        (12, [1e-3, 1.0, 1e3]),
+        (40, [1e-2, 1.0, 1e4]),
+        (80, [1e-1, 1e1, 1e2]),
+    ] {
+        for factor in factors {
+            let (mut scene, _) = ring_on_rope(edges, 0.25);
+            for rod in &mut scene.rods {
+                let stiffness = &mut rod.stiffness;
+                stiffness.stretching *= factor;
+                stiffness.bending = stiffness.bending.map(|bending| bending * factor);
+                stiffness.twisting *= factor;
+            }
+            let parameters = IntegrationParameters::default();
+            let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+            let report = simulation.find_equilibrium().unwrap();
+            println!("{edges} {factor}: {}", report.newton_iterations);
+            most = most.max(report.newton_iterations);
+            let borne = simulation.reaction(0) + simulation.reaction(1);
+            let missed = (borne - Vector3::z() * WEIGHT).norm();
+            assert!(missed < 1e-4 * WEIGHT, "{edges} {factor}: {borne}");
+        }
+    }
+    assert!(most < 800, "{most}");
+}
+
+#[test]
+fn edges_too_long_for_what_slides_along_them_are_remarked() {
+    let remarks = |edges: usize| {
+        let (mut scene, _) = ring_on_rope(edges, 0.5);
+        scene.rods[0].stiffness.bending = [4e-6; 2];
+        let parameters = IntegrationParameters::default();
+        let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+        simulation.find_equilibrium().unwrap();
+        simulation.remarks()
+    };
+    // 0.1 F h²/EI: 0.31 and 0.02.
+    let found = remarks(40);
+    assert!(
+        found.len() == 1 && found[0].contains("friction coefficient of up to 0.31"),
+        "{found:?}"
+    );
+    assert!(remarks(160).is_empty(), "{:?}", remarks(160));
+}
+
 /// A ball in the way of the shuttle of [`incline`], its centre at this place along the wire, m.
 const BALL: f64 = 0.5;
 const BALL_RADIUS: f64 = 0.02;

@@ -6,7 +6,7 @@
 
 use super::parameters::{Scheme, StepSize};
 use super::report::{Energies, StepReport};
-use super::validity_memory::{Gain, LargeStrain, SmallSteps, ValidityMemory};
+use super::validity_memory::{CaughtSlide, Gain, LargeStrain, SmallSteps, ValidityMemory};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::edge_distance;
 use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene};
@@ -18,6 +18,8 @@ const LARGEST_STRETCH: f64 = 0.05;
 /// Strain of the outer fibres by bending, and shear of the surface by twist, that are remarked: by the symmetry of the
 /// section what the theory leaves out is of the second power, 4 % of the moment at this size.
 const LARGEST_BEND: f64 = 0.2;
+/// Friction that edges put in the way of what slides that is remarked.
+pub const LARGEST_CATCH: f64 = 0.05;
 /// Stretch at which a lack of convergence is no wonder.
 const CRUSHING: f64 = 0.5;
 /// Gain of energy that is no more rounding, Newton's method or a swing of the midpoint rule, over the largest energy so far.
@@ -39,6 +41,8 @@ enum Kind {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Validity {
     sections: Vec<SectionScale>,
+    /// Smaller bending stiffness of each rod, N m².
+    bending: Vec<f64>,
     /// Speed √(EA/ρA) of waves of stretching in each rod, m/s; infinite in those that are held.
     wave_speeds: Vec<f64>,
     /// Whether steps are chosen by their error.
@@ -99,6 +103,9 @@ impl Validity {
         };
         Self {
             sections: scene.rods.iter().map(SectionScale::of).collect(),
+            bending: (scene.rods.iter())
+                .map(|rod| rod.stiffness.bending[0].min(rod.stiffness.bending[1]))
+                .collect(),
             wave_speeds: scene.rods.iter().map(wave_speed).collect(),
             has_automatic_steps: false,
             memory: ValidityMemory {
@@ -138,6 +145,39 @@ impl Validity {
         self.note_strain(system, Kind::Stretch, found.stretch, time);
         self.note_strain(system, Kind::Bending, found.bending, time);
         self.note_strain(system, Kind::Twist, found.twist, time);
+    }
+
+    /// Looks at the nodes that slide along rods: whether the edges there are short enough for the force of the slide.
+    pub fn check_slides(&mut self, system: &System, time: f64) {
+        for slide in system.slides() {
+            let [node, rail] = [slide.node, slide.rail().start];
+            let (rod, _) = system.assembly.locate(rail);
+            if system.assembly.obstacle[rail] {
+                continue;
+            }
+            let friction = apparent_friction(slide.force(), slide.edge(), self.bending[rod]);
+            let kept = &mut self.memory.slide;
+            if !(friction > LARGEST_CATCH) || kept.is_some_and(|kept| kept.friction >= friction) {
+                continue;
+            }
+            let is_first = kept.is_none();
+            let caught = CaughtSlide {
+                friction,
+                edge: slide.edge() * (LARGEST_CATCH / friction).sqrt(),
+                node,
+                rail,
+                time,
+            };
+            *kept = Some(caught);
+            if is_first {
+                warn!("{}", in_words(system, &caught));
+            }
+        }
+    }
+
+    /// Keeps what was said of an equilibrium that is not stable.
+    pub fn note_instability(&mut self, message: String) {
+        self.memory.instability.get_or_insert(message);
     }
 
     fn note_strain(&mut self, system: &System, kind: Kind, found: Option<Strain>, time: f64) {
@@ -258,6 +298,7 @@ impl Validity {
             return;
         }
         self.check_strains(system, unknowns, time);
+        self.check_slides(system, time);
         // Implicit Euler takes energy and never gives any.
         let advice = self.gaining();
         let memory = &mut self.memory;
@@ -322,9 +363,34 @@ impl Validity {
         });
         let small_steps = memory.small_steps.iter().map(SmallSteps::in_words);
         let ringing = (memory.ringing).map(|since| format!("from t = {since:.4e} s {RINGING}"));
-        let found = strains.into_iter().chain([gain, ringing]).flatten();
+        let slide = memory.slide.map(|caught| in_words(system, &caught));
+        let rest = [gain, ringing, slide, memory.instability.clone()];
+        let found = strains.into_iter().chain(rest).flatten();
         found.chain(small_steps).collect()
     }
+}
+
+/// Friction coefficient that the edges of a rod, h long, put in the way of a node that slides along it under the force F
+/// across it: 0.1 F h²/EI ([`crate::mechanics::system`], `joints::track`).
+pub fn apparent_friction(force: f64, edge: f64, bending: f64) -> f64 {
+    0.1 * force * edge * edge / bending
+}
+
+/// Says of a node that its rod catches it.
+fn in_words(system: &System, caught: &CaughtSlide) -> String {
+    let at = |node: usize| {
+        let (rod, node) = system.assembly.locate(node);
+        (&system.assembly.names[rod], node)
+    };
+    let ((rod, node), (rail, _)) = (at(caught.node), at(caught.rail));
+    let when = match caught.time {
+        0.0 => String::new(),
+        time => format!(" at t = {time:.4} s"),
+    };
+    format!(
+        "the edges of rod `{rail}` are too long for the force with which node {node} of rod `{rod}` slides along it: they catch it like a friction coefficient of up to {:.2}{when}; with edges of {:.2e} m it would be {LARGEST_CATCH}",
+        caught.friction, caught.edge
+    )
 }
 
 fn wave_speed(rod: &RodDescription) -> f64 {

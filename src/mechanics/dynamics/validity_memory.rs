@@ -58,6 +58,21 @@ impl SmallSteps {
     }
 }
 
+/// What slides along a rod, and is caught by its edges.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaughtSlide {
+    /// The friction coefficient that this is like.
+    pub friction: f64,
+    /// Length of edges with which it would be negligible, m.
+    pub edge: f64,
+    /// The sliding node, of the whole scene.
+    pub node: usize,
+    /// First node of the rod along which it slides.
+    pub rail: usize,
+    /// When it was so large, s.
+    pub time: f64,
+}
+
 /// What has been seen so far: part of the state that checkpoints hold.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ValidityMemory {
@@ -83,4 +98,8 @@ pub struct ValidityMemory {
     pub ringing: Option<f64>,
     /// Steps far smaller than asked for, one entry for each advice.
     pub small_steps: Vec<SmallSteps>,
+    /// The slide that its rod catches most.
+    pub slide: Option<CaughtSlide>,
+    /// What was said of an equilibrium that is not stable.
+    pub instability: Option<String>,
 }

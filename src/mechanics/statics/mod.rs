@@ -9,8 +9,10 @@ mod inner_product;
 mod nearby;
 mod neutral;
 mod path;
+mod small_motions;
 mod spectrum;
 
 pub use equilibrium::{Descent, find_equilibrium};
 pub use nearby::nearby_equilibrium;
 pub use path::{EndedEarly, PathMethod, PathPlan, PathPoint, PointKind, Tracer};
+pub use small_motions::{SmallMotions, Unstable, small_motions};

@@ -137,6 +137,11 @@ impl Assembly {
 
     /// The mass matrix of all unknowns, with frames and bodies as placed: unknowns that others own have none of their own.
     pub fn mass_matrix(&self) -> DMatrix<f64> {
+        self.mass_matrix_at(&self.unknowns)
+    }
+
+    /// The same with frames and bodies turned as at `unknowns`, where they were evaluated last.
+    pub fn mass_matrix_at(&self, unknowns: &[f64]) -> DMatrix<f64> {
         let mut matrix = DMatrix::from_diagonal(&self.masses.clone().into());
         for (nodes, shared) in self.consistent.pairs() {
             for k in 0..STRIDE {
@@ -147,7 +152,7 @@ impl Assembly {
                 matrix[(second, first)] += shared[k];
             }
         }
-        self.joints.gather_masses(&self.unknowns, &mut matrix);
+        self.joints.gather_masses(unknowns, &mut matrix);
         matrix
     }
 

@@ -36,6 +36,7 @@ mod residual;
 mod resultants;
 mod rigid_contact;
 mod shared_mass;
+mod small_motions;
 mod springs;
 mod start;
 mod strain;
@@ -63,6 +64,7 @@ pub use obstacles::obstacle_poses;
 pub use residual::TERMS;
 pub use resultants::Resultants;
 pub use rigid_contact::ForceSearch;
+pub use small_motions::MOST_UNKNOWNS;
 use springs::Springs;
 pub use strain::{LargestStrains, SectionScale, Strain};
 use touching::contact_of;
@@ -523,6 +525,16 @@ impl System {
     /// Whether the Jacobian of an equilibrium is the Hessian of an energy.
     pub fn is_symmetric(&self) -> bool {
         self.matrix.is_symmetric()
+    }
+
+    /// Nodes that slide along rods.
+    pub fn slides(&self) -> &[joints::Slide] {
+        &self.assembly.joints.slides
+    }
+
+    /// Whether something rubs: the forces of an equilibrium then depend on the way to it.
+    pub fn rubs(&self) -> bool {
+        self.matrix.rubs()
     }
 
     /// Solves J x = b in place with the factors of the last factorisation; x is zero at held unknowns.

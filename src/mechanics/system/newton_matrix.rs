@@ -31,6 +31,8 @@ pub struct NewtonMatrix {
     /// First node of each rod, then the places of frames.
     chains: Vec<usize>,
     symmetric: bool,
+    /// Whether there is friction.
+    rubs: bool,
     /// Whether the symmetric elimination has failed with this pattern.
     lost_symmetry: bool,
     /// Closing vertices, moments, forces that turn with edges, and springs, always present.
@@ -80,6 +82,7 @@ impl NewtonMatrix {
                 .collect(),
             lost_symmetry: false,
             symmetric: loads.have_potential() && !friction && !friction_on_planes,
+            rubs: friction || friction_on_planes,
             permanent_matrices: vec![ZERO; permanent.len()],
             permanent,
             closing: assembly.rods.elements.len(),
@@ -97,6 +100,10 @@ impl NewtonMatrix {
 
     pub fn is_symmetric(&self) -> bool {
         self.symmetric
+    }
+
+    pub fn rubs(&self) -> bool {
+        self.rubs
     }
 
     pub fn clear(&mut self) {

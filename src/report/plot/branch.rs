@@ -78,7 +78,9 @@ mod tests {
             energy_j: 0.0,
             negative_pivots: usize::from(!stable),
             stable,
-            lowest_eigenvalue_n_per_m: 1.0,
+            lowest_eigenvalue_n_per_m: Some(1.0),
+            growth_rate_per_s: None,
+            frequency_hz: None,
             kind,
             newton_iterations: 2,
         };

@@ -89,7 +89,8 @@ pub(super) const SUMMARY: &[Column] = columns! {
         their normal forces, then over the outputs with contact; negative where they penetrate, empty where nothing touches.",
     "elastic_energy_j": "Energy of stretching, bending and twisting at the last output, J.",
     "gravitational_energy_j": "Potential of gravity at the last output, J.",
-    "critical_parameter": "Path parameter of the first fold or bifurcation; empty where there is no path, or none on it.",
+    "critical_parameter": "Path parameter of the first fold, bifurcation or onset of flutter; empty where there is no path, or none \
+        on it.",
     "remarks": "What people should know of the case, sentences joined by \"; \": strains beyond the theory of rods (stretch by \
         more than 5 %, outer fibres by bending or twist by more than 20 %), energy that nothing gave, steps far smaller than \
         asked for, and what the experiment adds; empty where there is nothing to remark.",
@@ -110,10 +111,14 @@ pub(super) const BRANCH: &[Column] = columns! {
     "displacement_rms_m": "Root mean square of the nodes' displacement from where they were placed, m.",
     "elastic_energy_j": "Energy of stretching, bending and twisting, J.",
     "energy_j": "Elastic energy with the potentials of contact and gravity, J; that of other loads is not in it.",
-    "negative_pivots": "Negative pivots of the Hessian: independent directions in which the energy falls.",
+    "negative_pivots": "Negative pivots of the Hessian: independent directions in which the energy falls; under forces without \
+        an energy, small motions that grow, those that oscillate counted twice.",
     "stable": "Whether there are none: true or false.",
-    "lowest_eigenvalue_n_per_m": "Lowest eigenvalue of the Hessian, N/m.",
-    "kind": "regular, fold (the parameter turns back) or bifurcation (another branch crosses).",
+    "lowest_eigenvalue_n_per_m": "Lowest eigenvalue of the Hessian, N/m; empty under forces without an energy.",
+    "growth_rate_per_s": "Rate at which the fastest small motion grows, 1/s, 0 where none does; empty where forces have an energy.",
+    "frequency_hz": "Its frequency, Hz, 0 where it diverges without oscillating; of a stable equilibrium the lowest frequency.",
+    "kind": "regular, fold (the parameter turns back), bifurcation (another branch crosses) or flutter (oscillations begin to \
+        grow, or cease to).",
     "newton_iterations": "Newton iterations from the point before.",
 };
 

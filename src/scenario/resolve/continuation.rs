@@ -1,9 +1,7 @@
 //! Resolving paths of equilibria.
 
 use super::section::{FINITE, POSITIVE, Section};
-use crate::scenario::resolved::{
-    Continuation, Fluid, Load, LoadKind, Obstacle, PathMethod, Plane, Time,
-};
+use crate::scenario::resolved::{Continuation, Fluid, Obstacle, PathMethod, Plane, Time};
 use crate::scenario::typed::ScenarioFile;
 
 /// Most points that a branch may have.
@@ -86,18 +84,9 @@ pub fn refuse_friction(
     }
 }
 
-/// Refuses what has no energy, and so no path; drag is nothing at rest, but a fluid cannot be meant.
-pub fn refuse_without_energy(top: &Section<'_>, time: &Time, fluid: &Fluid, loads: &[Load]) {
-    if *time != Time::Continuation {
-        return;
-    }
-    if *fluid != Fluid::None {
+/// Refuses a fluid along a path: drag is nothing at rest.
+pub fn refuse_fluid(top: &Section<'_>, time: &Time, fluid: &Fluid) {
+    if *time == Time::Continuation && *fluid != Fluid::None {
         top.fault("fluid", "nothing moves in equilibrium; leave the table out");
-    }
-    for (index, load) in loads.iter().enumerate() {
-        if matches!(load.kind, LoadKind::Moment { .. }) {
-            let message = "a moment of fixed direction has no energy; turn a clamp instead";
-            top.below("loads").fault(&index.to_string(), message);
-        }
     }
 }

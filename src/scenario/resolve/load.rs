@@ -60,12 +60,14 @@ fn load(section: &Section<'_>, typed: &typed::Load) -> Load {
             rod: typed,
             at,
             force,
+            frame,
             schedule,
         } => {
             let kind = LoadKind::Force {
                 rod: rod(section, typed),
                 at: place(section, *at),
                 force: section.required_vector("force", force),
+                frame: frame.unwrap_or_default(),
             };
             (kind, schedule)
         }
@@ -73,23 +75,27 @@ fn load(section: &Section<'_>, typed: &typed::Load) -> Load {
             rod: typed,
             at,
             moment,
+            frame,
             schedule,
         } => {
             let kind = LoadKind::Moment {
                 rod: rod(section, typed),
                 at: place(section, *at),
                 moment: section.required_vector("moment", moment),
+                frame: frame.unwrap_or_default(),
             };
             (kind, schedule)
         }
         typed::Load::Distributed {
             rod,
             force_per_length,
+            frame,
             schedule,
         } => {
             let kind = LoadKind::Distributed {
                 rod: rod.clone(),
                 force_per_length: section.required_vector("force_per_length", force_per_length),
+                frame: frame.unwrap_or_default(),
             };
             (kind, schedule)
         }

@@ -112,7 +112,7 @@ pub fn resolve(
         );
     }
     continuation::refuse_friction(&top, &time, contact.friction(), &planes, &obstacles);
-    continuation::refuse_without_energy(&top, &time, &fluid, &loads);
+    continuation::refuse_fluid(&top, &time, &fluid);
     let mut clamps = load::clamps(context, &top, &file.clamps);
     model::refuse_static_motion(&top, &time, &clamps, &loads, &obstacles);
     network::refuse_static_motion(&top, &file.networks, &time);

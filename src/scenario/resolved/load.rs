@@ -63,6 +63,24 @@ pub struct Load {
     pub schedule: Vec<(f64, f64)>,
 }
 
+/// In which frame the components of a load are constant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum LoadFrame {
+    /// That of the scene: a fixed direction.
+    #[default]
+    Space,
+    /// The material frame of the rod: the load turns with it.
+    Material,
+}
+
+impl LoadFrame {
+    fn is_space(&self) -> bool {
+        *self == Self::Space
+    }
+}
+
 /// Kinds of external load.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -72,7 +90,7 @@ pub enum LoadKind {
         /// Acceleration of free fall, m/s².
         acceleration: [f64; 3],
     },
-    /// A dead force on a node.
+    /// A force on a node.
     Force {
         /// Name of the rod.
         rod: String,
@@ -80,8 +98,11 @@ pub enum LoadKind {
         at: Place,
         /// The force, N.
         force: [f64; 3],
+        /// Frame of the components.
+        #[serde(skip_serializing_if = "LoadFrame::is_space")]
+        frame: LoadFrame,
     },
-    /// A moment of fixed direction on an edge.
+    /// A moment on an edge.
     Moment {
         /// Name of the rod.
         rod: String,
@@ -89,14 +110,20 @@ pub enum LoadKind {
         at: Place,
         /// The moment, N m.
         moment: [f64; 3],
+        /// Frame of the components.
+        #[serde(skip_serializing_if = "LoadFrame::is_space")]
+        frame: LoadFrame,
     },
-    /// A dead force per natural length.
+    /// A force per natural length.
     Distributed {
         /// Name of the rod; `None` means all rods.
         #[serde(skip_serializing_if = "Option::is_none")]
         rod: Option<String>,
         /// Force per length, N/m.
         force_per_length: [f64; 3],
+        /// Frame of the components.
+        #[serde(skip_serializing_if = "LoadFrame::is_space")]
+        frame: LoadFrame,
     },
     /// Linear drag.
     Drag {

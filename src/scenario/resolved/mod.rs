@@ -20,7 +20,7 @@ pub use actuation::{Actuation, ActuationKind, Course};
 pub use continuation::{Continuation, PathMethod};
 pub use experiment::{BuilderRod, Experiment};
 pub use joint::{Body, BodyShape, HeldEnds, Joint, JointKind, NetworkJoint};
-pub use load::{Clamp, Hold, Load, LoadKind, Place, Plane};
+pub use load::{Clamp, Hold, Load, LoadFrame, LoadKind, Place, Plane};
 pub use model::{Contact, Fluid};
 pub use movement::{Movement, Pose};
 pub use obstacle::{Obstacle, ObstacleShape};

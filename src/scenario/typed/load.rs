@@ -1,7 +1,7 @@
 //! Clamps, loads and planes as typed.
 
 use super::quantity::{Quantity, Vector};
-use crate::scenario::resolved::Hold;
+use crate::scenario::resolved::{Hold, LoadFrame};
 use crate::scenario::units::{
     Acceleration, Angle, AngularVelocity, Dimensionless, Force, ForcePerLength, Length, LinearDrag,
     Moment, SpinDrag, Time,
@@ -60,7 +60,7 @@ pub enum Load {
         /// Factor at given times, [[time, factor], ...], linear between them. Default: 1 always.
         schedule: Option<Schedule>,
     },
-    /// A dead force on a node.
+    /// A force on a node.
     Force {
         /// Name of the rod.
         rod: Option<String>,
@@ -68,10 +68,13 @@ pub enum Load {
         at: Option<Place>,
         /// The force.
         force: Option<Vector<Force>>,
+        /// "space" (the default: a fixed direction), or "material": components along the two material directors and the
+        /// tangent of the rod, with which the load turns.
+        frame: Option<LoadFrame>,
         /// Factor at given times, [[time, factor], ...], linear between them. Default: 1 always.
         schedule: Option<Schedule>,
     },
-    /// A moment of fixed direction on an edge.
+    /// A moment on an edge.
     Moment {
         /// Name of the rod.
         rod: Option<String>,
@@ -79,15 +82,21 @@ pub enum Load {
         at: Option<Place>,
         /// The moment.
         moment: Option<Vector<Moment>>,
+        /// "space" (the default: a fixed direction), or "material": components along the two material directors and the
+        /// tangent of the rod, with which the load turns.
+        frame: Option<LoadFrame>,
         /// Factor at given times, [[time, factor], ...], linear between them. Default: 1 always.
         schedule: Option<Schedule>,
     },
-    /// A dead force per natural length.
+    /// A force per natural length.
     Distributed {
         /// Name of the rod. Default: all rods.
         rod: Option<String>,
         /// Force per length.
         force_per_length: Option<Vector<ForcePerLength>>,
+        /// "space" (the default: a fixed direction), or "material": components along the two material directors and the
+        /// tangent of the rod, with which the load turns.
+        frame: Option<LoadFrame>,
         /// Factor at given times, [[time, factor], ...], linear between them. Default: 1 always.
         schedule: Option<Schedule>,
     },

@@ -55,6 +55,40 @@ pub const CLAMPED_COLUMN: f64 = 4.0 * PI * PI;
 /// Critical compression of a column with one end clamped and one free, P L²/EI = π²/4 (Euler).
 pub const FREE_COLUMN: f64 = 0.25 * PI * PI;
 
+/// Load at which a column flutters that is clamped at one end and pushed at the other by a force along its tangent there,
+/// P L²/EI = 20.0509 (Beck 1952). Motions of the frequency ω (in √(EI/ρA)/L²) obey, with p = P L²/EI,
+///
+/// ```text
+/// p² + 2ω² (1 + cosh λ₁ cos λ₂) + p ω sinh λ₁ sin λ₂ = 0,    λ₁,₂² = √(p²/4 + ω²) ∓ p/2
+/// ```
+///
+/// whose first two roots meet where the least value between them is zero.
+pub fn beck_load() -> f64 {
+    let least = |load: f64| {
+        let characteristic = |frequency: f64| {
+            let root = libm::hypot(0.5 * load, frequency);
+            let [first, second] = [root - 0.5 * load, root + 0.5 * load].map(f64::sqrt);
+            let (sine, cosine) = libm::sincos(second);
+            load * load
+                + 2.0 * frequency * frequency * (1.0 + libm::cosh(first) * cosine)
+                + load * frequency * libm::sinh(first) * sine
+        };
+        // Golden sections of the way between the roots.
+        let (mut low, mut high) = (6.0, 16.0);
+        let part = 0.5 * (5f64.sqrt() - 1.0);
+        for _ in 0..60 {
+            let [near, far] = [high - part * (high - low), low + part * (high - low)];
+            if characteristic(near) < characteristic(far) {
+                high = far;
+            } else {
+                low = near;
+            }
+        }
+        characteristic(0.5 * (low + high))
+    };
+    bisect(15.0, 24.0, least)
+}
+
 /// Critical tip load of a clamped strip that bends in its stiff plane, P L²/√(EI₁ GJ) = 4.0126 (Prandtl
 /// 1899): the twist angle obeys u″ + β² s² u = 0 over the distance s from the tip, u′(0) = 0, u(1) = 0.
 pub fn strip_tip_load() -> f64 {

@@ -12,6 +12,7 @@
 
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::statics::neutral::NeutralModes;
+use crate::mechanics::statics::small_motions::{Unstable, small_motions};
 use crate::mechanics::system::{Divergence, System};
 use serde::{Deserialize, Serialize};
 
@@ -73,8 +74,8 @@ pub(super) struct Bordered {
 /// How an iteration ended.
 pub(super) struct Converged {
     pub iterations: usize,
-    /// Number of negative eigenvalues there.
-    pub negative: usize,
+    /// Small motions that grow there.
+    pub unstable: Unstable,
 }
 
 impl Bordered {
@@ -143,9 +144,17 @@ impl Bordered {
             let stationary =
                 next_move <= PRECISION * self.extent || next_move >= STAGNATION * last_move;
             if imbalance.is_balanced() && stationary {
+                let unstable = if system.is_symmetric() {
+                    Unstable {
+                        divergent: negative,
+                        flutter: 0,
+                    }
+                } else {
+                    small_motions(system, unknowns).ok_or(failed)?.unstable
+                };
                 return Ok(Converged {
                     iterations,
-                    negative,
+                    unstable,
                 });
             }
             if iterations == ITERATIONS {
@@ -160,12 +169,13 @@ impl Bordered {
         unreachable!("the last iteration returns")
     }
 
-    /// Linearises at `unknowns` and factors the Hessian, to which next to nothing is added; returns the
-    /// number of negative pivots, `None` where there is no such factorisation.
+    /// Linearises at `unknowns` and factors the Jacobian, to which next to nothing is added; returns the
+    /// number of negative pivots, 0 where it is not symmetric, and `None` where it cannot be factored.
     pub fn linearize(&self, system: &mut System, unknowns: &[f64]) -> Option<usize> {
         system.linearize(unknowns, None);
         system.shift(self.shift, self.shift * self.neutral.weight());
-        Some(system.factor().ok()??.negative)
+        let inertia = system.factor().ok()?;
+        Some(inertia.map_or(0, |inertia| inertia.negative))
     }
 
     /// Writes b = ∂R/∂λ into `rate`, by central differences at fixed free unknowns.

@@ -1,4 +1,4 @@
-//! Critical points: where the number of negative eigenvalues changes between two points of a path, and
+//! Critical points: where other small motions grow at one of two points of a path than at the other, and
 //! where other branches leave from there.
 
 use super::location::{Location, Origin, PointKind, Tangent};
@@ -32,7 +32,7 @@ impl Tracer {
         let after = std::mem::replace(&mut self.tangent, tangent.clone());
         let mut low = here.clone();
         for _ in 0..MOST_IN_A_STEP {
-            if low.negative == next.negative {
+            if low.unstable == next.unstable {
                 break;
             }
             let high = self.bracket(system, &mut low, next, step);
@@ -61,7 +61,7 @@ impl Tracer {
             let Some((share, middle)) = divided else {
                 break;
             };
-            if middle.negative == low.negative {
+            if middle.unstable == low.unstable {
                 *low = middle;
                 length *= 1.0 - share;
             } else {
@@ -74,13 +74,18 @@ impl Tracer {
 
     /// Hands out the critical point between two points next to it.
     fn hand_out_critical(&mut self, system: &mut System, low: &Location, high: &Location) {
-        let crossing = high.negative.abs_diff(low.negative);
-        let vectors = self.null_vectors(system, high, crossing);
-        let coupling = vectors.iter().map(|vector| self.coupling(vector));
-        let kind = if coupling.fold(0.0, f64::max) > LARGEST_COUPLING {
-            PointKind::Fold
+        let (before, after) = (low.unstable, high.unstable);
+        let crossing = after.divergent.abs_diff(before.divergent);
+        let (vectors, kind) = if before.flutter == after.flutter {
+            let (vectors, coupling) = self.null_vectors(system, high, crossing);
+            let kind = if coupling > LARGEST_COUPLING {
+                PointKind::Fold
+            } else {
+                PointKind::Bifurcation
+            };
+            (vectors, kind)
         } else {
-            PointKind::Bifurcation
+            (Vec::new(), PointKind::Flutter)
         };
         let error = (high.parameter - low.parameter).abs();
         self.hand_out(system, high, kind, error);
@@ -91,38 +96,65 @@ impl Tracer {
         }
     }
 
-    /// The vectors of so many eigenvalues that are nearest to zero; leaves ∂R/∂λ in `rate`.
+    /// The vectors of so many eigenvalues that are nearest to zero, and how far the rate ∂R/∂λ drives the path along the
+    /// first of them.
     fn null_vectors(
         &mut self,
         system: &mut System,
         location: &Location,
         count: usize,
-    ) -> Vec<Vec<f64>> {
+    ) -> (Vec<Vec<f64>>, f64) {
         let mut unknowns = self.place(system, location);
         self.bordered
             .differentiate(system, &mut unknowns, location.parameter);
         let mut known = location.neutral.clone();
-        let mut vectors = Vec::new();
+        let (mut vectors, mut coupling) = (Vec::new(), 0.0_f64);
         if self.bordered.linearize(system, &unknowns).is_some() {
             for _ in 0..count {
                 let mut vector = vec![0.0; unknowns.len()];
-                if inverse_iteration(system, &mut vector, &known).is_none() {
+                let Some(eigenvalue) = inverse_iteration(system, &mut vector, &known) else {
                     break;
-                }
+                };
+                coupling = coupling.max(if system.is_symmetric() {
+                    self.coupling(&vector)
+                } else {
+                    self.general_coupling(system, eigenvalue)
+                });
                 known.push(vector.clone());
                 vectors.push(vector);
             }
         }
-        vectors
+        (vectors, coupling)
     }
 
     /// |v·∂R/∂λ| over the norms of both, for a vector v of norm 1.
     fn coupling(&self, vector: &[f64]) -> f64 {
+        let product: f64 = vector
+            .iter()
+            .zip(&self.bordered.rate)
+            .map(|(v, b)| v * b)
+            .sum();
+        product.abs() / self.norm_of_rate()
+    }
+
+    /// The same without the left null vector w of a matrix J that is not symmetric: J⁻¹b is about v (w·b)/(μ w·v) with the
+    /// eigenvalue μ nearest to zero, so that |μ| ‖J⁻¹b‖/‖b‖ is none where w·b is.
+    fn general_coupling(&self, system: &mut System, eigenvalue: f64) -> f64 {
+        let mut answer = self.bordered.rate.clone();
+        if system.solve(&mut answer).is_err() {
+            return 0.0;
+        }
+        let weight = self.bordered.neutral.weight();
+        let size = inner(&answer, &answer, weight).sqrt();
+        eigenvalue.abs() * size / self.norm_of_rate()
+    }
+
+    /// Norm of ∂R/∂λ.
+    fn norm_of_rate(&self) -> f64 {
         let weight = self.bordered.neutral.weight();
         let mut force = self.bordered.rate.clone();
-        let product: f64 = vector.iter().zip(&force).map(|(v, b)| v * b).sum();
         scale_angles(&mut force, 1.0 / weight);
-        product.abs() / inner(&force, &force, weight).sqrt()
+        inner(&force, &force, weight).sqrt()
     }
 
     /// Notes the two branches that leave at a bifurcation along a null vector.

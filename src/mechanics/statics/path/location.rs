@@ -2,6 +2,7 @@
 
 use crate::mechanics::rod::ReferenceFrames;
 use crate::mechanics::statics::neutral::NeutralModes;
+use crate::mechanics::statics::small_motions::{SmallMotions, Unstable};
 use serde::{Deserialize, Serialize};
 
 /// An equilibrium and the frames it was computed with.
@@ -10,8 +11,8 @@ pub(super) struct Location {
     pub parameter: f64,
     pub unknowns: Vec<f64>,
     pub reference: ReferenceFrames,
-    /// Number of negative eigenvalues of the Hessian.
-    pub negative: usize,
+    /// Small motions that grow.
+    pub unstable: Unstable,
     /// Its null vectors.
     pub neutral: NeutralModes,
 }
@@ -40,6 +41,8 @@ pub enum PointKind {
     Fold,
     /// Stability changes, and another branch crosses.
     Bifurcation,
+    /// Two small motions meet, and oscillations begin to grow or cease to.
+    Flutter,
 }
 
 /// A point of the path.
@@ -55,11 +58,14 @@ pub struct PathPoint {
     pub unknowns: Vec<f64>,
     /// Frames of the edges.
     pub reference: ReferenceFrames,
-    /// Directions in which the energy falls; at a critical point those just behind it.
+    /// Directions in which the energy falls, or small motions that grow where forces have none; at a critical point those
+    /// just behind it.
     pub negative: usize,
     /// Lowest eigenvalue of the Hessian over motions of the nodes in m and of the edges in rad times the
-    /// shortest edge, but for motions without stiffness, N/m.
+    /// shortest edge, but for motions without stiffness, N/m; no number where forces have no energy.
     pub lowest_eigenvalue: f64,
+    /// Small motions, where forces have no energy.
+    pub motions: Option<SmallMotions>,
     /// Whether the point is critical.
     pub kind: PointKind,
     /// Newton iterations spent on it and on the way to it.

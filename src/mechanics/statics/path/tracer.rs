@@ -5,6 +5,7 @@ use super::location::{Location, Origin, PathPoint, PointKind, Tangent};
 use super::plan::{PathMethod, PathPlan};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::statics::equilibrium::{extent, find_equilibrium};
+use crate::mechanics::statics::small_motions::{Unstable, small_motions};
 use crate::mechanics::statics::spectrum::{find_neutral_modes, lowest_eigenvalue};
 use crate::mechanics::system::{Divergence, System};
 use serde::{Deserialize, Serialize};
@@ -76,7 +77,7 @@ impl Tracer {
                 parameter: plan.from,
                 unknowns: unknowns.to_vec(),
                 reference: system.reference.clone(),
-                negative: 0,
+                unstable: Unstable::default(),
                 neutral: bordered.neutral.clone(),
             }),
             tangent: Tangent {
@@ -97,9 +98,8 @@ impl Tracer {
     /// The next point of the path; `None` after the last.
     ///
     /// # Errors
-    /// [`Divergence`] where there is no equilibrium to start at, where the first branch cannot be followed by the
-    /// smallest step, and where the Hessian is not symmetric, as with friction or moments of fixed
-    /// direction.
+    /// [`Divergence`] where there is no equilibrium to start at, and where the first branch cannot be followed by the
+    /// smallest step.
     pub fn next(&mut self, system: &mut System) -> Result<Option<PathPoint>, Divergence> {
         while self.waiting.is_empty() {
             if !self.started {
@@ -175,7 +175,7 @@ impl Tracer {
                         parameter = next.parameter,
                         step,
                         iterations = self.iterations,
-                        negative = next.negative,
+                        unstable = next.unstable.total(),
                         "point of the path"
                     );
                     if self.iterations <= FEW_ITERATIONS {
@@ -343,14 +343,18 @@ impl Tracer {
             self.bordered.shift,
             &mut self.scratch,
         );
+        let motions = (!system.is_symmetric())
+            .then(|| small_motions(system, &unknowns))
+            .flatten();
         self.waiting.push_back(PathPoint {
             branch: self.branch,
             parameter: location.parameter,
             parameter_error,
             unknowns,
             reference: location.reference.clone(),
-            negative: location.negative,
+            negative: location.unstable.total(),
             lowest_eigenvalue: lowest.unwrap_or(f64::NAN),
+            motions,
             kind,
             iterations: std::mem::take(&mut self.iterations),
         });
@@ -384,7 +388,7 @@ impl Tracer {
             parameter,
             unknowns,
             reference: system.reference.clone(),
-            negative: converged.negative,
+            unstable: converged.unstable,
             neutral: self.bordered.neutral.clone(),
         })
     }
