@@ -1,5 +1,6 @@
 //! Numbers that follow from a scenario, for people to judge it before it runs.
 
+use super::derived_slides::{DerivedSlide, derived_slides};
 use super::{OwnNumbers, kind_named};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Scheme, StepSize};
@@ -12,6 +13,8 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::fmt;
 
+/// Relative difference up to which numbers of two rods count as the same.
+const ALIKE: f64 = 1e-4;
 /// Steps per turn of a drive in the advised step.
 const STEPS_PER_TURN: f64 = 400.0;
 /// Steps per period of the lowest bending mode in the advised step.
@@ -26,6 +29,12 @@ pub struct DerivedNumbers {
     pub experiment: String,
     /// The rods.
     pub rods: Vec<DerivedRod>,
+    /// Nodes that slide along rods.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub slides: Vec<DerivedSlide>,
+    /// What may not be meant as it is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// The obstacles.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<DerivedObstacle>,
@@ -98,6 +107,7 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
         _ => None,
     };
     let swing = slowest_swing(prepared, &rods);
+    let slides = derived_slides(scene);
     DerivedNumbers {
         title: prepared.title.clone(),
         experiment: prepared.experiment.clone(),
@@ -111,6 +121,10 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
         lost_per_period: swing.map(|swing| swing.lost),
         longer_period: swing.map(|swing| swing.longer),
         steps,
+        warnings: (prepared.warnings.iter().cloned())
+            .chain(slides.iter().filter_map(DerivedSlide::warning))
+            .collect(),
+        slides,
         obstacles: scene.obstacles.iter().map(derived_obstacle).collect(),
         own: kind_named(&prepared.experiment).and_then(|kind| kind.derived(prepared)),
         rods,
@@ -342,23 +356,23 @@ impl fmt::Display for DerivedNumbers {
         let mut line = |name: &str, value: String| writeln!(formatter, "  {name:<26}{value}");
         line("title", self.title.clone())?;
         line("experiment", self.experiment.clone())?;
-        // Rods that differ in name only, such as flagella, share their lines.
-        for (index, rod) in self.rods.iter().enumerate() {
-            if index > 0 && self.rods[index - 1].is_like(rod) {
-                continue;
-            }
-            let likes = self.rods[index + 1..]
-                .iter()
-                .take_while(|other| rod.is_like(other))
-                .count();
-            let others = match likes {
-                0 => String::new(),
-                1 => format!(" and {}", self.rods[index + 1].name),
-                _ => format!(" to {}", self.rods[index + likes].name),
-            };
-            line("rod", format!("{}{others}", rod.name))?;
+        for group in groups_of(&self.rods) {
+            let rod = &self.rods[group[0]];
+            line("rod", self.names_of(&group))?;
             line("  nodes", rod.nodes.to_string())?;
-            line("  length", format!("{:.6} m", rod.length))?;
+            let lengths = group.iter().map(|index| self.rods[*index].length);
+            let [least, largest] = lengths.fold([f64::INFINITY, 0.0], |[low, high], length| {
+                [low.min(length), high.max(length)]
+            });
+            let [least, largest] = [least, largest].map(|length| format!("{length:.6}"));
+            line(
+                "  length",
+                if least == largest {
+                    format!("{least} m")
+                } else {
+                    format!("{least} to {largest} m")
+                },
+            )?;
             line("  EA", format!("{:.6e} N", rod.stretching_stiffness))?;
             let [first, second] = rod.bending_stiffness;
             if first == second {
@@ -371,6 +385,15 @@ impl fmt::Display for DerivedNumbers {
                 line("  gravito-bending length", format!("{length:.6} m"))?;
             }
             line("  bending period", format!("{:.4e} s", rod.bending_period))?;
+        }
+        for slide in &self.slides {
+            line("slide", format!("{} along {}", slide.name, slide.rail))?;
+            line("  edge", format!("{:.4e} m", slide.edge))?;
+            let friction = format!(
+                "{:.2e} at about {:.3e} N across",
+                slide.apparent_friction, slide.force
+            );
+            line("  apparent friction", friction)?;
         }
         for obstacle in &self.obstacles {
             line("obstacle", obstacle.name.clone())?;
@@ -409,18 +432,65 @@ impl fmt::Display for DerivedNumbers {
                 ),
             )?;
         }
+        for warning in &self.warnings {
+            line("warning", warning.clone())?;
+        }
         Ok(())
     }
 }
 
+/// Most rods of a group that are named one by one.
+const MOST_NAMED: usize = 4;
+
+impl DerivedNumbers {
+    /// Names of the rods of a group.
+    fn names_of(&self, group: &[usize]) -> String {
+        let name = |index: usize| self.rods[index].name.as_str();
+        let (first, last) = (group[0], group[group.len() - 1]);
+        if group.len() > 2 && last - first + 1 == group.len() {
+            return format!("{} to {}", name(first), name(last));
+        }
+        let named: Vec<&str> = group.iter().take(MOST_NAMED).map(|k| name(*k)).collect();
+        match group.len() {
+            1 => named[0].to_owned(),
+            2 => named.join(" and "),
+            count if count > MOST_NAMED => {
+                format!("{} and {} more", named.join(", "), count - MOST_NAMED)
+            }
+            _ => named.join(", "),
+        }
+    }
+}
+
+/// Rods that differ in name only, such as flagella and the links of a chain, by their places; groups in the order of
+/// their first rods.
+fn groups_of(rods: &[DerivedRod]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (index, rod) in rods.iter().enumerate() {
+        let alike = |group: &&mut Vec<usize>| rods[group[0]].is_like(rod);
+        match groups.iter_mut().find(alike) {
+            Some(group) => group.push(index),
+            None => groups.push(vec![index]),
+        }
+    }
+    groups
+}
+
 impl DerivedRod {
-    /// Whether the two differ in name and round-off only.
+    /// Whether the two differ in name only, and in the last digits to which their places were written.
     fn is_like(&self, other: &Self) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() <= ALIKE * a.abs();
+        let [first, second] = self.bending_stiffness;
         self.nodes == other.nodes
-            && (self.length - other.length).abs() < 1e-9 * self.length
-            && self.stretching_stiffness == other.stretching_stiffness
-            && self.bending_stiffness == other.bending_stiffness
-            && self.twisting_stiffness == other.twisting_stiffness
+            && near(self.length, other.length)
+            && near(self.stretching_stiffness, other.stretching_stiffness)
+            && near(first, other.bending_stiffness[0])
+            && near(second, other.bending_stiffness[1])
+            && near(self.twisting_stiffness, other.twisting_stiffness)
+            && match (self.gravito_bending_length, other.gravito_bending_length) {
+                (Some(own), Some(others)) => near(own, others),
+                (own, others) => own == others,
+            }
     }
 }
 
@@ -449,6 +519,29 @@ mod tests {
         assert!((heaviness - 15.696).abs() < 1e-3, "{heaviness}");
         assert_eq!(numbers.degrees_of_freedom, 4 * 51 - 1 - 3);
         assert!(numbers.advised_step.is_none() && numbers.steps.is_none());
+    }
+
+    #[test]
+    fn equal_rods_share_their_lines_wherever_they_stand() {
+        let mut numbers = derived("flagella_m2.toml", &[]);
+        let rod = numbers.rods[0].clone();
+        // Places written to some digits, and rods of another kind between them.
+        numbers.rods = (0..20)
+            .map(|k| DerivedRod {
+                name: format!("link_{k}"),
+                length: rod.length * (1.0 + 1e-6 * f64::from(k)),
+                nodes: if k == 7 { 3 } else { rod.nodes },
+                ..rod.clone()
+            })
+            .collect();
+        let text = numbers.to_string();
+        assert_eq!(text.matches("  rod ").count(), 2, "{text}");
+        assert!(
+            text.contains("link_0, link_1, link_2, link_3 and 15 more"),
+            "{text}"
+        );
+        numbers.rods[7].nodes = rod.nodes;
+        assert!(numbers.to_string().contains("link_0 to link_19"));
     }
 
     #[test]

@@ -347,3 +347,46 @@ fn a_tree_is_joined_where_its_rods_share_points() {
     assert_eq!(points[..], expected);
     assert_eq!(scenario.joints[0].at, [Place::Number(2), Place::Number(0)]);
 }
+
+/// Three strips that meet at a point, two of them rigidly and the third at a hinge, under a small force there.
+#[test]
+fn a_static_frame_of_many_edges_comes_to_rest_under_any_force() {
+    for (edges, size) in [(20, 1.0), (80, 1.0), (80, 1e-2), (80, 10.0), (160, 1.0)] {
+        let strip = |name: &str, width: &str, end: &str| {
+            format!(
+                "[[rods]]\nname = \"{name}\"\nedges = {edges}\ncross_section = {{ kind = \"rectangle\", width = \"{width}\", thickness = \"2.4 mm\" }}\n\
+                 shape = {{ kind = \"straight\", start = [0, 0, 0], end = {end} }}\n"
+            )
+        };
+        let force = [-0.00018, -0.00093, -0.00027].map(|force: f64| size * force);
+        let text = format!(
+            "experiment = \"scene\"\nmaterial = {{ youngs_modulus = \"2 GPa\", poissons_ratio = 0.3, density = 1000.0 }}\n\
+             time = {{ mode = \"static\" }}\n{}{}{}\
+             [[clamps]]\nrod = \"r0\"\nat = \"end\"\n[[clamps]]\nrod = \"r1\"\nat = \"end\"\n\
+             [[clamps]]\nrod = \"r2\"\nat = \"end\"\nhold = \"position\"\n\
+             [[joints]]\nkind = \"rigid\"\nrods = [\"r0\", \"r1\"]\nat = [\"start\", \"start\"]\n\
+             [[joints]]\nkind = \"hinge\"\nrods = [\"r0\", \"r2\"]\nat = [\"start\", \"start\"]\naxis = [0.0905, -0.9959, 0.005]\n\
+             [[loads]]\nkind = \"force\"\nrod = \"r0\"\nat = \"start\"\nforce = {force:?}\n",
+            strip("r0", "6.6 mm", "[0.012, -0.168, -0.131]"),
+            strip("r1", "5.4 mm", "[-0.096, -0.0125, 0.1196]"),
+            strip("r2", "5.6 mm", "[-0.1626, -0.1232, -0.1431]"),
+        );
+        let loaded = from_text("frame", &text, Path::new(""), &[]).unwrap();
+        let prepared = super::prepare(&loaded.scenario).unwrap();
+        let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();
+        let report = simulation.find_equilibrium();
+        let report = report.unwrap_or_else(|error| panic!("{edges} edges, {size}: {error}"));
+        assert!(
+            report.newton_iterations < 40,
+            "{}",
+            report.newton_iterations
+        );
+        // What the walls bear is the force.
+        let borne: crate::mechanics::Vector3 = (0..3).map(|k| simulation.reaction(k)).sum();
+        let acting = crate::mechanics::Vector3::from(force);
+        assert!(
+            (borne + acting).norm() < 1e-5 * acting.norm() + 2e-9,
+            "{edges} {size}: {borne}"
+        );
+    }
+}

@@ -15,6 +15,7 @@
 mod contact_tests;
 pub(crate) mod deployment;
 mod derived;
+mod derived_slides;
 mod described;
 mod flagella;
 mod fold_samples;

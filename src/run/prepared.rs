@@ -35,6 +35,8 @@ pub struct PreparedRun {
     pub table: Option<Arc<dyn TableRun>>,
     /// Names of the files that kinds of experiments add to those of every run: what starting over removes, too.
     pub own_files: Vec<&'static str>,
+    /// What may not be meant as it is, a sentence each: warnings of the run, and remarks at its end.
+    pub warnings: Vec<String>,
     /// The file from which the scene starts, where it does not start as placed; the results hold a copy.
     pub start: Option<Arc<[u8]>>,
 }

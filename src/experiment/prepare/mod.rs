@@ -14,6 +14,7 @@ mod settings;
 mod slack;
 #[cfg(test)]
 mod tests;
+mod warnings;
 
 use super::{KINDS, kind_named, probes};
 use crate::mechanics::dynamics::Simulation;
@@ -143,6 +144,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             vtk: scenario.output.vtk,
         },
         observers: Vec::new(),
+        warnings: Vec::new(),
         controllers: Vec::new(),
         own_files: names_of_own_files(),
         table: None,
@@ -164,6 +166,10 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     if prepared.table.is_none() {
         let guard = LinkingGuard::of(&prepared.scene);
         (prepared.observers).extend(guard.map(|guard| Box::new(guard) as Box<dyn Observer>));
+    }
+    if prepared.table.is_none() {
+        let has_controllers = !prepared.controllers.is_empty();
+        prepared.warnings = warnings::warnings(scenario, &prepared.scene, has_controllers);
     }
     if let Err(found) = probes::add(&mut prepared, scenario) {
         found.0.into_iter().for_each(|issue| issues.push(issue));

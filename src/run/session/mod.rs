@@ -28,7 +28,7 @@ use crate::results::{
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
-use tracing::info;
+use tracing::{info, warn};
 
 /// Wall time between two words on how far a run has come.
 const BETWEEN_WORDS: Duration = Duration::from_secs(10);
@@ -173,7 +173,7 @@ impl Session {
             last_told: Instant::now(),
             last_step: Duration::MAX,
             resumed_from: None,
-            remarks: Vec::new(),
+            remarks: prepared.warnings.clone(),
             participants,
         };
         session.resumed_from = is_continued.then(|| session.reached(simulation));
@@ -188,6 +188,9 @@ impl Session {
         match self.resumed_from {
             Some(from) => info!(%results, %from, "run continues"),
             None => info!(%results, rods = rods.len(), nodes, "run begins"),
+        }
+        for warning in &prepared.warnings {
+            warn!("{warning}");
         }
     }
 

@@ -68,6 +68,7 @@ fn prepared(mode: Mode) -> PreparedRun {
             vtk: true,
         },
         observers: Vec::new(),
+        warnings: Vec::new(),
         controllers: Vec::new(),
         own_files: Vec::new(),
         table: None,

@@ -60,10 +60,11 @@ pub fn given_keys(movement: &Movement) -> [(&'static str, bool); 6] {
     ]
 }
 
-/// Reports the keys that move something in a run without time.
+/// Reports the keys that move something in a run without time. Of these `axis` and `pivot` would be read for the direction
+/// and the place that are held, which are those of the rod as placed.
 pub fn refuse_motion(movement: &Movement, refuse: impl Fn(&str)) {
     for (key, given) in given_keys(movement) {
-        if given && !["axis", "pivot"].contains(&key) {
+        if given {
             refuse(key);
         }
     }

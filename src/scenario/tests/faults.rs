@@ -184,6 +184,10 @@ fn a_static_run_with_a_motion_or_a_schedule_is_refused() {
         assert!(error.contains(key), "{error}");
     }
     assert!(error.contains("a static run has no time"), "{error}");
+    // It would be read for the direction in which the clamp holds the rod.
+    let turned = BEAM.replace("at = \"start\"", "at = \"start\"\naxis = [0, 1, 0]");
+    let error = read(&turned).unwrap_err().to_string();
+    assert!(error.contains("clamps.0.axis"), "{error}");
     let growing = BEAM.replace("-9.81]", "-9.81]\nschedule = [[0, 0], [1, 1]]");
     let error = read(&growing).unwrap_err().to_string();
     assert!(error.contains("loads.0.schedule"), "{error}");

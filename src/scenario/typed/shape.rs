@@ -183,7 +183,8 @@ pub struct Coil {
     pub phase: Option<Quantity<Angle>>,
 }
 
-/// A polyline; give `file` or `points`. With `edges` it is resampled to equal arc lengths.
+/// A polyline; give `file` or `points`. With `edges` it is resampled to equal arc lengths, which cuts corners between nodes
+/// and shortens the rod; `rodlab check` warns from 0.01 % on.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "points")]
 pub struct Points {
