@@ -208,6 +208,7 @@ fn cantilever(integration: IntegrationParameters) -> PreparedRun {
             vtk: false,
         },
         observers: vec![Box::new(Lowest::FREE)],
+        warnings: Vec::new(),
         controllers: vec![Box::new(Gripper {
             clamp: None,
             released: false,

@@ -262,7 +262,7 @@ fn a_column_under_a_force_that_turns_with_its_end_flutters_at_becks_load() {
 #[test]
 fn a_column_under_a_force_that_turns_only_a_little_diverges() {
     // Below one half: buckling at P with a + (1 − a) cos √P = 0, a the part that follows (Kordas and Życzkowski 1963).
-    let following = 0.2;
+    let following = 0.2_f64;
     let exact = (-following / (1.0 - following)).acos().powi(2);
     let (points, _) = follow(&followed_column(following), plan(4.0, PathMethod::Natural));
     let critical = points.iter().find(|point| point.kind != PointKind::Regular);
