@@ -214,7 +214,7 @@ fn an_end_moment_of_fixed_direction_rolls_a_rod_up_along_a_path() {
     assert_eq!(last.parameter, PI);
     // Half a circle of the diameter 2/π.
     let tip = Vector3::from_column_slice(&last.unknowns[4 * EDGES..4 * EDGES + 3]);
-    assert!((tip - Vector3::y() * (2.0 / PI)).norm() < 2e-3, "{tip}");
+    assert!((tip - Vector3::y() * (2.0 / PI)).norm() < 3e-3, "{tip}");
     assert!(last.motions.is_some());
 }
 
