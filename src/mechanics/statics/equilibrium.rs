@@ -21,9 +21,10 @@ use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::system::{Divergence, System};
 use tracing::trace;
 
-/// Most iterations. Strongly bent shapes from a straight start take some tens; rods that settle on each other
-/// more, since no step may be longer than their radius.
-const ITERATIONS: usize = 2000;
+/// Most iterations. Strongly bent shapes from a straight start take some tens, stiff lines on which a weight slides a thousand
+/// and more; rods that settle on each other take
+/// many, since no step may be longer than their radius.
+const ITERATIONS: usize = 10_000;
 /// Largest move of a node in one iteration, as a fraction of the extent of all rods. Larger jumps skip
 /// solution branches; smaller ones only cost iterations.
 const LARGEST_MOVE: f64 = 0.3;
