@@ -57,6 +57,22 @@ pub struct DerivedNumbers {
     pub longer_period: Option<f64>,
     /// Steps of the whole run; `None` in a static run or with automatic steps.
     pub steps: Option<f64>,
+    /// How fast and how far what sticks by friction creeps; `None` without such friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub creep: Option<Creep>,
+}
+
+/// How what sticks by smoothed friction creeps.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Creep {
+    /// Slip tolerance, m/s.
+    pub slip_tolerance: f64,
+    /// Speed of a contact that bears nine tenths of the friction that it could, m/s.
+    pub speed: f64,
+    /// Way at that speed in the whole run, m.
+    pub way: f64,
+    /// That way over the radius of the thinnest rod.
+    pub way_in_radii: f64,
 }
 
 /// Numbers of one rod.
@@ -125,6 +141,7 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
             .chain(slides.iter().filter_map(DerivedSlide::warning))
             .collect(),
         slides,
+        creep: creep(prepared),
         obstacles: scene.obstacles.iter().map(derived_obstacle).collect(),
         own: kind_named(&prepared.experiment).and_then(|kind| kind.derived(prepared)),
         rods,
@@ -201,6 +218,37 @@ fn degrees_of_freedom(scene: &Scene) -> usize {
     held.dedup();
     let [taken, added] = joint_unknowns(scene);
     (free + added).saturating_sub(3 * held.len() + taken)
+}
+
+/// Part of the largest friction that a contact bears whose creep is derived.
+const BORNE: f64 = 0.9;
+
+/// How far what sticks creeps in a run: the smoothed law μ tanh(7.5 v/ν) bears a part of μ only in motion.
+fn creep(prepared: &PreparedRun) -> Option<Creep> {
+    let (scene, Mode::Dynamic { end }) = (&prepared.scene, prepared.mode) else {
+        return None;
+    };
+    let contact = scene
+        .contact
+        .filter(|contact| !contact.is_complementarity())?;
+    let of_planes = scene.planes.iter().filter_map(|plane| plane.friction);
+    let of_obstacles = scene.obstacles.iter().filter_map(|one| one.friction);
+    let friction = of_planes
+        .chain(of_obstacles)
+        .fold(contact.friction, f64::max);
+    let free = scene.rods.iter().filter(|rod| !rod.held);
+    let radius = free.map(|rod| rod.radius).fold(f64::INFINITY, f64::min);
+    if friction <= 0.0 || !radius.is_finite() {
+        return None;
+    }
+    let slip_tolerance = contact.slip_tolerance;
+    let speed = slip_tolerance * libm::atanh(BORNE) / 7.5;
+    Some(Creep {
+        slip_tolerance,
+        speed,
+        way: speed * end,
+        way_in_radii: speed * end / radius,
+    })
 }
 
 /// Largest speed that clamps give to any node of their rods, were these rigid, m/s.
@@ -415,6 +463,15 @@ impl fmt::Display for DerivedNumbers {
         }
         if let Some(steps) = self.steps {
             line("steps", steps.to_string())?;
+        }
+        if let Some(creep) = self.creep {
+            line(
+                "what sticks creeps",
+                format!(
+                    "at up to {:.1e} m/s, {:.1e} m in the run, {:.2} radii (slip_tolerance {:.1e} m/s, at 90 % of the friction)",
+                    creep.speed, creep.way, creep.way_in_radii, creep.slip_tolerance
+                ),
+            )?;
         }
         if let (Some(lost), Some(longer)) = (self.lost_per_period, self.longer_period) {
             let scheme = match self.scheme {

@@ -17,6 +17,7 @@ mod request;
 mod rod;
 mod section;
 mod shape;
+mod slip;
 mod start;
 
 pub use columns::read_columns;
@@ -87,7 +88,7 @@ pub fn resolve(
         .fold(f64::INFINITY, f64::min);
     let solver = model::solver(&top, &file.solver);
     model::refuse_small_steps(&top, &time, &solver);
-    let contact = model::contact(&top, file.contact.as_ref(), smallest_radius);
+    let mut contact = model::contact(&top, file.contact.as_ref(), smallest_radius);
     model::refuse_rigid_statics(&top, &contact, &time);
     model::refuse_viscous_midpoint(&top, &rods, &time);
     let fluid = model::fluid(&top, file.fluid.as_ref());
@@ -117,6 +118,17 @@ pub fn resolve(
     model::refuse_static_motion(&top, &time, &clamps, &loads, &obstacles);
     network::refuse_static_motion(&top, &file.networks, &time);
     clamps.extend(networks.clamps);
+    if file
+        .contact
+        .as_ref()
+        .is_some_and(|contact| contact.slip_tolerance.is_none())
+    {
+        contact.set_slip_tolerance(slip::default_slip_tolerance(
+            smallest_radius,
+            &loads,
+            &clamps,
+        ));
+    }
     let mut joints = joint::joints(&top, &file.joints, &time);
     joints.extend(networks.joints);
     let bodies = joint::bodies(&top, &file.bodies);

@@ -29,7 +29,10 @@ pub struct Contact {
     /// exact and stiffer; "complementarity" only looks so far for contacts. Default: a hundredth of the
     /// smallest radius.
     pub distance_tolerance: Option<Quantity<Length>>,
-    /// Sliding slower than this counts as sticking; not with "complementarity". Default: 1e-4 m/s.
+    /// Sliding slower than this counts as sticking, so that what sticks creeps with a part of it: an eighth where it bears
+    /// three quarters of the friction that it could, a fifth at nine tenths. Not with "complementarity". Default: 1e-4 m/s,
+    /// or less where the scene is smaller or slower: √(a h)/500, with the least radius h and the gravity a (9.81 m/s²
+    /// without any), and a tenth of the fastest straight motion of a clamp. `rodlab check` says how far that creeps.
     pub slip_tolerance: Option<Quantity<Velocity>>,
     /// Factor of the adaptive contact stiffness. "imc": stiffness over the largest force near contact, 1e5 by
     /// default. "ipc": force that is borne at a gap of δ/2 over the largest force near contact, 1 by default.
