@@ -48,10 +48,11 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
         match check_one(path, &arguments.overrides) {
             Ok(checked) if arguments.json => print(&format!("{}\n", checked.to_json()))?,
             Ok(checked) => print(&format!(
-                "{}: {}\n{}  {:<26}{}\n",
+                "{}: {}\n{}{}  {:<26}{}\n",
                 path.display(),
                 checked.in_words(),
                 checked.numbers,
+                checked.notes_in_lines(),
                 "processor time",
                 checked.forecast
             ))?,
@@ -87,13 +88,25 @@ struct Checked {
     cases: u128,
     numbers: DerivedNumbers,
     forecast: Forecast,
+    /// What the scene leaves out, a sentence each.
+    notes: Vec<String>,
 }
 
 impl Checked {
     fn to_json(&self) -> serde_json::Value {
         let mut json = self.numbers.to_json();
+        if !self.notes.is_empty() {
+            json["notes"] = self.notes.clone().into();
+        }
         json["cost"] = serde_json::to_value(&self.forecast).expect("numbers are JSON values");
         json
+    }
+
+    fn notes_in_lines(&self) -> String {
+        let notes = self.notes.iter();
+        notes
+            .map(|note| format!("  {:<26}{note}\n", "note"))
+            .collect()
     }
 
     fn in_words(&self) -> String {
@@ -111,10 +124,11 @@ fn check_one(path: &Path, overrides: &[String]) -> Result<Checked, Failure> {
     } else {
         prepare(&case_set)?
     };
-    try_scene(&prepared)?;
+    let notes = try_scene(&prepared)?;
     Ok(Checked {
         cases: case_set.count(),
         numbers: derived_numbers(&prepared),
         forecast: forecast(&prepared),
+        notes,
     })
 }

@@ -34,6 +34,8 @@ mod probes;
 mod probes_tests;
 #[cfg(test)]
 mod remark_tests;
+#[cfg(test)]
+mod root_tests;
 mod scene;
 #[cfg(test)]
 mod tests;

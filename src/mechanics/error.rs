@@ -164,7 +164,9 @@ pub enum JointError {
     #[error("is welded to another rigid body: give one body the mass and inertia of both")]
     TwoBodies,
     /// Clamps hold several of its nodes.
-    #[error("clamps hold rods `{first}` and `{second}` at this point: one is enough")]
+    #[error(
+        "clamps hold rods `{first}` and `{second}` at this point: let one of them hold it, and the other the frame of its rod alone, `hold = \"frame\"`, beside a ball joint, or nothing beside a rigid one"
+    )]
     TwoClamps {
         /// Name of a rod.
         first: String,
@@ -173,7 +175,7 @@ pub enum JointError {
     },
     /// A clamp holds the frame of a node that a joint or body would turn.
     #[error(
-        "a clamp holds the frame of rod `{rod}` at this point, which a joint or body would turn: let the clamp hold the position alone, or clamp each rod"
+        "a clamp holds the frame of rod `{rod}` at this point, which a hinge, a body, a joint that may break or another clamp turns: let the clamp hold the position alone, or clamp each rod without a joint"
     )]
     ClampedFrame {
         /// Name of the rod.

@@ -219,7 +219,7 @@ fn path_plan(path: &Continuation) -> PathPlan {
 ///
 /// # Errors
 /// [`RunError::Scene`] says what is impossible.
-pub fn try_scene(prepared: &PreparedRun) -> Result<(), RunError> {
+pub fn try_scene(prepared: &PreparedRun) -> Result<Vec<String>, RunError> {
     let simulation = Simulation::new(&prepared.scene, &prepared.integration);
     let mut simulation = simulation.map_err(RunError::Scene)?;
     match prepared.mode {
@@ -232,5 +232,6 @@ pub fn try_scene(prepared: &PreparedRun) -> Result<(), RunError> {
             controllers.try_for_each(|controller| controller.act(&mut simulation))
         }
     }
-    .map_err(RunError::Scene)
+    .map_err(RunError::Scene)?;
+    Ok(simulation.remarks())
 }

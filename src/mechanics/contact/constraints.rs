@@ -57,7 +57,11 @@ impl ContactSystem {
             let normal = nearest.normal();
             let closing = largest_approach(pair, motions, &normal) + SIDEWAYS * farthest;
             let may_touch = is_known || gap < closing + slack;
-            if may_touch && !self.surface.is_at_reflex_edge(pair, &normal, &points) {
+            let is_prescribed = || self.are_prescribed(&pair.nodes, &nearest.weights());
+            if may_touch
+                && !is_prescribed()
+                && !self.surface.is_at_reflex_edge(pair, &normal, &points)
+            {
                 let friction = self.surface.friction_between(pair.edges);
                 let friction = friction.unwrap_or(self.parameters.friction);
                 self.constraints.push(ContactConstraint::new(
@@ -72,6 +76,9 @@ impl ContactSystem {
         for (index, plane) in self.planes.iter().enumerate() {
             for surface in self.surface.nodes() {
                 let (node, radius) = (surface.node, surface.radius);
+                if self.is_prescribed(node) || self.surface.roots.frees_from_plane(node, index) {
+                    continue;
+                }
                 let gap = plane.distance(&positions[node]) - radius;
                 let closing = slack - plane.normal.dot(&motions[node]);
                 if gap < closing || is_known((true, index, node)) {

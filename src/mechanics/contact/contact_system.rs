@@ -10,6 +10,7 @@ use super::iterate::Iterate;
 use super::multipliers::Multipliers;
 use super::parameters::ContactParameters;
 use super::placed_obstacles::PlacedObstacles;
+use super::proximity::Proximity;
 use super::slots::Slots;
 use super::surface::{ContactPlane, ContactSurface};
 use super::tractions::Tractions;
@@ -67,6 +68,10 @@ pub struct ContactSystem {
     pub(super) constraints: Vec<ContactConstraint>,
     pub(super) energy: f64,
     pub(super) contact_count: usize,
+    /// Whether the position of each node of the rods is prescribed.
+    pub(super) prescribed: Vec<bool>,
+    /// Prescribed points that touched at the last evaluation.
+    pub(super) without_force: Vec<Proximity>,
 }
 
 impl ContactSystem {
@@ -107,6 +112,8 @@ impl ContactSystem {
             constraints: Vec::new(),
             energy: 0.0,
             contact_count: 0,
+            prescribed: Vec::new(),
+            without_force: Vec::new(),
         }
     }
 

@@ -12,6 +12,7 @@ use super::nearest_points::NearestPoints;
 use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
+use super::proximity::{ContactPair, Proximity};
 use super::rim::rim_jacobian;
 use super::surface::ContactNode;
 use super::tractions::LinearTraction;
@@ -124,6 +125,7 @@ impl ContactSystem {
         self.plane_tractions.clear();
         self.plane_jacobians.clear();
         self.plane_linear_corrections.clear();
+        self.without_force.clear();
         self.energy = 0.0;
         self.contact_count = 0;
     }
@@ -160,6 +162,14 @@ impl ContactSystem {
             if self.surface.is_at_reflex_edge(&pair, &normal, &points) {
                 continue;
             }
+            if self.are_prescribed(&pair.nodes, &weights) {
+                self.without_force.push(Proximity {
+                    pair: ContactPair::Edges(pair.edges),
+                    distance: true_distance(&pair, &nodes, &nearest) - core,
+                    threshold,
+                });
+                continue;
+            }
             let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[3]);
             let scale = self.surface.law_scale(pair.edges);
             let law = NormalLaw::new(&parameters, scale, stiffness);
@@ -187,10 +197,7 @@ impl ContactSystem {
                 candidate,
                 nodes: pair.nodes,
                 // What is reported is the true distance, without smoothing.
-                distance: match pair.side {
-                    EDGE => edge_distance(&nodes) - core,
-                    _ => nearest.distance() - core,
-                },
+                distance: true_distance(&pair, &nodes, &nearest) - core,
                 threshold,
                 normal,
                 normal_force: sign * response.force,
@@ -350,7 +357,7 @@ impl ContactSystem {
 
     /// The gap at which forces are evaluated, m: iterations that carry forces along may pass a barrier on their way to
     /// the solution before it, where no number would be left.
-    fn counted_gap(&self, gap: f64) -> f64 {
+    pub(super) fn counted_gap(&self, gap: f64) -> f64 {
         if self.parameters.is_barrier() && self.multipliers.in_use() {
             gap.max(COUNTED_PART * self.parameters.distance_tolerance)
         } else {
@@ -367,10 +374,21 @@ impl ContactSystem {
             for k in 0..self.surface.nodes().len() {
                 let ContactNode { node, radius, .. } = self.surface.nodes()[k];
                 let slot = slots.over_plane(index, node);
+                if self.surface.roots.frees_from_plane(node, index) {
+                    continue;
+                }
                 let distance = plane.distance(&motion.positions[node]);
                 let gap = distance - radius;
                 let loaded = with_jacobians && self.multipliers.is_loaded(slot);
                 if !loaded && gap >= reach {
+                    continue;
+                }
+                if self.is_prescribed(node) {
+                    self.without_force.push(Proximity {
+                        pair: ContactPair::NodeAndPlane { node, plane: index },
+                        distance,
+                        threshold: radius,
+                    });
                     continue;
                 }
                 let stiffness = self.stiffness_between(node, node);
@@ -434,6 +452,14 @@ impl ContactSystem {
                 self.contact_count += usize::from(gap < tolerance);
             }
         }
+    }
+}
+
+/// Distance of a pair without smoothing, m.
+fn true_distance(pair: &CandidatePair, nodes: &[Vector3; 4], nearest: &NearestPoints) -> f64 {
+    match pair.side {
+        EDGE => edge_distance(nodes),
+        _ => nearest.distance(),
     }
 }
 

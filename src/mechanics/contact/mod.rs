@@ -9,6 +9,8 @@
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
 //! | `inside` | what lies within a closed obstacle |
+//! | `prescribed` | contacts of prescribed points, which carry no force |
+//! | `roots` | clamped nodes at which a rod leaves a body that it is set in |
 //! | `rim` | the rims of tubes |
 //! | `reflex_edge` | edges in valleys of a mesh, which are not felt |
 //! | `nearest_points` | the same of two edges, or of a node and a face |
@@ -21,6 +23,7 @@
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `multipliers`, `tractions`, `slots`, `iterate` | normal forces and friction that Newton's method carries along |
+//! | `stored_energy` | contact energy beside the last evaluation |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
 //! | `contacts` | what is known of a single contact |
 //! | `contact_system`, `evaluation` | all contacts of a scene |
@@ -57,15 +60,18 @@ mod parameters;
 mod placed_obstacles;
 mod plane_contact;
 mod potential;
+mod prescribed;
 mod proximity;
 mod reflex_edge;
 mod rest_gap;
 mod rim;
 #[cfg(test)]
 mod rim_tests;
+mod roots;
 mod slots;
 mod step_bound;
 mod stiffness;
+mod stored_energy;
 mod surface;
 #[cfg(test)]
 mod test_support;
@@ -83,7 +89,9 @@ pub use contacts::{
 pub use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters};
 pub use proximity::{ContactPair, Proximity};
+pub use roots::{Root, RootBody};
 pub use step_bound::LargestStep;
+pub use stored_energy::Stored;
 pub use surface::{ContactEdge, ContactPlane, ContactSurface};
 pub use touching::touching_points;
 pub(super) use tractions::cut;

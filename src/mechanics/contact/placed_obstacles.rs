@@ -10,7 +10,6 @@ use super::foot::{Foot, Points};
 use super::rim::{RimPoint, RodPiece, pieces_of};
 use super::surface::{ContactFace, ContactNode, ContactSurface};
 use crate::mechanics::Vector3;
-use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::rotation::Pose;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vec3;
@@ -154,14 +153,16 @@ impl PlacedObstacles {
         found: &mut Vec<(CandidatePair, f64)>,
     ) {
         let points = self.points(nodes);
-        for (placed, obstacle) in self.placed.iter().zip(surface.obstacles()) {
+        let roots = &surface.roots;
+        for (number, (placed, obstacle)) in self.placed.iter().zip(surface.obstacles()).enumerate()
+        {
             let segments = obstacle.segments.len();
             let near = |ends: &[usize], radius: f64| {
                 let ends = ends.iter().map(|&end| placed.pose.back_of(&nodes[end]));
                 around(ends, radius + clearance)
             };
             for (index, edge) in surface.rod_edges().iter().enumerate() {
-                if edge.held || obstacle.hollow {
+                if edge.held || obstacle.hollow || roots.free_edge(index, number) {
                     continue;
                 }
                 for part in placed.tree.intersect_aabb(&near(&edge.nodes, edge.radius)) {
@@ -177,13 +178,16 @@ impl PlacedObstacles {
                 }
             }
             if obstacle.hollow {
-                placed.find_in_tube(surface, obstacle, &points, clearance, found);
+                placed.find_in_tube(surface, number, &points, clearance, found);
                 placed.find_at_rims(surface, &self.pieces, &points, clearance, found);
             }
             if obstacle.faces.is_empty() {
                 continue;
             }
             for end in surface.nodes() {
+                if roots.free_node(end.node, number) {
+                    continue;
+                }
                 let box_of_node = near(&[end.node], end.radius);
                 for part in placed.tree.intersect_aabb(&box_of_node) {
                     let Some(part) = (part as usize).checked_sub(segments) else {
@@ -215,7 +219,9 @@ impl PlacedObstacles {
         end: &[Vector3],
         found: &mut Vec<CandidatePair>,
     ) {
-        for (placed, obstacle) in self.placed.iter().zip(surface.obstacles()) {
+        let roots = &surface.roots;
+        for (number, (placed, obstacle)) in self.placed.iter().zip(surface.obstacles()).enumerate()
+        {
             let segments = obstacle.segments.len();
             let swept = |nodes: &[usize], radius: f64| {
                 let before = nodes
@@ -225,7 +231,7 @@ impl PlacedObstacles {
                 around(before.chain(after), radius)
             };
             for (index, edge) in surface.rod_edges().iter().enumerate() {
-                if edge.held || obstacle.hollow {
+                if edge.held || obstacle.hollow || roots.free_edge(index, number) {
                     continue;
                 }
                 let parts = swept(&edge.nodes, edge.radius);
@@ -235,6 +241,7 @@ impl PlacedObstacles {
             }
             if obstacle.hollow {
                 let nodes = surface.nodes().iter();
+                let nodes = nodes.filter(|node| !roots.free_node(node.node, number));
                 found.extend(nodes.map(|node| placed.pair_in_tube(surface, node)));
                 let pairs = placed.pairs_at_rims(surface, &self.pieces);
                 found.extend(pairs.filter(|pair| pair.sign() > 0.0));
@@ -243,6 +250,9 @@ impl PlacedObstacles {
                 continue;
             }
             for node in surface.nodes() {
+                if roots.free_node(node.node, number) {
+                    continue;
+                }
                 let parts = swept(&[node.node], node.radius);
                 let parts = placed.tree.intersect_aabb(&parts);
                 let faces = parts.filter_map(|part| (part as usize).checked_sub(segments));
@@ -327,12 +337,16 @@ impl Placed {
     fn find_in_tube(
         &self,
         surface: &ContactSurface,
-        tube: &RigidBody,
+        number: usize,
         points: &Points,
         clearance: f64,
         found: &mut Vec<(CandidatePair, f64)>,
     ) {
+        let tube = &surface.obstacles()[number];
         for node in surface.nodes() {
+            if surface.roots.free_node(node.node, number) {
+                continue;
+            }
             let pair = self.pair_in_tube(surface, node);
             let Some(closest) = ClosestPoints::within_tube(&points.of(pair.nodes)) else {
                 continue;

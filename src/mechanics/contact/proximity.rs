@@ -48,6 +48,13 @@ impl Proximity {
     }
 }
 
+/// The deepest of some contacts, where it exceeds the penetration `allowed`.
+fn deepest_beyond(allowed: f64, contacts: impl Iterator<Item = Proximity>) -> Option<Proximity> {
+    contacts
+        .filter(|proximity| proximity.penetration() > allowed)
+        .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
+}
+
 /// Part of the penetration allowed from which on a contact is better made stiffer at once.
 const DEEP: f64 = 0.2;
 
@@ -75,8 +82,13 @@ impl ContactSystem {
             .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
-    /// The contacts of the last evaluation.
+    /// The contacts of the last evaluation, those of prescribed points, which bear nothing, among them.
     pub fn touching(&self) -> impl Iterator<Item = Proximity> {
+        self.bearing().chain(self.touching_without_force())
+    }
+
+    /// The contacts of the last evaluation that may bear a force.
+    fn bearing(&self) -> impl Iterator<Item = Proximity> {
         let edges = self.contacts().iter().map(|contact| Proximity {
             pair: ContactPair::Edges(self.candidates()[contact.candidate].edges),
             distance: contact.distance,
@@ -99,7 +111,10 @@ impl ContactSystem {
             .iter()
             .enumerate()
             .flat_map(move |(plane, body)| {
-                self.surface.nodes().iter().map(move |surface| Proximity {
+                let nodes = self.surface.nodes().iter();
+                let roots = &self.surface.roots;
+                let nodes = nodes.filter(move |node| !roots.frees_from_plane(node.node, plane));
+                nodes.map(move |surface| Proximity {
                     pair: ContactPair::NodeAndPlane {
                         node: surface.node,
                         plane,
@@ -126,7 +141,8 @@ impl ContactSystem {
             let nodes = self.surface.nodes().iter();
             nodes.filter_map(move |node| {
                 let position = positions[node.node];
-                let may_be = self.obstacles.is_near(index, &position);
+                let may_be = self.obstacles.is_near(index, &position)
+                    && !self.surface.roots.free_node(node.node, index);
                 if !may_be || !self.surface.is_inside(index, &position, &points) {
                     return None;
                 }
@@ -142,19 +158,14 @@ impl ContactSystem {
 
     /// The deepest penetration at the last evaluation, where it exceeds `maximum_penetration`.
     pub fn excessive_penetration(&self) -> Option<Proximity> {
-        self.penetration_beyond(self.parameters().maximum_penetration)
+        let allowed = self.parameters().maximum_penetration;
+        deepest_beyond(allowed, self.touching())
     }
 
     /// Whether a contact of the last evaluation is pressed deeper than those that bear what they are made for.
     pub fn is_deep(&self) -> bool {
         let allowed = DEEP * self.parameters().maximum_penetration;
-        self.penetration_beyond(allowed).is_some()
-    }
-
-    fn penetration_beyond(&self, allowed: f64) -> Option<Proximity> {
-        self.touching()
-            .filter(|proximity| proximity.penetration() > allowed)
-            .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
+        deepest_beyond(allowed, self.bearing()).is_some()
     }
 
     /// Whether surfaces touch or overlap at the last evaluation that a barrier should have kept apart.

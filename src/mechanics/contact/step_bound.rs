@@ -112,8 +112,11 @@ impl ContactSystem {
     /// The fraction that the planes allow: the nodes approach them at constant speed.
     fn safe_fraction_over_planes(&self, start: &[Vector3], displacements: &[Vector3]) -> f64 {
         let mut fraction = 1.0;
-        for plane in self.planes() {
+        for (index, plane) in self.planes().iter().enumerate() {
             for surface in self.surface.nodes() {
+                if self.surface.roots.frees_from_plane(surface.node, index) {
+                    continue;
+                }
                 let gap = plane.distance(&start[surface.node]) - surface.radius;
                 let fall = -displacements[surface.node].dot(&plane.normal);
                 let slack = ((1.0 - KEPT_GAP) * gap).max(0.0);

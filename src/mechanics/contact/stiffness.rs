@@ -128,8 +128,11 @@ impl ContactSystem {
                 largest = Some(force);
             }
         }
-        for plane in &self.planes {
+        for (index, plane) in self.planes.iter().enumerate() {
             for surface in self.surface.nodes() {
+                if self.surface.roots.frees_from_plane(surface.node, index) {
+                    continue;
+                }
                 let force = of_node(surface.node);
                 if largest.is_none_or(|largest| force > largest)
                     && plane.distance(&positions[surface.node]) < surface.radius + near

@@ -1,6 +1,7 @@
 //! The surfaces that may touch: every edge of a rod as a capsule, balls around nodes, rigid planes, and rigid obstacles.
 
 use super::contacts::CandidatePair;
+use super::roots::Roots;
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
 use std::collections::HashMap;
@@ -74,6 +75,8 @@ pub struct ContactSurface {
     least_radii: [Option<f64>; 2],
     /// Where two rods are joined, by their indices, the lower first.
     joints: HashMap<[usize; 2], Vec<ContactJoint>>,
+    /// What is passed over where rods are set in bodies.
+    pub(super) roots: Roots,
 }
 
 /// A point at which two rods are joined.
@@ -217,8 +220,8 @@ impl ContactSurface {
     ///
     /// Near the joint they overlap: their axes are 2s sin(φ/2) apart at the distance s on either side. Edges that are nearer
     /// to each other along the way through the joint than by half as much again, or than π times the mean of the radii along
-    /// either rod, are neighbours as along one rod.
-    pub fn add_joint(&mut self, rods: [usize; 2], arc_length: [f64; 2], angle: f64) {
+    /// either rod, are neighbours as along one rod. Returns that length of the way, m.
+    pub fn add_joint(&mut self, rods: [usize; 2], arc_length: [f64; 2], angle: f64) -> f64 {
         let radius = |rod: usize| self.edges.iter().find(|edge| edge.rod == rod);
         let sum: f64 = rods
             .iter()
@@ -227,6 +230,7 @@ impl ContactSurface {
         let overlapping = REACH / libm::sin(0.5 * angle);
         let reach = sum * overlapping.clamp(PI, FARTHEST_REACH);
         self.join(rods, arc_length.map(Some), reach);
+        reach
     }
 
     /// Lets the first rod slide along the second with a place at an arc length (m): edges of the first that are nearer to it
@@ -240,7 +244,7 @@ impl ContactSurface {
         self.join(rods, [Some(arc_length), None], PI * sum);
     }
 
-    fn join(&mut self, rods: [usize; 2], arc_length: [Option<f64>; 2], reach: f64) {
+    pub(super) fn join(&mut self, rods: [usize; 2], arc_length: [Option<f64>; 2], reach: f64) {
         let (rods, arc_length) = if rods[0] <= rods[1] {
             (rods, arc_length)
         } else {
@@ -268,7 +272,7 @@ impl ContactSurface {
     }
 
     /// Arc length between the nearest end of an edge and a place along its rod, m; 0 within the edge.
-    fn way_to(&self, edge: &ContactEdge, place: f64) -> f64 {
+    pub(super) fn way_to(&self, edge: &ContactEdge, place: f64) -> f64 {
         let [start, end] = edge.arc_length;
         let direct = (start - place).max(place - end).max(0.0);
         match self.closed_lengths[edge.rod] {

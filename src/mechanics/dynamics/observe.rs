@@ -126,10 +126,11 @@ impl Simulation {
     }
 
     /// What people should know of the motion so far, a sentence each: strains beyond the theory of rods, energy that came
-    /// from nowhere, steps far smaller than asked for, joints that broke.
+    /// from nowhere, steps far smaller than asked for, joints that broke, what contact passes over at roots.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = self.validity.remarks(&self.system);
         remarks.extend(self.system.remarks_on_breaks());
+        remarks.extend_from_slice(self.system.remarks_on_roots());
         remarks
     }
 

@@ -143,6 +143,12 @@ impl System {
                 "clamp {clamp} cannot be released: it holds an edge together with its neighbour"
             ));
         }
+        let mut frames = self.assembly.joints.frames.iter();
+        if frames.any(|frame| frame.clamp == Some(clamp)) {
+            return Err(format!(
+                "clamp {clamp} cannot be released: it holds the frame of a rigid joint"
+            ));
+        }
         if self.springs.turns_against(clamp) {
             return Err(format!(
                 "clamp {clamp} cannot be released: a spring turns against it"
@@ -223,6 +229,7 @@ impl System {
             self.geometry = RodGeometry::new(&assembly.rods);
             self.matrix.adapt(assembly);
             self.switched = true;
+            self.note_prescribed_nodes();
         }
         self.list_events();
         Ok(())
@@ -231,6 +238,7 @@ impl System {
     /// Makes everything else fit what is held and the vertices there are.
     fn rebuild(&mut self, unknowns: &[f64]) {
         self.switched = true;
+        self.note_prescribed_nodes();
         self.damping.rest();
         self.place_relaxing();
         self.assembly.consistent.share(&self.assembly.rods);

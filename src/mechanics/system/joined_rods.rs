@@ -1,7 +1,7 @@
 //! The joints and bodies of a scene whose rods are numbered: who owns which position, and what bodies weigh.
 
 use super::Assembly;
-use super::joints::{EccentricMass, JointPlan, PlannedSlide, Slide, Track};
+use super::joints::{EccentricMass, JointPlan, PlannedFrame, PlannedSlide, Slide, Track};
 use crate::linalg::UNUSED;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
@@ -21,8 +21,13 @@ impl Assembly {
             }
         }
         for (number, planned) in plan.frames.iter().enumerate() {
-            refuse_walls(scene, &planned.nodes)?;
-            self.free_frame(number, &planned.nodes[0], planned.hinge.is_some());
+            let clamp = self.clamp_of_frame(scene, plan, number)?;
+            self.free_frame(
+                number,
+                &planned.nodes[0],
+                planned.hinge.is_some() || clamp.is_some(),
+            );
+            self.joints.frames[number].clamp = clamp;
             let mut bodies = scene.bodies.iter();
             let here =
                 bodies.find(|body| planned.nodes.contains(&body.at) && body.inertia.is_some());
@@ -81,15 +86,63 @@ impl Assembly {
     }
 
     /// Makes the rotation of a frame an unknown, or its angle where it hangs on a hinge, and gives it an element.
-    fn free_frame(&mut self, number: usize, at: &RodNode, is_hinged: bool) {
+    fn free_frame(&mut self, number: usize, at: &RodNode, is_held: bool) {
         let node = self.number(at);
         let frame = &mut self.joints.frames[number];
         frame.node = node;
         frame.element = self.rods.elements.len();
         self.rods.elements.push([UNUSED; 12]);
         let first = frame.first_unknown;
-        self.held[first..first + 3].fill(is_hinged);
+        let is_hinged = frame.hinge.is_some();
+        self.held[first..first + 3].fill(is_held);
         self.held[first + 3] = !is_hinged;
+    }
+
+    /// The clamp that holds the frame of a rigid joint, if one does.
+    ///
+    /// # Errors
+    /// [`SceneError::Joint`] where clamps hold frames that hinges, bodies or breaking joints turn, or several hold one frame.
+    fn clamp_of_frame(
+        &self,
+        scene: &Scene,
+        plan: &JointPlan,
+        number: usize,
+    ) -> Result<Option<usize>, SceneError> {
+        let planned = &plan.frames[number];
+        let is_tied = |other: &PlannedFrame| {
+            other.weld == Some(number) || other.hinge.is_some_and(|(base, _)| base == number)
+        };
+        let may_be_held = planned.hinge.is_none()
+            && planned.weld.is_none()
+            && !planned.bears_body
+            && !plan.frames.iter().any(is_tied);
+        let mut holding = None;
+        for at in &planned.nodes {
+            if scene.rods[at.rod].held {
+                return Err(wrong(scene, at, JointError::HeldRod));
+            }
+            let here = |clamp: &&Clamp| (clamp.rod, clamp.node) == (at.rod, at.node);
+            let mut clamps = scene.clamps.iter().filter(here);
+            if !clamps.any(|clamp| clamp.holds_frame) {
+                continue;
+            }
+            if !may_be_held || holding.is_some() {
+                let rod = scene.rods[at.rod].name.clone();
+                return Err(wrong(scene, at, JointError::ClampedFrame { rod }));
+            }
+            let node = self.number(at);
+            holding = self.drives.iter().position(|drive| drive.node == node);
+        }
+        Ok(holding)
+    }
+
+    /// Turns the frames that clamps hold as these are turned at a time, s.
+    pub(super) fn turn_held_frames(&mut self, time: f64) {
+        for frame in &mut self.joints.frames {
+            if let Some(clamp) = frame.clamp {
+                frame.base = self.drives[clamp].rotation(time);
+            }
+        }
     }
 
     /// Lets a node follow a place along a rod, which becomes an unknown.
@@ -206,26 +259,6 @@ impl Assembly {
             }
         }
     }
-}
-
-/// A frame turns: no clamp may hold the frame of its nodes, nor may their rods be rigid obstacles.
-fn refuse_walls(scene: &Scene, nodes: &[RodNode]) -> Result<(), SceneError> {
-    for at in nodes {
-        if scene.rods[at.rod].held {
-            return Err(wrong(scene, at, JointError::HeldRod));
-        }
-        let here = |clamp: &&Clamp| (clamp.rod, clamp.node) == (at.rod, at.node);
-        if scene
-            .clamps
-            .iter()
-            .filter(here)
-            .any(|clamp| clamp.holds_frame)
-        {
-            let rod = scene.rods[at.rod].name.clone();
-            return Err(wrong(scene, at, JointError::ClampedFrame { rod }));
-        }
-    }
-    Ok(())
 }
 
 /// What is wrong with the joint or body at a node.

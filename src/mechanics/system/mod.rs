@@ -35,6 +35,7 @@ mod obstacles;
 mod residual;
 mod resultants;
 mod rigid_contact;
+mod roots;
 mod shared_mass;
 mod small_motions;
 mod springs;
@@ -135,6 +136,8 @@ pub struct System {
     breaking: Breaking,
     /// Contact, where the scene has it.
     pub contact: Option<ContactSystem>,
+    /// What contact passes over where rods are set in other bodies, in words.
+    roots: Vec<String>,
     /// Frames from which the present step transports.
     pub reference: ReferenceFrames,
     /// Ghost edges at the present time.
@@ -154,6 +157,9 @@ pub struct System {
     /// Forces (N) and moments (N m) of another solver on the unknowns.
     pub external_forces: Vec<f64>,
     positions: Vec<Vector3>,
+    /// Positions where the step starts, m, and the energy that contacts hold there, J, where it was asked for.
+    step_start: Vec<Vector3>,
+    stored_by_contact: f64,
     nodal_forces: Vec<Vector3>,
     displacements: Vec<Vector3>,
     /// Scratch: how far a unit force moves each node within a step by inertia, m/N.
@@ -198,7 +204,10 @@ impl System {
         springs.round(&mut assembly);
         let loads = Loads::new(&scene.loads, &assembly)?;
         let actuators = Actuators::new(&scene.actuations, &assembly)?;
-        let contact = contact_of(scene, &assembly)?;
+        let (contact, roots) = match contact_of(scene, &assembly)? {
+            Some(of_scene) => (Some(of_scene.contact), of_scene.roots),
+            None => (None, Vec::new()),
+        };
         let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
         let friction_on_obstacles = contact.is_some()
             && scene
@@ -226,6 +235,8 @@ impl System {
             dead_forces: vec![0.0; assembly.unknowns.len()],
             external_forces: vec![0.0; assembly.unknowns.len()],
             positions: vec![Vector3::zeros(); assembly.rods.nodes],
+            step_start: vec![Vector3::zeros(); assembly.rods.nodes],
+            stored_by_contact: 0.0,
             has_planes: !scene.planes.is_empty(),
             moving_obstacles: MovingObstacle::of(&scene.obstacles),
             events: Vec::new(),
@@ -246,6 +257,7 @@ impl System {
             tolerances: vec![RodTolerance::default(); assembly.rods.rods.len()],
             relative_tolerance: 0.0,
             contact,
+            roots,
             actuators,
             damping: Damping::new(scene),
             springs,
@@ -277,6 +289,7 @@ impl System {
         for drive in &mut self.assembly.drives {
             drive.turn_edges(time, committed, &self.reference, unknowns);
         }
+        self.assembly.turn_held_frames(time);
         self.assembly.joints.complete(unknowns);
         self.place_obstacles(time);
         self.loads.dead_forces(time, &mut self.dead_forces);
@@ -586,6 +599,20 @@ impl System {
             }
         }
         self.assembly.joints.gather(&mut self.corrected_residual);
+    }
+
+    /// Notes where a step starts, and the energy that contacts hold there if the scheme `extrapolates`. Candidates must be
+    /// those of the start.
+    pub fn note_start(&mut self, unknowns: &[f64], extrapolates: bool) {
+        let Some(contact) = &self.contact else {
+            return;
+        };
+        copy_positions(unknowns, &mut self.step_start);
+        self.stored_by_contact = if extrapolates {
+            contact.energy_at(&self.step_start)
+        } else {
+            0.0
+        };
     }
 
     /// Lets Newton's method carry contact forces along, those of the last step at first.

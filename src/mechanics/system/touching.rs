@@ -1,11 +1,20 @@
 //! The contact model of a scene, and words for what touches.
 
+use super::roots::pass_over_roots;
 use super::{Assembly, System, copy_positions};
 use crate::mechanics::contact::{
     ContactPair, ContactPlane, ContactSurface, ContactSystem, Proximity,
 };
+use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{JointKind, Scene};
 use crate::mechanics::{Overlap, Vector3};
+
+/// The contact model of a scene, and what it passes over.
+pub(super) struct ContactOfScene {
+    pub contact: ContactSystem,
+    /// A sentence for every root at which a rod is set in another body.
+    pub roots: Vec<String>,
+}
 
 /// The contact model of a scene with its first candidates; `None` where everything passes through.
 ///
@@ -14,7 +23,7 @@ use crate::mechanics::{Overlap, Vector3};
 pub(super) fn contact_of(
     scene: &Scene,
     assembly: &Assembly,
-) -> Result<Option<ContactSystem>, Overlap> {
+) -> Result<Option<ContactOfScene>, Overlap> {
     let Some(parameters) = scene.contact else {
         return Ok(None);
     };
@@ -66,11 +75,14 @@ pub(super) fn contact_of(
     );
     let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
     copy_positions(&assembly.unknowns, &mut positions);
+    let prescribed = assembly.held.iter().step_by(STRIDE).copied();
+    contact.set_prescribed(prescribed.take(assembly.rods.nodes));
+    let roots = pass_over_roots(&mut contact, scene, assembly, &positions);
     if let Some(overlap) = contact.initial_overlaps(&positions).first() {
         return Err(name_overlap(overlap, &contact, assembly));
     }
     contact.update_candidates(&positions);
-    Ok(Some(contact))
+    Ok(Some(ContactOfScene { contact, roots }))
 }
 
 /// Lets contact know where rods are joined, and at which angle.
@@ -132,13 +144,13 @@ fn add_balls(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
 }
 
 /// Arc length along a rod to a node, m.
-fn arc_length(nodes: &[Vector3], node: usize) -> f64 {
+pub(super) fn arc_length(nodes: &[Vector3], node: usize) -> f64 {
     let edges = nodes[..=node].windows(2);
     edges.map(|ends| (ends[1] - ends[0]).norm()).sum()
 }
 
 /// Unit vectors from a node to its neighbours along a rod.
-fn directions(nodes: &[Vector3], node: usize) -> Vec<Vector3> {
+pub(super) fn directions(nodes: &[Vector3], node: usize) -> Vec<Vector3> {
     let neighbours = [node.checked_sub(1), Some(node + 1)];
     let there = neighbours
         .into_iter()
@@ -150,6 +162,19 @@ fn directions(nodes: &[Vector3], node: usize) -> Vec<Vector3> {
 }
 
 impl System {
+    /// What contact passes over because rods are set in other bodies there, a sentence for each root.
+    pub fn remarks_on_roots(&self) -> &[String] {
+        &self.roots
+    }
+
+    /// Lets contact know which nodes are prescribed, after something was grasped or released.
+    pub(super) fn note_prescribed_nodes(&mut self) {
+        if let Some(contact) = &mut self.contact {
+            let prescribed = self.assembly.held.iter().step_by(STRIDE).copied();
+            contact.set_prescribed(prescribed.take(self.assembly.rods.nodes));
+        }
+    }
+
     /// Names the bodies that overlap beyond what is allowed at `unknowns`, wherever contact was last evaluated; candidates
     /// are brought up to date.
     pub fn excessive_penetration_at(&mut self, unknowns: &[f64]) -> Option<Overlap> {

@@ -378,13 +378,6 @@ fn hold(
     all: &mut Networks,
 ) {
     let hold = typed.hold.unwrap_or(Hold::Position);
-    if kind == JointKind::Rigid && hold != Hold::Position {
-        section.fault(
-            "hold",
-            "rigid joints turn with the rods that meet there; allowed: \"position\"",
-        );
-        return;
-    }
     let scale = section.corners("scale", &typed.scale, |corner, factor| {
         corner.number("1", factor, POSITIVE)
     });
@@ -415,9 +408,11 @@ fn hold(
         let moved = |factor: f64| std::array::from_fn(|k| (factor - 1.0) * (at[k] - centre[k]));
         let holds_position = hold != Hold::Frame;
         for (index, (rod, node)) in ends.iter().enumerate() {
-            // One clamp holds the point; others there hold the frames of their rods.
+            // One clamp holds the point, and the frame of a rigid joint; others there hold the frames of their rods.
             let own = match (index, hold) {
-                (0, _) | (_, Hold::Frame) => hold,
+                (0, _) => hold,
+                _ if kind == JointKind::Rigid => continue,
+                (_, Hold::Frame) => hold,
                 (_, Hold::Position) => continue,
                 (_, Hold::Both) => Hold::Frame,
             };

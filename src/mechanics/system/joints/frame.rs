@@ -56,6 +56,8 @@ pub struct TurningFrame {
     pub element: usize,
     /// A node of the scene at which a rod is clamped to it, by whose forces it is judged.
     pub node: usize,
+    /// The clamp that holds it: its rotation is then prescribed, and is that of B.
+    pub clamp: Option<usize>,
 }
 
 impl TurningFrame {
@@ -74,6 +76,7 @@ impl TurningFrame {
             elements: Vec::new(),
             element: 0,
             node: 0,
+            clamp: None,
         }
     }
 

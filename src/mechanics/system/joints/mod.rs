@@ -35,7 +35,7 @@ pub use border::Border;
 use derivatives::{HINGE, OWN_HINGE, OWN_NODE};
 pub(super) use frame::{EccentricMass, TurningFrame};
 pub use plan::joint_unknowns;
-pub(super) use plan::{JointPlan, PlannedSlide};
+pub(super) use plan::{JointPlan, PlannedFrame, PlannedSlide};
 pub(super) use slide::Slide;
 pub use spring_ends::check_joints;
 pub(super) use track::Track;

@@ -1,0 +1,199 @@
+//! Roots: clamped nodes at which a rod leaves a body in which it is set.
+//!
+//! A stalk that is clamped in a floor, or a hair in a scalp, overlaps with the body around its root by nature, and nothing moves
+//! the one against the other there. The edges and nodes of the rod within the reach of the root pass over that body; what
+//! lies beyond touches it. With the radius h of the rod and the way s along it on which it overlaps as placed, the reach is
+//!
+//! R = max(π h, 1.5 s), at most 20 h.
+
+use super::closest_points::{ClosestPoints, edge_distance};
+use super::contact_system::ContactSystem;
+use super::foot::Foot;
+use super::surface::ContactSurface;
+use crate::mechanics::Vector3;
+use std::f64::consts::PI;
+
+/// Reach of a root in radii: a rod bent as sharply as its own radius allows turns back to where it started within this.
+const LEAST_REACH: f64 = PI;
+/// Reach over the way on which the rod overlaps.
+const REACH: f64 = 1.5;
+/// Largest reach in radii: a rod that overlaps farther lies in the body.
+const FARTHEST_REACH: f64 = 20.0;
+
+/// A body that a rod is rooted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RootBody {
+    /// Index of a plane.
+    Plane(usize),
+    /// Index of an obstacle.
+    Obstacle(usize),
+    /// Index of a rod that is held.
+    HeldRod(usize),
+}
+
+/// A root of a rod.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root {
+    /// Index of the rod.
+    pub rod: usize,
+    /// Arc length of the clamped node along it, m.
+    pub arc_length: f64,
+    /// Way along the rod, to either side of that node, on which the body is passed over, m.
+    pub reach: f64,
+    /// The body.
+    pub body: RootBody,
+}
+
+impl Root {
+    /// Reach of a root of a rod of radius `radius` (m) that overlaps with the body within `overlap` (m) of the clamped node.
+    pub fn reach_of(radius: f64, overlap: f64) -> f64 {
+        (REACH * overlap).clamp(LEAST_REACH * radius, FARTHEST_REACH * radius)
+    }
+}
+
+/// What is passed over at roots: pairs of numbers, sorted.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Roots {
+    /// Edges of rods and obstacles.
+    edges: Vec<[usize; 2]>,
+    /// Nodes of rods and obstacles.
+    nodes: Vec<[usize; 2]>,
+    /// Nodes of rods and planes.
+    planes: Vec<[usize; 2]>,
+}
+
+impl Roots {
+    /// Whether an edge of a rod passes over the edges of an obstacle.
+    pub fn free_edge(&self, edge: usize, obstacle: usize) -> bool {
+        self.edges.binary_search(&[edge, obstacle]).is_ok()
+    }
+
+    /// Whether a node passes over the faces, or the wall, of an obstacle.
+    pub fn free_node(&self, node: usize, obstacle: usize) -> bool {
+        self.nodes.binary_search(&[node, obstacle]).is_ok()
+    }
+
+    /// Whether a node passes over a plane.
+    pub fn frees_from_plane(&self, node: usize, plane: usize) -> bool {
+        self.planes.binary_search(&[node, plane]).is_ok()
+    }
+}
+
+impl ContactSurface {
+    fn add_root(&mut self, root: &Root) {
+        if let RootBody::HeldRod(held) = root.body {
+            return self.join([root.rod, held], [Some(root.arc_length), None], root.reach);
+        }
+        let (mut edges, mut nodes) = (Vec::new(), Vec::new());
+        for (index, edge) in self.rod_edges().iter().enumerate() {
+            if edge.rod == root.rod && self.way_to(edge, root.arc_length) < root.reach {
+                edges.push(index);
+            }
+        }
+        for edge in self.rod_edges().iter().filter(|edge| edge.rod == root.rod) {
+            for (node, place) in edge.nodes.iter().zip(edge.arc_length) {
+                let mut end = *edge;
+                end.arc_length = [place; 2];
+                if self.way_to(&end, root.arc_length) < root.reach {
+                    nodes.push(*node);
+                }
+            }
+        }
+        let roots = &mut self.roots;
+        let list = match root.body {
+            RootBody::Plane(plane) => {
+                roots.planes.extend(nodes.iter().map(|node| [*node, plane]));
+                &mut roots.planes
+            }
+            RootBody::Obstacle(obstacle) => {
+                let passing = edges.iter().map(|edge| [*edge, obstacle]);
+                roots.edges.extend(passing);
+                roots.edges.sort_unstable();
+                roots.edges.dedup();
+                (roots.nodes).extend(nodes.iter().map(|node| [*node, obstacle]));
+                &mut roots.nodes
+            }
+            RootBody::HeldRod(_) => return,
+        };
+        list.sort_unstable();
+        list.dedup();
+    }
+}
+
+impl ContactSystem {
+    /// Lets a rod pass over the body that it is rooted in. To be called before the first candidates.
+    pub fn pass_over_root(&mut self, root: &Root) {
+        self.surface.add_root(root);
+    }
+
+    /// Lets two rods pass over each other near two clamped nodes that do not move against each other, at arc lengths along them
+    /// (m), where the rods leave them at `angle` (rad): as at a joint. To be called before the first candidates. Returns the reach, m.
+    pub fn pass_over_common_root(
+        &mut self,
+        rods: [usize; 2],
+        arc_length: [f64; 2],
+        angle: f64,
+    ) -> f64 {
+        self.surface.add_joint(rods, arc_length, angle)
+    }
+
+    /// Distance between the surfaces of a body and of a sphere of radius `radius` around a point, m, all nodes being at
+    /// `positions`; of a closed obstacle, where the point is inside of it, less than minus the radius.
+    pub fn gap_to(
+        &self,
+        body: RootBody,
+        point: &Vector3,
+        radius: f64,
+        positions: &[Vector3],
+    ) -> f64 {
+        match body {
+            RootBody::Plane(plane) => self.planes[plane].distance(point) - radius,
+            RootBody::HeldRod(rod) => {
+                let edges = self.surface.rod_edges().iter();
+                let gaps = edges.filter(|edge| edge.rod == rod).map(|edge| {
+                    let [a, b] = edge.nodes.map(|node| positions[node]);
+                    edge_distance(&[*point, *point, a, b]) - edge.radius
+                });
+                gaps.fold(f64::INFINITY, f64::min) - radius
+            }
+            RootBody::Obstacle(obstacle) => {
+                self.gap_to_obstacle(obstacle, point, positions) - radius
+            }
+        }
+    }
+
+    /// Distance of a point from the surface of an obstacle, m.
+    fn gap_to_obstacle(&self, obstacle: usize, point: &Vector3, positions: &[Vector3]) -> f64 {
+        let body = &self.surface.obstacles()[obstacle];
+        let points = self.obstacles.points(positions);
+        let own = |index: &usize| self.surface.obstacle_of(*index) == Some(obstacle);
+        let first = self.surface.rod_edges().len();
+        let segments = (first..self.surface.edges().len()).filter(own).map(|edge| {
+            let [a, b] = points.of(self.surface.edges()[edge].nodes);
+            let nodes = [*point, *point, a, b];
+            if body.hollow {
+                // Outside of the wall nothing touches; a point on it counts as inside.
+                let inside = ClosestPoints::in_tube(&nodes);
+                inside.map_or(f64::INFINITY, |inside| {
+                    (inside.distance() + body.radius).abs()
+                })
+            } else {
+                edge_distance(&nodes) - body.radius
+            }
+        });
+        let faces = self.surface.faces().iter();
+        let faces = faces
+            .filter(|face| face.obstacle == obstacle)
+            .filter_map(|face| {
+                let [a, b, c] = points.of(face.vertices);
+                let foot = Foot::of(&[*point, a, b, c], 1.0)?;
+                Some(foot.distance.abs() - body.radius)
+            });
+        let nearest = segments.chain(faces).fold(f64::INFINITY, f64::min);
+        if body.closed && self.surface.is_inside(obstacle, point, &points) {
+            -nearest.abs() - 2.0 * body.radius
+        } else {
+            nearest
+        }
+    }
+}

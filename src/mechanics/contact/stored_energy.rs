@@ -1,0 +1,92 @@
+//! Contact energy at any configuration, beside the last evaluation, which stays as it is.
+
+use super::contact_system::ContactSystem;
+use super::contacts::CandidatePair;
+use super::foot::Points;
+use super::nearest_points::NearestPoints;
+use super::normal_law::NormalLaw;
+use crate::mechanics::Vector3;
+
+/// What contacts hold.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stored {
+    /// J.
+    pub energy: f64,
+    /// Contacts within the distance tolerance δ.
+    pub contacts: usize,
+}
+
+impl ContactSystem {
+    /// Energy of all contacts at `positions` (m), which the candidates must cover, with obstacles where they are at the end of
+    /// the step, J. Rigid contacts hold none.
+    pub fn energy_at(&self, positions: &[Vector3]) -> f64 {
+        self.stored(&self.obstacles.points(positions)).energy
+    }
+
+    /// The same with obstacles where they were at the start of the step, and the contacts within δ there.
+    pub fn stored_at_start(&self, positions: &[Vector3]) -> Stored {
+        self.stored(&self.obstacles.points_at_start(positions))
+    }
+
+    fn stored(&self, points: &Points) -> Stored {
+        let mut stored = Stored::default();
+        if self.parameters.is_complementarity() {
+            return stored;
+        }
+        let tolerance = self.parameters.distance_tolerance;
+        let mut add = |gap: f64, energy: f64| {
+            stored.energy += energy;
+            stored.contacts += usize::from(gap < tolerance);
+        };
+        let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
+        for (pair, earlier) in pairs {
+            if let Some((gap, energy)) = self.energy_of(pair, *earlier, points) {
+                add(gap, energy);
+            }
+        }
+        for (index, plane) in self.planes.iter().enumerate() {
+            for node in self.surface.nodes() {
+                let gap = plane.distance(&points.nodes[node.node]) - node.radius;
+                let is_felt = gap < self.parameters.reach()
+                    && !self.surface.roots.frees_from_plane(node.node, index)
+                    && !self.is_prescribed(node.node);
+                if is_felt {
+                    let stiffness = self.stiffness_between(node.node, node.node);
+                    add(gap, self.energy_of_gap(gap, node.radius, stiffness));
+                }
+            }
+        }
+        stored
+    }
+
+    /// Gap (m) and energy (J) of a candidate whose gap was `earlier` (m) when the candidates were built; `None` beyond reach.
+    fn energy_of(&self, pair: &CandidatePair, earlier: f64, points: &Points) -> Option<(f64, f64)> {
+        let reach = self.parameters.reach();
+        if self.is_of_rod(pair.nodes[2]) {
+            let built = self.candidates.positions();
+            let [a, b, c, d] = pair
+                .nodes
+                .map(|node| (points.at(node) - built[node]).norm());
+            if earlier - (a.max(b) + c.max(d)) >= reach {
+                return None;
+            }
+        }
+        let threshold = self.surface.threshold(pair.edges);
+        let smoothing = self.parameters.smoothing(threshold);
+        let nearest = NearestPoints::of(pair, &points.of(pair.nodes), smoothing)?;
+        let core = self.surface.core(pair.edges);
+        let gap = nearest.distance() - core - threshold - self.standoff(pair);
+        let (weights, normal) = (nearest.weights(), nearest.normal());
+        let is_felt = gap < reach
+            && !self.surface.is_at_reflex_edge(pair, &normal, points)
+            && !self.are_prescribed(&pair.nodes, &weights);
+        let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[2]);
+        let scale = self.surface.law_scale(pair.edges);
+        is_felt.then(|| (gap, self.energy_of_gap(gap, scale, stiffness)))
+    }
+
+    fn energy_of_gap(&self, gap: f64, scale: f64, stiffness: f64) -> f64 {
+        let law = NormalLaw::new(&self.parameters, scale, stiffness);
+        law.response(self.counted_gap(gap)).energy
+    }
+}
