@@ -56,8 +56,9 @@ fn a_rope_over_a_post_passes_with_ipc() {
     assert!(case.newton_iterations_mean().unwrap() < 8.0);
 }
 
-/// Two soft rings that meet at 34 m/s, four times as fast as waves run in them: the first impact finds no step with the
-/// midpoint rule, however small; implicit Euler, which damps it, goes on with rods that are stretched beyond the theory.
+/// Two soft rings that meet at 34 m/s, four times as fast as waves run in them: implicit Euler damps the impact, also within a
+/// run of the midpoint rule, and goes on with rods that are stretched beyond the theory; or the run ends, by that or because
+/// energy came from nowhere.
 #[test]
 fn an_impact_faster_than_the_waves_in_a_rod_never_passes_without_that_reason() {
     for (scheme, model) in [
@@ -93,13 +94,12 @@ fn an_impact_faster_than_the_waves_in_a_rod_never_passes_without_that_reason() {
                 error.to_string()
             }
             Ok(outcome) => {
-                assert_ne!(scheme, "implicit-midpoint", "{model}");
                 assert!(outcome.case.minimum_distance_ratio.unwrap() > 0.95);
                 outcome.case.remarks.join("; ")
             }
         };
         assert!(
-            message.contains("the theory of rods"),
+            message.contains("the theory of rods") || message.contains("nothing gave them"),
             "{scheme}, {model}: {message}"
         );
     }

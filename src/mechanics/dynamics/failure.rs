@@ -85,6 +85,17 @@ impl Failure {
         }
     }
 
+    /// Whether contact forces would bring energy.
+    pub fn is_work_of_contact(&self) -> bool {
+        matches!(
+            self,
+            Self::Work {
+                forces: Forces::Contact,
+                ..
+            }
+        )
+    }
+
     /// The same after so many iterations in vain.
     pub fn after(mut self, vain: usize) -> Self {
         match &mut self {

@@ -4,7 +4,7 @@ use super::advice::Means;
 use super::drag::FluidDrag;
 use super::exchange::AcceptedStep;
 use super::failure::Failure;
-use super::parameters::{IntegrationParameters, StepSize};
+use super::parameters::{IntegrationParameters, Scheme, StepSize};
 use super::report::{SimulationError, StepReport};
 use super::scheme::largest_step;
 use super::stage::{Attempt, Setting, Workspace};
@@ -131,6 +131,10 @@ impl Integrator {
         };
         system.begin_damping(&state.unknowns);
         system.update_candidates(&state.unknowns);
+        let extrapolates = self.setting.parameters.scheme.rules().extrapolates();
+        system.note_start(&state.unknowns, extrapolates);
+        let stiffness = system.contact_stiffness();
+        let mut setting = self.setting;
         let sizes = self.setting.parameters.step;
         let until = earlier_event(system, &sizes, state.time, until);
         let mut goal = self.control.goal(&sizes, state.time, until);
@@ -139,10 +143,10 @@ impl Integrator {
             let step = goal - state.time;
             report.fluid_iterations += self
                 .workspace
-                .prepare(&self.setting, system, &mut self.fluid, state, goal)
+                .prepare(&setting, system, &mut self.fluid, state, goal)
                 .map_err(|error| without_drag(error, state.time))?;
             let (workspace, fluid) = (&mut self.workspace, &mut self.fluid);
-            let attempt = workspace.attempt(&self.setting, system, fluid, state, goal, goes_on);
+            let attempt = workspace.attempt(&setting, system, fluid, state, goal, goes_on);
             if !goes_on() {
                 return Ok(None);
             }
@@ -150,7 +154,7 @@ impl Integrator {
             let is_least = 0.5 * step < self.setting.parameters.minimum_step;
             // The midpoint rule promises no energy, and where it goes on from the middle of the step through a soft contact, no
             // smaller step helps.
-            let scheme = self.setting.parameters.scheme.rules();
+            let scheme = setting.parameters.scheme.rules();
             let bound = (!is_least && !scheme.extrapolates()).then_some(stage);
             let smaller = match attempt {
                 // Before the energy of its contacts has grown that would rise with their stiffness.
@@ -197,6 +201,13 @@ impl Integrator {
                     debug!(time = state.time, step, reason = %failure, "contact stiffened");
                     step
                 }
+                Err(failure) if scheme.extrapolates() && failure.is_work_of_contact() => {
+                    report.newton_iterations += failure.iterations();
+                    system.restore_contact_stiffness(stiffness);
+                    setting = self.setting.dissipative();
+                    debug!(time = state.time, step, reason = %failure, "an impact ends the step");
+                    step
+                }
                 Err(failure) => {
                     report.newton_iterations += failure.iterations();
                     crosses |= matches!(failure, Failure::Crossing { .. });
@@ -228,7 +239,10 @@ impl Integrator {
             }
         }
         report.step = self.control.size(&sizes, goal - state.time);
-        report.exchange = self.accepted(system, state, goal).exchange();
+        let scheme = setting.parameters.scheme;
+        report.exchange = self.accepted(system, state, goal, scheme).exchange();
+        (report.obstacle_work, report.contact_force) = system.work_of_obstacles();
+        report.stiffening = system.energy_of_stiffening(stiffness);
         self.heed_events(system, state.time, goal);
         self.accept(system, state, goal);
         report.time = state.time;
@@ -309,14 +323,20 @@ impl Integrator {
         self.control.decide(step, error, law, attempt.iterations)
     }
 
-    fn accepted<'a>(&'a self, system: &'a System, state: &'a State, goal: f64) -> AcceptedStep<'a> {
+    fn accepted<'a>(
+        &'a self,
+        system: &'a System,
+        state: &'a State,
+        goal: f64,
+        scheme: Scheme,
+    ) -> AcceptedStep<'a> {
         AcceptedStep {
             system,
             before: &state.unknowns,
             after: &self.workspace.trial.unknowns,
             velocity: &self.workspace.next_velocity,
             step: goal - state.time,
-            scheme: self.setting.parameters.scheme,
+            scheme,
         }
     }
 

@@ -25,6 +25,9 @@ mod exchange;
 mod failure;
 mod flow_scene;
 mod history;
+mod impact;
+#[cfg(test)]
+mod impact_tests;
 mod integrator;
 mod intervene;
 mod measure;

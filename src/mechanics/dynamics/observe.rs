@@ -1,6 +1,7 @@
 //! What can be seen of a simulation, and how it is saved and restored.
 
 use super::Simulation;
+use super::parameters::Scheme;
 use super::report::{Energies, SimulationError, SimulationState};
 use super::state::State;
 use crate::mechanics::contact::{ActiveContact, Proximity};
@@ -94,12 +95,20 @@ impl Simulation {
             stretching: elastic.stretching,
             bending: elastic.bending,
             twisting: elastic.twisting,
-            contact: self
-                .system
-                .contact
-                .as_ref()
-                .map_or(0.0, |contact| contact.energy()),
+            contact: self.contact_energy(),
             gravitational: of_nodes + loads.gravitational_energy_of_arms(*time, unknowns),
+        }
+    }
+
+    /// Energy of the contacts now, J. The midpoint rule evaluates them in the middle of its steps.
+    fn contact_energy(&self) -> f64 {
+        let scheme = self.integrator.setting.parameters.scheme;
+        match &self.system.contact {
+            None => 0.0,
+            Some(_) if scheme == Scheme::ImplicitMidpoint => {
+                self.system.contact_energy_at(&self.published.positions)
+            }
+            Some(contact) => contact.energy(),
         }
     }
 

@@ -61,6 +61,12 @@ pub struct StepReport {
     pub nearest: Option<Proximity>,
     /// Work done and energy lost.
     pub exchange: Exchange,
+    /// Work that moving obstacles did on the rods by normal forces, J.
+    pub obstacle_work: f64,
+    /// Energy that a change of the contact stiffness made at the start of the step, J.
+    pub stiffening: f64,
+    /// Sum of all normal contact forces, N.
+    pub contact_force: f64,
 }
 
 /// Energy that rods took in and gave off, J.

@@ -96,9 +96,8 @@ impl Simulation {
         self.publish();
         if let Ok(Some(report)) = &result {
             let mut validity = std::mem::take(&mut self.validity);
-            let scheme = self.integrator.setting.parameters.scheme;
             let unknowns = &self.state.unknowns;
-            validity.after_step(&self.system, scheme, report, unknowns, || self.energies());
+            let ruined = validity.after_step(&self.system, report, unknowns, || self.energies());
             if self.integrator.rings {
                 validity.note_ringing(report.time);
             }
@@ -114,6 +113,9 @@ impl Simulation {
             } = &mut self.state;
             if self.system.break_joints(*time, unknowns, velocity) {
                 self.begin_anew();
+            }
+            if let Some(reason) = ruined {
+                return Err(SimulationError::Unphysical(reason));
             }
         }
         result.map_err(|error| self.explain(error))

@@ -383,9 +383,11 @@ impl Workspace {
                 crossing,
             });
         }
-        let of_contact = (is_evaluated || system.has_constraints())
-            .then(|| system.work_of_contact(&self.stage, trial))
-            .flatten();
+        let of_contact = if is_evaluated || system.has_constraints() {
+            system.work_of_contact(&self.stage, trial)
+        } else {
+            system.work_of_contact_in_the_middle(&self.stage, trial)
+        };
         if let Some(work) = of_contact {
             let forces = Forces::Contact;
             return Err(Failure::Work {

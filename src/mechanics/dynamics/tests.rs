@@ -321,16 +321,19 @@ fn a_short_step_to_an_output_time_converges() {
     }
 }
 
-/// Runs `scene` and says what was logged at the level of warnings.
+/// Runs `scene` and returns what was logged at the level of warnings, and the error that ended it early.
 fn warnings(scene: &Scene, parameters: &IntegrationParameters, end: f64) -> Vec<String> {
     let log = Log::default();
-    tracing::subscriber::with_default(log.clone(), || {
+    let ended = tracing::subscriber::with_default(log.clone(), || {
         let mut simulation = Simulation::new(scene, parameters).unwrap();
         while simulation.time() < end {
-            simulation.advance(end).unwrap();
+            simulation.advance(end)?;
         }
+        Ok::<_, SimulationError>(())
     });
-    log.lines()
+    let mut lines = log.lines();
+    lines.extend(ended.err().map(|error| error.to_string()));
+    lines
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! Each is a warning in the log when it first happens, and a remark at the end with its largest size: the numbers are what
 //! the model gives, but not what a rod does.
 
-use super::parameters::{Scheme, StepSize};
+use super::parameters::StepSize;
 use super::report::{Energies, StepReport};
 use super::validity_memory::{CaughtSlide, Gain, LargeStrain, SmallSteps, ValidityMemory};
 use crate::mechanics::Vector3;
@@ -22,8 +22,17 @@ const LARGEST_BEND: f64 = 0.2;
 pub const LARGEST_CATCH: f64 = 0.05;
 /// Stretch at which a lack of convergence is no wonder.
 const CRUSHING: f64 = 0.5;
-/// Gain of energy that is no more rounding, Newton's method or a swing of the midpoint rule, over the largest energy so far.
+/// Gain of energy that is no more rounding, Newton's method or a swing of the midpoint rule, over the largest energy so far
+/// that is explained.
 const LARGEST_GAIN: f64 = 0.05;
+/// Gain at which a run ends: what it has then says nothing of the rods.
+const RUINOUS_GAIN: f64 = 1.0;
+/// Part of all energy exchanged by which it may be counted wrongly: work is a sum of forces at the ends of steps.
+const MISCOUNTED: f64 = 0.1;
+/// Energy of a gain that counts as none, of what bends each rod by a radian over its length, EI/L.
+const ROUNDING: f64 = 1e-6;
+/// Part of the explained energy that a step may make by stiffer contact, which is bounded elsewhere.
+const STIFFENED: f64 = 1e-2;
 /// Distance of centrelines over the sum of the radii within which rods count as meeting.
 const NEAR: f64 = 1.5;
 /// Steps between two looks, which cost some thousandths of a step each.
@@ -47,6 +56,10 @@ pub(super) struct Validity {
     wave_speeds: Vec<f64>,
     /// Whether steps are chosen by their error.
     has_automatic_steps: bool,
+    /// Distance tolerance δ of contact, m; 0 without.
+    distance_tolerance: f64,
+    /// Energy that counts as none, J.
+    rounding: f64,
     pub memory: ValidityMemory,
 }
 
@@ -94,7 +107,7 @@ impl Validity {
             | LoadKind::FollowerMoment { .. }
             | LoadKind::FollowerDistributed { .. } => false,
         };
-        // The work of a clamp that turns is not counted, nor that of natural strains, nor that of a contact that is made stiffer.
+        // The work of a clamp that turns is not counted, nor that of natural strains.
         let turns = |clamp: &Clamp| {
             let motion = &clamp.motion;
             motion.angular_velocity != 0.0
@@ -108,9 +121,12 @@ impl Validity {
                 .collect(),
             wave_speeds: scene.rods.iter().map(wave_speed).collect(),
             has_automatic_steps: false,
+            distance_tolerance: scene
+                .contact
+                .map_or(0.0, |contact| contact.distance_tolerance),
+            rounding: ROUNDING * scene.rods.iter().map(bending_energy).sum::<f64>(),
             memory: ValidityMemory {
                 is_conservative: scene.fluid.is_none()
-                    && scene.contact.is_none()
                     && scene.actuations.is_empty()
                     && scene.loads.iter().all(is_accounted_for)
                     && !scene.clamps.iter().any(turns),
@@ -282,35 +298,42 @@ impl Validity {
         }
     }
 
-    /// After a step: looks now and then.
+    /// After a step: looks now and then. Says why the run must end where the energy has grown beyond all measure.
+    ///
+    /// The energy E of rods and contacts less what was taken in W must not grow: the gain is (E − W) less the least of that
+    /// so far. It is measured by the largest kinetic and elastic energy that is not gain, with a tenth of all energy
+    /// exchanged; contacts that rest hold some part of their force times δ, by which it may swing.
     pub fn after_step(
         &mut self,
         system: &System,
-        scheme: Scheme,
         report: &StepReport,
         unknowns: &[f64],
         energies: impl Fn() -> Energies,
-    ) {
-        let (time, exchange) = (report.time, &report.exchange);
-        self.memory.taken_in += exchange.clamp_work - exchange.friction_loss - exchange.drag_loss;
+    ) -> Option<String> {
+        let time = report.time;
+        self.count_exchange(report);
         self.memory.steps += 1;
         if self.memory.steps % INTERVAL != 1 {
-            return;
+            return None;
         }
         self.check_strains(system, unknowns, time);
         self.check_slides(system, time);
-        // Implicit Euler takes energy and never gives any.
+        if !self.memory.is_conservative {
+            return None;
+        }
+        let resting = self.energy_of_resting_contacts(time);
         let advice = self.gaining();
         let memory = &mut self.memory;
-        if scheme == Scheme::ImplicitEuler || !memory.is_conservative {
-            return;
-        }
         let now = energies();
-        memory.largest = memory.largest.max(now.kinetic + now.elastic());
-        let start = *memory.start.get_or_insert(now.total() - memory.taken_in);
-        let gain = now.total() - memory.taken_in - start;
-        if gain > LARGEST_GAIN * memory.largest {
-            let relative = gain / memory.largest;
+        let own = now.total() - memory.taken_in;
+        let lowest = memory.lowest.map_or(own, |lowest| lowest.min(own));
+        memory.lowest = Some(lowest);
+        let gain = own - lowest;
+        memory.explained = (memory.explained).max(now.kinetic + now.elastic() - gain);
+        let scale = memory.explained + MISCOUNTED * memory.exchanged;
+        let negligible = resting + self.rounding;
+        if gain > LARGEST_GAIN * scale + negligible {
+            let relative = gain / scale;
             let earlier = memory.gain;
             memory.gain = Some(Gain {
                 relative: earlier.map_or(relative, |earlier| earlier.relative.max(relative)),
@@ -322,6 +345,32 @@ impl Validity {
                     100.0 * relative
                 );
             }
+        }
+        (gain > RUINOUS_GAIN * scale + negligible).then(|| {
+            format!(
+                "at t = {time:.6e} s the rods have gained {gain:.3e} J that nothing gave them, more than the {scale:.3e} J that they had: {advice}"
+            )
+        })
+    }
+
+    /// Counts what a step took in and lost.
+    fn count_exchange(&mut self, report: &StepReport) {
+        let exchange = &report.exchange;
+        let lost = exchange.friction_loss + exchange.drag_loss;
+        let given = exchange.clamp_work + report.obstacle_work;
+        let memory = &mut self.memory;
+        memory.impulse += report.contact_force * report.step;
+        let bound = STIFFENED * memory.explained + self.distance_tolerance * report.contact_force;
+        memory.taken_in += given - lost + report.stiffening.min(bound);
+        memory.exchanged += exchange.clamp_work.abs() + report.obstacle_work.abs() + lost.abs();
+    }
+
+    /// Mean normal force of all contacts so far times δ, J.
+    fn energy_of_resting_contacts(&self, time: f64) -> f64 {
+        if time > 0.0 {
+            self.memory.impulse / time * self.distance_tolerance
+        } else {
+            0.0
         }
     }
 
@@ -391,6 +440,16 @@ fn in_words(system: &System, caught: &CaughtSlide) -> String {
         "the edges of rod `{rail}` are too long for the force with which node {node} of rod `{rod}` slides along it: they catch it like a friction coefficient of up to {:.2}{when}; with edges of {:.2e} m it would be {LARGEST_CATCH}",
         caught.friction, caught.edge
     )
+}
+
+/// EI/L of the stiffer direction, J; 0 of a rod that is held.
+fn bending_energy(rod: &RodDescription) -> f64 {
+    if rod.held {
+        return 0.0;
+    }
+    let edges = rod.centreline.windows(2);
+    let length: f64 = edges.map(|ends| (ends[1] - ends[0]).norm()).sum();
+    rod.stiffness.bending[0].max(rod.stiffness.bending[1]) / length
 }
 
 fn wave_speed(rod: &RodDescription) -> f64 {

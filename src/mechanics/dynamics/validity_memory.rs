@@ -15,10 +15,10 @@ pub struct LargeStrain {
     pub since: f64,
 }
 
-/// The largest gain of energy, over the largest energy.
+/// The largest gain of energy, over the largest energy that does not come from nowhere.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gain {
-    /// The gain over the largest energy.
+    /// The gain over that energy.
     pub relative: f64,
     /// Since when there has been one, s.
     pub since: f64,
@@ -78,13 +78,17 @@ pub struct CaughtSlide {
 pub struct ValidityMemory {
     /// Steps so far.
     pub steps: usize,
-    /// Energy at the start, J.
-    pub start: Option<f64>,
-    /// What clamps did less what was lost since, J.
+    /// What clamps and obstacles did less what was lost since the start, J.
     pub taken_in: f64,
-    /// Largest kinetic and elastic energy so far, J.
-    pub largest: f64,
-    /// Whether energy can only come from clamps, so that any other gain is an error of the scheme.
+    /// What was taken in and lost, without signs, J.
+    pub exchanged: f64,
+    /// Least energy so far less what was taken in until then, J.
+    pub lowest: Option<f64>,
+    /// Largest kinetic and elastic energy so far that does not come from nowhere, J.
+    pub explained: f64,
+    /// Normal forces of all contacts times time, N s.
+    pub impulse: f64,
+    /// Whether all that gives and takes energy is counted, so that any other gain is an error of the scheme.
     pub is_conservative: bool,
     /// The largest stretch beyond its bound.
     pub stretch: Option<LargeStrain>,

@@ -9,7 +9,7 @@
 
 use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::ContactSystem;
+use crate::mechanics::contact::{ContactSystem, Stored};
 use crate::mechanics::rod::{STRIDE, topology::position};
 
 /// Energy that a rise of the stiffness may make, of the kinetic and elastic energy of the scene.
@@ -43,6 +43,26 @@ impl System {
     /// Contact stiffness k; zero without contact.
     pub fn contact_stiffness(&self) -> f64 {
         self.contact.as_ref().map_or(0.0, ContactSystem::stiffness)
+    }
+
+    /// Sets the contact stiffness back to what it was before a step that is repeated.
+    pub fn restore_contact_stiffness(&mut self, stiffness: f64) {
+        if let Some(contact) = &mut self.contact {
+            contact.set_stiffness(stiffness);
+        }
+    }
+
+    /// Energy that the change of the contact stiffness from `before` has made in this step, J.
+    pub fn energy_of_stiffening(&mut self, before: f64) -> f64 {
+        let Some(contact) = &mut self.contact else {
+            return 0.0;
+        };
+        let now = contact.stiffness();
+        if now == before {
+            return 0.0;
+        }
+        let stored = stored_at_start(contact, before, &self.step_start).energy;
+        stored_at_start(contact, now, &self.step_start).energy - stored
     }
 
     /// Lowers the contact stiffness, risen from `before`, as far as the energy of the contacts at the start of a step asks
@@ -83,13 +103,13 @@ impl System {
         if wanted <= before {
             return;
         }
-        let stored = energy_at_start(contact, before, stage);
+        let stored = stored_at_start(contact, before, &self.step_start).energy;
         if stored == 0.0 {
             return contact.set_stiffness(wanted);
         }
-        let made = energy_at_start(contact, wanted, stage) - stored;
-        let by_contacts =
-            MADE_BY_CONTACT * contact.contact_count() as f64 * contact.work_over_tolerance();
+        let Stored { energy, contacts } = stored_at_start(contact, wanted, &self.step_start);
+        let made = energy - stored;
+        let by_contacts = MADE_BY_CONTACT * contacts as f64 * contact.work_over_tolerance();
         let mut allowed = by_contacts + MADE * self.kinetic_energy_at_start(stage);
         if made > allowed {
             allowed += MADE * self.elastic_energy().total();
@@ -110,9 +130,8 @@ impl System {
     }
 }
 
-/// Energy of the contacts where the step begins, J, with the stiffness k, which is left.
-fn energy_at_start(contact: &mut ContactSystem, stiffness: f64, stage: &Stage) -> f64 {
+/// What the contacts hold where the step begins, with the stiffness k, which is left.
+fn stored_at_start(contact: &mut ContactSystem, stiffness: f64, start: &[Vector3]) -> Stored {
     contact.set_stiffness(stiffness);
-    contact.evaluate_forces(&stage.positions, &stage.positions, f64::INFINITY);
-    contact.energy()
+    contact.stored_at_start(start)
 }

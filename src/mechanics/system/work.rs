@@ -6,7 +6,7 @@
 //! of their thickness, however, are pushed apart along a normal that has turned meanwhile, and an edge that is compressed is
 //! pushed along as it turns. A step in which that brings energy is repeated.
 
-use super::{Stage, System};
+use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::STRIDE;
@@ -14,6 +14,8 @@ use crate::mechanics::rod::topology::position;
 
 /// Energy that counts as none, of the kinetic and elastic energy of the scene.
 const NEGLIGIBLE: f64 = 1e-3;
+/// The same for contacts in steps of the midpoint rule, which take no energy either: an impact takes many of them.
+const NEGLIGIBLE_IN_THE_MIDDLE: f64 = 1e-5;
 /// The same of what all contact forces do over the distance tolerance δ: rods that lie still move by less, this way and that.
 const NEGLIGIBLE_WAY: f64 = 0.2;
 /// Turn of an edge within a step, rad, up to which strains count as linear: what that leaves out is half of its square.
@@ -24,7 +26,7 @@ impl System {
     /// negligible; of contact forces that hold where the step ends. Rigid contacts hold no energy.
     pub fn work_of_contact(&self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
         let contact = self.contact.as_ref()?;
-        let (work, forces) = work_and_forces(contact, stage, unknowns);
+        let (work, forces) = self.work_and_forces(contact, unknowns);
         let way = NEGLIGIBLE_WAY * contact.parameters().distance_tolerance * forces;
         let kinetic = self.kinetic_energy_at_start(stage);
         let is_small = |made: f64, energy: f64| made <= NEGLIGIBLE * energy + way;
@@ -37,10 +39,102 @@ impl System {
         if is_small(most, energy) {
             return None;
         }
-        let mut before = contact.clone();
-        before.evaluate_forces(&stage.positions, &stage.positions, f64::INFINITY);
-        let made = most - before.energy();
+        let made = most - contact.stored_at_start(&self.step_start).energy;
         (!is_small(made, energy)).then_some(made)
+    }
+
+    /// f·(x₁ − x₀) and |f|, summed over the contacts.
+    fn work_and_forces(&self, contact: &ContactSystem, unknowns: &[f64]) -> (f64, f64) {
+        let moved = |node: usize| position(unknowns, node) - self.step_start[node];
+        let (mut work, mut forces) = (0.0, 0.0);
+        for pair in contact.contacts() {
+            forces += pair.normal_force.abs();
+            for (node, force) in pair.nodes.iter().zip(pair.force.chunks_exact(3)) {
+                let moved = if contact.is_of_rod(*node) {
+                    moved(*node)
+                } else {
+                    contact.vertex_motion(*node)
+                };
+                work += Vector3::new(force[0], force[1], force[2]).dot(&moved);
+            }
+        }
+        for touched in contact.plane_contacts() {
+            forces += touched.normal_force.abs();
+            work += Vector3::from(touched.force).dot(&moved(touched.node));
+        }
+        (work, forces)
+    }
+
+    /// Energy that contacts bring into a step of the midpoint rule that ends at `unknowns`, J, where it is not negligible; of
+    /// normal forces in the middle of the step, with what a change of the contact stiffness makes. `None` also where nothing
+    /// touches.
+    pub fn work_of_contact_in_the_middle(
+        &mut self,
+        stage: &Stage,
+        unknowns: &[f64],
+    ) -> Option<f64> {
+        let contact = self.contact.take()?;
+        copy_positions(unknowns, &mut self.positions);
+        let made = self.normal_work(&contact, unknowns) + contact.energy_at(&self.positions)
+            - self.stored_by_contact;
+        self.contact = Some(contact);
+        if made <= 0.0 {
+            return None;
+        }
+        let energy = self.kinetic_energy_at_start(stage) + self.elastic_energy().total();
+        (made > NEGLIGIBLE_IN_THE_MIDDLE * energy).then_some(made)
+    }
+
+    /// Work of the normal forces of all contacts along the way to `unknowns`, J.
+    fn normal_work(&self, contact: &ContactSystem, unknowns: &[f64]) -> f64 {
+        let moved = |node: usize| position(unknowns, node) - self.step_start[node];
+        let mut work = 0.0;
+        for pair in contact.contacts() {
+            for (node, force) in pair.nodes.iter().zip(pair.force.chunks_exact(3)) {
+                let moved = if contact.is_of_rod(*node) {
+                    moved(*node)
+                } else {
+                    contact.vertex_motion(*node)
+                };
+                let along = Vector3::from_column_slice(force).dot(&pair.normal);
+                work += along * pair.normal.dot(&moved) / pair.normal.norm_squared();
+            }
+        }
+        for touched in contact.plane_contacts() {
+            let normal = &contact.planes()[touched.plane].normal;
+            let along = Vector3::from(touched.force).dot(normal);
+            work += along * normal.dot(&moved(touched.node));
+        }
+        work
+    }
+
+    /// Energy that contacts hold at `positions`, J.
+    pub fn contact_energy_at(&self, positions: &[Vector3]) -> f64 {
+        let contact = self.contact.as_ref();
+        contact.map_or(0.0, |contact| contact.energy_at(positions))
+    }
+
+    /// What moves the obstacles against the normal forces of the contacts gives the rods in the step, J; and the sum of these
+    /// forces, N.
+    pub fn work_of_obstacles(&self) -> (f64, f64) {
+        let Some(contact) = &self.contact else {
+            return (0.0, 0.0);
+        };
+        let (mut work, mut forces) = (0.0, 0.0);
+        for pair in contact.contacts() {
+            forces += pair.normal_force;
+            let corners = pair.nodes.iter().zip(pair.force.chunks_exact(3));
+            for (node, force) in corners.filter(|(node, _)| !contact.is_of_rod(**node)) {
+                let along = Vector3::from_column_slice(force).dot(&pair.normal);
+                let motion = contact.vertex_motion(*node);
+                work -= along * pair.normal.dot(&motion) / pair.normal.norm_squared();
+            }
+        }
+        let planes = contact.plane_contacts().iter();
+        (
+            work,
+            forces + planes.map(|one| one.normal_force).sum::<f64>(),
+        )
     }
 
     /// Energy that elastic forces bring into a step of implicit Euler that ends at `unknowns`, where they were evaluated last,
@@ -86,28 +180,6 @@ impl System {
             turn > FAR_TURN * edge.natural_length || spin > FAR_TURN
         }) || self.springs.turn_by(FAR_TURN, moved)
     }
-}
-
-/// f·(x₁ − x₀) and |f|, summed over the contacts.
-fn work_and_forces(contact: &ContactSystem, stage: &Stage, unknowns: &[f64]) -> (f64, f64) {
-    let moved = |node: usize| position(unknowns, node) - stage.positions[node];
-    let (mut work, mut forces) = (0.0, 0.0);
-    for pair in contact.contacts() {
-        forces += pair.normal_force.abs();
-        for (node, force) in pair.nodes.iter().zip(pair.force.chunks_exact(3)) {
-            let moved = if contact.is_of_rod(*node) {
-                moved(*node)
-            } else {
-                contact.vertex_motion(*node)
-            };
-            work += Vector3::new(force[0], force[1], force[2]).dot(&moved);
-        }
-    }
-    for touched in contact.plane_contacts() {
-        forces += touched.normal_force.abs();
-        work += Vector3::from(touched.force).dot(&moved(touched.node));
-    }
-    (work, forces)
 }
 
 #[cfg(test)]

@@ -1,0 +1,211 @@
+//! Impacts, and energy that nothing gave: restitution never exceeds 1, and a run whose energy grows beyond all measure ends.
+
+use super::tests::{clamp, straight_rod};
+use super::*;
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::scene::{Clamp, Load, LoadKind, Plane, RodDescription, Scene, Stiffness};
+
+fn gravity() -> Vec<Load> {
+    vec![Load {
+        kind: LoadKind::Gravity {
+            acceleration: Vector3::z() * -9.81,
+        },
+        schedule: Vec::new(),
+    }]
+}
+
+/// A soft rod, tilted, that falls by about 5 cm on a smooth plane.
+fn falling(model: ContactModel) -> Scene {
+    let rod = RodDescription {
+        centreline: (0..=10)
+            .map(|k| Vector3::new(4e-3 * f64::from(k), 0.0, 0.05 + 1e-3 * f64::from(k)))
+            .collect(),
+        radius: 1.2e-3,
+        ..straight_rod(10, 0.04)
+    };
+    Scene {
+        rods: vec![rod],
+        loads: gravity(),
+        planes: vec![Plane {
+            point: Vector3::zeros(),
+            normal: Vector3::z(),
+            friction: None,
+        }],
+        contact: Some(ContactParameters {
+            model,
+            distance_tolerance: 2e-4,
+            stiffness_factor: if model == ContactModel::ImplicitContact {
+                1e5
+            } else {
+                1.0
+            },
+            ..ContactParameters::default()
+        }),
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn a_rod_that_bounces_never_has_more_energy_than_it_fell_with() {
+    for model in [
+        ContactModel::ImplicitContact,
+        ContactModel::IncrementalPotential,
+    ] {
+        for step in [2e-4, 1e-3, 2e-3] {
+            let parameters = IntegrationParameters {
+                scheme: Scheme::ImplicitMidpoint,
+                step: StepSize::Fixed(step),
+                ..IntegrationParameters::default()
+            };
+            let mut simulation = Simulation::new(&falling(model), &parameters).unwrap();
+            let start = simulation.energies().total();
+            let (mut fastest, mut least) = (0.0_f64, f64::INFINITY);
+            while simulation.time() < 0.4 {
+                simulation.advance(0.4).unwrap();
+                let now = simulation.energies();
+                fastest = fastest.max(now.kinetic);
+                least = least.min(simulation.positions()[0].z);
+                let gained = now.total() - start;
+                assert!(
+                    gained < 1e-2 * fastest,
+                    "{model:?}, steps of {step} s: {gained} J at {} s",
+                    simulation.time()
+                );
+            }
+            assert!(least < 1.5e-3, "it came down");
+            let remarks = simulation.remarks();
+            assert!(
+                remarks.iter().all(|text| !text.contains("gained")),
+                "{remarks:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_free_flight_of_the_midpoint_rule_keeps_its_energy_beside_a_plane() {
+    let mut scene = falling(ContactModel::ImplicitContact);
+    scene.planes[0].point = Vector3::z() * -10.0;
+    let parameters = IntegrationParameters {
+        scheme: Scheme::ImplicitMidpoint,
+        step: StepSize::Fixed(1e-3),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+    let start = simulation.energies().total();
+    while simulation.time() < 0.3 {
+        simulation.advance(0.3).unwrap();
+    }
+    let now = simulation.energies();
+    assert!((now.total() - start).abs() < 1e-9 * now.kinetic);
+}
+
+/// A bent strip that falls from its end like a folded chain, in steps of the midpoint rule that do not resolve how it stretches.
+#[test]
+fn a_run_that_gains_more_energy_than_it_had_ends() {
+    let centreline = (0..=20).map(|k| {
+        let angle = 0.15 * f64::from(k);
+        Vector3::new(1.0 - libm::cos(angle), 0.0, -libm::sin(angle)) * 0.05
+    });
+    let rod = RodDescription {
+        centreline: centreline.collect(),
+        stiffness: Stiffness {
+            stretching: 3000.0,
+            bending: [8e-4; 2],
+            twisting: 6e-4,
+        },
+        radius: 1e-3,
+        mass_per_length: 3e-3,
+        ..straight_rod(20, 0.2)
+    };
+    let scene = Scene {
+        rods: vec![rod],
+        clamps: vec![Clamp {
+            holds_frame: false,
+            ..clamp(0)
+        }],
+        loads: gravity(),
+        ..Scene::default()
+    };
+    let run = |scheme| {
+        let parameters = IntegrationParameters {
+            scheme,
+            step: StepSize::Fixed(5e-3),
+            ..IntegrationParameters::default()
+        };
+        let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+        while simulation.time() < 2.0 {
+            simulation.advance(2.0)?;
+        }
+        Ok::<_, SimulationError>(simulation.remarks())
+    };
+    let error = run(Scheme::ImplicitMidpoint).unwrap_err();
+    let text = error.to_string();
+    assert!(matches!(error, SimulationError::Unphysical(_)), "{text}");
+    assert!(text.contains("nothing gave them"), "{text}");
+    for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
+        let remarks = run(scheme).unwrap();
+        assert!(
+            remarks.iter().all(|text| !text.contains("gained")),
+            "{remarks:?}"
+        );
+    }
+}
+
+/// Two soft rings that meet at a thousand metres per second: what is reported of the contacts of a step is that of its end.
+#[test]
+fn surfaces_reported_after_an_impact_overlap_by_no_more_than_is_allowed() {
+    let ring = |centre: Vector3, across: Vector3, velocity: Vector3| {
+        let nodes = (0..24).map(|k| {
+            let angle = std::f64::consts::TAU * f64::from(k) / 24.0;
+            centre + (Vector3::x() * libm::cos(angle) + across * libm::sin(angle)) * 0.05
+        });
+        let (young, radius) = (1e6, 2e-3);
+        let area = std::f64::consts::PI * radius * radius;
+        let bending = 0.25 * young * area * radius * radius;
+        RodDescription {
+            closed: true,
+            velocity,
+            ..RodDescription::uniform(
+                "ring",
+                nodes.collect(),
+                Stiffness {
+                    stretching: young * area,
+                    bending: [bending; 2],
+                    twisting: bending / 1.5,
+                },
+                radius,
+                1000.0 * area,
+            )
+        }
+    };
+    let scene = Scene {
+        rods: vec![
+            ring(Vector3::zeros(), Vector3::y(), Vector3::x() * -500.0),
+            ring(
+                Vector3::x() * 0.05,
+                Vector3::z(),
+                Vector3::new(500.0, 50.0, 30.0),
+            ),
+        ],
+        contact: Some(ContactParameters {
+            distance_tolerance: 2e-5,
+            ..ContactParameters::default()
+        }),
+        ..Scene::default()
+    };
+    let parameters = IntegrationParameters {
+        scheme: Scheme::BackwardDifferences,
+        step: StepSize::Fixed(1e-3),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+    while simulation.time() < 5e-3 {
+        let report = simulation.advance(5e-3).unwrap();
+        let reported = report.nearest.map_or(1.0, |nearest| nearest.ratio());
+        assert!(reported > 0.95, "{reported} at {} s", report.time);
+        let now = simulation.nearest().map_or(1.0, |nearest| nearest.ratio());
+        assert!(now > 0.95, "{now} at {} s", report.time);
+    }
+}
