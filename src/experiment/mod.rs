@@ -62,7 +62,7 @@ pub use knot::{
 pub use prepare::{Jitter, place_obstacles, prepare, try_scene};
 
 use crate::scenario::keys::ExperimentKeys;
-use crate::scenario::{self, CaseSet, Experiments, Loaded, ScenarioError};
+use crate::scenario::{self, CaseSet, Experiments, Loaded, Scales, ScenarioError};
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -139,6 +139,14 @@ pub fn case_set_from_text(
 /// JSON Schema of scenario files; see [`scenario::json_schema`].
 pub fn json_schema() -> serde_json::Value {
     scenario::json_schema(*EXPERIMENTS)
+}
+
+/// A scenario file in other units; see [`scenario::rescaled`].
+///
+/// # Errors
+/// What is wrong with the text as TOML.
+pub fn rescaled(text: &str, scales: &Scales) -> Result<String, toml::de::Error> {
+    scenario::rescaled(*EXPERIMENTS, text, scales)
 }
 
 /// The SI unit of a key of scenario files, if it has one.

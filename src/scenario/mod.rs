@@ -31,6 +31,7 @@ pub mod keys;
 mod load;
 mod overrides;
 mod own_tables;
+mod rescale;
 mod resolve;
 mod resolved;
 mod source;
@@ -47,6 +48,7 @@ pub use explain::{explain, json_schema, unit};
 pub use input_file::read_text_file;
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, load};
+pub use rescale::{Scales, rescaled};
 pub use resolve::{END_STATE, read_polyline};
 pub use resolved::{
     Actuation, ActuationKind, Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, Course,

@@ -6,6 +6,8 @@ pub trait Dimension: 'static {
     const NAME: &'static str;
     /// Units in the order in which messages list them.
     const UNITS: &'static [Unit];
+    /// Powers of metre, second and kilogram in the SI unit.
+    const POWERS: [i32; 3];
 }
 
 /// A unit of measurement.
@@ -45,7 +47,7 @@ const TURN: f64 = std::f64::consts::TAU;
 
 /// Declares the dimensions and the table of all of them.
 macro_rules! dimensions {
-    ($($(#[$doc:meta])* $dimension:ident = $name:literal, [$($unit:expr),* $(,)?];)*) => {
+    ($($(#[$doc:meta])* $dimension:ident = $name:literal, $powers:expr, [$($unit:expr),* $(,)?];)*) => {
         $(
             $(#[$doc])*
             #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,97 +56,111 @@ macro_rules! dimensions {
             impl Dimension for $dimension {
                 const NAME: &'static str = $name;
                 const UNITS: &'static [Unit] = &[$($unit),*];
+                const POWERS: [i32; 3] = $powers;
             }
         )*
 
         /// Every dimension's name and units.
         const DIMENSIONS: &[(&str, &[Unit])] =
             &[$((<$dimension as Dimension>::NAME, <$dimension as Dimension>::UNITS)),*];
+
+        /// Every dimension's name and its powers of metre, second and kilogram.
+        const POWERS: &[(&str, [i32; 3])] =
+            &[$((<$dimension as Dimension>::NAME, <$dimension as Dimension>::POWERS)),*];
     };
 }
 
 dimensions! {
     /// A pure number.
-    Dimensionless = "a pure number", [];
+    Dimensionless = "a pure number", [0, 0, 0], [];
     /// Length, m.
-    Length = "a length", [
+    Length = "a length", [1, 0, 0], [
         decimal("m", 0), decimal("cm", -2), decimal("mm", -3), decimal("µm", -6), decimal("um", -6),
         decimal("nm", -9), decimal("km", 3), factor("in", 0.0254),
     ];
     /// Time, s.
-    Time = "a time", [
+    Time = "a time", [0, 1, 0], [
         decimal("s", 0), decimal("ms", -3), decimal("µs", -6), decimal("us", -6),
         factor("min", 60.0), factor("h", 3600.0),
     ];
     /// Angle, rad.
-    Angle = "an angle", [
+    Angle = "an angle", [0, 0, 0], [
         decimal("rad", 0), decimal("mrad", -3), factor("deg", DEGREE), factor("°", DEGREE),
         factor("turn", TURN), factor("turns", TURN),
     ];
     /// Velocity, m/s.
-    Velocity = "a velocity", [
+    Velocity = "a velocity", [1, -1, 0], [
         decimal("m/s", 0), decimal("cm/s", -2), decimal("mm/s", -3), decimal("µm/s", -6),
         decimal("um/s", -6),
     ];
     /// Frequency, 1/s.
-    Frequency = "a frequency", [decimal("Hz", 0), decimal("1/s", 0), decimal("kHz", 3)];
+    Frequency = "a frequency", [0, -1, 0], [decimal("Hz", 0), decimal("1/s", 0), decimal("kHz", 3)];
     /// Angular velocity, rad/s.
-    AngularVelocity = "an angular velocity", [
+    AngularVelocity = "an angular velocity", [0, -1, 0], [
         decimal("rad/s", 0), factor("deg/s", DEGREE), factor("°/s", DEGREE),
         factor("rpm", TURN / 60.0), factor("turn/s", TURN),
     ];
     /// Acceleration, m/s².
-    Acceleration = "an acceleration", [
+    Acceleration = "an acceleration", [1, -2, 0], [
         decimal("m/s^2", 0), decimal("cm/s^2", -2), decimal("mm/s^2", -3),
     ];
     /// Pressure or elastic modulus, Pa.
-    Pressure = "a pressure", [
+    Pressure = "a pressure", [-1, -2, 1], [
         decimal("Pa", 0), decimal("kPa", 3), decimal("MPa", 6), decimal("GPa", 9),
         decimal("N/m^2", 0), decimal("N/mm^2", 6),
     ];
     /// Density, kg/m³.
-    Density = "a density", [decimal("kg/m^3", 0), decimal("g/cm^3", 3)];
+    Density = "a density", [-3, 0, 1], [decimal("kg/m^3", 0), decimal("g/cm^3", 3)];
     /// Mass, kg.
-    Mass = "a mass", [decimal("kg", 0), decimal("g", -3), decimal("mg", -6), decimal("t", 3)];
+    Mass = "a mass", [0, 0, 1], [decimal("kg", 0), decimal("g", -3), decimal("mg", -6), decimal("t", 3)];
     /// Moment of inertia, kg m².
-    MomentOfInertia = "a moment of inertia", [
+    MomentOfInertia = "a moment of inertia", [2, 0, 1], [
         decimal("kgm^2", 0), decimal("gm^2", -3), decimal("kgmm^2", -6), decimal("gmm^2", -9), decimal("gcm^2", -7),
     ];
     /// Dynamic viscosity, Pa s.
-    Viscosity = "a viscosity", [decimal("Pas", 0), decimal("mPas", -3), decimal("cP", -3), decimal("kPas", 3), decimal("MPas", 6)];
+    Viscosity = "a viscosity", [-1, -1, 1], [decimal("Pas", 0), decimal("mPas", -3), decimal("cP", -3), decimal("kPas", 3), decimal("MPas", 6)];
     /// Force, N.
-    Force = "a force", [
+    Force = "a force", [1, -2, 1], [
         decimal("N", 0), decimal("kN", 3), decimal("mN", -3), decimal("µN", -6), decimal("uN", -6),
     ];
     /// Moment, N m.
-    Moment = "a moment", [
+    Moment = "a moment", [2, -2, 1], [
         decimal("Nm", 0), decimal("Nmm", -3), decimal("mNm", -3), decimal("µNm", -6),
         decimal("uNm", -6),
     ];
     /// Force per length, N/m.
-    ForcePerLength = "a force per length", [
+    ForcePerLength = "a force per length", [0, -2, 1], [
         decimal("N/m", 0), decimal("mN/m", -3), decimal("N/mm", 3),
     ];
     /// Moment per angle, N m/rad.
-    TurningStiffness = "a turning stiffness", [
+    TurningStiffness = "a turning stiffness", [2, -2, 1], [
         decimal("Nm/rad", 0), decimal("Nmm/rad", -3), decimal("mNm/rad", -3), decimal("µNm/rad", -6),
         decimal("uNm/rad", -6), factor("Nm/deg", 1.0 / DEGREE), factor("Nm/°", 1.0 / DEGREE),
     ];
     /// Bending or twisting stiffness, N m².
-    Rigidity = "a bending stiffness", [
+    Rigidity = "a bending stiffness", [3, -2, 1], [
         decimal("Nm^2", 0), decimal("Nmm^2", -6), decimal("mNm^2", -3), decimal("µNm^2", -6),
         decimal("uNm^2", -6),
     ];
     /// Curvature, 1/m.
-    Curvature = "a curvature", [decimal("1/m", 0), decimal("1/cm", 2), decimal("1/mm", 3)];
+    Curvature = "a curvature", [-1, 0, 0], [decimal("1/m", 0), decimal("1/cm", 2), decimal("1/mm", 3)];
     /// Twist, rad/m.
-    Twist = "a twist", [
+    Twist = "a twist", [-1, 0, 0], [
         decimal("rad/m", 0), factor("deg/m", DEGREE), factor("turn/m", TURN), decimal("1/m", 0),
     ];
     /// Drag coefficient of the velocity per length, N s/m².
-    LinearDrag = "a drag coefficient", [decimal("Ns/m^2", 0), decimal("Pas", 0), decimal("mPas", -3)];
+    LinearDrag = "a drag coefficient", [-1, -1, 1], [decimal("Ns/m^2", 0), decimal("Pas", 0), decimal("mPas", -3)];
     /// Drag coefficient of the spin per length, N s.
-    SpinDrag = "a drag coefficient of spin", [decimal("Ns", 0), decimal("mNs", -3)];
+    SpinDrag = "a drag coefficient of spin", [1, -1, 1], [decimal("Ns", 0), decimal("mNs", -3)];
+}
+
+/// Powers of metre, second and kilogram of the dimension of this name without its article.
+pub fn powers_of(name: &str) -> Option<[i32; 3]> {
+    let without_article = |known: &'static str| known.split_once(' ').map(|(_, name)| name);
+    POWERS
+        .iter()
+        .find(|(known, _)| without_article(known) == Some(name))
+        .map(|(_, powers)| *powers)
 }
 
 /// Converts a number with a unit, such as `"1.6 mm"`, to SI units.
@@ -333,6 +349,23 @@ mod tests {
         assert_eq!(parse_any("15 rpm"), Some(15.0 * (TURN / 60.0)));
         assert_eq!(parse_any("imc"), None);
         assert_eq!(split_number("-1.5e-3 N m"), Ok((-1.5e-3, "N m")));
+    }
+
+    #[test]
+    fn powers_agree_with_the_symbols_of_units() {
+        assert_eq!(powers_of("force"), Some([1, -2, 1]));
+        assert_eq!(powers_of("bending stiffness"), Some([3, -2, 1]));
+        assert_eq!(powers_of("pure number"), Some([0, 0, 0]));
+        assert_eq!(powers_of("place"), None);
+        // One symbol names one dimension; "1/m" and "Pas" name two of the same powers.
+        let powers = |name: &str| POWERS.iter().find(|(known, _)| *known == name).unwrap().1;
+        for (name, units) in DIMENSIONS {
+            for (other, others) in DIMENSIONS {
+                if units.iter().any(|unit| others.contains(unit)) {
+                    assert_eq!(powers(name), powers(other), "{name} and {other}");
+                }
+            }
+        }
     }
 
     #[test]
