@@ -135,7 +135,7 @@ const RUNS: &[(&str, &[&str])] = &[
 const TURNED: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "1 MPa", poissons_ratio = 0.3, density = 1200.0 }
-time = { end = 0.5 }
+time = { step = 0.001, end = 0.5 }
 contact = { model = "ipc", friction = 0.3 }
 output = { interval = 0.1 }
 [[rods]]

@@ -8,7 +8,7 @@ const ROD: &str = "experiment = \"scene\"\n[material]\nyoungs_modulus = 1e6\npoi
     [[rods]]\nname = \"rod\"\nradius = 0.005\nedges = 20\nshape = { kind = \"straight\", start = [-0.5, 0, 0.1], end = [0.5, 0, 0.1] }\n";
 
 fn simulation(rest: &str) -> Result<Simulation, String> {
-    let text = format!("{ROD}{rest}\n[time]\nend = 0.1\n");
+    let text = format!("{ROD}{rest}\n[time]\nstep = 0.001\nend = 0.1\n");
     let loaded = from_text("rod", &text, Path::new(""), &[]).map_err(|error| error.to_string())?;
     let prepared = super::prepare(&loaded.scenario).map_err(|issues| {
         let located = loaded.locate(issues);
@@ -221,11 +221,11 @@ fn a_rod_shot_at_an_obstacle_at_ten_diameters_a_step_does_not_pass() {
     for (shape, height) in shapes {
         for model in ["imc", "ipc", "complementarity"] {
             let text = with(shape).replace("friction", &format!("model = \"{model}\"\nfriction"));
-            // 100 m/s, a tenth of the speed of waves, at the default step of 1 ms.
+            // 100 m/s, a tenth of the speed of waves, at steps of 1 ms.
             let shot = ROD
                 .replace("youngs_modulus = 1e6", "youngs_modulus = 1e9")
                 .replace("edges = 20", "edges = 20\nvelocity = [0, 0, -100]");
-            let text = format!("{shot}{text}\n[time]\nend = 0.004\n");
+            let text = format!("{shot}{text}\n[time]\nstep = 0.001\nend = 0.004\n");
             let loaded = from_text("rod", &text, Path::new(""), &[]).unwrap();
             let prepared = super::prepare(&loaded.scenario).unwrap();
             let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();

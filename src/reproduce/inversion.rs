@@ -168,7 +168,7 @@ impl Run for Inversion {
 
     fn prepare(&self) -> PreparedRun {
         let interval = 0.5 * self.resolution * self.radius / self.pull_speed;
-        let overrides = [
+        let mut overrides = vec![
             format!("title=\"{}\"", self.id()),
             format!("knot.unknotting_number={}", self.unknotting_number),
             format!("knot.end_to_end={:?}", LENGTH - self.start * self.radius),
@@ -186,6 +186,10 @@ impl Run for Inversion {
             format!("time.end={:?}", self.end()),
             format!("output.interval={interval:?}"),
         ];
+        if self.model == "imc" {
+            // That of the thesis whatever the radius.
+            overrides.push("contact.stiffness_factor=1e5".to_owned());
+        }
         prepared(&self.id(), BASE, &overrides)
     }
 

@@ -87,6 +87,6 @@ pub(super) fn integration_parameters(scenario: &Scenario) -> IntegrationParamete
         force_tolerance: scenario.solver.force_tolerance,
         displacement_tolerance: scenario.solver.displacement_tolerance,
         maximum_iterations: scenario.solver.maximum_iterations,
-        minimum_step: scenario.solver.minimum_step,
+        minimum_step: (scenario.solver.minimum_step).unwrap_or(defaults.minimum_step),
     }
 }

@@ -19,6 +19,8 @@ use tracing::{debug, trace_span};
 
 /// Factor by which the contact stiffness grows when a step ends with too much penetration.
 pub(super) const STIFFENING: f64 = 10.0;
+/// Part of the time reached below which a step is lost in the rounding of times.
+const RESOLVED_TIME: f64 = 64.0 * f64::EPSILON;
 /// Part of the largest step that is no step.
 const SAME_TIME: f64 = 1e-6;
 /// Such growths before the step is halved instead, or accepted where contacts are only deep. Where it cannot be halved they may
@@ -151,7 +153,8 @@ impl Integrator {
                 return Ok(None);
             }
             let stage = &self.workspace.stage;
-            let is_least = 0.5 * step < self.setting.parameters.minimum_step;
+            let least = self.setting.parameters.minimum_step;
+            let is_least = 0.5 * step < least.max(RESOLVED_TIME * goal);
             // The midpoint rule promises no energy, and where it goes on from the middle of the step through a soft contact, no
             // smaller step helps.
             let scheme = setting.parameters.scheme.rules();
@@ -315,12 +318,15 @@ impl Integrator {
                 return Decision::Accept;
             }
         };
-        if step <= parameters.minimum_step {
-            return Decision::Accept;
-        }
         let error = attempt.error / (tolerance * radius);
         let law = parameters.scheme.rules().error_law();
-        self.control.decide(step, error, law, attempt.iterations)
+        let decision = self.control.decide(step, error, law, attempt.iterations);
+        // The least step is accepted whatever its error, and grows from there like any other.
+        if decision != Decision::Accept && step <= parameters.minimum_step {
+            self.control.accept_least(step);
+            return Decision::Accept;
+        }
+        decision
     }
 
     fn accepted<'a>(

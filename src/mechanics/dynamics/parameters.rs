@@ -22,7 +22,7 @@ pub struct IntegrationParameters {
     /// Newton iterations after which a step counts as failed and is halved. 40 by default: steps take two to six, those
     /// with many new contacts up to thirty, and what has not converged by then seldom does.
     pub maximum_iterations: usize,
-    /// Smallest step before the run is given up, s. 1 ns by default, a millionth of the usual step: twenty halvings.
+    /// Smallest step before the run is given up, s. 1 ns by default, a millionth of the step by default: twenty halvings.
     pub minimum_step: f64,
 }
 

@@ -169,6 +169,11 @@ impl StepControl {
         self.proposal = self.proposal.min(first.max(harmless).max(dense));
     }
 
+    /// Accepts a step that may not be smaller, whatever its error, and proposes the same again.
+    pub fn accept_least(&mut self, step: f64) {
+        self.proposal = step;
+    }
+
     /// A failed step proposes a smaller one.
     pub fn failed(&mut self, step: f64) {
         self.proposal = self.proposal.min(step);

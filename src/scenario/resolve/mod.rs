@@ -86,7 +86,7 @@ pub fn resolve(
         .map(|rod| rod.radius)
         .chain(experiment.as_ref().map(Experiment::smallest_radius))
         .fold(f64::INFINITY, f64::min);
-    let solver = model::solver(&top, &file.solver);
+    let solver = model::solver(&top, &file.solver, &time);
     model::refuse_small_steps(&top, &time, &solver);
     let mut contact = model::contact(&top, file.contact.as_ref(), smallest_radius);
     model::refuse_rigid_statics(&top, &contact, &time);

@@ -9,10 +9,18 @@ use crate::scenario::resolved::{
 };
 use crate::scenario::typed::{self, ScenarioFile};
 
+/// The factor s of the stiffness of "imc" (m) over the radius of the thinnest rod: the thesis has 1e5 m for 1 mm.
+const STIFFNESS_PER_RADIUS: f64 = 1e8;
+/// The default step as a part of the end time.
+const PART_OF_END: f64 = 1e-3;
+/// The smallest step by default as a part of a fixed step: twenty halvings.
+const LEAST_PART: f64 = 1e-6;
+/// The same as a part of the largest automatic step, of which the first one is a thousandth.
+const LEAST_PART_OF_LARGEST: f64 = 1e-9;
 /// Most rows that a run may write.
 const MOST_OUTPUTS: f64 = 1e6;
 
-/// Resolves the contact model; `smallest_radius` sets the default of the distance tolerance.
+/// Resolves the contact model; `smallest_radius` sets the defaults of the distance tolerance and of the stiffness.
 pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radius: f64) -> Contact {
     let Some(typed) = typed else {
         return Contact::None;
@@ -90,7 +98,7 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
         friction,
         distance_tolerance,
         slip_tolerance,
-        stiffness_factor: stiffness_factor(1e5),
+        stiffness_factor: stiffness_factor(STIFFNESS_PER_RADIUS * smallest_radius),
         maximum_penetration,
     }
 }
@@ -170,7 +178,7 @@ pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
             let end = section.required("end", &typed.end, POSITIVE);
             Time::Dynamic {
                 scheme: scheme(file, typed.scheme),
-                step: step(&section, typed, interval(top, &file.output, end)),
+                step: step(&section, typed, interval(top, &file.output, end), end),
                 end,
             }
         }
@@ -203,7 +211,7 @@ fn scheme(file: &ScenarioFile, choice: Option<typed::SchemeChoice>) -> Scheme {
     }
 }
 
-fn step(section: &Section<'_>, typed: &typed::Time, interval: f64) -> Step {
+fn step(section: &Section<'_>, typed: &typed::Time, interval: f64, end: f64) -> Step {
     if typed.step.as_ref().is_some_and(|step| step.is_word("auto")) {
         return Step::Auto {
             tolerance: section.with_default(
@@ -223,7 +231,7 @@ fn step(section: &Section<'_>, typed: &typed::Time, interval: f64) -> Step {
             section.fault(key, "this key goes with step = \"auto\" only");
         }
     }
-    Step::Fixed(section.with_default("step", &typed.step, POSITIVE, 1e-3))
+    Step::Fixed(section.with_default("step", &typed.step, POSITIVE, PART_OF_END * end))
 }
 
 /// Refuses rigid contact where it is not defined: it gives forces to the steps of implicit Euler.
@@ -323,20 +331,24 @@ pub fn refuse_small_steps(top: &Section<'_>, time: &Time, solver: &Solver) {
         Step::Fixed(step) => ("step", step),
         Step::Auto { maximum, .. } => ("maximum_step", maximum),
     };
-    if step < solver.minimum_step {
-        top.below("time").fault(
-            key,
-            format!(
-                "{step:?} s is out of range; allowed: at least solver.minimum_step = {:?} s",
-                solver.minimum_step
-            ),
+    if let Some(least) = solver.minimum_step.filter(|least| step < *least) {
+        let message = format!(
+            "{step:?} s is out of range; allowed: at least solver.minimum_step = {least:?} s"
         );
+        top.below("time").fault(key, message);
     }
 }
 
-/// Resolves the solver.
-pub fn solver(top: &Section<'_>, typed: &typed::Solver) -> Solver {
+/// Resolves the solver; the size of the steps sets the default of the smallest.
+pub fn solver(top: &Section<'_>, typed: &typed::Solver, time: &Time) -> Solver {
     let section = top.below("solver");
+    let least = match *time {
+        Time::Static | Time::Continuation => None,
+        Time::Dynamic { step, .. } => Some(match step {
+            Step::Fixed(step) => LEAST_PART * step,
+            Step::Auto { maximum, .. } => LEAST_PART_OF_LARGEST * maximum,
+        }),
+    };
     Solver {
         force_tolerance: section.with_default(
             "force_tolerance",
@@ -357,7 +369,9 @@ pub fn solver(top: &Section<'_>, typed: &typed::Solver) -> Solver {
                 1..=100_000,
             )
             .unwrap_or(40),
-        minimum_step: section.with_default("minimum_step", &typed.minimum_step, POSITIVE, 1e-9),
+        minimum_step: section
+            .optional("minimum_step", &typed.minimum_step, POSITIVE)
+            .or(least),
     }
 }
 

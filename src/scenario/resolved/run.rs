@@ -79,8 +79,9 @@ pub struct Solver {
     pub displacement_tolerance: f64,
     /// Iterations after which a step counts as failed.
     pub maximum_iterations: usize,
-    /// Smallest step before the run is given up, s.
-    pub minimum_step: f64,
+    /// Smallest step before the run is given up, s; `None` where there is no time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub minimum_step: Option<f64>,
 }
 
 /// What a run writes.

@@ -147,7 +147,7 @@ beam.toml:27:26: `solver.displacement_tolerance`: 2.0 is out of range; allowed: 
 ");
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 0"), @"beam.toml:24:7: `time.end`: 0.0 is out of range; allowed: greater than 0");
     insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 0"), @"beam.toml:25:8: `time.step`: 0.0 is out of range; allowed: greater than 0");
-    insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 1e-12"), @"beam.toml:25:8: `time.step`: 1e-12 s is out of range; allowed: at least solver.minimum_step = 1e-9 s");
+    insta::assert_snapshot!(faults("mode = \"static\"", "end = 1\nstep = 1e-12\n[solver]\nminimum_step = 1e-9"), @"beam.toml:25:8: `time.step`: 1e-12 s is out of range; allowed: at least solver.minimum_step = 1e-9 s");
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"static\"\nend = 3"), @"beam.toml:25:7: `time.end`: a static run has no time steps; leave the key out");
     insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"complementarity\"\nslip_tolerance = 1\n[output]"), @r#"
 beam.toml:27:9: `contact.model`: "complementarity" needs a dynamic run with the scheme "implicit-euler"

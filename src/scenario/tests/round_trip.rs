@@ -78,7 +78,6 @@ mode = "static"
 force_tolerance = 0.000001
 displacement_tolerance = 0.0001
 maximum_iterations = 40
-minimum_step = 0.000000001
 
 [output]
 nodes = true

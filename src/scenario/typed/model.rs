@@ -34,8 +34,8 @@ pub struct Contact {
     /// or less where the scene is smaller or slower: √(a h)/500, with the least radius h and the gravity a (9.81 m/s²
     /// without any), and a tenth of the fastest straight motion of a clamp. `rodlab check` says how far that creeps.
     pub slip_tolerance: Option<Quantity<Velocity>>,
-    /// Factor of the adaptive contact stiffness. "imc": stiffness over the largest force near contact, 1e5 by
-    /// default. "ipc": force that is borne at a gap of δ/2 over the largest force near contact, 1 by default.
+    /// Factor of the adaptive contact stiffness. "imc": stiffness over the largest force near contact, in m, 1e8 times the
+    /// radius of the thinnest rod by default: 1e5 for 1 mm. "ipc": force that is borne at a gap of δ/2 over the largest force near contact, 1 by default.
     pub stiffness_factor: Option<Quantity<Dimensionless>>,
     /// Penetration that ends the run, as a fraction of the sum of the two radii, between 0 and 1; not with
     /// "ipc". Default: 0.05.
@@ -100,7 +100,7 @@ pub struct Time {
     /// "backward-differences".
     pub scheme: Option<SchemeChoice>,
     /// Time step, or "auto" to choose it by the local error. Corners of motions and schedules end a step in any case.
-    /// Default: 1e-3 s.
+    /// Default: a thousandth of the end time.
     pub step: Option<Quantity<units::Time>>,
     /// With step = "auto": local error allowed per step, as a multiple of the rod radius; at most 1. Default: 1e-2.
     pub tolerance: Option<Quantity<Dimensionless>>,
@@ -150,7 +150,8 @@ pub struct Solver {
     pub displacement_tolerance: Option<Quantity<Dimensionless>>,
     /// Newton iterations after which a step counts as failed and is halved. Default: 40.
     pub maximum_iterations: Option<i64>,
-    /// Smallest step before the run is given up. Default: 1e-9 s.
+    /// Smallest step before the run is given up. Default: a millionth of the step; with step = "auto" a millionth of the first
+    /// step, which is a thousandth of the largest.
     pub minimum_step: Option<Quantity<units::Time>>,
 }
 
