@@ -10,9 +10,13 @@ use crate::scenario::{self, Issue, KeyPath, ObstacleShape};
 /// of another unit.
 const UNLIKELY: f64 = 100.0;
 
-/// Farthest from the origin that anything of an obstacle may be, m: distances of rods from what is farther are lost to
-/// rounding.
-const FARTHEST: f64 = 1e6;
+/// Farthest from the origin that anything of an obstacle may be, over the radius of the thinnest rod: distances of rods from
+/// what is farther are lost to rounding.
+const FARTHEST: f64 = 1e9;
+
+/// Half the length of a cylinder without ends over the distance of the farthest node from its point: no rod comes to its ends,
+/// and little is lost to rounding.
+const ENDLESS: f64 = 1e2;
 
 /// The obstacle of a scenario among these rods.
 ///
@@ -23,6 +27,7 @@ pub fn place_obstacle(
     rods: &[RodDescription],
     path: &KeyPath,
 ) -> Result<Obstacle, Issue> {
+    let farthest = FARTHEST * thinnest_radius(rods);
     let body = match &obstacle.shape {
         ObstacleShape::Sphere { centre, radius } => {
             RigidBody::sphere(Vector3::from(*centre), *radius)
@@ -37,7 +42,11 @@ pub fn place_obstacle(
             point,
             direction,
             radius,
-        } => RigidBody::cylinder(Vector3::from(*point), Vector3::from(*direction), *radius),
+        } => {
+            let (point, direction) = (Vector3::from(*point), Vector3::from(*direction));
+            let half_length = endless(&point, *radius, rods).min(0.5 * farthest);
+            RigidBody::cylinder(point, direction, *radius, half_length)
+        }
         ObstacleShape::Box {
             centre,
             size,
@@ -68,9 +77,9 @@ pub fn place_obstacle(
         }
     };
     let mut coordinates = body.vertices.iter().flat_map(|vertex| vertex.iter());
-    if body.radius > FARTHEST || coordinates.any(|coordinate| coordinate.abs() > FARTHEST) {
+    if body.radius > farthest || coordinates.any(|coordinate| coordinate.abs() > farthest) {
         let message = format!(
-            "it reaches farther than {FARTHEST:e} m from the origin; allowed: at most that"
+            "it reaches farther than {farthest:e} m from the origin; allowed: at most that, {FARTHEST:e} times the radius of the thinnest rod"
         );
         return Err(Issue::new(path.key("shape"), message));
     }
@@ -101,9 +110,7 @@ fn refuse_other_units(
     }
     let mesh = extent(body.vertices.iter());
     let scene = extent(rods.iter().flat_map(|rod| &rod.centreline));
-    let thinnest = rods
-        .iter()
-        .fold(f64::INFINITY, |least, rod| least.min(rod.radius));
+    let thinnest = thinnest_radius(rods);
     let (than, size) = if mesh > UNLIKELY * scene {
         ("larger than the rods with their extent", scene)
     } else if mesh * UNLIKELY < thinnest {
@@ -116,6 +123,22 @@ fn refuse_other_units(
     );
     let help = "give the unit of the file, for example `unit = \"1 mm\"`".to_owned();
     Err(Issue::new(path.key("shape"), message).with_help(Some(help)))
+}
+
+/// Radius of the thinnest rod, m; infinite where there is none.
+fn thinnest_radius(rods: &[RodDescription]) -> f64 {
+    rods.iter()
+        .fold(f64::INFINITY, |least, rod| least.min(rod.radius))
+}
+
+/// Half the length (m) at which a cylinder around a line through `point` counts as one without ends; without rods, for
+/// pictures, it is beyond all that they show.
+fn endless(point: &Vector3, radius: f64, rods: &[RodDescription]) -> f64 {
+    if rods.is_empty() {
+        return FARTHEST * radius;
+    }
+    let nodes = rods.iter().flat_map(|rod| &rod.centreline);
+    ENDLESS * nodes.fold(radius, |most, x| most.max((x - point).norm()))
 }
 
 /// Diagonal of the box around points, m.

@@ -15,7 +15,7 @@ use super::contacts::{
 };
 use super::distance::{DistanceDerivatives, WEIGHT_RATES};
 use super::nearest_points::{NearestPoints, separation};
-use super::normal_law::{LEAST_FORCE, NormalLaw};
+use super::normal_law::NormalLaw;
 use crate::mechanics::Vector3;
 
 /// What motions along each other may close of a gap, as a part of them: normals turn. What this misses is found overlapping.
@@ -171,9 +171,6 @@ impl ContactSystem {
 
     /// Gap (m) at which a listed contact rests under a normal force, N.
     pub fn rest_gap(&self, constraint: &ContactConstraint, force: f64) -> f64 {
-        if force <= LEAST_FORCE {
-            return 0.0;
-        }
         let [first, _, second, _] = constraint.nodes;
         let (scale, standoff) = match constraint.bodies {
             Bodies::Edges(candidate) => {
@@ -183,7 +180,11 @@ impl ContactSystem {
             Bodies::Plane(_) => (constraint.threshold, 0.0),
         };
         let stiffness = self.stiffness_between(first, second);
-        NormalLaw::new(&self.parameters, scale, stiffness).gap_of_force(force) + standoff
+        let law = NormalLaw::new(&self.parameters, scale, stiffness);
+        if force <= law.least_force() {
+            return 0.0;
+        }
+        law.gap_of_force(force) + standoff
     }
 
     /// How the forces of a listed contact, as they are, change with the positions of its nodes as it turns, N/m.

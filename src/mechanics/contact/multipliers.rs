@@ -34,7 +34,7 @@
 
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;
-use super::normal_law::{LEAST_FORCE, NormalLaw};
+use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
 use super::slots::{SlotValues, Slots};
 use crate::mechanics::Vector3;
@@ -213,7 +213,7 @@ impl Multipliers {
             None => law.resolved(wanted, gap, moved.inertia),
         };
         let kept = KEPT_PART * tangent.force;
-        if force < kept && kept > LEAST_FORCE && !moved.slightly {
+        if force < kept && kept > law.least_force() && !moved.slightly {
             (force, at) = (kept, law.gap_of_force(kept));
         }
         let tangent = if force > 0.0 {

@@ -13,8 +13,9 @@ const RESOLVING_ITERATIONS: usize = 30;
 const LARGEST_CHANGE: f64 = 4.0;
 /// Change of the logarithm of the force after which its square is below what matters.
 const RESOLVED_CHANGE: f64 = 1e-3;
-/// Forces below count as none, N: far below what matters, and far from where their inverse overflows.
-pub(super) const LEAST_FORCE: f64 = 1e-30;
+/// Part of the unit k δ/h̄² of forces below which a force counts as none: far below what matters, and far from where the inverse
+/// of the law overflows.
+const LEAST_PART: f64 = 1e-30;
 
 /// A normal force law N(g).
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +38,11 @@ impl NormalLaw {
             tolerance: parameters.distance_tolerance,
             stiffness,
         }
+    }
+
+    /// Force (N) below which a force counts as none.
+    pub fn least_force(&self) -> f64 {
+        LEAST_PART * self.stiffness * self.tolerance / (self.scale * self.scale)
     }
 
     /// Energy and force at a surface gap, m.
@@ -71,6 +77,7 @@ impl NormalLaw {
     /// force where none can be told from zero.
     pub fn resolved(&self, force: f64, gap: f64, inertia: f64) -> (f64, f64) {
         let sum = force - inertia * gap;
+        let least = self.least_force();
         // Convex in the logarithm of λ: Newton's method from above is monotone, and from the right size quick.
         let mut found = force.max(sum);
         if found <= 0.0 {
@@ -80,7 +87,7 @@ impl NormalLaw {
             } else {
                 0.0
             };
-            if found <= LEAST_FORCE {
+            if found <= least {
                 return (0.0, open);
             }
         }
@@ -90,7 +97,7 @@ impl NormalLaw {
             let excess = found - inertia * at - sum;
             let change = -excess / (found * (1.0 - inertia / slope));
             found *= libm::exp(change.clamp(-LARGEST_CHANGE, LARGEST_CHANGE));
-            if !(found > LEAST_FORCE) {
+            if !(found > least) {
                 return (0.0, at);
             }
             at = self.gap_of_force(found);

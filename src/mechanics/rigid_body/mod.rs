@@ -7,9 +7,6 @@ pub use surface::neighbourhood;
 use super::{UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 
-/// Half the length of a cylinder without ends, m: longer than any scene, and short enough that nothing is lost to rounding.
-const ENDLESS: f64 = 1e3;
-
 /// Sine of the angle between two faces up to which they count as one plane, whose common side no rod can touch alone.
 const FLAT: f64 = 1e-6;
 
@@ -101,9 +98,10 @@ impl RigidBody {
         }
     }
 
-    /// A cylinder around a line through a point along a unit vector, without ends.
-    pub fn cylinder(point: Vector3, axis: Vector3, radius: f64) -> Self {
-        let half = axis * ENDLESS;
+    /// A cylinder around a line through a point along a unit vector, to be taken as without ends: they are `half_length` (m)
+    /// away, farther than any rod.
+    pub fn cylinder(point: Vector3, axis: Vector3, radius: f64, half_length: f64) -> Self {
+        let half = axis * half_length;
         Self::capsule([point - half, point + half], radius)
     }
 

@@ -124,7 +124,7 @@ mod tests {
         let sides = Vector3::new(1.0, 2.0, 3.0);
         let sharp = RigidBody::cuboid(Vector3::zeros(), sides, &UnitQuaternion::identity(), 0.0);
         near(area(&sharp.surface(&Vector3::zeros(), 9.0)), 22.0);
-        let endless = RigidBody::cylinder(Vector3::zeros(), Vector3::y(), 0.5);
+        let endless = RigidBody::cylinder(Vector3::zeros(), Vector3::y(), 0.5, 1e3);
         let shown = endless.surface(&Vector3::new(0.0, 7.0, 0.0), 3.0);
         assert!(
             shown

@@ -327,8 +327,10 @@ impl Descent {
         if inverse_iteration(system, &mut self.direction, &neutral).is_none() {
             return false;
         }
-        let largest = (self.direction.iter())
-            .copied()
+        // Angles count as they would move the far end.
+        let lengths = [1.0, 1.0, 1.0, scale.extent];
+        let largest = (self.direction.iter().enumerate())
+            .map(|(k, d)| lengths[k % STRIDE] * d)
             .max_by(|a, b| a.abs().total_cmp(&b.abs()))
             .unwrap_or(1.0);
         let sign = 1f64.copysign(largest);

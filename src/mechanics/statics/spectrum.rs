@@ -3,6 +3,7 @@
 
 use super::inner_product::{inner, normalise, scale_angles};
 use super::neutral::NeutralModes;
+use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::System;
 
 /// Most iterations. The lowest two eigenvalues of a rod are seldom closer than a tenth of the lowest;
@@ -46,9 +47,11 @@ pub(super) fn inverse_iteration(
     neutral: &NeutralModes,
 ) -> Option<f64> {
     let weight = neutral.weight();
+    let units = [1.0, 1.0, 1.0, 1.0 / weight.sqrt()];
     for (k, entry) in vector.iter_mut().enumerate() {
-        // Any start that no symmetry is orthogonal to; the same on every machine.
-        *entry = ((k + 1) as f64 * 0.618_033_988_75).fract() - 0.4;
+        // Any start that no symmetry is orthogonal to; the same on every machine, and in every unit of length.
+        let number = ((k + 1) as f64 * 0.618_033_988_75).fract() - 0.4;
+        *entry = units[k % STRIDE] * number;
     }
     let mut inverse = f64::NAN;
     for _ in 0..ITERATIONS {
