@@ -7,7 +7,7 @@ use crate::mechanics::dynamics::{Scheme, StepSize};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{Clamp, LoadKind, Obstacle, RodDescription, Scene};
 use crate::mechanics::system::joint_unknowns;
-use crate::run::{Mode, PreparedRun};
+use crate::run::{Mode, PreparedRun, decimals};
 use nalgebra::Complex;
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -412,7 +412,7 @@ impl fmt::Display for DerivedNumbers {
             let [least, largest] = lengths.fold([f64::INFINITY, 0.0], |[low, high], length| {
                 [low.min(length), high.max(length)]
             });
-            let [least, largest] = [least, largest].map(|length| format!("{length:.6}"));
+            let [least, largest] = [least, largest].map(|length| decimals(length, 6));
             line(
                 "  length",
                 if least == largest {
@@ -430,7 +430,10 @@ impl fmt::Display for DerivedNumbers {
             }
             line("  GJ", format!("{:.6e} N m²", rod.twisting_stiffness))?;
             if let Some(length) = rod.gravito_bending_length {
-                line("  gravito-bending length", format!("{length:.6} m"))?;
+                line(
+                    "  gravito-bending length",
+                    format!("{} m", decimals(length, 6)),
+                )?;
             }
             line("  bending period", format!("{:.4e} s", rod.bending_period))?;
         }
@@ -445,8 +448,8 @@ impl fmt::Display for DerivedNumbers {
         }
         for obstacle in &self.obstacles {
             line("obstacle", obstacle.name.clone())?;
-            let [x, y, z] = obstacle.extents;
-            line("  extents", format!("{x:.4}, {y:.4}, {z:.4} m"))?;
+            let [x, y, z] = obstacle.extents.map(|extent| decimals(extent, 4));
+            line("  extents", format!("{x}, {y}, {z} m"))?;
             if obstacle.triangles > 0 {
                 line("  triangles", obstacle.triangles.to_string())?;
             }
@@ -456,7 +459,7 @@ impl fmt::Display for DerivedNumbers {
         }
         line("degrees of freedom", self.degrees_of_freedom.to_string())?;
         if let Some(number) = self.reynolds_number {
-            line("Reynolds number", format!("{number:.3}"))?;
+            line("Reynolds number", decimals(number, 3))?;
         }
         if let Some(step) = self.advised_step {
             line("advised step", format!("{step:.1e} s"))?;

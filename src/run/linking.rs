@@ -7,6 +7,7 @@
 //! - the linking number of a closed rod with the edge of its own material frame: its writhe and its twist in turns, added
 //!   up (Călugăreanu 1961, White 1969). It changes by two where a rod passes through itself.
 
+use super::decimals::decimals;
 use super::observer::{Finding, Observer, Sample};
 use super::probes::{linking_number, writhe};
 use crate::mechanics::Vector3;
@@ -119,6 +120,7 @@ impl LinkingGuard {
 
     /// What has changed since the last look, in a sentence.
     fn change(&self, now: &Linking, time: f64) -> Option<String> {
+        let time = decimals(time, 6);
         let advice = if self.is_barrier {
             "take smaller time steps"
         } else {
@@ -127,7 +129,7 @@ impl LinkingGuard {
         for (index, (before, now)) in self.seen.pairs.iter().zip(&now.pairs).enumerate() {
             if let Some(other) = (0..index).find(|&other| before[other] != now[other]) {
                 return Some(format!(
-                    "rods `{}` and `{}` passed through each other before t = {time:.6} s: their linking number was {} \
+                    "rods `{}` and `{}` passed through each other before t = {time} s: their linking number was {} \
                      and is {}; {advice}",
                     self.rods[other].name, self.rods[index].name, before[other], now[other]
                 ));
@@ -137,7 +139,7 @@ impl LinkingGuard {
         let mut own = self.seen.own.iter().zip(&now.own);
         let changed = own.position(|(before, now)| (now - before).abs() > 1.0)?;
         Some(format!(
-            "rod `{}` passed through itself before t = {time:.6} s: its writhe and its twist, in turns, were {:.3} in \
+            "rod `{}` passed through itself before t = {time} s: its writhe and its twist, in turns, were {:.3} in \
              all and are {:.3}; {advice}",
             self.rods[changed].name, self.seen.own[changed], now.own[changed]
         ))

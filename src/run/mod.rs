@@ -3,6 +3,7 @@
 mod advance;
 mod controller;
 mod counters;
+mod decimals;
 mod end_state;
 mod error;
 mod interruption;
@@ -28,6 +29,7 @@ mod trial;
 mod work;
 
 pub use controller::{Controller, ControllerObject};
+pub(crate) use decimals::decimals;
 pub use end_state::start_from;
 pub use error::RunError;
 pub(crate) use interruption::{Interruption, is_attended};
@@ -135,7 +137,7 @@ impl fmt::Display for Reached {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Start => write!(f, "the start"),
-            Self::Time(time) => write!(f, "t = {time:.6} s"),
+            Self::Time(time) => write!(f, "t = {} s", decimals(*time, 6)),
             Self::Parameter(parameter) => write!(f, "parameter {parameter:.6}"),
             Self::Rows(rows) => write!(f, "row {rows}"),
         }

@@ -1,5 +1,6 @@
 //! The progress bar.
 
+use super::decimals::decimals;
 use crate::mechanics::dynamics::StepReport;
 use crate::mechanics::statics::PathPoint;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
@@ -65,8 +66,12 @@ impl Progress {
         let end = self.end;
         self.show(report.time, || {
             format!(
-                "{:.3} of {} s, step {:.1e} s, {} iterations, {} contacts",
-                report.time, end, report.step, report.newton_iterations, report.contacts
+                "{} of {} s, step {:.1e} s, {} iterations, {} contacts",
+                decimals(report.time, 3),
+                end,
+                report.step,
+                report.newton_iterations,
+                report.contacts
             )
         });
     }
