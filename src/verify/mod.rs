@@ -26,6 +26,7 @@ mod obstacles;
 mod overdamped;
 mod page;
 mod rods;
+mod scale_invariance;
 mod scenario;
 mod sleeve;
 mod slides;
@@ -74,6 +75,7 @@ const GROUPS: [(&str, CheckGroup); 21] = [
     ("overdamped", overdamped::checks),
     ("conservation", conservation::checks),
     ("symmetry", symmetry::checks),
+    ("scale invariance", scale_invariance::checks),
     ("determinism", determinism::checks),
 ];
 

@@ -68,6 +68,11 @@ fn helix_passes() {
 }
 
 #[test]
+fn scale_invariance_passes() {
+    assert_passes("scale invariance");
+}
+
+#[test]
 fn symmetry_passes() {
     assert_passes("symmetry");
 }
