@@ -5,10 +5,29 @@
 //! overlap by no more than the bound, linked rings stay linked, momentum is conserved where nothing holds it, and implicit
 //! Euler gains no energy.
 //!
-//! 200 scenes by default; `RODLAB_RANDOM_SCENES=10000 cargo test --release random_scenes::` runs as many as you like, and
-//! `RODLAB_RANDOM_SCENE=17` the one of that number, printed.
+//! That is the family "impacts". Scenes of the others are judged by a second scheme at a tenth of the step (`judged`), or by
+//! themselves in other units:
+//!
+//! | family | scenes |
+//! |---|---|
+//! | `filaments` | one rod or two in fluid, from 1 µm to 1 m, 1 mPa s to 1 kPa s, steps over four decades |
+//! | `joined` | two rods or three that share a point of the fluid, with every kind of joint |
+//! | `prescribed` | rods that are held where they touch: in a floor, a tube, a chuck, a root |
+//! | `units` | scenes of these three in other units of length, time and mass |
+//!
+//! 200 impacts and a dozen of each other family by default; `RODLAB_RANDOM_SCENES=10000 cargo test --release random_scenes::`
+//! runs as many of each as you like, `RODLAB_RANDOM_FAMILIES=filaments,joined` these alone, and
+//! `RODLAB_RANDOM_SCENE=17` the one of that number, printed. Wrong scenes are written as scenario files.
+
+mod fluids;
+mod judged;
+mod prescribed;
+mod random;
+mod units;
 
 use crate::linking_number::linking_number;
+use judged::Verdict;
+use random::Random;
 use rayon::prelude::*;
 use rodlab::experiment;
 use rodlab::mechanics::Vector3;
@@ -17,7 +36,7 @@ use rodlab::mechanics::dynamics::{Simulation, SimulationError};
 use rodlab::mechanics::scene::Scene;
 use std::f64::consts::TAU;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Steps of each scene.
 const STEPS: usize = 40;
@@ -29,41 +48,6 @@ const FOUND_BROKEN: [u64; 8] = [260, 6673, 8864, 9355, 12743, 17295, 18836, 1983
 const REFUSALS: f64 = 0.05;
 /// Penetration allowed, of the sum of the radii, and what rounding adds.
 const BOUND: f64 = 0.05 + 1e-9;
-
-/// SplitMix64 (Steele, Lea and Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Between two numbers.
-    fn between(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Between two numbers, evenly in their logarithms.
-    fn decades(&mut self, from: f64, to: f64) -> f64 {
-        self.between(from.ln(), to.ln()).exp()
-    }
-
-    fn one_of<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[(self.bits() % choices.len() as u64) as usize]
-    }
-
-    fn chance(&mut self, part: f64) -> bool {
-        self.between(0.0, 1.0) < part
-    }
-
-    fn vector(&mut self, size: f64) -> [f64; 3] {
-        [(); 3].map(|()| self.between(-size, size))
-    }
-}
 
 /// A scene as a scenario file, and what is known of it.
 struct Case {
@@ -394,8 +378,18 @@ fn number(variable: &str) -> Option<u64> {
         .map(|text| text.parse().expect("a number"))
 }
 
+/// Whether a family is asked for: all are where none is named.
+fn is_chosen(family: &str) -> bool {
+    std::env::var("RODLAB_RANDOM_FAMILIES").map_or(true, |chosen| {
+        chosen.split(',').any(|name| name.trim() == family)
+    })
+}
+
 #[test]
 fn random_scenes_end_well_or_with_a_refusal() {
+    if !is_chosen("impacts") {
+        return;
+    }
     if let Some(seed) = number("RODLAB_RANDOM_SCENE") {
         let case = Case::new(seed);
         println!("{}", case.text);
@@ -436,4 +430,123 @@ fn random_scenes_end_well_or_with_a_refusal() {
         refused as f64 <= REFUSALS * count as f64,
         "{refused} of {count} refused"
     );
+}
+
+/// Scenes of each judged family by default.
+const JUDGED: u64 = 12;
+/// Part of judged scenes that may end with a refusal.
+const JUDGED_REFUSALS: f64 = 0.2;
+
+/// The scene of a seed, and what became of it.
+type Judge = fn(u64) -> (judged::Case, Verdict);
+
+fn by_a_second_scheme(case: judged::Case) -> (judged::Case, Verdict) {
+    let verdict = judged::judge(&case);
+    (case, verdict)
+}
+
+fn in_other_units(seed: u64) -> (judged::Case, Verdict) {
+    let case = match seed % 3 {
+        0 => fluids::filament(seed),
+        1 => fluids::joined(seed),
+        _ => prescribed::contact(seed),
+    };
+    let verdict = units::judge(&case, seed);
+    (case, verdict)
+}
+
+const FAMILIES: [(&str, Judge); 4] = [
+    ("filaments", |seed| {
+        by_a_second_scheme(fluids::filament(seed))
+    }),
+    ("joined", |seed| by_a_second_scheme(fluids::joined(seed))),
+    ("prescribed", |seed| {
+        by_a_second_scheme(prescribed::contact(seed))
+    }),
+    ("units", in_other_units),
+];
+
+/// Writes a scene that came out wrong as a scenario file that reproduces it.
+fn written(family: &str, seed: u64, text: &str, what: &str) -> PathBuf {
+    let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join("random_scenes");
+    std::fs::create_dir_all(&directory).unwrap();
+    let path = directory.join(format!("{family}_{seed}.toml"));
+    std::fs::write(&path, format!("# {what}\n{text}")).unwrap();
+    path
+}
+
+/// Judges so many scenes of a family; returns how many came out wrong.
+fn judge_family(family: &str, judge: Judge, count: u64) -> usize {
+    let verdicts: Vec<(u64, Verdict)> = (0..count)
+        .into_par_iter()
+        .map(|seed| {
+            let judged = std::panic::catch_unwind(|| judge(seed));
+            let Ok((case, verdict)) = judged else {
+                return (seed, Verdict::Wrong("panicked".into()));
+            };
+            if let Verdict::Wrong(what) = &verdict {
+                let path = written(family, seed, &case.text, what);
+                println!("{family} {seed} WRONG: {what}: {}", path.display());
+            }
+            (seed, verdict)
+        })
+        .collect();
+    let (mut right, mut refused, mut unjudged, mut wrong) = (0, 0, 0, 0);
+    for (seed, verdict) in &verdicts {
+        match verdict {
+            Verdict::Right => right += 1,
+            Verdict::Refused(what) => {
+                refused += 1;
+                println!("{family} {seed} refused: {what}");
+            }
+            Verdict::Unjudged(what) => {
+                unjudged += 1;
+                println!("{family} {seed} unjudged: {what}");
+            }
+            Verdict::Wrong(_) => wrong += 1,
+        }
+    }
+    println!(
+        "{family}: {count} scenes: {right} right, {refused} refused, {unjudged} unjudged, {wrong} wrong"
+    );
+    assert!(
+        (refused + unjudged) as f64 <= JUDGED_REFUSALS * count as f64,
+        "{family}: {refused} of {count} refused, {unjudged} unjudged"
+    );
+    wrong
+}
+
+fn assert_right(family: &str) {
+    if !is_chosen(family) {
+        return;
+    }
+    let (_, judge) = FAMILIES.iter().find(|(name, _)| *name == family).unwrap();
+    if let Some(seed) = number("RODLAB_RANDOM_SCENE") {
+        let (case, verdict) = judge(seed);
+        println!("{}{verdict:?}", case.text);
+        assert!(!matches!(verdict, Verdict::Wrong(_)), "{family} {seed}");
+        return;
+    }
+    let count = number("RODLAB_RANDOM_SCENES").unwrap_or(JUDGED);
+    assert_eq!(judge_family(family, *judge, count), 0, "{family}");
+}
+
+#[test]
+fn random_filaments_agree_with_a_second_scheme() {
+    assert_right("filaments");
+}
+
+#[test]
+fn random_joined_rods_in_flow_agree_with_a_second_scheme() {
+    assert_right("joined");
+}
+
+#[test]
+fn random_prescribed_contacts_agree_with_a_second_scheme() {
+    assert_right("prescribed");
+}
+
+#[test]
+fn random_scenes_are_alike_in_all_units() {
+    assert_right("units");
 }

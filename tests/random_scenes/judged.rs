@@ -1,0 +1,189 @@
+//! A random scene judged by a second scheme at a tenth of the step.
+//!
+//! Positions at the end are compared with each other against the distance moved. How far the second scheme itself is from
+//! its own result at the whole step says what the step leaves unresolved, and is allowed for; what is beyond is a wrong
+//! answer without a word.
+
+use rodlab::experiment;
+use rodlab::mechanics::Vector3;
+use rodlab::mechanics::dynamics::{Simulation, SimulationError};
+use rodlab::run::Mode;
+use std::path::Path;
+
+/// Steps of a judged scene.
+pub const STEPS: usize = 16;
+/// Steps of the second scheme within one of them.
+const FINER: f64 = 10.0;
+/// Distance allowed, of the distance moved, and of what the step leaves unresolved.
+const PART_OF_MOVE: f64 = 0.1;
+const PART_OF_UNRESOLVED: f64 = 3.0;
+/// What rounding and the tolerances of Newton's method leave, in radii.
+const RADII: f64 = 1e-3;
+/// Most steps that a run may take in place of one.
+const MOST_STEPS: usize = 400;
+
+/// A scene of a family.
+pub struct Case {
+    /// The scenario file.
+    pub text: String,
+    /// Radius of the thinnest rod, m.
+    pub radius: f64,
+    /// Time step, s; the run ends after [`STEPS`] of them.
+    pub step: f64,
+    /// What the second run changes besides the step.
+    pub second: Vec<String>,
+    /// Rods at which no contact force may be, by their place: all that they touch is prescribed.
+    pub forceless: Vec<usize>,
+}
+
+/// What became of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// Both schemes agree.
+    Right,
+    /// It was refused, or ended with an error that says why.
+    Refused(String),
+    /// The second scheme refused it, so that nothing is known.
+    Unjudged(String),
+    /// A wrong answer without a word.
+    Wrong(String),
+}
+
+/// Runs a scene and judges its end.
+pub fn judge(case: &Case) -> Verdict {
+    let tested = match run(case, &[]) {
+        Ok(tested) => tested,
+        Err(Failed::Clearly(message)) => return Verdict::Refused(message),
+        Err(Failed::Without(message)) => return Verdict::Wrong(message),
+    };
+    let finer = format!("time.step = {:e}", case.step / FINER);
+    let second = |step: String| {
+        let mut overrides = case.second.clone();
+        overrides.push(step);
+        run(case, &overrides)
+    };
+    let reference = match second(finer) {
+        Ok(reference) => reference,
+        Err(failed) => return Verdict::Unjudged(failed.message()),
+    };
+    let unresolved = second(format!("time.step = {:e}", case.step)).map_or(0.0, |coarse| {
+        farthest(&coarse.positions, &reference.positions)
+    });
+    let moved = farthest(&reference.start, &reference.positions);
+    let apart = farthest(&tested.positions, &reference.positions);
+    let allowed = PART_OF_MOVE * moved + PART_OF_UNRESOLVED * unresolved + RADII * case.radius;
+    if apart <= allowed {
+        Verdict::Right
+    } else {
+        Verdict::Wrong(format!(
+            "{apart:.3e} m from the second scheme, which moved by {moved:.3e} m and differs by {unresolved:.3e} m from itself at the whole step"
+        ))
+    }
+}
+
+/// Largest distance of two lists of points, m; infinite where one is no number.
+fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
+    let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
+    distances.fold(0.0, |most, d| {
+        if d.is_nan() {
+            f64::INFINITY
+        } else {
+            f64::max(most, d)
+        }
+    })
+}
+
+/// Where a run began and ended.
+pub struct Run {
+    /// Positions at the start, m.
+    pub start: Vec<Vector3>,
+    /// Positions at the end, m.
+    pub positions: Vec<Vector3>,
+    /// Velocities at the end, m/s.
+    pub velocities: Vec<Vector3>,
+}
+
+/// Why a run came to no end.
+pub enum Failed {
+    /// With an error for the user.
+    Clearly(String),
+    /// With numbers that cannot be right.
+    Without(String),
+}
+
+impl Failed {
+    /// The words.
+    pub fn message(self) -> String {
+        match self {
+            Self::Clearly(message) | Self::Without(message) => message,
+        }
+    }
+}
+
+/// Runs a scene to its end with some keys set to other values.
+///
+/// # Errors
+/// Whatever ended it before.
+pub fn run(case: &Case, overrides: &[String]) -> Result<Run, Failed> {
+    let clearly = |error: &dyn ToString| Failed::Clearly(error.to_string());
+    let loaded = experiment::from_text("random", &case.text, Path::new(""), overrides)
+        .map_err(|error| clearly(&error))?;
+    let prepared =
+        experiment::prepare(&loaded.scenario).map_err(|issues| clearly(&loaded.locate(issues)))?;
+    let Mode::Dynamic { end } = prepared.mode else {
+        return Err(Failed::Without("not a dynamic scene".into()));
+    };
+    let mut simulation =
+        Simulation::new(&prepared.scene, &prepared.integration).map_err(|error| clearly(&error))?;
+    let start = simulation.positions().to_vec();
+    let mut steps = 0;
+    while simulation.time() < end {
+        if let Err(error) = simulation.advance(end) {
+            return Err(match error {
+                SimulationError::BadScene(_) => Failed::Clearly(error.to_string()),
+                _ => told(&error.to_string()),
+            });
+        }
+        steps += 1;
+        if steps > MOST_STEPS * STEPS {
+            return Err(Failed::Clearly(format!(
+                "at t = {:e} s after {steps} steps",
+                simulation.time()
+            )));
+        }
+    }
+    let finite = |vectors: &[Vector3]| vectors.iter().flatten().all(|x| x.is_finite());
+    if !finite(simulation.positions()) || !finite(simulation.velocities()) {
+        return Err(Failed::Without("numbers are not finite".into()));
+    }
+    let forces = simulation.contact_forces();
+    let mut first = 0;
+    for (index, rod) in prepared.scene.rods.iter().enumerate() {
+        let nodes = first..first + rod.centreline.len();
+        first = nodes.end;
+        let pressed = forces
+            .get(nodes)
+            .into_iter()
+            .flatten()
+            .any(|force| force.norm() > 0.0);
+        if case.forceless.contains(&index) && pressed {
+            return Err(Failed::Without(format!(
+                "a contact force between held parts at rod {index}"
+            )));
+        }
+    }
+    Ok(Run {
+        start,
+        positions: simulation.positions().to_vec(),
+        velocities: simulation.velocities().to_vec(),
+    })
+}
+
+/// An error that names no number that is none is a clear one.
+fn told(message: &str) -> Failed {
+    if message.contains("NaN") || message.contains("inf ") {
+        Failed::Without(message.into())
+    } else {
+        Failed::Clearly(message.into())
+    }
+}
