@@ -54,7 +54,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 21] = [
+const GROUPS: [(&str, CheckGroup); 22] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),

@@ -62,7 +62,7 @@ impl ContactSystem {
     /// Gap (m) and energy (J) of a candidate whose gap was `earlier` (m) when the candidates were built; `None` beyond reach.
     fn energy_of(&self, pair: &CandidatePair, earlier: f64, points: &Points) -> Option<(f64, f64)> {
         let reach = self.parameters.reach();
-        if self.is_of_rod(pair.nodes[2]) {
+        if self.is_of_rod(pair.nodes[3]) {
             let built = self.candidates.positions();
             let [a, b, c, d] = pair
                 .nodes
@@ -73,16 +73,19 @@ impl ContactSystem {
         }
         let threshold = self.surface.threshold(pair.edges);
         let smoothing = self.parameters.smoothing(threshold);
-        let nearest = NearestPoints::of(pair, &points.of(pair.nodes), smoothing)?;
-        let core = self.surface.core(pair.edges);
+        let nearest = NearestPoints::of(&self.surface, pair, points, smoothing)?;
+        let core = self.surface.core(pair);
         let gap = nearest.distance() - core - threshold - self.standoff(pair);
         let (weights, normal) = (nearest.weights(), nearest.normal());
         let is_felt = gap < reach
             && !self.surface.is_at_reflex_edge(pair, &normal, points)
             && !self.are_prescribed(&pair.nodes, &weights);
-        let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[2]);
+        let stiffness = self.stiffness_between(pair.nodes[0], pair.nodes[3]);
         let scale = self.surface.law_scale(pair.edges);
-        is_felt.then(|| (gap, self.energy_of_gap(gap, scale, stiffness)))
+        let energy = self.energy_of_gap(gap, scale, stiffness);
+        // A counter-pair takes back what another counts twice, beyond a barrier as well.
+        let counts = is_felt && (pair.sign() > 0.0 || energy.is_finite());
+        counts.then(|| (gap, pair.sign() * energy))
     }
 
     fn energy_of_gap(&self, gap: f64, scale: f64, stiffness: f64) -> f64 {
