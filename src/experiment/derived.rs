@@ -1,6 +1,7 @@
 //! Numbers that follow from a scenario, for people to judge it before it runs.
 
 use super::derived_slides::{DerivedSlide, derived_slides};
+use super::prepare::FlowGuard;
 use super::{OwnNumbers, kind_named};
 use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::{Scheme, StepSize};
@@ -38,6 +39,9 @@ pub struct DerivedNumbers {
     /// The obstacles.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<DerivedObstacle>,
+    /// What the flow of a fluid is bounded by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flow: Option<String>,
     /// Those of its kind of experiment.
     #[serde(flatten)]
     pub own: Option<OwnNumbers>,
@@ -143,6 +147,7 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
         slides,
         creep: creep(prepared),
         obstacles: scene.obstacles.iter().map(derived_obstacle).collect(),
+        flow: prepared.observer::<FlowGuard>().map(FlowGuard::wall),
         own: kind_named(&prepared.experiment).and_then(|kind| kind.derived(prepared)),
         rods,
     }
@@ -453,6 +458,9 @@ impl fmt::Display for DerivedNumbers {
             if obstacle.triangles > 0 {
                 line("  triangles", obstacle.triangles.to_string())?;
             }
+        }
+        if let Some(sentence) = &self.flow {
+            line("flow", sentence.clone())?;
         }
         for (name, value) in self.own.iter().flat_map(OwnNumbers::lines) {
             line(name, value.clone())?;

@@ -18,6 +18,8 @@ mod derived;
 mod derived_slides;
 mod described;
 mod flagella;
+#[cfg(test)]
+mod flow_tests;
 mod fold_samples;
 pub(crate) mod folding;
 mod grasp_samples;

@@ -41,6 +41,9 @@ pub struct Scene {
     pub contact: Option<ContactParameters>,
     /// Surrounding fluid; `None` is a vacuum.
     pub fluid: Option<FluidModel>,
+    /// Index of the plane at which the fluid is at rest, its no-slip wall, for regularized Stokeslets; the flow ignores all
+    /// other planes, and obstacles.
+    pub wall: Option<usize>,
     /// Where and how everything starts, if not as placed.
     pub start: Option<Start>,
 }

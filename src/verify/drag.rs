@@ -1,7 +1,7 @@
 //! Drag in viscous fluid, against quadrature and a dense solution.
 
 use super::theory::stokeslet::{adaptive_segment_integral, forces};
-use super::{Check, Expectation, GroupError, flow};
+use super::{Check, Expectation, GroupError, flow, flow_wall};
 use crate::mechanics::dynamics::SimulationError;
 use crate::mechanics::fluid::{Filament, Fluid, FluidModel, segment_integral};
 use crate::mechanics::{Matrix3, Vector3};
@@ -19,12 +19,13 @@ const DENSE: Expectation = Expectation {
 const REGULARIZATION: f64 = 1.02;
 const BOUND: f64 = 1e-3;
 
-/// Segment integral, straight rod, helix of the thesis, joined and held rods.
+/// Segment integral, straight rod, helix of the thesis, joined and held rods, a filament near a wall.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = vec![segment_check()];
     checks.extend(straight_rod()?);
     checks.extend(helix()?);
     checks.extend(flow::checks()?);
+    checks.extend(flow_wall::checks()?);
     Ok(checks)
 }
 

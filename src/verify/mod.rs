@@ -16,6 +16,7 @@ mod derivatives;
 mod determinism;
 mod drag;
 mod flow;
+mod flow_wall;
 mod frequencies;
 mod friction;
 mod helix;

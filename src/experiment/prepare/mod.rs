@@ -4,6 +4,7 @@ mod catenary;
 mod coil;
 pub(crate) mod curve;
 mod estimate;
+mod flow;
 mod gripper_motion;
 mod jitter;
 mod joint;
@@ -30,6 +31,7 @@ use obstacle::place_obstacle;
 use place::{place_actuation, place_clamp, place_load, place_plane, place_rod, same_node};
 use settings::{contact_parameters, fluid_model, integration_parameters};
 
+pub use flow::FlowGuard;
 pub use jitter::Jitter;
 pub use obstacle::place_obstacles;
 pub use round_rod::round_rod;
@@ -111,6 +113,10 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     }
     scene.contact = contact_parameters(&scenario.contact);
     scene.fluid = fluid_model(&scenario.fluid);
+    match flow::wall(&scene, scenario) {
+        Ok(wall) => scene.wall = wall,
+        Err(issue) => issues.push(issue),
+    }
     if let Err((rod, message)) = estimate::refuse_countless_pairs(&scene) {
         // Rods of the kind come first; their nodes are counted in [rod].
         let built = scene.rods.len() - scenario.rods.len();
@@ -166,10 +172,13 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     if prepared.table.is_none() {
         let guard = LinkingGuard::of(&prepared.scene);
         (prepared.observers).extend(guard.map(|guard| Box::new(guard) as Box<dyn Observer>));
+        let flow = FlowGuard::of(&prepared.scene);
+        (prepared.observers).extend(flow.map(|guard| Box::new(guard) as Box<dyn Observer>));
     }
     if prepared.table.is_none() {
         let has_controllers = !prepared.controllers.is_empty();
         prepared.warnings = warnings::warnings(scenario, &prepared.scene, has_controllers);
+        (prepared.warnings).extend(flow::left_out(&prepared.scene, scenario));
     }
     if let Err(found) = probes::add(&mut prepared, scenario) {
         found.0.into_iter().for_each(|issue| issues.push(issue));

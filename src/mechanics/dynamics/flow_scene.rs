@@ -1,6 +1,8 @@
 //! The rods of a scene as its fluid sees them: filaments, what holds them together, and what may not begin at one place.
 
-use crate::mechanics::fluid::{Connections, Filament, Fluid, FluidError, FluidModel, Sliding};
+use crate::mechanics::fluid::{
+    Connections, Filament, Fluid, FluidError, FluidModel, Sliding, Wall,
+};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{RodNode, Scene};
 use crate::mechanics::system::{Assembly, copy_positions};
@@ -31,11 +33,21 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
             radius: rod.radius,
         })
         .collect();
-    let mut fluid = Fluid::new(&model, &filaments)?;
+    let mut fluid = match wall(scene, assembly)? {
+        Some(wall) => Fluid::beside_wall(&model, &filaments, wall)?,
+        None => Fluid::new(&model, &filaments)?,
+    };
     let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
     copy_positions(&assembly.unknowns, &mut positions);
     fluid.connect(&connections(assembly), &positions);
     let names = NodeNames::new(scene, assembly);
+    if let Some((node, height)) = fluid.behind_wall(&positions) {
+        return Err(SceneError::Fluid(FluidError::BadInput(format!(
+            "{} is at the wall of the flow or behind it (height {height:.3e} m), where there is no fluid: place the rod on the \
+             free side of the plane, clamp the node, or set planes.wall = false",
+            names.of(node)
+        ))));
+    }
     for pair in fluid.met_by_chance() {
         if may_part(scene, assembly, &positions, pair) {
             let [first, second] = pair.map(|node| names.of(node));
@@ -46,6 +58,25 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
         }
     }
     Ok(Some(fluid))
+}
+
+/// The plane of the scene at which its fluid is at rest.
+fn wall(scene: &Scene, assembly: &Assembly) -> Result<Option<Wall>, SceneError> {
+    let Some(index) = scene.wall else {
+        return Ok(None);
+    };
+    let Some(plane) = scene.planes.get(index) else {
+        return Err(SceneError::Unsuitable(
+            "the wall of the flow must be one of the planes",
+        ));
+    };
+    Ok(Some(Wall {
+        point: plane.point,
+        normal: plane.normal,
+        held: (0..assembly.rods.nodes)
+            .filter(|node| assembly.held[STRIDE * node])
+            .collect(),
+    }))
 }
 
 /// What the nodes of a scene are called in messages.

@@ -3,7 +3,7 @@
 use super::continuation::Continuation;
 use super::report::FluidReport;
 use super::stokeslet_drag::{StokesletDrag, StokesletMemory};
-use super::{Connections, Filament, FluidError, FluidModel, resistive_force_theory};
+use super::{Connections, Filament, FluidError, FluidModel, Wall, resistive_force_theory};
 use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
@@ -79,6 +79,45 @@ impl Fluid {
             filaments: filaments.to_vec(),
             method,
         })
+    }
+
+    /// The same beside a plane at which the fluid is at rest, the no-slip wall of the flow; for regularized Stokeslets
+    /// only.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and [`FluidError::BadInput`] for another model, a normal that is no unit vector, and for more
+    /// than 5000 nodes.
+    pub fn beside_wall(
+        model: &FluidModel,
+        filaments: &[Filament],
+        wall: Wall,
+    ) -> Result<Self, FluidError> {
+        let mut fluid = Self::new(model, filaments)?;
+        if !((wall.normal.norm() - 1.0).abs() < 1e-9 && wall.point.iter().all(|x| x.is_finite())) {
+            return Err(FluidError::BadInput(
+                "the wall of a fluid needs a point and a unit normal".into(),
+            ));
+        }
+        match (&mut fluid.method, model) {
+            (
+                Method::Stokeslets(drag),
+                FluidModel::RegularizedStokeslets { regularization, .. },
+            ) => drag.set_wall(*regularization, wall)?,
+            _ => {
+                return Err(FluidError::BadInput(
+                    "only a fluid of regularized Stokeslets has walls".into(),
+                ));
+            }
+        }
+        Ok(fluid)
+    }
+
+    /// A node that may not be there is at the wall or behind it: its number in the scene, and its height, m.
+    pub fn behind_wall(&self, positions: &[Vector3]) -> Option<(usize, f64)> {
+        match &self.method {
+            Method::Stokeslets(drag) => drag.wall()?.behind(positions),
+            Method::Resistive { .. } => None,
+        }
     }
 
     /// Lets the fluid know what holds filaments together that are placed at `positions` (m, of all nodes of the scene). Nodes

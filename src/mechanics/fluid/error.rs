@@ -14,6 +14,17 @@ pub enum FluidError {
         "the flow of the filaments is singular to working precision: neighbouring nodes of a filament coincide, or are far closer than the regularisation length"
     )]
     Singular,
+    /// A node that is not held is at the wall of the flow, or behind it.
+    #[error(
+        "node {node}, counted over all rods, is at the wall of the flow or behind it (height {height:.3e} m): a [contact] table and shorter \
+         time steps keep rods in front of it"
+    )]
+    BehindWall {
+        /// Node of the scene.
+        node: usize,
+        /// Its height over the wall, m.
+        height: f64,
+    },
     /// The iterative solution did not reach its tolerance.
     #[error(
         "the fluid forces did not converge: relative residual {residual:.3e} after {iterations} iterations; nodes much closer to \

@@ -4,6 +4,7 @@ use super::Filament;
 use super::hierarchy::HierarchicalOperator;
 use super::operator::FlowOperator;
 use super::points::Points;
+use super::wall::FlowWall;
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Nodes from which clusters are cheaper than all pairs. A step of 15 helices (1,020 nodes, 3 cm apart) costs
@@ -41,6 +42,17 @@ impl Flow {
         Self {
             stations,
             points: Points::plain(nodes),
+            densities: Default::default(),
+            velocities: Default::default(),
+        }
+    }
+
+    /// The flow beside a wall, which is exact for any number of nodes: by clusters there are no images. Every station is a point.
+    pub fn beside_wall(filaments: &[Filament], regularization: f64, wall: FlowWall) -> Self {
+        let operator = FlowOperator::beside_wall(filaments, regularization, wall);
+        Self {
+            points: Points::plain(operator.nodes()),
+            stations: Stations::Exact(operator),
             densities: Default::default(),
             velocities: Default::default(),
         }

@@ -36,8 +36,9 @@ impl SegmentLanes {
         self.regularization_squared[lane] = segment.regularization_squared;
     }
 
+    /// The segment in a lane.
     #[inline(always)]
-    fn get(&self, lane: usize) -> Segment {
+    pub fn get(&self, lane: usize) -> Segment {
         // Spelled out: `map` over the arrays keeps the loop over lanes from vectorising.
         let (start, tangent) = (&self.start, &self.tangent);
         Segment {
@@ -55,7 +56,7 @@ impl SegmentLanes {
 /// of the velocities.
 #[derive(Clone, Default)]
 #[repr(align(64))]
-pub(super) struct BlockLanes([SingleLanes; 6]);
+pub(super) struct BlockLanes(pub [SingleLanes; 6]);
 
 impl BlockLanes {
     /// The block in a lane.
@@ -71,7 +72,7 @@ pub(super) struct VectorLanes(pub [Lanes; 3]);
 
 /// [`Offset`]s of eight segments.
 #[derive(Clone, Copy, Default)]
-struct OffsetLanes {
+pub(super) struct OffsetLanes {
     a: Lanes,
     p: [Lanes; 3],
     rho2: Lanes,
@@ -80,8 +81,9 @@ struct OffsetLanes {
 }
 
 impl OffsetLanes {
+    /// Puts an offset into a lane.
     #[inline(always)]
-    fn set(&mut self, lane: usize, offset: &Offset) {
+    pub fn set(&mut self, lane: usize, offset: &Offset) {
         self.a[lane] = offset.a;
         for k in 0..3 {
             self.p[k][lane] = offset.p[k];
@@ -91,8 +93,9 @@ impl OffsetLanes {
         self.r1[lane] = offset.r1;
     }
 
+    /// The offset in a lane.
     #[inline(always)]
-    fn get(&self, lane: usize) -> Offset {
+    pub fn get(&self, lane: usize) -> Offset {
         Offset {
             a: self.a[lane],
             p: [self.p[0][lane], self.p[1][lane], self.p[2][lane]],
@@ -224,6 +227,6 @@ fn add_products(row: [&SingleLanes; 3], vector: &[Lanes; 3], sum: &mut Lanes) {
 /// A call of its own: inlined, it makes the compiler pack components instead of lanes in the loop before,
 /// at four times the price.
 #[inline(never)]
-fn add_lanes(sums: &[Lanes; 3]) -> [f64; 3] {
+pub(super) fn add_lanes(sums: &[Lanes; 3]) -> [f64; 3] {
     sums.map(|a| ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7])))
 }

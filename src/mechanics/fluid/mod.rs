@@ -10,6 +10,7 @@
 //! | `operator` | the collocation matrix A of all nodes, stored; products |
 //! | `chain`, `patch` | parts of A: the blocks of some nodes with others |
 //! | `hierarchy` | products with A by clusters of nodes, at a cost like N log N |
+//! | `wall` | a plane at which the fluid is at rest, by images of the segments |
 //! | `flow` | which of the two: exact for few nodes, by clusters for many |
 //! | `ties`, `points` | which nodes of joined filaments are one point of the flow |
 //! | `preconditioner` | approximate inverse of A, of two levels |
@@ -73,6 +74,9 @@ mod stokeslet_drag;
 #[cfg(test)]
 mod tests;
 mod ties;
+mod wall;
+#[cfg(test)]
+mod wall_tests;
 
 pub use drag::{Coupling, Fluid, FluidMemory};
 pub use error::FluidError;
@@ -83,3 +87,4 @@ pub use quadrature::{segment_integral_by_quadrature, segment_integral_error};
 pub use report::FluidReport;
 pub use resistive_force_theory::DragCoefficients;
 pub use segment::segment_integral;
+pub use wall::{Wall, segment_image_integral};

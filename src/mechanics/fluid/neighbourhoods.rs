@@ -4,7 +4,7 @@ use super::FluidError;
 use super::chain::Link;
 use super::elimination::eliminate;
 use super::lanes::{SingleLanes, multiply_rows};
-use super::operator::PARALLEL_FROM;
+use super::operator::{FlowOperator, PARALLEL_FROM};
 use super::patch::Patch;
 use super::points::{Points, Share};
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes};
@@ -46,6 +46,8 @@ struct Site<'a> {
     links: &'a [Link],
     positions: &'a [Vector3],
     points: &'a Points,
+    /// The operator beside a wall, which holds the images; otherwise blocks are evaluated here.
+    walled: Option<&'a FlowOperator>,
 }
 
 /// Scratch of building a group.
@@ -104,12 +106,14 @@ impl Neighbourhoods {
         links: &[Link],
         positions: &[Vector3],
         points: &Points,
+        walled: Option<&FlowOperator>,
     ) -> Result<(), FluidError> {
         let (set, size) = (self.set, self.size.min(points.count()));
         let site = Site {
             links,
             positions,
             points,
+            walled,
         };
         let build =
             |workspace: &mut Workspace, group: &mut Group| group.build(set, &site, size, workspace);
@@ -158,6 +162,7 @@ impl Group {
             links,
             positions,
             points,
+            walled,
         } = *site;
         let Workspace {
             distances,
@@ -186,14 +191,21 @@ impl Group {
                 .filter(|&station| points.shares(station).iter().any(is_near)),
         );
         columns.sort_unstable();
-        patch.assemble(set, links, positions, rows, columns);
-        for (&column, slot) in columns.iter().zip(patch.columns()) {
+        if walled.is_none() {
+            patch.assemble(set, links, positions, rows, columns);
+        }
+        let mut slots = patch.columns();
+        for &column in columns.iter() {
+            let slot = slots.next();
             for share in points.shares(column).iter().filter(|share| is_near(share)) {
                 let k = (self.neighbours.iter())
                     .position(|&point| point == share.point)
                     .expect("a point of the neighbourhood");
                 for l in 0..self.neighbours.len() {
-                    let block = patch.block(l, slot) * share.weight;
+                    let block = match walled {
+                        Some(operator) => operator.block(rows[l], column),
+                        None => patch.block(l, slot.expect("a slot of every column")),
+                    } * share.weight;
                     for c in 0..3 {
                         for d in 0..3 {
                             system[(3 * k + c) * stride + 3 * l + d] += block[(d, c)];

@@ -6,6 +6,7 @@ use super::lanes::{
     multiply_row_by_three,
 };
 use super::segment::{Segment, full};
+use super::wall::{FlowWall, WallBlocks};
 use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -41,6 +42,8 @@ pub struct FlowOperator {
     blocks: Vec<BlockLanes>,
     /// The vectors to be multiplied, by slots.
     vectors: [Vec<VectorLanes>; 3],
+    /// What a wall adds.
+    wall: Option<WallBlocks>,
 }
 
 /// The slots of a filament.
@@ -108,7 +111,23 @@ impl FlowOperator {
             segments,
             blocks: vec![BlockLanes::default(); nodes * chunks],
             vectors: std::array::from_fn(|_| vec![VectorLanes::default(); chunks]),
+            wall: None,
         }
+    }
+
+    /// The same beside a wall: blocks are those of segments and their images.
+    pub(super) fn beside_wall(filaments: &[Filament], regularization: f64, wall: FlowWall) -> Self {
+        let operator = Self::new(filaments, regularization);
+        let blocks = WallBlocks::new(wall, operator.nodes(), operator.segments.len());
+        Self {
+            wall: Some(blocks),
+            ..operator
+        }
+    }
+
+    /// Whether there is a wall.
+    pub(super) fn has_wall(&self) -> bool {
+        self.wall.is_some()
     }
 
     /// Number of nodes.
@@ -129,6 +148,9 @@ impl FlowOperator {
                 let end = &positions[self.slots[last.min(slot + 1)]];
                 let segment = Segment::new(start, end, filament.regularization_squared);
                 self.segments[slot % chunks].set(slot / chunks, &segment);
+                if let Some(wall) = &mut self.wall {
+                    wall.set_segment(slot, start, end, filament.regularization_squared);
+                }
             }
         }
         let (set, segments) = (self.set, &self.segments);
@@ -142,6 +164,10 @@ impl FlowOperator {
                 .zip(self.blocks.par_chunks_exact_mut(chunks))
                 .with_min_len(ROWS_PER_TASK)
                 .for_each(|(&x, row)| assemble_row(set, x, segments, row));
+        }
+        if let Some(wall) = &mut self.wall {
+            let slot_of = |node: usize| self.columns[node].slot;
+            wall.assemble(set, positions, slot_of, &mut self.blocks);
         }
     }
 
@@ -157,7 +183,11 @@ impl FlowOperator {
 
     fn stored(&self, row: usize, slot: usize) -> Matrix3 {
         let chunks = self.segments.len();
-        full(&self.blocks[row * chunks + slot % chunks].get(slot / chunks))
+        let block = full(&self.blocks[row * chunks + slot % chunks].get(slot / chunks));
+        match &self.wall {
+            Some(wall) => block + wall.axial(row, slot),
+            None => block,
+        }
     }
 
     /// Weighted sums of columns, of which there are `count`: `shares` tells for each node to which sums it contributes, and
@@ -170,12 +200,16 @@ impl FlowOperator {
     ) {
         let chunks = self.segments.len();
         let width = (3 * count).div_ceil(LANES);
-        let sum_row = |totals: &mut Vec<Matrix3>, (blocks, sums): (&[BlockLanes], &mut [_])| {
+        type Row<'a> = (usize, (&'a [BlockLanes], &'a mut [SingleLanes]));
+        let sum_row = |totals: &mut Vec<Matrix3>, (row, (blocks, sums)): Row| {
             totals.clear();
             totals.resize(count, Matrix3::zeros());
             for (slot, &node) in self.slots.iter().enumerate() {
                 for (sum, weight) in shares[node].into_iter().filter(|share| share.1 != 0.0) {
                     totals[sum] += full(&blocks[slot % chunks].get(slot / chunks)) * weight;
+                    if let Some(wall) = &self.wall {
+                        totals[sum] += wall.axial(row, slot) * weight;
+                    }
                 }
             }
             for (axis, row) in sums.chunks_exact_mut(width).enumerate() {
@@ -189,6 +223,7 @@ impl FlowOperator {
         };
         (self.blocks.par_chunks_exact(chunks))
             .zip(sums.par_chunks_exact_mut(3 * width))
+            .enumerate()
             .with_min_len(ROWS_PER_TASK)
             .for_each_init(Vec::new, sum_row);
     }
@@ -210,6 +245,9 @@ impl FlowOperator {
                 .with_min_len(ROWS_PER_TASK)
                 .for_each(|(row, u)| u.copy_from_slice(&multiply_row(set, row, vector)));
         }
+        if let Some(wall) = &self.wall {
+            wall.add_product(set, vector, velocities);
+        }
     }
 
     /// [`multiply`](Self::multiply) for three vectors, at little more than the price of one.
@@ -223,7 +261,7 @@ impl FlowOperator {
         }
         let (set, vectors) = (self.set, &self.vectors);
         let chunks = self.segments.len();
-        let [u, v, w] = velocities;
+        let [u, v, w] = &mut *velocities;
         if self.points.len() < PARALLEL_FROM {
             for (i, row) in self.blocks.chunks_exact(chunks).enumerate() {
                 let products = multiply_row_by_three(set, row, vectors);
@@ -244,6 +282,11 @@ impl FlowOperator {
                         velocity.copy_from_slice(&product);
                     }
                 });
+        }
+        if let Some(wall) = &self.wall {
+            for (vector, velocities) in self.vectors.iter().zip(velocities) {
+                wall.add_product(set, vector, velocities);
+            }
         }
     }
 }

@@ -70,8 +70,9 @@ impl Preconditioner {
         if let (Some(coarse), Some(exact)) = (&mut self.coarse, operator.exact()) {
             coarse.build(exact, operator.points())?;
         }
+        let walled = operator.exact().filter(|exact| exact.has_wall());
         self.neighbourhoods
-            .build(links, positions, operator.points())
+            .build(links, positions, operator.points(), walled)
     }
 
     /// `y` ≈ A⁻¹ `x`.

@@ -33,7 +33,7 @@ const GAUSS: [f64; 4] = [
     0.417_959_183_673_469_4,
 ];
 /// Halvings after which an interval is taken as it is.
-const DEEPEST: usize = 20;
+pub(super) const DEEPEST: usize = 20;
 
 /// What [`segment_integral`] gives, by adaptive Gauss–Kronrod quadrature of
 /// Eq. 2.21 to an absolute `tolerance` (A₁ and A₂ have no dimension) or to round-off.
@@ -97,11 +97,11 @@ pub fn segment_integral_error(pairs: usize) -> f64 {
 }
 
 /// A linear congruential generator (Knuth's MMIX).
-struct Random(u64);
+pub(super) struct Random(pub u64);
 
 impl Random {
     /// Uniform in (−1, 1).
-    fn number(&mut self) -> f64 {
+    pub fn number(&mut self) -> f64 {
         self.0 = (self.0)
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1_442_695_040_888_963_407);
@@ -109,16 +109,17 @@ impl Random {
     }
 
     /// Between two magnitudes, uniform in the logarithm.
-    fn magnitude(&mut self, from: f64, to: f64) -> f64 {
+    pub fn magnitude(&mut self, from: f64, to: f64) -> f64 {
         from * libm::pow(to / from, 0.5 + 0.5 * self.number())
     }
 
-    fn direction(&mut self) -> Vector3 {
+    pub fn direction(&mut self) -> Vector3 {
         Vector3::from_fn(|_, _| self.number()).normalize()
     }
 }
 
-fn integrate(
+/// Integrates by halving until the two rules agree.
+pub(super) fn integrate(
     f: &impl Fn(f64) -> [Matrix3; 2],
     from: f64,
     to: f64,

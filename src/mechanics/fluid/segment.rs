@@ -133,11 +133,16 @@ impl Segment {
     /// Coefficients of A₁ and A₂ for [`combine`].
     #[inline(always)]
     pub fn moments(&self, offset: &Offset) -> [[f64; 4]; 2] {
+        self.weigh(offset, &self.integrals(offset))
+    }
+
+    /// The integrals of the table above.
+    #[inline(always)]
+    pub fn integrals(&self, offset: &Offset) -> Integrals {
         let &Offset {
             a, rho2, r0, r1, ..
         } = offset;
         let length = self.length;
-        let epsilon2 = self.regularization_squared;
         let z0 = -a;
         let z1 = length - a;
         let sum = r0 + r1;
@@ -157,19 +162,54 @@ impl Segment {
         let j0 = 2.0 * sum * sum * cofactor * scale;
         let j1 = (z0 + z1) * product * scale;
         let i1 = j1 * r01;
-        let j2 = (-rho2).mul_add(j0, i0);
-        let j3 = (-rho2).mul_add(j1, i1);
+        Integrals {
+            i0,
+            i1,
+            j0,
+            j1,
+            j2: (-rho2).mul_add(j0, i0),
+            j3: (-rho2).mul_add(j1, i1),
+        }
+    }
 
+    /// [`moments`](Self::moments) from the integrals.
+    #[inline(always)]
+    pub fn weigh(&self, offset: &Offset, integrals: &Integrals) -> [[f64; 4]; 2] {
+        let &Integrals {
+            i0,
+            i1,
+            j0,
+            j1,
+            j2,
+            j3,
+        } = integrals;
+        let epsilon2 = self.regularization_squared;
         let whole = [epsilon2.mul_add(j0, i0), j0, j1, j2];
         let weighted = [epsilon2.mul_add(j1, i1), j1, j2, j3];
         let mut first = [0.0; 4];
         let mut second = [0.0; 4];
         for k in 0..4 {
-            second[k] = a.mul_add(whole[k], weighted[k]) * self.inverse_length;
+            second[k] = offset.a.mul_add(whole[k], weighted[k]) * self.inverse_length;
             first[k] = whole[k] - second[k];
         }
         [first, second]
     }
+}
+
+/// I_k = ∫ zᵏ/R dz and J_k = ∫ zᵏ/R³ dz along a segment.
+pub(super) struct Integrals {
+    /// I₀, without dimension.
+    pub i0: f64,
+    /// I₁, m.
+    pub i1: f64,
+    /// J₀, 1/m².
+    pub j0: f64,
+    /// J₁, 1/m.
+    pub j1: f64,
+    /// J₂, without dimension.
+    pub j2: f64,
+    /// J₃, m.
+    pub j3: f64,
 }
 
 /// Position of an evaluation point relative to a segment.

@@ -8,6 +8,7 @@ use super::points::Points;
 use super::preconditioner::{NEIGHBOURHOOD, Preconditioner};
 use super::report::FluidReport;
 use super::ties::{Rail, Ties, rails, smaller_regularization};
+use super::wall::{FlowWall, Wall};
 use super::{Connections, Filament, FluidError};
 use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,8 @@ const TOLERANCE_OF_FAR_FIELD_ERROR: f64 = 0.1;
 const MOST_OPERATIONS: f64 = 2e11;
 /// Iterations after which the preconditioner is held to be too coarse. Tight bundles take some twenty.
 const MOST_ITERATIONS: usize = 40;
+/// Most nodes beside a wall. All pairs are stored, 36 bytes each: this many take 0.9 GB.
+const MOST_NODES_BESIDE_A_WALL: usize = 5000;
 /// Power iterations that estimate the largest ratio of the resistance to its local part: ten come within 5 % of it for a
 /// straight filament of 40 edges.
 const POWER_ITERATIONS: usize = 10;
@@ -88,6 +91,8 @@ pub(super) struct StokesletDrag {
     links: Vec<Link>,
     /// Which stations are one point.
     ties: Ties,
+    /// The plane at which the fluid is at rest.
+    wall: Option<FlowWall>,
     operator: Flow,
     /// Relative residual at which a solve stops.
     tolerance: f64,
@@ -131,6 +136,7 @@ impl StokesletDrag {
             rails: Vec::new(),
             links: links(filaments, regularization),
             ties: Ties::default(),
+            wall: None,
             tolerance: match operator.exact() {
                 Some(_) => TOLERANCE,
                 None => TOLERANCE.max(TOLERANCE_OF_FAR_FIELD_ERROR * far_field_error),
@@ -151,6 +157,32 @@ impl StokesletDrag {
             image: vec![0.0; unknowns],
             densities: vec![0.0; unknowns],
         }
+    }
+
+    /// Puts a wall beside the filaments, before they are connected and anything is solved; `regularization` as in
+    /// [`new`](Self::new).
+    ///
+    /// # Errors
+    /// [`FluidError::BadInput`] for more nodes than a wall allows.
+    pub fn set_wall(&mut self, regularization: f64, wall: Wall) -> Result<(), FluidError> {
+        let nodes = self.positions.len();
+        if nodes > MOST_NODES_BESIDE_A_WALL {
+            return Err(FluidError::BadInput(format!(
+                "the flow beside a wall has no far-field approximation, and holds at most {MOST_NODES_BESIDE_A_WALL} nodes, not {nodes}: \
+                 take fewer nodes, or planes.wall = false"
+            )));
+        }
+        let wall = FlowWall::new(wall, &self.filaments);
+        self.operator = Flow::beside_wall(&self.filaments, regularization, wall.clone());
+        self.tolerance = TOLERANCE;
+        self.preconditioner = Preconditioner::new(&self.filaments, &self.operator, NEIGHBOURHOOD);
+        self.wall = Some(wall);
+        Ok(())
+    }
+
+    /// The wall, if there is one.
+    pub fn wall(&self) -> Option<&FlowWall> {
+        self.wall.as_ref()
     }
 
     /// Ties what joints hold together, and nodes that are at one place, in filaments placed at `positions` (m, of all nodes).
@@ -221,6 +253,9 @@ impl StokesletDrag {
         if !are_finite(&self.positions) {
             return Err(FluidError::NotFinite);
         }
+        if let Some(wall) = &self.wall {
+            wall.clip(&self.links, &mut self.positions)?;
+        }
         voronoi_lengths(&self.filaments, &self.positions, &mut self.lengths)?;
         if (self.ties).update(&self.links, &self.rails, &self.positions) {
             self.take_points();
@@ -266,7 +301,21 @@ impl StokesletDrag {
             return Err(FluidError::NotFinite);
         }
         self.average_velocities();
+        if let Some(wall) = &self.wall {
+            // Points in the wall take no force, however they move.
+            let points = self.operator.points().representatives().iter();
+            for (&station, velocity) in points.zip(self.right_hand_side.chunks_exact_mut(3)) {
+                if wall.holds(station, &self.positions[station]) {
+                    velocity.fill(0.0);
+                }
+            }
+        }
         Ok(())
+    }
+
+    /// Whether a station is in the wall, where it takes no force.
+    fn is_in_wall(&self, station: usize) -> bool {
+        (self.wall.as_ref()).is_some_and(|wall| wall.holds(station, &self.positions[station]))
     }
 
     /// Sets up what depends on the number of points, and forgets earlier solutions.
@@ -326,7 +375,11 @@ impl StokesletDrag {
             } else {
                 self.inverses[point]
             };
-            resistance[node] = inverse * (factor * self.lengths[station]);
+            resistance[node] = if self.is_in_wall(station) {
+                Matrix3::zeros()
+            } else {
+                inverse * (factor * self.lengths[station])
+            };
         }
         Ok(())
     }
@@ -336,6 +389,10 @@ impl StokesletDrag {
         let factor = 8.0 * PI * self.viscosity;
         let points = self.operator.points();
         for (station, node) in nodes_of(&self.filaments).enumerate() {
+            if self.is_in_wall(station) {
+                forces[node] = Vector3::zeros();
+                continue;
+            }
             forces[node] =
                 points.value_at(station, &self.densities) * -(factor * self.lengths[station]);
             let members = points.members(points.shares(station)[0].point);

@@ -141,6 +141,7 @@ pub fn planes(top: &Section<'_>, typed: &[typed::Plane]) -> Vec<Plane> {
                     .direction("normal", &typed.normal)
                     .unwrap_or([0.0, 0.0, 1.0]),
                 friction: section.optional("friction", &typed.friction, NON_NEGATIVE),
+                wall: typed.wall,
             }
         })
         .collect()

@@ -91,7 +91,8 @@ pub fn resolve(
     let mut contact = model::contact(&top, file.contact.as_ref(), smallest_radius);
     model::refuse_rigid_statics(&top, &contact, &time);
     model::refuse_viscous_midpoint(&top, &rods, &time);
-    let fluid = model::fluid(&top, file.fluid.as_ref());
+    let beside_wall = file.planes.iter().any(|plane| plane.wall != Some(false));
+    let fluid = model::fluid(&top, file.fluid.as_ref(), beside_wall);
     if let Some(kind) = kind {
         let common = CommonTables {
             rods: &rods,

@@ -147,4 +147,7 @@ pub struct Plane {
     /// Friction coefficient; `None` takes that of the contact model.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
+    /// Whether it is a no-slip wall of the flow; `None` is true with regularized Stokeslets, false otherwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall: Option<bool>,
 }

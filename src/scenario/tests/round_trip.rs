@@ -224,6 +224,10 @@ point = [0, 0, -3]
 normal = [0, 1, 7]
 friction = 0.3
 
+[[planes]]
+point = [0, 0, -4]
+wall = false
+
 [contact]
 friction = 0.2
 

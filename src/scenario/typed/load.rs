@@ -123,6 +123,10 @@ pub struct Plane {
     pub normal: Option<Vector<Dimensionless>>,
     /// Friction coefficient between plane and rods. Default: that of [contact].
     pub friction: Option<Quantity<Dimensionless>>,
+    /// Whether the plane is a no-slip wall of the flow, at which the fluid of the model "rss" is at rest. At most one plane can
+    /// be; false leaves the plane out of the flow, which then passes through it. Default: true with the model "rss",
+    /// otherwise false.
+    pub wall: Option<bool>,
 }
 
 /// A place along a rod.

@@ -61,15 +61,17 @@ pub enum ContactModel {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "fluid")]
 pub struct Fluid {
-    /// "rss" (the default here: regularized Stokeslet segments, every node feels every edge), "resistive"
-    /// (local drag coefficients, cheap) or "none".
+    /// "rss" (the default here: regularized Stokeslet segments, every node feels every edge, and the wall if there is a
+    /// plane: see planes.wall), "resistive" (local drag coefficients, cheap, no walls) or "none".
     pub model: Option<FluidModel>,
     /// Dynamic viscosity, greater than 0.
     pub viscosity: Option<Quantity<Viscosity>>,
-    /// Regularisation of "rss" as a multiple of the rod radius. Default: 1.02.
+    /// Regularisation of "rss" as a multiple of the rod radius. 1.02 is that of the thesis; 1.65 gives the drag of a slender
+    /// cylinder, and matters near a wall. Default: 1.65 with a plane that is a wall (see planes.wall), otherwise 1.02.
     pub regularization: Option<Quantity<Dimensionless>>,
     /// Relative error allowed in the drag of "rss" from approximating the flow of distant nodes, 1e-6 to
-    /// 1e-2, or 0 for none. Scenes of less than a thousand nodes are exact whatever it is. Default: 1e-4.
+    /// 1e-2, or 0 for none. Scenes of less than a thousand nodes, and those beside a wall (at most 5000 nodes), are exact
+    /// whatever it is. Default: 1e-4.
     pub far_field_error: Option<Quantity<Dimensionless>>,
 }
 

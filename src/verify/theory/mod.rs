@@ -6,3 +6,4 @@ pub mod localized_buckling;
 pub mod stokeslet;
 pub mod swimmer;
 pub mod tube;
+pub mod wall;

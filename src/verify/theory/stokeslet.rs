@@ -22,14 +22,24 @@ pub fn adaptive_segment_integral(
     end: &Vector3<f64>,
     regularization: f64,
 ) -> [Matrix3<f64>; 2] {
+    adaptive_integral(start, end, |y| {
+        regularized_stokeslet(&(x - y), regularization)
+    })
+}
+
+/// The same for any kernel of the place on the segment.
+pub fn adaptive_integral(
+    start: &Vector3<f64>,
+    end: &Vector3<f64>,
+    kernel: impl Fn(&Vector3<f64>) -> Matrix3<f64>,
+) -> [Matrix3<f64>; 2] {
     let rule = gauss_legendre(15);
     let length = (end - start).norm();
     let panel = |from: f64, to: f64| {
         let mut sums = [Matrix3::zeros(); 2];
         for &(place, weight) in &rule {
             let s = from + (to - from) * place;
-            let kernel = regularized_stokeslet(&(x - start.lerp(end, s)), regularization);
-            let weighted = kernel * (weight * (to - from) * length);
+            let weighted = kernel(&start.lerp(end, s)) * (weight * (to - from) * length);
             sums[0] += weighted * (1.0 - s);
             sums[1] += weighted * s;
         }

@@ -1,0 +1,134 @@
+//! A filament near a wall in viscous fluid, against a dense solution with images by quadrature and a long cylinder.
+
+use super::scenario::simulation;
+use super::theory::stokeslet::forces;
+use super::theory::wall::{drag_at_wall, gliding_cylinder};
+use super::{Check, Expectation, GroupError};
+use crate::mechanics::fluid::{Filament, Fluid, FluidError, FluidModel, Wall};
+use crate::mechanics::{Matrix3, Vector3};
+
+const IMAGES: Expectation = Expectation {
+    formula: "8πη u(xᵢ) = Σ ∫ (S + S*) f ds",
+    source: "Ainley et al. 2008, dense solution",
+};
+const FREE: Expectation = Expectation {
+    formula: "8πη u(xᵢ) = Σ ∫ S f ds",
+    source: "Cortez 2001, dense solution",
+};
+const CYLINDER: Expectation = Expectation {
+    formula: "2πη/arcosh(H/a)",
+    source: "long cylinder",
+};
+/// Regularisation in rod radii (thesis sec. 2.4.1).
+const REGULARIZATION: f64 = 1.02;
+/// The same beside a wall, by default.
+const BESIDE_A_WALL: f64 = 1.65;
+const BOUND: f64 = 1e-3;
+
+/// Speeds of a filament along, across and towards a wall, and the drag of a long one.
+pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
+    let mut checks = filament()?;
+    checks.extend(long_cylinder()?);
+    Ok(checks)
+}
+
+/// A stiff filament of 200 radii, three radii over a wall, pulled by a force per length; and the same far from the wall.
+fn filament() -> Result<Vec<Check>, GroupError> {
+    let (length, radius, viscosity, pull) = (20e-3, 1e-4, 1.0, 1e-3);
+    let (nodes, got) = speed(&[])?;
+    let expected = drag_at_wall(&nodes, BESIDE_A_WALL * radius, viscosity);
+    let mut checks = vec![IMAGES.relative(
+        "filament three radii over a wall, pulled along itself: speed",
+        "m/s",
+        pull * length / expected[(0, 0)],
+        got,
+        BOUND,
+    )];
+    for (name, axis) in [("sideways", 1), ("away", 2)] {
+        let velocity = Vector3::ith(axis, 1.0);
+        let forces = forces_at_wall(&nodes, &velocity, radius, viscosity)?;
+        let got: f64 = forces.iter().map(|force| force[axis]).sum();
+        checks.push(IMAGES.relative(
+            format!("the same towed {name} at 1 m/s: drag"),
+            "N",
+            expected[(axis, axis)],
+            got,
+            BOUND,
+        ));
+    }
+    let (nodes, got) = speed(&["planes.0.wall=false".into()])?;
+    let velocities = vec![Vector3::x(); nodes.len()];
+    let drag = forces(&nodes, &velocities, REGULARIZATION * radius, viscosity);
+    let drag: f64 = drag.iter().map(|force| force.x).sum();
+    checks.push(FREE.relative(
+        "the same without the wall, pulled along itself: speed",
+        "m/s",
+        pull * length / drag,
+        got,
+        BOUND,
+    ));
+    Ok(checks)
+}
+
+/// Places of the nodes, and the speed of the middle one, after a millisecond.
+fn speed(overrides: &[String]) -> Result<(Vec<Vector3>, f64), GroupError> {
+    let mut simulation = simulation(include_str!("scenes/filament_at_wall.toml"), overrides)?;
+    for _ in 0..100 {
+        simulation.advance(f64::INFINITY)?;
+    }
+    let nodes = simulation.positions().to_vec();
+    Ok((nodes, simulation.velocities()[10].x))
+}
+
+/// Drag per length in the middle of a cylinder 600 radii long that glides along its axis.
+fn long_cylinder() -> Result<Vec<Check>, FluidError> {
+    let (radius, viscosity, edges) = (1.0, 1.0, 120);
+    let mut checks = Vec::new();
+    for (height, bound) in [(3.0, 4e-2), (10.0, 5e-3)] {
+        let edge = 600.0 / f64::from(edges);
+        let nodes: Vec<Vector3> = (0..=edges)
+            .map(|k| Vector3::new(edge * f64::from(k), 0.0, height))
+            .collect();
+        let forces = forces_at_wall(&nodes, &Vector3::x(), radius, viscosity)?;
+        checks.push(CYLINDER.relative(
+            format!("long cylinder gliding {height} radii over a wall: drag per length"),
+            "N/m",
+            gliding_cylinder(viscosity, radius, height),
+            forces[nodes.len() / 2].x / edge,
+            bound,
+        ));
+    }
+    Ok(checks)
+}
+
+/// Forces on the fluid, N per node, of a rod that moves as a whole over the wall z = 0, as the engine finds them.
+fn forces_at_wall(
+    nodes: &[Vector3],
+    velocity: &Vector3,
+    radius: f64,
+    viscosity: f64,
+) -> Result<Vec<Vector3>, FluidError> {
+    let model = FluidModel::RegularizedStokeslets {
+        viscosity,
+        regularization: BESIDE_A_WALL,
+        far_field_error: 0.0,
+    };
+    let filament = Filament {
+        first_node: 0,
+        nodes: nodes.len(),
+        closed: false,
+        radius,
+    };
+    let wall = Wall {
+        point: Vector3::zeros(),
+        normal: Vector3::z(),
+        held: Vec::new(),
+    };
+    let mut fluid = Fluid::beside_wall(&model, &[filament], wall)?;
+    let mut forces = vec![Vector3::zeros(); nodes.len()];
+    let mut resistance = vec![Matrix3::zeros(); nodes.len()];
+    let velocities = vec![*velocity; nodes.len()];
+    fluid.drag(nodes, &velocities, &mut forces, &mut resistance)?;
+    // The fluid reports what it does to the rod.
+    Ok(forces.into_iter().map(|force| -force).collect())
+}
