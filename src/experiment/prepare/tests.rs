@@ -114,7 +114,12 @@ fn the_defaults_of_scenarios_are_those_of_the_engine() {
     let text = format!("{TWO_RODS}\n[contact]\ndistance_tolerance = 1e-5\n");
     let run = prepare(&loaded(&text).scenario).unwrap();
     assert_eq!(run.integration, IntegrationParameters::default());
-    assert_eq!(run.scene.contact, Some(ContactParameters::default()));
+    // That of the engine is for a radius of 1 mm.
+    let contact = ContactParameters {
+        stiffness_factor: 1e6,
+        ..ContactParameters::default()
+    };
+    assert_eq!(run.scene.contact, Some(contact));
 }
 
 #[test]

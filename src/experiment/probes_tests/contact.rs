@@ -85,7 +85,8 @@ fn contact_gap_is_that_of_the_force_law() {
     let (tolerance, radius) = (1e-4_f64, 0.004_f64);
     let bending = 1e7 * std::f64::consts::PI / 4.0 * radius.powi(4);
     let load = weight_of(0.2) / 20.0 / (bending / 0.04);
-    let penalty = (2e5 * tolerance / (15.0 * radius * radius * load)).ln() / 30.0;
+    // The default stiffness factor is 1e8 radii.
+    let penalty = (2e8 * radius * tolerance / (15.0 * radius * radius * load)).ln() / 30.0;
     let relative = |w: f64| w * (w + 2.0 * w.ln_1p()) / (1.0 + w) / (0.5 + 2f64.ln());
     let nearness = (1..)
         .map(|k| 1e-4 * f64::from(k))

@@ -244,7 +244,7 @@ fn learned(
     let answers = predictions(points, rod, network)?;
     let mut solver = GraspSolver::new();
     let last = points.len().saturating_sub(1);
-    let is_known = |index: usize| index % CHECKED == 0 || index == last;
+    let is_known = |index: usize| index.is_multiple_of(CHECKED) || index == last;
     let mut grasps = Vec::with_capacity(points.len());
     for (index, (point, (problem, answer))) in points.iter().zip(&answers).enumerate() {
         let is_solved = answer.is_none() || is_known(index);

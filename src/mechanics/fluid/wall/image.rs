@@ -167,10 +167,8 @@ impl Image {
             twice(k2, k3, k4),
         ];
         let mut moments = [Moments::default(); 2];
-        for k in 0..4 {
-            moments[0].0[k] = first[k];
-            moments[1].0[k] = second[k];
-        }
+        moments[0].0[..4].copy_from_slice(&first[..4]);
+        moments[1].0[..4].copy_from_slice(&second[..4]);
         for k in 0..5 {
             moments[0].0[4 + k] = whole[k] - weighted[k];
             moments[1].0[4 + k] = weighted[k];
