@@ -82,6 +82,8 @@ pub(super) struct DragCoupling {
     count: usize,
     /// The last solution.
     solution: Motion,
+    /// Norm of what the last solution leaves out, and the one before, √(N m/s).
+    sizes: [f64; 2],
     solutions: usize,
 }
 
@@ -89,6 +91,7 @@ impl DragCoupling {
     /// Begins the search in a step whose first drag is that of `stage`.
     pub fn begin(&mut self, stage: &Stage, is_held: impl Fn(usize) -> bool) {
         self.solutions = 0;
+        self.sizes = [f64::INFINITY; 2];
         self.count = 0;
         self.mobilities.clear();
         let mobilities = stage.resistance.iter().enumerate().map(|(node, local)| {
@@ -136,10 +139,20 @@ impl DragCoupling {
                 .map(|node| mobilities[node] * forces[node].norm_squared())
                 .sum::<f64>()
         };
+        self.sizes = [
+            size(&solution.left_out, 0..mobilities.len()).sqrt(),
+            self.sizes[0],
+        ];
         rods.into_iter().all(|nodes| {
             let left_out = size(&solution.left_out, nodes.clone());
             left_out <= tolerance * tolerance * size(&solution.drag, nodes)
         })
+    }
+
+    /// Whether the last solution leaves out more than half of what the one before did.
+    pub fn has_stalled(&self) -> bool {
+        let [last, before] = self.sizes;
+        last > 0.5 * before
     }
 
     /// Whether there have been too many solutions.

@@ -17,17 +17,6 @@ use tracing::trace;
 /// Safety of the estimate of the largest ratio of the resistance to its local part: rods move on from where it was made.
 const RATIO_MARGIN: f64 = 1.2;
 
-/// How far the drag of a step is found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Coupled {
-    /// It is that of the motion.
-    Solved,
-    /// The stage has a better one than before.
-    Improved,
-    /// Nothing better was found in as many tries as there are.
-    Exhausted,
-}
-
 /// The fluid of a scene, if it has one, and its forces.
 pub(super) struct FluidDrag {
     fluid: Option<Fluid>,
@@ -163,8 +152,8 @@ impl FluidDrag {
             .begin(stage, |node| inertia[node].is_infinite());
     }
 
-    /// Evaluates the drag for the motion of `stage` to `unknowns`; returns whether the drag with which these were found is
-    /// the same. If not, the stage has a better one. The number is that of the Krylov iterations.
+    /// Gives `stage` the drag of its motion to `unknowns`; returns whether the drag with which these were found is the same,
+    /// and the Krylov iterations.
     ///
     /// # Errors
     /// [`FluidError`] where the fluid has no answer.
@@ -172,9 +161,9 @@ impl FluidDrag {
         &mut self,
         stage: &mut Stage,
         unknowns: &[f64],
-    ) -> Result<(Coupled, usize), FluidError> {
+    ) -> Result<(bool, usize), FluidError> {
         let Some(fluid) = &mut self.fluid else {
-            return Ok((Coupled::Solved, 0));
+            return Ok((true, 0));
         };
         let tolerance = fluid.coupling().map_or(0.0, |coupling| coupling.tolerance);
         let per_step = 1.0 / stage.step;
@@ -183,18 +172,24 @@ impl FluidDrag {
         }
         let report = fluid.drag_of(&self.velocities, &stage.resistance, &mut self.found)?;
         let rods = self.rods.iter().cloned();
-        let is_solved = self
+        let agrees = self
             .coupling
             .record(stage, &self.velocities, &self.found, rods, tolerance);
-        let coupled = if is_solved {
-            Coupled::Solved
-        } else if self.coupling.is_exhausted() {
-            Coupled::Exhausted
-        } else {
+        Ok((agrees, report.iterations))
+    }
+
+    /// Whether the last solution of a coupled step leaves out hardly less than the one before.
+    pub fn has_stalled(&self) -> bool {
+        self.coupling.has_stalled()
+    }
+
+    /// Gives `stage` the best drag to go on with; `false` after as many solutions of the step as there are.
+    pub fn expect_coupled(&mut self, stage: &mut Stage) -> bool {
+        let goes_on = !self.coupling.is_exhausted();
+        if goes_on {
             self.coupling.expect(stage);
-            Coupled::Improved
-        };
-        Ok((coupled, report.iterations))
+        }
+        goes_on
     }
 
     /// Takes over the forces of an accepted step that ends with a velocity.
