@@ -10,7 +10,7 @@
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
 //! | `inside` | what lies within a closed obstacle |
 //! | `prescribed` | contacts of prescribed points, which carry no force |
-//! | `roots` | clamped nodes at which a rod leaves a body that it is set in |
+//! | `root`, `roots` | clamped nodes at which a rod leaves a body that it is set in |
 //! | `rim` | the rims of tubes |
 //! | `reflex_edge` | edges in valleys of a mesh, which are not felt |
 //! | `nearest_points` | the same of two edges, or of a node and a face |
@@ -67,6 +67,7 @@ mod rest_gap;
 mod rim;
 #[cfg(test)]
 mod rim_tests;
+mod root;
 mod roots;
 mod slots;
 mod step_bound;
@@ -89,7 +90,7 @@ pub use contacts::{
 pub use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters};
 pub use proximity::{ContactPair, Proximity};
-pub use roots::{Root, RootBody};
+pub use root::{Root, RootBody};
 pub use step_bound::LargestStep;
 pub use stored_energy::Stored;
 pub use surface::{ContactEdge, ContactPlane, ContactSurface};

@@ -1,7 +1,7 @@
 //! The surfaces that may touch: every edge of a rod as a capsule, balls around nodes, rigid planes, and rigid obstacles.
 
 use super::contacts::CandidatePair;
-use super::roots::Roots;
+use super::root::Roots;
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
 use std::collections::HashMap;

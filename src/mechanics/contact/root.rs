@@ -1,0 +1,75 @@
+//! Roots: clamped nodes at which a rod leaves a body in which it is set.
+//!
+//! A stalk that is clamped in a floor, or a hair in a scalp, overlaps with the body around its root by nature, and nothing moves
+//! the one against the other there. The edges and nodes of the rod within the reach of the root pass over that body; what
+//! lies beyond touches it. With the radius h of the rod and the way s along it on which it overlaps as placed, the reach is
+//!
+//! R = max(π h, 1.5 s), at most 20 h.
+
+use std::f64::consts::PI;
+
+/// Reach of a root in radii: a rod bent as sharply as its own radius allows turns back to where it started within this.
+const LEAST_REACH: f64 = PI;
+/// Reach over the way on which the rod overlaps.
+const REACH: f64 = 1.5;
+/// Largest reach in radii: a rod that overlaps farther lies in the body.
+const FARTHEST_REACH: f64 = 20.0;
+
+/// A body that a rod is rooted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RootBody {
+    /// Index of a plane.
+    Plane(usize),
+    /// Index of an obstacle.
+    Obstacle(usize),
+    /// Index of a rod that is held.
+    HeldRod(usize),
+}
+
+/// A root of a rod.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root {
+    /// Index of the rod.
+    pub rod: usize,
+    /// Arc length of the clamped node along it, m.
+    pub arc_length: f64,
+    /// Way along the rod, to either side of that node, on which the body is passed over, m.
+    pub reach: f64,
+    /// The body.
+    pub body: RootBody,
+}
+
+impl Root {
+    /// Reach of a root of a rod of radius `radius` (m) that overlaps with the body within `overlap` (m) of the clamped node.
+    pub fn reach_of(radius: f64, overlap: f64) -> f64 {
+        (REACH * overlap).clamp(LEAST_REACH * radius, FARTHEST_REACH * radius)
+    }
+}
+
+/// What is passed over at roots: pairs of numbers, sorted.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Roots {
+    /// Edges of rods and obstacles.
+    pub edges: Vec<[usize; 2]>,
+    /// Nodes of rods and obstacles.
+    pub nodes: Vec<[usize; 2]>,
+    /// Nodes of rods and planes.
+    pub planes: Vec<[usize; 2]>,
+}
+
+impl Roots {
+    /// Whether an edge of a rod passes over the edges of an obstacle.
+    pub fn free_edge(&self, edge: usize, obstacle: usize) -> bool {
+        self.edges.binary_search(&[edge, obstacle]).is_ok()
+    }
+
+    /// Whether a node passes over the faces, or the wall, of an obstacle.
+    pub fn free_node(&self, node: usize, obstacle: usize) -> bool {
+        self.nodes.binary_search(&[node, obstacle]).is_ok()
+    }
+
+    /// Whether a node passes over a plane.
+    pub fn frees_from_plane(&self, node: usize, plane: usize) -> bool {
+        self.planes.binary_search(&[node, plane]).is_ok()
+    }
+}
