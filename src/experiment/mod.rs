@@ -15,9 +15,9 @@
 mod contact_tests;
 pub(crate) mod deployment;
 mod derived;
-mod derived_slides;
 mod described;
 mod flagella;
+mod flow_guard;
 #[cfg(test)]
 mod flow_tests;
 mod fold_samples;

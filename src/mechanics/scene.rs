@@ -41,6 +41,8 @@ pub struct Scene {
     pub contact: Option<ContactParameters>,
     /// Surrounding fluid; `None` is a vacuum.
     pub fluid: Option<FluidModel>,
+    /// Whether the fluid resists that rods spin about their own axes.
+    pub spin_drag: bool,
     /// Index of the plane at which the fluid is at rest, its no-slip wall, for regularized Stokeslets; the flow ignores all
     /// other planes, and obstacles.
     pub wall: Option<usize>,

@@ -143,7 +143,7 @@ fn fluid_forces(
     let mut forces = vec![Vector3::zeros(); nodes.len()];
     let mut resistance = vec![Matrix3::zeros(); nodes.len()];
     fluid
-        .drag(nodes, velocities, &mut forces, &mut resistance)
+        .drag(nodes, velocities, &[], &mut forces, &mut resistance)
         .map_err(unphysical)?;
     // The fluid reports what it does to the rod.
     Ok(forces.into_iter().map(|force| -force).collect())

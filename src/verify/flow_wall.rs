@@ -128,7 +128,7 @@ fn forces_at_wall(
     let mut forces = vec![Vector3::zeros(); nodes.len()];
     let mut resistance = vec![Matrix3::zeros(); nodes.len()];
     let velocities = vec![*velocity; nodes.len()];
-    fluid.drag(nodes, &velocities, &mut forces, &mut resistance)?;
+    fluid.drag(nodes, &velocities, &[], &mut forces, &mut resistance)?;
     // The fluid reports what it does to the rod.
     Ok(forces.into_iter().map(|force| -force).collect())
 }

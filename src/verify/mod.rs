@@ -15,6 +15,7 @@ mod damping;
 mod derivatives;
 mod determinism;
 mod drag;
+mod drag_of_bodies;
 mod flow;
 mod flow_wall;
 mod frequencies;
@@ -55,7 +56,7 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 22] = [
+const GROUPS: [(&str, CheckGroup); 23] = [
     ("derivatives", derivatives::checks),
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),
@@ -73,6 +74,7 @@ const GROUPS: [(&str, CheckGroup); 22] = [
     ("joints", joints::checks),
     ("springs", springs::checks),
     ("drag", drag::checks),
+    ("drag of bodies", drag_of_bodies::checks),
     ("overdamped", overdamped::checks),
     ("conservation", conservation::checks),
     ("symmetry", symmetry::checks),

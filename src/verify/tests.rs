@@ -126,3 +126,8 @@ fn springs_pass() {
 fn overdamped_passes() {
     assert_passes("overdamped");
 }
+
+#[test]
+fn drag_of_bodies_passes() {
+    assert_passes("drag of bodies");
+}

@@ -52,9 +52,10 @@ const ROOMS: Table = &[
 
 /// Parts of `experiment`: the kinds do not know each other.
 const EXPERIMENT: Table = &[
-    ("derived", &["kind"]),
+    ("derived", &["kind", "flow_guard"]),
     ("described", &["kind"]),
-    ("prepare", &["kind", "probes"]),
+    ("prepare", &["kind", "probes", "flow_guard"]),
+    ("flow_guard", &[]),
     ("probes", &[]),
     ("scene", &["kind"]),
     ("flagella", &["kind", "prepare"]),

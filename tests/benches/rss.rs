@@ -91,7 +91,7 @@ fn drag(criterion: &mut Criterion) {
                         .collect();
                     before = now;
                     fluid
-                        .drag(&before, &velocities, &mut forces, &mut resistance)
+                        .drag(&before, &velocities, &[], &mut forces, &mut resistance)
                         .expect("a solution")
                 });
             });

@@ -44,6 +44,10 @@ impl ExperimentKeys for FlagellaKind {
         &TABLES
     }
 
+    fn resists_spin(&self) -> bool {
+        false
+    }
+
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
         let tables = resolve(request)?;
         let radius = tables.rod.radius;

@@ -17,6 +17,7 @@ mod slack;
 mod tests;
 mod warnings;
 
+use super::flow_guard::FlowGuard;
 use super::{KINDS, kind_named, probes};
 use crate::mechanics::dynamics::Simulation;
 use crate::mechanics::scene as mechanics;
@@ -29,9 +30,8 @@ use crate::scenario::{self, Continuation, Issue, Issues, KeyPath, Scenario, Time
 use joint::{judge_joints, place_body, place_joint};
 use obstacle::place_obstacle;
 use place::{place_actuation, place_clamp, place_load, place_plane, place_rod, same_node};
-use settings::{contact_parameters, fluid_model, integration_parameters};
+use settings::{contact_parameters, fluid_model, integration_parameters, resists_spin};
 
-pub use flow::FlowGuard;
 pub use jitter::Jitter;
 pub use obstacle::place_obstacles;
 pub use round_rod::round_rod;
@@ -113,6 +113,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     }
     scene.contact = contact_parameters(&scenario.contact);
     scene.fluid = fluid_model(&scenario.fluid);
+    scene.spin_drag = resists_spin(&scenario.fluid);
     match flow::wall(&scene, scenario) {
         Ok(wall) => scene.wall = wall,
         Err(issue) => issues.push(issue),

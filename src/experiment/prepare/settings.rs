@@ -56,13 +56,22 @@ pub(super) fn fluid_model(fluid: &Fluid) -> Option<FluidModel> {
             viscosity,
             regularization,
             far_field_error,
+            ..
         } => Some(FluidModel::RegularizedStokeslets {
             viscosity,
             regularization,
             far_field_error,
         }),
-        Fluid::Resistive { viscosity } => Some(FluidModel::Resistive { viscosity }),
+        Fluid::Resistive { viscosity, .. } => Some(FluidModel::Resistive { viscosity }),
     }
+}
+
+/// Whether the fluid resists that rods spin about their own axes.
+pub(super) fn resists_spin(fluid: &Fluid) -> bool {
+    matches!(
+        fluid,
+        Fluid::Rss { spin: true, .. } | Fluid::Resistive { spin: true, .. }
+    )
 }
 
 pub(super) fn integration_parameters(scenario: &Scenario) -> IntegrationParameters {

@@ -2,10 +2,10 @@
 //! that is not enough, in the whole of it ([`super::coupling`]).
 
 use super::coupling::DragCoupling;
-use super::flow_scene::{NodeNames, fluid_of};
+use super::flow_scene::{NodeNames, fluid_of, spins_flow};
 use super::scheme::TimeScheme;
 use super::state::State;
-use crate::mechanics::fluid::{Fluid, FluidError, FluidMemory};
+use crate::mechanics::fluid::{Fluid, FluidError, FluidMemory, Sphere};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::scene::Scene;
@@ -25,12 +25,16 @@ pub(super) struct FluidDrag {
     forces: Vec<Vector3>,
     positions: Vec<Vector3>,
     velocities: Vec<Vector3>,
+    /// Of the edges that start at the nodes, rad/s; empty where their flow is left out.
+    spins: Vec<f64>,
     /// Drag for these velocities, N; scratch.
     found: Vec<Vector3>,
     /// Inertia of each node for the motion in which that is least, kg; infinite where it is held or out of the fluid.
     inertia: Vec<f64>,
     /// Nodes of the rods in the fluid.
     rods: Vec<Range<usize>>,
+    /// Number of nodes; the places of what turns with spheres come after them.
+    nodes: usize,
     coupling: DragCoupling,
 }
 
@@ -39,12 +43,13 @@ impl FluidDrag {
     /// [`SceneError::Fluid`] where the fluid or a rod in it is beyond the theory.
     pub fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, SceneError> {
         let fluid = fluid_of(scene, assembly)?;
-        let wet = if fluid.is_some() {
-            assembly.rods.nodes
-        } else {
-            0
+        let spheres = assembly.spheres();
+        let wet = match (&fluid, spheres.is_empty()) {
+            (None, _) => 0,
+            (Some(_), true) => assembly.rods.nodes,
+            (Some(_), false) => assembly.all_places().end,
         };
-        let rods: Vec<_> = (assembly.rods.rods.iter().zip(&scene.rods))
+        let mut rods: Vec<_> = (assembly.rods.rods.iter().zip(&scene.rods))
             .filter(|(_, rod)| !rod.held)
             .map(|(range, _)| range.first_node..range.first_node + range.nodes)
             .collect();
@@ -56,10 +61,19 @@ impl FluidDrag {
                     inertia[node] = least[node];
                 }
             }
+            for tip in spheres.iter().flat_map(Sphere::tips) {
+                inertia[tip] = assembly.masses[STRIDE * tip];
+            }
+            rods.extend(
+                spheres
+                    .iter()
+                    .map(|sphere| sphere.first_tip..sphere.first_tip + 3),
+            );
         }
         Ok(Self {
             fluid,
             rods,
+            nodes: assembly.rods.nodes,
             inertia,
             coupling: DragCoupling::default(),
             found: vec![Vector3::zeros(); wet],
@@ -67,17 +81,22 @@ impl FluidDrag {
             forces: vec![Vector3::zeros(); wet],
             positions: vec![Vector3::zeros(); wet],
             velocities: vec![Vector3::zeros(); wet],
+            spins: if spins_flow(scene) {
+                vec![0.0; assembly.rods.nodes]
+            } else {
+                Vec::new()
+            },
         })
     }
 
-    /// Nodes that feel the fluid.
-    pub fn nodes(&self) -> usize {
+    /// Places that feel the fluid.
+    pub fn places(&self) -> usize {
         self.forces.len()
     }
 
     /// Force on each node in the last accepted step, N.
     pub fn forces(&self) -> &[Vector3] {
-        &self.forces
+        &self.forces[..self.nodes.min(self.forces.len())]
     }
 
     /// Writes drag and local resistance at the start of a step to `stage`; returns the Krylov iterations.
@@ -88,6 +107,9 @@ impl FluidDrag {
     pub fn of_start(&mut self, stage: &mut Stage, state: &State) -> Result<usize, FluidError> {
         copy_positions(&state.unknowns, &mut self.positions);
         copy_positions(&state.velocity, &mut self.velocities);
+        for (node, spin) in self.spins.iter_mut().enumerate() {
+            *spin = state.velocity[STRIDE * node + 3];
+        }
         self.evaluate(stage)
     }
 
@@ -103,10 +125,19 @@ impl FluidDrag {
         let per_step = 1.0 / stage.step;
         for node in 0..self.positions.len() {
             let end = position(predicted, node);
-            self.velocities[node] = (end - stage.positions[node]) * per_step;
+            self.velocities[node] = (end - position(&stage.start, node)) * per_step;
             self.positions[node] = end;
         }
+        self.take_spins(stage, predicted);
         self.evaluate(stage)
+    }
+
+    /// Takes the mean spins of the motion from the start of `stage` to `unknowns`.
+    fn take_spins(&mut self, stage: &Stage, unknowns: &[f64]) {
+        for (node, spin) in self.spins.iter_mut().enumerate() {
+            let angle = STRIDE * node + 3;
+            *spin = (unknowns[angle] - stage.start[angle]) / stage.step;
+        }
     }
 
     fn evaluate(&mut self, stage: &mut Stage) -> Result<usize, FluidError> {
@@ -116,7 +147,13 @@ impl FluidDrag {
         stage.drag_velocity.copy_from_slice(&self.velocities);
         let (drag, resistance) = (&mut stage.drag, &mut stage.resistance);
         let report = fluid
-            .drag(&self.positions, &self.velocities, drag, resistance)
+            .drag(
+                &self.positions,
+                &self.velocities,
+                &self.spins,
+                drag,
+                resistance,
+            )
             .map_err(|error| self.names.explain(error, fluid, &self.positions))?;
         Ok(report.iterations)
     }
@@ -162,15 +199,21 @@ impl FluidDrag {
         stage: &mut Stage,
         unknowns: &[f64],
     ) -> Result<(bool, usize), FluidError> {
+        self.take_spins(stage, unknowns);
         let Some(fluid) = &mut self.fluid else {
             return Ok((true, 0));
         };
         let tolerance = fluid.coupling().map_or(0.0, |coupling| coupling.tolerance);
         let per_step = 1.0 / stage.step;
         for (node, velocity) in self.velocities.iter_mut().enumerate() {
-            *velocity = (position(unknowns, node) - stage.positions[node]) * per_step;
+            *velocity = (position(unknowns, node) - position(&stage.start, node)) * per_step;
         }
-        let report = fluid.drag_of(&self.velocities, &stage.resistance, &mut self.found)?;
+        let report = fluid.drag_of(
+            &self.velocities,
+            &self.spins,
+            &stage.resistance,
+            &mut self.found,
+        )?;
         let rods = self.rods.iter().cloned();
         let agrees = self
             .coupling

@@ -37,8 +37,9 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
         Some(wall) => Fluid::beside_wall(&model, &filaments, wall)?,
         None => Fluid::new(&model, &filaments)?,
     };
-    let mut positions = vec![Vector3::zeros(); assembly.rods.nodes];
+    let mut positions = vec![Vector3::zeros(); assembly.all_places().end];
     copy_positions(&assembly.unknowns, &mut positions);
+    fluid.set_spheres(&assembly.spheres(), &positions)?;
     fluid.connect(&connections(assembly), &positions);
     let names = NodeNames::new(scene, assembly);
     if let Some((node, height)) = fluid.behind_wall(&positions) {
@@ -58,6 +59,13 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
         }
     }
     Ok(Some(fluid))
+}
+
+/// Whether edges that spin about their axes move the fluid: not beside a wall, since rotlets have no images there, and not in
+/// fluids in which nodes do not feel each other.
+pub(super) fn spins_flow(scene: &Scene) -> bool {
+    let couples = matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. }));
+    scene.spin_drag && couples && scene.wall.is_none()
 }
 
 /// The plane of the scene at which its fluid is at rest.
@@ -104,6 +112,10 @@ impl NodeNames {
 
     /// An error of the fluid with the nodes that cause it, where these are too close to each other at `positions`.
     pub fn explain(&self, error: FluidError, fluid: &Fluid, positions: &[Vector3]) -> FluidError {
+        if let FluidError::BehindWall { node, height, .. } = error {
+            let name = self.of(node);
+            return FluidError::BehindWall { node, name, height };
+        }
         if !matches!(
             error,
             FluidError::Singular | FluidError::NoConvergence { .. }

@@ -79,7 +79,7 @@ impl Integrator {
             } else {
                 StepControl::new(&parameters.step)
             },
-            workspace: Workspace::new(state, system.assembly.rods.nodes, fluid.nodes()),
+            workspace: Workspace::new(state, system.assembly.rods.nodes, fluid.places()),
             setting: Setting {
                 parameters,
                 radius: free_rods
@@ -221,7 +221,7 @@ impl Integrator {
                         reason = %failure,
                         "step rejected"
                     );
-                    let has_fluid = self.fluid.nodes() > 0;
+                    let has_fluid = self.fluid.places() > 0;
                     let means = Means::of(system, &self.setting.parameters, has_fluid);
                     self.last_failure = Some(LastFailure {
                         reason: failure.to_string(),

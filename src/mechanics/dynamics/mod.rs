@@ -71,6 +71,8 @@ mod event_tests;
 #[cfg(test)]
 mod flow_tests;
 #[cfg(test)]
+mod fluid_body_tests;
+#[cfg(test)]
 mod friction_tests;
 #[cfg(test)]
 mod inertia_tests;

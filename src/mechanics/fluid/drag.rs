@@ -2,6 +2,7 @@
 
 use super::continuation::Continuation;
 use super::report::FluidReport;
+use super::spheres::{Sphere, Spheres};
 use super::stokeslet_drag::{StokesletDrag, StokesletMemory};
 use super::{Connections, Filament, FluidError, FluidModel, Wall, resistive_force_theory};
 use crate::mechanics::{Matrix3, Vector3};
@@ -11,6 +12,9 @@ use std::ops::RangeInclusive;
 /// Far-field errors that the expansions can keep. What they leave out of the regularised kernel and of the
 /// segments' lengths is less than the smallest.
 const FAR_FIELD_ERRORS: RangeInclusive<f64> = 1e-6..=1e-2;
+
+/// Part of the sum of their radii by which two spheres may overlap: rounding.
+const OVERLAP: f64 = 1e-9;
 
 /// A viscous fluid around filaments.
 pub struct Fluid {
@@ -23,6 +27,7 @@ enum Method {
     Resistive {
         viscosity: f64,
         continuation: Continuation,
+        spheres: Spheres,
     },
 }
 
@@ -72,6 +77,7 @@ impl Fluid {
                 Method::Resistive {
                     viscosity,
                     continuation: Continuation::default(),
+                    spheres: Spheres::default(),
                 }
             }
         };
@@ -110,6 +116,41 @@ impl Fluid {
             }
         }
         Ok(fluid)
+    }
+
+    /// Puts spheres among the filaments, before these are connected; `positions` (m) are those of all places of the scene, and
+    /// nodes that are inside a sphere now are part of it.
+    ///
+    /// # Errors
+    /// [`FluidError::BadInput`] for a radius that is not positive and finite, for spheres that overlap, and beside a wall.
+    pub fn set_spheres(
+        &mut self,
+        spheres: &[Sphere],
+        positions: &[Vector3],
+    ) -> Result<(), FluidError> {
+        for (number, sphere) in spheres.iter().enumerate() {
+            positive("sphere radius", sphere.radius)?;
+            for other in &spheres[..number] {
+                let distance = (positions[sphere.centre] - positions[other.centre]).norm();
+                if distance < (1.0 - OVERLAP) * (sphere.radius + other.radius) {
+                    return Err(FluidError::BadInput(format!(
+                        "two spheres in the flow overlap: their centres are {distance:.3e} m apart, less than the sum of their \
+                         radii, {:.3e} m; place them apart, or make them one body",
+                        sphere.radius + other.radius
+                    )));
+                }
+            }
+        }
+        match &mut self.method {
+            Method::Stokeslets(drag) => drag.set_spheres(spheres, positions)?,
+            Method::Resistive { spheres: own, .. } => {
+                let stations: Vec<Vector3> = (self.filaments.iter().flat_map(Filament::range))
+                    .map(|node| positions[node])
+                    .collect();
+                *own = Spheres::new(spheres, &stations, positions);
+            }
+        }
+        Ok(())
     }
 
     /// A node that may not be there is at the wall or behind it: its number in the scene, and its height, m.
@@ -153,8 +194,10 @@ impl Fluid {
     /// definite): a change δv of the node's own velocity changes the force on it by about −D δv, for
     /// resistive force theory exactly.
     ///
-    /// All slices have one entry per node of the scene, positions in m and velocities in m/s. Nodes
-    /// outside all filaments get zero.
+    /// All slices have one entry per node of the scene, and with spheres one per place of it, positions in m and velocities in
+    /// m/s. `spins` (rad/s) are those of the edges that start at the nodes, about their tangents; empty where their flow counts for
+    /// nothing, as it does for resistive force theory. Nodes outside all filaments get zero. The centre of a sphere gets the force on it, and points that turn with it
+    /// get forces whose torques add up to that on it.
     ///
     /// # Errors
     /// See [`FluidError`]; `forces` and `resistance` then hold nothing of use, while the memory stays fit
@@ -163,16 +206,18 @@ impl Fluid {
         &mut self,
         positions: &[Vector3],
         velocities: &[Vector3],
+        spins: &[f64],
         forces: &mut [Vector3],
         resistance: &mut [Matrix3],
     ) -> Result<FluidReport, FluidError> {
         forces.fill(Vector3::zeros());
         resistance.fill(Matrix3::zeros());
         match &mut self.method {
-            Method::Stokeslets(drag) => drag.drag(positions, velocities, forces, resistance),
+            Method::Stokeslets(drag) => drag.drag(positions, velocities, spins, forces, resistance),
             Method::Resistive {
                 viscosity,
                 continuation,
+                spheres,
             } => {
                 resistive_force_theory::drag(
                     *viscosity,
@@ -183,12 +228,18 @@ impl Fluid {
                     forces,
                     resistance,
                 )?;
+                let stations = self.filaments.iter().flat_map(Filament::range).enumerate();
+                for (_, node) in stations.filter(|&(station, _)| spheres.hold(station)) {
+                    forces[node] = Vector3::zeros();
+                    resistance[node] = Matrix3::zeros();
+                }
+                spheres.add_own_drag(*viscosity, velocities, forces, resistance);
                 Ok(FluidReport::default())
             }
         }
     }
 
-    /// Force of the fluid on every node (N) for other velocities, m/s, with the nodes where they were in the last
+    /// Force of the fluid on every node (N) for other velocities, m/s and rad/s, with the nodes where they were in the last
     /// [`Self::drag`], which gave them a local `resistance`: linear in the velocities, as flow without inertia is.
     ///
     /// # Errors
@@ -199,11 +250,12 @@ impl Fluid {
     pub fn drag_of(
         &mut self,
         velocities: &[Vector3],
+        spins: &[f64],
         resistance: &[Matrix3],
         forces: &mut [Vector3],
     ) -> Result<FluidReport, FluidError> {
         match &mut self.method {
-            Method::Stokeslets(drag) => drag.drag_of(velocities, resistance, forces),
+            Method::Stokeslets(drag) => drag.drag_of(velocities, spins, resistance, forces),
             Method::Resistive { .. } => panic!("local drag is known for all velocities"),
         }
     }

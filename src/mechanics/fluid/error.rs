@@ -16,12 +16,14 @@ pub enum FluidError {
     Singular,
     /// A node that is not held is at the wall of the flow, or behind it.
     #[error(
-        "node {node}, counted over all rods, is at the wall of the flow or behind it (height {height:.3e} m): a [contact] table and shorter \
+        "{name} is at the wall of the flow or behind it (height {height:.3e} m): a [contact] table and shorter \
          time steps keep rods in front of it"
     )]
     BehindWall {
         /// Node of the scene.
         node: usize,
+        /// What it is called.
+        name: String,
         /// Its height over the wall, m.
         height: f64,
     },

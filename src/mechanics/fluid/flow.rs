@@ -4,6 +4,7 @@ use super::Filament;
 use super::hierarchy::HierarchicalOperator;
 use super::operator::FlowOperator;
 use super::points::Points;
+use super::spheres::Spheres;
 use super::wall::FlowWall;
 use crate::mechanics::{Matrix3, Vector3};
 
@@ -11,10 +12,12 @@ use crate::mechanics::{Matrix3, Vector3};
 /// the same either way; 10 helices cost 1.6 times as much by clusters, 30 cost half as much.
 const CROSSOVER: usize = 1024;
 
-/// Products with the matrix of the points, R A W ([`Points`]), for A exact or not.
+/// Products with the matrix of the points, R A W ([`Points`]), for A exact or not, and of the [`Spheres`] among them. Vectors hold
+/// three numbers per point, then six per sphere.
 pub(super) struct Flow {
     stations: Stations,
     points: Points,
+    spheres: Spheres,
     /// Scratch at the stations, where they are not the points.
     densities: [Vec<f64>; 3],
     velocities: [Vec<f64>; 3],
@@ -42,6 +45,7 @@ impl Flow {
         Self {
             stations,
             points: Points::plain(nodes),
+            spheres: Spheres::default(),
             densities: Default::default(),
             velocities: Default::default(),
         }
@@ -53,6 +57,7 @@ impl Flow {
         Self {
             points: Points::plain(operator.nodes()),
             stations: Stations::Exact(operator),
+            spheres: Spheres::default(),
             densities: Default::default(),
             velocities: Default::default(),
         }
@@ -69,7 +74,19 @@ impl Flow {
             scratch.clear();
             scratch.resize(size, 0.0);
         }
+        self.spheres.take_points(&points);
         self.points = points;
+    }
+
+    /// Takes spheres.
+    pub fn take_spheres(&mut self, spheres: Spheres) {
+        self.spheres = spheres;
+        self.spheres.take_points(&self.points);
+    }
+
+    /// The spheres.
+    pub fn spheres(&self) -> &Spheres {
+        &self.spheres
     }
 
     /// The points.
@@ -80,6 +97,11 @@ impl Flow {
     /// Number of points.
     pub fn nodes(&self) -> usize {
         self.points.count()
+    }
+
+    /// Number of unknowns: three per point and six per sphere.
+    pub fn unknowns(&self) -> usize {
+        3 * self.points.count() + self.spheres.unknowns()
     }
 
     /// A where it is exact; `None` by clusters.
@@ -97,6 +119,17 @@ impl Flow {
             Stations::Exact(operator) => operator.assemble(positions),
             Stations::Hierarchical(operator) => operator.assemble(positions),
         }
+    }
+
+    /// Evaluates what spheres and points do to each other, for stations of `filaments` and all places of the scene, m; after
+    /// [`assemble`](Self::assemble).
+    pub fn assemble_spheres(
+        &mut self,
+        filaments: &[Filament],
+        stations: &[Vector3],
+        places: &[Vector3],
+    ) {
+        (self.spheres).assemble(filaments, &self.points, stations, places);
     }
 
     /// The block of a station's own velocity and density, A_ii.
@@ -127,8 +160,14 @@ impl Flow {
         }
     }
 
-    /// `velocities` = R A W `densities`.
+    /// `velocities` = R A W `densities`, with the spheres.
     pub fn multiply(&mut self, densities: &[f64], velocities: &mut [f64]) {
+        let of_points = 3 * self.nodes();
+        self.multiply_points(&densities[..of_points], &mut velocities[..of_points]);
+        self.spheres.couple(densities, velocities);
+    }
+
+    fn multiply_points(&mut self, densities: &[f64], velocities: &mut [f64]) {
         if self.points.are_plain() {
             return self.stations.multiply(densities, velocities);
         }
@@ -140,6 +179,12 @@ impl Flow {
 
     /// [`multiply`](Self::multiply) for three vectors.
     pub fn multiply_three(&mut self, densities: &[Vec<f64>; 3], velocities: &mut [Vec<f64>; 3]) {
+        if !self.spheres.is_empty() {
+            for (densities, velocities) in densities.iter().zip(velocities) {
+                self.multiply(densities, velocities);
+            }
+            return;
+        }
         if self.points.are_plain() {
             return self.stations.multiply_three(densities, velocities);
         }

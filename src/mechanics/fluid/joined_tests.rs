@@ -58,7 +58,7 @@ fn drag(
     let mut forces = vec![Vector3::zeros(); positions.len()];
     let mut resistance = vec![Matrix3::zeros(); positions.len()];
     fluid
-        .drag(positions, velocities, &mut forces, &mut resistance)
+        .drag(positions, velocities, &[], &mut forces, &mut resistance)
         .unwrap();
     (forces, resistance)
 }

@@ -9,6 +9,10 @@ use crate::linalg::instruction_set::{LANES, Lanes, kernel};
 /// as long.
 const TILE: usize = 4;
 
+/// Nodes from which the work is shared among threads. Sharing out costs some ten microseconds, as much
+/// as a whole product of 136 nodes.
+pub(super) const PARALLEL_FROM: usize = 256;
+
 /// Eight numbers in single precision: what is stored so takes half the time to read, which is most of the time of
 /// products. All sums are of double precision.
 pub(super) type SingleLanes = [f32; LANES];

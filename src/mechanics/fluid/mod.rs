@@ -11,6 +11,8 @@
 //! | `chain`, `patch` | parts of A: the blocks of some nodes with others |
 //! | `hierarchy` | products with A by clusters of nodes, at a cost like N log N |
 //! | `wall` | a plane at which the fluid is at rest, by images of the segments |
+//! | `spheres` | spheres that rods carry, by their force and torque |
+//! | `rotlets` | the flow of rods that spin about their axes |
 //! | `flow` | which of the two: exact for few nodes, by clusters for many |
 //! | `ties`, `points` | which nodes of joined filaments are one point of the flow |
 //! | `preconditioner` | approximate inverse of A, of two levels |
@@ -18,6 +20,9 @@
 //! | `coarse_space` | the coarse one, from aggregates of filaments |
 //! | `gmres`, `initial_guess` | solving A f = 8πη u, warm-started |
 //! | `stokeslet_drag` | a time series of such solves (thesis Eq. 2.27) |
+//! | `stations` | nodes of filaments, their lengths |
+//! | `age` | when the preconditioner is built anew |
+//! | `largest_ratio` | how the whole resistance compares with its local part |
 //! | `report` | what a computation of the drag took |
 //! | `resistive_force_theory` | the cheap model: local coefficients along and across |
 //! | `continuation` | the lengths of filaments that continue each other, for these coefficients |
@@ -45,6 +50,7 @@
 //! The error of the drag by clusters was measured for helices, not proved: velocities that alternate from
 //! node to node, or nodes much closer than ε, may make it larger than `far_field_error`.
 
+mod age;
 mod chain;
 mod coarse_space;
 mod continuation;
@@ -59,6 +65,7 @@ mod initial_guess;
 #[cfg(test)]
 mod joined_tests;
 mod lanes;
+mod largest_ratio;
 mod logarithm;
 mod model;
 mod neighbourhoods;
@@ -69,7 +76,10 @@ mod preconditioner;
 mod quadrature;
 mod report;
 mod resistive_force_theory;
+mod rotlets;
 mod segment;
+mod spheres;
+mod stations;
 mod stokeslet_drag;
 #[cfg(test)]
 mod tests;
@@ -87,4 +97,5 @@ pub use quadrature::{segment_integral_by_quadrature, segment_integral_error};
 pub use report::FluidReport;
 pub use resistive_force_theory::DragCoefficients;
 pub use segment::segment_integral;
+pub use spheres::Sphere;
 pub use wall::{Wall, segment_image_integral};

@@ -3,8 +3,9 @@
 use super::FluidError;
 use super::chain::Link;
 use super::elimination::eliminate;
+use super::lanes::PARALLEL_FROM;
 use super::lanes::{SingleLanes, multiply_rows};
-use super::operator::{FlowOperator, PARALLEL_FROM};
+use super::operator::FlowOperator;
 use super::patch::Patch;
 use super::points::{Points, Share};
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes};

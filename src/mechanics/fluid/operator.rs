@@ -2,7 +2,7 @@
 
 use super::Filament;
 use super::lanes::{
-    BlockLanes, SegmentLanes, SingleLanes, VectorLanes, assemble_row, multiply_row,
+    BlockLanes, PARALLEL_FROM, SegmentLanes, SingleLanes, VectorLanes, assemble_row, multiply_row,
     multiply_row_by_three,
 };
 use super::segment::{Segment, full};
@@ -12,9 +12,6 @@ use crate::mechanics::{Matrix3, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Nodes from which the work is shared among threads. Sharing out costs some ten microseconds, as much
-/// as a whole product of 136 nodes.
-pub(super) const PARALLEL_FROM: usize = 256;
 /// Rows that a thread takes at a time.
 const ROWS_PER_TASK: usize = 32;
 

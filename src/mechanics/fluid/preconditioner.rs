@@ -6,6 +6,7 @@ use super::chain::Link;
 use super::coarse_space::CoarseSpace;
 use super::flow::Flow;
 use super::neighbourhoods::Neighbourhoods;
+use super::spheres::Spheres;
 use crate::mechanics::Vector3;
 
 /// Nodes of a neighbourhood to begin with. Iterations, from neighbourhoods alone, in a bundle of ten helices (pairs 3 mm
@@ -29,6 +30,8 @@ pub(super) struct Preconditioner {
     coarse: Option<CoarseSpace>,
     /// x − A Q x.
     rest: Vec<f64>,
+    /// Points without force.
+    forceless: Vec<usize>,
 }
 
 impl Preconditioner {
@@ -39,6 +42,7 @@ impl Preconditioner {
             neighbourhoods: Neighbourhoods::new(nodes, neighbourhood),
             coarse: (operator.exact()).map(|_| CoarseSpace::new(filaments, operator.points())),
             rest: vec![0.0; 3 * nodes],
+            forceless: Vec::new(),
         }
     }
 
@@ -67,6 +71,8 @@ impl Preconditioner {
         positions: &[Vector3],
         operator: &Flow,
     ) -> Result<(), FluidError> {
+        self.forceless.clear();
+        (self.forceless).extend_from_slice(operator.spheres().points_inside());
         if let (Some(coarse), Some(exact)) = (&mut self.coarse, operator.exact()) {
             coarse.build(exact, operator.points())?;
         }
@@ -75,8 +81,20 @@ impl Preconditioner {
             .build(links, positions, operator.points(), walled)
     }
 
-    /// `y` ≈ A⁻¹ `x`.
+    /// `y` ≈ A⁻¹ `x`; of a flow with spheres each of these for itself.
     pub fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+        let of_points = self.rest.len();
+        let (x, w) = x.split_at(of_points);
+        let (y, s) = y.split_at_mut(of_points);
+        Spheres::precondition(w, s);
+        self.apply_to_points(x, y);
+        for &point in &self.forceless {
+            let own = 3 * point..3 * point + 3;
+            y[own.clone()].copy_from_slice(&x[own]);
+        }
+    }
+
+    fn apply_to_points(&mut self, x: &[f64], y: &mut [f64]) {
         match &mut self.coarse {
             Some(coarse) => {
                 coarse.solve(x, &mut self.rest);

@@ -1,15 +1,20 @@
 //! Drag by regularized Stokeslet segments: one resistance problem per time step.
 
+mod setup;
+
+use super::age::Age;
 use super::chain::{Link, links};
 use super::flow::Flow;
-use super::gmres::{Convergence, Gmres, dot, scale};
+use super::gmres::{Convergence, Gmres, dot};
 use super::initial_guess::{InitialGuess, KEPT};
-use super::points::Points;
+use super::largest_ratio::largest_ratio;
 use super::preconditioner::{NEIGHBOURHOOD, Preconditioner};
 use super::report::FluidReport;
-use super::ties::{Rail, Ties, rails, smaller_regularization};
-use super::wall::{FlowWall, Wall};
-use super::{Connections, Filament, FluidError};
+use super::rotlets::Rotlets;
+use super::stations::{are_finite, nodes_of, symmetric_inverse, voronoi_lengths};
+use super::ties::{Rail, Ties, smaller_regularization};
+use super::wall::FlowWall;
+use super::{Filament, FluidError};
 use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -24,12 +29,6 @@ const TOLERANCE_OF_FAR_FIELD_ERROR: f64 = 0.1;
 const MOST_OPERATIONS: f64 = 2e11;
 /// Iterations after which the preconditioner is held to be too coarse. Tight bundles take some twenty.
 const MOST_ITERATIONS: usize = 40;
-/// Most nodes beside a wall. All pairs are stored, 36 bytes each: this many take 0.9 GB.
-const MOST_NODES_BESIDE_A_WALL: usize = 5000;
-/// Power iterations that estimate the largest ratio of the resistance to its local part: ten come within 5 % of it for a
-/// straight filament of 40 edges.
-const POWER_ITERATIONS: usize = 10;
-
 /// What later solves remember of earlier ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StokesletMemory {
@@ -42,39 +41,6 @@ pub struct StokesletMemory {
     preconditioned_at: Vec<[f64; 3]>,
     /// Nodes of its neighbourhoods.
     neighbourhood: usize,
-}
-
-/// What the present preconditioner has cost since it was built.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Age {
-    /// Solves with it.
-    solves: usize,
-    /// Iterations of all of them.
-    iterations: usize,
-    /// Iterations of a solve lately, smoothed.
-    recent: f64,
-}
-
-impl Age {
-    /// Solves over which `recent` is smoothed.
-    const MEMORY: f64 = 8.0;
-
-    fn record(&mut self, iterations: usize) {
-        let weight = if self.solves == 0 {
-            1.0
-        } else {
-            1.0 / Self::MEMORY
-        };
-        self.recent += weight * (iterations as f64 - self.recent);
-        self.solves += 1;
-        self.iterations += iterations;
-    }
-
-    /// Whether to build anew: once a solve costs more than solves have cost on average since the last
-    /// building, its price (in iterations) included. For costs that only grow this rule is the best one.
-    fn is_over(&self, price: f64) -> bool {
-        self.recent * self.solves as f64 > price + self.iterations as f64
-    }
 }
 
 /// Solves A f = 8πη u again and again for nodes that move a little in between (thesis Eq. 2.27); where nodes of several
@@ -106,6 +72,10 @@ pub(super) struct StokesletDrag {
     positions: Vec<Vector3>,
     /// Of the stations, m/s.
     velocities: Vec<Vector3>,
+    /// What edges that spin do to the flow.
+    rotlets: Rotlets,
+    /// Of all places of a scene with spheres, m.
+    places: Vec<Vector3>,
     /// Voronoi lengths Δl of the stations, m.
     lengths: Vec<f64>,
     /// Inverse of A_pp of each point, its symmetric part.
@@ -129,7 +99,7 @@ impl StokesletDrag {
     ) -> Self {
         let operator = Flow::new(filaments, regularization, far_field_error);
         let nodes = operator.nodes();
-        let unknowns = 3 * nodes;
+        let unknowns = operator.unknowns();
         Self {
             viscosity,
             filaments: filaments.to_vec(),
@@ -149,6 +119,8 @@ impl StokesletDrag {
             gmres: Gmres::new(unknowns),
             positions: vec![Vector3::zeros(); nodes],
             velocities: vec![Vector3::zeros(); nodes],
+            rotlets: Rotlets::new(filaments),
+            places: Vec::new(),
             lengths: vec![0.0; nodes],
             inverses: vec![Matrix3::zeros(); nodes],
             largest_ratio: f64::INFINITY,
@@ -159,48 +131,9 @@ impl StokesletDrag {
         }
     }
 
-    /// Puts a wall beside the filaments, before they are connected and anything is solved; `regularization` as in
-    /// [`new`](Self::new).
-    ///
-    /// # Errors
-    /// [`FluidError::BadInput`] for more nodes than a wall allows.
-    pub fn set_wall(&mut self, regularization: f64, wall: Wall) -> Result<(), FluidError> {
-        let nodes = self.positions.len();
-        if nodes > MOST_NODES_BESIDE_A_WALL {
-            return Err(FluidError::BadInput(format!(
-                "the flow beside a wall has no far-field approximation, and holds at most {MOST_NODES_BESIDE_A_WALL} nodes, not {nodes}: \
-                 take fewer nodes, or planes.wall = false"
-            )));
-        }
-        let wall = FlowWall::new(wall, &self.filaments);
-        self.operator = Flow::beside_wall(&self.filaments, regularization, wall.clone());
-        self.tolerance = TOLERANCE;
-        self.preconditioner = Preconditioner::new(&self.filaments, &self.operator, NEIGHBOURHOOD);
-        self.wall = Some(wall);
-        Ok(())
-    }
-
     /// The wall, if there is one.
     pub fn wall(&self) -> Option<&FlowWall> {
         self.wall.as_ref()
-    }
-
-    /// Ties what joints hold together, and nodes that are at one place, in filaments placed at `positions` (m, of all nodes).
-    pub fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
-        for (station, node) in self.filaments.iter().flat_map(Filament::range).enumerate() {
-            self.positions[station] = positions[node];
-        }
-        self.rails = rails(&self.filaments, connections);
-        self.ties = Ties::find(
-            &self.filaments,
-            connections,
-            &self.rails,
-            &self.links,
-            &self.positions,
-        );
-        if !self.ties.is_empty() {
-            self.take_points();
-        }
     }
 
     /// Pairs of nodes that were at one place when the filaments were placed, without a joint.
@@ -244,6 +177,7 @@ impl StokesletDrag {
         &mut self,
         positions: &[Vector3],
         velocities: &[Vector3],
+        spins: &[f64],
         forces: &mut [Vector3],
         resistance: &mut [Matrix3],
     ) -> Result<FluidReport, FluidError> {
@@ -261,7 +195,12 @@ impl StokesletDrag {
             self.take_points();
         }
         self.operator.assemble(&self.positions);
-        self.set_velocities(velocities)?;
+        if !self.operator.spheres().is_empty() {
+            self.places.clear();
+            self.places.extend_from_slice(positions);
+            (self.operator).assemble_spheres(&self.filaments, &self.positions, positions);
+        }
+        self.set_velocities(velocities, spins)?;
         let report = self.solve(Start::Guess)?;
         self.write_resistance(resistance)?;
         self.write_forces(forces, resistance);
@@ -273,10 +212,11 @@ impl StokesletDrag {
     pub fn drag_of(
         &mut self,
         velocities: &[Vector3],
+        spins: &[f64],
         resistance: &[Matrix3],
         forces: &mut [Vector3],
     ) -> Result<FluidReport, FluidError> {
-        self.set_velocities(velocities)?;
+        self.set_velocities(velocities, spins)?;
         let report = self.solve(Start::LastSolution)?;
         self.write_forces(forces, resistance);
         Ok(report)
@@ -288,12 +228,12 @@ impl StokesletDrag {
     }
 
     /// Estimate of the largest eigenvalue of D⁻¹ R: how many times its local part D the resistance R of the nodes is, for
-    /// the velocities for which that is most. It belongs to the positions at which the preconditioner was built.
+    /// the velocities for which that is most; infinite with spheres. It belongs to the positions at which the preconditioner was built.
     pub fn largest_ratio(&self) -> f64 {
         self.largest_ratio
     }
 
-    fn set_velocities(&mut self, velocities: &[Vector3]) -> Result<(), FluidError> {
+    fn set_velocities(&mut self, velocities: &[Vector3], spins: &[f64]) -> Result<(), FluidError> {
         for (own, node) in (self.velocities.iter_mut()).zip(nodes_of(&self.filaments)) {
             *own = velocities[node];
         }
@@ -301,50 +241,63 @@ impl StokesletDrag {
             return Err(FluidError::NotFinite);
         }
         self.average_velocities();
-        if let Some(wall) = &self.wall {
-            // Points in the wall take no force, however they move.
-            let points = self.operator.points().representatives().iter();
-            for (&station, velocity) in points.zip(self.right_hand_side.chunks_exact_mut(3)) {
-                if wall.holds(station, &self.positions[station]) {
-                    velocity.fill(0.0);
-                }
+        // Points in the wall and in spheres take no force, however they move.
+        for point in 0..self.operator.nodes() {
+            if self.takes_no_force(self.operator.points().representatives()[point]) {
+                self.right_hand_side[3 * point..3 * point + 3].fill(0.0);
             }
+        }
+        let of_points = 3 * self.operator.nodes();
+        let of_spheres = &mut self.right_hand_side[of_points..];
+        (self.operator.spheres()).write_velocities(&self.places, velocities, of_spheres);
+        if !spins.is_empty() {
+            (self.rotlets).set(&self.filaments, &self.positions, spins);
+            self.subtract_rotlets();
+        }
+        if !self.right_hand_side.iter().all(|u| u.is_finite()) {
+            return Err(FluidError::NotFinite);
         }
         Ok(())
     }
 
-    /// Whether a station is in the wall, where it takes no force.
-    fn is_in_wall(&self, station: usize) -> bool {
-        (self.wall.as_ref()).is_some_and(|wall| wall.holds(station, &self.positions[station]))
+    /// Takes the flow of spinning edges from the velocities that force densities must explain.
+    fn subtract_rotlets(&mut self) {
+        if !self.rotlets.spin() {
+            return;
+        }
+        let stations = self.operator.points().representatives();
+        for (point, &station) in stations.iter().enumerate() {
+            if self.takes_no_force(station) {
+                continue;
+            }
+            let flow = self.rotlets.velocity(&self.positions[station]);
+            for axis in 0..3 {
+                self.right_hand_side[3 * point + axis] -= flow[axis];
+            }
+        }
+        let of_spheres = &mut self.right_hand_side[3 * stations.len()..];
+        let centres = self.operator.spheres().centres();
+        for (centre, velocities) in centres.zip(of_spheres.chunks_exact_mut(6)) {
+            let flow = self.rotlets.velocity(&self.places[centre]);
+            for (velocity, flow) in velocities.iter_mut().zip(&flow) {
+                *velocity -= flow;
+            }
+        }
     }
 
-    /// Sets up what depends on the number of points, and forgets earlier solutions.
-    fn take_points(&mut self) {
-        let points = Points::new(&self.ties, &self.rails, &self.positions);
-        self.operator.take_points(points);
-        let nodes = self.operator.nodes();
-        let unknowns = 3 * nodes;
-        self.preconditioner = Preconditioner::new(&self.filaments, &self.operator, NEIGHBOURHOOD);
-        self.preconditioned_at.clear();
-        self.age = Age::default();
-        self.guess = InitialGuess::new(unknowns);
-        self.gmres = Gmres::new(unknowns);
-        self.inverses = vec![Matrix3::zeros(); nodes];
-        for vector in [
-            &mut self.right_hand_side,
-            &mut self.residual,
-            &mut self.image,
-            &mut self.densities,
-        ] {
-            vector.clear();
-            vector.resize(unknowns, 0.0);
-        }
+    /// Whether a station is in the wall or in a sphere, where it takes no force.
+    fn takes_no_force(&self, station: usize) -> bool {
+        self.operator.spheres().hold(station)
+            || (self.wall.as_ref())
+                .is_some_and(|wall| wall.holds(station, &self.positions[station]))
     }
 
     /// Gives each point the velocity of its stations, their mean weighted by their lengths.
     fn average_velocities(&mut self) {
         let points = self.operator.points();
-        for (point, mean) in self.right_hand_side.chunks_exact_mut(3).enumerate() {
+        let of_points = 3 * points.count();
+        let means = self.right_hand_side[..of_points].chunks_exact_mut(3);
+        for (point, mean) in means.enumerate() {
             let members = points.members(point);
             if let [station] = members {
                 mean.copy_from_slice(self.velocities[*station].as_slice());
@@ -375,12 +328,13 @@ impl StokesletDrag {
             } else {
                 self.inverses[point]
             };
-            resistance[node] = if self.is_in_wall(station) {
+            resistance[node] = if self.takes_no_force(station) {
                 Matrix3::zeros()
             } else {
                 inverse * (factor * self.lengths[station])
             };
         }
+        (self.operator.spheres()).add_resistance(self.viscosity, resistance);
         Ok(())
     }
 
@@ -389,7 +343,7 @@ impl StokesletDrag {
         let factor = 8.0 * PI * self.viscosity;
         let points = self.operator.points();
         for (station, node) in nodes_of(&self.filaments).enumerate() {
-            if self.is_in_wall(station) {
+            if self.takes_no_force(station) {
                 forces[node] = Vector3::zeros();
                 continue;
             }
@@ -401,6 +355,8 @@ impl StokesletDrag {
                 forces[node] -= resistance[node] * (self.velocities[station] - carried);
             }
         }
+        let of_spheres = &self.densities[3 * self.operator.nodes()..];
+        (self.operator.spheres()).write_forces(factor, of_spheres, &self.places, forces);
     }
 
     /// What a checkpoint must hold.
@@ -430,8 +386,8 @@ impl StokesletDrag {
         }
         self.ties = memory.ties;
         self.take_points();
-        let nodes = self.operator.nodes();
-        if memory.densities.iter().any(|d| d.len() != 3 * nodes) {
+        let unknowns = self.operator.unknowns();
+        if memory.densities.iter().any(|d| d.len() != unknowns) {
             return Err(FluidError::ForeignMemory);
         }
         self.preconditioned_at = memory
@@ -541,30 +497,18 @@ impl StokesletDrag {
         Ok(())
     }
 
-    /// Power iteration with A⁻¹ A_d, which has the eigenvalues of D⁻¹ R, for the assembled operator; the preconditioner
-    /// stands for A⁻¹.
     fn estimate_largest_ratio(&mut self) {
-        let blocks: Vec<Matrix3> = (0..self.operator.nodes())
-            .map(|point| self.operator.diagonal(point))
-            .collect();
-        let (vector, image) = (&mut self.residual, &mut self.image);
-        // Neighbours against each other, with a little of everything else: rough motions meet the most resistance.
-        for (k, entry) in vector.iter_mut().enumerate() {
-            let node = k / 3;
-            let sign = if node.is_multiple_of(2) { 1.0 } else { -1.0 };
-            *entry = sign * (1.0 + 0.3 * libm::sin(1.7 * k as f64));
-        }
-        self.largest_ratio = 0.0;
-        for _ in 0..POWER_ITERATIONS {
-            scale(1.0 / dot(vector, vector).sqrt(), vector);
-            for (point, block) in blocks.iter().enumerate() {
-                let own = 3 * point..3 * point + 3;
-                let product = block * Vector3::from_column_slice(&vector[own.clone()]);
-                image[own].copy_from_slice(product.as_slice());
-            }
-            self.preconditioner.apply(image, vector);
-            self.largest_ratio = dot(vector, vector).sqrt();
-        }
+        // The preconditioner holds nothing of how spheres and filaments act on each other.
+        self.largest_ratio = if self.operator.spheres().is_empty() {
+            largest_ratio(
+                &self.operator,
+                &mut self.preconditioner,
+                &mut self.residual,
+                &mut self.image,
+            )
+        } else {
+            f64::INFINITY
+        };
     }
 }
 
@@ -575,44 +519,4 @@ enum Start {
     Guess,
     /// From the last solution, which belongs to the same step.
     LastSolution,
-}
-
-fn are_finite(vectors: &[Vector3]) -> bool {
-    vectors.iter().flatten().all(|x| x.is_finite())
-}
-
-/// The nodes of filaments among those of the scene.
-fn nodes_of(filaments: &[Filament]) -> impl Iterator<Item = usize> {
-    filaments.iter().flat_map(Filament::range)
-}
-
-/// The symmetric part of the inverse.
-fn symmetric_inverse(block: &Matrix3) -> Result<Matrix3, FluidError> {
-    let inverse = block.try_inverse().ok_or(FluidError::Singular)?;
-    Ok((inverse + inverse.transpose()) * 0.5)
-}
-
-/// Half of the lengths of the edges of its filament that meet at each station, m. An edge without length is an error: its
-/// two nodes have the same row in the operator.
-fn voronoi_lengths(
-    filaments: &[Filament],
-    positions: &[Vector3],
-    lengths: &mut [f64],
-) -> Result<(), FluidError> {
-    lengths.fill(0.0);
-    let mut first = 0;
-    for filament in filaments {
-        for edge in 0..filament.edges() {
-            let ends = [first + edge, first + (edge + 1) % filament.nodes];
-            let half = 0.5 * (positions[ends[1]] - positions[ends[0]]).norm();
-            if half == 0.0 {
-                return Err(FluidError::Singular);
-            }
-            for node in ends {
-                lengths[node] += half;
-            }
-        }
-        first += filament.nodes;
-    }
-    Ok(())
 }

@@ -48,7 +48,7 @@ fn drag(
     let mut forces = vec![Vector3::zeros(); positions.len()];
     let mut resistance = vec![Matrix3::zeros(); positions.len()];
     let report = fluid
-        .drag(positions, velocities, &mut forces, &mut resistance)
+        .drag(positions, velocities, &[], &mut forces, &mut resistance)
         .unwrap();
     (forces, resistance, report)
 }
@@ -406,7 +406,7 @@ fn wrong_numbers_are_errors() {
     let mut forces = vec![Vector3::zeros(); 20];
     let mut resistance = vec![Matrix3::zeros(); 20];
     let mut attempt = |positions: &[Vector3], velocities: &[Vector3]| {
-        fluid.drag(positions, velocities, &mut forces, &mut resistance)
+        fluid.drag(positions, velocities, &[], &mut forces, &mut resistance)
     };
     let mut broken = velocities.clone();
     broken[3].y = f64::NAN;
@@ -544,14 +544,18 @@ fn the_drag_is_linear_in_the_velocities() {
     ];
     let (of_first, resistance, _) = drag(&mut fluid, &positions, &first);
     let mut of_second = vec![Vector3::zeros(); 68];
-    fluid.drag_of(&second, &resistance, &mut of_second).unwrap();
+    fluid
+        .drag_of(&second, &[], &resistance, &mut of_second)
+        .unwrap();
     let both: Vec<Vector3> = first
         .iter()
         .zip(&second)
         .map(|(a, b)| a - b * 2.0)
         .collect();
     let mut of_both = vec![Vector3::zeros(); 68];
-    fluid.drag_of(&both, &resistance, &mut of_both).unwrap();
+    fluid
+        .drag_of(&both, &[], &resistance, &mut of_both)
+        .unwrap();
     let largest = of_both.iter().map(|f| f.norm()).fold(0.0, f64::max);
     for k in 0..68 {
         let error = of_both[k] - (of_first[k] - of_second[k] * 2.0);

@@ -48,7 +48,7 @@ fn drag(
     };
     let mut forces = vec![Vector3::zeros(); positions.len()];
     let mut resistance = vec![Matrix3::zeros(); positions.len()];
-    fluid.drag(positions, velocities, &mut forces, &mut resistance)?;
+    fluid.drag(positions, velocities, &[], &mut forces, &mut resistance)?;
     Ok((forces, resistance))
 }
 
@@ -225,13 +225,13 @@ fn a_restored_fluid_beside_a_wall_continues_with_the_same_bytes() {
     let velocities = vec![Vector3::new(1.0, 0.5, -0.1); nodes];
     for step in 0..3 {
         let positions = at(0.01 * f64::from(step));
-        (fluid.drag(&positions, &velocities, &mut forces, &mut resistance)).unwrap();
+        (fluid.drag(&positions, &velocities, &[], &mut forces, &mut resistance)).unwrap();
     }
     let mut restored = Fluid::beside_wall(&STOKESLETS, &[filament(nodes)], floor(&[])).unwrap();
     restored.restore(fluid.memory()).unwrap();
     let positions = at(0.03);
-    (fluid.drag(&positions, &velocities, &mut forces, &mut resistance)).unwrap();
+    (fluid.drag(&positions, &velocities, &[], &mut forces, &mut resistance)).unwrap();
     let mut again = vec![Vector3::zeros(); nodes];
-    (restored.drag(&positions, &velocities, &mut again, &mut resistance)).unwrap();
+    (restored.drag(&positions, &velocities, &[], &mut again, &mut resistance)).unwrap();
     assert_eq!(forces, again);
 }

@@ -15,7 +15,7 @@
 //!
 //! It has no potential: its work around a closed way is not zero, and the Jacobian is not symmetric.
 
-use super::loads::Scale;
+use super::factor::Scale;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::vertex::EdgeFrame;
 use crate::mechanics::{Matrix3, Vector3};

@@ -33,6 +33,9 @@ impl Assembly {
                 bodies.find(|body| planned.nodes.contains(&body.at) && body.inertia.is_some());
             if let Some(body) = here {
                 self.add_inertia(number, body);
+                let radius = (body.ball).filter(|ball| *ball > scene.rods[body.at.rod].radius);
+                self.joints.frames[number].ball =
+                    radius.map(|radius| (self.number(&body.at), radius));
             }
         }
         let first_place = self.all_places().end - plan.slides.len();

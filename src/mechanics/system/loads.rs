@@ -1,11 +1,12 @@
 //! External loads: dead forces, moments on edges, forces that turn with the rod, linear drag.
 
 use super::build::Assembly;
+use super::factor::Scale;
 use super::follower::{FollowerForce, element_of_edge};
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::vertex::EdgeFrame;
 use crate::mechanics::rod::{RodRange, STRIDE, holonomy_jacobian};
-use crate::mechanics::scene::{Load, LoadKind, piecewise_linear};
+use crate::mechanics::scene::{Load, LoadKind};
 use crate::mechanics::{LoadError, Matrix3, Vector3};
 
 /// All external loads of a scene, resolved to unknowns.
@@ -25,22 +26,6 @@ pub struct Loads {
     weights_of_tips: Vec<(usize, f64)>,
     /// Factor of each load of the scene beside its schedule.
     factors: Vec<f64>,
-}
-
-/// The factor of a load as a function of time.
-#[derive(Clone, Debug)]
-pub struct Scale {
-    /// Number of the load in the scene.
-    load: usize,
-    schedule: Vec<(f64, f64)>,
-    factor: f64,
-}
-
-impl Scale {
-    /// Its value at `time`.
-    pub fn at(&self, time: f64) -> f64 {
-        self.factor * piecewise_linear(&self.schedule, time).unwrap_or(1.0)
-    }
 }
 
 /// Forces that do not depend on the configuration.
@@ -98,7 +83,7 @@ impl Loads {
         for (number, load) in descriptions.iter().enumerate() {
             let mut entries = Vec::new();
             let scale = Scale {
-                load: number,
+                load: Some(number),
                 schedule: load.schedule.clone(),
                 factor: 1.0,
             };
@@ -248,6 +233,20 @@ impl Loads {
         Ok(loads)
     }
 
+    /// Adds drag that no load of the scene describes: a coefficient for each unknown, N s/m or N m s.
+    pub fn add_constant_drag(&mut self, coefficients: Vec<f64>) {
+        self.damping.resize(coefficients.len(), 0.0);
+        self.drags.push(Drag {
+            coefficients,
+            scale: Scale {
+                load: None,
+                schedule: Vec::new(),
+                factor: 1.0,
+            },
+        });
+        self.update_damping(0.0);
+    }
+
     /// Times at which a load changes its rate, s.
     pub fn corners(&self) -> impl Iterator<Item = f64> {
         let dead = self.dead.iter().map(|load| &load.scale.schedule);
@@ -276,7 +275,7 @@ impl Loads {
             .chain(self.followers.iter_mut().map(|force| &mut force.scale))
             .chain(self.drags.iter_mut().map(|drag| &mut drag.scale))
             .chain(self.gravity.iter_mut().map(|(_, scale)| scale));
-        for scale in scales.filter(|scale| scale.load == load) {
+        for scale in scales.filter(|scale| scale.load == Some(load)) {
             scale.factor = factor;
         }
         Some(())

@@ -139,10 +139,9 @@ impl NewtonMatrix {
 
     /// Makes what half vertices at joints have added derivatives over the unknowns, with the inertia of bodies.
     pub fn turn_frames(&mut self, assembly: &Assembly, unknowns: &[f64], stage: Option<&Stage>) {
-        let per_square = stage.map(|stage| 1.0 / (stage.step * stage.acceleration_step));
         let elements = &mut self.permanent_matrices[..self.closing];
         let joints = &assembly.joints;
-        joints.transform(unknowns, per_square, &assembly.masses, elements);
+        joints.transform(unknowns, stage, &assembly.masses, elements);
     }
 
     /// Adds (M/hₐ + C + D)/h.

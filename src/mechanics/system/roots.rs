@@ -5,7 +5,7 @@
 //! angle). A root must itself be within the other body, and move with it: nothing is passed over where a clamp moves on its own.
 
 use super::Assembly;
-use super::touching::{arc_length, directions};
+use super::centreline::{arc_length, directions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactPair, ContactSystem, Proximity, Root, RootBody};
 use crate::mechanics::rod::STRIDE;

@@ -1,5 +1,6 @@
 //! The contact model of a scene, and words for what touches.
 
+use super::centreline::{arc_length, directions};
 use super::roots::pass_over_roots;
 use super::{Assembly, System, copy_positions};
 use crate::mechanics::contact::{
@@ -141,24 +142,6 @@ fn add_balls(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
         let ball = surface.add_ball(node, radius, rod.held, &meeting);
         balls.push([ball, point]);
     }
-}
-
-/// Arc length along a rod to a node, m.
-pub(super) fn arc_length(nodes: &[Vector3], node: usize) -> f64 {
-    let edges = nodes[..=node].windows(2);
-    edges.map(|ends| (ends[1] - ends[0]).norm()).sum()
-}
-
-/// Unit vectors from a node to its neighbours along a rod.
-pub(super) fn directions(nodes: &[Vector3], node: usize) -> Vec<Vector3> {
-    let neighbours = [node.checked_sub(1), Some(node + 1)];
-    let there = neighbours
-        .into_iter()
-        .flatten()
-        .filter_map(|other| nodes.get(other));
-    there
-        .map(|other| (other - nodes[node]).normalize())
-        .collect()
 }
 
 impl System {

@@ -23,6 +23,11 @@ pub trait ExperimentKeys: Sync {
         None
     }
 
+    /// Default of `fluid.spin`: whether a fluid resists that its rods spin about their own axes.
+    fn resists_spin(&self) -> bool {
+        true
+    }
+
     /// What to say of a table that belongs to other kinds only.
     fn refusal(&self) -> &'static str {
         "this table is for another experiment"

@@ -92,7 +92,8 @@ pub fn resolve(
     model::refuse_rigid_statics(&top, &contact, &time);
     model::refuse_viscous_midpoint(&top, &rods, &time);
     let beside_wall = file.planes.iter().any(|plane| plane.wall != Some(false));
-    let fluid = model::fluid(&top, file.fluid.as_ref(), beside_wall);
+    let resists_spin = kind.is_none_or(|kind| kind.resists_spin());
+    let fluid = model::fluid(&top, file.fluid.as_ref(), beside_wall, resists_spin);
     if let Some(kind) = kind {
         let common = CommonTables {
             rods: &rods,

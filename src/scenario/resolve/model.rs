@@ -109,8 +109,14 @@ const REGULARIZATION: f64 = 1.02;
 /// beside a wall to 0.2 % at a height of ten radii, where that of the thesis leaves 14 %.
 const REGULARIZATION_BESIDE_A_WALL: f64 = 1.65;
 
-/// Resolves the fluid; `beside_wall` says whether one of the planes may be its wall.
-pub fn fluid(top: &Section<'_>, typed: Option<&typed::Fluid>, beside_wall: bool) -> Fluid {
+/// Resolves the fluid; `beside_wall` says whether one of the planes may be its wall, `resists_spin` is the default of the key
+/// `spin`.
+pub fn fluid(
+    top: &Section<'_>,
+    typed: Option<&typed::Fluid>,
+    beside_wall: bool,
+    resists_spin: bool,
+) -> Fluid {
     let Some(typed) = typed else {
         return Fluid::None;
     };
@@ -122,6 +128,7 @@ pub fn fluid(top: &Section<'_>, typed: Option<&typed::Fluid>, beside_wall: bool)
     if model == typed::FluidModel::Resistive && typed.far_field_error.is_some() {
         section.fault("far_field_error", "only the model \"rss\" has a far field");
     }
+    let spin = typed.spin.unwrap_or(resists_spin);
     match model {
         typed::FluidModel::None => Fluid::None,
         typed::FluidModel::Rss => Fluid::Rss {
@@ -137,9 +144,11 @@ pub fn fluid(top: &Section<'_>, typed: Option<&typed::Fluid>, beside_wall: bool)
                 },
             ),
             far_field_error: far_field_error(&section, typed),
+            spin,
         },
         typed::FluidModel::Resistive => Fluid::Resistive {
             viscosity: section.required("viscosity", &typed.viscosity, POSITIVE),
+            spin,
         },
     }
 }

@@ -85,10 +85,14 @@ pub enum Fluid {
         regularization: f64,
         /// Relative error allowed in the drag from the flow of distant nodes; 0 for none.
         far_field_error: f64,
+        /// Whether the fluid resists that rods spin about their own axes.
+        spin: bool,
     },
     /// Resistive force theory.
     Resistive {
         /// Dynamic viscosity, Pa s.
         viscosity: f64,
+        /// Whether the fluid resists that rods spin about their own axes.
+        spin: bool,
     },
 }

@@ -73,6 +73,9 @@ pub struct Fluid {
     /// 1e-2, or 0 for none. Scenes of less than a thousand nodes, and those beside a wall (at most 5000 nodes), are exact
     /// whatever it is. Default: 1e-4.
     pub far_field_error: Option<Quantity<Dimensionless>>,
+    /// Whether the fluid resists that rods spin about their own axes, by a torque of 4π viscosity radius² spin per length; in
+    /// "rss" without a wall what spins also moves the fluid. Default: true, but false for `flagella`, as in the thesis.
+    pub spin: Option<bool>,
 }
 
 /// Fluid models.

@@ -3,6 +3,7 @@
 pub mod beam;
 pub mod friction;
 pub mod localized_buckling;
+pub mod shell;
 pub mod stokeslet;
 pub mod swimmer;
 pub mod tube;

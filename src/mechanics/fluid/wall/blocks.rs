@@ -4,8 +4,8 @@ use super::FlowWall;
 use super::image::{Image, cross};
 use super::lanes::{AxialLanes, ImageLanes, Row, add_images, multiply_axial_row};
 use crate::linalg::instruction_set::{InstructionSet, LANES};
-use crate::mechanics::fluid::lanes::{BlockLanes, VectorLanes};
-use crate::mechanics::fluid::operator::PARALLEL_FROM;
+use crate::mechanics::fluid::lanes::{BlockLanes, PARALLEL_FROM, VectorLanes};
+
 use crate::mechanics::{Matrix3, Vector3};
 use rayon::prelude::*;
 

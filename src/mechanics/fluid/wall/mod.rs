@@ -119,6 +119,7 @@ impl FlowWall {
             if self.sunk_below[node].is_none() {
                 return Err(FluidError::BehindWall {
                     node: self.nodes[node],
+                    name: format!("node {}, counted over all rods,", self.nodes[node]),
                     height,
                 });
             }

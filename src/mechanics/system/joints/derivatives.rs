@@ -10,6 +10,7 @@
 //! which is symmetric. With a hinge of the axis a, seen from outside, the moment T' on its frame counts in T and in the moment
 //! a·T' over its angle; the derivative of the one over the other is D' a.
 
+use super::super::Stage;
 use super::Joints;
 use crate::linalg::ElementMatrix;
 use crate::mechanics::rod::{STRIDE, TURNING_ROTATION};
@@ -33,12 +34,13 @@ impl Joints {
     }
 
     /// Makes the elements of half vertices, which hold second derivatives over rotations seen from outside, and those of the
-    /// frames themselves derivatives of the residual over the unknowns. In a stage inertia is `per_square`, 1/(h hₐ), times
-    /// the masses of all unknowns; to be called after [`Self::gather_moments`].
+    /// frames themselves derivatives of the residual over the unknowns. In a stage the inertia and the drag of the tips of bodies
+    /// are 1/(h hₐ) times the masses of all unknowns and 1/h times the resistance; to be called after
+    /// [`Self::gather_moments`].
     pub fn transform(
         &self,
         unknowns: &[f64],
-        per_square: Option<f64>,
+        stage: Option<&Stage>,
         masses: &[f64],
         matrices: &mut [ElementMatrix],
     ) {
@@ -57,22 +59,27 @@ impl Joints {
                 own += bent + curved / (frame.length * frame.length);
             }
             if let Some((first, tips)) = frame.tips(&self.rotations[number]) {
-                let per_square = per_square.unwrap_or(0.0);
-                let of_mass = |arm: &Vector3, mass: f64| {
+                let per_square =
+                    stage.map_or(0.0, |stage| 1.0 / (stage.step * stage.acceleration_step));
+                let of_force = |arm: &Vector3, per_move: f64| {
                     let square = Matrix3::identity() * arm.norm_squared();
-                    (square - arm * arm.transpose()) * (mass * per_square)
+                    (square - arm * arm.transpose()) * per_move
                 };
+                // The same along all axes: that of a sphere.
+                let resistance = stage
+                    .and_then(|stage| Some(stage.resistance.get(first / STRIDE)?.m11 / stage.step));
+                let of_drag = resistance.unwrap_or(0.0);
                 let mut second = Matrix3::zeros();
                 for (k, tip) in tips.iter().enumerate() {
                     let force = self.tip_forces[number][k];
                     let product = tip * force.transpose();
                     second += (product + product.transpose()) * 0.5
                         - Matrix3::identity() * tip.dot(&force)
-                        + of_mass(tip, masses[first + STRIDE * k]);
+                        + of_force(tip, masses[first + STRIDE * k] * per_square + of_drag);
                 }
                 if let Some(eccentric) = &frame.eccentric {
                     let arm = eccentric.arm_of(&tips);
-                    second += of_mass(&arm, eccentric.mass);
+                    second += of_force(&arm, eccentric.mass * per_square);
                     let over = -arm.cross_matrix() * (eccentric.mass * per_square);
                     let to = &mut matrices[frame.element];
                     let mut add = |column: usize, force: Vector3| {

@@ -46,6 +46,8 @@ pub struct TurningFrame {
     pub spring: Option<HingeSpring>,
     /// First unknown of the tips of the principal axes, which are `axes` as placed.
     pub body: Option<(usize, [Vector3; 3])>,
+    /// The node that carries that body and its radius, m, where it is a ball.
+    pub ball: Option<(usize, f64)>,
     /// The mass of that body, where its centre is off the node.
     pub eccentric: Option<EccentricMass>,
     /// Ghost edges that turn with it, as placed.
@@ -71,6 +73,7 @@ impl TurningFrame {
             hinge,
             spring: None,
             body: None,
+            ball: None,
             eccentric: None,
             ghosts: Vec::new(),
             elements: Vec::new(),

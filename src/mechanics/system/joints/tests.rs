@@ -8,7 +8,7 @@ use crate::mechanics::scene::{
     RodDescription, RodNode, Scene, Spring, Stiffness, Strength, TurningStiffness,
 };
 use crate::mechanics::system::{Stage, copy_positions};
-use crate::mechanics::{JointError, SceneError};
+use crate::mechanics::{JointError, Matrix3, SceneError};
 
 fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
     let stiffness = Stiffness {
@@ -231,10 +231,15 @@ pub(super) fn stage_at(system: &System) -> Stage {
 /// Holds the Jacobian, perturbed by so much, at rest or in a step, against differences of the residual, which err by `bound`
 /// of its largest entry.
 pub(super) fn compare_jacobian(scene: &Scene, cases: &[(f64, bool)], bound: f64) {
-    let mut system = System::new(scene).unwrap();
+    let system = System::new(scene).unwrap();
     let stage = stage_at(&system);
+    compare_jacobian_of(system, &stage, cases, bound);
+}
+
+/// The same in a step with a given stage.
+fn compare_jacobian_of(mut system: System, stage: &Stage, cases: &[(f64, bool)], bound: f64) {
     for &(size, is_in_step) in cases {
-        let stage = is_in_step.then_some(&stage);
+        let stage = is_in_step.then_some(stage);
         let unknowns = perturbed(&mut system, size);
         system.linearize(&unknowns, stage);
         let jacobian = system.dense_matrix();
@@ -266,6 +271,26 @@ pub(super) fn compare_jacobian(scene: &Scene, cases: &[(f64, bool)], bound: f64)
 fn the_jacobian_of_joined_rods_and_bodies_is_exact_and_symmetric() {
     let cases = [(0.0, false), (0.2, false), (0.0, true), (0.2, true)];
     compare_jacobian(&star(), &cases, 1e-8);
+}
+
+#[test]
+fn the_jacobian_of_bodies_that_meet_drag_as_they_turn_is_exact_and_symmetric() {
+    let system = System::new(&star()).unwrap();
+    let places = system.assembly.all_places().len();
+    let mut stage = stage_at(&system);
+    stage.drag = vec![Vector3::zeros(); places];
+    stage.drag_velocity = vec![Vector3::new(-0.3, 0.1, 0.2); places];
+    stage.resistance = vec![Matrix3::zeros(); places];
+    for frame in &system.assembly.joints.frames {
+        if let Some((first, _)) = frame.body {
+            let tips = first / STRIDE..first / STRIDE + 3;
+            for tip in tips {
+                stage.drag[tip] = Vector3::new(0.1, -0.2, 0.3);
+                stage.resistance[tip] = Matrix3::from_diagonal_element(0.7);
+            }
+        }
+    }
+    compare_jacobian_of(system, &stage, &[(0.0, true), (0.2, true)], 1e-8);
 }
 
 /// The star with one more rod at the end of its third one, by a weld that may break, and bodies on both sides of that.

@@ -1,0 +1,37 @@
+//! When a preconditioner has become too old.
+
+use serde::{Deserialize, Serialize};
+
+/// What the present preconditioner has cost since it was built.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Age {
+    /// Solves with it.
+    pub solves: usize,
+    /// Iterations of all of them.
+    iterations: usize,
+    /// Iterations of a solve lately, smoothed.
+    recent: f64,
+}
+
+impl Age {
+    /// Solves over which `recent` is smoothed.
+    const MEMORY: f64 = 8.0;
+
+    /// Records a solve.
+    pub fn record(&mut self, iterations: usize) {
+        let weight = if self.solves == 0 {
+            1.0
+        } else {
+            1.0 / Self::MEMORY
+        };
+        self.recent += weight * (iterations as f64 - self.recent);
+        self.solves += 1;
+        self.iterations += iterations;
+    }
+
+    /// Whether to build anew: once a solve costs more than solves have cost on average since the last
+    /// building, its price (in iterations) included. For costs that only grow this rule is the best one.
+    pub fn is_over(&self, price: f64) -> bool {
+        self.recent * self.solves as f64 > price + self.iterations as f64
+    }
+}

@@ -1,0 +1,116 @@
+//! What is in the flow: a wall, spheres, filaments that are held together.
+
+use super::{StokesletDrag, TOLERANCE};
+use crate::mechanics::fluid::age::Age;
+use crate::mechanics::fluid::flow::Flow;
+use crate::mechanics::fluid::gmres::Gmres;
+use crate::mechanics::fluid::initial_guess::InitialGuess;
+use crate::mechanics::fluid::points::Points;
+use crate::mechanics::fluid::preconditioner::{NEIGHBOURHOOD, Preconditioner};
+use crate::mechanics::fluid::spheres::{Sphere, Spheres};
+use crate::mechanics::fluid::stations::nodes_of;
+use crate::mechanics::fluid::ties::{Ties, rails};
+use crate::mechanics::fluid::wall::{FlowWall, Wall};
+use crate::mechanics::fluid::{Connections, Filament, FluidError};
+use crate::mechanics::{Matrix3, Vector3};
+
+/// Most nodes beside a wall. All pairs are stored, 36 bytes each: this many take 0.9 GB.
+const MOST_NODES_BESIDE_A_WALL: usize = 5000;
+
+impl StokesletDrag {
+    /// Puts a wall beside the filaments, before they are connected and anything is solved; `regularization` as in
+    /// [`new`](Self::new).
+    ///
+    /// # Errors
+    /// [`FluidError::BadInput`] for more nodes than a wall allows.
+    pub fn set_wall(&mut self, regularization: f64, wall: Wall) -> Result<(), FluidError> {
+        let nodes = self.positions.len();
+        if nodes > MOST_NODES_BESIDE_A_WALL {
+            return Err(FluidError::BadInput(format!(
+                "the flow beside a wall has no far-field approximation, and holds at most {MOST_NODES_BESIDE_A_WALL} nodes, not {nodes}: \
+                 take fewer nodes, or planes.wall = false"
+            )));
+        }
+        let wall = FlowWall::new(wall, &self.filaments);
+        self.operator = Flow::beside_wall(&self.filaments, regularization, wall.clone());
+        self.tolerance = TOLERANCE;
+        self.preconditioner = Preconditioner::new(&self.filaments, &self.operator, NEIGHBOURHOOD);
+        self.wall = Some(wall);
+        Ok(())
+    }
+
+    /// Puts spheres among the filaments, before these are connected and anything is solved; `positions` (m) of all places of
+    /// the scene.
+    ///
+    /// # Errors
+    /// [`FluidError::BadInput`] beside a wall.
+    pub fn set_spheres(
+        &mut self,
+        spheres: &[Sphere],
+        positions: &[Vector3],
+    ) -> Result<(), FluidError> {
+        if spheres.is_empty() {
+            return Ok(());
+        }
+        if self.wall.is_some() {
+            return Err(FluidError::BadInput(
+                "the flow has a wall or spheres, not both, since the images of spheres are missing: set planes.wall = false, which lets \
+                 the fluid pass through the plane, or give the bodies another shape than a sphere, which leaves them out of the flow"
+                    .into(),
+            ));
+        }
+        let stations: Vec<Vector3> = nodes_of(&self.filaments)
+            .map(|node| positions[node])
+            .collect();
+        let spheres = Spheres::new(spheres, &stations, positions);
+        self.operator.take_spheres(spheres);
+        self.resize();
+        Ok(())
+    }
+
+    /// Ties what joints hold together, and nodes that are at one place, in filaments placed at `positions` (m, of all nodes).
+    pub fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
+        for (station, node) in self.filaments.iter().flat_map(Filament::range).enumerate() {
+            self.positions[station] = positions[node];
+        }
+        self.rails = rails(&self.filaments, connections);
+        self.ties = Ties::find(
+            &self.filaments,
+            connections,
+            &self.rails,
+            &self.links,
+            &self.positions,
+        );
+        if !self.ties.is_empty() {
+            self.take_points();
+        }
+    }
+
+    /// Takes the points of the present ties.
+    pub(super) fn take_points(&mut self) {
+        let points = Points::new(&self.ties, &self.rails, &self.positions);
+        self.operator.take_points(points);
+        self.resize();
+    }
+
+    /// Sets up what depends on the number of unknowns, and forgets earlier solutions.
+    pub(super) fn resize(&mut self) {
+        let nodes = self.operator.nodes();
+        let unknowns = self.operator.unknowns();
+        self.preconditioner = Preconditioner::new(&self.filaments, &self.operator, NEIGHBOURHOOD);
+        self.preconditioned_at.clear();
+        self.age = Age::default();
+        self.guess = InitialGuess::new(unknowns);
+        self.gmres = Gmres::new(unknowns);
+        self.inverses = vec![Matrix3::zeros(); nodes];
+        for vector in [
+            &mut self.right_hand_side,
+            &mut self.residual,
+            &mut self.image,
+            &mut self.densities,
+        ] {
+            vector.clear();
+            vector.resize(unknowns, 0.0);
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! What of a scene beside its rods is in its fluid.
+
+use super::Assembly;
+use super::loads::Loads;
+use crate::mechanics::fluid::{FluidModel, Sphere};
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::scene::Scene;
+use std::f64::consts::PI;
+
+impl Assembly {
+    /// Spheres that rods carry at their nodes.
+    pub fn spheres(&self) -> Vec<Sphere> {
+        let frames = self.joints.frames.iter();
+        let spheres = frames.filter_map(|frame| {
+            let ((centre, radius), (first_tip, _)) = (frame.ball?, frame.body?);
+            Some(Sphere {
+                centre,
+                radius,
+                first_tip: first_tip / STRIDE,
+                arm: frame.length,
+            })
+        });
+        spheres.collect()
+    }
+}
+
+impl Loads {
+    /// Lets the fluid resist that edges spin about their axes, by the torque 4πη r² ω per length of a long cylinder. Half an edge
+    /// that ends in a sphere turns with that.
+    pub(super) fn resist_spin(&mut self, scene: &Scene, assembly: &Assembly) {
+        let viscosity = match scene.fluid {
+            Some(
+                FluidModel::RegularizedStokeslets { viscosity, .. }
+                | FluidModel::Resistive { viscosity },
+            ) if scene.spin_drag => viscosity,
+            _ => return,
+        };
+        let spheres = assembly.spheres();
+        let is_outside = |node: usize| {
+            let x = position(&assembly.unknowns, node);
+            !spheres.iter().any(|sphere| {
+                (x - position(&assembly.unknowns, sphere.centre)).norm() < sphere.radius
+            })
+        };
+        let mut coefficients = vec![0.0; STRIDE * assembly.rods.nodes];
+        for edge in &assembly.rods.edges {
+            let rod = &scene.rods[assembly.locate(edge.start).0];
+            if rod.held {
+                continue;
+            }
+            let ends = [edge.start, edge.end].into_iter();
+            let wet = 0.5 * ends.filter(|&node| is_outside(node)).count() as f64;
+            coefficients[STRIDE * edge.start + 3] =
+                4.0 * PI * viscosity * rod.radius * rod.radius * edge.natural_length * wet;
+        }
+        self.add_constant_drag(coefficients);
+    }
+}

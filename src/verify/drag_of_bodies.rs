@@ -1,0 +1,167 @@
+//! Balls that rods carry in a fluid, and rods that spin about their own axes.
+
+use super::theory::shell::drag_of_sphere_with_tail;
+use super::{Check, Expectation, GroupError};
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::{
+    IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
+};
+use crate::mechanics::fluid::FluidModel;
+use crate::mechanics::scene::{
+    Body, Clamp, Load, LoadKind, Motion, RodDescription, RodNode, Scene, Stiffness,
+};
+use std::f64::consts::PI;
+
+const SINKING: Expectation = Expectation {
+    formula: "U = m g/(6πηa)",
+    source: "Stokes 1851",
+};
+const WITH_TAIL: Expectation = Expectation {
+    formula: "U = m g/(F/U)",
+    source: "dense solution, the ball a shell of 400 points",
+};
+const SPINNING: Expectation = Expectation {
+    formula: "4πη r² L Ω",
+    source: "long cylinder",
+};
+const VISCOSITY: f64 = 1.0;
+const RADIUS: f64 = 2e-4;
+const BALL: f64 = 5e-3;
+/// kg.
+const MASS: f64 = 2e-3;
+const GRAVITY: f64 = 9.81;
+const REGULARIZATION: f64 = 1.02;
+
+/// A ball of 5 mm and 2 g alone and with a tail three times as long, and a rod that a motor spins.
+pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
+    let mut checks = Vec::new();
+    let inside = line(2, 0.8 * BALL);
+    for (name, fluid) in [
+        ("regularized Stokeslets", stokeslets()),
+        (
+            "resistive",
+            FluidModel::Resistive {
+                viscosity: VISCOSITY,
+            },
+        ),
+    ] {
+        let ball = sink(&inside, fluid)?;
+        checks.push(SINKING.relative(
+            format!("ball that sinks, {name}: speed"),
+            "m/s",
+            weight(&inside) / (6.0 * PI * VISCOSITY * BALL),
+            -ball.velocities()[0].z,
+            1e-5,
+        ));
+    }
+    let tail = line(10, 0.02);
+    let drag = drag_of_sphere_with_tail(BALL, &tail, REGULARIZATION * RADIUS, VISCOSITY);
+    checks.push(WITH_TAIL.relative(
+        "ball with a tail that sinks: speed",
+        "m/s",
+        weight(&tail) / drag,
+        -sink(&tail, stokeslets())?.velocities()[0].z,
+        1e-2,
+    ));
+    checks.push(spun()?);
+    Ok(checks)
+}
+
+fn stokeslets() -> FluidModel {
+    FluidModel::RegularizedStokeslets {
+        viscosity: VISCOSITY,
+        regularization: REGULARIZATION,
+        far_field_error: 0.0,
+    }
+}
+
+/// Nodes of a rod upwards from the origin.
+fn line(edges: usize, length: f64) -> Vec<Vector3> {
+    (0..=edges)
+        .map(|k| Vector3::z() * (length * k as f64 / edges as f64))
+        .collect()
+}
+
+fn rod(nodes: &[Vector3], radius: f64) -> RodDescription {
+    let area = PI * radius * radius;
+    let bending = 1e6 * 0.25 * area * radius * radius;
+    let stiffness = Stiffness {
+        stretching: 1e6 * area,
+        bending: [bending; 2],
+        twisting: bending / 1.5,
+    };
+    RodDescription::uniform("rod", nodes.to_vec(), stiffness, radius, 1000.0 * area)
+}
+
+/// Weight of ball and rod, N.
+fn weight(nodes: &[Vector3]) -> f64 {
+    let length = nodes[nodes.len() - 1].z;
+    (MASS + 1000.0 * PI * RADIUS * RADIUS * length) * GRAVITY
+}
+
+/// A ball on the first node of a rod, after fourteen times the time in which its speed settles.
+fn sink(nodes: &[Vector3], fluid: FluidModel) -> Result<Simulation, SimulationError> {
+    let scene = Scene {
+        rods: vec![rod(nodes, RADIUS)],
+        bodies: vec![Body {
+            name: "ball".into(),
+            at: RodNode { rod: 0, node: 0 },
+            mass: MASS,
+            offset: Vector3::zeros(),
+            inertia: Some([0.4 * MASS * BALL * BALL; 3]),
+            ball: Some(BALL),
+        }],
+        loads: vec![Load {
+            kind: LoadKind::Gravity {
+                acceleration: Vector3::z() * -GRAVITY,
+            },
+            schedule: Vec::new(),
+        }],
+        fluid: Some(fluid),
+        ..Scene::default()
+    };
+    run(&scene, 5e-3, 0.3)
+}
+
+/// The moment of a clamp that turns one end of a rod about its axis.
+fn spun() -> Result<Check, SimulationError> {
+    let (radius, length, speed) = (1e-3, 0.1, 10.0);
+    let scene = Scene {
+        rods: vec![rod(&line(20, length), radius)],
+        clamps: vec![Clamp {
+            rod: 0,
+            node: 0,
+            holds_position: true,
+            holds_frame: true,
+            motion: Motion {
+                axis: Some(Vector3::z()),
+                angular_velocity: speed,
+                ..Motion::default()
+            },
+        }],
+        fluid: Some(stokeslets()),
+        spin_drag: true,
+        ..Scene::default()
+    };
+    let spinning = run(&scene, 1e-2, 2.0)?;
+    Ok(SPINNING.relative(
+        "rod spun about its axis: moment of the motor",
+        "N m",
+        4.0 * PI * VISCOSITY * radius * radius * length * speed,
+        spinning.reaction_moment(0).z,
+        1e-6,
+    ))
+}
+
+fn run(scene: &Scene, step: f64, end: f64) -> Result<Simulation, SimulationError> {
+    let parameters = IntegrationParameters {
+        scheme: Scheme::ImplicitEuler,
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(scene, &parameters)?;
+    while simulation.time() < end {
+        simulation.advance(end)?;
+    }
+    Ok(simulation)
+}
