@@ -1,15 +1,12 @@
 //! Balls that rods carry in a fluid, and rods that spin about their own axes.
 
+use super::rods::{clamp, gravity, line, round_rod, run};
 use super::theory::shell::drag_of_sphere_with_tail;
 use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{
-    IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
-};
+use crate::mechanics::dynamics::{Scheme, Simulation, SimulationError};
 use crate::mechanics::fluid::FluidModel;
-use crate::mechanics::scene::{
-    Body, Clamp, Load, LoadKind, Motion, RodDescription, RodNode, Scene, Stiffness,
-};
+use crate::mechanics::scene::{Body, Clamp, Motion, RodNode, Scene};
 use std::f64::consts::PI;
 
 const SINKING: Expectation = Expectation {
@@ -25,6 +22,7 @@ const SPINNING: Expectation = Expectation {
     source: "long cylinder",
 };
 const VISCOSITY: f64 = 1.0;
+const YOUNG: f64 = 1e6;
 const RADIUS: f64 = 2e-4;
 const BALL: f64 = 5e-3;
 /// kg.
@@ -35,7 +33,7 @@ const REGULARIZATION: f64 = 1.02;
 /// A ball of 5 mm and 2 g alone and with a tail three times as long, and a rod that a motor spins.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
-    let inside = line(2, 0.8 * BALL);
+    let inside = upwards(2, 0.8 * BALL);
     for (name, fluid) in [
         ("regularized Stokeslets", stokeslets()),
         (
@@ -54,7 +52,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
             1e-5,
         ));
     }
-    let tail = line(10, 0.02);
+    let tail = upwards(10, 0.02);
     let drag = drag_of_sphere_with_tail(BALL, &tail, REGULARIZATION * RADIUS, VISCOSITY);
     checks.push(WITH_TAIL.relative(
         "ball with a tail that sinks: speed",
@@ -76,21 +74,8 @@ fn stokeslets() -> FluidModel {
 }
 
 /// Nodes of a rod upwards from the origin.
-fn line(edges: usize, length: f64) -> Vec<Vector3> {
-    (0..=edges)
-        .map(|k| Vector3::z() * (length * k as f64 / edges as f64))
-        .collect()
-}
-
-fn rod(nodes: &[Vector3], radius: f64) -> RodDescription {
-    let area = PI * radius * radius;
-    let bending = 1e6 * 0.25 * area * radius * radius;
-    let stiffness = Stiffness {
-        stretching: 1e6 * area,
-        bending: [bending; 2],
-        twisting: bending / 1.5,
-    };
-    RodDescription::uniform("rod", nodes.to_vec(), stiffness, radius, 1000.0 * area)
+fn upwards(edges: usize, length: f64) -> Vec<Vector3> {
+    line(Vector3::zeros(), Vector3::z() * length, edges)
 }
 
 /// Weight of ball and rod, N.
@@ -102,7 +87,7 @@ fn weight(nodes: &[Vector3]) -> f64 {
 /// A ball on the first node of a rod, after fourteen times the time in which its speed settles.
 fn sink(nodes: &[Vector3], fluid: FluidModel) -> Result<Simulation, SimulationError> {
     let scene = Scene {
-        rods: vec![rod(nodes, RADIUS)],
+        rods: vec![round_rod(nodes.to_vec(), YOUNG, RADIUS)],
         bodies: vec![Body {
             name: "ball".into(),
             at: RodNode { rod: 0, node: 0 },
@@ -111,39 +96,31 @@ fn sink(nodes: &[Vector3], fluid: FluidModel) -> Result<Simulation, SimulationEr
             inertia: Some([0.4 * MASS * BALL * BALL; 3]),
             ball: Some(BALL),
         }],
-        loads: vec![Load {
-            kind: LoadKind::Gravity {
-                acceleration: Vector3::z() * -GRAVITY,
-            },
-            schedule: Vec::new(),
-        }],
+        loads: vec![gravity(GRAVITY)],
         fluid: Some(fluid),
         ..Scene::default()
     };
-    run(&scene, 5e-3, 0.3)
+    run(&scene, Scheme::ImplicitEuler, 5e-3, 0.3)
 }
 
 /// The moment of a clamp that turns one end of a rod about its axis.
 fn spun() -> Result<Check, SimulationError> {
     let (radius, length, speed) = (1e-3, 0.1, 10.0);
     let scene = Scene {
-        rods: vec![rod(&line(20, length), radius)],
+        rods: vec![round_rod(upwards(20, length), YOUNG, radius)],
         clamps: vec![Clamp {
-            rod: 0,
-            node: 0,
-            holds_position: true,
-            holds_frame: true,
             motion: Motion {
                 axis: Some(Vector3::z()),
                 angular_velocity: speed,
                 ..Motion::default()
             },
+            ..clamp(0)
         }],
         fluid: Some(stokeslets()),
         spin_drag: true,
         ..Scene::default()
     };
-    let spinning = run(&scene, 1e-2, 2.0)?;
+    let spinning = run(&scene, Scheme::ImplicitEuler, 1e-2, 2.0)?;
     Ok(SPINNING.relative(
         "rod spun about its axis: moment of the motor",
         "N m",
@@ -151,17 +128,4 @@ fn spun() -> Result<Check, SimulationError> {
         spinning.reaction_moment(0).z,
         1e-6,
     ))
-}
-
-fn run(scene: &Scene, step: f64, end: f64) -> Result<Simulation, SimulationError> {
-    let parameters = IntegrationParameters {
-        scheme: Scheme::ImplicitEuler,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
-    };
-    let mut simulation = Simulation::new(scene, &parameters)?;
-    while simulation.time() < end {
-        simulation.advance(end)?;
-    }
-    Ok(simulation)
 }

@@ -1,13 +1,12 @@
 //! Filaments beside whose drag inertia is nothing, against a dense solution of the flow and a beam at rest.
 
+use super::rods::{clamp, line, round_rod, run, steady};
 use super::theory::stokeslet::forces;
 use super::{Check, Expectation, GroupError};
 use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{
-    IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
-};
+use crate::mechanics::dynamics::Scheme;
 use crate::mechanics::fluid::FluidModel;
-use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Scene, Stiffness};
+use crate::mechanics::scene::{LoadKind, Scene};
 use std::f64::consts::PI;
 
 const GLIDING: Expectation = Expectation {
@@ -28,9 +27,7 @@ const YOUNG: f64 = 1e9;
 
 /// A filament with edges of five radii: inertia is gone after 25 µs, a fortieth of the smaller step, bending after a second.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
-    let nodes: Vec<Vector3> = (0..=EDGES)
-        .map(|k| Vector3::x() * (LENGTH * k as f64 / EDGES as f64))
-        .collect();
+    let nodes = line(Vector3::zeros(), Vector3::x() * LENGTH, EDGES);
     let drag: Vector3 = forces(
         &nodes,
         &vec![Vector3::x(); EDGES + 1],
@@ -70,31 +67,13 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
 }
 
 fn scene(nodes: &[Vector3], direction: Vector3, clamped: bool) -> Scene {
-    let area = PI * RADIUS * RADIUS;
-    let bending = YOUNG * 0.25 * area * RADIUS * RADIUS;
-    let stiffness = Stiffness {
-        stretching: YOUNG * area,
-        bending: [bending; 2],
-        twisting: bending / 1.5,
-    };
-    let rod = RodDescription::uniform("rod", nodes.to_vec(), stiffness, RADIUS, 1000.0 * area);
-    let clamp = Clamp {
-        rod: 0,
-        node: 0,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
-    };
     Scene {
-        rods: vec![rod],
-        clamps: if clamped { vec![clamp] } else { Vec::new() },
-        loads: vec![Load {
-            kind: LoadKind::Distributed {
-                rod: None,
-                force_per_length: LOAD * direction,
-            },
-            schedule: Vec::new(),
-        }],
+        rods: vec![round_rod(nodes.to_vec(), YOUNG, RADIUS)],
+        clamps: if clamped { vec![clamp(0)] } else { Vec::new() },
+        loads: vec![steady(LoadKind::Distributed {
+            rod: None,
+            force_per_length: LOAD * direction,
+        })],
         fluid: Some(FluidModel::RegularizedStokeslets {
             viscosity: VISCOSITY,
             regularization: 1.02,
@@ -102,17 +81,4 @@ fn scene(nodes: &[Vector3], direction: Vector3, clamped: bool) -> Scene {
         }),
         ..Scene::default()
     }
-}
-
-fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Result<Simulation, SimulationError> {
-    let parameters = IntegrationParameters {
-        scheme,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
-    };
-    let mut simulation = Simulation::new(scene, &parameters)?;
-    while simulation.time() < end {
-        simulation.advance(end)?;
-    }
-    Ok(simulation)
 }

@@ -1,7 +1,10 @@
 //! The rod of the checks: a metre long, with unit bending stiffness, so that loads are dimensionless.
 
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Stiffness};
+use crate::mechanics::dynamics::{
+    IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
+};
+use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Scene, Stiffness};
 
 /// Radius of the rod, m: slender enough for theories of inextensible rods without shear.
 pub const RADIUS: f64 = 1e-3;
@@ -20,6 +23,35 @@ pub fn unit_stiffness() -> Stiffness {
 /// An open, naturally straight rod of unit stiffness and 1 kg/m along a polyline.
 pub fn unit_rod(centreline: Vec<Vector3>) -> RodDescription {
     RodDescription::uniform("rod", centreline, unit_stiffness(), RADIUS, 1.0)
+}
+
+/// A round rod of a radius (m), Young's modulus (Pa) and 1000 kg/m³ along a polyline; it keeps its volume.
+pub fn round_rod(centreline: Vec<Vector3>, youngs_modulus: f64, radius: f64) -> RodDescription {
+    let stiffness = Stiffness::circular(youngs_modulus, STIFFNESS_RATIO - 1.0, radius);
+    let mass_per_length = 1000.0 * std::f64::consts::PI * radius * radius;
+    RodDescription::uniform("rod", centreline, stiffness, radius, mass_per_length)
+}
+
+/// The simulation of a scene with steps of a size (s) up to a time (s).
+///
+/// # Errors
+/// What ends it earlier.
+pub fn run(
+    scene: &Scene,
+    scheme: Scheme,
+    step: f64,
+    end: f64,
+) -> Result<Simulation, SimulationError> {
+    let parameters = IntegrationParameters {
+        scheme,
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(scene, &parameters)?;
+    while simulation.time() < end {
+        simulation.advance(end)?;
+    }
+    Ok(simulation)
 }
 
 /// Equally spaced nodes from `start` to `end`.

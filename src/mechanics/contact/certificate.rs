@@ -16,10 +16,9 @@
 
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
-use super::contacts::{CandidatePair, TUBE};
+use super::contacts::{CandidatePair, ContactPair, TUBE};
 use super::continuous_collision::fraction_beyond;
 use super::foot::crossing;
-use super::proximity::ContactPair;
 use super::rim::{RimPoint, fraction_beyond_rim};
 use crate::mechanics::Vector3;
 

@@ -4,13 +4,12 @@ use super::broad_phase::BroadPhase;
 use super::candidates::Candidates;
 use super::contacts::{
     ActiveContact, Bodies, CandidatePair, ContactConstraint, EdgeJacobian, ForceCorrections,
-    PlaneContact, PlaneJacobian,
+    PlaneContact, PlaneJacobian, Proximity,
 };
 use super::iterate::Iterate;
 use super::multipliers::Multipliers;
 use super::parameters::ContactParameters;
 use super::placed_obstacles::PlacedObstacles;
-use super::proximity::Proximity;
 use super::slots::Slots;
 use super::surface::{ContactPlane, ContactSurface};
 use super::tractions::Tractions;

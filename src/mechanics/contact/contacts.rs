@@ -229,3 +229,41 @@ pub struct ForceCorrections<'a> {
     /// One per plane contact.
     pub planes: &'a [[f64; 3]],
 }
+
+/// Two bodies that meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactPair {
+    /// Two edges, or an edge of a rod and an edge or a face of an obstacle: indices into
+    /// [`ContactSurface::edges`](super::ContactSurface::edges), and beyond them for faces.
+    Edges([usize; 2]),
+    /// A node and a plane.
+    NodeAndPlane {
+        /// The node.
+        node: usize,
+        /// Index of the plane.
+        plane: usize,
+    },
+}
+
+/// How near two bodies are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proximity {
+    /// The bodies.
+    pub pair: ContactPair,
+    /// Distance of the centrelines, or of the rod's from the surface of the plane or obstacle, m.
+    pub distance: f64,
+    /// The distance at which the surfaces touch: h_i + h_j, or h at a plane or an obstacle, m.
+    pub threshold: f64,
+}
+
+impl Proximity {
+    /// Distance over threshold: 1 where the surfaces touch.
+    pub fn ratio(&self) -> f64 {
+        self.distance / self.threshold
+    }
+
+    /// Depth of penetration as a fraction of the threshold; negative where the surfaces are apart.
+    pub fn penetration(&self) -> f64 {
+        1.0 - self.ratio()
+    }
+}

@@ -3,7 +3,10 @@
 use super::candidates::approach;
 use super::closest_points::edge_distance;
 use super::contact_system::ContactSystem;
-use super::contacts::{ActiveContact, CandidatePair, EDGE, EdgeJacobian, Linearised, PlaneContact};
+use super::contacts::{
+    ActiveContact, CandidatePair, ContactPair, EDGE, EdgeJacobian, Linearised, PlaneContact,
+    Proximity,
+};
 use super::edge_contact::{Sliding, contact_force, edge_jacobian};
 use super::foot::Points;
 use super::friction::{FrictionLaw, slip};
@@ -12,7 +15,6 @@ use super::nearest_points::NearestPoints;
 use super::normal_law::NormalLaw;
 use super::normal_response::NormalResponse;
 use super::plane_contact::{NodeSliding, plane_force, plane_jacobian};
-use super::proximity::{ContactPair, Proximity};
 use super::rim::rim_jacobian;
 use super::surface::ContactNode;
 use super::tractions::LinearTraction;

@@ -84,12 +84,11 @@ mod tractions;
 pub(crate) use closest_points::edge_distance;
 pub use contact_system::ContactSystem;
 pub use contacts::{
-    ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, EdgeJacobian,
-    ForceCorrections, PlaneContact, PlaneJacobian,
+    ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, ContactPair, EdgeJacobian,
+    ForceCorrections, PlaneContact, PlaneJacobian, Proximity,
 };
 pub use memory::{ContactMemory, MismatchedMemory};
 pub use parameters::{ContactModel, ContactParameters};
-pub use proximity::{ContactPair, Proximity};
 pub use root::{Root, RootBody};
 pub use step_bound::LargestStep;
 pub use stored_energy::Stored;

@@ -7,7 +7,7 @@
 //! force on that node with it. So what moves feels no jump.
 
 use super::contact_system::ContactSystem;
-use super::proximity::Proximity;
+use super::contacts::Proximity;
 
 impl ContactSystem {
     /// Says of every node of the rods whether its position is prescribed.

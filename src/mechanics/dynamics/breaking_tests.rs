@@ -1,6 +1,7 @@
 //! Joints that break in motion.
 
 use super::spring_tests::{MASS, STIFFNESS, parameters, rod};
+use super::tests::run;
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{
@@ -159,14 +160,6 @@ fn flail() -> Scene {
         }],
         ..Scene::default()
     }
-}
-
-fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
-    let mut simulation = Simulation::new(scene, &parameters(scheme, step)).unwrap();
-    while simulation.time() < end {
-        simulation.advance(end).unwrap();
-    }
-    simulation
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Balls that rods carry in a fluid, and rods that spin there.
 
+use super::tests::run;
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::fluid::FluidModel;
@@ -19,15 +20,15 @@ const STOKESLETS: FluidModel = FluidModel::RegularizedStokeslets {
 };
 
 fn rod(edges: usize, length: f64, radius: f64) -> RodDescription {
-    let area = PI * radius * radius;
-    let bending = 1e6 * 0.25 * area * radius * radius;
-    let stiffness = Stiffness {
-        stretching: 1e6 * area,
-        bending: [bending; 2],
-        twisting: bending / 1.5,
-    };
+    let stiffness = Stiffness::circular(1e6, 0.5, radius);
     let nodes = (0..=edges).map(|k| Vector3::z() * (length * k as f64 / edges as f64));
-    RodDescription::uniform("rod", nodes.collect(), stiffness, radius, 1000.0 * area)
+    RodDescription::uniform(
+        "rod",
+        nodes.collect(),
+        stiffness,
+        radius,
+        1000.0 * PI * radius * radius,
+    )
 }
 
 /// A ball on the first node of a rod in a fluid, under one load.
@@ -50,19 +51,6 @@ fn scene(rod: RodDescription, load: LoadKind) -> Scene {
         spin_drag: true,
         ..Scene::default()
     }
-}
-
-fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
-    let parameters = IntegrationParameters {
-        scheme,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
-    };
-    let mut simulation = Simulation::new(scene, &parameters).unwrap();
-    while simulation.time() < end {
-        simulation.advance(end).unwrap();
-    }
-    simulation
 }
 
 #[test]

@@ -163,18 +163,13 @@ fn surfaces_reported_after_an_impact_overlap_by_no_more_than_is_allowed() {
         });
         let (young, radius) = (1e6, 2e-3);
         let area = std::f64::consts::PI * radius * radius;
-        let bending = 0.25 * young * area * radius * radius;
         RodDescription {
             closed: true,
             velocity,
             ..RodDescription::uniform(
                 "ring",
                 nodes.collect(),
-                Stiffness {
-                    stretching: young * area,
-                    bending: [bending; 2],
-                    twisting: bending / 1.5,
-                },
+                Stiffness::circular(young, 0.5, radius),
                 radius,
                 1000.0 * area,
             )

@@ -17,13 +17,8 @@ struct Effort {
 
 /// Rods one over the other, each turned by `angle` from the last and back, that fall on the lowest, which is held.
 fn fallen(model: ContactModel, rods: usize, angle: f64, fall: f64) -> Effort {
-    let (modulus, area, radius) = (1e7, PI * 1e-6, 1e-3);
-    let bending = 0.25 * modulus * area * radius * radius;
-    let stiffness = Stiffness {
-        stretching: modulus * area,
-        bending: [bending; 2],
-        twisting: bending / 1.5,
-    };
+    let (area, radius) = (PI * 1e-6, 1e-3);
+    let stiffness = Stiffness::circular(1e7, 0.5, radius);
     let rod = |k: usize| {
         let angle = angle * (k % 2) as f64;
         let along = Vector3::new(angle.cos(), angle.sin(), 0.0) * 5e-3;

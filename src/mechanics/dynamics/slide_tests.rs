@@ -1,5 +1,6 @@
 //! Nodes that slide along rods, in motion and at rest.
 
+use super::tests::run;
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
@@ -45,14 +46,6 @@ fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
         step: StepSize::Fixed(step),
         ..IntegrationParameters::default()
     }
-}
-
-fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
-    let mut simulation = Simulation::new(scene, &parameters(scheme, step)).unwrap();
-    while simulation.time() < end {
-        simulation.advance(end).unwrap();
-    }
-    simulation
 }
 
 const SLOPE: f64 = 0.5;

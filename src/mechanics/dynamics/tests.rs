@@ -36,6 +36,20 @@ pub(crate) fn clamp(node: usize) -> Clamp {
     }
 }
 
+/// The simulation of a scene with steps of a size (s) up to a time (s).
+pub(super) fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
+    let parameters = IntegrationParameters {
+        scheme,
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(scene, &parameters).unwrap();
+    while simulation.time() < end {
+        simulation.advance(end).unwrap();
+    }
+    simulation
+}
+
 #[test]
 fn a_rod_begins_with_the_velocities_of_a_rigid_body() {
     let rod = RodDescription {

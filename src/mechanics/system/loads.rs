@@ -76,8 +76,13 @@ impl Loads {
             let found = assembly.rods.rods.get(rod).copied();
             found.ok_or(LoadError::NoSuchRod(rod))
         };
-        let along = |rod: Option<usize>, range: &RodRange| {
-            rod.is_none_or(|r| assembly.rods.rods[r] == *range)
+        // All edges, or those of one rod.
+        let edges_of = |rod: Option<usize>| -> Result<Vec<_>, LoadError> {
+            let own = rod.map(range).transpose()?;
+            let edges = assembly.rods.edges.iter();
+            let is_of_rod =
+                |start: usize| own.is_none_or(|own| own.edge_indices().contains(&start));
+            Ok(edges.filter(|edge| is_of_rod(edge.start)).collect())
         };
         loads.factors = vec![1.0; descriptions.len()];
         for (number, load) in descriptions.iter().enumerate() {
@@ -160,34 +165,21 @@ impl Loads {
                     rod,
                     force_per_length,
                 } => {
-                    if let Some(rod) = rod {
-                        range(*rod)?;
-                    }
-                    for edge in &assembly.rods.edges {
-                        let (owner, _) = assembly.locate(edge.start);
-                        if along(*rod, &assembly.rods.rods[owner]) {
-                            loads.followers.push(FollowerForce {
-                                start: edge.start,
-                                end: edge.end,
-                                shares: [0.5; 2],
-                                components: force_per_length * edge.natural_length,
-                                scale: scale.clone(),
-                            });
-                        }
+                    for edge in edges_of(*rod)? {
+                        loads.followers.push(FollowerForce {
+                            start: edge.start,
+                            end: edge.end,
+                            shares: [0.5; 2],
+                            components: force_per_length * edge.natural_length,
+                            scale: scale.clone(),
+                        });
                     }
                 }
                 LoadKind::Distributed {
                     rod,
                     force_per_length,
                 } => {
-                    if let Some(rod) = rod {
-                        range(*rod)?;
-                    }
-                    for edge in &assembly.rods.edges {
-                        let (owner, _) = assembly.locate(edge.start);
-                        if !along(*rod, &assembly.rods.rods[owner]) {
-                            continue;
-                        }
+                    for edge in edges_of(*rod)? {
                         for node in [edge.start, edge.end] {
                             for axis in 0..3 {
                                 let share = 0.5 * edge.natural_length * force_per_length[axis];
@@ -201,15 +193,8 @@ impl Loads {
                     translation,
                     rotation,
                 } => {
-                    if let Some(rod) = rod {
-                        range(*rod)?;
-                    }
                     let mut coefficients = vec![0.0; STRIDE * assembly.rods.nodes];
-                    for edge in &assembly.rods.edges {
-                        let (owner, _) = assembly.locate(edge.start);
-                        if !along(*rod, &assembly.rods.rods[owner]) {
-                            continue;
-                        }
+                    for edge in edges_of(*rod)? {
                         for node in [edge.start, edge.end] {
                             for axis in 0..3 {
                                 coefficients[STRIDE * node + axis] +=
