@@ -14,8 +14,13 @@
 //! Expecting the last solution would converge only for R < 2 D. So the next expectation is the combination of all
 //! solutions so far that leaves out least, by generalised conjugate residuals (Eisenstat, Elman & Schultz 1983, Alg. 2): for
 //! a linear step this is GMRES for the whole Jacobian, preconditioned by the Newton matrix, and converges for every R.
+//!
+//! The flow is solved to a part of all velocities. A rod that only floats along with the flow of another one has next to no
+//! drag, and what the flow solver leaves there may be more than a small part of it. So a search that has come to a stop also
+//! ends where no rod leaves out more than the flow solver does.
 
 use crate::mechanics::Vector3;
+use crate::mechanics::fluid::Coupling;
 use crate::mechanics::system::Stage;
 
 /// Directions that are remembered; then the oldest gives way. R and D differ in few directions by much: filaments of 40
@@ -27,6 +32,9 @@ pub(super) const MOST_SOLUTIONS: usize = 40;
 
 /// What may be left out, in parts of the drag on a rod, as a multiple of the error that the flow solver leaves.
 const TOLERANCE: f64 = 10.0;
+
+/// A search has come to a stop where a solution leaves out more than this part of what the one before did.
+const STALLED: f64 = 0.5;
 
 /// A motion, its drag, and what the step solved with it leaves out.
 #[derive(Clone, Debug, Default)]
@@ -106,14 +114,15 @@ impl DragCoupling {
     }
 
     /// Takes up a solution of the step: its velocities and their drag. Returns whether what it leaves out is below the
-    /// tolerance on each run of nodes of `rods`; `stage` then has the drag of the solution itself.
+    /// tolerance on each run of nodes of `rods`, or no longer falls and is what the flow solver leaves; `stage` then has the
+    /// drag of the solution itself.
     pub fn record(
         &mut self,
         stage: &mut Stage,
         velocity: &[Vector3],
         drag: &[Vector3],
         rods: impl Iterator<Item = std::ops::Range<usize>>,
-        solver_tolerance: f64,
+        flow: &Coupling,
     ) -> bool {
         self.solutions += 1;
         let Motion { left_out, .. } = &mut self.solution;
@@ -128,7 +137,7 @@ impl DragCoupling {
         self.solution.drag.extend_from_slice(drag);
         stage.drag.copy_from_slice(drag);
         stage.drag_velocity.copy_from_slice(velocity);
-        let tolerance = TOLERANCE * solver_tolerance;
+        let tolerance = TOLERANCE * flow.tolerance;
         let Self {
             solution,
             mobilities,
@@ -143,16 +152,30 @@ impl DragCoupling {
             size(&solution.left_out, 0..mobilities.len()).sqrt(),
             self.sizes[0],
         ];
+        // An error of the velocities of the flow is one of the drag by the resistance, at most so many times the local one.
+        let unsolved = if self.sizes[0] > STALLED * self.sizes[1] {
+            let local = stage.resistance.iter().map(|local| local.trace() / 3.0);
+            let speed = velocity.iter().map(Vector3::norm_squared).sum::<f64>();
+            // Beside spheres the ratio is not known.
+            let ratio = if flow.largest_ratio.is_finite() {
+                flow.largest_ratio
+            } else {
+                1.0
+            };
+            ratio.powi(2) * local.fold(0.0, f64::max) * speed
+        } else {
+            0.0
+        };
         rods.into_iter().all(|nodes| {
             let left_out = size(&solution.left_out, nodes.clone());
-            left_out <= tolerance * tolerance * size(&solution.drag, nodes)
+            left_out <= tolerance * tolerance * size(&solution.drag, nodes).max(unsolved)
         })
     }
 
     /// Whether the last solution leaves out more than half of what the one before did.
     pub fn has_stalled(&self) -> bool {
         let [last, before] = self.sizes;
-        last > 0.5 * before
+        last > STALLED * before
     }
 
     /// Whether there have been too many solutions.
@@ -258,7 +281,11 @@ mod tests {
             let solved = (&load + drag + velocity) / (inertia + 1.0);
             let (velocity, drag) = (vectors(&solved), vectors(&(-&resistance * &solved)));
             let rods = std::iter::once(0..nodes);
-            if coupling.record(&mut stage, &velocity, &drag, rods, 1e-9) {
+            let flow = Coupling {
+                largest_ratio: ratios.iter().copied().fold(0.0, f64::max),
+                tolerance: 1e-9,
+            };
+            if coupling.record(&mut stage, &velocity, &drag, rods, &flow) {
                 return (coupling.solutions, (solved - &exact).norm() / exact.norm());
             }
             assert!(!coupling.is_exhausted(), "{ratios:?}");
@@ -286,5 +313,60 @@ mod tests {
         let ratios: Vec<f64> = (0..60).map(|k| 0.2 + 0.05 * f64::from(k)).collect();
         let (_, error) = solutions(&ratios, 0.01);
         assert!(error < 1e-6, "{error}");
+    }
+
+    #[test]
+    fn a_rod_that_floats_along_with_a_driven_one_is_coupled_within_the_error_of_the_flow() {
+        let (nodes, tolerance, inertia) = (8, 1e-6, 1e-9);
+        let mut numbers = crate::mechanics::random::uniform_numbers(3);
+        // Every node moves with the others: R has 1 on its diagonal, less 0.08 everywhere.
+        let resistance_times = |v: &[Vector3]| -> Vec<Vector3> {
+            let sum: Vector3 = v.iter().sum();
+            v.iter().map(|v| v - 0.08 * sum).collect()
+        };
+        let mut stage = Stage {
+            step: 1.0,
+            acceleration_step: 1.0,
+            start: Vec::new(),
+            velocity: Vec::new(),
+            drag: vec![Vector3::zeros(); nodes],
+            drag_velocity: vec![Vector3::zeros(); nodes],
+            resistance: vec![Matrix3::identity(); nodes],
+            positions: Vec::new(),
+        };
+        let flow = Coupling {
+            largest_ratio: 1.0,
+            tolerance,
+        };
+        let mut coupling = DragCoupling::default();
+        coupling.begin(&stage, |_| false);
+        loop {
+            // Only the first four nodes are loaded, so that only the inertia of the others, which is next to nothing, meets their drag.
+            let velocity: Vec<_> = (0..nodes)
+                .map(|node| {
+                    let load = if node < 4 {
+                        Vector3::x()
+                    } else {
+                        Vector3::zeros()
+                    };
+                    (load + stage.drag[node] + stage.drag_velocity[node]) / (inertia + 1.0)
+                })
+                .collect();
+            let speed = velocity.iter().map(Vector3::norm_squared).sum::<f64>();
+            let drag: Vec<_> = resistance_times(&velocity)
+                .into_iter()
+                .map(|force| tolerance * speed.sqrt() * (numbers() - 0.5) * Vector3::x() - force)
+                .collect();
+            let rods = [0..4, 4..8].into_iter();
+            if coupling.record(&mut stage, &velocity, &drag, rods, &flow) {
+                // The load on four nodes, over what all eight leave of one.
+                let exact = 1.0 / (1.0 - 0.08 * 8.0) * 0.08 * 4.0;
+                let error = velocity[7].x / exact - 1.0;
+                assert!(error.abs() < 1e-4, "{error}");
+                return;
+            }
+            assert!(!coupling.is_exhausted());
+            coupling.expect(&mut stage);
+        }
     }
 }

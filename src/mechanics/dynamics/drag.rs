@@ -200,10 +200,13 @@ impl FluidDrag {
         unknowns: &[f64],
     ) -> Result<(bool, usize), FluidError> {
         self.take_spins(stage, unknowns);
-        let Some(fluid) = &mut self.fluid else {
+        let coupled = self.fluid.as_mut().and_then(|fluid| {
+            let flow = fluid.coupling()?;
+            Some((fluid, flow))
+        });
+        let Some((fluid, flow)) = coupled else {
             return Ok((true, 0));
         };
-        let tolerance = fluid.coupling().map_or(0.0, |coupling| coupling.tolerance);
         let per_step = 1.0 / stage.step;
         for (node, velocity) in self.velocities.iter_mut().enumerate() {
             *velocity = (position(unknowns, node) - position(&stage.start, node)) * per_step;
@@ -217,7 +220,7 @@ impl FluidDrag {
         let rods = self.rods.iter().cloned();
         let agrees = self
             .coupling
-            .record(stage, &self.velocities, &self.found, rods, tolerance);
+            .record(stage, &self.velocities, &self.found, rods, &flow);
         Ok((agrees, report.iterations))
     }
 

@@ -4,7 +4,7 @@ use super::tests::{clamp, straight_rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::fluid::{Filament, FlowOperator, FluidModel};
-use crate::mechanics::scene::{Load, LoadKind, Scene, Stiffness};
+use crate::mechanics::scene::{Load, LoadKind, RodDescription, Scene, Stiffness};
 use std::f64::consts::PI;
 
 const SCHEMES: [Scheme; 3] = [
@@ -167,4 +167,66 @@ fn velocities_that_ring_are_reported() {
     };
     assert!(remarks(Scheme::ImplicitMidpoint).contains("midpoint"));
     assert!(!remarks(Scheme::BackwardDifferences).contains("midpoint"));
+}
+
+/// A rod of a radius (m), modulus (Pa) and density (kg/m³) between two places.
+fn rod_between(
+    name: &str,
+    [start, end]: [Vector3; 2],
+    edges: usize,
+    [radius, modulus, density]: [f64; 3],
+) -> RodDescription {
+    let area = PI * radius * radius;
+    let bending = modulus * 0.25 * area * radius * radius;
+    let stiffness = Stiffness {
+        stretching: modulus * area,
+        bending: [bending; 2],
+        twisting: bending / 1.5,
+    };
+    let node = |k: usize| start.lerp(&end, k as f64 / edges as f64);
+    let nodes = (0..=edges).map(node).collect();
+    RodDescription::uniform(name, nodes, stiffness, radius, density * area)
+}
+
+/// Two rods in a fluid, one of which is loaded.
+fn pair(rods: Vec<RodDescription>, loaded: usize, load: Vector3, viscosity: f64) -> Scene {
+    Scene {
+        rods,
+        loads: vec![Load {
+            kind: LoadKind::Distributed {
+                rod: Some(loaded),
+                force_per_length: load,
+            },
+            schedule: Vec::new(),
+        }],
+        fluid: Some(FluidModel::RegularizedStokeslets {
+            viscosity,
+            regularization: 1.02,
+            far_field_error: 0.0,
+        }),
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn a_free_filament_floats_along_with_one_that_is_pulled() {
+    // Four radii from each other, with 11 radii to an edge: the drag on the free one is next to nothing.
+    let edges = 8;
+    let numbers = [2.845_715_466e-8, 1.364_960e6, 1588.0];
+    let line = [Vector3::zeros(), 2.536_960_667e-6 * Vector3::x()];
+    let shift = Vector3::new(5.073_921_335e-7, 1.187_161_019e-7, 0.0);
+    let other = line.map(|place| place + shift);
+    let rods = vec![
+        rod_between("pulled", line, edges, numbers),
+        rod_between("free", other, edges, numbers),
+    ];
+    let load = 1e-6 * Vector3::new(-1.896, 1.514, 1.189);
+    let scene = pair(rods, 0, load, 0.177_123_345);
+    let step = 6.725_380_85e-5;
+    let [one, other] = [Scheme::BackwardDifferences, Scheme::ImplicitEuler].map(|scheme| {
+        let end = after(&scene, scheme, step, 16.0 * step);
+        end.positions()[edges + 1 + edges / 2] - scene.rods[1].centreline[edges / 2]
+    });
+    let error = (one - other).norm() / other.norm();
+    assert!(error < 0.01, "{error}");
 }
