@@ -79,6 +79,10 @@ impl Failure {
                 }
             }
             Self::NoDrag { .. } => choices.extend(["longer edges", "smaller steps"]),
+            Self::Work {
+                forces: Forces::Drag,
+                ..
+            } => choices.extend(["rods that keep their distance", "shorter edges"]),
             Self::NoContactForces { .. } => {
                 choices.extend(["contact.model = \"imc\"", "contact.model = \"ipc\""]);
             }

@@ -17,6 +17,9 @@ use tracing::trace;
 /// Safety of the estimate of the largest ratio of the resistance to its local part: rods move on from where it was made.
 const RATIO_MARGIN: f64 = 1.2;
 
+/// Power of the drag that the flow solver may leave of none, as a part of that against the local resistance.
+const ROUNDING: f64 = 1e-4;
+
 /// The fluid of a scene, if it has one, and its forces.
 pub(super) struct FluidDrag {
     fluid: Option<Fluid>,
@@ -222,6 +225,18 @@ impl FluidDrag {
             .coupling
             .record(stage, &self.velocities, &self.found, rods, &flow);
         Ok((agrees, report.iterations))
+    }
+
+    /// Work that the drag of a coupled step brings, J; `None` where it takes energy, as that of a fluid at rest does in every
+    /// motion. Where rods overlap, the velocities that their segments cause at each other's nodes may exceed those at their
+    /// own: the resistance is then negative for a motion apart, and the nodes leap.
+    pub fn work_of_coupled(&self, stage: &Stage) -> Option<f64> {
+        let (mut power, mut scale) = (0.0, 0.0);
+        for (node, velocity) in stage.drag_velocity.iter().enumerate() {
+            power += stage.drag[node].dot(velocity);
+            scale += velocity.dot(&(stage.resistance[node] * velocity));
+        }
+        (power > ROUNDING * scale).then_some(power * stage.step)
     }
 
     /// Whether the last solution of a coupled step leaves out hardly less than the one before.

@@ -37,6 +37,8 @@ pub(super) enum Failure {
 pub(super) enum Forces {
     Contact,
     Elastic,
+    /// Of the fluid.
+    Drag,
 }
 
 /// How a motion would lead surfaces across each other.
@@ -166,6 +168,10 @@ impl fmt::Display for Failure {
                 Forces::Elastic => write!(
                     formatter,
                     "rods turn so far within a step that elastic forces bring {work:.3e} J"
+                ),
+                Forces::Drag => write!(
+                    formatter,
+                    "the drag of the fluid brings {work:.3e} J: parts of rods in it overlap, where its model does not hold"
                 ),
             },
             Self::Crossing { crossing, .. } => crossing.fmt(formatter),

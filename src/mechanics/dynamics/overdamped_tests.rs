@@ -4,7 +4,9 @@ use super::tests::{clamp, straight_rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::fluid::{Filament, FlowOperator, FluidModel};
-use crate::mechanics::scene::{Load, LoadKind, RodDescription, Scene, Stiffness};
+use crate::mechanics::scene::{
+    Load, LoadKind, RodDescription, RodNode, Scene, Spring, Stiffness, Strength,
+};
 use std::f64::consts::PI;
 
 const SCHEMES: [Scheme; 3] = [
@@ -229,4 +231,45 @@ fn a_free_filament_floats_along_with_one_that_is_pulled() {
     });
     let error = (one - other).norm() / other.norm();
     assert!(error < 0.01, "{error}");
+}
+
+#[test]
+fn overlapping_rods_end_a_run_instead_of_leaping_apart() {
+    // A load pushes the end of one filament, which a spring ties to the end of the other, past that end.
+    let edges = 32;
+    let numbers = [1.850_902_429e-5, 8.000_606e5, 1350.34];
+    let end = 8.498_376_396e-3 * Vector3::x();
+    let far = Vector3::new(1.413_728_943e-2, -6.358_070_552e-3, 0.0);
+    let rods = vec![
+        rod_between("clamped", [Vector3::zeros(), end], edges, numbers),
+        rod_between("pushed", [end, far], edges, numbers),
+    ];
+    let load = Vector3::new(-4.905_599_66e-6, 5.358_673_07e-5, 6.286_189_42e-5);
+    let mut scene = pair(rods, 1, load, 1.738_397_645e-2);
+    scene.clamps.push(clamp(0));
+    scene.springs.push(Spring {
+        name: "spring".into(),
+        nodes: [[0, edges], [1, 0]].map(|[rod, node]| RodNode { rod, node }),
+        stiffness: 8.274_793_265e-4,
+        turning: None,
+        rest_length: None,
+        strength: Strength::default(),
+    });
+    let step = 3.105_050_228e-3;
+    let parameters = IntegrationParameters {
+        scheme: Scheme::BackwardDifferences,
+        step: StepSize::Fixed(step),
+        minimum_step: 1e-6 * step,
+        ..IntegrationParameters::default()
+    };
+    let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+    while simulation.time() < 16.0 * step {
+        if let Err(error) = simulation.advance(16.0 * step) {
+            assert!(error.to_string().contains("overlap"), "{error}");
+            return;
+        }
+        let [one, other] = [edges, edges + 1].map(|node| simulation.positions()[node]);
+        let gap = (one - other).norm() / numbers[0];
+        assert!(gap < 1.5, "{gap} radii at {}", simulation.time());
+    }
 }

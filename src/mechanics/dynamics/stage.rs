@@ -210,7 +210,14 @@ impl Workspace {
             system.evaluate(&self.trial.unknowns, Some(&self.stage));
             let balanced = system.imbalance().is_balanced();
             if agrees || balanced && fluid.has_stalled() {
-                return Ok((iterations, fluid_iterations));
+                return match fluid.work_of_coupled(&self.stage) {
+                    None => Ok((iterations, fluid_iterations)),
+                    Some(work) => Err(Failure::Work {
+                        iterations,
+                        forces: Forces::Drag,
+                        work,
+                    }),
+                };
             }
             if !fluid.expect_coupled(&mut self.stage) {
                 return Err(Failure::NoDrag { iterations });
