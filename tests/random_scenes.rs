@@ -524,6 +524,9 @@ fn assert_right(family: &str) {
     if let Some(seed) = number("RODLAB_RANDOM_SCENE") {
         let (case, verdict) = judge(seed);
         println!("{}{verdict:?}", case.text);
+        if family != "units" {
+            println!("{}", judged::convergence(&case));
+        }
         assert!(!matches!(verdict, Verdict::Wrong(_)), "{family} {seed}");
         return;
     }

@@ -94,6 +94,9 @@ impl Flow {
             text,
             radius: self.radius,
             step: self.step,
+            resolved_by: (second.iter())
+                .any(|key| key.contains("backward-differences"))
+                .then_some(100.0),
             second,
             forceless: Vec::new(),
         }

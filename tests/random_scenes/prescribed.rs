@@ -95,6 +95,11 @@ pub fn contact(seed: u64) -> Case {
         radius,
         step,
         second,
+        resolved_by: Some(if scheme == "implicit-euler" {
+            100.0
+        } else {
+            10.0
+        }),
         forceless,
     }
 }
