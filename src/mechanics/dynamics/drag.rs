@@ -228,9 +228,12 @@ impl FluidDrag {
     }
 
     /// Work that the drag of a coupled step brings, J; `None` where it takes energy, as that of a fluid at rest does in every
-    /// motion. Where rods overlap, the velocities that their segments cause at each other's nodes may exceed those at their
+    /// motion, and where edges that spin give some to the flow. Where rods overlap, the velocities that their segments cause at each other's nodes may exceed those at their
     /// own: the resistance is then negative for a motion apart, and the nodes leap.
     pub fn work_of_coupled(&self, stage: &Stage) -> Option<f64> {
+        if self.spins.iter().any(|spin| *spin != 0.0) {
+            return None;
+        }
         let (mut power, mut scale) = (0.0, 0.0);
         for (node, velocity) in stage.drag_velocity.iter().enumerate() {
             power += stage.drag[node].dot(velocity);
@@ -244,7 +247,7 @@ impl FluidDrag {
         self.coupling.has_stalled()
     }
 
-    /// Gives `stage` the best drag to go on with; `false` after as many solutions of the step as there are.
+    /// Gives `stage` the best drag found so far; `false` after as many solutions of the step as there are.
     pub fn expect_coupled(&mut self, stage: &mut Stage) -> bool {
         let goes_on = !self.coupling.is_exhausted();
         if goes_on {

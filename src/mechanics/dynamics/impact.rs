@@ -1,6 +1,6 @@
 //! Impacts in steps of the midpoint rule.
 //!
-//! The rule takes contact forces from the middle of a step and goes on to its end as far again. A rod that comes into contact
+//! The rule evaluates contact forces in the middle of a step and extrapolates from there to its end. A rod that comes into contact
 //! within a step may so be carried deep into it, or be pushed along where it has left it, and gain energy that nothing gave:
 //! with the force f of the middle and the energy φ of the contacts,
 //!

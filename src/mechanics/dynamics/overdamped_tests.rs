@@ -1,6 +1,6 @@
 //! Rods in a flow beside whose drag their inertia is nothing.
 
-use super::tests::{clamp, straight_rod};
+use super::tests::{clamp, run, straight_rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::fluid::{Filament, FlowOperator, FluidModel};
@@ -23,16 +23,11 @@ const LOAD: f64 = 1e-3;
 /// 25 µs.
 fn filament(edges: usize, direction: Vector3) -> Scene {
     let area = PI * RADIUS * RADIUS;
-    let bending = 1e9 * 0.25 * area * RADIUS * RADIUS;
     let mut rod = straight_rod(edges, LENGTH);
     rod.radius = RADIUS;
     rod.mass_per_length = 1000.0 * area;
     rod.rotational_inertia_per_length = 0.5 * rod.mass_per_length * RADIUS * RADIUS;
-    rod.stiffness = Stiffness {
-        stretching: 1e9 * area,
-        bending: [bending; 2],
-        twisting: bending / 1.5,
-    };
+    rod.stiffness = Stiffness::circular(1e9, 0.5, RADIUS);
     Scene {
         rods: vec![rod],
         loads: vec![Load {
@@ -49,20 +44,6 @@ fn filament(edges: usize, direction: Vector3) -> Scene {
         }),
         ..Scene::default()
     }
-}
-
-/// The simulation after some steps of a size, s.
-fn after(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
-    let parameters = IntegrationParameters {
-        scheme,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
-    };
-    let mut simulation = Simulation::new(scene, &parameters).unwrap();
-    while simulation.time() < end {
-        simulation.advance(end).unwrap();
-    }
-    simulation
 }
 
 /// The speed with which the load drags the filament along, m/s, by a dense solution of the flow of a rigid rod.
@@ -97,7 +78,7 @@ fn filaments_glide_at_the_speed_of_the_dense_solution_with_every_scheme_and_step
         let scene = filament(edges, Vector3::x());
         for scheme in SCHEMES {
             for step in [1e-2, 1e-4] {
-                let glided = after(&scene, scheme, step, 60.0 * step);
+                let glided = run(&scene, scheme, step, 60.0 * step);
                 let way = glided.positions()[edges / 2].x - 0.5 * LENGTH;
                 // The filament speeds up within the first step.
                 let error = way / (speed * 60.0 * step) - 1.0;
@@ -118,7 +99,7 @@ fn a_clamped_filament_relaxes_as_with_small_steps_of_implicit_euler() {
     let mut scene = filament(edges, Vector3::z());
     scene.clamps.push(clamp(0));
     let end = 0.04;
-    let reference = after(&scene, Scheme::ImplicitEuler, 5e-5, end);
+    let reference = run(&scene, Scheme::ImplicitEuler, 5e-5, end);
     let tip = reference.positions()[edges].z;
     let stiffness = scene.rods[0].stiffness.bending[0];
     let rest = LOAD * LENGTH.powi(4) / (8.0 * stiffness);
@@ -127,7 +108,7 @@ fn a_clamped_filament_relaxes_as_with_small_steps_of_implicit_euler() {
         (Scheme::ImplicitEuler, 0.03),
         (Scheme::BackwardDifferences, 0.004),
     ] {
-        let found = after(&scene, scheme, 1e-3, end);
+        let found = run(&scene, scheme, 1e-3, end);
         let [other, velocity] = [
             found.positions()[edges].z / tip,
             found.velocities()[edges].z / reference.velocities()[edges].z,
@@ -164,7 +145,7 @@ fn a_coupled_step_that_is_interrupted_continues_bit_for_bit() {
 fn velocities_that_ring_are_reported() {
     let scene = filament(10, Vector3::x());
     let remarks = |scheme| {
-        let simulation = after(&scene, scheme, 1e-3, 0.01);
+        let simulation = run(&scene, scheme, 1e-3, 0.01);
         simulation.remarks().join("\n")
     };
     assert!(remarks(Scheme::ImplicitMidpoint).contains("midpoint"));
@@ -226,7 +207,7 @@ fn a_free_filament_floats_along_with_one_that_is_pulled() {
     let scene = pair(rods, 0, load, 0.177_123_345);
     let step = 6.725_380_85e-5;
     let [one, other] = [Scheme::BackwardDifferences, Scheme::ImplicitEuler].map(|scheme| {
-        let end = after(&scene, scheme, step, 16.0 * step);
+        let end = run(&scene, scheme, step, 16.0 * step);
         end.positions()[edges + 1 + edges / 2] - scene.rods[1].centreline[edges / 2]
     });
     let error = (one - other).norm() / other.norm();

@@ -187,7 +187,7 @@ impl FlowOperator {
         }
     }
 
-    /// Weighted sums of columns, of which there are `count`: `shares` tells for each node to which sums it contributes, and
+    /// Weighted sums of columns, of which there are `count`: `shares` lists for each node the sums to which it contributes, and
     /// with which weights. Three rows per node and three columns per sum, rows padded to whole lanes.
     pub(super) fn sum_columns(
         &self,

@@ -43,7 +43,7 @@ impl System {
         }
     }
 
-    /// Factors the Jacobian; tells its inertia where it is symmetric.
+    /// Factors the Jacobian; returns its inertia where it is symmetric.
     ///
     /// # Errors
     /// The unknown at which the matrix is singular.

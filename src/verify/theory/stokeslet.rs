@@ -74,7 +74,7 @@ pub fn forces(
 }
 
 /// Forces of polylines on the fluid, N per node, that give their nodes the velocities (m/s): collocation at the nodes with
-/// force densities linear along each edge, dense LU. `rods` tells how many of the nodes each polyline has.
+/// force densities linear along each edge, dense LU. `rods` has the number of nodes of each polyline.
 pub fn forces_of_rods(
     rods: &[usize],
     nodes: &[Vector3<f64>],

@@ -173,7 +173,7 @@ fn sphere_and_tail_act_on_each_other_alike_and_take_energy() {
 }
 
 #[test]
-fn flow_with_a_sphere_goes_on_from_a_checkpoint_bit_for_bit() {
+fn a_restored_flow_with_a_sphere_continues_bit_for_bit() {
     let setting = Setting::new(&[(Vector3::zeros(), 4.0 * RADIUS, 12)]);
     let mut fluid = setting.fluid(&STOKESLETS);
     let [first, second] = [Vector3::x(), Vector3::new(0.2, 0.9, -0.3)]
