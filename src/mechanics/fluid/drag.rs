@@ -27,7 +27,7 @@ enum Method {
     Resistive {
         viscosity: f64,
         continuation: Continuation,
-        spheres: Spheres,
+        spheres: Box<Spheres>,
     },
 }
 
@@ -77,7 +77,7 @@ impl Fluid {
                 Method::Resistive {
                     viscosity,
                     continuation: Continuation::default(),
-                    spheres: Spheres::default(),
+                    spheres: Box::default(),
                 }
             }
         };
@@ -147,7 +147,7 @@ impl Fluid {
                 let stations: Vec<Vector3> = (self.filaments.iter().flat_map(Filament::range))
                     .map(|node| positions[node])
                     .collect();
-                *own = Spheres::new(spheres, &stations, positions);
+                **own = Spheres::new(spheres, &stations, positions);
             }
         }
         Ok(())
