@@ -10,7 +10,7 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::scene::Scene;
 use crate::mechanics::system::{Assembly, Stage, copy_positions};
-use crate::mechanics::{SceneError, Vector3};
+use crate::mechanics::{Matrix3, SceneError, Vector3};
 use std::ops::Range;
 use tracing::trace;
 
@@ -228,17 +228,14 @@ impl FluidDrag {
     }
 
     /// Work that the drag of a coupled step brings, J; `None` where it takes energy, as that of a fluid at rest does in every
-    /// motion, and where edges that spin give some to the flow. Where rods overlap, the velocities that their segments cause at each other's nodes may exceed those at their
-    /// own: the resistance is then negative for a motion apart, and the nodes leap.
+    /// motion. Where rods overlap, the velocities that their segments cause at each other's nodes may exceed those at their
+    /// own: the resistance is then negative for a motion apart, and the nodes leap. Not examined beside spheres.
     pub fn work_of_coupled(&self, stage: &Stage) -> Option<f64> {
-        if self.spins.iter().any(|spin| *spin != 0.0) {
-            return None;
-        }
-        let (mut power, mut scale) = (0.0, 0.0);
-        for (node, velocity) in stage.drag_velocity.iter().enumerate() {
-            power += stage.drag[node].dot(velocity);
-            scale += velocity.dot(&(stage.resistance[node] * velocity));
-        }
+        let power = -self.fluid.as_ref().and_then(Fluid::dissipation)?;
+        let against = |(velocity, local): (&Vector3, &Matrix3)| velocity.dot(&(local * velocity));
+        let scale: f64 = (stage.drag_velocity.iter().zip(&stage.resistance))
+            .map(against)
+            .sum();
         (power > ROUNDING * scale).then_some(power * stage.step)
     }
 

@@ -46,6 +46,8 @@
 //! Segments of different rods may come as close as they like, but within a few radii the flow between
 //! their surfaces (lubrication) is not resolved. Nodes of different rods that begin at one place are one point of the flow
 //! (`ties`); nodes that come so close later make A singular.
+//! Where the end of a rod enters another one, A has a negative eigenvalue, for the motion that parts them; a step in which such
+//! a motion rules is refused (`Fluid::dissipation`).
 //!
 //! The error of the drag by clusters was measured for helices, not proved: velocities that alternate from
 //! node to node, or nodes much closer than ε, may make it larger than `far_field_error`.

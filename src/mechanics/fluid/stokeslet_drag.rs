@@ -233,6 +233,23 @@ impl StokesletDrag {
         self.largest_ratio
     }
 
+    /// Power that the last drag takes from the nodes by their motion against the flow of spinning edges, W; `None` beside
+    /// spheres, whose motion brings power as well.
+    pub fn dissipation(&self) -> Option<f64> {
+        if !self.operator.spheres().is_empty() {
+            return None;
+        }
+        let points = self.operator.points();
+        let power: f64 = (0..self.positions.len())
+            .map(|station| {
+                let [density, velocity] = [&self.densities, &self.right_hand_side]
+                    .map(|values| points.value_at(station, values));
+                self.lengths[station] * density.dot(&velocity)
+            })
+            .sum();
+        Some(8.0 * PI * self.viscosity * power)
+    }
+
     fn set_velocities(&mut self, velocities: &[Vector3], spins: &[f64]) -> Result<(), FluidError> {
         for (own, node) in (self.velocities.iter_mut()).zip(nodes_of(&self.filaments)) {
             *own = velocities[node];
