@@ -13,6 +13,8 @@ use rodlab::scenario::Scales;
 
 /// Difference allowed, of the largest value.
 const ALLOWED: f64 = 1e-9;
+/// Last digits of positions that a velocity may differ by, over a step: all that is left of one that has decayed.
+const ROUNDINGS: f64 = 1e3;
 
 /// A power of four.
 fn factor(random: &mut Random, exponents: [i32; 2]) -> f64 {
@@ -43,7 +45,7 @@ pub fn judge(case: &Case, seed: u64) -> Verdict {
     );
     match (run(case, &[]), run(&scaled, &[])) {
         (Ok(one), Ok(other)) => {
-            let apart = difference(&one, &other, &scales);
+            let apart = difference(&one, &other, &scales, case.step);
             if apart <= ALLOWED {
                 Verdict::Right
             } else {
@@ -63,18 +65,26 @@ pub fn judge(case: &Case, seed: u64) -> Verdict {
     }
 }
 
-fn difference(one: &Run, other: &Run, scales: &Scales) -> f64 {
-    let relative = |a: &[Vector3], b: &[Vector3], factor: f64| {
-        let largest = a.iter().map(Vector3::norm).fold(0.0, f64::max);
+fn difference(one: &Run, other: &Run, scales: &Scales, step: f64) -> f64 {
+    let largest = |a: &[Vector3]| a.iter().map(Vector3::norm).fold(0.0, f64::max);
+    let rounding = ROUNDINGS * f64::EPSILON * largest(&one.positions) / step;
+    let relative = |a: &[Vector3], b: &[Vector3], factor: f64, rounding: f64| {
         let pairs = a.iter().zip(b);
         let apart = pairs
             .map(|(a, b)| (b / factor - a).norm())
             .fold(0.0, f64::max);
-        if apart == 0.0 { 0.0 } else { apart / largest }
+        if apart <= rounding {
+            0.0
+        } else {
+            apart / largest(a)
+        }
     };
-    relative(&one.positions, &other.positions, scales.length).max(relative(
+    let positions = relative(&one.positions, &other.positions, scales.length, 0.0);
+    let speed = scales.length / scales.time;
+    positions.max(relative(
         &one.velocities,
         &other.velocities,
-        scales.length / scales.time,
+        speed,
+        rounding,
     ))
 }

@@ -229,7 +229,7 @@ impl FluidDrag {
 
     /// Work that the drag of a coupled step brings, J; `None` where it takes energy, as that of a fluid at rest does in every
     /// motion. Where rods overlap, the velocities that their segments cause at each other's nodes may exceed those at their
-    /// own: the resistance is then negative for a motion apart, and the nodes leap. Not examined beside spheres.
+    /// own: the resistance is then negative for a motion apart, and the nodes leap.
     pub fn work_of_coupled(&self, stage: &Stage) -> Option<f64> {
         let power = -self.fluid.as_ref().and_then(Fluid::dissipation)?;
         let against = |(velocity, local): (&Vector3, &Matrix3)| velocity.dot(&(local * velocity));

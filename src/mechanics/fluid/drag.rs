@@ -272,10 +272,10 @@ impl Fluid {
     }
 
     /// Power that the last drag takes from the motion of the nodes, W, where nodes feel the motion of others; `None` where
-    /// they do not, and beside spheres. That of a fluid at rest is positive in every motion.
+    /// they do not. That of a fluid at rest is positive in every motion.
     pub fn dissipation(&self) -> Option<f64> {
         match &self.method {
-            Method::Stokeslets(drag) => drag.dissipation(),
+            Method::Stokeslets(drag) => Some(drag.dissipation()),
             Method::Resistive { .. } => None,
         }
     }

@@ -233,13 +233,14 @@ impl StokesletDrag {
         self.largest_ratio
     }
 
-    /// Power that the last drag takes from the nodes by their motion against the flow of spinning edges, W; `None` beside
-    /// spheres, whose motion brings power as well.
-    pub fn dissipation(&self) -> Option<f64> {
-        if !self.operator.spheres().is_empty() {
-            return None;
-        }
+    /// Power that the last drag takes from nodes and spheres by their motion against the flow of spinning edges, W.
+    pub fn dissipation(&self) -> f64 {
         let points = self.operator.points();
+        let of_points = 3 * points.count();
+        let of_spheres = (self.operator.spheres()).power(
+            &self.densities[of_points..],
+            &self.right_hand_side[of_points..],
+        );
         let power: f64 = (0..self.positions.len())
             .map(|station| {
                 let [density, velocity] = [&self.densities, &self.right_hand_side]
@@ -247,7 +248,7 @@ impl StokesletDrag {
                 self.lengths[station] * density.dot(&velocity)
             })
             .sum();
-        Some(8.0 * PI * self.viscosity * power)
+        8.0 * PI * self.viscosity * (power + of_spheres)
     }
 
     fn set_velocities(&mut self, velocities: &[Vector3], spins: &[f64]) -> Result<(), FluidError> {

@@ -1,42 +1,48 @@
 //! The default of `contact.slip_tolerance`, which follows from the scales of a scene.
 //!
 //! What sticks creeps with some part of the slip tolerance ν. A radius h is fallen through, or run through at the acceleration
-//! a of what presses rods together, with the speed √(a h); what creeps with a five-hundredth of that creeps by much less
-//! than a radius in the time that motions on this scale take. For rods of a quarter of a millimetre and more, under gravity,
-//! this is more than the 0.1 mm/s that suit them.
+//! a of what presses rods together, with the speed √(a h); what creeps with a thousandth of that creeps by much less than a
+//! radius in the time that motions on this scale take. For a rod of a millimetre on Earth this is 0.1 mm/s. Scenes without
+//! gravity take that of Earth, and no more than 0.1 mm/s: thicker rods, too, are driven at millimetres per second there.
 
 use crate::scenario::resolved::{Clamp, Contact, Load, LoadKind};
 
-/// The largest default, m/s.
+/// The largest default without gravity, m/s.
 const LARGEST: f64 = 1e-4;
 /// Part of the speed √(a h).
-const PART_OF_FALL: f64 = 2e-3;
+const PART_OF_FALL: f64 = 1e-3;
 /// Part of the speed of clamps that move slowly.
 const PART_OF_DRIVE: f64 = 0.1;
-/// Standard acceleration of free fall, m/s², for scenes without gravity.
-const STANDARD_GRAVITY: f64 = 9.80665;
+/// Acceleration of free fall on Earth, m/s², for scenes without gravity.
+const ON_EARTH: f64 = 10.0;
 
-/// Default slip tolerance of a scene whose thinnest rod has this radius (m), m/s: the least of 0.1 mm/s, √(a h)/500, and a
-/// tenth of the fastest straight motion of a clamp.
+/// Default slip tolerance of a scene whose thinnest rod has this radius (m), m/s: the lesser of √(a h)/1000 and a tenth of the
+/// fastest straight motion of a clamp; without gravity a is 10 m/s², and 0.1 mm/s the most.
 pub fn default_slip_tolerance(smallest_radius: f64, loads: &[Load], clamps: &[Clamp]) -> f64 {
-    let of_fall = PART_OF_FALL * (acceleration(loads) * smallest_radius).sqrt();
+    let gravity = gravity(loads);
+    let (acceleration, largest) = if gravity > 0.0 {
+        (gravity, f64::INFINITY)
+    } else {
+        (ON_EARTH, LARGEST)
+    };
+    let of_fall = PART_OF_FALL * (acceleration * smallest_radius).sqrt();
     let drive = clamps.iter().map(speed).fold(0.0, f64::max);
     let of_drive = if drive > 0.0 {
         PART_OF_DRIVE * drive
     } else {
         f64::INFINITY
     };
-    let least = of_fall.min(of_drive);
+    let least = of_fall.min(of_drive).min(largest);
     // A scene that is wrong elsewhere may have no radius.
-    if least > 0.0 {
-        LARGEST.min(least)
+    if least > 0.0 && least.is_finite() {
+        least
     } else {
         LARGEST
     }
 }
 
-/// Size of the sum of all gravity, m/s²; the standard one without any.
-fn acceleration(loads: &[Load]) -> f64 {
+/// Size of the sum of all gravity, m/s²; 0 without any.
+fn gravity(loads: &[Load]) -> f64 {
     let mut sum = [0.0; 3];
     for load in loads {
         if let LoadKind::Gravity { acceleration } = load.kind {
@@ -45,8 +51,7 @@ fn acceleration(loads: &[Load]) -> f64 {
             }
         }
     }
-    let size = sum.iter().map(|part| part * part).sum::<f64>().sqrt();
-    if size > 0.0 { size } else { STANDARD_GRAVITY }
+    sum.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
 
 /// Fastest straight motion of a clamp, m/s.
@@ -79,7 +84,7 @@ mod tests {
     use super::*;
     use crate::scenario::resolved::Movement;
 
-    fn gravity(acceleration: f64) -> Vec<Load> {
+    fn weight(acceleration: f64) -> Vec<Load> {
         vec![Load {
             kind: LoadKind::Gravity {
                 acceleration: [0.0, 0.0, -acceleration],
@@ -89,20 +94,27 @@ mod tests {
     }
 
     #[test]
-    fn rods_of_millimetres_have_a_tenth_of_a_millimetre_per_second() {
-        for radius in [3e-4, 1e-3, 5e-3] {
-            assert_eq!(default_slip_tolerance(radius, &gravity(9.81), &[]), 1e-4);
-            assert_eq!(default_slip_tolerance(radius, &[], &[]), 1e-4);
+    fn rods_of_a_millimetre_have_a_tenth_of_a_millimetre_per_second() {
+        let of = |radius: f64| default_slip_tolerance(radius, &weight(10.0), &[]);
+        assert!((of(1e-3) / 1e-4 - 1.0).abs() < 1e-12);
+        // As √h, whatever the unit of length.
+        for radius in [1e-7, 3e-4, 5e-3, 2.0] {
+            assert!((of(radius) / (1e-4 * (radius / 1e-3).sqrt()) - 1.0).abs() < 1e-12);
         }
     }
 
     #[test]
-    fn what_is_smaller_lighter_or_slower_has_less() {
-        // √(9.81 · 2.5e-7)/500.
-        let micro = default_slip_tolerance(2.5e-7, &gravity(9.81), &[]);
-        assert!((micro / 3.132e-6 - 1.0).abs() < 1e-3, "{micro}");
-        let light = default_slip_tolerance(1e-3, &gravity(9.81e-4), &[]);
-        assert!((light / 1.981e-6 - 1.0).abs() < 1e-3, "{light}");
+    fn without_gravity_thicker_rods_have_no_more() {
+        for radius in [1e-3, 5e-3] {
+            assert_eq!(default_slip_tolerance(radius, &[], &[]), 1e-4);
+        }
+        assert!((default_slip_tolerance(1e-5, &[], &[]) / 1e-5 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_lighter_or_slower_has_less() {
+        let light = default_slip_tolerance(1e-3, &weight(1e-3), &[]);
+        assert!((light / 1e-6 - 1.0).abs() < 1e-12, "{light}");
         let slow = Clamp {
             movement: Movement {
                 translation: vec![(0.0, [0.0; 3]), (10.0, [3e-5, 4e-5, 0.0])],
@@ -110,7 +122,7 @@ mod tests {
             },
             ..at_the_start()
         };
-        let slow = default_slip_tolerance(1e-3, &gravity(9.81), &[slow]);
+        let slow = default_slip_tolerance(1e-3, &weight(9.81), &[slow]);
         assert!((slow / 5e-7 - 1.0).abs() < 1e-9, "{slow}");
     }
 

@@ -30,9 +30,9 @@ pub struct Contact {
     /// smallest radius.
     pub distance_tolerance: Option<Quantity<Length>>,
     /// Sliding slower than this counts as sticking, so that what sticks creeps with a part of it: an eighth where it bears
-    /// three quarters of the friction that it could, a fifth at nine tenths. Not with "complementarity". Default: 1e-4 m/s,
-    /// or less where the scene is smaller or slower: √(a h)/500, with the least radius h and the gravity a (9.81 m/s²
-    /// without any), and a tenth of the fastest straight motion of a clamp. `rodlab check` says how far that creeps.
+    /// three quarters of the friction that it could, a fifth at nine tenths. Not with "complementarity". Default:
+    /// √(a h)/1000, with the least radius h and the gravity a (without any 10 m/s², and at most 1e-4 m/s), or a tenth of the
+    /// fastest straight motion of a clamp where that is less. `rodlab check` prints how far that creeps.
     pub slip_tolerance: Option<Quantity<Velocity>>,
     /// Factor of the adaptive contact stiffness. "imc": stiffness over the largest force near contact, in m, 1e8 times the
     /// radius of the thinnest rod by default: 1e5 for 1 mm. "ipc": force that is borne at a gap of δ/2 over the largest force near contact, 1 by default.

@@ -216,6 +216,16 @@ impl Spheres {
         }
     }
 
+    /// Power that the unknowns `s` take from the velocities `w` of all spheres, over 8πη, m³/s².
+    pub fn power(&self, s: &[f64], w: &[f64]) -> f64 {
+        let powers = self.spheres.iter().enumerate().map(|(number, sphere)| {
+            let [force, torque] = unknowns_of(s, number);
+            let [linear, surface] = unknowns_of(w, number);
+            sphere.radius * (force.dot(&linear) + torque.dot(&surface))
+        });
+        powers.sum()
+    }
+
     /// Adds the resistances of centres and tips, N s/m.
     pub fn add_resistance(&self, viscosity: f64, resistance: &mut [Matrix3]) {
         for sphere in &self.spheres {

@@ -164,6 +164,11 @@ fn sphere_and_tail_act_on_each_other_alike_and_take_energy() {
         (0..places).map(|k| forces[k].dot(&velocities[k])).sum()
     };
     assert!(power(&of_first, &first) < 0.0 && power(&of_second, &second) < 0.0);
+    let taken = fluid.dissipation().unwrap() + power(&of_second, &second);
+    assert!(
+        taken.abs() < 1e-9 * power(&of_second, &second).abs(),
+        "{taken}"
+    );
     let [there, back] = [power(&of_first, &second), power(&of_second, &first)];
     let scale = (power(&of_first, &first) * power(&of_second, &second)).sqrt();
     assert!(
