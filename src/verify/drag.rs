@@ -1,10 +1,11 @@
 //! Drag in viscous fluid, against quadrature and a dense solution.
 
+use super::filaments::{forces_on, open_filament};
 use super::theory::stokeslet::{adaptive_segment_integral, forces};
 use super::{Check, Expectation, GroupError, flow, flow_wall};
+use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::SimulationError;
-use crate::mechanics::fluid::{Filament, Fluid, FluidModel, segment_integral};
-use crate::mechanics::{Matrix3, Vector3};
+use crate::mechanics::fluid::{Fluid, FluidError, FluidModel, segment_integral};
 use std::f64::consts::TAU;
 
 const SEGMENT: Expectation = Expectation {
@@ -131,20 +132,8 @@ fn fluid_forces(
         regularization: REGULARIZATION,
         far_field_error: 0.0,
     };
-    let filament = Filament {
-        first_node: 0,
-        nodes: nodes.len(),
-        closed: false,
-        radius,
-    };
-    let unphysical =
-        |error: crate::mechanics::fluid::FluidError| SimulationError::Unphysical(error.to_string());
+    let unphysical = |error: FluidError| SimulationError::Unphysical(error.to_string());
+    let filament = open_filament(nodes.len(), radius);
     let mut fluid = Fluid::new(&model, &[filament]).map_err(unphysical)?;
-    let mut forces = vec![Vector3::zeros(); nodes.len()];
-    let mut resistance = vec![Matrix3::zeros(); nodes.len()];
-    fluid
-        .drag(nodes, velocities, &[], &mut forces, &mut resistance)
-        .map_err(unphysical)?;
-    // The fluid reports what it does to the rod.
-    Ok(forces.into_iter().map(|force| -force).collect())
+    forces_on(&mut fluid, nodes, velocities).map_err(unphysical)
 }

@@ -1,11 +1,12 @@
 //! A filament near a wall in viscous fluid, against a dense solution with images by quadrature and a long cylinder.
 
+use super::filaments::{forces_on, open_filament};
 use super::scenario::simulation;
 use super::theory::stokeslet::forces;
 use super::theory::wall::{drag_at_wall, gliding_cylinder};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::fluid::{Filament, Fluid, FluidError, FluidModel, Wall};
-use crate::mechanics::{Matrix3, Vector3};
+use crate::mechanics::Vector3;
+use crate::mechanics::fluid::{Fluid, FluidError, FluidModel, Wall};
 
 const IMAGES: Expectation = Expectation {
     formula: "8πη u(xᵢ) = Σ ∫ (S + S*) f ds",
@@ -113,22 +114,12 @@ fn forces_at_wall(
         regularization: BESIDE_A_WALL,
         far_field_error: 0.0,
     };
-    let filament = Filament {
-        first_node: 0,
-        nodes: nodes.len(),
-        closed: false,
-        radius,
-    };
     let wall = Wall {
         point: Vector3::zeros(),
         normal: Vector3::z(),
         held: Vec::new(),
     };
+    let filament = open_filament(nodes.len(), radius);
     let mut fluid = Fluid::beside_wall(&model, &[filament], wall)?;
-    let mut forces = vec![Vector3::zeros(); nodes.len()];
-    let mut resistance = vec![Matrix3::zeros(); nodes.len()];
-    let velocities = vec![*velocity; nodes.len()];
-    fluid.drag(nodes, &velocities, &[], &mut forces, &mut resistance)?;
-    // The fluid reports what it does to the rod.
-    Ok(forces.into_iter().map(|force| -force).collect())
+    forces_on(&mut fluid, nodes, &vec![*velocity; nodes.len()])
 }

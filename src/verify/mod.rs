@@ -16,6 +16,7 @@ mod derivatives;
 mod determinism;
 mod drag;
 mod drag_of_bodies;
+mod filaments;
 mod flow;
 mod flow_wall;
 mod frequencies;

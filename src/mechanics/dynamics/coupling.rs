@@ -238,6 +238,23 @@ mod tests {
     use crate::mechanics::Matrix3;
     use nalgebra::{DMatrix, DVector};
 
+    /// A stage of free nodes with a local resistance of one, and the search for its drag.
+    fn begun(nodes: usize) -> (Stage, DragCoupling) {
+        let stage = Stage {
+            step: 1.0,
+            acceleration_step: 1.0,
+            start: Vec::new(),
+            velocity: Vec::new(),
+            drag: vec![Vector3::zeros(); nodes],
+            drag_velocity: vec![Vector3::zeros(); nodes],
+            resistance: vec![Matrix3::identity(); nodes],
+            positions: Vec::new(),
+        };
+        let mut coupling = DragCoupling::default();
+        coupling.begin(&stage, |_| false);
+        (stage, coupling)
+    }
+
     /// A linear step (S + D) v = b + F₀ + D v₀ of nodes with a local resistance of one, and a dense resistance of which the
     /// eigenvalues are `ratios`; returns how many solutions it takes, and their error.
     fn solutions(ratios: &[f64], inertia: f64) -> (usize, f64) {
@@ -261,18 +278,7 @@ mod tests {
                 .map(Vector3::from_column_slice)
                 .collect()
         };
-        let mut stage = Stage {
-            step: 1.0,
-            acceleration_step: 1.0,
-            start: Vec::new(),
-            velocity: Vec::new(),
-            drag: vec![Vector3::zeros(); nodes],
-            drag_velocity: vec![Vector3::zeros(); nodes],
-            resistance: vec![Matrix3::identity(); nodes],
-            positions: Vec::new(),
-        };
-        let mut coupling = DragCoupling::default();
-        coupling.begin(&stage, |_| false);
+        let (mut stage, mut coupling) = begun(nodes);
         loop {
             let flat = |vectors: &[Vector3]| {
                 DVector::from_iterator(count, vectors.iter().flat_map(|v| [v.x, v.y, v.z]))
@@ -324,22 +330,11 @@ mod tests {
             let sum: Vector3 = v.iter().sum();
             v.iter().map(|v| v - 0.08 * sum).collect()
         };
-        let mut stage = Stage {
-            step: 1.0,
-            acceleration_step: 1.0,
-            start: Vec::new(),
-            velocity: Vec::new(),
-            drag: vec![Vector3::zeros(); nodes],
-            drag_velocity: vec![Vector3::zeros(); nodes],
-            resistance: vec![Matrix3::identity(); nodes],
-            positions: Vec::new(),
-        };
+        let (mut stage, mut coupling) = begun(nodes);
         let flow = Coupling {
             largest_ratio: 1.0,
             tolerance,
         };
-        let mut coupling = DragCoupling::default();
-        coupling.begin(&stage, |_| false);
         loop {
             // Only the first four nodes are loaded, so that only the inertia of the others, which is next to nothing, meets their drag.
             let velocity: Vec<_> = (0..nodes)

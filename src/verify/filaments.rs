@@ -1,0 +1,27 @@
+//! Single filaments in a fluid, as the engine has them.
+
+use crate::mechanics::fluid::{Filament, Fluid, FluidError};
+use crate::mechanics::{Matrix3, Vector3};
+
+/// A filament of all nodes.
+pub fn open_filament(nodes: usize, radius: f64) -> Filament {
+    Filament {
+        first_node: 0,
+        nodes,
+        closed: false,
+        radius,
+    }
+}
+
+/// Forces on the fluid, N per node.
+pub fn forces_on(
+    fluid: &mut Fluid,
+    nodes: &[Vector3],
+    velocities: &[Vector3],
+) -> Result<Vec<Vector3>, FluidError> {
+    let mut forces = vec![Vector3::zeros(); nodes.len()];
+    let mut resistance = vec![Matrix3::zeros(); nodes.len()];
+    fluid.drag(nodes, velocities, &[], &mut forces, &mut resistance)?;
+    // The fluid reports what it does to the rod.
+    Ok(forces.into_iter().map(|force| -force).collect())
+}
