@@ -88,14 +88,7 @@ fn weight(nodes: &[Vector3]) -> f64 {
 fn sink(nodes: &[Vector3], fluid: FluidModel) -> Result<Simulation, SimulationError> {
     let scene = Scene {
         rods: vec![round_rod(nodes.to_vec(), YOUNG, RADIUS)],
-        bodies: vec![Body {
-            name: "ball".into(),
-            at: RodNode { rod: 0, node: 0 },
-            mass: MASS,
-            offset: Vector3::zeros(),
-            inertia: Some([0.4 * MASS * BALL * BALL; 3]),
-            ball: Some(BALL),
-        }],
+        bodies: vec![Body::uniform_ball(RodNode { rod: 0, node: 0 }, MASS, BALL)],
         loads: vec![gravity(GRAVITY)],
         fluid: Some(fluid),
         ..Scene::default()

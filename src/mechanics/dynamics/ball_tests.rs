@@ -33,14 +33,11 @@ fn falling(height: f64, model: ContactModel) -> Scene {
     };
     Scene {
         rods: vec![rod("core", height * z, 5e-3 * y)],
-        bodies: vec![Body {
-            name: "ball".into(),
-            at: RodNode { rod: 0, node: 1 },
-            mass: MASS,
-            offset: Vector3::zeros(),
-            inertia: Some([0.4 * MASS * RADIUS * RADIUS; 3]),
-            ball: Some(RADIUS),
-        }],
+        bodies: vec![Body::uniform_ball(
+            RodNode { rod: 0, node: 1 },
+            MASS,
+            RADIUS,
+        )],
         loads: vec![
             load(LoadKind::Gravity {
                 acceleration: -GRAVITY * z,

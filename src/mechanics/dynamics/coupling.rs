@@ -138,11 +138,7 @@ impl DragCoupling {
         stage.drag.copy_from_slice(drag);
         stage.drag_velocity.copy_from_slice(velocity);
         let tolerance = TOLERANCE * flow.tolerance;
-        let Self {
-            solution,
-            mobilities,
-            ..
-        } = self;
+        let (solution, mobilities) = (&self.solution, &self.mobilities);
         let size = |forces: &[Vector3], nodes: std::ops::Range<usize>| {
             nodes
                 .map(|node| mobilities[node] * forces[node].norm_squared())
@@ -153,7 +149,7 @@ impl DragCoupling {
             self.sizes[0],
         ];
         // An error of the velocities of the flow is one of the drag by the resistance, at most so many times the local one.
-        let unsolved = if self.sizes[0] > STALLED * self.sizes[1] {
+        let unsolved = if self.has_stalled() {
             let local = stage.resistance.iter().map(|local| local.trace() / 3.0);
             let speed = velocity.iter().map(Vector3::norm_squared).sum::<f64>();
             // Beside spheres the ratio is not known.

@@ -246,11 +246,11 @@ impl FluidDrag {
 
     /// Gives `stage` the best drag found so far; `false` after as many solutions of the step as there are.
     pub fn expect_coupled(&mut self, stage: &mut Stage) -> bool {
-        let goes_on = !self.coupling.is_exhausted();
-        if goes_on {
-            self.coupling.expect(stage);
+        if self.coupling.is_exhausted() {
+            return false;
         }
-        goes_on
+        self.coupling.expect(stage);
+        true
     }
 
     /// Takes over the forces of an accepted step that ends with a velocity.

@@ -35,14 +35,7 @@ fn rod(edges: usize, length: f64, radius: f64) -> RodDescription {
 fn scene(rod: RodDescription, load: LoadKind) -> Scene {
     Scene {
         rods: vec![rod],
-        bodies: vec![Body {
-            name: "ball".into(),
-            at: RodNode { rod: 0, node: 0 },
-            mass: MASS,
-            offset: Vector3::zeros(),
-            inertia: Some([0.4 * MASS * BALL * BALL; 3]),
-            ball: Some(BALL),
-        }],
+        bodies: vec![Body::uniform_ball(RodNode { rod: 0, node: 0 }, MASS, BALL)],
         loads: vec![Load {
             kind: load,
             schedule: Vec::new(),

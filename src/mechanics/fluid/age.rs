@@ -29,7 +29,7 @@ impl Age {
         self.iterations += iterations;
     }
 
-    /// Whether to build anew: once a solve costs more than solves have cost on average since the last
+    /// Whether to rebuild: once a solve costs more than solves have cost on average since the last
     /// building, its price (in iterations) included. For costs that only grow this rule is the best one.
     pub fn is_over(&self, price: f64) -> bool {
         self.recent * self.solves as f64 > price + self.iterations as f64

@@ -3,6 +3,7 @@
 use super::continuation::Continuation;
 use super::report::FluidReport;
 use super::spheres::{Sphere, Spheres};
+use super::stations::nodes_of;
 use super::stokeslet_drag::{StokesletDrag, StokesletMemory};
 use super::{Connections, Filament, FluidError, FluidModel, Wall, resistive_force_theory};
 use crate::mechanics::{Matrix3, Vector3};
@@ -141,14 +142,13 @@ impl Fluid {
                 }
             }
         }
+        let stations: Vec<Vector3> = nodes_of(&self.filaments)
+            .map(|node| positions[node])
+            .collect();
+        let spheres = Spheres::new(spheres, &stations, positions);
         match &mut self.method {
-            Method::Stokeslets(drag) => drag.set_spheres(spheres, positions)?,
-            Method::Resistive { spheres: own, .. } => {
-                let stations: Vec<Vector3> = (self.filaments.iter().flat_map(Filament::range))
-                    .map(|node| positions[node])
-                    .collect();
-                **own = Spheres::new(spheres, &stations, positions);
-            }
+            Method::Stokeslets(drag) => drag.set_spheres(spheres)?,
+            Method::Resistive { spheres: own, .. } => **own = spheres,
         }
         Ok(())
     }
@@ -228,7 +228,7 @@ impl Fluid {
                     forces,
                     resistance,
                 )?;
-                let stations = self.filaments.iter().flat_map(Filament::range).enumerate();
+                let stations = nodes_of(&self.filaments).enumerate();
                 for (_, node) in stations.filter(|&(station, _)| spheres.hold(station)) {
                     forces[node] = Vector3::zeros();
                     resistance[node] = Matrix3::zeros();

@@ -21,7 +21,7 @@
 //! | `gmres`, `initial_guess` | solving A f = 8πη u, warm-started |
 //! | `stokeslet_drag` | a time series of such solves (thesis Eq. 2.27) |
 //! | `stations` | nodes of filaments, their lengths |
-//! | `age` | when the preconditioner is built anew |
+//! | `age` | when the preconditioner is rebuilt |
 //! | `largest_ratio` | how the whole resistance compares with its local part |
 //! | `report` | what a computation of the drag took |
 //! | `resistive_force_theory` | the cheap model: local coefficients along and across |

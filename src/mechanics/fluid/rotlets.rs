@@ -15,6 +15,7 @@
 
 use super::Filament;
 use super::lanes::add_lanes;
+use super::stations::edges_of;
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 
@@ -63,27 +64,21 @@ impl Rotlets {
     /// Places the edges at these stations, m, with the spins of the nodes of the scene at which they start, rad/s.
     pub fn set(&mut self, filaments: &[Filament], stations: &[Vector3], spins: &[f64]) {
         self.spin = false;
-        let (mut first, mut number) = (0, 0);
-        for filament in filaments {
+        for (number, (filament, edge, ends)) in edges_of(filaments).enumerate() {
+            let [start, end] = ends.map(|station| stations[station]);
             let square = filament.radius * filament.radius;
-            for edge in 0..filament.edges() {
-                let ends = [edge, (edge + 1) % filament.nodes];
-                let [start, end] = ends.map(|k| stations[first + k]);
-                let length = (end - start).norm();
-                let tangent = (end - start) / length;
-                let spin = spins[filament.first_node + edge];
-                let (lanes, lane) = (&mut self.edges[number / LANES], number % LANES);
-                for axis in 0..3 {
-                    lanes.start[axis][lane] = start[axis];
-                    lanes.tangent[axis][lane] = tangent[axis];
-                }
-                lanes.length[lane] = length;
-                lanes.radius_squared[lane] = square;
-                lanes.strength[lane] = 0.5 * square * spin;
-                self.spin |= spin != 0.0;
-                number += 1;
+            let length = (end - start).norm();
+            let tangent = (end - start) / length;
+            let spin = spins[filament.first_node + edge];
+            let (lanes, lane) = (&mut self.edges[number / LANES], number % LANES);
+            for axis in 0..3 {
+                lanes.start[axis][lane] = start[axis];
+                lanes.tangent[axis][lane] = tangent[axis];
             }
-            first += filament.nodes;
+            lanes.length[lane] = length;
+            lanes.radius_squared[lane] = square;
+            lanes.strength[lane] = 0.5 * square * spin;
+            self.spin |= spin != 0.0;
         }
     }
 

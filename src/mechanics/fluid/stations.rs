@@ -13,6 +13,23 @@ pub(super) fn nodes_of(filaments: &[Filament]) -> impl Iterator<Item = usize> {
     filaments.iter().flat_map(Filament::range)
 }
 
+/// The edges of filaments: the filament, the number of the edge along it, and the stations at its ends.
+pub(super) fn edges_of(
+    filaments: &[Filament],
+) -> impl Iterator<Item = (&Filament, usize, [usize; 2])> {
+    let firsts = filaments.iter().scan(0, |next, filament| {
+        let first = *next;
+        *next += filament.nodes;
+        Some((filament, first))
+    });
+    firsts.flat_map(|(filament, first)| {
+        (0..filament.edges()).map(move |edge| {
+            let ends = [edge, (edge + 1) % filament.nodes].map(|node| first + node);
+            (filament, edge, ends)
+        })
+    })
+}
+
 /// The symmetric part of the inverse.
 pub(super) fn symmetric_inverse(block: &Matrix3) -> Result<Matrix3, FluidError> {
     let inverse = block.try_inverse().ok_or(FluidError::Singular)?;
@@ -27,19 +44,14 @@ pub(super) fn voronoi_lengths(
     lengths: &mut [f64],
 ) -> Result<(), FluidError> {
     lengths.fill(0.0);
-    let mut first = 0;
-    for filament in filaments {
-        for edge in 0..filament.edges() {
-            let ends = [first + edge, first + (edge + 1) % filament.nodes];
-            let half = 0.5 * (positions[ends[1]] - positions[ends[0]]).norm();
-            if half == 0.0 {
-                return Err(FluidError::Singular);
-            }
-            for node in ends {
-                lengths[node] += half;
-            }
+    for (_, _, ends) in edges_of(filaments) {
+        let half = 0.5 * (positions[ends[1]] - positions[ends[0]]).norm();
+        if half == 0.0 {
+            return Err(FluidError::Singular);
         }
-        first += filament.nodes;
+        for station in ends {
+            lengths[station] += half;
+        }
     }
     Ok(())
 }

@@ -142,3 +142,17 @@ pub struct Body {
     /// Radius of the ball around the node that it is for contact, m; `None` where it touches nothing.
     pub ball: Option<f64>,
 }
+
+impl Body {
+    /// A uniform ball of a mass (kg) and radius (m) with its centre at a node.
+    pub fn uniform_ball(at: RodNode, mass: f64, radius: f64) -> Self {
+        Self {
+            name: "ball".into(),
+            at,
+            mass,
+            offset: Vector3::zeros(),
+            inertia: Some([0.4 * mass * radius * radius; 3]),
+            ball: Some(radius),
+        }
+    }
+}

@@ -39,9 +39,9 @@ impl Loads {
         let spheres = assembly.spheres();
         let is_outside = |node: usize| {
             let x = position(&assembly.unknowns, node);
-            !spheres.iter().any(|sphere| {
-                (x - position(&assembly.unknowns, sphere.centre)).norm() < sphere.radius
-            })
+            !spheres
+                .iter()
+                .any(|sphere| sphere.contains(&(x - position(&assembly.unknowns, sphere.centre))))
         };
         let mut coefficients = vec![0.0; STRIDE * assembly.rods.nodes];
         for edge in &assembly.rods.edges {

@@ -24,6 +24,7 @@ pub use sphere::Sphere;
 
 use super::Filament;
 use super::points::Points;
+use super::stations::edges_of;
 use crate::mechanics::{Matrix3, Vector3};
 use std::ops::Range;
 
@@ -59,7 +60,7 @@ impl Spheres {
     pub fn new(spheres: &[Sphere], stations: &[Vector3], positions: &[Vector3]) -> Self {
         let is_inside = |x: &Vector3| {
             let mut spheres = spheres.iter();
-            spheres.any(|sphere| (x - positions[sphere.centre]).norm() < sphere.radius)
+            spheres.any(|sphere| sphere.contains(&(x - positions[sphere.centre])))
         };
         Self {
             inside: stations.iter().map(is_inside).collect(),
@@ -287,27 +288,21 @@ fn add_edges(
     stations: &[Vector3],
     on_sphere: &mut [Influence],
 ) {
-    let mut first = 0;
-    for filament in filaments {
-        for edge in 0..filament.edges() {
-            let ends = [edge, (edge + 1) % filament.nodes].map(|k| first + k);
-            let [start, end] = ends.map(|station| stations[station]);
-            let along = end - start;
-            let length = along.norm();
-            for (part, weight) in GAUSS {
-                let influence = sphere.influence_of(&(centre - (start + along * part)));
-                for (station, shape) in ends.into_iter().zip([1.0 - part, part]) {
-                    for share in points
-                        .shares(station)
-                        .iter()
-                        .filter(|one| one.weight != 0.0)
-                    {
-                        on_sphere[share.point]
-                            .add(length * weight * shape * share.weight, &influence);
-                    }
+    for (_, _, ends) in edges_of(filaments) {
+        let [start, end] = ends.map(|station| stations[station]);
+        let along = end - start;
+        let length = along.norm();
+        for (part, weight) in GAUSS {
+            let influence = sphere.influence_of(&(centre - (start + along * part)));
+            for (station, shape) in ends.into_iter().zip([1.0 - part, part]) {
+                for share in points
+                    .shares(station)
+                    .iter()
+                    .filter(|one| one.weight != 0.0)
+                {
+                    on_sphere[share.point].add(length * weight * shape * share.weight, &influence);
                 }
             }
         }
-        first += filament.nodes;
     }
 }

@@ -55,6 +55,11 @@ impl Sphere {
         [0, 1, 2].map(|axis| self.first_tip + axis)
     }
 
+    /// Whether a point at r from its centre is inside.
+    pub fn contains(&self, r: &Vector3) -> bool {
+        r.norm() < self.radius
+    }
+
     /// Its angular velocity from those of the tips, rad/s: Σ p × ṗ/(2ℓ²).
     pub fn spin(&self, positions: &[Vector3], velocities: &[Vector3]) -> Vector3 {
         let moments = self

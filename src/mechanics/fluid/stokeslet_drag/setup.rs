@@ -7,11 +7,11 @@ use crate::mechanics::fluid::gmres::Gmres;
 use crate::mechanics::fluid::initial_guess::InitialGuess;
 use crate::mechanics::fluid::points::Points;
 use crate::mechanics::fluid::preconditioner::{NEIGHBOURHOOD, Preconditioner};
-use crate::mechanics::fluid::spheres::{Sphere, Spheres};
+use crate::mechanics::fluid::spheres::Spheres;
 use crate::mechanics::fluid::stations::nodes_of;
 use crate::mechanics::fluid::ties::{Ties, rails};
 use crate::mechanics::fluid::wall::{FlowWall, Wall};
-use crate::mechanics::fluid::{Connections, Filament, FluidError};
+use crate::mechanics::fluid::{Connections, FluidError};
 use crate::mechanics::{Matrix3, Vector3};
 
 /// Most nodes beside a wall. All pairs are stored, 36 bytes each: this many take 0.9 GB.
@@ -39,16 +39,11 @@ impl StokesletDrag {
         Ok(())
     }
 
-    /// Puts spheres among the filaments, before these are connected and anything is solved; `positions` (m) of all places of
-    /// the scene.
+    /// Puts spheres among the filaments, before these are connected and anything is solved.
     ///
     /// # Errors
     /// [`FluidError::BadInput`] beside a wall.
-    pub fn set_spheres(
-        &mut self,
-        spheres: &[Sphere],
-        positions: &[Vector3],
-    ) -> Result<(), FluidError> {
+    pub fn set_spheres(&mut self, spheres: Spheres) -> Result<(), FluidError> {
         if spheres.is_empty() {
             return Ok(());
         }
@@ -59,10 +54,6 @@ impl StokesletDrag {
                     .into(),
             ));
         }
-        let stations: Vec<Vector3> = nodes_of(&self.filaments)
-            .map(|node| positions[node])
-            .collect();
-        let spheres = Spheres::new(spheres, &stations, positions);
         self.operator.take_spheres(spheres);
         self.resize();
         Ok(())
@@ -70,8 +61,8 @@ impl StokesletDrag {
 
     /// Ties what joints hold together, and nodes that are at one place, in filaments placed at `positions` (m, of all nodes).
     pub fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
-        for (station, node) in self.filaments.iter().flat_map(Filament::range).enumerate() {
-            self.positions[station] = positions[node];
+        for (own, node) in self.positions.iter_mut().zip(nodes_of(&self.filaments)) {
+            *own = positions[node];
         }
         self.rails = rails(&self.filaments, connections);
         self.ties = Ties::find(
