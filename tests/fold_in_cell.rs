@@ -10,7 +10,10 @@ use std::process::{Command, Output};
 const PAPER: &str = "[folding.paper]\nlength = \"297 mm\"\nwidth = \"210 mm\"\ngravito_bending_length = \"4.8 cm\"\nfriction = 0.12\nedges = 80\n";
 
 /// A machine that is busy with other tests hears late where its fast arm is.
-const TRACKING: [&str; 2] = ["tracking_tolerance = 0.1", "tracking_tolerance = 0.3"];
+const TRACKING: [&str; 2] = [
+    "tracking_tolerance_prismatic = \"5 mm\"",
+    "tracking_tolerance_prismatic = \"5 cm\"",
+];
 
 fn serve(arguments: &[&str]) -> Served {
     let folder = tempfile::tempdir().unwrap();

@@ -8,7 +8,10 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 /// A machine that is busy with other tests hears late where its fast arms are.
-const TRACKING: [&str; 2] = ["tracking_tolerance = 0.1", "tracking_tolerance = 0.3"];
+const TRACKING: [&str; 2] = [
+    "tracking_tolerance_prismatic = \"5 mm\"",
+    "tracking_tolerance_prismatic = \"5 cm\"",
+];
 
 fn scenarios(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))

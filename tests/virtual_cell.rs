@@ -261,16 +261,13 @@ fn a_rod_is_laid_along_a_line_seen_and_scored() {
 
 #[test]
 fn faults_of_the_cell_end_a_deployment_with_exit_code_1_and_a_whole_log() {
-    // How late an arm may be grows with the haste of its clock: a frozen joint shows soon on a slower one.
+    // How late an arm may be grows with the rate of its clock: a frozen joint shows soon on a slower one.
     for (fault, words, rate) in [
         ("drop-link@9s", "connection", "10"),
         ("freeze-joint@9s", "from where it should be", "3"),
         ("drop-link@0s", "connection", "10"),
     ] {
         let served = serve(&["--rate", rate, "--fault", fault], "");
-        if fault.starts_with("freeze") {
-            served.change("tracking_tolerance = 0.1", "tracking_tolerance = 0.03");
-        }
         let output = served.deploy();
         assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
         assert!(said(&output).contains(words), "{fault}: {}", said(&output));
@@ -404,7 +401,6 @@ fn a_joint_that_freezes_at_any_moment_leaves_the_arm_still_and_a_whole_log() {
     at_ten_moments(10.0, |moment| {
         let fault = format!("freeze-joint@{moment}s");
         let served = serve(&["--rate", "10", "--fault", &fault], "");
-        served.change("tracking_tolerance = 0.1", "tracking_tolerance = 0.03");
         let output = served.deploy();
         assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
         assert!(served.stands_soon(), "{fault}");
@@ -549,7 +545,10 @@ fn a_camera_that_is_lost_sends_no_pictures() {
 fn an_arm_is_led_by_one_client_and_stops_when_that_dies() {
     let mut served = serve(&[], "");
     served.write_motion(0.4, 8.0);
-    served.change("start_tolerance = 0.01", "start_tolerance = 1.0");
+    served.change(
+        "start_tolerance_prismatic = \"2 mm\"",
+        "start_tolerance_prismatic = \"1 m\"",
+    );
     let mut first = served
         .command(&STREAM)
         .stdout(Stdio::null())

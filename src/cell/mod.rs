@@ -8,7 +8,7 @@
 //! | `typed` | every key of a cell file, as typed |
 //! | `resolve`, `resolve_chain`, `resolver` | units, ranges, names: from the file as typed to the [`Cell`] |
 //! | `resolved` | the [`Cell`] |
-//! | `surroundings`, `plan` | collision checks; joint trajectories along a path of a hand |
+//! | `surroundings`, `clearance`, `plan` | collision checks; the least distance along a motion; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
 //! | `approach` | from where an arm stands to where a motion begins |
 //! | `hand_path` | joints along poses of a hand that begin where it is, and motions along a part of them, with an axis |
@@ -20,6 +20,7 @@
 
 mod approach;
 mod camera;
+mod clearance;
 mod continuation;
 mod fingers;
 mod hand_path;
@@ -40,5 +41,5 @@ pub use fingers::Fingers;
 pub use hand_path::{HandPath, HandPathRequest};
 pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;
-pub use resolved::{Arm, Axis, Camera, Cell, Chuck, Driver, Gripper, Obstacle, Streaming, Table};
+pub use resolved::{Arm, Axis, Camera, Cell, Chuck, Driver, Gripper, Obstacle, Table};
 pub use streaming::StreamReport;

@@ -1,11 +1,11 @@
 //! From the cell file as typed to the cell in SI units.
 
 use super::resolve_chain::resolve_arm;
-use super::resolved::{Axis, Camera, Cell, Chuck, Obstacle, Streaming, Table};
+use super::resolved::{Axis, Camera, Cell, Chuck, Obstacle, Table};
 use super::resolver::Resolver;
 use super::typed::{self, CellFile};
-use crate::robot::Limits;
-use crate::scenario::dimension::Angle;
+use crate::robot::{Limits, StreamBounds, Tolerance};
+use crate::scenario::dimension::{Angle, Dimension, Time};
 use crate::scenario::{KeyPath, Quantity, ScenarioError, TypedFile};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -207,40 +207,75 @@ impl Resolver<'_> {
         }
     }
 
-    fn streaming(&self) -> Streaming {
-        let default = Streaming::default();
+    /// A tolerance under `path`, rad or m.
+    fn tolerance<D: Dimension>(
+        &self,
+        path: &KeyPath,
+        key: &str,
+        given: &Option<Quantity<D>>,
+        otherwise: f64,
+    ) -> f64 {
+        let path = path.key(key);
+        let given = given.as_ref().map(|given| self.si(&path, given));
+        given.map_or(otherwise, |given| self.positive(&path, given))
+    }
+
+    fn streaming(&self) -> StreamBounds {
+        let default = StreamBounds::default();
         let Some(typed) = &self.file.typed.streaming else {
             return default;
         };
         let path = KeyPath::from("streaming");
-        let tolerance = |key: &str, quantity: &Option<Quantity<Angle>>, otherwise: f64| {
+        let duration = |key: &str, given: &Option<Quantity<Time>>, least: f64, most: f64| {
             let path = path.key(key);
-            let given = quantity.as_ref();
-            given.map_or(otherwise, |given| {
-                self.positive(&path, self.si(&path, given))
-            })
-        };
-        let watchdog = typed.watchdog.as_ref().map_or(default.watchdog, |given| {
-            let path = path.key("watchdog");
-            let seconds = self.si(&path, given);
-            if !(0.02..=10.0).contains(&seconds) {
-                self.fault(&path, format!("{seconds} s; allowed: 20 ms to 10 s"));
-                return default.watchdog;
+            let seconds = self.si(&path, given.as_ref()?);
+            if !(least..=most).contains(&seconds) {
+                self.fault(
+                    &path,
+                    format!("{seconds} s; allowed: {least} s to {most} s"),
+                );
+                return None;
             }
-            Duration::from_secs_f64(seconds)
-        });
-        Streaming {
-            start_tolerance: tolerance(
-                "start_tolerance",
-                &typed.start_tolerance,
-                default.start_tolerance,
-            ),
-            tracking_tolerance: tolerance(
-                "tracking_tolerance",
-                &typed.tracking_tolerance,
-                default.tracking_tolerance,
-            ),
+            Some(Duration::from_secs_f64(seconds))
+        };
+        let StreamBounds {
+            start,
+            tracking,
             watchdog,
+            longest_pause,
+        } = default;
+        StreamBounds {
+            start: Tolerance {
+                revolute: self.tolerance(
+                    &path,
+                    "start_tolerance",
+                    &typed.start_tolerance,
+                    start.revolute,
+                ),
+                prismatic: self.tolerance(
+                    &path,
+                    "start_tolerance_prismatic",
+                    &typed.start_tolerance_prismatic,
+                    start.prismatic,
+                ),
+            },
+            tracking: Tolerance {
+                revolute: self.tolerance(
+                    &path,
+                    "tracking_tolerance",
+                    &typed.tracking_tolerance,
+                    tracking.revolute,
+                ),
+                prismatic: self.tolerance(
+                    &path,
+                    "tracking_tolerance_prismatic",
+                    &typed.tracking_tolerance_prismatic,
+                    tracking.prismatic,
+                ),
+            },
+            watchdog: duration("watchdog", &typed.watchdog, 0.02, 10.0).unwrap_or(watchdog),
+            longest_pause: duration("longest_pause", &typed.longest_pause, 0.0, 86_400.0)
+                .or(longest_pause),
         }
     }
 }

@@ -1,8 +1,7 @@
 //! The cell in SI units.
 
-use crate::robot::{Body, Chain, Limits, Pose, Ros2Address};
+use crate::robot::{Body, Chain, Limits, Pose, Ros2Address, StreamBounds};
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// A robot cell. Its frame is the one in which bases, table and camera are placed: z up.
 #[derive(Clone, Debug)]
@@ -22,7 +21,7 @@ pub struct Cell {
     /// The camera.
     pub camera: Option<Camera>,
     /// How trajectories are streamed.
-    pub streaming: Streaming,
+    pub streaming: StreamBounds,
     /// What was passed over when the file was read.
     pub warnings: Vec<String>,
 }
@@ -114,29 +113,6 @@ pub struct Camera {
     pub pose: Pose,
     /// Where its pictures come from, such as `rosbridge://127.0.0.1:9090/camera/image_raw`.
     pub source: Option<String>,
-}
-
-/// How trajectories are streamed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Streaming {
-    /// Greatest distance of a joint from the first point at the start, rad or m.
-    pub start_tolerance: f64,
-    /// Greatest distance of a joint from the point it should be at, rad or m.
-    pub tracking_tolerance: f64,
-    /// Longest silence of a driver.
-    pub watchdog: Duration,
-}
-
-impl Default for Streaming {
-    /// Start within 0.02, tracking within 0.2, silence of 0.3 s: a state report at 100 Hz may fail 30 times before
-    /// the arm is stopped, and the stop comes within half a second.
-    fn default() -> Self {
-        Self {
-            start_tolerance: 0.02,
-            tracking_tolerance: 0.2,
-            watchdog: Duration::from_millis(300),
-        }
-    }
 }
 
 /// What moves an arm or an axis.

@@ -2,11 +2,16 @@
 
 use super::resolved::{Cell, Driver};
 use crate::robot::{
-    self, FileDriver, JointTrajectory, Limits, Part, PartTrajectory, Ros1Driver, RosVersion,
-    RosbridgeDriver, StepperDriver, StreamBounds, check,
+    self, FileDriver, JointKind, JointTrajectory, Limits, Part, PartTrajectory, Ros1Driver,
+    RosVersion, RosbridgeDriver, StepperDriver, check,
 };
 
 const WITHOUT_ROS_2: &str = "this program was built without ROS 2; `cargo install --path .`, without `--no-default-features`, builds one with it";
+
+/// Positions of a trajectory that is sent whole: 5 MB as a message of rosbridge, half of what its server takes.
+const MOST_NUMBERS: usize = 150_000;
+/// How far a motion that is sent with fewer points may be from its trajectory, rad or m.
+const THINNING: f64 = 1e-5;
 
 /// What a stream would do.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -40,6 +45,7 @@ impl Cell {
         for Movable {
             name,
             joints,
+            kinds,
             limits,
             driver,
         } in self.movable()
@@ -74,6 +80,7 @@ impl Cell {
                     .map(|point| columns.iter().map(|column| point[*column]).collect())
                     .collect(),
             };
+            let part = within_a_message(part);
             if let Err(exceeded) = check(&part, &limits) {
                 faults.extend(exceeded.iter().map(|fault| format!("{name}.{fault}")));
             }
@@ -84,16 +91,19 @@ impl Cell {
                         name: name.to_owned(),
                         driver,
                         trajectory: part,
+                        kinds,
                     }),
                     None => faults.push(format!("{name}: {WITHOUT_ROS_2}")),
                 },
             }
         }
-        let least_clearance = if faults.is_empty() {
-            self.least_clearance(&parts, &mut faults)
-        } else {
-            0.0
-        };
+        let mut least_clearance = 0.0;
+        if faults.is_empty() {
+            match self.least_clearance(&parts) {
+                Ok(least) => least_clearance = least,
+                Err(touches) => faults.push(touches),
+            }
+        }
         if !faults.is_empty() {
             return Err(faults.join("\n"));
         }
@@ -112,15 +122,6 @@ impl Cell {
         Ok((parts, report))
     }
 
-    /// Bounds for a stream.
-    pub fn stream_bounds(&self) -> StreamBounds {
-        StreamBounds {
-            start_tolerance: self.streaming.start_tolerance,
-            tracking_tolerance: self.streaming.tracking_tolerance,
-            watchdog: self.streaming.watchdog,
-        }
-    }
-
     /// Arms and axes.
     fn movable(&self) -> Vec<Movable<'_>> {
         let arms = self.arms.iter().map(|arm| {
@@ -128,6 +129,7 @@ impl Cell {
             Movable {
                 name: &arm.name,
                 joints: joints.iter().map(|joint| joint.name.clone()).collect(),
+                kinds: joints.iter().map(|joint| joint.kind).collect(),
                 limits: joints.iter().map(|joint| joint.limits).collect(),
                 driver: arm.driver.as_ref(),
             }
@@ -135,6 +137,7 @@ impl Cell {
         let axes = self.axes.iter().map(|axis| Movable {
             name: &axis.name,
             joints: vec![axis.name.clone()],
+            kinds: vec![JointKind::Revolute],
             limits: vec![axis.limits],
             driver: axis.driver.as_ref(),
         });
@@ -163,38 +166,6 @@ impl Cell {
                 )
             })
             .collect()
-    }
-
-    /// Least distance along the motion; notes the first place where things touch. Arms without a motion rest at home.
-    fn least_clearance(&self, parts: &[Part], faults: &mut Vec<String>) -> f64 {
-        let surroundings = self.surroundings();
-        let mut postures = surroundings.homes();
-        let mut least = robot::FAR;
-        let mut times: Vec<f64> = parts
-            .iter()
-            .flat_map(|part| part.trajectory.times.iter().copied())
-            .collect();
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        for time in times {
-            for (arm, posture) in self.arms.iter().zip(&mut postures) {
-                if let Some(part) = parts.iter().find(|part| part.name == arm.name) {
-                    *posture = part.trajectory.at(time);
-                }
-            }
-            let Some(approach) = surroundings.nearest(&postures, None) else {
-                continue;
-            };
-            least = least.min(approach.distance);
-            if approach.distance <= 0.0 {
-                let [one, other] = &approach.between;
-                faults.push(format!(
-                    "{one} would touch {other} {time:.3} s after the start"
-                ));
-                break;
-            }
-        }
-        least
     }
 
     /// `None` where it is not built into this program.
@@ -232,10 +203,21 @@ impl Cell {
     }
 }
 
+/// The motion with so few points that its goal fits into a message. Points are left out of long motions only; what a controller makes
+/// of the rest is within [`THINNING`] of them.
+fn within_a_message(part: PartTrajectory) -> PartTrajectory {
+    let numbers = part.times.len() * part.joints.len();
+    match numbers > MOST_NUMBERS {
+        true => part.thinned(THINNING),
+        false => part,
+    }
+}
+
 /// An arm or an axis.
 struct Movable<'a> {
     name: &'a str,
     joints: Vec<String>,
+    kinds: Vec<JointKind>,
     limits: Vec<Limits>,
     driver: Option<&'a Driver>,
 }

@@ -103,7 +103,7 @@ fn units_and_defaults_are_resolved() {
     assert_eq!((limits.upper, limits.velocity), (2.0, 1.0));
     assert_eq!(arm.chain.tool.translation.x, 0.1);
     assert!((cell.axes[0].limits.velocity - std::f64::consts::TAU).abs() < 1e-15);
-    assert_eq!(cell.streaming, Streaming::default());
+    assert_eq!(cell.streaming, crate::robot::StreamBounds::default());
     assert!(matches!(
         cell.axes[0].driver,
         Some(Driver::Stepper { baud: 115_200, .. })

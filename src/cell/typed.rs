@@ -213,8 +213,11 @@ pub struct Camera {
 #[derive(Debug, Deserialize)]
 pub struct Streaming {
     pub start_tolerance: Option<Quantity<Angle>>,
+    pub start_tolerance_prismatic: Option<Quantity<Length>>,
     pub tracking_tolerance: Option<Quantity<Angle>>,
+    pub tracking_tolerance_prismatic: Option<Quantity<Length>>,
     pub watchdog: Option<Quantity<Time>>,
+    pub longest_pause: Option<Quantity<Time>>,
 }
 
 /// What moves an arm or an axis.

@@ -17,7 +17,6 @@ use crate::virtual_cell::{
 use clap::{Args, Subcommand};
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 /// Friction of the table where nobody says another.
 const FRICTION: f64 = 0.4;
@@ -166,7 +165,7 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
     let address = served.address();
     let address = address.map_err(|error| Failure::System(error.to_string()))?;
     print(&format!("listening on {address}\n"))?;
-    Ok(served.serve(&|| interrupted.load(Ordering::Relaxed))?)
+    Ok(served.serve(&|| interrupted.is_raised())?)
 }
 
 impl ServeArguments {

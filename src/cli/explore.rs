@@ -15,7 +15,6 @@ use crate::task::{
 use crate::vision::ColourRule;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 /// Frames of the page of the arm in motion.
 const FRAMES: usize = 400;
@@ -188,7 +187,7 @@ pub fn explore(arguments: &ExploreArguments) -> Result<(), Failure> {
     let interrupted = watch_for_interruption()?;
     record.head.status = Status::Running;
     record.write(&directory)?;
-    let ended = exploration.run(&mut record, &|| interrupted.load(Ordering::Relaxed));
+    let ended = exploration.run(&mut record, &|| interrupted.is_raised());
     record.head.end = Some(jiff::Timestamp::now());
     finish(&mut record, &exploration, ended.err())?;
     Ok(())

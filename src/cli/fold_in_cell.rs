@@ -17,7 +17,6 @@ use crate::task::{
 };
 use crate::vision::ColourRule;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
-use std::sync::atomic::Ordering;
 
 /// Parts of a way that is not planned anew: after each the camera looks.
 const WATCHED_PARTS: u16 = 5;
@@ -118,7 +117,7 @@ pub fn fold_in_cell(
         unfinished: Some(&unfinished),
         directory: &directory,
     };
-    let end = task.run(&|| interrupted.load(Ordering::Relaxed));
+    let end = task.run(&|| interrupted.is_raised());
     record.times_s = end.times;
     record.looks = end.looks;
     record.sheet_place = end.frame.map(|frame| {

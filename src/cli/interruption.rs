@@ -1,23 +1,78 @@
-//! Ctrl-C for programs that move something, or serve until somebody says so.
+//! Signals for programs that move something, or serve until they are stopped.
 
 use super::failure::Failure;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use crate::robot::Moving;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGUSR1, SIGUSR2};
+use signal_hook::iterator::Signals;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicI32, Ordering};
+use std::time::{Duration, Instant};
 
-/// A flag that Ctrl-C and SIGTERM raise; a second signal ends the program at once.
-pub fn watch_for_interruption() -> Result<Arc<AtomicBool>, Failure> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        // In this order: the first signal finds the flag down, and raises it.
-        flag::register_conditional_shutdown(signal, 130, Arc::clone(&interrupted))
-            .and_then(|_| flag::register(signal, Arc::clone(&interrupted)))
-            .map_err(|error| {
-                Failure::System(format!(
-                    "Ctrl-C cannot be watched for, so nothing is done: {error}"
-                ))
-            })?;
+/// Exit code of a program that the user, or the system, interrupted.
+const INTERRUPTED: i32 = 130;
+/// Signals that end the program, with their names: of the terminal (Ctrl-C, Ctrl-\, Ctrl-Z, a window that is closed), of the system and
+/// of batch systems.
+const SIGNALS: [(i32, &str); 7] = [
+    (SIGINT, "SIGINT"),
+    (SIGTERM, "SIGTERM"),
+    (SIGHUP, "SIGHUP"),
+    (SIGQUIT, "SIGQUIT"),
+    (SIGTSTP, "SIGTSTP"),
+    (SIGUSR1, "SIGUSR1"),
+    (SIGUSR2, "SIGUSR2"),
+];
+/// Time after the first signal in which others are the same request: launchers send two of them.
+const SAME_REQUEST: Duration = Duration::from_secs(1);
+
+/// The first signal of [`SIGNALS`], once one has come.
+#[derive(Clone)]
+pub struct Interruption(Arc<AtomicI32>);
+
+impl Interruption {
+    /// Whether a signal has come.
+    pub fn is_raised(&self) -> bool {
+        self.0.load(Ordering::Relaxed) != 0
     }
-    Ok(interrupted)
+
+    /// Name of the signal that has come.
+    pub fn signal(&self) -> Option<&'static str> {
+        let raised = self.0.load(Ordering::Relaxed);
+        let mut signals = SIGNALS.iter();
+        Some(signals.find(|(signal, _)| *signal == raised)?.1)
+    }
+}
+
+/// Watches for signals, except those that were ignored when the program was started, as by `nohup`. A further signal ends the
+/// program at once where nothing moves; a motion is always cancelled first.
+pub fn watch_for_interruption() -> Result<Interruption, Failure> {
+    let ignored = ignored_signals();
+    let watched = SIGNALS.iter().map(|(signal, _)| *signal);
+    let watched = watched.filter(|signal| ignored & (1 << (signal - 1)) == 0);
+    let mut signals = Signals::new(watched.collect::<Vec<_>>()).map_err(|error| {
+        Failure::System(format!(
+            "signals cannot be watched for, so nothing is moved: {error}"
+        ))
+    })?;
+    let raised = Interruption(Arc::default());
+    let first = Arc::clone(&raised.0);
+    std::thread::spawn(move || {
+        let mut since = Instant::now();
+        for signal in signals.forever() {
+            let is_first = first.compare_exchange(0, signal, Ordering::Relaxed, Ordering::Relaxed);
+            if is_first.is_ok() {
+                since = Instant::now();
+            } else if since.elapsed() > SAME_REQUEST && !Moving::is_under_way() {
+                std::process::exit(INTERRUPTED);
+            }
+        }
+    });
+    Ok(raised)
+}
+
+/// The signals that are ignored, a bit each from signal 1 on; none where the system does not report them.
+fn ignored_signals() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    line.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok())
+        .unwrap_or(0)
 }

@@ -18,7 +18,6 @@ use crate::task::{
 use crate::vision::{ColourRule, Point};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 /// Frames of the page of the arm in motion.
 const FRAMES: usize = 400;
@@ -129,7 +128,7 @@ impl LayingArguments {
             settling: SETTLING,
             directory: &directory,
         };
-        let end = task.run(&|| interrupted.load(Ordering::Relaxed));
+        let end = task.run(&|| interrupted.is_raised());
         record.times_s = end.times;
         finish(
             record,

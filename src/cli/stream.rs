@@ -10,7 +10,6 @@ use crate::robot::{Ending, JointTrajectory, StreamLog, stream as run};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 /// Arguments of `rodlab stream`.
 #[derive(Debug, Args)]
@@ -40,9 +39,10 @@ Examples:
   rodlab stream joints.csv --cell cell.toml --speed 0.2
   rodlab stream right.csv left.csv twist.csv --cell scenarios/cells/two_sawyers.toml
 
-Every point is checked against limits and collisions before the first is sent. The motion starts only where the
-arm stands at the first point; it ends, and everything holds still, where a joint is not heard of or leaves the
-path. Ctrl-C holds, a second one ends the program. The log is a directory with manifest.json, trajectory.csv (of
+The motion is checked against limits and collisions before the first point is sent, between the points as well. It starts
+only where every joint is at its first point. It is finished where the joints are seen at the last point, at rest. A silence or
+a joint that leaves its path ends it: everything is told to hold, and watched until it is at rest. So do Ctrl-C and Ctrl-Z,
+SIGTERM, SIGHUP, SIGQUIT, SIGUSR1 and SIGUSR2. The log is a directory with manifest.json, trajectory.csv (of
 several, trajectory-1.csv and so on), commanded.csv, state.csv and events.csv. Exit code 1: a driver failed, and the message says why.";
 
 /// Manifest of a stream.
@@ -58,6 +58,8 @@ struct Manifest<'a> {
     end: Option<jiff::Timestamp>,
     status: &'static str,
     error: Option<String>,
+    /// The signal that ended the motion.
+    interrupted_by: Option<&'static str>,
     #[serde(flatten)]
     report: StreamReport,
 }
@@ -104,6 +106,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         end: None,
         status: "running",
         error: None,
+        interrupted_by: None,
         report,
     };
     write_manifest(&directory, &manifest)?;
@@ -117,12 +120,13 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     let interrupted = watch_for_interruption()?;
     let ending = run(
         &mut parts,
-        &cell.stream_bounds(),
-        &|| interrupted.load(Ordering::Relaxed),
+        &cell.streaming,
+        &|| interrupted.is_raised(),
         &mut log,
     );
     let logged = log.finish().map_err(unwritable);
     manifest.end = Some(jiff::Timestamp::now());
+    manifest.interrupted_by = interrupted.signal();
     (manifest.status, manifest.error) = match &ending {
         Ending::Finished => ("finished", None),
         Ending::Interrupted => ("interrupted", None),
@@ -137,7 +141,8 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         Ending::Interrupted => Err(Failure::Cases {
             exit_code: 130,
             message: format!(
-                "interrupted; everything holds; the log is in {}",
+                "interrupted by {}; everything holds; the log is in {}",
+                interrupted.signal().unwrap_or("a signal"),
                 directory.display()
             ),
         }),

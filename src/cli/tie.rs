@@ -18,7 +18,6 @@ use crate::task::{
 use crate::vision::ColourRule;
 use clap::Args;
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
 
 /// Frames of the page of the arms in motion.
 const FRAMES: usize = 600;
@@ -166,7 +165,7 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         settling: SETTLING,
         directory: &directory,
     };
-    let end = task.run(&|| interrupted.load(Ordering::Relaxed));
+    let end = task.run(&|| interrupted.is_raised());
     record.times_s = end.times;
     finish(
         record,

@@ -142,6 +142,25 @@ impl Segment {
         }
     }
 
+    /// How far the link slides from the origin of its joint at most, m; 0 where it turns or is fixed.
+    pub(super) fn farthest_slide(&self, joints: &[Joint]) -> f64 {
+        match self.motion {
+            Motion::Driven {
+                kind: JointKind::Prismatic,
+                joint,
+                ratio,
+                offset,
+                ..
+            } => {
+                let (lower, upper) = joints[joint].limits.search_range();
+                (ratio * lower + offset)
+                    .abs()
+                    .max((ratio * upper + offset).abs())
+            }
+            _ => 0.0,
+        }
+    }
+
     /// Whether the link can move against the one before.
     pub fn moves(&self) -> bool {
         matches!(self.motion, Motion::Driven { .. })

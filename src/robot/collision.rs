@@ -4,7 +4,7 @@
 //! posture at rest, and those that overlap in more than 95 % of postures all over the joints' ranges.
 
 use super::body::{Body, Shape};
-use super::chain::Chain;
+use super::chain::{Chain, JointKind, Motion};
 use super::pose::Pose;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use parry3d_f64::math::{Pose3, Rot3, Vec3};
@@ -253,6 +253,37 @@ impl Surroundings {
 }
 
 impl Member {
+    /// For each joint, how far a point of the arm moves at most per motion of the joint: the reach of what a joint that turns
+    /// carries, m, and 1 for one that slides.
+    pub fn reaches(&self) -> Vec<f64> {
+        let segments = &self.chain.segments;
+        // How far the arm extends from the origin of each link, m: the shapes of the link, and all links beyond it.
+        let mut extents = vec![0.0_f64; segments.len() + 1];
+        for index in (0..segments.len()).rev() {
+            let own = self.bodies.iter().filter(|body| body.link == Some(index));
+            let own =
+                own.map(|body| body.pose.translation.vector.norm() + body.shape.enclosing_radius());
+            let next = segments.get(index + 1).map_or(0.0, |next| {
+                next.origin.translation.vector.norm() + next.farthest_slide(&self.chain.joints)
+            });
+            extents[index] = own.fold(next + extents[index + 1], f64::max);
+        }
+        let mut reaches = vec![0.0; self.chain.joints.len()];
+        for (segment, extent) in segments.iter().zip(&extents) {
+            if let Motion::Driven {
+                kind, joint, ratio, ..
+            } = segment.motion
+            {
+                reaches[joint] += ratio.abs()
+                    * match kind {
+                        JointKind::Revolute => *extent,
+                        JointKind::Prismatic => 1.0,
+                    };
+            }
+        }
+        reaches
+    }
+
     /// Whether two shapes are so near each other along the chain that they cannot help to touch.
     fn never_counts(&self, first: usize, second: usize) -> bool {
         let links = [self.bodies[first].link, self.bodies[second].link];

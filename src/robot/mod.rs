@@ -38,10 +38,10 @@ pub use chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
     Bag, BagError, BagPicture, CameraError, CameraPicture, Driver, DriverError, FileDriver,
-    GripperDriver, JointState, Middleware, PartTrajectory, PictureTopic, Progress, Ros1Camera,
-    Ros1Driver, Ros1Gripper, Ros2Address, Ros2CameraAddress, RosVersion, RosbridgeCamera,
-    RosbridgeDriver, RosbridgeGripper, SerialLine, StepperAnswer, StepperDriver, StepperLink,
-    StepperRequest, open_camera,
+    GripperDriver, Interpolant, JointState, Middleware, PartTrajectory, PictureTopic, Progress,
+    Ros1Camera, Ros1Driver, Ros1Gripper, Ros2Address, Ros2CameraAddress, RosVersion,
+    RosbridgeCamera, RosbridgeDriver, RosbridgeGripper, SerialLine, StepperAnswer, StepperDriver,
+    StepperLink, StepperRequest, open_camera,
 };
 pub use inverse::{Nearest, REACHED};
 pub use kinematics::Jacobian;
@@ -51,7 +51,7 @@ pub use path::{
 };
 pub use pose::{Pose, between, difference, distance_and_angle, parts, pose, pose_of_angles};
 pub use posture::Posture;
-pub use stream::{Ending, Fault, Part, StreamBounds, StreamLog, check, stream};
+pub use stream::{Ending, Fault, Moving, Part, StreamBounds, StreamLog, Tolerance, check, stream};
 pub use timing::{
     Motion as TimedMotion, SAMPLE, TimingError, Utilisation, parametrise, utilisation,
 };

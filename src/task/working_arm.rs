@@ -4,7 +4,7 @@ use super::error::WorkError;
 use super::unfinished::Unfinished;
 use crate::cell::{Cell, Fingers};
 use crate::results::write_whole;
-use crate::robot::{Ending, JointTrajectory, Pose, StreamLog, stream};
+use crate::robot::{Ending, JointTrajectory, Moving, Pose, StreamLog, stream};
 use std::path::Path;
 use std::time::Duration;
 
@@ -80,10 +80,9 @@ impl WorkingArm<'_> {
         marked.map_err(|error| {
             WorkError::Failed(format!("the task cannot be marked as begun: {error}"))
         })?;
-        let bounds = self.cell.stream_bounds();
         let slipped = || fingers.and_then(Fingers::slipped);
         let must_end = || (self.is_interrupted)() || slipped().is_some();
-        let ending = stream(&mut parts, &bounds, &must_end, &mut log);
+        let ending = stream(&mut parts, &self.cell.streaming, &must_end, &mut log);
         let logged = log.finish();
         match ending {
             Ending::Finished => logged.map_err(unwritable),
@@ -136,6 +135,7 @@ impl WorkingArm<'_> {
             Grip::Close => closed,
             Grip::Open => open,
         };
+        let _moving = Moving::begin();
         let moved = gripper.command(opening, GRIPPER, self.is_interrupted);
         moved.map_err(|error| match (self.is_interrupted)() {
             true => WorkError::Interrupted,

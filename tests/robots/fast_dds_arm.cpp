@@ -261,7 +261,7 @@ int main(int, char **arguments) {
                 for (int k = 0; k < 2; k++) position[goal.joints[k]] = goal.points[reached].positions[k];
             }
             Writer message;
-            message.identifier(goal.identifier).header();
+            message.identifier(goal.identifier).header().put<uint32_t>(0).put<uint32_t>(0);
             feedback->write(&message.bytes);
             feedbacks++;
             if (reached == goal.points.size()) {

@@ -82,8 +82,13 @@ fn wait_for_motion(folder: &Path) {
 
 /// Ctrl-C.
 fn interrupt(child: &Child) {
+    signal(child, "INT");
+}
+
+/// Sends a signal.
+fn signal(child: &Child, name: &str) {
     let kill = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
+        .args([&format!("-{name}"), &child.id().to_string()])
         .status();
     assert!(kill.unwrap().success());
 }

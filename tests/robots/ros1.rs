@@ -174,7 +174,7 @@ fn a_killed_server_and_a_killed_master_are_noticed_within_half_a_second() {
         let expected = if master {
             "does not answer"
         } else {
-            "nothing was heard"
+            "no report of its joints"
         };
         assert!(said(&output).contains(expected), "{}", said(&output));
         if master {

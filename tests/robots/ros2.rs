@@ -200,7 +200,7 @@ fn a_killed_server_is_noticed_within_half_a_second() {
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{}", said(&output));
         assert!(
-            said(&output).contains("nothing was heard"),
+            said(&output).contains("no report of its joints"),
             "{}",
             said(&output)
         );

@@ -1,9 +1,7 @@
 //! The rosbridge driver against a WebSocket server with an arm behind it, made here for the purpose: the server itself
 //! is in no registry.
 
-use super::{
-    STREAM, interrupt, log, rename_joint, rodlab, said, start_stream, two_joints, wait_for_event,
-};
+use super::{STREAM, interrupt, log, rename_joint, rodlab, said, signal, start_stream, two_joints};
 use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::net::{TcpListener, TcpStream};
@@ -24,6 +22,16 @@ pub(super) struct Script {
     silent_after: Option<f64>,
     /// Break the motion off, as after an emergency stop.
     stops_after: Option<f64>,
+    /// Report a cancellation, and go on.
+    only_reports_cancel: bool,
+    /// Report success so long after the goal came, and leave the arm where it is.
+    succeeds_after: Option<f64>,
+    /// Report errors that concern no goal.
+    complains: bool,
+    /// Leave the arm where it is and send pings without end, so long after the goal came.
+    floods_after: Option<f64>,
+    /// Take another client after the first has gone.
+    serves_again: bool,
     points: usize,
     feedback: usize,
     pub moved: Vec<f64>,
@@ -55,10 +63,18 @@ fn serve(script: Script) -> (String, Shared) {
     let shared = Arc::new(Mutex::new(script));
     let theirs = Arc::clone(&shared);
     std::thread::spawn(move || {
-        let (stream, _) = listener.accept().unwrap();
-        let mut socket = tungstenite::accept(stream).unwrap();
-        socket.get_ref().set_nonblocking(true).unwrap();
-        arm(&mut socket, &theirs);
+        // The arm itself goes on while nobody is connected.
+        let mut goal = None;
+        loop {
+            let (stream, _) = listener.accept().unwrap();
+            let mut socket = tungstenite::accept(stream).unwrap();
+            socket.get_ref().set_nonblocking(true).unwrap();
+            arm(&mut socket, &theirs, &mut goal);
+            if !theirs.lock().unwrap().serves_again {
+                return;
+            }
+            theirs.lock().unwrap().dies_after = None;
+        }
     });
     (address, shared)
 }
@@ -67,10 +83,10 @@ fn send(socket: &mut WebSocket<TcpStream>, message: &Value) -> bool {
     socket.send(Message::text(message.to_string())).is_ok()
 }
 
-fn arm(socket: &mut WebSocket<TcpStream>, shared: &Shared) {
-    let mut goal: Option<Goal> = None;
+fn arm(socket: &mut WebSocket<TcpStream>, shared: &Shared, goal: &mut Option<Goal>) {
     let mut subscribed = Vec::new();
     let mut position = vec![0.0, 0.0];
+    let mut is_stuck = false;
     loop {
         std::thread::sleep(Duration::from_millis(10));
         loop {
@@ -84,17 +100,25 @@ fn arm(socket: &mut WebSocket<TcpStream>, shared: &Shared) {
                         "advertise" => {}
                         "publish" if message["topic"] == "/arm/goal" => {
                             let goal_id = message["msg"]["goal_id"]["id"].clone();
-                            goal = take(socket, shared, goal_id, &message["msg"]["goal"]);
+                            *goal = take(socket, shared, goal_id, &message["msg"]["goal"]);
                         }
                         "send_action_goal" => {
-                            goal = take(socket, shared, message["id"].clone(), &message["args"]);
+                            *goal = take(socket, shared, message["id"].clone(), &message["args"]);
                         }
                         "publish" | "cancel_action_goal"
                             if shared.lock().unwrap().ignores_cancel => {}
                         "publish" | "cancel_action_goal" => {
-                            let ended = goal.take().expect("a goal to cancel");
-                            shared.lock().unwrap().cancelled_at = Some(Instant::now());
-                            end(socket, shared, &ended.id, false, 0);
+                            // Requests are repeated until the arm is at rest.
+                            shared
+                                .lock()
+                                .unwrap()
+                                .cancelled_at
+                                .get_or_insert_with(Instant::now);
+                            let goes_on = shared.lock().unwrap().only_reports_cancel;
+                            if let Some(ended) = goal.take() {
+                                end(socket, shared, &ended.id, false, 0);
+                                *goal = goes_on.then_some(ended);
+                            }
                         }
                         other => panic!("{other}"),
                     }
@@ -106,18 +130,37 @@ fn arm(socket: &mut WebSocket<TcpStream>, shared: &Shared) {
                 Err(_) => return,
             }
         }
-        let (dies, silent, stops) = {
+        let (dies, silent, stops, succeeds, floods, complains) = {
             let script = shared.lock().unwrap();
             let since = script.goal_at.map_or(0.0, |at| at.elapsed().as_secs_f64());
-            let past = |limit: Option<f64>| limit.is_some_and(|limit| since > limit);
+            let past = |limit: Option<f64>| {
+                script.goal_at.is_some() && limit.is_some_and(|limit| since > limit)
+            };
             (
                 past(script.dies_after),
                 past(script.silent_after),
                 past(script.stops_after),
+                past(script.succeeds_after),
+                past(script.floods_after),
+                script.complains,
             )
         };
         if let Some(stopped) = goal.take_if(|_| stops) {
             end(socket, shared, &stopped.id, false, -4);
+        }
+        if let Some(ended) = goal.take_if(|_| succeeds) {
+            end(socket, shared, &ended.id, true, 0);
+        }
+        if complains {
+            let message = json!({ "op": "status", "level": "error", "msg": "of another client" });
+            send(socket, &message);
+        }
+        if floods {
+            is_stuck = true;
+            for _ in 0..1000 {
+                let _ = socket.write(Message::Ping(vec![0; 100].into()));
+            }
+            let _ = socket.flush();
         }
         if dies {
             return;
@@ -125,7 +168,9 @@ fn arm(socket: &mut WebSocket<TcpStream>, shared: &Shared) {
         if silent {
             continue;
         }
-        if let Some(active) = &goal {
+        if let Some(active) = &*goal
+            && !is_stuck
+        {
             let time = active.begin.elapsed().as_secs_f64();
             let due = active.times.partition_point(|at| *at <= time).max(1);
             position.clone_from(&active.points[due - 1]);
@@ -139,7 +184,7 @@ fn arm(socket: &mut WebSocket<TcpStream>, shared: &Shared) {
             send(socket, &message);
             if due == active.times.len() {
                 end(socket, shared, &active.id, true, 0);
-                goal = None;
+                *goal = None;
             }
         }
         shared.lock().unwrap().moved.clone_from(&position);
@@ -277,30 +322,141 @@ fn an_interruption_cancels_the_motion_within_half_a_second() {
     }
 }
 
-/// An arm that no cancellation stops keeps the program for half a second, but not from ending at the second Ctrl-C.
+/// Launchers send two signals at once: the motion is cancelled, and the program ends with a whole log.
 #[test]
-fn a_second_interruption_ends_the_program_at_once() {
+fn two_signals_at_once_cancel_the_motion() {
+    for [first, second, pause_ms] in [
+        ["INT", "TERM", "0"],
+        ["HUP", "INT", "20"],
+        ["TSTP", "QUIT", "50"],
+    ] {
+        let (address, shared) = willing();
+        let folder = folder(&address, 1, 5.0);
+        let child = start_stream(folder.path());
+        wait_for_feedback(&shared);
+        let begin = Instant::now();
+        signal(&child, first);
+        std::thread::sleep(Duration::from_millis(pause_ms.parse().unwrap()));
+        signal(&child, second);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{}", said(&output));
+        let cancelled = shared.lock().unwrap().cancelled_at.expect("a cancellation");
+        assert!(cancelled - begin < Duration::from_millis(500));
+        assert!(log(folder.path(), "events.csv").contains("right holds"));
+        let manifest: Value = serde_json::from_str(&log(folder.path(), "manifest.json")).unwrap();
+        assert_eq!(manifest["interrupted_by"], format!("SIG{first}"));
+    }
+}
+
+/// A server that reports a cancellation, or nothing, while its arm moves on.
+#[test]
+fn an_arm_that_moves_on_is_reported() {
+    for script in [
+        Script {
+            ignores_cancel: true,
+            ..Script::default()
+        },
+        Script {
+            only_reports_cancel: true,
+            ..Script::default()
+        },
+    ] {
+        let (address, shared) = serve(Script { ros: 1, ..script });
+        let folder = folder(&address, 1, 6.0);
+        let child = start_stream(folder.path());
+        wait_for_feedback(&shared);
+        interrupt(&child);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        assert!(
+            said(&output).contains("still moves: watch the arm"),
+            "{}",
+            said(&output)
+        );
+    }
+}
+
+/// A server that reports success at once, or on the way, and whose arm stands still.
+#[test]
+fn an_end_that_is_not_seen_is_no_end() {
+    for succeeds_after in [0.0, 1.5] {
+        let (address, shared) = serve(Script {
+            ros: 1,
+            succeeds_after: Some(succeeds_after),
+            ..Script::default()
+        });
+        let folder = folder(&address, 1, 4.0);
+        let output = rodlab(folder.path(), &STREAM);
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        assert!(
+            said(&output).contains("its controller has reported the end of the motion"),
+            "{}",
+            said(&output)
+        );
+        assert!(shared.lock().unwrap().cancelled_at.is_some());
+    }
+}
+
+/// An error that the server reports to everyone is not the end of the motion.
+#[test]
+fn an_error_about_something_else_ends_nothing() {
     let (address, shared) = serve(Script {
         ros: 1,
-        ignores_cancel: true,
+        complains: true,
+        ..Script::default()
+    });
+    let folder = folder(&address, 1, 3.0);
+    let output = rodlab(folder.path(), &STREAM);
+    assert!(output.status.success(), "{}", said(&output));
+    assert_eq!(shared.lock().unwrap().moved, [1.0, -0.5]);
+}
+
+/// Pings faster than they are read, while the arm stands still.
+#[test]
+fn a_server_that_floods_does_not_keep_the_motion_from_its_end() {
+    let (address, shared) = serve(Script {
+        ros: 1,
+        floods_after: Some(1.5),
         ..Script::default()
     });
     let folder = folder(&address, 1, 5.0);
-    let mut child = start_stream(folder.path());
+    let begin = Instant::now();
+    let output = rodlab(folder.path(), &STREAM);
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(begin.elapsed() < Duration::from_secs(15));
+    assert!(shared.lock().unwrap().goal_at.is_some());
+}
+
+/// The connection is lost in the motion: it is opened again, to cancel.
+#[test]
+fn a_lost_connection_is_opened_again_to_cancel() {
+    let (address, shared) = serve(Script {
+        ros: 1,
+        dies_after: Some(0.5),
+        serves_again: true,
+        ..Script::default()
+    });
+    let folder = folder(&address, 1, 5.0);
+    let output = rodlab(folder.path(), &STREAM);
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(
+        shared.lock().unwrap().cancelled_at.is_some(),
+        "{}",
+        said(&output)
+    );
+    assert!(
+        log(folder.path(), "events.csv").contains("right holds"),
+        "{}",
+        log(folder.path(), "events.csv")
+    );
+}
+
+fn wait_for_feedback(shared: &Shared) {
     let wait = Instant::now();
-    while shared.lock().unwrap().feedback < 20 {
+    while shared.lock().unwrap().feedback < 60 {
         assert!(wait.elapsed() < Duration::from_secs(20));
         std::thread::sleep(Duration::from_millis(5));
     }
-    interrupt(&child);
-    wait_for_event(folder.path(), "interrupted", 5);
-    interrupt(&child);
-    let status = child.wait().unwrap();
-    assert_eq!(status.code(), Some(130));
-    // It did not wait for the arm: nothing was noted any more.
-    let manifest: Value = serde_json::from_str(&log(folder.path(), "manifest.json")).unwrap();
-    assert_eq!(manifest["status"], "running");
-    assert!(!log(folder.path(), "events.csv").contains("could not be told to hold"));
 }
 
 #[test]
@@ -325,7 +481,7 @@ fn faults_of_the_server_end_the_stream_with_words_and_exit_code_1() {
                 silent_after: Some(0.5),
                 ..Script::default()
             },
-            "nothing was heard of its joints",
+            "no report of its joints",
         ),
         (
             Script {

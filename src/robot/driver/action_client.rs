@@ -4,10 +4,10 @@
 use super::{DriverError, Progress};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Longest time for the first word about a goal.
+/// Longest time for the first report about a goal.
 const PATIENCE: Duration = Duration::from_secs(3);
-/// Longest time for the confirmation of a cancellation.
-const HOLD_PATIENCE: Duration = Duration::from_millis(500);
+/// Longest complaint of a server that is quoted, characters.
+const LONGEST_COMPLAINT: usize = 300;
 
 /// A goal that was sent.
 pub(super) struct Goal {
@@ -15,6 +15,8 @@ pub(super) struct Goal {
     sent: Instant,
     acknowledged: bool,
     outcome: Option<Result<(), DriverError>>,
+    /// The last error that the server reported without naming what it is about.
+    complaint: Option<String>,
 }
 
 impl Goal {
@@ -26,7 +28,13 @@ impl Goal {
             sent: Instant::now(),
             acknowledged: false,
             outcome: None,
+            complaint: None,
         }
+    }
+
+    /// Keeps an error of the server that may or may not concern this goal.
+    pub(super) fn note_complaint(&mut self, words: &str) {
+        self.complaint = Some(words.chars().take(LONGEST_COMPLAINT).collect());
     }
 
     /// Its name.
@@ -45,8 +53,9 @@ impl Goal {
         self.outcome = Some(outcome);
     }
 
-    fn is_under_way(&self) -> bool {
-        self.outcome.is_none()
+    /// Whether the server has accepted it.
+    pub(super) fn is_accepted(&self) -> bool {
+        self.acknowledged
     }
 }
 
@@ -91,51 +100,28 @@ pub(super) trait ActionClient {
             Some(Ok(())) => Ok(Progress::Done),
             Some(Err(error)) => Err(error.clone()),
             None if !goal.acknowledged && goal.sent.elapsed() > PATIENCE => {
+                let complaint = goal.complaint.as_ref();
+                let quoted = complaint.map(|words| format!(" (the server reported: {words})"));
                 Err(self.lost(format_args!(
-                    "nobody has taken the goal of {} within {} s; {}",
+                    "no answer to the goal of {} within {} s; {}{}",
                     self.action(),
                     PATIENCE.as_secs(),
-                    self.advice()
+                    self.advice(),
+                    quoted.unwrap_or_default()
                 )))
             }
             None => Ok(Progress::Running),
         }
     }
 
-    /// Cancels the goal that is under way, if there is one, and waits for the confirmation.
+    /// Requests the cancellation of the last goal. A goal whose end was reported is cancelled, too: the report may be wrong.
     ///
     /// # Errors
-    /// If it does not come.
-    fn cancel_and_wait(&mut self) -> Result<(), DriverError> {
-        let Some(id) = self
-            .goal()
-            .filter(|goal| goal.is_under_way())
-            .map(|goal| goal.id.clone())
-        else {
-            return Ok(());
-        };
-        self.cancel(&id)?;
-        let begin = Instant::now();
-        while begin.elapsed() < HOLD_PATIENCE {
-            match self.listen() {
-                // Without its master a server of ROS 1 still hears us.
-                Ok(()) | Err(DriverError::Lost(_)) => {}
-                Err(error) => return Err(error),
-            }
-            if !self.goal().is_some_and(Goal::is_under_way) {
-                return Ok(());
-            }
-            std::thread::sleep(Duration::from_millis(2));
+    /// The connection is lost.
+    fn cancel_goal(&mut self) -> Result<(), DriverError> {
+        match self.goal().map(|goal| goal.id.clone()) {
+            Some(id) => self.cancel(&id),
+            None => Ok(()),
         }
-        if self.goal().is_some_and(|goal| !goal.acknowledged) {
-            return Err(self.lost(format_args!(
-                "nobody has taken the goal of {}; {}",
-                self.action(),
-                self.advice()
-            )));
-        }
-        Err(self.lost(format_args!(
-            "the cancellation of the motion was not confirmed within 0.5 s: watch the arm"
-        )))
     }
 }

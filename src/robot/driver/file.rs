@@ -100,7 +100,7 @@ impl Driver for FileDriver {
         })
     }
 
-    fn hold(&mut self) -> Result<(), DriverError> {
+    fn stop(&mut self) -> Result<(), DriverError> {
         self.trajectory = None;
         Ok(())
     }

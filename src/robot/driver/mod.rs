@@ -1,12 +1,14 @@
 //! Drivers: what moves an arm or an axis, behind one trait.
 //!
-//! A driver is polled by the stream's loop every few milliseconds; none of its methods waits for long, but
-//! [`Driver::connect`] and [`Driver::hold`].
+//! A driver is polled by the stream's loop every few milliseconds. None of its methods except [`Driver::connect`] waits, and
+//! none reads for longer than [`READING`], however much the other end sends.
 
 mod action_client;
 mod camera_name;
 mod file;
 mod follow_joint_trajectory;
+mod interpolant;
+mod part_trajectory;
 mod picture;
 mod ros1;
 mod ros2;
@@ -19,6 +21,8 @@ mod stepper;
 
 pub use camera_name::{CameraError, open_camera};
 pub use file::FileDriver;
+pub use interpolant::Interpolant;
+pub use part_trajectory::PartTrajectory;
 pub use picture::{CameraPicture, PictureTopic};
 pub use ros1::{Bag, BagError, BagPicture, Ros1Camera, Ros1Driver, Ros1Gripper};
 pub use ros2::{Middleware, Ros2Address, Ros2CameraAddress};
@@ -29,50 +33,6 @@ pub use rosbridge_gripper::RosbridgeGripper;
 pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, StepperRequest};
 
 use std::time::{Duration, Instant};
-
-/// The motion of one arm or axis.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PartTrajectory {
-    /// Names of the joints.
-    pub joints: Vec<String>,
-    /// Growing times from zero, s.
-    pub times: Vec<f64>,
-    /// Positions, rad or m: a row per time.
-    pub points: Vec<Vec<f64>>,
-}
-
-impl PartTrajectory {
-    /// Positions at a time, straight between the points; the first before them, the last after.
-    pub fn at(&self, time: f64) -> Vec<f64> {
-        let after = self.times.partition_point(|known| *known <= time);
-        if after == 0 || after == self.times.len() {
-            return self.points[after.saturating_sub(1)].clone();
-        }
-        let (from, to) = (self.times[after - 1], self.times[after]);
-        let part = (time - from) / (to - from);
-        let pairs = self.points[after - 1].iter().zip(&self.points[after]);
-        pairs.map(|(a, b)| a + part * (b - a)).collect()
-    }
-
-    /// Velocities at each point by the points around it; rest at both ends.
-    pub fn velocities(&self) -> Vec<Vec<f64>> {
-        let last = self.times.len() - 1;
-        let at = |k: usize| {
-            if k == 0 || k == last {
-                return vec![0.0; self.joints.len()];
-            }
-            let span = self.times[k + 1] - self.times[k - 1];
-            let pairs = self.points[k - 1].iter().zip(&self.points[k + 1]);
-            pairs.map(|(a, b)| (b - a) / span).collect()
-        };
-        (0..=last).map(at).collect()
-    }
-
-    /// Its last time, s.
-    pub fn duration(&self) -> f64 {
-        self.times[self.times.len() - 1]
-    }
-}
 
 /// Where the joints are.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,6 +53,25 @@ impl JointState {
             positions,
         })
     }
+}
+
+/// Longest time in which a driver reads messages at a time, and most messages: a peer that sends without end must not keep
+/// the loop from its other work.
+pub const READING: Duration = Duration::from_millis(2);
+const MOST_MESSAGES: usize = 200;
+
+/// Calls `read` until it returns `false`, for [`READING`] and [`MOST_MESSAGES`] at most.
+///
+/// # Errors
+/// Those of `read`.
+fn read_within_bounds<E>(mut read: impl FnMut() -> Result<bool, E>) -> Result<(), E> {
+    let begin = Instant::now();
+    for _ in 0..MOST_MESSAGES {
+        if !read()? || begin.elapsed() > READING {
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// How far a motion has come.
@@ -135,29 +114,34 @@ pub trait GripperDriver {
 
 /// What moves an arm or an axis.
 pub trait Driver: Send {
-    /// Connects for motions of the given joints.
+    /// Connects for motions of the given joints; again after a lost connection.
     ///
     /// # Errors
-    /// If there is nobody at the other end within a few seconds.
+    /// No answer from the other end within a few seconds.
     fn connect(&mut self, joints: &[String]) -> Result<(), DriverError>;
 
-    /// Whether it hears where the joints are. If not, [`Driver::state`] is always `None`.
+    /// Whether it reports where the joints are. If not, [`Driver::state`] is always `None`.
     fn reports_state(&self) -> bool;
 
-    /// Whether its reports are where the joints are, rather than what they were told: a motor without a sensor begins
-    /// a motion where it stands.
+    /// Whether its reports are measured positions rather than commanded ones: a motor without a sensor begins a motion
+    /// where it is.
     fn knows_position(&self) -> bool {
         self.reports_state()
     }
 
-    /// Where the joints were when last heard of; `None` before that.
+    /// The last report of the joints; `None` before the first. Reads what has arrived, within [`READING`].
     ///
     /// # Errors
-    /// If the connection is lost.
+    /// The connection is lost.
     fn state(&mut self) -> Result<Option<JointState>, DriverError>;
 
-    /// Time of the robot's own clock, s, where it keeps one, and when it was heard: a simulated robot may be faster or slower
-    /// than real time.
+    /// The last setpoint that the controller reported in the feedback of the motion, if it reports any.
+    fn setpoint(&self) -> Option<&JointState> {
+        None
+    }
+
+    /// Time of the robot's own clock, s, where it keeps one, and when it was received: a simulated robot may be faster or
+    /// slower than real time.
     fn clock(&self) -> Option<(f64, Instant)> {
         None
     }
@@ -165,18 +149,24 @@ pub trait Driver: Send {
     /// Begins a motion, at once.
     ///
     /// # Errors
-    /// If the connection is lost.
+    /// The connection is lost.
     fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError>;
 
-    /// Carries the motion on, `elapsed` seconds after its start.
+    /// Whether the other end has accepted the motion.
+    fn is_accepted(&self) -> bool {
+        true
+    }
+
+    /// Continues the motion, `elapsed` seconds after its start.
     ///
     /// # Errors
-    /// If the connection is lost, or the other end refuses the motion or breaks it off.
+    /// The connection is lost, or the other end rejects or aborts the motion.
     fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError>;
 
-    /// Ends the motion: the joints are left still. Returns once that is confirmed, or cannot be within half a second.
+    /// Requests the end of the last motion, whether or not the other end has reported that it is over, and returns without
+    /// waiting for an answer: only reports of the joints show that they are at rest.
     ///
     /// # Errors
-    /// If it could not be confirmed.
-    fn hold(&mut self) -> Result<(), DriverError>;
+    /// The request could not be sent.
+    fn stop(&mut self) -> Result<(), DriverError>;
 }

@@ -6,7 +6,7 @@
 use super::action_client::{ActionClient, Goal};
 use super::rosbridge_goal::{ActionName, RosVersion, cancellation, duration, goal, result_of};
 use super::rosbridge_socket::{open_socket, send};
-use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
+use super::{Driver, DriverError, JointState, PartTrajectory, Progress, read_within_bounds};
 use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::net::TcpStream;
@@ -22,6 +22,15 @@ const FOLLOW: ActionName = ActionName {
     name: "FollowJointTrajectory",
 };
 
+/// Largest message of the server, bytes: states and results of robots are far smaller.
+const LARGEST_MESSAGE: usize = 1 << 20;
+
+fn bounded() -> WebSocketConfig {
+    WebSocketConfig::default()
+        .max_message_size(Some(LARGEST_MESSAGE))
+        .max_frame_size(Some(LARGEST_MESSAGE))
+}
+
 /// A driver through rosbridge.
 pub struct RosbridgeDriver {
     address: String,
@@ -31,6 +40,7 @@ pub struct RosbridgeDriver {
     joints: Vec<String>,
     socket: Option<WebSocket<TcpStream>>,
     state: Option<JointState>,
+    setpoint: Option<JointState>,
     clock: Option<(f64, Instant)>,
     goal: Option<Goal>,
 }
@@ -46,6 +56,7 @@ impl RosbridgeDriver {
             joints: Vec::new(),
             socket: None,
             state: None,
+            setpoint: None,
             clock: None,
             goal: None,
         }
@@ -71,14 +82,20 @@ impl RosbridgeDriver {
             (Some("publish" | "action_feedback" | "action_result"), _) => {
                 self.hear_action(message);
             }
-            (Some("status"), _) if message["level"] == "error" => {
-                let said = message["msg"].as_str().unwrap_or("an error without words");
-                let error = DriverError::Refused(format!("rosbridge at {}: {said}", self.address));
-                if let Some(goal) = &mut self.goal {
-                    goal.end(Err(error));
-                }
-            }
+            (Some("status"), _) if message["level"] == "error" => self.hear_complaint(message),
             _ => {}
+        }
+    }
+
+    /// An error of the server ends the goal where it names the goal. Others may be about other clients.
+    fn hear_complaint(&mut self, message: &Value) {
+        let words = message["msg"].as_str().unwrap_or("an error without words");
+        let Some(goal) = &mut self.goal else { return };
+        if message["id"] == *goal.id() {
+            let reason = format!("rosbridge at {}: {words}", self.address);
+            goal.end(Err(DriverError::Refused(reason)));
+        } else {
+            goal.note_complaint(words);
         }
     }
 
@@ -95,13 +112,50 @@ impl RosbridgeDriver {
         self.state = heard.or(self.state.take());
     }
 
-    /// What is said of the goal.
+    /// Reports about the goal.
     fn hear_action(&mut self, message: &Value) {
         let Some(goal) = &mut self.goal else { return };
+        if let Some(feedback) = feedback_of(&self.action, goal.id(), message)
+            && let Some(names) = feedback["joint_names"].as_array()
+            && let Some(positions) = feedback["desired"]["positions"].as_array()
+        {
+            let heard = JointState::heard(&self.joints, |joint| {
+                let index = names.iter().position(|name| name == joint.as_str())?;
+                positions.get(index)?.as_f64()
+            });
+            self.setpoint = heard.or(self.setpoint.take());
+        }
         if let Some(outcome) = result_of(&self.action, goal.id(), message) {
             goal.end(outcome);
         } else if speaks_of(&self.action, goal.id(), message) {
             goal.acknowledge();
+        }
+    }
+
+    /// Reads one message; `false` where none has arrived.
+    fn read_message(&mut self) -> Result<bool, DriverError> {
+        let Some(socket) = &mut self.socket else {
+            return Err(self.lost(format_args!("not connected")));
+        };
+        match socket.read() {
+            Ok(Message::Text(text)) => {
+                if let Ok(message) = serde_json::from_str::<Value>(&text) {
+                    self.hear(&message);
+                }
+                Ok(true)
+            }
+            Ok(Message::Close(_)) => {
+                self.socket = None;
+                Err(self.lost(format_args!("the server closed the connection")))
+            }
+            Ok(_) => Ok(true),
+            Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
+                Ok(false)
+            }
+            Err(error) => {
+                self.socket = None;
+                Err(self.lost(format_args!("the connection is lost: {error}")))
+            }
         }
     }
 
@@ -111,8 +165,8 @@ impl RosbridgeDriver {
             .zip(trajectory.velocities())
             .map(|((time, point), velocities)| {
                 json!({
-                    "positions": point,
-                    "velocities": velocities,
+                    "positions": rounded(point),
+                    "velocities": rounded(&velocities),
                     "accelerations": [],
                     "effort": [],
                     "time_from_start": duration(self.version, *time),
@@ -136,30 +190,7 @@ impl ActionClient for RosbridgeDriver {
     }
 
     fn listen(&mut self) -> Result<(), DriverError> {
-        loop {
-            let Some(socket) = &mut self.socket else {
-                return Err(self.lost(format_args!("not connected")));
-            };
-            match socket.read() {
-                Ok(Message::Text(text)) => {
-                    if let Ok(message) = serde_json::from_str::<Value>(&text) {
-                        self.hear(&message);
-                    }
-                }
-                Ok(Message::Close(_)) => {
-                    self.socket = None;
-                    return Err(self.lost(format_args!("the server closed the connection")));
-                }
-                Ok(_) => {}
-                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
-                    return Ok(());
-                }
-                Err(error) => {
-                    self.socket = None;
-                    return Err(self.lost(format_args!("the connection is lost: {error}")));
-                }
-            }
-        }
+        read_within_bounds(|| self.read_message())
     }
 
     fn cancel(&mut self, id: &str) -> Result<(), DriverError> {
@@ -174,7 +205,7 @@ impl ActionClient for RosbridgeDriver {
 impl Driver for RosbridgeDriver {
     fn connect(&mut self, joints: &[String]) -> Result<(), DriverError> {
         self.joints = joints.to_vec();
-        let socket = open_socket(&self.address, WebSocketConfig::default())
+        let socket = open_socket(&self.address, bounded())
             .map_err(|reason| self.lost(format_args!("{reason}")))?;
         let prepared = socket.get_ref().set_nonblocking(true);
         self.socket = Some(socket);
@@ -225,11 +256,16 @@ impl Driver for RosbridgeDriver {
         Ok(self.state.clone())
     }
 
+    fn setpoint(&self) -> Option<&JointState> {
+        self.setpoint.as_ref()
+    }
+
     fn clock(&self) -> Option<(f64, Instant)> {
         self.clock
     }
 
     fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+        self.setpoint = None;
         let goal = Goal::new();
         let message = self.goal_message(trajectory, goal.id());
         self.send(&message)?;
@@ -241,9 +277,30 @@ impl Driver for RosbridgeDriver {
         self.progress()
     }
 
-    fn hold(&mut self) -> Result<(), DriverError> {
-        self.cancel_and_wait()
+    fn is_accepted(&self) -> bool {
+        self.goal.as_ref().is_some_and(Goal::is_accepted)
     }
+
+    fn stop(&mut self) -> Result<(), DriverError> {
+        self.cancel_goal()
+    }
+}
+
+/// Numbers to a nanoradian or nanometre, for messages half as long: servers bound the size of a message.
+fn rounded(numbers: &[f64]) -> Vec<f64> {
+    let to_nano = |number: &f64| (number * 1e9).round() / 1e9;
+    numbers.iter().map(to_nano).collect()
+}
+
+/// The body of a feedback message of a goal.
+fn feedback_of<'a>(action: &str, id: &str, message: &'a Value) -> Option<&'a Value> {
+    if message["op"] == "action_feedback" {
+        return (message["id"] == *id).then(|| &message["values"]);
+    }
+    let topic = message["topic"].as_str()?;
+    let is_ours = message["msg"]["status"]["goal_id"]["id"] == *id;
+    let is_feedback = topic.strip_prefix(action) == Some("/feedback");
+    (is_feedback && is_ours).then(|| &message["msg"]["feedback"])
 }
 
 /// Whether a message says that a goal is known: the status list of ROS 1, feedback of either.

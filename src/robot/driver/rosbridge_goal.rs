@@ -46,6 +46,8 @@ pub(super) fn goal(
     match version {
         RosVersion::One => json!({
             "op": "publish",
+            // Servers name it in complaints about this message.
+            "id": id,
             "topic": format!("{action}/goal"),
             "msg": { "goal_id": { "stamp": duration(version, 0.0), "id": id }, "goal": body },
         }),

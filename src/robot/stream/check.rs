@@ -1,11 +1,17 @@
-//! What is looked at before the first point is sent.
+//! Limits, checked before the first point is sent: of the points, and of the cubics that controllers put between them.
 
 use crate::robot::chain::Limits;
-use crate::robot::driver::PartTrajectory;
+use crate::robot::driver::{Interpolant, PartTrajectory};
 use std::fmt;
 
 /// Part of a limit by which rounding in a table may exceed it.
 const ROUNDING: f64 = 0.01;
+/// The spline through samples of a motion whose jerk jumps by `j` overshoots its acceleration by this part of `j` times the time
+/// between samples, and at most by [`MOST_OVERSHOOT`] of the limit.
+const OVERSHOOT: f64 = 0.15;
+const MOST_OVERSHOOT: f64 = 0.05;
+/// How far a cubic may leave the range between limits, rad or m: rounding of a motion along a limit.
+const POSITION_ROUNDING: f64 = 1e-5;
 
 /// A point that must not be sent.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +20,8 @@ pub struct Fault {
     pub joint: String,
     /// Index of the point.
     pub point: usize,
+    /// Whether it is between this point and the next, on the cubic that a controller puts there.
+    pub is_between: bool,
     /// What exceeds its limit.
     pub what: &'static str,
     /// How much it is, in rad or m and seconds.
@@ -25,35 +33,42 @@ pub struct Fault {
 impl fmt::Display for Fault {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [low, high] = self.allowed;
-        write!(
-            formatter,
-            "{}: {} {:.6} at point {}; allowed: {low:.6} to {high:.6}",
-            self.joint,
-            self.what,
-            self.value,
-            self.point + 1
-        )
+        let (joint, what, value) = (&self.joint, self.what, self.value);
+        write!(formatter, "{joint}: {what} {value:.6} ")?;
+        let point = self.point + 1;
+        match self.is_between {
+            false => write!(formatter, "at point {point}")?,
+            true => write!(
+                formatter,
+                "between points {point} and {}, as controllers put cubics between points",
+                point + 1
+            )?,
+        }
+        write!(formatter, "; allowed: {low:.6} to {high:.6}")
     }
 }
 
 /// Checks positions, velocities, accelerations and jerks of a part against limits, one per joint, by differences of
-/// neighbouring points, with rest before the first and after the last.
+/// neighbouring points, with rest before the first and after the last, and those of the cubics between the points
+/// ([`PartTrajectory::interpolant`]).
 ///
 /// # Errors
 /// The first fault of each joint.
 pub fn check(trajectory: &PartTrajectory, limits: &[Limits]) -> Result<(), Vec<Fault>> {
+    let cubics = trajectory.interpolant();
     let mut faults = Vec::new();
     for (index, limits) in limits.iter().enumerate() {
-        if let Some((what, point, value, allowed)) = first_fault(trajectory, index, limits) {
-            let joint = trajectory.joints[index].clone();
-            faults.push(Fault {
-                joint,
-                point,
-                what,
-                value,
-                allowed,
-            });
-        }
+        let fault = |is_between: bool, (what, point, value, allowed): Found| Fault {
+            joint: trajectory.joints[index].clone(),
+            point,
+            is_between,
+            what,
+            value,
+            allowed,
+        };
+        let at_points = first_fault(trajectory, index, limits).map(|found| fault(false, found));
+        let between = || first_fault_between(&cubics, index, limits);
+        faults.extend(at_points.or_else(|| between().map(|found| fault(true, found))));
     }
     if faults.is_empty() {
         Ok(())
@@ -63,6 +78,38 @@ pub fn check(trajectory: &PartTrajectory, limits: &[Limits]) -> Result<(), Vec<F
 }
 
 type Found = (&'static str, usize, f64, [f64; 2]);
+
+fn first_fault_between(cubics: &Interpolant, joint: usize, limits: &Limits) -> Option<Found> {
+    let count = cubics.times().len();
+    (1..count).find_map(|k| {
+        let cubic = cubics.cubic(joint, k - 1, k);
+        let [low, high] = cubic.range();
+        let position = if limits.upper - high < low - limits.lower {
+            high
+        } else {
+            low
+        };
+        let range = limits.lower - POSITION_ROUNDING..=limits.upper + POSITION_ROUNDING;
+        if !range.contains(&position) {
+            return Some(("position", k - 1, position, [limits.lower, limits.upper]));
+        }
+        let velocity = cubic.fastest();
+        if !(velocity.abs() <= limits.velocity * (1.0 + ROUNDING)) {
+            let allowed = [-limits.velocity, limits.velocity];
+            return Some(("velocity", k - 1, velocity, allowed));
+        }
+        let spacing = cubics.times()[k] - cubics.times()[k - 1];
+        let overshoot =
+            (OVERSHOOT * limits.jerk * spacing).min(MOST_OVERSHOOT * limits.acceleration);
+        let most = limits.acceleration * (1.0 + ROUNDING) + overshoot;
+        let steep = cubic
+            .accelerations()
+            .into_iter()
+            .find(|a| !(a.abs() <= most));
+        let allowed = [-limits.acceleration, limits.acceleration];
+        steep.map(|acceleration| ("acceleration", k - 1, acceleration, allowed))
+    })
+}
 
 fn first_fault(trajectory: &PartTrajectory, joint: usize, limits: &Limits) -> Option<Found> {
     let outside = trajectory

@@ -1,82 +1,166 @@
-//! The clock of a motion: ours, or that of the robot where it keeps one.
+//! The clock of a motion: that of this machine, or that of the robot where it keeps one.
 //!
-//! A simulated robot tells its own time (in ROS on the topic `/clock`): it may be faster than real time, or slower where it
-//! cannot keep up, and what it should do when counts by that.
+//! A simulated robot publishes its own time (in ROS on the topic `/clock`): it may be faster than real time, or slower where it
+//! cannot keep up, and the trajectory counts by it.
 
 use super::Part;
+use super::timer::Timer;
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// Most that a clock is taken to hasten: beyond it, it jumps.
-const MOST_HASTE: f64 = 100.0;
-
-/// Time of ours over which its haste is told at least, s: less would tell that of single messages.
-const HASTE_OVER: f64 = 0.1;
+/// Fastest clock, times real time. What is faster is a jump.
+const FASTEST: f64 = 100.0;
+/// How many times its greatest rate so far a clock may run.
+const FASTER: f64 = 4.0;
+/// Longest jump of a clock that is taken for messages that were late, s.
+const JUMP: f64 = 2.0;
+/// Time of ours after which a jump that stays is an error.
+const LONGEST_JUMP: Duration = Duration::from_millis(300);
+/// Time of ours over which the rate of a clock is measured.
+const RATE_WINDOW: Duration = Duration::from_millis(250);
+/// Time of ours for which a measured rate counts.
+const RATE_MEMORY: Duration = Duration::from_secs(1);
 
 /// Time since the start of a motion.
 pub(super) struct MotionClock {
     start: Instant,
-    /// The part whose clock counts, and its time at the start, s.
-    robot: Option<(usize, f64)>,
-    /// See [`MotionClock::haste`].
-    haste: f64,
+    robot: Option<RobotClock>,
+}
+
+/// The clock of a robot.
+struct RobotClock {
+    /// The part whose clock counts.
+    part: usize,
+    /// Its time at the start, s.
+    began: f64,
+    /// Its last time that was no jump, s, and when it was received.
+    last: (f64, Instant),
+    /// When it jumped, if it has not come back since.
+    jumped: Option<Instant>,
+    /// Times of ours, and of the robot, s, of late.
+    kept: VecDeque<(Instant, f64)>,
+    /// Rates of late, and when they were measured.
+    rates: VecDeque<(Instant, f64)>,
+    greatest_rate: f64,
 }
 
 impl MotionClock {
     /// The clock of parts that are about to begin.
-    ///
-    /// # Errors
-    /// A connection is lost.
-    pub(super) fn of(parts: &mut [Part]) -> Result<Self, String> {
-        let clocked = parts.iter_mut();
-        for part in clocked.filter(|part| part.driver.clock().is_some()) {
-            let heard = part.driver.state();
-            heard.map_err(|error| format!("{}: {error}", part.name))?;
-        }
+    pub(super) fn of(parts: &[Part], timer: &dyn Timer) -> Self {
         let clocks = parts.iter().enumerate();
-        let mut clocks = clocks.filter_map(|(part, known)| Some((part, known.driver.clock()?.0)));
-        Ok(Self {
-            start: Instant::now(),
-            robot: clocks.next(),
-            haste: 1.0,
-        })
+        let mut clocks = clocks.filter_map(|(part, known)| Some((part, known.driver.clock()?)));
+        Self {
+            start: timer.now(),
+            robot: clocks.next().map(|(part, (began, received))| RobotClock {
+                part,
+                began,
+                last: (began, received),
+                jumped: None,
+                kept: VecDeque::from([(received, began)]),
+                rates: VecDeque::new(),
+                greatest_rate: 1.0,
+            }),
+        }
     }
 
-    /// They have been told to begin. A robot's own clock counts from before: it has begun a little later then, and never earlier.
-    pub(super) fn set_off(&mut self) {
-        self.start = Instant::now();
+    /// The parts have been started. A robot's own clock counts from before: it has begun a little later then, and never earlier.
+    pub(super) fn set_off(&mut self, timer: &dyn Timer) {
+        self.start = timer.now();
+    }
+
+    /// Reads the clocks.
+    ///
+    /// # Errors
+    /// The clock of the robot has jumped.
+    pub(super) fn read(&mut self, parts: &[Part]) -> Result<(), String> {
+        let Some(robot) = &mut self.robot else {
+            return Ok(());
+        };
+        let part = &parts[robot.part];
+        let Some((time, received)) = part.driver.clock() else {
+            return Ok(());
+        };
+        robot
+            .read(time, received)
+            .map_err(|reason| format!("{}: {reason}", part.name))
     }
 
     /// Time since the start, s.
-    pub(super) fn elapsed(&mut self, parts: &[Part]) -> f64 {
-        let robot = self
-            .robot
-            .and_then(|(part, began)| Some(parts[part].driver.clock()?.0 - began));
-        let elapsed = robot.unwrap_or_else(|| self.start.elapsed().as_secs_f64());
-        self.hasten(elapsed);
-        elapsed
+    pub(super) fn elapsed(&self, timer: &dyn Timer) -> f64 {
+        match &self.robot {
+            Some(robot) => robot.since_start(timer.now()),
+            None => timer.now().duration_since(self.start).as_secs_f64(),
+        }
     }
 
-    /// When, s after the start, what a part said last was so; `silence` is how long ago that was on our clock.
-    pub(super) fn heard(&mut self, part: &Part, silence: Duration) -> f64 {
-        let robot = self.robot.zip(part.driver.clock());
-        // What comes with the time of the robot's clock is as old as that.
-        let heard = match robot {
-            Some(((_, began), (time, _))) => time - began,
-            None => self.start.elapsed().as_secs_f64() - silence.as_secs_f64(),
-        };
-        self.hasten(heard);
-        heard
+    /// Time since the start at which a report that was received then was true, s. What comes with the time of the robot's clock
+    /// is as old as that.
+    pub(super) fn received(&self, received: Instant) -> f64 {
+        match &self.robot {
+            Some(robot) => robot.since_start(received),
+            None => match received.checked_duration_since(self.start) {
+                Some(since) => since.as_secs_f64(),
+                None => -self.start.duration_since(received).as_secs_f64(),
+            },
+        }
     }
 
-    /// Notes how fast the clock has been until it was so late, s after the start.
-    fn hasten(&mut self, time: f64) {
-        let ours = self.start.elapsed().as_secs_f64();
-        self.haste = self.haste.max(time / ours.max(HASTE_OVER)).min(MOST_HASTE);
+    /// How many times as fast as real time the clock has been of late, at most, and never below 1: what takes us a moment is
+    /// longer on a fast one.
+    pub(super) fn rate(&self) -> f64 {
+        let Some(robot) = &self.robot else { return 1.0 };
+        robot
+            .rates
+            .iter()
+            .fold(1.0, |most, (_, rate)| rate.max(most))
     }
 
-    /// How many times as fast as ours the clock has been on the way, at most, and never below 1: what takes us a moment is
-    /// longer on a fast one. One that was fast at the start, when the robot was told to begin, may become slow later.
-    pub(super) fn haste(&self) -> f64 {
-        self.haste
+    /// The greatest [rate](Self::rate) since the start.
+    pub(super) fn greatest_rate(&self) -> f64 {
+        self.robot.as_ref().map_or(1.0, |robot| robot.greatest_rate)
+    }
+}
+
+impl RobotClock {
+    /// Time since the start, s. While the clock has jumped it is taken to run on as before.
+    fn since_start(&self, now: Instant) -> f64 {
+        let known = self.last.0 - self.began;
+        let rate = self.rates.back().map_or(1.0, |(_, rate)| *rate);
+        match self.jumped {
+            None => known,
+            Some(_) => known + rate * now.saturating_duration_since(self.last.1).as_secs_f64(),
+        }
+    }
+
+    fn read(&mut self, time: f64, received: Instant) -> Result<(), String> {
+        let since = received.saturating_duration_since(self.last.1);
+        let by = time - self.last.0;
+        let most = JUMP + FASTER * self.greatest_rate * since.as_secs_f64();
+        // A time that is not a number is a jump, too.
+        if !(by >= 0.0 && by <= most) {
+            let jumped = *self.jumped.get_or_insert(received);
+            if received.saturating_duration_since(jumped) > LONGEST_JUMP {
+                return Err(format!("the clock of the robot has jumped by {by:.3} s"));
+            }
+            return Ok(());
+        }
+        self.jumped = None;
+        if by == 0.0 {
+            return Ok(());
+        }
+        self.last = (time, received);
+        self.kept.push_back((received, time));
+        while self.kept.len() > 2 && received.duration_since(self.kept[1].0) > RATE_WINDOW {
+            self.kept.pop_front();
+        }
+        let (first, then) = self.kept[0];
+        let span = received.duration_since(first).max(RATE_WINDOW);
+        let rate = ((time - then) / span.as_secs_f64()).min(FASTEST);
+        self.greatest_rate = self.greatest_rate.max(rate);
+        self.rates.push_back((received, rate));
+        while received.duration_since(self.rates[0].0) > RATE_MEMORY {
+            self.rates.pop_front();
+        }
+        Ok(())
     }
 }

@@ -1,29 +1,53 @@
 //! Safe streaming: trajectories to drivers on one clock.
 //!
-//! [`check`] looks at every point before the first is sent. [`stream`] then connects, compares where the joints stand
-//! with the first point, starts all parts at once, and watches: an arm that is not heard of for longer than the
-//! watchdog's time, or that is farther from where it should be than a tolerance, ends the motion of all. Whatever
-//! ends it early, every part is told to hold, and the log is complete.
+//! [`check`] looks at the motion before the first point is sent. [`stream`] then connects, compares the joints with their first
+//! points, starts all parts at once, and watches their reports. A motion is finished where the joints are seen at the last point
+//! and at rest, whatever a controller reports. A silence longer than the watchdog's time, or a joint farther from its trajectory
+//! than a tolerance, ends the motion of all. Whatever ends it early, every part is told to stop, and holds only where its joints
+//! are seen at rest.
+//!
+//! | file | what |
+//! |---|---|
+//! | `check` | limits, before anything is sent |
+//! | `start` | connections, and whether every joint is at its first point |
+//! | `follow`, `reports` | whether an arm follows its trajectory, pauses, has arrived |
+//! | `stop` | requests to stop, until the joints are at rest |
+//! | `clock`, `timer` | the clock of the motion; time as a stream reads it |
+//! | `bounds`, `log` | tolerances; the log |
 
+mod bounds;
 mod check;
 mod clock;
+mod follow;
 mod log;
+mod reports;
+mod start;
+mod stop;
+mod timer;
 
+pub use bounds::{StreamBounds, Tolerance};
 pub use check::{Fault, check};
 pub use log::StreamLog;
 
-use super::driver::{Driver, DriverError, PartTrajectory, Progress};
+use super::chain::JointKind;
+use super::driver::{Driver, DriverError, JointState, PartTrajectory, Progress};
 use clock::MotionClock;
+use follow::{Circumstances, Follower, Motion};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
+use timer::{SystemTimer, Timer};
 
 /// Time between looks at the drivers.
 const CYCLE: Duration = Duration::from_millis(2);
-/// Longest wait for a first report of where the joints are.
-const FIRST_STATE: Duration = Duration::from_secs(2);
 /// Longest wait for the end after the last point's time, s.
 const OVERTIME: f64 = 5.0;
-/// An arm may be late by this, s, before its distance from where it should be counts.
-const LATENESS: f64 = 0.3;
+/// Longest time between the end that a controller reports and joints at rest at the last point.
+const SETTLING: Duration = Duration::from_secs(2);
+/// Longest silence of a server that has not answered the goal yet: it may be busy with it, and nothing moves.
+const ACCEPTANCE: Duration = Duration::from_secs(1);
+/// Lag of an arm that the log mentions, s.
+const NOTICED_LAG: f64 = 1.0;
 
 /// An arm or axis of a stream.
 pub struct Part {
@@ -33,129 +57,177 @@ pub struct Part {
     pub driver: Box<dyn Driver>,
     /// Its motion.
     pub trajectory: PartTrajectory,
-}
-
-/// Bounds of a stream.
-#[derive(Clone, Copy, Debug)]
-pub struct StreamBounds {
-    /// Greatest distance of a joint from the first point at the start, rad or m.
-    pub start_tolerance: f64,
-    /// Greatest distance of a joint from where it should be, rad or m.
-    pub tracking_tolerance: f64,
-    /// Longest silence.
-    pub watchdog: Duration,
+    /// What each of its joints does.
+    pub kinds: Vec<JointKind>,
 }
 
 /// How a stream ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
-    /// All parts came to their last points.
+    /// All joints are at their last points, and at rest.
     Finished,
-    /// Somebody asked for the end; all parts hold.
+    /// The user asked for the end; all joints are at rest.
     Interrupted,
-    /// Something went wrong; all parts were told to hold.
+    /// Something went wrong: the reason, and which parts were not seen at rest since.
     Failed(String),
 }
 
-/// Streams parts to their drivers until all are done, `is_interrupted` says so, or something goes wrong.
+/// Motions under way in this program.
+static MOVING: AtomicUsize = AtomicUsize::new(0);
+
+/// A motion under way: from the first goal until every part was told to stop or has arrived.
+pub struct Moving(());
+
+impl Moving {
+    /// A motion begins.
+    pub fn begin() -> Self {
+        MOVING.fetch_add(1, Ordering::SeqCst);
+        Self(())
+    }
+
+    /// Whether this program moves something.
+    pub fn is_under_way() -> bool {
+        MOVING.load(Ordering::SeqCst) > 0
+    }
+}
+
+impl Drop for Moving {
+    fn drop(&mut self) {
+        MOVING.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// Streams parts to their drivers until all have arrived, `is_interrupted` returns `true`, or something goes wrong.
 pub fn stream(
     parts: &mut [Part],
     bounds: &StreamBounds,
     is_interrupted: &dyn Fn() -> bool,
     log: &mut StreamLog,
 ) -> Ending {
-    let ending = run(parts, bounds, is_interrupted, log);
-    if ending == Ending::Finished {
-        log.event("finished");
-        return ending;
-    }
-    let mut said = match &ending {
-        Ending::Failed(reason) => reason.clone(),
-        _ => "interrupted".into(),
-    };
-    log.event(&said);
-    for part in parts.iter_mut() {
-        match part.driver.hold() {
-            Ok(()) => log.event(&format!("{} holds", part.name)),
-            Err(error) => {
-                let reason = format!("{} could not be told to hold: {error}", part.name);
-                log.event(&reason);
-                said = format!("{said}; {reason}");
-            }
-        }
-    }
-    match ending {
-        Ending::Failed(_) => Ending::Failed(said),
-        // An arm that may still move is more than an interruption.
-        Ending::Interrupted if said != "interrupted" => Ending::Failed(said),
-        other => other,
-    }
+    stream_by(&SystemTimer, parts, bounds, is_interrupted, log)
 }
 
-fn run(
+fn stream_by(
+    timer: &dyn Timer,
     parts: &mut [Part],
     bounds: &StreamBounds,
     is_interrupted: &dyn Fn() -> bool,
     log: &mut StreamLog,
 ) -> Ending {
-    let started = prepare(parts, bounds, is_interrupted, log);
-    if let Err(ending) = started {
+    if let Err(ending) = start::prepare(parts, bounds, is_interrupted, timer, log) {
+        log.event(match &ending {
+            Ending::Failed(reason) => reason,
+            _ => "interrupted",
+        });
         return ending;
     }
-    let mut clock = match MotionClock::of(parts) {
-        Ok(clock) => clock,
-        Err(reason) => return Ending::Failed(reason),
+    let _moving = Moving::begin();
+    // A panic must not leave an arm in motion.
+    let run = catch_unwind(AssertUnwindSafe(|| {
+        run(timer, parts, bounds, is_interrupted, log)
+    }));
+    let ending = run.unwrap_or_else(|_| {
+        Ending::Failed("an internal error of this program ended the motion".into())
+    });
+    let reason = match &ending {
+        Ending::Finished => {
+            log.event("finished");
+            return ending;
+        }
+        Ending::Failed(reason) => reason.as_str(),
+        Ending::Interrupted => "interrupted",
     };
+    log.event(reason);
+    let left = stop::stop(parts, timer, log);
+    if left.is_empty() {
+        return ending;
+    }
+    // An arm that may still move is more than an interruption.
+    Ending::Failed(format!("{reason}; {}", left.join("; ")))
+}
+
+/// A part and what is known of its motion.
+struct Watched {
+    follower: Option<Follower>,
+    /// Whether its driver has reported the end.
+    is_done: bool,
+    has_arrived: bool,
+    /// Since when it should have arrived.
+    due_since: Option<Instant>,
+    lag_is_logged: bool,
+}
+
+fn run(
+    timer: &dyn Timer,
+    parts: &mut [Part],
+    bounds: &StreamBounds,
+    is_interrupted: &dyn Fn() -> bool,
+    log: &mut StreamLog,
+) -> Ending {
+    let mut watched: Vec<Watched> = parts
+        .iter()
+        .map(|part| Watched {
+            follower: (part.driver.knows_position())
+                .then(|| Follower::new(&part.trajectory, &part.kinds)),
+            is_done: false,
+            has_arrived: false,
+            due_since: None,
+            lag_is_logged: false,
+        })
+        .collect();
+    let mut clock = MotionClock::of(parts, timer);
     for part in parts.iter_mut() {
         if let Err(error) = part.driver.start(&part.trajectory) {
             return failed(part, &error);
         }
     }
-    clock.set_off();
+    clock.set_off(timer);
     log.event("started");
-    let mut done = vec![false; parts.len()];
     let longest = parts
         .iter()
         .map(|part| part.trajectory.duration())
         .fold(0.0, f64::max);
     loop {
-        let elapsed = clock.elapsed(parts);
         if is_interrupted() {
             return Ending::Interrupted;
         }
-        for (part, done) in parts.iter_mut().zip(&mut done) {
-            if !*done {
-                match part.driver.advance(elapsed) {
-                    Ok(Progress::Running) => {}
-                    Ok(Progress::Done) => {
-                        *done = true;
-                        log.event(&format!("{} is done", part.name));
-                    }
-                    Err(error) => return failed(part, &error),
-                }
-            }
-            if let Err(reason) = watch(part, bounds, &mut clock, *done, log) {
-                return Ending::Failed(reason);
+        let elapsed = clock.elapsed(timer);
+        let states = match advance(parts, &mut watched, elapsed, log) {
+            Ok(states) => states,
+            Err(ending) => return ending,
+        };
+        if let Err(reason) = clock.read(parts) {
+            return Ending::Failed(reason);
+        }
+        let is_alone = parts.len() == 1;
+        for ((part, watched), state) in parts.iter().zip(&mut watched).zip(&states) {
+            let watch = Watch {
+                bounds,
+                clock: &clock,
+                timer,
+                is_alone,
+            };
+            if let Err(reason) = watch.look(part, watched, state.as_ref(), log) {
+                return Ending::Failed(format!("{}: {reason}", part.name));
             }
         }
         log.commanded(elapsed, parts);
-        if done.iter().all(|done| *done) {
+        if watched.iter().all(|part| part.is_done && part.has_arrived) {
             log.commanded(f64::INFINITY, parts);
             return Ending::Finished;
         }
-        if elapsed > longest + OVERTIME * clock.haste() {
-            let late: Vec<&str> = parts
-                .iter()
-                .zip(&done)
-                .filter(|(_, done)| !**done)
-                .map(|(part, _)| part.name.as_str())
-                .collect();
+        let lags = watched.iter().filter_map(|part| part.follower.as_ref());
+        let lag = lags.map(Follower::lag).fold(0.0, f64::max);
+        if elapsed - lag > longest + OVERTIME * clock.rate() {
+            let late = parts.iter().zip(&watched);
+            let late = late.filter(|(_, watched)| !watched.is_done);
+            let late: Vec<&str> = late.map(|(part, _)| part.name.as_str()).collect();
             return Ending::Failed(format!(
                 "{}: no end {OVERTIME} s after the time of the last point",
                 late.join(", ")
             ));
         }
-        std::thread::sleep(CYCLE);
+        timer.sleep(CYCLE);
     }
 }
 
@@ -163,133 +235,131 @@ fn failed(part: &Part, error: &DriverError) -> Ending {
     Ending::Failed(format!("{}: {error}", part.name))
 }
 
-/// Connects, and compares where the joints stand with the first point.
-fn prepare(
+/// Lets every driver work, and reads where its joints are.
+fn advance(
     parts: &mut [Part],
-    bounds: &StreamBounds,
-    is_interrupted: &dyn Fn() -> bool,
+    watched: &mut [Watched],
+    elapsed: f64,
     log: &mut StreamLog,
-) -> Result<(), Ending> {
-    for part in parts.iter_mut() {
-        let connected = part.driver.connect(&part.trajectory.joints);
-        connected.map_err(|error| failed(part, &error))?;
-        log.event(&format!("{} is connected", part.name));
-    }
-    let begin = Instant::now();
-    for part in parts.iter_mut().filter(|part| part.driver.reports_state()) {
-        let state = loop {
-            match part.driver.state() {
-                Ok(Some(state)) => break state,
-                Ok(None) => {}
+) -> Result<Vec<Option<JointState>>, Ending> {
+    let mut states = Vec::with_capacity(parts.len());
+    for (part, watched) in parts.iter_mut().zip(watched) {
+        if !watched.is_done {
+            match part.driver.advance(elapsed) {
+                Ok(Progress::Running) => {}
+                Ok(Progress::Done) => {
+                    watched.is_done = true;
+                    log.event(&format!("{} reports the end", part.name));
+                }
                 Err(error) => return Err(failed(part, &error)),
             }
-            if is_interrupted() {
-                return Err(Ending::Interrupted);
-            }
-            if begin.elapsed() > FIRST_STATE {
-                return Err(Ending::Failed(format!(
-                    "{}: no report of all of its joints ({}) in {} s; compare the names in the cell file with the robot's, and its topic of joint states",
-                    part.name,
-                    part.trajectory.joints.join(", "),
-                    FIRST_STATE.as_secs()
-                )));
-            }
-            std::thread::sleep(CYCLE);
-        };
-        // A motor without a sensor begins where it stands.
-        if part.driver.knows_position() {
-            let first = &part.trajectory.points[0];
-            for ((joint, at), should) in part
-                .trajectory
-                .joints
-                .iter()
-                .zip(&state.positions)
-                .zip(first)
-            {
-                if !((at - should).abs() <= bounds.start_tolerance) {
-                    return Err(Ending::Failed(format!(
-                        "{}: {joint} stands at {at:.4}, but the trajectory begins at {should:.4}; allowed: {} apart. Nothing was moved: bring the arm to the first point, or plan from where it stands",
-                        part.name, bounds.start_tolerance
-                    )));
-                }
-            }
         }
+        states.push(part.driver.state().map_err(|error| failed(part, &error))?);
     }
-    Ok(())
+    Ok(states)
 }
 
-/// Hears where a part is; says what is wrong with it.
-fn watch(
-    part: &mut Part,
-    bounds: &StreamBounds,
-    clock: &mut MotionClock,
-    done: bool,
-    log: &mut StreamLog,
-) -> Result<(), String> {
-    if !part.driver.reports_state() {
-        return Ok(());
-    }
-    let state = part
-        .driver
-        .state()
-        .map_err(|error| format!("{}: {error}", part.name))?;
-    let Some(state) = state else { return Ok(()) };
-    let silence = state.received.elapsed();
-    let heard = clock.heard(part, silence);
-    log.state(part, &state, heard);
-    let told = part.driver.clock().map(|(_, told)| told.elapsed());
-    let quiet = told.map_or(silence, |told| silence.max(told));
-    if quiet > bounds.watchdog && !done {
-        return Err(format!(
-            "{}: nothing was heard of its joints for {:.0} ms; allowed: {:.0} ms",
-            part.name,
-            quiet.as_secs_f64() * 1e3,
-            bounds.watchdog.as_secs_f64() * 1e3
-        ));
-    }
-    if !part.driver.knows_position() {
-        return Ok(());
-    }
-    let lateness = LATENESS * clock.haste();
-    let farthest = farthest(&part.trajectory, &state.positions, heard, lateness);
-    let Some((joint, distance)) = farthest else {
-        return Ok(());
-    };
-    if !(distance <= bounds.tracking_tolerance) {
-        return Err(format!(
-            "{}: {joint} is {distance:.4} from where it should be; allowed: {}",
-            part.name, bounds.tracking_tolerance
-        ));
-    }
-    Ok(())
+/// What a look at a part needs.
+struct Watch<'a> {
+    bounds: &'a StreamBounds,
+    clock: &'a MotionClock,
+    timer: &'a dyn Timer,
+    is_alone: bool,
 }
 
-/// The joint farthest from all places where it should have been lately, and how far.
-fn farthest<'a>(
-    trajectory: &'a PartTrajectory,
-    positions: &[f64],
-    time: f64,
-    lateness: f64,
-) -> Option<(&'a str, f64)> {
-    let since = time - lateness;
-    let ends = [trajectory.at(since), trajectory.at(time)];
-    let [first, last] = [since, time].map(|end| trajectory.times.partition_point(|t| *t < end));
-    let distances = trajectory.joints.iter().enumerate().map(|(index, joint)| {
-        let places = ends.iter().chain(&trajectory.points[first..last]);
-        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| {
-            (low.min(place[index]), high.max(place[index]))
-        });
-        let position = positions[index];
-        // A position that is no number is infinitely far.
-        let distance = if position.is_finite() {
-            (low - position).max(position - high).max(0.0)
-        } else {
-            f64::INFINITY
+impl Watch<'_> {
+    /// Judges the last report of a part.
+    fn look(
+        &self,
+        part: &Part,
+        watched: &mut Watched,
+        state: Option<&JointState>,
+        log: &mut StreamLog,
+    ) -> Result<(), String> {
+        let Some(state) = state else {
+            watched.has_arrived = watched.is_done;
+            return Ok(());
         };
-        (joint.as_str(), distance)
-    });
-    distances.max_by(|a, b| a.1.total_cmp(&b.1))
+        let time = self.clock.received(state.received);
+        log.state(part, state, time);
+        let has_moved = (watched.follower.as_ref()).is_none_or(Follower::has_moved);
+        let is_accepted = part.driver.is_accepted();
+        self.listen(part, state, is_accepted || has_moved)?;
+        let Some(follower) = &mut watched.follower else {
+            watched.has_arrived = watched.is_done;
+            return Ok(());
+        };
+        let now = Circumstances {
+            time,
+            rate: self.clock.rate(),
+            greatest_rate: self.clock.greatest_rate(),
+            is_accepted,
+            is_done: watched.is_done,
+            is_alone: self.is_alone,
+            setpoint: part.driver.setpoint(),
+            bounds: self.bounds,
+        };
+        let motion = follower.report(state, &now).map_err(|reason| {
+            let known = match (watched.is_done, is_accepted) {
+                (true, _) => "; its controller has reported the end of the motion",
+                (false, false) => "; its controller has not answered the goal",
+                (false, true) => "",
+            };
+            format!("{reason}{known}")
+        })?;
+        let name = &part.name;
+        match motion {
+            Motion::Follows => {}
+            Motion::Pauses => {
+                log.event(&format!("{name} is paused"));
+                tracing::warn!("{name} is paused on its way; Ctrl-C ends the motion");
+            }
+            Motion::Resumes => log.event(&format!("{name} moves again")),
+        }
+        if follower.lag() > NOTICED_LAG * now.rate && !watched.lag_is_logged {
+            watched.lag_is_logged = true;
+            log.event(&format!("{name} is slower than its trajectory"));
+        }
+        watched.has_arrived = follower.has_arrived(&now);
+        if watched.has_arrived
+            || !watched.is_done
+            || now.time - follower.lag() < part.trajectory.duration()
+        {
+            watched.due_since = None;
+            return Ok(());
+        }
+        let since = *watched.due_since.get_or_insert(self.timer.now());
+        if self.timer.now().duration_since(since) > SETTLING {
+            let reason = follower.from_last_point(self.bounds);
+            return Err(format!(
+                "its controller reports the end, but {}",
+                reason.unwrap_or_else(|| "its joints are not at rest".into())
+            ));
+        }
+        Ok(())
+    }
+
+    /// Checks that reports come, and the time of a robot that keeps one.
+    fn listen(&self, part: &Part, state: &JointState, may_move: bool) -> Result<(), String> {
+        let age = |received: Instant| self.timer.now().saturating_duration_since(received);
+        let clock = part.driver.clock().map(|(_, received)| age(received));
+        let quiet = clock.map_or(age(state.received), |clock| clock.max(age(state.received)));
+        let allowed = match may_move {
+            true => self.bounds.watchdog,
+            false => self.bounds.watchdog.max(ACCEPTANCE),
+        };
+        if quiet > allowed {
+            return Err(format!(
+                "no report of its joints for {:.0} ms; allowed: {:.0} ms",
+                quiet.as_secs_f64() * 1e3,
+                allowed.as_secs_f64() * 1e3
+            ));
+        }
+        Ok(())
+    }
 }
 
+#[cfg(test)]
+mod faults;
 #[cfg(test)]
 mod tests;

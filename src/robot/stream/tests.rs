@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::robot::chain::Limits;
-use crate::robot::driver::{JointState, RosVersion};
+use crate::robot::driver::RosVersion;
 use std::cell::Cell;
 use std::sync::{Arc, Mutex};
 
-/// What a made-up driver does, and what it was told.
+/// What a made-up driver was asked for.
 #[derive(Default)]
 struct Notes {
-    held: bool,
+    stopped: Option<Instant>,
     started: bool,
 }
 
@@ -31,13 +31,15 @@ impl Driver for Arm {
         true
     }
     fn state(&mut self) -> Result<Option<JointState>, DriverError> {
-        let elapsed = self
-            .start
-            .map_or(0.0, |start| start.elapsed().as_secs_f64());
+        let stopped = self.notes.lock().unwrap().stopped;
+        let now = stopped.unwrap_or_else(Instant::now);
+        let elapsed = self.start.map_or(0.0, |start| (now - start).as_secs_f64());
         let heard = elapsed.min(self.silent_after);
-        let received = self
-            .start
-            .map_or_else(Instant::now, |start| start + Duration::from_secs_f64(heard));
+        let is_silent = elapsed > self.silent_after;
+        let received = match self.start {
+            Some(start) if is_silent => start + Duration::from_secs_f64(heard),
+            _ => Instant::now(),
+        };
         let at = self
             .trajectory
             .as_ref()
@@ -64,8 +66,9 @@ impl Driver for Arm {
             Progress::Running
         })
     }
-    fn hold(&mut self) -> Result<(), DriverError> {
-        self.notes.lock().unwrap().held = true;
+    fn stop(&mut self) -> Result<(), DriverError> {
+        let stopped = &mut self.notes.lock().unwrap().stopped;
+        stopped.get_or_insert_with(Instant::now);
         Ok(())
     }
 }
@@ -78,10 +81,17 @@ fn ramp(duration: f64) -> PartTrajectory {
     }
 }
 
-const BOUNDS: StreamBounds = StreamBounds {
-    start_tolerance: 0.02,
-    tracking_tolerance: 0.1,
+pub(super) const BOUNDS: StreamBounds = StreamBounds {
+    start: Tolerance {
+        revolute: 0.02,
+        prismatic: 0.002,
+    },
+    tracking: Tolerance {
+        revolute: 0.1,
+        prismatic: 0.01,
+    },
     watchdog: Duration::from_millis(150),
+    longest_pause: None,
 };
 
 fn run_two(
@@ -100,6 +110,7 @@ fn run_two(
             silent_after,
         }),
         trajectory: ramp(1.0),
+        kinds: vec![JointKind::Revolute],
     };
     let mut parts = [arm(0, offset, silent_after), arm(1, |_| 0.0, f64::INFINITY)];
     let begin = Instant::now();
@@ -118,30 +129,50 @@ fn failure(ending: Ending) -> String {
 fn two_arms_that_follow_come_to_the_end_together() {
     let (ending, notes, time) = run_two(|_| 0.01, f64::INFINITY, &|| false);
     assert_eq!(ending, Ending::Finished);
-    assert!(time.as_secs_f64() < 1.5, "{time:?}");
-    assert!(notes.iter().all(|notes| !notes.lock().unwrap().held));
+    assert!(time.as_secs_f64() < 3.0, "{time:?}");
+    assert!(
+        notes
+            .iter()
+            .all(|notes| notes.lock().unwrap().stopped.is_none())
+    );
 }
 
 #[test]
 fn an_arm_that_stands_elsewhere_is_not_moved() {
     let (ending, notes, _) = run_two(|_| 0.05, f64::INFINITY, &|| false);
-    assert!(failure(ending).contains("a stands at 0.05"));
+    let reason = failure(ending);
+    assert!(reason.contains("a is at 0.0500 rad"), "{reason}");
     assert!(notes.iter().all(|notes| !notes.lock().unwrap().started));
 }
 
 #[test]
 fn silence_stops_both_arms_within_half_a_second() {
-    let (ending, notes, time) = run_two(|_| 0.0, 0.3, &|| false);
-    assert!(failure(ending).contains("arm0: nothing was heard"));
-    assert!(time.as_secs_f64() < 0.8, "{time:?}");
-    assert!(notes.iter().all(|notes| notes.lock().unwrap().held));
+    let begin = Instant::now();
+    let (ending, notes, _) = run_two(|_| 0.0, 0.3, &|| false);
+    let reason = failure(ending);
+    assert!(reason.contains("arm0: no report of its joints"), "{reason}");
+    assert!(
+        reason.contains("no report of its joints has come since"),
+        "{reason}"
+    );
+    let stopped = notes[1].lock().unwrap().stopped.unwrap();
+    assert!(stopped.duration_since(begin).as_secs_f64() < 0.8);
+    assert!(
+        notes
+            .iter()
+            .all(|notes| notes.lock().unwrap().stopped.is_some())
+    );
 }
 
 #[test]
 fn an_arm_that_leaves_the_path_stops_both() {
     let (ending, notes, _) = run_two(|time| 0.5 * (time - 0.2).max(0.0), f64::INFINITY, &|| false);
     assert!(failure(ending).contains("from where it should be"));
-    assert!(notes.iter().all(|notes| notes.lock().unwrap().held));
+    assert!(
+        notes
+            .iter()
+            .all(|notes| notes.lock().unwrap().stopped.is_some())
+    );
 }
 
 /// An arm with a clock of its own, which runs at 50 times real time until the arm has heard the command, and at a tenth from then
@@ -198,7 +229,7 @@ impl Driver for Simulated {
             false => Progress::Running,
         })
     }
-    fn hold(&mut self) -> Result<(), DriverError> {
+    fn stop(&mut self) -> Result<(), DriverError> {
         Ok(())
     }
 }
@@ -219,6 +250,7 @@ fn an_arm_that_began_late_on_a_fast_clock_is_not_late_for_good() {
                 now: Instant::now(),
             }),
             trajectory,
+            kinds: vec![JointKind::Revolute],
         }];
         let ending = stream(&mut parts, &BOUNDS, &|| false, &mut StreamLog::none());
         assert_eq!(ending, Ending::Finished);
@@ -234,7 +266,11 @@ fn an_interruption_leaves_both_arms_still() {
     };
     let (ending, notes, _) = run_two(|_| 0.0, f64::INFINITY, &interrupt);
     assert_eq!(ending, Ending::Interrupted);
-    assert!(notes.iter().all(|notes| notes.lock().unwrap().held));
+    assert!(
+        notes
+            .iter()
+            .all(|notes| notes.lock().unwrap().stopped.is_some())
+    );
 }
 
 #[test]
@@ -245,6 +281,7 @@ fn nobody_at_the_other_end_is_said_at_once() {
         name: "arm".into(),
         driver: Box::new(driver),
         trajectory: ramp(1.0),
+        kinds: vec![JointKind::Revolute],
     }];
     let ending = stream(&mut parts, &BOUNDS, &|| false, &mut StreamLog::none());
     assert!(failure(ending).contains("is the server started?"));
@@ -269,6 +306,38 @@ fn smooth(duration: f64) -> PartTrajectory {
         times: (0..=200).map(|k| duration * part(k)).collect(),
         points: (0..=200).map(|k| vec![rise(part(k))]).collect(),
     }
+}
+
+/// A row a second: by their differences the motion is slow, and the cubics between them are not.
+#[test]
+fn the_cubics_between_points_are_checked() {
+    let coarse = PartTrajectory {
+        joints: vec!["a".into()],
+        times: vec![0.0, 1.0],
+        points: vec![vec![0.0], vec![0.9]],
+    };
+    let limits = Limits {
+        acceleration: 2.0,
+        jerk: f64::INFINITY,
+        ..limits()
+    };
+    let fault = check(&coarse, &[limits]).unwrap_err().remove(0);
+    assert_eq!(
+        (fault.what, fault.is_between),
+        ("velocity", true),
+        "{fault}"
+    );
+    let limits = Limits {
+        velocity: 10.0,
+        ..limits
+    };
+    let fault = check(&coarse, &[limits]).unwrap_err().remove(0);
+    assert_eq!(
+        (fault.what, fault.is_between),
+        ("acceleration", true),
+        "{fault}"
+    );
+    assert!((fault.value - 5.4).abs() < 1e-9);
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use super::super::DriverError;
 use super::super::picture::{CameraPicture, PictureTopic, pixels, sends_files};
 use super::message::{COMPRESSED_IMAGE, IMAGE, compressed_image, raw_image};
-use super::node::{Heard, Node, lock, master_uri};
-use std::sync::mpsc::{Receiver, channel};
+use super::node::{Heard, Node, lock, mailbox, master_uri};
+use std::sync::mpsc::Receiver;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -59,7 +59,7 @@ impl Ros1Camera {
         } else {
             IMAGE
         };
-        let (sender, heard) = channel();
+        let (sender, heard) = mailbox();
         let node = Node::start(&master).map_err(lost)?;
         node.subscribe("picture", topic, kind, &sender)
             .map_err(lost)?;

@@ -4,9 +4,9 @@ use super::super::action_client::Goal;
 use super::super::follow_joint_trajectory::ros_1_outcome;
 use super::super::{DriverError, GripperDriver};
 use super::message;
-use super::node::{Heard, Node, Publication, master_uri};
+use super::node::{Heard, Node, Publication, mailbox, master_uri};
 use std::sync::Arc;
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 /// Longest wait for the action server.
@@ -36,7 +36,7 @@ impl GripperDriver for Ros1Gripper {
             ))
         };
         let node = Node::start(&master_uri(&self.master)).map_err(unreachable)?;
-        let (sender, heard) = channel();
+        let (sender, heard) = mailbox();
         let topic = |what: &str| format!("{}/{what}", self.action.trim_end_matches('/'));
         node.subscribe("result", &topic("result"), message::GRIPPER_RESULT, &sender)
             .map_err(unreachable)?;

@@ -13,6 +13,16 @@ pub struct MessageType {
     pub md5: &'static str,
 }
 
+impl MessageType {
+    /// Longest message that is read, bytes.
+    pub fn longest(self) -> usize {
+        match self.name {
+            "sensor_msgs/Image" | "sensor_msgs/CompressedImage" => 64 << 20,
+            _ => 1 << 20,
+        }
+    }
+}
+
 /// Where joints are.
 pub const JOINT_STATE: MessageType = MessageType {
     name: "sensor_msgs/JointState",
@@ -167,6 +177,11 @@ impl<'a> Reader<'a> {
         Some(String::from_utf8_lossy(self.bytes(length)?).into_owned())
     }
 
+    fn texts(&mut self) -> Option<Vec<String>> {
+        let count = self.u32()?;
+        (0..count).map(|_| self.text()).collect()
+    }
+
     fn numbers(&mut self) -> Option<Vec<f64>> {
         let count = self.u32()? as usize;
         let bytes = self.bytes(count.checked_mul(8)?)?;
@@ -186,11 +201,7 @@ impl<'a> Reader<'a> {
 pub fn joint_state(message: &[u8]) -> Option<(Vec<String>, Vec<f64>)> {
     let mut reader = Reader(message);
     reader.header()?;
-    let count = reader.u32()?;
-    let names = (0..count)
-        .map(|_| reader.text())
-        .collect::<Option<Vec<_>>>()?;
-    Some((names, reader.numbers()?))
+    Some((reader.texts()?, reader.numbers()?))
 }
 
 /// Whose goal it is, and how it stands.
@@ -216,6 +227,19 @@ fn goal_status(reader: &mut Reader<'_>) -> Option<GoalStatus> {
 /// The status at the beginning of a feedback or a result.
 pub fn status_of(message: &[u8]) -> Option<GoalStatus> {
     goal_status(&mut Reader(message))
+}
+
+/// Whose goal a feedback is of, with the names of the joints and the setpoint, rad or m; these are empty where they are
+/// missing.
+pub fn feedback(message: &[u8]) -> Option<(GoalStatus, Vec<String>, Vec<f64>)> {
+    let mut reader = Reader(message);
+    let status = goal_status(&mut reader)?;
+    let setpoint = reader.header().and_then(|()| {
+        let names = reader.texts()?;
+        Some((names, reader.numbers()?))
+    });
+    let (names, positions) = setpoint.unwrap_or_default();
+    Some((status, names, positions))
 }
 
 /// The status of a result, its code and its words.
@@ -282,6 +306,23 @@ mod tests {
     }
 
     #[test]
+    fn a_feedback_is_read_with_and_without_a_setpoint() {
+        let mut writer = Writer::default();
+        writer.header();
+        writer.goal_id("g");
+        writer.0.push(1);
+        writer.text("");
+        let without = feedback(&writer.0).unwrap();
+        assert_eq!((without.0.id.as_str(), without.1.len()), ("g", 0));
+        writer.header();
+        writer.u32(1);
+        writer.text("a");
+        writer.numbers(&[0.5]);
+        let (_, names, positions) = feedback(&writer.0).unwrap();
+        assert_eq!((names, positions), (vec!["a".to_owned()], vec![0.5]));
+    }
+
+    #[test]
     fn times_never_have_a_billion_nanoseconds() {
         let mut writer = Writer::default();
         writer.duration(1.999_999_999_9);
@@ -299,7 +340,7 @@ mod tests {
     proptest! {
         #[test]
         fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..80)) {
-            let _ = (joint_state(&bytes), status_of(&bytes), result(&bytes));
+            let _ = (joint_state(&bytes), status_of(&bytes), result(&bytes), feedback(&bytes));
             let _ = clock(&bytes);
             let _ = (raw_image(&bytes), compressed_image(&bytes));
         }

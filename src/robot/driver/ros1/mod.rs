@@ -19,10 +19,10 @@ pub use gripper::Ros1Gripper;
 
 use super::action_client::{ActionClient, Goal};
 use super::follow_joint_trajectory::ros_1_outcome;
-use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
-use node::{Heard, Node, Publication};
+use super::{Driver, DriverError, JointState, PartTrajectory, Progress, read_within_bounds};
+use node::{Heard, Node, Publication, mailbox};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
 /// Longest wait for the action server.
@@ -44,6 +44,7 @@ pub struct Ros1Driver {
     joints: Vec<String>,
     connection: Option<Connection>,
     state: Option<JointState>,
+    setpoint: Option<JointState>,
     clock: Option<(f64, Instant)>,
     goal: Option<Goal>,
 }
@@ -66,6 +67,7 @@ impl Ros1Driver {
             joints: Vec::new(),
             connection: None,
             state: None,
+            setpoint: None,
             clock: None,
             goal: None,
         }
@@ -73,7 +75,7 @@ impl Ros1Driver {
 
     fn open(&self) -> std::io::Result<Connection> {
         let node = Node::start(&self.master)?;
-        let (sender, heard): (Sender<Heard>, Receiver<Heard>) = channel();
+        let (sender, heard) = mailbox();
         let topic = |what: &str| format!("{}/{what}", self.action);
         node.subscribe(STATES, &self.joint_states, message::JOINT_STATE, &sender)?;
         node.subscribe(CLOCK, CLOCK_TOPIC, message::CLOCK, &sender)?;
@@ -88,6 +90,26 @@ impl Ros1Driver {
             cancellations,
             _node: node,
         })
+    }
+
+    /// Reads one message; `false` where none has arrived.
+    fn read_message(&mut self) -> Result<bool, DriverError> {
+        let Some(connection) = &self.connection else {
+            return Err(self.lost(format_args!("not connected")));
+        };
+        match connection.heard.try_recv() {
+            Ok(Heard::Message(label, message)) => {
+                self.hear(label, &message);
+                Ok(true)
+            }
+            Ok(Heard::MasterIsGone) => Err(self.lost(format_args!(
+                "it does not answer any more; the motion is cancelled"
+            ))),
+            Err(TryRecvError::Empty) => Ok(false),
+            Err(TryRecvError::Disconnected) => {
+                Err(self.lost(format_args!("the connection is lost")))
+            }
+        }
     }
 
     fn hear(&mut self, label: &str, bytes: &[u8]) {
@@ -107,10 +129,18 @@ impl Ros1Driver {
                 self.clock = heard.or(self.clock);
             }
             FEEDBACK => {
-                if let (Some(goal), Some(status)) = (&mut self.goal, message::status_of(bytes))
+                let Some((status, names, positions)) = message::feedback(bytes) else {
+                    return;
+                };
+                if let Some(goal) = &mut self.goal
                     && status.id == goal.id()
                 {
                     goal.acknowledge();
+                    let heard = JointState::heard(&self.joints, |joint| {
+                        let index = names.iter().position(|name| name == joint)?;
+                        positions.get(index).copied()
+                    });
+                    self.setpoint = heard.or(self.setpoint.take());
                 }
             }
             _ => {
@@ -142,30 +172,17 @@ impl ActionClient for Ros1Driver {
     }
 
     fn listen(&mut self) -> Result<(), DriverError> {
-        loop {
-            let Some(connection) = &self.connection else {
-                return Err(self.lost(format_args!("not connected")));
-            };
-            match connection.heard.try_recv() {
-                Ok(Heard::Message(label, message)) => self.hear(label, &message),
-                Ok(Heard::MasterIsGone) => {
-                    return Err(self.lost(format_args!(
-                        "it does not answer any more; the motion is called off"
-                    )));
-                }
-                Err(TryRecvError::Empty) => return Ok(()),
-                Err(TryRecvError::Disconnected) => {
-                    return Err(self.lost(format_args!("the connection is lost")));
-                }
-            }
-        }
+        read_within_bounds(|| self.read_message())
     }
 
     fn cancel(&mut self, id: &str) -> Result<(), DriverError> {
-        if let Some(connection) = &self.connection {
-            connection.cancellations.publish(&message::cancel(id));
+        let Some(connection) = &self.connection else {
+            return Err(self.lost(format_args!("not connected")));
+        };
+        match connection.cancellations.publish(&message::cancel(id)) {
+            0 => Err(self.lost(format_args!("the action server of {} is gone", self.action))),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     fn lost(&self, reason: std::fmt::Arguments<'_>) -> DriverError {
@@ -204,6 +221,10 @@ impl Driver for Ros1Driver {
         Ok(self.state.clone())
     }
 
+    fn setpoint(&self) -> Option<&JointState> {
+        self.setpoint.as_ref()
+    }
+
     fn clock(&self) -> Option<(f64, Instant)> {
         self.clock
     }
@@ -212,6 +233,7 @@ impl Driver for Ros1Driver {
         let Some(connection) = &self.connection else {
             return Err(self.lost(format_args!("not connected")));
         };
+        self.setpoint = None;
         let goal = Goal::new();
         if connection
             .goals
@@ -228,7 +250,11 @@ impl Driver for Ros1Driver {
         self.progress()
     }
 
-    fn hold(&mut self) -> Result<(), DriverError> {
-        self.cancel_and_wait()
+    fn is_accepted(&self) -> bool {
+        self.goal.as_ref().is_some_and(Goal::is_accepted)
+    }
+
+    fn stop(&mut self) -> Result<(), DriverError> {
+        self.cancel_goal()
     }
 }

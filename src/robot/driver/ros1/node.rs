@@ -5,13 +5,16 @@ use super::xmlrpc::{self, Value, answer, authority, call, read_call};
 use std::collections::BTreeSet;
 use std::io::{self, Read, Write};
 use std::net::{IpAddr, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::Sender;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// Longest message, bytes.
-const LONGEST: usize = 64 << 20;
+/// Messages that wait for a reader. Publishers that send faster wait, too, as their connections fill.
+const MOST_WAITING: usize = 64;
+/// Most connections that others may have to a node at a time, and most publishers of a topic that are listened to.
+const MOST_CONNECTIONS: usize = 64;
+const MOST_PUBLISHERS: usize = 16;
 /// Time between questions whether the master is alive.
 const MASTER_INTERVAL: Duration = Duration::from_millis(150);
 /// Longest time for a connection to a publisher, and for a subscriber to take a message.
@@ -46,7 +49,7 @@ struct Subscription {
     label: &'static str,
     topic: String,
     kind: MessageType,
-    sender: Sender<Heard>,
+    sender: SyncSender<Heard>,
     publishers: Mutex<BTreeSet<String>>,
 }
 
@@ -55,6 +58,11 @@ pub struct Publication {
     topic: String,
     kind: MessageType,
     subscribers: Mutex<Vec<TcpStream>>,
+}
+
+/// The two ends of a bounded queue of messages.
+pub fn mailbox() -> (SyncSender<Heard>, Receiver<Heard>) {
+    sync_channel(MOST_WAITING)
 }
 
 /// What a lock guards, whatever became of those who had it before.
@@ -110,7 +118,7 @@ impl Node {
         label: &'static str,
         topic: &str,
         kind: MessageType,
-        sender: &Sender<Heard>,
+        sender: &SyncSender<Heard>,
     ) -> io::Result<()> {
         let subscription = Arc::new(Subscription {
             label,
@@ -141,7 +149,7 @@ impl Node {
     }
 
     /// Asks the master again and again whether it is there, and says so when it is not.
-    pub fn watch_master(&self, sender: &Sender<Heard>) {
+    pub fn watch_master(&self, sender: &SyncSender<Heard>) {
         let (inner, sender) = (Arc::clone(&self.inner), sender.clone());
         std::thread::spawn(move || {
             while !inner.closed.load(Ordering::Relaxed) {
@@ -185,14 +193,21 @@ impl Drop for Node {
 /// Hands every connection to a thread of its own until the node is closed.
 fn accept(listener: TcpListener, inner: Arc<Inner>, handle: fn(&Arc<Inner>, TcpStream)) {
     std::thread::spawn(move || {
+        let open = Arc::new(AtomicUsize::new(0));
         for stream in listener.incoming() {
             if inner.closed.load(Ordering::Relaxed) {
                 return;
             }
-            if let Ok(stream) = stream {
-                let inner = Arc::clone(&inner);
-                std::thread::spawn(move || handle(&inner, stream));
+            let Ok(stream) = stream else { continue };
+            if open.load(Ordering::Relaxed) >= MOST_CONNECTIONS {
+                continue;
             }
+            open.fetch_add(1, Ordering::Relaxed);
+            let (inner, open) = (Arc::clone(&inner), Arc::clone(&open));
+            std::thread::spawn(move || {
+                handle(&inner, stream);
+                open.fetch_sub(1, Ordering::Relaxed);
+            });
         }
     });
 }
@@ -298,9 +313,11 @@ impl Publication {
 /// Connects to the publishers of a topic that are new.
 fn connect_all(inner: &Arc<Inner>, subscription: &Arc<Subscription>, publishers: &[String]) {
     for publisher in publishers {
-        if !lock(&subscription.publishers).insert(publisher.clone()) {
+        let mut known = lock(&subscription.publishers);
+        if known.len() >= MOST_PUBLISHERS || !known.insert(publisher.clone()) {
             continue;
         }
+        drop(known);
         let (inner, subscription, publisher) = (
             Arc::clone(inner),
             Arc::clone(subscription),
@@ -354,7 +371,7 @@ fn listen(inner: &Inner, subscription: &Subscription, publisher: &str) -> io::Re
             return Ok(());
         }
         let length = u32::from_le_bytes(length) as usize;
-        if length > LONGEST {
+        if length > kind.longest() {
             return Err(broken(format!("a message of {length} bytes")));
         }
         let mut message = vec![0; length];

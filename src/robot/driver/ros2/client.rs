@@ -2,7 +2,9 @@
 
 use super::super::action_client::{ActionClient, Goal};
 use super::super::follow_joint_trajectory::ros_2_outcome;
-use super::super::{Driver, DriverError, JointState, PartTrajectory, Progress};
+use super::super::{
+    Driver, DriverError, JointState, MOST_MESSAGES, PartTrajectory, Progress, READING,
+};
 use super::Ros2Address;
 use super::message::{
     CancelAnswer, CancelGoal, Feedback, GetResult, GoalAnswer, GoalId, JointStates, ResultAnswer,
@@ -26,6 +28,7 @@ pub struct Ros2Driver {
     joints: Vec<String>,
     connection: Option<Connection>,
     state: Option<JointState>,
+    setpoint: Option<JointState>,
     goal: Option<(GoalId, Goal)>,
 }
 
@@ -56,6 +59,7 @@ impl Ros2Driver {
             joints: Vec::new(),
             connection: None,
             state: None,
+            setpoint: None,
             goal: None,
         }
     }
@@ -112,7 +116,12 @@ impl Ros2Driver {
     }
 
     fn hear(&mut self, connection: &mut Connection) -> Result<(), String> {
-        while let Some(states) = next(&mut connection.joint_states)? {
+        let begin = Instant::now();
+        let mut budget = 0..MOST_MESSAGES;
+        let mut may_read = || budget.next().is_some() && begin.elapsed() < READING;
+        while may_read()
+            && let Some(states) = next(&mut connection.joint_states)?
+        {
             let heard = JointState::heard(&self.joints, |joint| {
                 let index = states.name.iter().position(|name| name == joint)?;
                 states.position.get(index).copied()
@@ -126,9 +135,16 @@ impl Ros2Driver {
             return Ok(());
         };
         let goal_id = *goal_id;
-        while let Some(feedback) = next(&mut connection.feedback)? {
+        while may_read()
+            && let Some(feedback) = next(&mut connection.feedback)?
+        {
             if feedback.goal_id == goal_id {
                 goal.acknowledge();
+                let heard = JointState::heard(&self.joints, |joint| {
+                    let index = feedback.joints.iter().position(|name| name == joint)?;
+                    feedback.setpoint.get(index).copied()
+                });
+                self.setpoint = heard.or(self.setpoint.take());
             }
         }
         if let Some(answer) = answered {
@@ -243,6 +259,7 @@ impl Driver for Ros2Driver {
 
     fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
         let goal_id = unique();
+        self.setpoint = None;
         let Some(connection) = &mut self.connection else {
             return Err(self.lost(format_args!("not connected")));
         };
@@ -256,7 +273,17 @@ impl Driver for Ros2Driver {
         self.progress()
     }
 
-    fn hold(&mut self) -> Result<(), DriverError> {
-        self.cancel_and_wait()
+    fn setpoint(&self) -> Option<&JointState> {
+        self.setpoint.as_ref()
+    }
+
+    fn is_accepted(&self) -> bool {
+        self.goal
+            .as_ref()
+            .is_some_and(|(_, goal)| goal.is_accepted())
+    }
+
+    fn stop(&mut self) -> Result<(), DriverError> {
+        self.cancel_goal()
     }
 }

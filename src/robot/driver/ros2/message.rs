@@ -155,11 +155,16 @@ pub struct CancelAnswer {
     pub return_code: i8,
 }
 
-/// `FollowJointTrajectory_FeedbackMessage`, up to whose it is.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+/// `FollowJointTrajectory_FeedbackMessage`, up to the setpoint.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Feedback {
     /// Of which goal.
     pub goal_id: GoalId,
+    header: Header,
+    /// Names of joints.
+    pub joints: Vec<String>,
+    /// Positions of the setpoint, rad or m.
+    pub setpoint: Vec<f64>,
 }
 
 /// `sensor_msgs/JointState`, up to the positions.

@@ -12,7 +12,7 @@ pub use line::{
     Acknowledgement as StepperAnswer, Link as StepperLink, Request as StepperRequest, SerialLine,
 };
 
-use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
+use super::{Driver, DriverError, Interpolant, JointState, PartTrajectory, Progress};
 use line::{Acknowledgement, Link, Request};
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
@@ -40,7 +40,7 @@ pub struct StepperDriver {
 }
 
 struct Motion {
-    trajectory: PartTrajectory,
+    path: Interpolant,
     /// Time up to which moves are handed over, s.
     sent: f64,
     /// Steps from the motor's zero up to there.
@@ -104,13 +104,13 @@ impl StepperDriver {
     /// Hands over the moves that are due.
     fn feed(&mut self, elapsed: f64) -> Result<(), DriverError> {
         while let Some(mut motion) = self.motion.take() {
-            let duration = motion.trajectory.duration();
+            let duration = motion.path.duration();
             if motion.sent >= elapsed + AHEAD || motion.sent >= duration {
                 self.motion = Some(motion);
                 break;
             }
             let next = (motion.sent + MOVE).min(duration);
-            let angle = motion.trajectory.at(next)[0];
+            let angle = motion.path.at(next)[0];
             let target = ((angle - self.zero) / self.radians_per_step).round() as i64;
             let request = Request::Move {
                 steps: (target - motion.steps) as i32,
@@ -166,7 +166,7 @@ impl Driver for StepperDriver {
         }
         self.zero = trajectory.points[0][0] - self.position as f64 * self.radians_per_step;
         self.motion = Some(Motion {
-            trajectory: trajectory.clone(),
+            path: trajectory.interpolant(),
             sent: 0.0,
             steps: self.position,
         });
@@ -178,7 +178,7 @@ impl Driver for StepperDriver {
         let Some(motion) = &self.motion else {
             return Ok(Progress::Done);
         };
-        let (all_sent, target) = (motion.sent >= motion.trajectory.duration(), motion.steps);
+        let (all_sent, target) = (motion.sent >= motion.path.duration(), motion.steps);
         if !all_sent {
             return Ok(Progress::Running);
         }
@@ -194,13 +194,13 @@ impl Driver for StepperDriver {
         })
     }
 
-    fn hold(&mut self) -> Result<(), DriverError> {
+    fn stop(&mut self) -> Result<(), DriverError> {
         self.motion = None;
         if self.link.is_none() {
             return Ok(());
         }
         match self.ask(Request::Hold) {
-            // Its own watchdog has stopped it: it stands.
+            // Its own watchdog has stopped it.
             Ok(_) | Err(DriverError::Aborted(_)) => Ok(()),
             Err(error) => Err(error),
         }

@@ -1,0 +1,235 @@
+//! Cubics between the points of a motion, as trajectory controllers interpolate them: each passes through two points
+//! with the velocities there (cubic Hermite interpolation).
+
+/// The motion between points with velocities.
+#[derive(Clone, Debug)]
+pub struct Interpolant {
+    times: Vec<f64>,
+    points: Vec<Vec<f64>>,
+    velocities: Vec<Vec<f64>>,
+}
+
+/// The cubic of one joint between two points.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::robot) struct Cubic {
+    /// Duration, s.
+    duration: f64,
+    /// Positions at both ends, rad or m.
+    ends: [f64; 2],
+    /// Velocities at both ends.
+    slopes: [f64; 2],
+}
+
+impl Interpolant {
+    /// The spline through points at growing times, at rest at both ends.
+    pub fn new(times: &[f64], points: &[Vec<f64>]) -> Self {
+        Self {
+            times: times.to_vec(),
+            points: points.to_vec(),
+            velocities: clamped_velocities(times, points),
+        }
+    }
+
+    /// Times of the points, s.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Its last time, s.
+    pub fn duration(&self) -> f64 {
+        self.times[self.times.len() - 1]
+    }
+
+    /// The first point, rad or m.
+    pub fn first(&self) -> &[f64] {
+        &self.points[0]
+    }
+
+    /// The last point, rad or m.
+    pub fn last(&self) -> &[f64] {
+        &self.points[self.points.len() - 1]
+    }
+
+    /// The cubic of a joint from point `from` to point `to`.
+    pub(in crate::robot) fn cubic(&self, joint: usize, from: usize, to: usize) -> Cubic {
+        Cubic {
+            duration: self.times[to] - self.times[from],
+            ends: [self.points[from][joint], self.points[to][joint]],
+            slopes: [self.velocities[from][joint], self.velocities[to][joint]],
+        }
+    }
+
+    /// Positions at a time; the first before the points, the last after.
+    pub fn at(&self, time: f64) -> Vec<f64> {
+        let after = self.times.partition_point(|known| *known <= time);
+        if after == 0 || after == self.times.len() {
+            return self.points[after.saturating_sub(1)].clone();
+        }
+        let since = time - self.times[after - 1];
+        let joints = 0..self.points[0].len();
+        joints
+            .map(|joint| self.cubic(joint, after - 1, after).at(since))
+            .collect()
+    }
+
+    /// Indices of points, the first and the last among them, between which single cubics pass all other points within
+    /// `tolerance`, rad or m.
+    pub(super) fn knots_within(&self, tolerance: f64) -> Vec<usize> {
+        let last = self.times.len() - 1;
+        let fits = |from: usize, to: usize| {
+            (0..self.points[0].len()).all(|joint| {
+                let cubic = self.cubic(joint, from, to);
+                (from + 1..to).all(|k| {
+                    let there = cubic.at(self.times[k] - self.times[from]);
+                    (there - self.points[k][joint]).abs() <= tolerance
+                })
+            })
+        };
+        let mut kept = vec![0];
+        let mut from = 0;
+        while from < last {
+            // The longest stride is about as long as the one before.
+            let mut stride = 1;
+            while from + 2 * stride <= last && fits(from, from + 2 * stride) {
+                stride *= 2;
+            }
+            let mut step = stride;
+            while step > 0 {
+                if from + stride + step <= last && fits(from, from + stride + step) {
+                    stride += step;
+                }
+                step /= 2;
+            }
+            from += stride;
+            kept.push(from);
+        }
+        kept
+    }
+}
+
+impl Cubic {
+    /// Position so long after its beginning, s.
+    pub fn at(&self, since: f64) -> f64 {
+        let ([p, q], [v, w], h) = (self.ends, self.slopes, self.duration);
+        let u = since / h;
+        let (squared, cubed) = (u * u, u * u * u);
+        (2.0 * cubed - 3.0 * squared + 1.0) * p
+            + (cubed - 2.0 * squared + u) * h * v
+            + (3.0 * squared - 2.0 * cubed) * q
+            + (cubed - squared) * h * w
+    }
+
+    /// Accelerations at both ends; it is straight in between.
+    pub fn accelerations(&self) -> [f64; 2] {
+        let ([p, q], [v, w], h) = (self.ends, self.slopes, self.duration);
+        let rise = (q - p) / h;
+        [
+            (6.0 * rise - 4.0 * v - 2.0 * w) / h,
+            (2.0 * v + 4.0 * w - 6.0 * rise) / h,
+        ]
+    }
+
+    /// The velocity of greatest magnitude.
+    pub fn fastest(&self) -> f64 {
+        let [a, b] = self.accelerations();
+        let mut speeds = vec![self.slopes[0], self.slopes[1]];
+        // Where the acceleration crosses zero.
+        if a * b < 0.0 {
+            let part = a / (a - b);
+            speeds.push(self.slopes[0] + 0.5 * a * part * self.duration);
+        }
+        let larger = |x: f64, y: f64| if y.abs() > x.abs() { y } else { x };
+        speeds.into_iter().fold(0.0, larger)
+    }
+
+    /// Least and greatest position.
+    pub fn range(&self) -> [f64; 2] {
+        let [a, b] = self.accelerations();
+        let h = self.duration;
+        // Zeros of the velocity v + a t + (b − a)/(2h) t².
+        let (square, linear, constant) = (0.5 * (b - a) / h, a, self.slopes[0]);
+        let root = (linear * linear - 4.0 * square * constant).sqrt();
+        let half = -0.5 * (linear + root.copysign(linear));
+        let turns = [half / square, constant / half];
+        let turns = turns.into_iter().filter(|t| *t > 0.0 && *t < h);
+        let all = turns.map(|t| self.at(t)).chain(self.ends);
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| {
+            [low.min(q), high.max(q)]
+        })
+    }
+}
+
+/// Velocities at the points of the cubic spline through them that begins and ends at rest: its second derivative is
+/// continuous, `v₋/h₋ + 2 (1/h₋ + 1/h₊) v + v₊/h₊ = 3 (Δ₋/h₋² + Δ₊/h₊²)` (de Boor 1978, chapter IV), by Thomas' algorithm.
+pub(super) fn clamped_velocities(times: &[f64], points: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let (count, joints) = (times.len(), points[0].len());
+    let mut velocities = vec![vec![0.0; joints]; count];
+    let mut factors = vec![0.0; count];
+    for k in 1..count - 1 {
+        let (before, after) = (times[k] - times[k - 1], times[k + 1] - times[k]);
+        let pivot = 2.0 / before + 2.0 / after - factors[k - 1] / before;
+        factors[k] = 1.0 / (after * pivot);
+        for joint in 0..joints {
+            let [p, q, r] = [k - 1, k, k + 1].map(|k| points[k][joint]);
+            let right = 3.0 * ((q - p) / (before * before) + (r - q) / (after * after));
+            velocities[k][joint] = (right - velocities[k - 1][joint] / before) / pivot;
+        }
+    }
+    for k in (1..count - 1).rev() {
+        for joint in 0..joints {
+            velocities[k][joint] -= factors[k] * velocities[k + 1][joint];
+        }
+    }
+    velocities
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 3 u² − 2 u³ is at rest at both ends.
+    #[test]
+    fn a_cubic_at_rest_at_both_ends_is_reproduced() {
+        let rise = |u: f64| u * u * (3.0 - 2.0 * u);
+        let times = [0.0, 0.1, 0.4, 0.5, 0.9, 1.0];
+        let points: Vec<Vec<f64>> = times.iter().map(|u| vec![rise(*u)]).collect();
+        let spline = Interpolant::new(&times, &points);
+        for k in 0..=100 {
+            let u = 0.01 * f64::from(k);
+            assert!((spline.at(u)[0] - rise(u)).abs() < 1e-12);
+        }
+        let [a, _] = spline.cubic(0, 2, 3).accelerations();
+        assert!((a - (6.0 - 12.0 * 0.4)).abs() < 1e-10);
+        assert!((spline.cubic(0, 2, 4).fastest() - 1.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_range_of_a_cubic_is_that_of_its_samples() {
+        let mut seed = 1_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 33) as f64 / (1_u64 << 31) as f64 - 0.5
+        };
+        for case in 0..200 {
+            let still = if case % 4 == 0 { 0.0 } else { 1.0 };
+            let cubic = Cubic {
+                duration: 0.7 + random(),
+                ends: [random(), random()],
+                slopes: [still * 5.0 * random(), 5.0 * random()],
+            };
+            let samples = (0..=2000).map(|k| cubic.at(cubic.duration * f64::from(k) / 2000.0));
+            let sampled = samples.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| {
+                [low.min(q), high.max(q)]
+            });
+            let range = cubic.range();
+            assert!(
+                (range[0] - sampled[0]).abs() < 1e-5,
+                "{cubic:?} {range:?} {sampled:?}"
+            );
+            assert!(
+                (range[1] - sampled[1]).abs() < 1e-5,
+                "{cubic:?} {range:?} {sampled:?}"
+            );
+        }
+    }
+}

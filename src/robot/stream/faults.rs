@@ -1,0 +1,500 @@
+//! Streams to arms with random faults, in simulated time: a motion ends finished, or told to stop, and the words are true.
+//!
+//! `RODLAB_FAULT_CASES=100000 cargo test --release random_faults` tries more than continuous integration does.
+
+use super::tests::BOUNDS;
+use super::*;
+use crate::robot::driver::Interpolant;
+use std::sync::{Arc, Mutex, MutexGuard};
+
+/// Cases, unless the environment variable gives another number.
+const CASES: u64 = 600;
+const VARIABLE: &str = "RODLAB_FAULT_CASES";
+
+/// Time that passes when a stream sleeps.
+#[derive(Clone)]
+struct Simulated(Arc<Mutex<Instant>>);
+
+impl Timer for Simulated {
+    fn now(&self) -> Instant {
+        *self.0.lock().unwrap()
+    }
+
+    fn sleep(&self, time: Duration) {
+        *self.0.lock().unwrap() += time;
+    }
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, count: u64) -> u64 {
+        self.next() % count
+    }
+
+    fn part(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// What goes wrong with an arm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Fault {
+    None,
+    /// Its reports end.
+    Silence,
+    /// Its joints stop, and reports still come.
+    DrivesOff,
+    /// One joint stops.
+    FrozenJoint,
+    /// One joint is somewhere else.
+    Jump,
+    /// One joint reports no number.
+    NotANumber,
+    /// The server reports success, and the joints stop.
+    FalseEnd,
+    /// The server reports success, and the joints move on.
+    EarlyEnd,
+    /// The server breaks the motion off, and the joints move on.
+    FalseAbort,
+    /// The server breaks the motion off, and the joints stop.
+    Abort,
+    /// The connection is lost, and the joints move on.
+    Lost,
+    /// The connection is lost for good.
+    Gone,
+    /// The server confirms requests to stop, and the joints move on. The user interrupts.
+    DeafServer,
+    /// The user interrupts.
+    Interruption,
+    /// The controller runs at a part of its speed.
+    Slow,
+    /// The controller pauses for two seconds, and reports a setpoint that stands still.
+    Pause,
+    /// The joints end short of the last point.
+    Short,
+    /// The joints swing about the last point.
+    Swinging,
+    /// The joints are elsewhere at the start.
+    Elsewhere,
+    /// The server takes no goal.
+    Refusal,
+    /// The server panics our side: the driver's code fails.
+    Panic,
+    /// The clock of the robot jumps.
+    ClockJump,
+}
+
+const FAULTS: [Fault; 22] = [
+    Fault::None,
+    Fault::Silence,
+    Fault::DrivesOff,
+    Fault::FrozenJoint,
+    Fault::Jump,
+    Fault::NotANumber,
+    Fault::FalseEnd,
+    Fault::EarlyEnd,
+    Fault::FalseAbort,
+    Fault::Abort,
+    Fault::Lost,
+    Fault::Gone,
+    Fault::DeafServer,
+    Fault::Interruption,
+    Fault::Slow,
+    Fault::Pause,
+    Fault::Short,
+    Fault::Swinging,
+    Fault::Elsewhere,
+    Fault::Refusal,
+    Fault::Panic,
+    Fault::ClockJump,
+];
+
+/// The arm itself, which goes on whatever its client does.
+struct Arm {
+    fault: Fault,
+    /// When it happens, s after the start.
+    moment: f64,
+    joint: usize,
+    begun: Option<(Instant, Interpolant)>,
+    /// Time of the trajectory at which it stopped, s.
+    stopped: Option<f64>,
+    requests: usize,
+    lost: bool,
+}
+
+impl Arm {
+    fn elapsed(&self, now: Instant) -> f64 {
+        let begun = self.begun.as_ref();
+        begun.map_or(0.0, |(start, _)| now.duration_since(*start).as_secs_f64())
+    }
+
+    /// Time of the trajectory at which it is, s.
+    fn path_time(&self, now: Instant) -> f64 {
+        let elapsed = self.elapsed(now);
+        let until = self.stopped.unwrap_or(f64::INFINITY);
+        let late = (elapsed - self.moment).max(0.0);
+        let time = match self.fault {
+            Fault::DrivesOff | Fault::FalseEnd | Fault::Abort => elapsed.min(self.moment),
+            Fault::Slow => elapsed * (0.1 + 0.8 * self.moment.min(1.0)),
+            Fault::Pause => elapsed - late.min(2.0),
+            _ => elapsed,
+        };
+        time.min(until)
+    }
+
+    fn positions(&self, now: Instant) -> Vec<f64> {
+        let Some((_, path)) = &self.begun else {
+            let elsewhere = if self.fault == Fault::Elsewhere {
+                0.3
+            } else {
+                0.0
+            };
+            return vec![elsewhere; 2];
+        };
+        let time = self.path_time(now);
+        let mut positions = path.at(time);
+        let is_late = self.elapsed(now) > self.moment;
+        match self.fault {
+            Fault::FrozenJoint if is_late => {
+                positions[self.joint] = path.at(time.min(self.moment))[self.joint];
+            }
+            Fault::Jump if is_late => positions[self.joint] += 0.5,
+            Fault::Short => positions.iter_mut().for_each(|q| *q *= 0.95),
+            Fault::Swinging if time >= path.duration() => {
+                positions[self.joint] += 0.015 * (30.0 * self.elapsed(now)).sin();
+            }
+            _ => {}
+        }
+        positions
+    }
+
+    fn moves(&self, now: Instant) -> bool {
+        let before = now - Duration::from_millis(60);
+        let pairs = self.positions(now);
+        let earlier = self.positions(before);
+        pairs
+            .iter()
+            .zip(&earlier)
+            .any(|(a, b)| (a - b).abs() > 2e-3)
+    }
+}
+
+/// A driver to it.
+struct Connection {
+    arm: Arc<Mutex<Arm>>,
+    timer: Simulated,
+    report: Option<JointState>,
+    setpoint: Option<JointState>,
+    clock: Option<(f64, Instant)>,
+    has_clock: bool,
+    opened: Instant,
+}
+
+impl Connection {
+    fn arm(&self) -> MutexGuard<'_, Arm> {
+        self.arm
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    /// Reads what has arrived by now.
+    fn read(&mut self) -> Result<(), DriverError> {
+        let now = self.timer.now();
+        let arm = Arc::clone(&self.arm);
+        let mut arm = arm
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let is_late = arm.begun.is_some() && arm.elapsed(now) > arm.moment;
+        if is_late && matches!(arm.fault, Fault::Lost | Fault::Gone) && arm.requests == 0 {
+            arm.lost = true;
+        }
+        if arm.lost {
+            return Err(DriverError::Lost("the connection is lost".into()));
+        }
+        assert!(
+            !(is_late && arm.fault == Fault::Panic && arm.requests == 0),
+            "a fault of a driver"
+        );
+        if is_late && arm.fault == Fault::Silence {
+            return Ok(());
+        }
+        let since = now.duration_since(self.opened);
+        if self
+            .report
+            .as_ref()
+            .is_none_or(|last| now - last.received >= Duration::from_millis(8))
+        {
+            let mut positions = arm.positions(now);
+            if is_late && arm.fault == Fault::NotANumber {
+                positions[arm.joint] = f64::NAN;
+            }
+            let received = now;
+            self.report = Some(JointState {
+                received,
+                positions,
+            });
+            let mut time = 1000.0 + since.as_secs_f64();
+            if is_late && arm.fault == Fault::ClockJump {
+                let lasts = arm.joint == 0 || arm.elapsed(now) < arm.moment + 0.05;
+                time += if lasts { 30.0 } else { 0.0 };
+            }
+            self.clock = self.has_clock.then_some((time, received));
+            if let Some((_, path)) = &arm.begun {
+                let is_off = matches!(arm.fault, Fault::DrivesOff | Fault::FrozenJoint);
+                let time = if is_off {
+                    arm.elapsed(now)
+                } else {
+                    arm.path_time(now)
+                };
+                let positions = path.at(time);
+                self.setpoint = Some(JointState {
+                    received,
+                    positions,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Driver for Connection {
+    fn connect(&mut self, _: &[String]) -> Result<(), DriverError> {
+        if self.arm().fault == Fault::Gone && self.arm().begun.is_some() {
+            return Err(DriverError::Lost("no connection".into()));
+        }
+        self.arm().lost = false;
+        Ok(())
+    }
+
+    fn reports_state(&self) -> bool {
+        true
+    }
+
+    fn state(&mut self) -> Result<Option<JointState>, DriverError> {
+        self.read()?;
+        Ok(self.report.clone())
+    }
+
+    fn setpoint(&self) -> Option<&JointState> {
+        self.setpoint.as_ref()
+    }
+
+    fn clock(&self) -> Option<(f64, Instant)> {
+        self.clock
+    }
+
+    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+        let now = self.timer.now();
+        let mut arm = self.arm();
+        match arm.fault {
+            Fault::Refusal => {}
+            _ => arm.begun = Some((now, trajectory.interpolant())),
+        }
+        Ok(())
+    }
+
+    fn advance(&mut self, _: f64) -> Result<Progress, DriverError> {
+        self.read()?;
+        let now = self.timer.now();
+        let arm = self.arm();
+        let Some((_, trajectory)) = &arm.begun else {
+            return Err(DriverError::Refused(
+                "the controller rejected the goal".into(),
+            ));
+        };
+        let is_late = arm.elapsed(now) > arm.moment;
+        match arm.fault {
+            Fault::FalseEnd | Fault::EarlyEnd if is_late => return Ok(Progress::Done),
+            Fault::FalseAbort | Fault::Abort if is_late => {
+                return Err(DriverError::Aborted(
+                    "the controller broke the motion off".into(),
+                ));
+            }
+            _ => {}
+        }
+        let is_over = arm.path_time(now) >= trajectory.duration() + 0.01;
+        Ok(if is_over {
+            Progress::Done
+        } else {
+            Progress::Running
+        })
+    }
+
+    fn stop(&mut self) -> Result<(), DriverError> {
+        let now = self.timer.now();
+        let mut arm = self.arm();
+        if arm.lost {
+            return Err(DriverError::Lost("the connection is lost".into()));
+        }
+        arm.requests += 1;
+        if arm.fault != Fault::DeafServer && arm.stopped.is_none() {
+            arm.stopped = Some(arm.path_time(now));
+        }
+        Ok(())
+    }
+}
+
+fn rise(duration: f64) -> PartTrajectory {
+    let part = |k: i32| f64::from(k) / 50.0;
+    let rise = |s: f64| s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+    PartTrajectory {
+        joints: vec!["a".into(), "b".into()],
+        times: (0..=50).map(|k| duration * part(k)).collect(),
+        points: (0..=50)
+            .map(|k| vec![rise(part(k)), -0.7 * rise(part(k))])
+            .collect(),
+    }
+}
+
+/// Runs a case; what is wrong with how it ended.
+fn run_case(seed: u64) -> Result<(), String> {
+    let mut random = Random(seed);
+    let fault = FAULTS[random.below(FAULTS.len() as u64) as usize];
+    let duration = 1.0 + random.part();
+    let moment = match fault {
+        Fault::None => 0.5,
+        _ => duration * random.part(),
+    };
+    let is_alone = random.below(3) > 0;
+    let timer = Simulated(Arc::new(Mutex::new(Instant::now())));
+    let begin = timer.now();
+    let arm = |fault, joint| {
+        Arc::new(Mutex::new(Arm {
+            fault,
+            moment,
+            joint,
+            begun: None,
+            stopped: None,
+            requests: 0,
+            lost: false,
+        }))
+    };
+    let faulty = arm(fault, random.below(2) as usize);
+    let sound = arm(Fault::None, 0);
+    let has_clock = fault == Fault::ClockJump || random.below(2) > 0;
+    let part = |name: &str, arm: &Arc<Mutex<Arm>>| Part {
+        name: name.into(),
+        driver: Box::new(Connection {
+            arm: Arc::clone(arm),
+            timer: timer.clone(),
+            report: None,
+            setpoint: None,
+            clock: None,
+            has_clock,
+            opened: begin,
+        }),
+        trajectory: rise(duration),
+        kinds: vec![JointKind::Revolute; 2],
+    };
+    let mut parts = vec![part("one", &faulty)];
+    if !is_alone {
+        parts.push(part("other", &sound));
+    }
+    let is_interrupted = || {
+        let asks = matches!(fault, Fault::Interruption | Fault::DeafServer);
+        let elapsed = timer.now().duration_since(begin).as_secs_f64();
+        asks && elapsed > moment || elapsed > 60.0
+    };
+    let mut log = StreamLog::none();
+    let ending = stream_by(&timer, &mut parts, &BOUNDS, &is_interrupted, &mut log);
+    let took = timer.now().duration_since(begin).as_secs_f64();
+    drop(parts);
+    let now = timer.now();
+    let arms = [&faulty, &sound].map(|arm| {
+        arm.lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner)
+    });
+    let count = if is_alone { 1 } else { 2 };
+    let arms = &arms[..count];
+    let wrong = |what: &str| {
+        Err(format!(
+            "seed {seed}, {fault:?} at {moment:.3} of {duration:.3} s, alone: {is_alone}: {what}: {ending:?}"
+        ))
+    };
+    if took > 12.0 * duration + 15.0 {
+        return wrong("it took too long");
+    }
+    let path = rise(duration).interpolant();
+    let is_there = |arm: &Arm| {
+        let pairs = arm.positions(now);
+        let mut pairs = pairs.iter().zip(path.last());
+        !arm.moves(now) && pairs.all(|(a, b)| (a - b).abs() <= BOUNDS.start.revolute)
+    };
+    let has_started = arms.iter().any(|arm| arm.begun.is_some());
+    match &ending {
+        Ending::Finished => {
+            if !arms.iter().all(|arm| is_there(arm)) {
+                return wrong("it did not arrive");
+            }
+        }
+        Ending::Interrupted => {
+            if has_started && arms.iter().any(|arm| arm.moves(now)) {
+                return wrong("it moves on");
+            }
+        }
+        Ending::Failed(reason) => {
+            let may_move = arms.iter().any(|arm| arm.moves(now));
+            if may_move && !reason.contains("watch the arm") {
+                return wrong("it moves on without a word");
+            }
+        }
+    }
+    if has_started && ending != Ending::Finished {
+        let unreachable = |arm: &Arm| arm.fault == Fault::Gone;
+        if arms
+            .iter()
+            .any(|arm| arm.begun.is_some() && arm.requests == 0 && !unreachable(arm))
+        {
+            return wrong("it was not told to stop");
+        }
+    }
+    // Early enough, each fault decides how the motion ends.
+    let is_early = (0.2 * duration..0.7 * duration).contains(&moment);
+    let should = match fault {
+        Fault::None | Fault::EarlyEnd => "Finished",
+        Fault::Slow | Fault::Pause if is_alone => "Finished",
+        Fault::ClockJump if faulty_is_glitch(arms) => "Finished",
+        Fault::Interruption => "Interrupted",
+        // The motion may be over, at rest, before the patience is.
+        Fault::DeafServer if !arms[0].moves(now) => "Interrupted",
+        _ => "Failed",
+    };
+    let is = match ending {
+        Ending::Finished => "Finished",
+        Ending::Interrupted => "Interrupted",
+        Ending::Failed(_) => "Failed",
+    };
+    let slow_enough = fault != Fault::Slow || is_alone || moment < 0.7;
+    if is_early && slow_enough && is != should {
+        return wrong(&format!("it should have {should}"));
+    }
+    Ok(())
+}
+
+/// Whether the clock of the arm comes back from its jump.
+fn faulty_is_glitch(arms: &[MutexGuard<'_, Arm>]) -> bool {
+    arms[0].joint != 0
+}
+
+#[test]
+fn motions_with_random_faults_end_finished_or_told_to_stop() {
+    let given = std::env::var(VARIABLE).ok();
+    let cases = given.and_then(|cases| cases.parse().ok()).unwrap_or(CASES);
+    let wrong: Vec<String> = (0..cases).filter_map(|seed| run_case(seed).err()).collect();
+    assert!(
+        wrong.is_empty(),
+        "{} of {cases} cases:\n{}",
+        wrong.len(),
+        wrong[..wrong.len().min(20)].join("\n")
+    );
+}

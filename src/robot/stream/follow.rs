@@ -1,0 +1,342 @@
+//! Whether an arm follows its trajectory, by the reports of its joints.
+//!
+//! A controller may run a trajectory more slowly than its times ask for: by a speed slider, in a pause, or as it began late. The
+//! part of a stream that moves alone may lag without bound, as long as it moves along its path. Several parts keep one clock,
+//! so that each of them may lag by [`LATENESS`] only.
+
+use super::bounds::StreamBounds;
+use super::reports::{Reports, STILL};
+use crate::robot::chain::JointKind;
+use crate::robot::driver::{Interpolant, JointState, PartTrajectory};
+
+/// An arm may be late by this, s, before its distance from where it should be counts.
+pub(super) const LATENESS: f64 = 0.3;
+/// Time in which an arm that does not move, while its trajectory does, counts as still, s.
+const WINDOW: f64 = 0.2;
+/// Time in which an arm has to begin to move, s.
+const START: f64 = 2.0;
+/// Time in which a setpoint shows that it stands still as well: feedback is rarer than reports of joints, s.
+const GRACE: f64 = 0.1;
+/// Part of the tracking tolerance by which a trajectory moves noticeably.
+const NOTICEABLE: f64 = 0.2;
+/// Part of the movement of the trajectory that a still arm does not reach.
+const STILL_PART: f64 = 0.1;
+/// Time by which the lag of a still arm grows before it counts, s.
+const SLOW: f64 = 1.0;
+/// Places at which the trajectory is looked at within the lateness, and times that are tried for a lag that grows.
+const SAMPLES: usize = 16;
+
+/// Follows one part.
+pub(super) struct Follower {
+    joints: Vec<String>,
+    kinds: Vec<JointKind>,
+    path: Interpolant,
+    pub(super) reports: Reports,
+    setpoints: Reports,
+    /// Time by which the arm lags behind the clock of the motion, beyond [`LATENESS`], s.
+    lag: f64,
+    /// Time of the trajectory up to which the arm has come, s.
+    reached: f64,
+    has_moved: bool,
+    /// When it was found to stand still on its way, on the clock of the motion, s.
+    still_since: Option<f64>,
+    /// Whether that was reported as a pause.
+    is_paused: bool,
+    /// Lag when the joints came to rest, s.
+    lag_at_rest: Option<f64>,
+}
+
+/// What a report shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// It follows, or waits for its begin.
+    Follows,
+    /// It has just been found paused by its controller.
+    Pauses,
+    /// It moves again after a pause.
+    Resumes,
+}
+
+/// What surrounds a report.
+pub(super) struct Circumstances<'a> {
+    /// Time of the report on the clock of the motion, s.
+    pub time: f64,
+    /// How many times as fast as real time that clock runs, 1 at least.
+    pub rate: f64,
+    /// How many times as fast it has run.
+    pub greatest_rate: f64,
+    /// Whether the controller has accepted the motion.
+    pub is_accepted: bool,
+    /// Whether the controller has reported the end of the motion.
+    pub is_done: bool,
+    /// Whether the arm moves alone.
+    pub is_alone: bool,
+    /// Setpoint of the controller, where it reports one.
+    pub setpoint: Option<&'a JointState>,
+    /// Its bounds.
+    pub bounds: &'a StreamBounds,
+}
+
+impl Follower {
+    pub(super) fn new(trajectory: &PartTrajectory, kinds: &[JointKind]) -> Self {
+        Self {
+            joints: trajectory.joints.clone(),
+            kinds: kinds.to_vec(),
+            path: trajectory.interpolant(),
+            reports: Reports::new(kinds),
+            setpoints: Reports::new(kinds),
+            lag: 0.0,
+            reached: 0.0,
+            has_moved: false,
+            still_since: None,
+            is_paused: false,
+            lag_at_rest: None,
+        }
+    }
+
+    /// Time by which the arm lags behind the clock of the motion, s.
+    pub(super) fn lag(&self) -> f64 {
+        self.lag
+    }
+
+    /// Whether the arm has begun to move.
+    pub(super) fn has_moved(&self) -> bool {
+        self.has_moved
+    }
+
+    /// Reads a report.
+    ///
+    /// # Errors
+    /// The arm is too far from its trajectory, or does not move with it.
+    pub(super) fn report(
+        &mut self,
+        state: &JointState,
+        now: &Circumstances<'_>,
+    ) -> Result<Motion, String> {
+        if !self.reports.add(state, now.time) {
+            return Ok(Motion::Follows);
+        }
+        if let Some(setpoint) = now.setpoint {
+            self.setpoints.add(setpoint, now.time);
+        }
+        let from_start = self.distance(
+            &state.positions,
+            |joint, _| {
+                let first = self.path.first()[joint];
+                [first, first]
+            },
+            now.bounds,
+        );
+        self.has_moved |= from_start.1 > NOTICEABLE;
+        self.find_lag(state, now)?;
+        self.look_for_stop(now)
+    }
+
+    /// Finds by how much the arm lags so that it is within the tolerance of its trajectory.
+    fn find_lag(&mut self, state: &JointState, now: &Circumstances<'_>) -> Result<(), String> {
+        let due = now.time - self.lag;
+        let (worst, distance) = self.distance_at(&state.positions, due, now);
+        if distance <= 1.0 {
+            self.reached = self.reached.max(due);
+            return Ok(());
+        }
+        let most = match now.is_alone {
+            true => f64::INFINITY,
+            // A clock that was fast at the start, when the arm heard the command, may be slow now.
+            false => (LATENESS * (now.greatest_rate - now.rate) - self.lag).max(0.0),
+        };
+        let room = (due - self.reached).min(most);
+        for k in 1..=SAMPLES {
+            let more = room * k as f64 / SAMPLES as f64;
+            if more > 0.0 && self.distance_at(&state.positions, due - more, now).1 <= 1.0 {
+                self.lag += more;
+                self.reached = self.reached.max(due - more);
+                return Ok(());
+            }
+        }
+        let kind = self.kinds[worst];
+        let allowed = now.bounds.tracking.of(kind);
+        Err(format!(
+            "{} is {:.4} {unit} from where it should be; allowed: {allowed} {unit}",
+            self.joints[worst],
+            distance * allowed,
+            unit = kind.unit(),
+        ))
+    }
+
+    /// The joint farthest from all places where it should have been lately, and how far, as a part of its tolerance.
+    fn distance_at(&self, positions: &[f64], due: f64, now: &Circumstances<'_>) -> (usize, f64) {
+        let lateness = LATENESS * now.rate;
+        // An arm that lags may catch up.
+        let (since, until) = (due - lateness, now.time.min(due + lateness));
+        let knots = self.path.times();
+        let [first, last] = [since, until].map(|end| knots.partition_point(|t| *t < end));
+        let samples = (0..=SAMPLES).map(|k| since + (until - since) * k as f64 / SAMPLES as f64);
+        // Of many points a few are enough: they are close to each other then.
+        let stride = (last - first).div_ceil(4 * SAMPLES).max(1);
+        let knots = knots[first..last].iter().step_by(stride).copied();
+        let places: Vec<Vec<f64>> = samples
+            .chain(knots)
+            .map(|time| self.path.at(time))
+            .collect();
+        self.distance(
+            positions,
+            |joint, _| {
+                places
+                    .iter()
+                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
+                        [low.min(place[joint]), high.max(place[joint])]
+                    })
+            },
+            now.bounds,
+        )
+    }
+
+    /// The joint farthest outside a range, and how far, as a part of its tracking tolerance.
+    fn distance(
+        &self,
+        positions: &[f64],
+        range: impl Fn(usize, JointKind) -> [f64; 2],
+        bounds: &StreamBounds,
+    ) -> (usize, f64) {
+        let distances = self.kinds.iter().enumerate().map(|(joint, kind)| {
+            let [low, high] = range(joint, *kind);
+            let position = positions[joint];
+            // A position that is not a number is infinitely far.
+            let distance = if position.is_finite() {
+                (low - position).max(position - high).max(0.0)
+            } else {
+                f64::INFINITY
+            };
+            (joint, distance / bounds.tracking.of(*kind))
+        });
+        distances
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((0, 0.0))
+    }
+
+    /// Looks for an arm that does not move while its trajectory does.
+    fn look_for_stop(&mut self, now: &Circumstances<'_>) -> Result<Motion, String> {
+        if !self.is_still(now) {
+            self.still_since = None;
+            return Ok(match std::mem::take(&mut self.is_paused) {
+                true => Motion::Resumes,
+                false => Motion::Follows,
+            });
+        }
+        let since = *self.still_since.get_or_insert(now.time);
+        if !self.has_moved {
+            // The driver waits for an answer to its goal, and several parts are compared with their clock.
+            let is_early = now.time / now.rate < START && !now.is_done;
+            return match is_early || !now.is_accepted || !now.is_alone {
+                true => Ok(Motion::Follows),
+                false => Err(format!(
+                    "its joints do not begin to move (are its drives on?)"
+                )),
+            };
+        }
+        let longest = now.bounds.longest_pause;
+        let may_pause = now.is_alone
+            && !now.is_done
+            && match longest {
+                Some(longest) => (now.time - since) / now.rate <= longest.as_secs_f64(),
+                None => {
+                    let may_show = self.setpoints.last().is_some();
+                    self.setpoint_is_still(now) || (may_show && now.time - since < GRACE * now.rate)
+                }
+            };
+        if may_pause {
+            return Ok(match std::mem::replace(&mut self.is_paused, true) {
+                true => Motion::Follows,
+                false => Motion::Pauses,
+            });
+        }
+        let advice = match (now.is_alone, longest) {
+            (false, _) => "several parts keep one clock, so that none of them may pause",
+            (true, Some(_)) => "longer than `streaming.longest_pause` of the cell file",
+            (true, None) => {
+                "its drives are off, or it is paused; where the controller does not report its setpoint, `streaming.longest_pause` of the cell file allows pauses"
+            }
+        };
+        Err(format!(
+            "its joints stand still and its trajectory does not: {advice}"
+        ))
+    }
+
+    /// Whether the arm does not move although its trajectory did all the time in which the arm may be late.
+    fn is_still(&mut self, now: &Circumstances<'_>) -> bool {
+        let window = WINDOW * now.rate;
+        let moved = self.reports.movement(window, &now.bounds.tracking);
+        let (Some(moved), Some(noise)) = (moved, self.reports.movement(window, &STILL)) else {
+            return false;
+        };
+        // Where the trajectory is slow, the lag of the arm shows it.
+        let lag = self.lag;
+        self.lag_at_rest = (noise <= 1.0).then(|| self.lag_at_rest.unwrap_or(lag));
+        let falls_behind = (self.lag_at_rest).is_some_and(|then| lag - then > SLOW * now.rate);
+        let due = now.time - self.lag;
+        let since = due - LATENESS * now.rate;
+        let until = now.time.min(due + LATENESS * now.rate);
+        let least = (0..=SAMPLES).map(|k| {
+            let end = since + (until - since) * k as f64 / SAMPLES as f64;
+            let ends = [self.path.at(end - window), self.path.at(end)];
+            let range = |joint: usize, _| [ends[0][joint]; 2];
+            self.distance(&ends[1], range, now.bounds).1
+        });
+        let least = least.fold(f64::INFINITY, f64::min);
+        falls_behind || (least > NOTICEABLE && moved < STILL_PART * least)
+    }
+
+    /// Whether the setpoint of the controller stands still where the arm does.
+    fn setpoint_is_still(&self, now: &Circumstances<'_>) -> bool {
+        let [arm, setpoint] = [&self.reports, &self.setpoints]
+            .map(|reports| reports.movement(WINDOW * now.rate, &now.bounds.tracking));
+        let places = self.reports.last().zip(self.setpoints.last());
+        arm.zip(setpoint)
+            .is_some_and(|(arm, setpoint)| setpoint < arm + 0.1 * NOTICEABLE)
+            && places.is_some_and(|(at, setpoint)| {
+                let range = |joint: usize, _| [setpoint[joint]; 2];
+                self.distance(at, range, now.bounds).1 <= 1.0
+            })
+    }
+
+    /// Whether the joints are at the last point and at rest, once the trajectory is over.
+    pub(super) fn has_arrived(&self, now: &Circumstances<'_>) -> bool {
+        now.time - self.lag >= self.path.duration()
+            && self.reports.are_at_rest()
+            && self.from_last_point(now.bounds).is_none()
+    }
+
+    /// The joint that is not at the last point by the last report, with its distance from it, in words.
+    pub(super) fn from_last_point(&self, bounds: &StreamBounds) -> Option<String> {
+        let positions = self.reports.last()?;
+        apart(
+            &self.joints,
+            &self.kinds,
+            positions,
+            self.path.last(),
+            bounds,
+        )
+    }
+}
+
+/// A joint that is farther from a point than the start tolerance, in words; `None` where all are near.
+pub(super) fn apart(
+    joints: &[String],
+    kinds: &[JointKind],
+    positions: &[f64],
+    point: &[f64],
+    bounds: &StreamBounds,
+) -> Option<String> {
+    let all = joints.iter().zip(kinds).zip(positions.iter().zip(point));
+    let mut apart =
+        all.filter(|((_, kind), (at, should))| !((*at - *should).abs() <= bounds.start.of(**kind)));
+    apart.next().map(|((joint, kind), (at, should))| {
+        let unit = kind.unit();
+        format!(
+            "{joint} is at {at:.4} {unit}, {:.4} {unit} from {should:.4} {unit}; allowed: {} {unit}",
+            (at - should).abs(),
+            bounds.start.of(*kind)
+        )
+    })
+}

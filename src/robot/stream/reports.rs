@@ -1,0 +1,115 @@
+//! The last reports of the joints of a part, and whether they are at rest by them.
+
+use super::bounds::Tolerance;
+use crate::robot::chain::JointKind;
+use crate::robot::driver::JointState;
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+/// Movement within which a joint counts as still: noise of an encoder is less.
+pub(super) const STILL: Tolerance = Tolerance {
+    revolute: 1e-3,
+    prismatic: 1e-4,
+};
+/// Time without movement after which joints are at rest, s.
+const REST: f64 = 0.1;
+/// Age up to which a report counts as new.
+const FRESH: Duration = Duration::from_millis(250);
+/// Time for which reports are kept, s.
+const KEPT: f64 = 2.0;
+
+/// Reports of a part, with times on two clocks.
+pub(super) struct Reports {
+    kinds: Vec<JointKind>,
+    kept: VecDeque<Report>,
+}
+
+struct Report {
+    /// When it was received.
+    received: Instant,
+    /// Its time on the clock of the motion, s.
+    time: f64,
+    positions: Vec<f64>,
+}
+
+impl Reports {
+    pub(super) fn new(kinds: &[JointKind]) -> Self {
+        Self {
+            kinds: kinds.to_vec(),
+            kept: VecDeque::new(),
+        }
+    }
+
+    /// Keeps a report; `false` where it is not a new one. `time` is on the clock of the motion, s.
+    pub(super) fn add(&mut self, state: &JointState, time: f64) -> bool {
+        if (self.kept.back()).is_some_and(|last| last.received == state.received) {
+            return false;
+        }
+        self.kept.push_back(Report {
+            received: state.received,
+            time,
+            positions: state.positions.clone(),
+        });
+        // The last one before the time that counts stays.
+        while self.kept.len() > 2 && self.kept[1].time < time - KEPT {
+            self.kept.pop_front();
+        }
+        true
+    }
+
+    /// Positions of the last report, rad or m.
+    pub(super) fn last(&self) -> Option<&[f64]> {
+        Some(&self.kept.back()?.positions)
+    }
+
+    /// Greatest movement of a joint in the last `window`, s, on the clock of the motion, as a multiple of `unit`; `None`
+    /// where reports do not reach back so far.
+    pub(super) fn movement(&self, window: f64, unit: &Tolerance) -> Option<f64> {
+        let last = self.kept.back()?;
+        let begin = last.time - window;
+        let first = self.kept.iter().rposition(|report| report.time <= begin)?;
+        Some(self.spread(first, unit))
+    }
+
+    /// Whether the joints have not moved in the last tenth of a second, on the clock of the motion.
+    pub(super) fn are_at_rest(&self) -> bool {
+        self.movement(REST, &STILL)
+            .is_some_and(|moved| moved <= 1.0)
+    }
+
+    /// Whether the joints have not moved in the last tenth of a second by the time at which reports came, and reports still
+    /// come at `now`.
+    pub(super) fn have_come_to_rest(&self, now: Instant) -> bool {
+        let window = Duration::from_secs_f64(REST);
+        let Some(last) = self.kept.back() else {
+            return false;
+        };
+        let reaches_back =
+            |report: &Report| last.received.duration_since(report.received) >= window;
+        let is_fresh = now.duration_since(last.received) < FRESH;
+        let first = self.kept.iter().rposition(reaches_back);
+        is_fresh && first.is_some_and(|first| self.spread(first, &STILL) <= 1.0)
+    }
+
+    /// Range of the positions of each joint from a report on, as a multiple of `unit`: the greatest.
+    fn spread(&self, first: usize, unit: &Tolerance) -> f64 {
+        let joints = self.kinds.iter().enumerate().map(|(joint, kind)| {
+            let positions = self
+                .kept
+                .iter()
+                .skip(first)
+                .map(|report| report.positions[joint]);
+            let (low, high) =
+                positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| {
+                    // A position that is not a number is a movement without bound.
+                    if q.is_finite() {
+                        (low.min(q), high.max(q))
+                    } else {
+                        (f64::NEG_INFINITY, f64::INFINITY)
+                    }
+                });
+            (high - low) / unit.of(*kind)
+        });
+        joints.fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,72 @@
+//! What comes before the first goal: connections, first reports, and whether every joint is where its trajectory begins.
+
+use super::follow::apart;
+use super::timer::Timer;
+use super::{CYCLE, Ending, Part, StreamBounds, StreamLog, failed};
+use std::time::Duration;
+
+/// Longest wait for the first reports of all joints.
+const FIRST_STATE: Duration = Duration::from_secs(2);
+
+/// Connects, waits until every part reports where its joints are, and compares all of them with their first points at once: the
+/// goals go out right after.
+pub(super) fn prepare(
+    parts: &mut [Part],
+    bounds: &StreamBounds,
+    is_interrupted: &dyn Fn() -> bool,
+    timer: &dyn Timer,
+    log: &mut StreamLog,
+) -> Result<(), Ending> {
+    for part in parts.iter_mut() {
+        let connected = part.driver.connect(&part.trajectory.joints);
+        connected.map_err(|error| failed(part, &error))?;
+        log.event(&format!("{} is connected", part.name));
+    }
+    let begin = timer.now();
+    loop {
+        if is_interrupted() {
+            return Err(Ending::Interrupted);
+        }
+        let mut missing = None;
+        for part in parts.iter_mut().filter(|part| part.driver.reports_state()) {
+            let state = part.driver.state().map_err(|error| failed(part, &error))?;
+            let age = state.map(|state| timer.now().saturating_duration_since(state.received));
+            if age.is_none_or(|age| age > bounds.watchdog) {
+                missing.get_or_insert(format!(
+                    "{}: no report of all of its joints ({}) in {} s; compare the names in the cell file with the robot's, and its topic of joint states",
+                    part.name,
+                    part.trajectory.joints.join(", "),
+                    FIRST_STATE.as_secs()
+                ));
+            }
+        }
+        match missing {
+            None => break,
+            Some(reason) if timer.now().duration_since(begin) > FIRST_STATE => {
+                return Err(Ending::Failed(reason));
+            }
+            Some(_) => timer.sleep(CYCLE),
+        }
+    }
+    // A motor without a sensor begins where it is.
+    for part in parts.iter_mut().filter(|part| part.driver.knows_position()) {
+        let state = part.driver.state().map_err(|error| failed(part, &error))?;
+        let Some(state) = state else { continue };
+        let trajectory = &part.trajectory;
+        let first = &trajectory.points[0];
+        let apart = apart(
+            &trajectory.joints,
+            &part.kinds,
+            &state.positions,
+            first,
+            bounds,
+        );
+        if let Some(apart) = apart {
+            return Err(Ending::Failed(format!(
+                "{}: not at the first point of its trajectory: {apart}. Nothing was moved: bring the arm to the first point, or plan from where it is",
+                part.name
+            )));
+        }
+    }
+    Ok(())
+}
