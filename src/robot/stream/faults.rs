@@ -474,7 +474,7 @@ fn run_case(seed: u64) -> Result<(), String> {
         Ending::Interrupted => "Interrupted",
         Ending::Failed(_) => "Failed",
     };
-    let slow_enough = fault != Fault::Slow || is_alone || moment < 0.7;
+    let slow_enough = fault != Fault::Slow || is_alone || moment < 0.5;
     if is_early && slow_enough && is != should {
         return wrong(&format!("it should have {should}"));
     }

@@ -167,7 +167,7 @@ fn run(
     let mut watched: Vec<Watched> = parts
         .iter()
         .map(|part| Watched {
-            follower: (part.driver.knows_position())
+            follower: (part.driver.reports_state())
                 .then(|| Follower::new(&part.trajectory, &part.kinds)),
             is_done: false,
             has_arrived: false,

@@ -6,6 +6,8 @@
 //! and refuses moves until the host says hello again.
 
 mod frame;
+#[cfg(test)]
+mod hostile_tests;
 mod line;
 
 pub use line::{
@@ -165,6 +167,10 @@ impl Driver for StepperDriver {
             return Err(self.lost("not connected"));
         }
         self.zero = trajectory.points[0][0] - self.position as f64 * self.radians_per_step;
+        self.state = Some(JointState {
+            received: self.asked,
+            positions: trajectory.points[0].clone(),
+        });
         self.motion = Some(Motion {
             path: trajectory.interpolant(),
             sent: 0.0,
