@@ -43,6 +43,11 @@ pub(super) fn is_installed() -> bool {
 
 impl Robot {
     fn start() -> Option<Self> {
+        Self::with_fault("none")
+    }
+
+    /// With an arm that has a fault of `ros1_arm.py`.
+    fn with_fault(fault: &str) -> Option<Self> {
         let install = || succeeds(Command::new(script()).arg("install"));
         let purpose = "to stream joints to a real ROS master";
         if !have("ROS 1", purpose, is_installed, install) {
@@ -65,6 +70,7 @@ impl Robot {
                 .arg(what)
                 .arg(folder.path())
                 .arg(port.to_string())
+                .env("ARM_FAULT", fault)
                 .stdout(Stdio::piped())
                 .stderr(Stdio::null())
                 .spawn()
@@ -133,6 +139,35 @@ fn an_interruption_preempts_the_goal_within_half_a_second() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", said(&output));
     assert!(log(robot.folder.path(), "events.csv").contains("right holds"));
+}
+
+/// Success that is reported while the arm stands still, and a cancellation that is confirmed while it moves on.
+#[test]
+fn false_reports_of_a_server_are_found_by_the_joints() {
+    let Some(robot) = Robot::with_fault("false-end") else {
+        return;
+    };
+    let output = rodlab(robot.folder.path(), &STREAM);
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(
+        said(&output).contains("its controller has reported the end"),
+        "{}",
+        said(&output)
+    );
+    drop(robot);
+    let Some(robot) = Robot::with_fault("false-cancel") else {
+        return;
+    };
+    let child = start_stream(robot.folder.path());
+    wait_for_motion(robot.folder.path());
+    interrupt(&child);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(
+        said(&output).contains("still moves: watch the arm"),
+        "{}",
+        said(&output)
+    );
 }
 
 #[test]

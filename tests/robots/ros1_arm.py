@@ -1,6 +1,8 @@
-"""An arm of two joints behind actionlib's own action server: follows its trajectory, tells its joints at 100 Hz. A camera
-above it sees a dark rod, 200 pixels long, as pixels and as PNG files."""
+"""An arm of two joints behind actionlib's own action server: follows its trajectory, reports its joints at 100 Hz. A camera
+above it sees a dark rod, 200 pixels long, as pixels and as PNG files. With ARM_FAULT=false-end in the environment it reports success at
+once and stands still; with ARM_FAULT=false-cancel it confirms a cancellation and moves on."""
 
+import os
 import struct
 import threading
 import zlib
@@ -11,6 +13,7 @@ from control_msgs.msg import FollowJointTrajectoryAction, FollowJointTrajectoryF
 from sensor_msgs.msg import CompressedImage, Image, JointState
 
 JOINTS = ["right_j0", "right_j1"]
+FAULT = os.environ.get("ARM_FAULT")
 REPORTED = JOINTS + ["right_k1"]
 position = dict.fromkeys(REPORTED, 0.0)
 
@@ -55,12 +58,23 @@ class Arm:
         )
         self.server.start()
 
+    def move_on(self, trajectory):
+        begin = rospy.Time.now()
+        for point in trajectory.points:
+            rospy.sleep(begin + point.time_from_start - rospy.Time.now())
+            position.update(zip(trajectory.joint_names, point.positions))
+
     def follow(self, goal):
         trajectory = goal.trajectory
         if sorted(trajectory.joint_names) != JOINTS:
             result = FollowJointTrajectoryResult(error_code=FollowJointTrajectoryResult.INVALID_JOINTS)
             self.server.set_aborted(result, "unknown joints")
             return
+        if FAULT == "false-end":
+            self.server.set_succeeded(FollowJointTrajectoryResult())
+            return
+        if FAULT == "false-cancel":
+            threading.Thread(target=self.move_on, args=(trajectory,), daemon=True).start()
         begin = rospy.Time.now()
         rate = rospy.Rate(100)
         index = 0
