@@ -301,6 +301,31 @@ fn a_rod_that_is_longer_than_its_pattern_is_laid_to_its_end() {
 }
 
 #[test]
+fn a_rod_of_another_length_than_the_one_that_is_seen_is_not_scored() {
+    let served = serve(&["--rate", "10"], "");
+    // The cell hands out 30 cm.
+    let longer = ROD.replace("30 cm", "32 cm");
+    fs::write(served.folder.path().join("longer.toml"), longer).unwrap();
+    let mut arguments = DEPLOY;
+    arguments[4] = "longer.toml";
+    let output = served.run(&arguments);
+    assert_eq!(output.status.code(), Some(4), "{}", said(&output));
+    assert!(output.stdout.is_empty() && said(&output).contains("not seen whole"));
+    let manifest: Value = serde_json::from_str(&served.read("laid/manifest.json")).unwrap();
+    assert_eq!(manifest["status"], "not-seen-whole", "{manifest}");
+    assert_eq!(manifest["score"], Value::Null, "{manifest}");
+    let lengths = &manifest["seen_length"];
+    assert_eq!(lengths["rod_m"], 0.32, "{manifest}");
+    let seen = lengths["seen_m"].as_f64().unwrap();
+    assert!((seen - 0.3).abs() < 3e-3, "{manifest}");
+    let report = served.read("laid/report.md");
+    assert!(report.contains("320.0 mm"), "{report}");
+    // The work of the arm is done: the next task may begin.
+    let next = served.run(&again());
+    assert!(next.status.success(), "{}", said(&next));
+}
+
+#[test]
 fn a_cable_is_placed_between_its_pegs_by_the_optimal_grasps_and_not_by_the_intuitive_ones() {
     let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/cable_placement_u.toml");
     let scenario = scenario.to_str().unwrap();

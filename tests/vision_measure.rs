@@ -346,6 +346,11 @@ fn patterns_may_be_drawings() {
     let answer = json(&rodlab(place, line).success());
     let mean = answer["by_arc_length"]["mean_m"].as_f64().expect("a mean");
     assert!((mean - 0.002).abs() < 1e-9, "{answer}");
+    // 120 mm of a rod of 122 mm are all of it, and of one of 125 mm they are not.
+    let whole = json(&rodlab(place, &format!("{line} --rod-length 122mm")).success());
+    assert!((whole["seen_length"]["seen_m"].as_f64().unwrap() - 0.12).abs() < 1e-9);
+    let part = rodlab(place, &format!("{line} --rod-length 125mm")).code(4);
+    assert!(said(&part).contains("not seen whole") && said(&part).contains("125.0 mm"));
     for (line, expected) in [
         ("score laid.csv lines.svg", "2 strokes"),
         ("score laid.csv lines.svg --stroke 3", "no stroke 3"),

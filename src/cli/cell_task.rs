@@ -1,5 +1,6 @@
 //! What the tasks of a robot cell have in common on the command line: whether they may begin, and how they end.
 
+use super::exit_code::NOT_SEEN_WHOLE;
 use super::failure::Failure;
 use super::output::print_json;
 use crate::cell::Cell;
@@ -35,10 +36,11 @@ pub fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
     None
 }
 
-/// Ends a task: takes over what it came to, writes its record, clears its marks where it came to its end, and prints the record.
+/// Ends a task: takes over what it came to, writes its record, clears its marks where the arms came to the end of their work, and
+/// prints the record.
 ///
 /// # Errors
-/// It ended early, or something cannot be written.
+/// It ended early, the rod is not seen whole, or something cannot be written.
 pub fn finish<R: TaskRecord, T, S: TaskStage>(
     mut record: R,
     came_to: Result<T, TaskError<S>>,
@@ -47,13 +49,20 @@ pub fn finish<R: TaskRecord, T, S: TaskStage>(
     directory: &Path,
 ) -> Result<(), Failure> {
     record.head().ended(came_to.as_ref().err());
+    let clear = || {
+        let cleared = unfinished.iter().try_for_each(Unfinished::clear);
+        let unclear =
+            |error| Failure::System(format!("the end of the task cannot be noted: {error}"));
+        cleared.err().map(unclear)
+    };
     let failure = match came_to {
         Ok(came_to) => {
             take(&mut record, came_to);
-            let cleared = unfinished.iter().try_for_each(Unfinished::clear);
-            let unclear =
-                |error| Failure::System(format!("the end of the task cannot be noted: {error}"));
-            cleared.err().map(unclear)
+            clear()
+        }
+        // The arms have done their work and hold nothing.
+        Err(error @ TaskError::NotSeenWhole(_)) => {
+            clear().or_else(|| Some(ended_early(&error, directory)))
         }
         Err(error) => Some(ended_early(&error, directory)),
     };
@@ -71,6 +80,13 @@ fn ended_early<S: TaskStage>(error: &TaskError<S>, directory: &Path) -> Failure 
         TaskError::Interrupted => Failure::Cases {
             exit_code: 130,
             message,
+        },
+        TaskError::NotSeenWhole(_) => Failure::Cases {
+            exit_code: NOT_SEEN_WHOLE,
+            message: format!(
+                "{error}; nothing is scored: look at overlay.png and rod.csv in {}",
+                directory.display()
+            ),
         },
         _ => Failure::System(message),
     }

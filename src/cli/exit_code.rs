@@ -11,6 +11,8 @@ use crate::sweep::{SweepError, SweepOutcome};
 pub(super) const TIME_LIMIT: u8 = 5;
 /// Exit code of an interrupted run.
 pub(super) const INTERRUPTED: u8 = 130;
+/// Exit code where a picture does not show the whole rod, so that nothing is scored.
+pub(super) const NOT_SEEN_WHOLE: u8 = 4;
 /// Exit code after a panic: not bad input, and nothing that a further attempt with more time would mend.
 pub(super) const PANIC: u8 = 1;
 

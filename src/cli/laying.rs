@@ -100,6 +100,7 @@ impl LayingArguments {
             pattern: laying.pattern.to_owned(),
             motion: motion.report.clone(),
             times_s: Vec::new(),
+            seen_length: None,
             score: None,
             pegs: None,
         };
@@ -130,6 +131,7 @@ impl LayingArguments {
         };
         let end = task.run(&|| interrupted.is_raised());
         record.times_s = end.times;
+        record.seen_length = end.seen_length;
         finish(
             record,
             end.laid,

@@ -1,6 +1,7 @@
 //! `rodlab score`: how far a deployed curve is from its pattern.
 
 use super::drawn_pattern::drawn_points;
+use super::exit_code::NOT_SEEN_WHOLE;
 use super::failure::Failure;
 use super::output::{print, print_json, write_file};
 use super::values::{length_from_zero, positive_length};
@@ -8,8 +9,8 @@ use crate::figure::{Format, Paper};
 use crate::plan::pattern::Drawing;
 use crate::scenario::read_text_file;
 use crate::vision::{
-    CurveError, Point, SCORE_POINTS, Score, part_of_curve, read_curve, score as score_curves,
-    score_figure,
+    CurveError, Point, SCORE_POINTS, Score, SeenLength, part_of_curve, read_curve,
+    score as score_curves, score_figure,
 };
 use clap::Args;
 use serde::Serialize;
@@ -37,6 +38,9 @@ pub struct ScoreArguments {
     /// [default: for results of a deployment the lead-in that their scenario gives; otherwise all is compared]
     #[arg(long, value_name = "LENGTH", value_parser = length_from_zero)]
     pub begin: Option<f64>,
+    /// Length of the rod: without a result that is as long, within 3 %, there is no score (exit code 4)
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
+    pub rod_length: Option<f64>,
     /// Number of points that are compared
     #[arg(long, value_name = "N", default_value_t = SCORE_POINTS, value_parser = point_count)]
     pub points: usize,
@@ -78,6 +82,9 @@ struct Answer {
     /// Arc length of the whole result at which the part that is compared begins.
     #[serde(skip_serializing_if = "Option::is_none")]
     begin_m: Option<f64>,
+    /// Length of the whole result, and that of the rod.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seen_length: Option<SeenLength>,
     reversed: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     alignment: Option<Alignment>,
@@ -98,6 +105,13 @@ pub fn score(arguments: &ScoreArguments) -> Result<(), Failure> {
     };
     let whole = read_curve(&source, arguments.strand)?;
     let pattern = arguments.pattern_points()?;
+    let seen_length = (arguments.rod_length).map(|length| SeenLength::of(&whole, length));
+    if let Some(length) = seen_length.filter(|length| !length.is_whole()) {
+        return Err(Failure::Cases {
+            exit_code: NOT_SEEN_WHOLE,
+            message: format!("{}: not seen whole: {length}", arguments.result.display()),
+        });
+    }
     let begin = match arguments.begin {
         Some(begin) => Some(begin),
         None => lead_in_of(&arguments.result)?,
@@ -117,6 +131,7 @@ pub fn score(arguments: &ScoreArguments) -> Result<(), Failure> {
         pattern_length_m: found.pattern_length,
         result_length_m: found.result_length,
         begin_m: begin,
+        seen_length,
         reversed: found.reversed,
         alignment: arguments.align.then(|| Alignment {
             turn_degrees: found.alignment.rotation.angle().to_degrees(),

@@ -8,12 +8,12 @@ use super::working_arm::{Grip, WorkingArm};
 use crate::cell::Cell;
 use crate::experiment::{Fixtures, PassedPegs};
 use crate::figure::{Curve, Figure, LinePlot, Look, Paper, plot_to_scale};
-use crate::plan::deployment::{DeployedRod, LaidPath};
+use crate::plan::deployment::{DeployedRod, LaidPath, falls_straight};
 use crate::results::{ResultsError, write_whole};
 use crate::robot::JointTrajectory;
 use crate::vision::{
-    ColourRule, Point, SCORE_POINTS, Score, VisionError, centrelines_csv, encode_picture, overlay,
-    part_of_curve, pattern_csv, score, score_figure,
+    ColourRule, Point, SCORE_POINTS, Score, SeenLength, VisionError, centrelines_csv,
+    encode_picture, overlay, part_of_curve, pattern_csv, score, score_figure,
 };
 use image::RgbImage;
 use std::path::Path;
@@ -114,6 +114,8 @@ pub struct Laid {
 pub struct DeployEnd {
     /// Stages that were done, with the time that each took, s.
     pub times: Vec<(Stage, f64)>,
+    /// Length of the rod in the picture, and its own, where a picture was taken.
+    pub seen_length: Option<SeenLength>,
     /// How the rod lies, or why that is not known.
     pub laid: Result<Laid, DeployError>,
 }
@@ -122,14 +124,20 @@ impl DeployTask<'_> {
     /// Does all of it; what was done until something fails is in the directory.
     pub fn run(&self, is_interrupted: &dyn Fn() -> bool) -> DeployEnd {
         let mut times = Vec::new();
-        let laid = self.stages(is_interrupted, &mut times);
-        DeployEnd { times, laid }
+        let mut seen_length = None;
+        let laid = self.stages(is_interrupted, &mut times, &mut seen_length);
+        DeployEnd {
+            times,
+            seen_length,
+            laid,
+        }
     }
 
     fn stages(
         &self,
         is_interrupted: &dyn Fn() -> bool,
         times: &mut Vec<(Stage, f64)>,
+        seen_length: &mut Option<SeenLength>,
     ) -> Result<Laid, DeployError> {
         let mut begin = Instant::now();
         let mut done = |stage: Stage| {
@@ -179,6 +187,10 @@ impl DeployTask<'_> {
         self.write("centrelines.csv", strands.as_bytes())?;
         let rod = found.longest(self.start()).map_err(seen)?;
         self.write("rod.csv", pattern_csv(&rod).as_bytes())?;
+        let length = seen_length.insert(self.seen_length(&found, &rod).map_err(seen)?);
+        if !length.is_whole() {
+            return Err(DeployError::NotSeenWhole(length.to_string()));
+        }
         let part = part_of_curve(&rod, self.path.lead_in, self.pattern).map_err(seen)?;
         let score = score(&part, self.pattern, SCORE_POINTS, false).map_err(seen)?;
         let figure = score_figure(&score, "the rod", "the pattern");
@@ -190,6 +202,17 @@ impl DeployTask<'_> {
         }
         done(Stage::Score);
         Ok(Laid { score, pegs })
+    }
+
+    /// How much of the rod the picture shows. Where its end runs out of the picture, or a long rest fell from the gripper, perhaps upon
+    /// itself, only the path along which it was laid must be seen.
+    fn seen_length(&self, seen: &Seen, rod: &[Point]) -> Result<SeenLength, VisionError> {
+        let length = SeenLength::of(rod, self.rod.length);
+        let laid = self.path.points.last().map_or(0.0, |point| point.s);
+        if falls_straight(self.rod, laid) && !seen.leaves_picture(self.start())? {
+            return Ok(length);
+        }
+        Ok(length.with_least(laid))
     }
 
     /// Where the rod begins, in the frame of the pattern, m.

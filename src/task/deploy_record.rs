@@ -5,7 +5,7 @@ use super::error::TaskStage;
 use super::record::{TaskHead, TaskRecord, add_pictures};
 use crate::cell::PlanReport;
 use crate::experiment::PassedPegs;
-use crate::vision::CurveError;
+use crate::vision::{CurveError, SeenLength};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -26,6 +26,8 @@ pub struct DeployRecord {
     pub motion: PlanReport,
     /// Time that the stages took, s.
     pub times_s: Vec<(Stage, f64)>,
+    /// Length of the rod in the picture, and its own.
+    pub seen_length: Option<SeenLength>,
     /// Distances by arc length and to the nearest point.
     pub score: Option<[CurveError; 2]>,
     /// The pegs that the rod passes as its pattern does; `None` where there are none.
@@ -65,6 +67,16 @@ impl TaskRecord for DeployRecord {
         );
         for (stage, time) in &self.times_s {
             row(stage.in_words(), format!("{time:.1} s"));
+        }
+        if let Some(length) = &self.seen_length {
+            row(
+                "length as seen",
+                format!(
+                    "{:.1} mm of {:.1} mm",
+                    1e3 * length.seen_m,
+                    1e3 * length.rod_m
+                ),
+            );
         }
         if let Some(errors) = &self.score {
             for (name, error) in ["by arc length", "by nearest point"].iter().zip(errors) {

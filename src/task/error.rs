@@ -23,6 +23,9 @@ pub enum TaskError<S: TaskStage> {
     /// Somebody asked for the end; the arm holds.
     #[error("interrupted; the arm holds")]
     Interrupted,
+    /// The picture does not show the rod from end to end: nothing is scored.
+    #[error("not seen whole: {0}")]
+    NotSeenWhole(String),
     /// A file could not be written.
     #[error(transparent)]
     Results(#[from] ResultsError),

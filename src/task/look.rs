@@ -11,6 +11,9 @@ use std::time::Duration;
 /// Longest wait for a picture.
 const PATIENCE: Duration = Duration::from_secs(10);
 
+/// Least distance from the border of a picture at which an end counts as seen, pixels.
+const BORDER: f64 = 2.0;
+
 /// The next picture of the camera of a cell.
 ///
 /// # Errors
@@ -82,6 +85,26 @@ impl Seen {
     /// A pixel shows no point of the table.
     pub fn longest(&self, start: Point) -> Result<Vec<Point>, VisionError> {
         self.curve(self.longest_index(), start)
+    }
+
+    /// Whether the longest strand, from the end that is nearer to `start`, runs out of the picture.
+    ///
+    /// # Errors
+    /// A pixel shows no point of the table.
+    pub fn leaves_picture(&self, start: Point) -> Result<bool, VisionError> {
+        let index = self.longest_index();
+        let margin = self.trace.strands[index].width().max(BORDER);
+        let [width, height] = [self.camera.width, self.camera.height].map(f64::from);
+        let is_at_border = |pixel: &Point| {
+            let sides = [
+                pixel.x,
+                pixel.y,
+                width - 1.0 - pixel.x,
+                height - 1.0 - pixel.y,
+            ];
+            sides.iter().any(|away| *away < margin)
+        };
+        Ok(self.pixels(index, start)?.last().is_some_and(is_at_border))
     }
 
     /// Strands in the picture, pixels, with their widths, pixels, one for each rod by where it begins, each from there: the longest

@@ -15,6 +15,8 @@ pub enum Status {
     Running,
     /// It is done.
     Finished,
+    /// It was carried out, but the camera does not show the whole rod: nothing is scored.
+    NotSeenWhole,
     /// Something went wrong.
     Failed,
     /// Somebody asked for the end.
@@ -28,6 +30,7 @@ impl Status {
             Self::Planned => "planned, and nothing moved",
             Self::Running => "under way",
             Self::Finished => "finished",
+            Self::NotSeenWhole => "not seen whole, and not scored",
             Self::Failed => "failed",
             Self::Interrupted => "interrupted",
         }
@@ -71,6 +74,7 @@ impl TaskHead {
         self.status = match error {
             None => Status::Finished,
             Some(TaskError::Interrupted) => Status::Interrupted,
+            Some(TaskError::NotSeenWhole(_)) => Status::NotSeenWhole,
             Some(_) => Status::Failed,
         };
     }

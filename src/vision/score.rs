@@ -180,7 +180,8 @@ pub fn part_of_curve(
     Ok(part)
 }
 
-fn polyline_length(curve: &[Point]) -> f64 {
+/// Length of a curve by its points, in their unit.
+pub(super) fn polyline_length(curve: &[Point]) -> f64 {
     let steps = curve.windows(2).map(|pair| (pair[1] - pair[0]).norm());
     steps.sum()
 }

@@ -6,6 +6,8 @@ use crate::plan::pattern::{Pattern, PatternPoint, Point};
 /// Suspended length, in gravito-bending lengths, at which the gripper lets go: it is 0.73 L_gb above the table then. A longer
 /// rest pulls at what lies when it falls, and with a shorter one the fingers come down to the table.
 const SUSPENDED: f64 = 2.5;
+/// Longest rest, in gravito-bending lengths, that falls straight when the gripper lets go: a longer one may fall upon itself.
+const FALLS_STRAIGHT: f64 = SUSPENDED + LEAST;
 /// Least length, in gravito-bending lengths, that is worth a lead-out or a straight start.
 const LEAST: f64 = 1.0;
 /// Distance of points that are looked at, and least distance of one part of the rod from another, in radii: between rods that
@@ -15,6 +17,11 @@ const CLEARANCE: f64 = 6.0;
 
 /// Most points at which the rod is looked at.
 const MOST_POINTS: f64 = 1000.0;
+
+/// Whether what is left of a rod behind a path of some length, m, falls straight when the gripper lets go.
+pub fn falls_straight(rod: &DeployedRod, laid: f64) -> bool {
+    rod.length - laid <= FALLS_STRAIGHT * rod.gravito_bending_length
+}
 
 /// What is done with a rod that is longer than its pattern.
 #[derive(Clone, Copy)]

@@ -2,10 +2,9 @@
 
 use super::sight::{SeenCrossing, SeenKnot};
 use crate::knot::KnotInvariants;
+use crate::vision::SeenLength;
 use serde::Serialize;
 
-/// Part of its length by which a rod may seem longer or shorter: otherwise something else was seen, or not all of it.
-const LENGTH: f64 = 0.06;
 /// What there is without a knot.
 const NO_KNOT: KnotInvariants = KnotInvariants {
     determinant: 1,
@@ -30,15 +29,11 @@ pub struct TieScore {
 }
 
 impl TieScore {
-    /// The score of rods of some lengths, m, along whose patterns a knot was drawn.
-    pub fn of(rods: &SeenKnot, lengths: &[f64], drawn: Option<KnotInvariants>) -> Self {
-        let seen_lengths_m = rods.lengths();
-        let (seen, undecided) = match not_seen(&seen_lengths_m, lengths) {
-            Some(words) => (None, Some(words)),
-            None => match rods.knot() {
-                Ok(knot) => (knot, None),
-                Err(words) => (None, Some(words)),
-            },
+    /// The score of rods that are seen whole, along whose patterns a knot was drawn.
+    pub fn of(rods: &SeenKnot, drawn: Option<KnotInvariants>) -> Self {
+        let (seen, undecided) = match rods.knot() {
+            Ok(knot) => (knot, None),
+            Err(words) => (None, Some(words)),
         };
         let is_as_drawn = seen.is_some() && seen == drawn;
         Self {
@@ -48,7 +43,7 @@ impl TieScore {
             undecided,
             drawn,
             seen,
-            seen_lengths_m,
+            seen_lengths_m: rods.lengths(),
             crossings: rods.crossings.clone(),
         }
     }
@@ -67,22 +62,19 @@ impl TieScore {
     }
 }
 
-/// Which rod is not seen as a whole, in words.
-fn not_seen(seen: &[f64], lengths: &[f64]) -> Option<String> {
-    if seen.len() < lengths.len() {
+/// Why rods of some lengths, m, are not seen whole, in words; `None` where they are.
+pub fn not_seen_whole(rods: &SeenKnot, lengths: &[f64]) -> Option<String> {
+    if rods.curves.len() < lengths.len() {
         return Some(format!(
             "of {} rods the picture shows {}",
             lengths.len(),
-            seen.len()
+            rods.curves.len()
         ));
     }
-    let mut pairs = seen.iter().zip(lengths);
-    let other = pairs.find(|(seen, length)| !((*seen / *length - 1.0).abs() <= LENGTH));
-    other.map(|(seen, length)| {
-        format!(
-            "a strand in the picture is {seen:.3} m long, and its rod {length:.3} m: it is not seen as a whole"
-        )
-    })
+    let pairs = rods.curves.iter().zip(lengths);
+    let mut seen = pairs.map(|(curve, length)| SeenLength::of(curve, *length));
+    seen.find(|length| !length.is_whole())
+        .map(|length| length.to_string())
 }
 
 /// A knot in words.
@@ -114,20 +106,24 @@ mod tests {
     }
 
     #[test]
-    fn without_a_knot_nothing_is_tied_and_a_part_of_the_rod_does_not_decide() {
+    fn without_a_knot_nothing_is_tied() {
         let trefoil = Some(KnotInvariants {
             determinant: 3,
             signature: -2,
         });
-        let score = TieScore::of(&straight(0.99), &[1.0], trefoil);
+        let score = TieScore::of(&straight(0.99), trefoil);
         assert_eq!((score.tied, score.seen), (Some(false), Some(NO_KNOT)));
-        let score = TieScore::of(&straight(1.0), &[1.0], Some(NO_KNOT));
+        let score = TieScore::of(&straight(1.0), Some(NO_KNOT));
         assert_eq!(score.tied, Some(false));
         assert_eq!(score.in_words(), "none was drawn");
-        let score = TieScore::of(&straight(0.8), &[1.0], trefoil);
-        assert_eq!((score.tied, score.seen), (None, None));
-        assert!(score.in_words().contains("not seen as a whole"));
-        let score = TieScore::of(&straight(1.0), &[1.0, 1.0], trefoil);
-        assert_eq!(score.tied, None);
+    }
+
+    #[test]
+    fn a_part_of_a_rod_or_one_of_two_is_not_seen_whole() {
+        assert_eq!(not_seen_whole(&straight(0.99), &[1.0]), None);
+        let words = not_seen_whole(&straight(0.95), &[1.0]).unwrap();
+        assert!(words.contains("950.0 mm"), "{words}");
+        let words = not_seen_whole(&straight(1.0), &[1.0, 1.0]).unwrap();
+        assert!(words.contains("of 2 rods"), "{words}");
     }
 }

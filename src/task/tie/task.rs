@@ -2,7 +2,7 @@
 
 use super::motion::TieMotion;
 use super::plan::KnotPlan;
-use super::score::TieScore;
+use super::score::{TieScore, not_seen_whole};
 use super::sight::SeenKnot;
 use super::stage::{TieError, TieStage};
 use crate::cell::Cell;
@@ -179,7 +179,10 @@ impl TieTask<'_> {
             self.write(&name, pattern_csv(curve).as_bytes())?;
         }
         let lengths: Vec<f64> = rods.iter().map(|planned| planned.rod.length).collect();
-        Ok(TieScore::of(&knot, &lengths, self.knot.drawn))
+        if let Some(words) = not_seen_whole(&knot, &lengths) {
+            return Err(TieError::NotSeenWhole(words));
+        }
+        Ok(TieScore::of(&knot, self.knot.drawn))
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
