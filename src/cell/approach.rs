@@ -3,8 +3,8 @@
 use super::plan::PlanError;
 use super::resolved::{Cell, Driver};
 use crate::robot::{
-    Column, GripperDriver, JointTrajectory, Limits, Ros1Gripper, RosVersion, RosbridgeGripper,
-    SAMPLE, parametrise,
+    Column, GripperDriver, JointTrajectory, Limits, Ros1Gripper, Ros2GripperAddress, RosVersion,
+    RosbridgeGripper, SAMPLE, parametrise,
 };
 use std::time::{Duration, Instant};
 
@@ -133,6 +133,7 @@ impl Cell {
         let arm = &self.arms[arm];
         let gripper = arm.gripper.as_ref()?;
         let action = gripper.action.clone();
+        let max_effort = gripper.max_effort;
         let driver: Box<dyn GripperDriver> = match arm.driver.as_ref()? {
             Driver::Rosbridge { address, ros, .. } => Box::new(RosbridgeGripper {
                 address: address.clone(),
@@ -141,11 +142,21 @@ impl Cell {
                     _ => RosVersion::Two,
                 },
                 action,
+                max_effort,
             }),
             Driver::Ros1 { master, .. } => Box::new(Ros1Gripper {
                 master: master.clone(),
                 action,
+                max_effort,
             }),
+            Driver::Ros2(arm) => Ros2GripperAddress {
+                domain: arm.domain,
+                middleware: arm.middleware,
+                interface: arm.interface,
+                action,
+                max_effort,
+            }
+            .driver()?,
             _ => return None,
         };
         Some((driver, [gripper.open, gripper.closed]))

@@ -47,7 +47,8 @@ pub struct Arm {
     pub gripper: Option<Gripper>,
 }
 
-/// The gripper of an arm: the action `control_msgs/GripperCommand` at the rosbridge server or the ROS 1 master of the arm.
+/// The gripper of an arm: the action `control_msgs/GripperCommand` where that of the arm is: at its rosbridge server, at its ROS 1
+/// master or in its ROS 2 domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gripper {
     /// Name of the action.
@@ -56,6 +57,8 @@ pub struct Gripper {
     pub open: f64,
     /// How far it closes them, m.
     pub closed: f64,
+    /// Greatest effort of its fingers, N; 0 leaves it to the controller.
+    pub max_effort: f64,
     /// Name of the joint by which the reports of the arm say how far its fingers are apart, if they do.
     pub joint: Option<String>,
 }

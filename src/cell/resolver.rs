@@ -11,6 +11,8 @@ use std::path::PathBuf;
 
 /// How far fingers are apart that hold nothing, where nobody says so, m.
 const OPEN: f64 = 0.04;
+/// Greatest effort of fingers where nobody says so, N: enough for a rod, and gentle to it. Controllers of effort take 0 for no force.
+const EFFORT: f64 = 10.0;
 
 /// Reads keys and notes what is wrong with them; faulty ones are replaced by harmless values, so that all faults of a
 /// file are found together.
@@ -187,11 +189,11 @@ impl Resolver<'_> {
     ) -> Gripper {
         if !matches!(
             driver,
-            Some(typed::Driver::Rosbridge(_) | typed::Driver::Ros1(_))
+            Some(typed::Driver::Rosbridge(_) | typed::Driver::Ros1(_) | typed::Driver::Ros2(_))
         ) {
             self.fault(
                 path,
-                "a gripper is moved as its arm is: the driver of that must be of kind \"rosbridge\" or \"ros1\"",
+                "a gripper is moved as its arm is: the driver of that must be of kind \"rosbridge\", \"ros1\" or \"ros2\"",
             );
         }
         let opening = |key: &str, given: &Option<Quantity<Length>>, otherwise: f64| {
@@ -204,7 +206,16 @@ impl Resolver<'_> {
             }
             metres
         };
+        let effort = path.key("max_effort");
+        let max_effort = gripper
+            .max_effort
+            .as_ref()
+            .map_or(EFFORT, |given| self.si(&effort, given));
+        if !(max_effort >= 0.0 && max_effort.is_finite()) {
+            self.fault(&effort, format!("{max_effort} N must be 0 or more"));
+        }
         Gripper {
+            max_effort,
             action: gripper.action.clone(),
             open: opening("open", &gripper.open, OPEN),
             closed: opening("closed", &gripper.closed, 0.0),

@@ -117,6 +117,26 @@ fn the_gripper_of_an_arm_of_ros_1_is_moved_by_its_master() {
     assert_eq!(openings, [0.04, 0.0]);
 }
 
+#[cfg(feature = "ros2")]
+#[test]
+fn the_gripper_of_an_arm_of_ros_2_grips_with_an_effort() {
+    let with = |keys: &str| {
+        let gripper = format!("[arms.gripper]\naction = \"/grip\"\n{keys}\n[arms.driver]\n");
+        let driver = "kind = \"ros2\"\naction = \"/arm\"\njoint_states = \"/joints\"\n\n[[axes]]";
+        read(&ONE_JOINT.replacen("[[axes]]", &(gripper + driver), 1))
+    };
+    let effort = |keys: &str| {
+        let cell = with(keys).unwrap();
+        assert!(cell.gripper(0).is_some());
+        cell.arms[0].gripper.as_ref().unwrap().max_effort
+    };
+    assert_eq!(effort(""), 10.0);
+    assert_eq!(effort("max_effort = \"25 N\""), 25.0);
+    assert_eq!(effort("max_effort = 0"), 0.0);
+    let refused = with("max_effort = \"-1 N\"").unwrap_err();
+    assert!(refused.contains("`arms.0.gripper.max_effort`"), "{refused}");
+}
+
 #[test]
 fn faults_name_file_line_and_key() {
     let cases = [
@@ -204,7 +224,7 @@ fn faults_name_file_line_and_key() {
     let gripper = "[arms.gripper]\naction = \"/grip\"\n[arms.driver]\nkind = \"file\"\npath = \"-\"\n\n[[axes]]";
     let refused = read(&ONE_JOINT.replacen("[[axes]]", gripper, 1)).unwrap_err();
     assert!(
-        refused.contains("`arms.0.gripper`") && refused.contains("\"rosbridge\" or \"ros1\""),
+        refused.contains("`arms.0.gripper`") && refused.contains("\"ros1\" or \"ros2\""),
         "{refused}"
     );
     for (good, bad, place, expected) in cases {

@@ -1,6 +1,8 @@
 //! The cell file as typed: every key that may stand in one, none of them judged yet.
 
-use crate::scenario::dimension::{Angle, AngularVelocity, Dimensionless, Length, Time, Velocity};
+use crate::scenario::dimension::{
+    Angle, AngularVelocity, Dimensionless, Force, Length, Time, Velocity,
+};
 use crate::scenario::{Quantity, Vector};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -66,6 +68,7 @@ pub struct Gripper {
     pub action: String,
     pub open: Option<Quantity<Length>>,
     pub closed: Option<Quantity<Length>>,
+    pub max_effort: Option<Quantity<Force>>,
     pub joint: Option<String>,
 }
 

@@ -30,7 +30,8 @@ pub fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
         return Some(format!("arm {name} needs a `driver`"));
     }
     if cell.gripper(arm).is_none() {
-        let needed = "needs a `gripper`, and a driver of kind \"rosbridge\" or \"ros1\" for it";
+        let needed =
+            "needs a `gripper`, and a driver of kind \"rosbridge\", \"ros1\" or \"ros2\" for it";
         return Some(format!("arm {name} {needed}"));
     }
     None

@@ -68,7 +68,7 @@ pub use units::{metres, seconds};
 /// Physical dimensions, for [`Quantity`].
 pub mod dimension {
     pub use super::units::{
-        Angle, AngularVelocity, Curvature, Density, Dimension, Dimensionless, Length, Pressure,
-        Time, Velocity,
+        Angle, AngularVelocity, Curvature, Density, Dimension, Dimensionless, Force, Length,
+        Pressure, Time, Velocity,
     };
 }

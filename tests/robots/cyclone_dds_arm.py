@@ -1,6 +1,7 @@
 """An arm of two joints behind an action server of ROS 2 on Cyclone DDS: follows its trajectory, tells its joints at
 100 Hz. A service is two topics whose messages begin with the name of the request, as the middleware of ROS 2 on
-Cyclone DDS has it. On this machine only. Arguments: the domain, and the name under which the arm lives."""
+Cyclone DDS has it. On this machine only. Arguments: the domain, and the name under which the arm lives.
+`cyclone_dds_cell.py` adds a gripper and a camera."""
 
 import os
 import sys
@@ -203,8 +204,8 @@ def publisher(topic, kind, quality):
 
 
 class Service:
-    def __init__(self, what, request, response):
-        name = f"{NAME}/follow_joint_trajectory/_action/{what}"
+    def __init__(self, action, what, request, response):
+        name = f"{NAME}/{action}/_action/{what}"
         topic = Topic(participant, f"rq/{name}Request", request, qos=RELIABLE)
         self.reader = DataReader(participant, topic, qos=RELIABLE)
         self.writer = publisher(f"rr/{name}Reply", response, RELIABLE)
@@ -214,20 +215,25 @@ class Service:
 
 
 class Arm:
-    def __init__(self):
-        self.send_goal = Service("send_goal", SendGoalRequest, SendGoalResponse)
-        self.get_result = Service("get_result", GetResultRequest, GetResultResponse)
-        self.cancel_goal = Service("cancel_goal", CancelRequest, CancelResponse)
+    """Joints that reports name, which goals move those of `joints`, and where they are."""
+
+    def __init__(self, joints, reported):
+        action = "follow_joint_trajectory"
+        self.send_goal = Service(action, "send_goal", SendGoalRequest, SendGoalResponse)
+        self.get_result = Service(action, "get_result", GetResultRequest, GetResultResponse)
+        self.cancel_goal = Service(action, "cancel_goal", CancelRequest, CancelResponse)
         self.feedback = publisher(f"rt/{NAME}/follow_joint_trajectory/_action/feedback", Feedback, RELIABLE)
         self.states = publisher(f"rt/{NAME}/joint_states", JointState, BEST_EFFORT)
-        self.position = dict.fromkeys(REPORTED, 0.0)
+        self.joints = joints
+        self.position = dict(reported)
         self.goal_id = None
+        self.ended = None
         self.asked = []
 
     def answer(self):
         for one in self.send_goal.requests():
             trajectory = one.goal.trajectory
-            takes = self.goal_id is None and sorted(trajectory.joint_names) == JOINTS
+            takes = self.goal_id is None and sorted(trajectory.joint_names) == sorted(self.joints)
             self.send_goal.writer.write(SendGoalResponse(one.request, takes, Time()))
             if takes:
                 self.goal_id, self.trajectory = list(one.goal_id), trajectory
@@ -252,7 +258,7 @@ class Arm:
         self.feedback.write(Feedback(self.goal_id, HEADER, self.trajectory.joint_names, NOWHERE, NOWHERE, NOWHERE))
         self.feedbacks += 1
         if self.reached == len(points):
-            where = [self.position[joint] for joint in JOINTS]
+            where = [self.position[joint] for joint in self.joints]
             print("followed", len(points), self.feedbacks, *where, flush=True)
             self.end(EXECUTED)
 
@@ -268,17 +274,22 @@ class Arm:
                 self.get_result.writer.write(GetResultResponse(one.request, self.ended[1], 0, ""))
 
     def live(self):
-        self.ended = None
-        while True:
-            begin = time.monotonic()
-            self.answer()
-            if self.goal_id is not None:
-                self.follow()
-            self.tell()
-            self.states.write(JointState(HEADER, list(self.position), list(self.position.values()), [], []))
-            time.sleep(max(0.0, 0.01 - (time.monotonic() - begin)))
+        self.answer()
+        if self.goal_id is not None:
+            self.follow()
+        self.tell()
+        self.states.write(JointState(HEADER, list(self.position), list(self.position.values()), [], []))
 
 
-arm = Arm()
-print("ready", flush=True)
-arm.live()
+def run(*parts):
+    """Lets all parts live at 100 Hz."""
+    print("ready", flush=True)
+    while True:
+        begin = time.monotonic()
+        for part in parts:
+            part.live()
+        time.sleep(max(0.0, 0.01 - (time.monotonic() - begin)))
+
+
+if __name__ == "__main__":
+    run(Arm(JOINTS, dict.fromkeys(REPORTED, 0.0)))

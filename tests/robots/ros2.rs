@@ -23,6 +23,25 @@ struct Robot {
     driver: String,
 }
 
+/// A short rod, which the gantry lays along a line of 8 cm.
+const ROD: &str =
+    "[deployment.rod]\ngravito_bending_length = \"2 cm\"\nradius = \"2 mm\"\nlength = \"14 cm\"\n";
+
+/// What the camera of the gantry sees when that rod lies along the line whose middle is that of the table: 2200/1.6 pixels per metre,
+/// x to the right.
+fn lying_rod() -> image::RgbImage {
+    let scale = 2200.0 / 1.6;
+    image::RgbImage::from_fn(1280, 960, |u, v| {
+        let [x, y] =
+            [(u, 639.5), (v, 479.5)].map(|(pixel, centre)| (f64::from(pixel) - centre) / scale);
+        let beyond = [y.abs() - 0.002, -0.04 - x, x - 0.1];
+        let away = beyond.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let share = (0.5 - scale * away).clamp(0.0, 1.0);
+        let mixed = |rod: f64| (24.0 + share * (rod - 24.0)) as u8;
+        image::Rgb([mixed(230.0), mixed(90.0), mixed(140.0)])
+    })
+}
+
 /// The middlewares, as cell files name them.
 const MIDDLEWARES: [&str; 2] = ["cyclone-dds", "fast-dds"];
 const PURPOSE: &str = "to stream joints to an action server of ROS 2";
@@ -92,6 +111,46 @@ impl Robot {
         };
         assert_eq!(robot.says(60), "ready");
         robot.trajectory(500, 5.0);
+        Some(robot)
+    }
+
+    /// The gantry with a gripper and a camera that sees a rod of [`ROD`] lie along a line; its cell file is that of the repository,
+    /// met by ROS 2.
+    fn with_gripper_and_camera() -> Option<Self> {
+        let python = python_with("cyclonedds", "cyclonedds==11.0.1", PURPOSE)?;
+        let (domain, name) = address();
+        let folder = tempfile::tempdir().unwrap();
+        let picture = folder.path().join("seen.png");
+        lying_rod().save(&picture).unwrap();
+        fs::write(folder.path().join("rod.toml"), ROD).unwrap();
+        let driver = driver(domain, &name, "cyclone-dds");
+        let gantry = fs::read_to_string(source("scenarios/cells/gantry.toml")).unwrap();
+        let bridged = "kind = \"rosbridge\"\naddress = \"127.0.0.1:9090\"\n\
+                       action = \"/gantry/follow_joint_trajectory\"\njoint_states = \"/joint_states\"";
+        assert!(gantry.contains(bridged));
+        let camera = format!("ros2://{domain}@127.0.0.1/{name}/camera/image_raw/compressed");
+        let cell = gantry
+            .replace(bridged, &driver)
+            .replace("rosbridge://127.0.0.1:9090/camera/image_raw", &camera)
+            .replace("\"/gantry/gripper\"", &format!("\"/{name}/gripper\""))
+            .replace("[streaming]", "[streaming]\nwatchdog = \"2 s\"");
+        fs::write(folder.path().join("cell.toml"), cell).unwrap();
+        let mut arm = Command::new(python)
+            .arg(source("tests/robots/cyclone_dds_cell.py"))
+            .args([&domain.to_string(), &name])
+            .arg(&picture)
+            .arg("0.002")
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let lines = lines_of(&mut arm);
+        let robot = Self {
+            folder,
+            arm,
+            lines,
+            driver,
+        };
+        assert_eq!(robot.says(60), "ready");
         Some(robot)
     }
 
@@ -239,4 +298,42 @@ fn without_a_server_nothing_is_moved_and_the_message_says_what_to_start() {
     let output = rodlab(folder.path(), &STREAM);
     assert_eq!(output.status.code(), Some(1));
     assert!(said(&output).contains("ROS_DOMAIN_ID"), "{}", said(&output));
+}
+
+#[test]
+fn a_rod_is_laid_gripped_seen_and_scored_over_cyclone_dds() {
+    let Some(robot) = Robot::with_gripper_and_camera() else {
+        return;
+    };
+    let folder = robot.folder.path();
+    let arguments = "deploy --pattern line:0.08 --rod rod.toml --cell cell.toml --out laid --hand-speed 0.1 --approach-speed 0.4";
+    let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .args(arguments.split(' '))
+        .current_dir(folder)
+        .env("XDG_STATE_HOME", folder.join("state"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    let record: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(record["status"], "finished", "{record}");
+    let lengths = &record["seen_length"];
+    assert!(
+        (lengths["seen_m"].as_f64().unwrap() - 0.14).abs() < 2e-3,
+        "{record}"
+    );
+    let events: Vec<String> = robot.lines.try_iter().collect();
+    let kinds: Vec<&str> = events
+        .iter()
+        .map(|line| line.split(' ').next().unwrap())
+        .collect();
+    // To the rod, closed, along the pattern, open, home.
+    assert_eq!(
+        kinds,
+        ["followed", "gripper", "followed", "gripper", "followed"],
+        "{events:?}"
+    );
+    assert_eq!(
+        [&events[1], &events[3]],
+        ["gripper stalled 0.0 10.0", "gripper moved 0.04 10.0"]
+    );
 }

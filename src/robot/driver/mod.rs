@@ -25,7 +25,7 @@ pub use interpolant::Interpolant;
 pub use part_trajectory::PartTrajectory;
 pub use picture::{CameraPicture, PictureTopic};
 pub use ros1::{Bag, BagError, BagPicture, Ros1Camera, Ros1Driver, Ros1Gripper};
-pub use ros2::{Middleware, Ros2Address, Ros2CameraAddress};
+pub use ros2::{Middleware, Ros2Address, Ros2CameraAddress, Ros2GripperAddress};
 pub use rosbridge::RosbridgeDriver;
 pub use rosbridge_camera::RosbridgeCamera;
 pub use rosbridge_goal::RosVersion;

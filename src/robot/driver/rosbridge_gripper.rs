@@ -20,7 +20,7 @@ const COMMAND: ActionName = ActionName {
 };
 
 /// A gripper by its action at a rosbridge server.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RosbridgeGripper {
     /// `host:port`.
     pub address: String,
@@ -28,6 +28,8 @@ pub struct RosbridgeGripper {
     pub version: RosVersion,
     /// Name of the action.
     pub action: String,
+    /// Greatest effort, N.
+    pub max_effort: f64,
 }
 
 impl GripperDriver for RosbridgeGripper {
@@ -60,7 +62,8 @@ impl GripperDriver for RosbridgeGripper {
                 send(&mut socket, &message).map_err(|error| self.lost(error))?;
             }
         }
-        let body = json!({ "command": { "position": opening, "max_effort": 0.0 } });
+        let command = json!({ "position": opening, "max_effort": self.max_effort });
+        let body = json!({ "command": command });
         let message = goal(self.version, &self.action, &COMMAND, &id, body);
         send(&mut socket, &message).map_err(|error| self.lost(error))?;
         let begin = Instant::now();
@@ -74,7 +77,10 @@ impl GripperDriver for RosbridgeGripper {
                 Ok(Message::Text(text)) => {
                     let message: Value = serde_json::from_str(&text).unwrap_or_default();
                     if let Some(outcome) = result_of(&self.action, &id, &message) {
-                        return outcome;
+                        return match is_stalled(&message) {
+                            true => Ok(()),
+                            false => outcome,
+                        };
                     }
                     if message["op"] == "status" && message["level"] == "error" {
                         let said = message["msg"].as_str().unwrap_or("an error without words");
@@ -96,6 +102,18 @@ impl GripperDriver for RosbridgeGripper {
     }
 }
 
+/// Whether a result is that of fingers that hold something on the way: they have stalled, and some controllers abort then.
+fn is_stalled(result: &Value) -> bool {
+    let (status, values) = match result["op"] == "action_result" {
+        true => (result["status"] == 6, &result["values"]),
+        false => {
+            let message = &result["msg"];
+            (message["status"]["status"] == 4, &message["result"])
+        }
+    };
+    status && values["stalled"] == true
+}
+
 impl RosbridgeGripper {
     fn lost(&self, reason: impl std::fmt::Display) -> DriverError {
         DriverError::Lost(self.in_words(reason))
@@ -103,5 +121,24 @@ impl RosbridgeGripper {
 
     fn in_words(&self, reason: impl std::fmt::Display) -> String {
         format!("rosbridge at {}: {reason}", self.address)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_aborted_goal_of_stalled_fingers_is_a_grip() {
+        let one = |status: u8, stalled: bool| {
+            json!({ "op": "publish", "topic": "/grip/result", "msg": {
+                "status": { "goal_id": { "id": "g" }, "status": status },
+                "result": { "stalled": stalled } } })
+        };
+        let two = |status: u8, stalled: bool| json!({ "op": "action_result", "id": "g", "status": status, "values": { "stalled": stalled } });
+        assert!(is_stalled(&one(4, true)) && is_stalled(&two(6, true)));
+        for other in [one(4, false), one(2, true), two(6, false), two(5, true)] {
+            assert!(!is_stalled(&other), "{other}");
+        }
     }
 }

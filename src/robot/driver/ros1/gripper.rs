@@ -11,16 +11,20 @@ use std::time::{Duration, Instant};
 
 /// Longest wait for the action server.
 const PATIENCE: Duration = Duration::from_secs(3);
+/// Status of a goal that the controller broke off.
+const ABORTED: u8 = 4;
 /// Time between looks.
 const LOOK: Duration = Duration::from_millis(5);
 
 /// A gripper by its action at a master.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Ros1Gripper {
     /// Such as `http://10.0.0.1:11311`.
     pub master: String,
     /// Name of the action.
     pub action: String,
+    /// Greatest effort, N.
+    pub max_effort: f64,
 }
 
 impl GripperDriver for Ros1Gripper {
@@ -46,7 +50,7 @@ impl GripperDriver for Ros1Gripper {
         let cancellations = cancellations.map_err(unreachable)?;
         self.wait_for_server([&goals, &cancellations], is_interrupted)?;
         let goal = Goal::new();
-        goals.publish(&message::gripper_goal(opening, goal.id()));
+        goals.publish(&message::gripper_goal(opening, self.max_effort, goal.id()));
         let begin = Instant::now();
         while begin.elapsed() < patience {
             if is_interrupted() {
@@ -58,6 +62,10 @@ impl GripperDriver for Ros1Gripper {
                     if let Some(status) = message::status_of(&bytes)
                         && status.id == goal.id()
                     {
+                        // Fingers that hold something on the way have stalled; some controllers abort then.
+                        if status.status == ABORTED && message::is_stalled(&bytes) {
+                            return Ok(());
+                        }
                         return ros_1_outcome(i64::from(status.status), 0, &status.text);
                     }
                 }

@@ -140,12 +140,12 @@ pub fn goal(trajectory: &PartTrajectory, id: &str) -> Vec<u8> {
     writer.0
 }
 
-/// An opening of a gripper, m; the effort is its own.
-pub fn gripper_goal(opening: f64, id: &str) -> Vec<u8> {
+/// An opening of a gripper, m, with an effort of at most so much, N.
+pub fn gripper_goal(opening: f64, max_effort: f64, id: &str) -> Vec<u8> {
     let mut writer = Writer::default();
     writer.header();
     writer.goal_id(id);
-    for number in [opening, 0.0] {
+    for number in [opening, max_effort] {
         writer.0.extend(number.to_le_bytes());
     }
     writer.0
@@ -248,6 +248,16 @@ pub fn result(message: &[u8]) -> Option<(GoalStatus, i32, String)> {
     let status = goal_status(&mut reader)?;
     let code = reader.u32()? as i32;
     Some((status, code, reader.text()?))
+}
+
+/// Whether the result of a gripper says that its fingers exert their greatest effort and do not move.
+pub fn is_stalled(message: &[u8]) -> bool {
+    let mut reader = Reader(message);
+    let stalled = goal_status(&mut reader).and_then(|_| {
+        reader.bytes(2 * size_of::<f64>())?;
+        reader.bytes(1)
+    });
+    stalled.is_some_and(|byte| byte[0] != 0)
 }
 
 /// The time of a simulated robot, s; `None` where the message is damaged.

@@ -167,7 +167,7 @@ impl Ros2Driver {
 }
 
 /// What is said of a goal that is not taken: the answer has no place for a reason.
-const WITHOUT_REASON: &str =
+pub(super) const WITHOUT_REASON: &str =
     "it gives no reason: compare the joints' names and the goal with what its log says";
 
 fn next<T: DeserializeOwned + 'static>(reader: &mut Reader<T>) -> Result<Option<T>, String> {
@@ -178,7 +178,7 @@ fn next<T: DeserializeOwned + 'static>(reader: &mut Reader<T>) -> Result<Option<
 }
 
 /// A name that no other goal has.
-fn unique() -> GoalId {
+pub(super) fn unique() -> GoalId {
     let mut id = [0; 16];
     for half in id.chunks_exact_mut(8) {
         half.copy_from_slice(&RandomState::new().hash_one(Instant::now()).to_ne_bytes());

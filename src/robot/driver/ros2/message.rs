@@ -106,6 +106,38 @@ impl SendGoal {
     }
 }
 
+/// `control_msgs/action/GripperCommand_SendGoal_Request`.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct GripperGoal {
+    goal_id: GoalId,
+    /// Opening, m, and greatest effort, N.
+    position: f64,
+    max_effort: f64,
+}
+
+impl GripperGoal {
+    /// A goal that asks for an opening, m, with an effort of at most so much, N.
+    pub fn new(goal_id: GoalId, opening: f64, max_effort: f64) -> Self {
+        Self {
+            goal_id,
+            position: opening,
+            max_effort,
+        }
+    }
+}
+
+/// `control_msgs/action/GripperCommand_GetResult_Response`.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct GripperResult {
+    /// `action_msgs/GoalStatus`.
+    pub status: i8,
+    position: f64,
+    effort: f64,
+    /// Whether the fingers exert their greatest effort and do not move: they hold something.
+    pub stalled: bool,
+    reached_goal: bool,
+}
+
 /// `FollowJointTrajectory_SendGoal_Response`, up to whether the goal is taken.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct GoalAnswer {

@@ -1,19 +1,22 @@
-//! `control_msgs/FollowJointTrajectory` of ROS 2, natively: no ROS installation, no bridge; DDS by rustdds.
+//! `control_msgs/FollowJointTrajectory` and `GripperCommand` of ROS 2, natively: no ROS installation, no bridge; DDS by rustdds.
 //!
 //! An action of ROS 2 is three services, send_goal, get_result and cancel_goal (`service`), and topics of feedback and
-//! status; their messages (`message`) are CDR. Pictures come from a `camera`. All of it needs the cargo feature `ros2`.
+//! status; their messages (`message`) are CDR. An arm has a `client`, a
+//! `gripper` one of its own; pictures come from a `camera`. All of it needs the cargo feature `ros2`.
 
 #[cfg(feature = "ros2")]
 mod camera;
 #[cfg(feature = "ros2")]
 mod client;
 #[cfg(feature = "ros2")]
+mod gripper;
+#[cfg(feature = "ros2")]
 mod message;
 #[cfg(feature = "ros2")]
 mod service;
 
 use super::picture::PictureTopic;
-use super::{Driver, DriverError};
+use super::{Driver, DriverError, GripperDriver};
 use std::net::IpAddr;
 
 /// What carries the messages of a robot that runs ROS 2.
@@ -59,6 +62,35 @@ impl Ros2Address {
         #[cfg(feature = "ros2")]
         {
             Some(Box::new(client::Ros2Driver::new(self.clone())))
+        }
+        #[cfg(not(feature = "ros2"))]
+        {
+            None
+        }
+    }
+}
+
+/// Where a gripper of ROS 2 is met, and how hard it grips.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ros2GripperAddress {
+    /// Its `ROS_DOMAIN_ID`.
+    pub domain: u16,
+    /// What carries its messages.
+    pub middleware: Middleware,
+    /// Address of this machine on its network; `None`: all networks.
+    pub interface: Option<IpAddr>,
+    /// Name of the action `control_msgs/GripperCommand`.
+    pub action: String,
+    /// Greatest effort, N.
+    pub max_effort: f64,
+}
+
+impl Ros2GripperAddress {
+    /// A driver for the gripper there; `None` unless [`Ros2Address::IS_BUILT`].
+    pub fn driver(self) -> Option<Box<dyn GripperDriver>> {
+        #[cfg(feature = "ros2")]
+        {
+            Some(Box::new(gripper::Ros2Gripper::new(self)))
         }
         #[cfg(not(feature = "ros2"))]
         {
