@@ -1,6 +1,7 @@
 //! One client of a virtual cell: a WebSocket that never waits, with bounds on all that comes and goes.
 
-use std::collections::BTreeSet;
+use super::subscription::{Subscription, Wish};
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
@@ -20,7 +21,7 @@ const MOST_WAITING: usize = 32 << 20;
 const HANDSHAKE: Duration = Duration::from_secs(2);
 /// Most messages that are taken of a client at a time.
 const AT_A_TIME: usize = 32;
-/// Most topics of a client.
+/// Most subscriptions of a client.
 const MOST_TOPICS: usize = 64;
 
 /// Lets clients in that name the token as the path of the server.
@@ -63,7 +64,7 @@ pub struct Connection {
     pub id: u64,
     link: Link,
     since: Instant,
-    topics: BTreeSet<String>,
+    topics: BTreeMap<String, Subscription>,
     /// Whether something of the last message still waits.
     is_full: bool,
 }
@@ -85,7 +86,7 @@ impl Connection {
             id,
             link: Link::Closed,
             since: Instant::now(),
-            topics: BTreeSet::new(),
+            topics: BTreeMap::new(),
             is_full: false,
         };
         connection.shake(begun);
@@ -161,8 +162,22 @@ impl Connection {
         self.settle(sent);
     }
 
+    /// Sends a message of a topic, now or when its time has come, where the client has subscribed it.
+    pub fn publish(&mut self, topic: &str, text: &str) {
+        let subscription = self.topics.get_mut(topic);
+        if let Some(text) = subscription.and_then(|known| known.take(text)) {
+            self.send(&text);
+        }
+    }
+
     /// Sends on what waits.
     pub fn flush(&mut self) {
+        let due: Vec<String> = self
+            .topics
+            .values_mut()
+            .filter_map(Subscription::next)
+            .collect();
+        due.iter().for_each(|text| self.send(text));
         if let Link::Open(socket) = &mut self.link
             && self.is_full
         {
@@ -186,25 +201,30 @@ impl Connection {
         self.is_full
     }
 
-    /// Notes a topic that it wants to hear.
+    /// Subscribes a topic.
     ///
     /// # Errors
-    /// There are too many.
-    pub fn subscribe(&mut self, topic: String) -> Result<(), String> {
-        if self.topics.len() >= MOST_TOPICS {
-            return Err(format!("at most {MOST_TOPICS} topics are allowed"));
+    /// There are too many subscriptions.
+    pub fn subscribe(&mut self, topic: String, wish: Wish) -> Result<(), String> {
+        let count: usize = self.topics.values().map(Subscription::count).sum();
+        if count >= MOST_TOPICS {
+            return Err(format!("at most {MOST_TOPICS} subscriptions are allowed"));
         }
-        self.topics.insert(topic);
+        self.topics.entry(topic).or_default().add(wish);
         Ok(())
     }
 
-    /// It wants to hear it no more.
-    pub fn unsubscribe(&mut self, topic: &str) {
-        self.topics.remove(topic);
+    /// Ends the subscription of a topic by its name, or all of the topic.
+    pub fn unsubscribe(&mut self, topic: &str, id: Option<&str>) {
+        if let Some(subscription) = self.topics.get_mut(topic)
+            && !subscription.remove(id)
+        {
+            self.topics.remove(topic);
+        }
     }
 
-    /// Whether it wants to.
-    pub fn hears(&self, topic: &str) -> bool {
-        self.topics.contains(topic)
+    /// Whether it has subscribed a topic, and a message may be sent now.
+    pub fn awaits(&self, topic: &str) -> bool {
+        self.topics.get(topic).is_some_and(Subscription::is_due)
     }
 }

@@ -1,7 +1,9 @@
 //! What clients say to a rosbridge server, and what it says to them: JSON, by the rosbridge protocol 2.
 
+use super::subscription::Wish;
 use crate::robot::{PartTrajectory, RosVersion};
 use serde_json::{Value, json};
+use std::time::Duration;
 
 /// Most points of a trajectory, and most joints.
 const MOST_POINTS: usize = 200_000;
@@ -9,13 +11,17 @@ const MOST_JOINTS: usize = 64;
 /// Longest name of a topic, an action or a goal, bytes.
 const LONGEST_NAME: usize = 256;
 
+/// Longest time between two messages that a client may ask for, ms, and most messages that may wait for it.
+const LONGEST_THROTTLE: u64 = 3_600_000;
+const MOST_QUEUED: u64 = 100;
+
 /// What a client asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
-    /// To hear a topic.
-    Subscribe(String),
-    /// To hear it no more.
-    Unsubscribe(String),
+    /// To receive a topic.
+    Subscribe(String, Wish),
+    /// To receive it no more: the subscription of a name, or all of them.
+    Unsubscribe(String, Option<String>),
     /// To have an action done.
     Goal {
         /// Name of the action.
@@ -50,10 +56,34 @@ impl Request {
                 "a {what} of at most {LONGEST_NAME} bytes is needed"
             )),
         };
+        let number = |key: &str| match &message[key] {
+            Value::Null => Ok(None),
+            value => value
+                .as_u64()
+                .map(Some)
+                .ok_or_else(|| format!("{key}: a whole number from 0 up is needed")),
+        };
+        let subscription = || match &message["id"] {
+            Value::Null => Ok(None),
+            id => name(id, "id").map(Some),
+        };
         let op = message["op"].as_str().unwrap_or_default();
         match op {
-            "subscribe" => Ok(Self::Subscribe(name(&message["topic"], "topic")?)),
-            "unsubscribe" => Ok(Self::Unsubscribe(name(&message["topic"], "topic")?)),
+            "subscribe" => {
+                let throttle = number("throttle_rate")?.unwrap_or(0);
+                let wish = Wish {
+                    id: subscription()?,
+                    throttle: Duration::from_millis(throttle.min(LONGEST_THROTTLE)),
+                    // Messages are not queued unless a client asks for it.
+                    queue: number("queue_length")?
+                        .map_or(0, |length| length.min(MOST_QUEUED) as usize),
+                };
+                Ok(Self::Subscribe(name(&message["topic"], "topic")?, wish))
+            }
+            "unsubscribe" => {
+                let topic = name(&message["topic"], "topic")?;
+                Ok(Self::Unsubscribe(topic, subscription()?))
+            }
             "advertise" | "unadvertise" | "set_level" | "status" => Ok(Self::Nothing),
             "publish" => {
                 let topic = name(&message["topic"], "topic")?;
@@ -176,6 +206,17 @@ pub enum Verdict {
     Aborted(i64, String),
 }
 
+impl Verdict {
+    /// Its `actionlib_msgs/GoalStatus`.
+    pub fn status_of_ros_1(&self) -> u8 {
+        match self {
+            Self::Succeeded => 3,
+            Self::Cancelled => 2,
+            Self::Aborted(..) => 4,
+        }
+    }
+}
+
 impl GoalName {
     /// That it is under way.
     pub fn feedback(&self) -> String {
@@ -193,11 +234,12 @@ impl GoalName {
 
     /// How it ended.
     pub fn result(&self, verdict: &Verdict) -> String {
-        let (status_1, status_2, code, words) = match verdict {
-            Verdict::Succeeded => (3, 4, 0, ""),
-            Verdict::Cancelled => (2, 5, 0, ""),
-            Verdict::Aborted(code, words) => (4, 6, *code, words.as_str()),
+        let (status_2, code, words) = match verdict {
+            Verdict::Succeeded => (4, 0, ""),
+            Verdict::Cancelled => (5, 0, ""),
+            Verdict::Aborted(code, words) => (6, *code, words.as_str()),
         };
+        let status_1 = verdict.status_of_ros_1();
         let values = json!({ "error_code": code, "error_string": words });
         match self.version {
             RosVersion::One => published(
@@ -243,6 +285,10 @@ mod tests {
             ("{".to_owned(), "no JSON"),
             (json!({ "op": "shout" }).to_string(), "not known here"),
             (json!({ "op": "subscribe" }).to_string(), "a topic"),
+            (
+                json!({ "op": "subscribe", "topic": "/clock", "throttle_rate": -1 }).to_string(),
+                "throttle_rate",
+            ),
             (
                 json!({ "op": "subscribe", "topic": long }).to_string(),
                 "a topic",

@@ -19,6 +19,8 @@
 //! | `fault` | faults that a cell is told to have |
 //! | `topics` | names of actions and topics |
 //! | `message` | the rosbridge protocol |
+//! | `goal_status` | goals as the status topics list them |
+//! | `subscription` | how often a client receives a topic |
 //! | `connection` | a client, with bounds on all that comes and goes |
 //! | `server` | clients, goals, reports |
 
@@ -28,6 +30,7 @@ mod camera;
 mod chuck;
 mod connection;
 mod fault;
+mod goal_status;
 mod grip;
 mod message;
 mod rod;
@@ -36,6 +39,7 @@ mod sheet;
 mod sheet_picture;
 mod simulated_cell;
 mod simulated_rod;
+mod subscription;
 #[cfg(test)]
 mod tests;
 mod topics;

@@ -5,6 +5,7 @@ use super::camera::PictureTaker;
 use super::chuck::ChuckedSupply;
 use super::connection::Connection;
 use super::fault::{Fault, FaultKind};
+use super::goal_status::GoalLog;
 use super::message::{
     GoalName, Request, Verdict, complaint, opening, published, stamp, trajectory,
 };
@@ -15,6 +16,7 @@ use super::topics::{CLOCK, Topics};
 use crate::cell::Cell;
 use crate::experiment::Jitter;
 use crate::mechanics::dynamics::SimulationError;
+use crate::robot::RosVersion;
 use serde_json::json;
 use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, TcpListener};
@@ -31,6 +33,8 @@ const BEHIND: f64 = 0.05;
 /// Time between reports: of the cell's clock, s, of ours at least, and of ours at most.
 const REPORT: (f64, Duration, Duration) =
     (0.01, Duration::from_millis(4), Duration::from_millis(40));
+/// Time between lists of goals.
+const STATUS: Duration = Duration::from_millis(200);
 /// Time between pictures, s of the cell's clock.
 const PICTURE: f64 = 0.1;
 
@@ -101,6 +105,9 @@ pub struct VirtualCell {
     /// Clients that watched when the picture under way was begun.
     watchers: Vec<u64>,
     last_report: (f64, Instant),
+    last_status: Instant,
+    /// Goals of each arm and of its gripper that ended lately.
+    ended: Vec<[GoalLog; 2]>,
 }
 
 impl VirtualCell {
@@ -134,6 +141,8 @@ impl VirtualCell {
             last_picture: f64::NEG_INFINITY,
             watchers: Vec::new(),
             last_report: (f64::NEG_INFINITY, Instant::now()),
+            last_status: Instant::now(),
+            ended: (0..parts).map(|_| Default::default()).collect(),
             cell: SimulatedCell::new(
                 cell,
                 settings.response,
@@ -182,6 +191,7 @@ impl VirtualCell {
                 (since, began) = (Instant::now(), self.cell.time());
             }
             self.report();
+            self.report_goals();
             self.take_pictures();
             self.clients.iter_mut().for_each(Connection::flush);
             if is_idle {
@@ -220,7 +230,8 @@ impl VirtualCell {
                 if self.leaders[arm] == Some(client) {
                     tracing::info!("the client that led {} is gone", self.topics.arms[arm].name);
                     self.leaders[arm] = None;
-                    if self.motions[arm].take().is_some() {
+                    if let Some(goal) = self.motions[arm].take() {
+                        self.ended[arm][0].note(&goal.name.id, &Verdict::Cancelled);
                         self.cell.stop(arm);
                     }
                 }
@@ -230,12 +241,12 @@ impl VirtualCell {
 
     fn hear(&mut self, index: usize, text: &str) {
         let answer = match Request::read(text) {
-            Ok(Request::Subscribe(topic)) => match self.topics.know(&topic) {
-                Ok(()) => self.clients[index].subscribe(topic),
+            Ok(Request::Subscribe(topic, wish)) => match self.topics.know(&topic) {
+                Ok(()) => self.clients[index].subscribe(topic, wish),
                 Err(words) => Err(words),
             },
-            Ok(Request::Unsubscribe(topic)) => {
-                self.clients[index].unsubscribe(&topic);
+            Ok(Request::Unsubscribe(topic, id)) => {
+                self.clients[index].unsubscribe(&topic, id.as_deref());
                 Ok(())
             }
             Ok(Request::Goal { action, id, body }) => self.take(index, &action, id, &body),
@@ -267,11 +278,17 @@ impl VirtualCell {
         if is_gripper {
             let taken = opening(body).and_then(|opening| self.cell.grip(arm, opening));
             if let Err(words) = taken {
-                let verdict = Verdict::Aborted(-1, words);
-                self.clients[index].send(&name.result(&verdict));
+                self.end(
+                    arm,
+                    1,
+                    &UnderWay { name, client },
+                    &Verdict::Aborted(-1, words),
+                );
                 return Ok(());
             }
-            self.grips[arm] = Some(UnderWay { name, client });
+            if let Some(before) = self.grips[arm].replace(UnderWay { name, client }) {
+                self.end(arm, 1, &before, &Verdict::Cancelled);
+            }
             return Ok(());
         }
         if self.leaders[arm].is_some_and(|leader| leader != client) {
@@ -285,14 +302,18 @@ impl VirtualCell {
             Err(words) => Err((-1, words)),
         };
         if let Err((code, words)) = refused {
-            let verdict = Verdict::Aborted(code, words);
-            self.clients[index].send(&name.result(&verdict));
+            self.end(
+                arm,
+                0,
+                &UnderWay { name, client },
+                &Verdict::Aborted(code, words),
+            );
             return Ok(());
         }
         self.leaders[arm] = Some(client);
         self.clients[index].send(&name.feedback());
         if let Some(before) = self.motions[arm].replace(UnderWay { name, client }) {
-            self.answer(&before, &Verdict::Cancelled);
+            self.end(arm, 0, &before, &Verdict::Cancelled);
         }
         Ok(())
     }
@@ -311,13 +332,14 @@ impl VirtualCell {
             if !is_gripper {
                 self.cell.stop(arm);
             }
-            self.answer(&goal, &Verdict::Cancelled);
+            self.end(arm, usize::from(is_gripper), &goal, &Verdict::Cancelled);
         }
         Ok(())
     }
 
-    /// Tells a client how its goal ended.
-    fn answer(&mut self, goal: &UnderWay, verdict: &Verdict) {
+    /// Ends a goal of an arm, with `which` of 0, or of its gripper, with 1: tells its client, and lists it as ended.
+    fn end(&mut self, arm: usize, which: usize, goal: &UnderWay, verdict: &Verdict) {
+        self.ended[arm][which].note(&goal.name.id, verdict);
         let clients = self.clients.iter_mut();
         for client in clients.filter(|client| client.id == goal.client) {
             client.send(&goal.name.result(verdict));
@@ -333,12 +355,12 @@ impl VirtualCell {
                     Ended::Broken { code, words } => Verdict::Aborted(code, words),
                 };
                 if let Some(goal) = self.motions[arm].take() {
-                    self.answer(&goal, &verdict);
+                    self.end(arm, 0, &goal, &verdict);
                 }
             }
             Event::Gripper(arm) => {
                 if let Some(goal) = self.grips[arm].take() {
-                    self.answer(&goal, &Verdict::Succeeded);
+                    self.end(arm, 1, &goal, &Verdict::Succeeded);
                 }
             }
             Event::Fault(kind) => {
@@ -388,8 +410,35 @@ impl VirtualCell {
         }
         for client in &mut self.clients {
             for (topic, text) in &reports {
-                if client.hears(topic) {
-                    client.send(text);
+                client.publish(topic, text);
+            }
+        }
+    }
+
+    /// Lists the goals of each action of ROS 1, also while there is none: its clients wait for that.
+    fn report_goals(&mut self) {
+        if self.last_status.elapsed() < STATUS {
+            return;
+        }
+        self.last_status = Instant::now();
+        let now = self.cell.time();
+        for (arm, known) in self.topics.arms.iter().enumerate() {
+            if known.version != RosVersion::One {
+                continue;
+            }
+            let stamp = stamp(known.version, now);
+            let goals = [&self.motions[arm], &self.grips[arm]];
+            let actions = [Some(&known.action), known.gripper.as_ref()];
+            let logs = self.ended[arm].iter_mut();
+            for ((action, goal), log) in actions.into_iter().zip(goals).zip(logs) {
+                let Some(action) = action else {
+                    continue;
+                };
+                let under_way = goal.as_ref().map(|goal| goal.name.id.as_str());
+                let topic = format!("{action}/status");
+                let text = published(&topic, log.listed(under_way, &stamp));
+                for client in &mut self.clients {
+                    client.publish(&topic, &text);
                 }
             }
         }
@@ -405,13 +454,13 @@ impl VirtualCell {
             // Who came later waits for the next one: this shows what was before.
             let watchers = std::mem::take(&mut self.watchers);
             let watching = self.clients.iter_mut();
-            for client in watching.filter(|client| client.hears(topic) && !client.is_full()) {
+            for client in watching.filter(|client| !client.is_full()) {
                 if watchers.contains(&client.id) {
-                    client.send(&picture);
+                    client.publish(topic, &picture);
                 }
             }
         }
-        let watching = self.clients.iter().filter(|client| client.hears(topic));
+        let watching = self.clients.iter().filter(|client| client.awaits(topic));
         let watching: Vec<u64> = watching.map(|client| client.id).collect();
         let now = self.cell.time();
         if !watching.is_empty() && !pictures.is_busy() && now - self.last_picture >= PICTURE {
