@@ -63,9 +63,13 @@ pub fn finish<R: TaskRecord, T, S: TaskStage>(
         }
         // The arms have done their work and hold nothing.
         Err(error @ TaskError::NotSeenWhole(_)) => {
-            clear().or_else(|| Some(ended_early(&error, directory)))
+            clear().or_else(|| Some(ended_early(&error, None, directory)))
         }
-        Err(error) => Some(ended_early(&error, directory)),
+        Err(error) => {
+            let next = record.head().stopped.as_ref();
+            let next = next.map(|stopped| stopped.next.clone());
+            Some(ended_early(&error, next.as_deref(), directory))
+        }
     };
     record.write(directory)?;
     match failure {
@@ -75,10 +79,17 @@ pub fn finish<R: TaskRecord, T, S: TaskStage>(
 }
 
 /// A task that ended early, with its log in a directory.
-fn ended_early<S: TaskStage>(error: &TaskError<S>, directory: &Path) -> Failure {
-    let message = format!("{error}; the log is in {}", directory.display());
+fn ended_early<S: TaskStage>(
+    error: &TaskError<S>,
+    next: Option<&str>,
+    directory: &Path,
+) -> Failure {
+    let mut message = format!("{error}; the log is in {}", directory.display());
+    if let Some(next) = next {
+        message += &format!("\nnext: {next}");
+    }
     match error {
-        TaskError::Interrupted => Failure::Cases {
+        TaskError::Interrupted { .. } => Failure::Cases {
             exit_code: 130,
             message,
         },

@@ -9,8 +9,8 @@ use crate::cell::Cell;
 use crate::experiment::ClampedRod;
 use crate::results::{MANIFEST, write_whole};
 use crate::task::{
-    Exploration, ExplorationPlan, ExplorationRecord, ExplorationSummary, ExploreError, SearchSteps,
-    Status, quarter_sphere, read_directions, section, write_exploration,
+    Exploration, ExplorationPlan, ExplorationRecord, ExplorationSummary, ExploreError, HandPlace,
+    SearchSteps, Status, Stopped, quarter_sphere, read_directions, section, write_exploration,
 };
 use crate::vision::ColourRule;
 use clap::Args;
@@ -207,12 +207,47 @@ fn finish(
         };
     }
     record.head.error = error.as_ref().map(ToString::to_string);
+    record.head.stopped = error
+        .as_ref()
+        .and_then(|error| left_by(error, record, exploration));
     record.write(exploration.directory)?;
     write_exploration(record, &exploration.rows()?, exploration.directory)?;
     match error {
         Some(error) => Err(failed(error, exploration.directory)),
         None => print_json(&record.summary),
     }
+}
+
+/// How an error left the cell.
+fn left_by(
+    error: &ExploreError,
+    record: &ExplorationRecord,
+    exploration: &Exploration<'_>,
+) -> Option<Stopped> {
+    let during = match error {
+        ExploreError::Failed { doing, .. } => doing.clone(),
+        ExploreError::Interrupted => {
+            let done = exploration.rows().map_or(0, |rows| rows.len());
+            format!(
+                "exploring direction {} of {}",
+                done + 1,
+                record.plan.directions.len()
+            )
+        }
+        ExploreError::Input(_) | ExploreError::Results(_) => return None,
+    };
+    let rod = match record.is_clamped {
+        true => "the rod is clamped between chuck and hand",
+        false => "no rod is clamped",
+    };
+    Some(Stopped {
+        during,
+        laid: Vec::new(),
+        hands: vec![HandPlace::of(exploration.cell, exploration.arm)],
+        next: format!(
+            "{rod}: look at arm, chuck and rod, then run the same command again; directions that are done are kept"
+        ),
+    })
 }
 
 fn failed(error: ExploreError, directory: &Path) -> Failure {

@@ -119,6 +119,7 @@ pub fn fold_in_cell(
     };
     let end = task.run(&|| interrupted.is_raised());
     record.times_s = end.times;
+    record.head.stopped = end.stopped;
     record.looks = end.looks;
     record.sheet_place = end.frame.map(|frame| {
         let place = frame.translation.vector;

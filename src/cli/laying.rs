@@ -131,6 +131,7 @@ impl LayingArguments {
         };
         let end = task.run(&|| interrupted.is_raised());
         record.times_s = end.times;
+        record.head.stopped = end.stopped;
         record.seen_length = end.seen_length;
         finish(
             record,

@@ -167,6 +167,7 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
     };
     let end = task.run(&|| interrupted.is_raised());
     record.times_s = end.times;
+    record.head.stopped = end.stopped;
     finish(
         record,
         end.score,

@@ -3,6 +3,7 @@
 use super::error::{TaskError, TaskStage};
 use super::look::{Seen, next_picture};
 use super::motion::DeployMotion;
+use super::stopped::{HandPlace, LaidAlong, Stopped};
 use super::unfinished::Unfinished;
 use super::working_arm::{Grip, WorkingArm};
 use crate::cell::Cell;
@@ -97,6 +98,33 @@ impl TaskStage for Stage {
             Self::Score => "scoring",
         }
     }
+
+    fn next_step(self) -> &'static str {
+        match self {
+            Self::Approach => {
+                "no rod lies yet: look at the arm and at what is in its way, then run the command again with --checked"
+            }
+            Self::Take => {
+                "no rod lies yet: look whether the gripper holds the rod, open it, then run the command again with --checked"
+            }
+            Self::Lay => {
+                "the gripper may hold the rod: look at the arm, take the rod out and off the table, then run the command again \
+                 with --checked; laying starts from the beginning"
+            }
+            Self::LetGo => {
+                "the rod lies up to the gripper, which may still hold it: look at the arm and open the gripper; begin the next \
+                 task with --checked"
+            }
+            Self::Retreat => {
+                "the rod lies and is let go: look at the arm and lead it out of the picture; `rodlab trace` with the camera and \
+                 `rodlab score` show how the rod lies; begin the next task with --checked"
+            }
+            Self::Look | Self::Score => {
+                "the rod lies, and the arm is out of the way: look at the camera and at what it shows; `rodlab trace` with the \
+                 camera and `rodlab score` show how the rod lies; begin the next task with --checked"
+            }
+        }
+    }
 }
 
 /// Why a deployment ended early.
@@ -118,6 +146,8 @@ pub struct DeployEnd {
     pub seen_length: Option<SeenLength>,
     /// How the rod lies, or why that is not known.
     pub laid: Result<Laid, DeployError>,
+    /// How the cell was left, where it ended early.
+    pub stopped: Option<Stopped>,
 }
 
 impl DeployTask<'_> {
@@ -126,10 +156,12 @@ impl DeployTask<'_> {
         let mut times = Vec::new();
         let mut seen_length = None;
         let laid = self.stages(is_interrupted, &mut times, &mut seen_length);
+        let stopped = laid.as_ref().err().and_then(|error| self.left_by(error));
         DeployEnd {
             times,
             seen_length,
             laid,
+            stopped,
         }
     }
 
@@ -145,36 +177,35 @@ impl DeployTask<'_> {
             times.push((stage, begin.elapsed().as_secs_f64()));
             begin = Instant::now();
         };
-        let stopped = || {
-            is_interrupted()
-                .then_some(DeployError::Interrupted)
-                .map_or(Ok(()), Err)
+        let stopped = |stage: Stage| match is_interrupted() {
+            true => Err(DeployError::Interrupted { stage }),
+            false => Ok(()),
         };
         let arm = self.arm(is_interrupted);
         let first = &self.motion.laying.points[0];
         let gone = arm.go("approach", first, self.approach_speed);
         gone.map_err(DeployError::of_work(Stage::Approach))?;
         done(Stage::Approach);
-        stopped()?;
+        stopped(Stage::Take)?;
         let taken = arm.grip(Grip::Close);
         taken.map_err(DeployError::of_work(Stage::Take))?;
         done(Stage::Take);
-        stopped()?;
+        stopped(Stage::Lay)?;
         match self.laying {
             None => self.lay("laying", &self.motion.laying, is_interrupted)?,
             Some(laying) => laying.lay(self, is_interrupted)?,
         }
         done(Stage::Lay);
-        stopped()?;
+        stopped(Stage::LetGo)?;
         let opened = arm.grip(Grip::Open);
         opened.map_err(DeployError::of_work(Stage::LetGo))?;
         std::thread::sleep(self.settling);
         done(Stage::LetGo);
-        stopped()?;
+        stopped(Stage::Retreat)?;
         let gone = arm.go_home("retreat", self.approach_speed);
         gone.map_err(DeployError::of_work(Stage::Retreat))?;
         done(Stage::Retreat);
-        stopped()?;
+        stopped(Stage::Look)?;
         let picture = next_picture(self.cell);
         let picture = picture.map_err(|reason| DeployError::failed(Stage::Look, reason))?;
         self.write("picture.png", &encode_picture(&picture))?;
@@ -202,6 +233,23 @@ impl DeployTask<'_> {
         }
         done(Stage::Score);
         Ok(Laid { score, pegs })
+    }
+
+    /// How an error left the cell; `None` where the arm did all of its work.
+    fn left_by(&self, error: &DeployError) -> Option<Stopped> {
+        let stage = error.stage()?;
+        let along = LaidAlong {
+            poses: &self.path.poses,
+            frame: self.motion.frame,
+            unit: self.rod.gravito_bending_length,
+        };
+        let hand = HandPlace::of(self.cell, self.arm);
+        let laid = match stage {
+            Stage::Approach | Stage::Take => along.whole(false),
+            Stage::Lay => along.until(&hand),
+            Stage::LetGo | Stage::Retreat | Stage::Look | Stage::Score => along.whole(true),
+        };
+        Stopped::by(error, vec![hand], vec![laid])
     }
 
     /// How much of the rod the picture shows. Where its end runs out of the picture, or a long rest fell from the gripper, perhaps upon

@@ -10,6 +10,15 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 
+/// Distances of a rod from its pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DeployScore {
+    /// Of points at equal parts of both lengths.
+    pub by_arc_length: CurveError,
+    /// To the nearest point of the rod.
+    pub by_nearest_point: CurveError,
+}
+
 /// What `manifest.json` holds, and `report.md` says.
 #[derive(Clone, Debug, Serialize)]
 pub struct DeployRecord {
@@ -28,8 +37,8 @@ pub struct DeployRecord {
     pub times_s: Vec<(Stage, f64)>,
     /// Length of the rod in the picture, and its own.
     pub seen_length: Option<SeenLength>,
-    /// Distances by arc length and to the nearest point.
-    pub score: Option<[CurveError; 2]>,
+    /// Distances from the pattern.
+    pub score: Option<DeployScore>,
     /// The pegs that the rod passes as its pattern does; `None` where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pegs: Option<PassedPegs>,
@@ -38,7 +47,10 @@ pub struct DeployRecord {
 impl DeployRecord {
     /// Takes over how the rod lies.
     pub fn take(&mut self, laid: &Laid) {
-        self.score = Some([laid.score.by_arc_length, laid.score.by_nearest_point]);
+        self.score = Some(DeployScore {
+            by_arc_length: laid.score.by_arc_length,
+            by_nearest_point: laid.score.by_nearest_point,
+        });
         self.pegs = laid.pegs;
     }
 }
@@ -78,8 +90,11 @@ impl TaskRecord for DeployRecord {
                 ),
             );
         }
-        if let Some(errors) = &self.score {
-            for (name, error) in ["by arc length", "by nearest point"].iter().zip(errors) {
+        if let Some(score) = &self.score {
+            for (name, error) in [
+                ("by arc length", &score.by_arc_length),
+                ("by nearest point", &score.by_nearest_point),
+            ] {
                 row(
                     &format!("distance from the pattern {name}"),
                     format!(

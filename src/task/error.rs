@@ -7,6 +7,9 @@ use std::fmt::Debug;
 pub trait TaskStage: Copy + Debug {
     /// In words: "going to the first point".
     fn in_words(self) -> &'static str;
+
+    /// What to do after a task that ended in it.
+    fn next_step(self) -> &'static str;
 }
 
 /// Why a task ended early.
@@ -21,8 +24,11 @@ pub enum TaskError<S: TaskStage> {
         reason: String,
     },
     /// Somebody asked for the end; the arm holds.
-    #[error("interrupted; the arm holds")]
-    Interrupted,
+    #[error("{}: interrupted; the arm holds", stage.in_words())]
+    Interrupted {
+        /// While this was done, or after it.
+        stage: S,
+    },
     /// The picture does not show the rod from end to end: nothing is scored.
     #[error("not seen whole: {0}")]
     NotSeenWhole(String),
@@ -38,11 +44,19 @@ impl<S: TaskStage> TaskError<S> {
         Self::Failed { stage, reason }
     }
 
+    /// What was being done; `None` where no arm is to blame.
+    pub fn stage(&self) -> Option<S> {
+        match self {
+            Self::Failed { stage, .. } | Self::Interrupted { stage } => Some(*stage),
+            Self::NotSeenWhole(_) | Self::Results(_) => None,
+        }
+    }
+
     /// What an arm did not do in a stage.
     pub fn of_work(stage: S) -> impl Fn(WorkError) -> Self {
         move |error| match error {
             WorkError::Failed(reason) => Self::Failed { stage, reason },
-            WorkError::Interrupted => Self::Interrupted,
+            WorkError::Interrupted => Self::Interrupted { stage },
         }
     }
 }

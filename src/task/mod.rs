@@ -12,6 +12,7 @@
 //! | `look` | the camera's picture as a curve in the frame of the pattern |
 //! | `working_arm` | motions and grips of an arm, with the log of each |
 //! | `error` | why a task ends early |
+//! | `stopped` | how it leaves the cell then |
 //! | `unfinished` | whether the last task came to its end |
 //! | `record` | what any task leaves in a results directory |
 //! | `deploy_record` | what a deployment does |
@@ -26,6 +27,7 @@ mod look;
 mod motion;
 mod record;
 mod room;
+mod stopped;
 mod tie;
 mod unfinished;
 mod working_arm;
@@ -45,6 +47,7 @@ pub use fold::{
 };
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
 pub use record::{Status, TaskHead, TaskRecord};
+pub use stopped::{HandPlace, LaidLength, Stopped};
 pub use tie::{
     KnotPlan, PlannedRod, TieEnd, TieError, TieMotion, TieMotionRequest, TieRecord, TieScore,
     TieStage, TieTask,

@@ -1,6 +1,7 @@
 //! What all tasks leave in a results directory: `manifest.json` for programs and `report.md` for people.
 
 use super::error::{TaskError, TaskStage};
+use super::stopped::Stopped;
 use crate::results::{MANIFEST, ResultsError, write_whole};
 use serde::Serialize;
 use std::path::Path;
@@ -52,6 +53,9 @@ pub struct TaskHead {
     pub status: Status,
     /// Why no further.
     pub error: Option<String>,
+    /// How the cell was left where it ended early.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopped: Option<Stopped>,
 }
 
 impl TaskHead {
@@ -64,6 +68,7 @@ impl TaskHead {
             end: None,
             status: Status::Planned,
             error: None,
+            stopped: None,
         }
     }
 
@@ -73,7 +78,7 @@ impl TaskHead {
         self.error = error.map(ToString::to_string);
         self.status = match error {
             None => Status::Finished,
-            Some(TaskError::Interrupted) => Status::Interrupted,
+            Some(TaskError::Interrupted { .. }) => Status::Interrupted,
             Some(TaskError::NotSeenWhole(_)) => Status::NotSeenWhole,
             Some(_) => Status::Failed,
         };
@@ -84,7 +89,11 @@ impl TaskHead {
         let because = self.error.iter();
         let because = because.map(|error| ("because", error.replace(['|', '\n'], " ")));
         let status = ("status", self.status.in_words().to_owned());
-        std::iter::once(status).chain(because).collect()
+        let stopped = self.stopped.iter().flat_map(Stopped::rows);
+        std::iter::once(status)
+            .chain(because)
+            .chain(stopped)
+            .collect()
     }
 }
 

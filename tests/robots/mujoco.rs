@@ -164,9 +164,9 @@ fn a_rod_is_laid_seen_and_scored_in_mujoco() {
     // pulls at what lies.
     let picture = cell.folder.path().join("laid/picture.png");
     assert_eq!(image::image_dimensions(picture).unwrap(), (1280, 960));
-    let error = |index: usize| record["score"][index]["mean_m"].as_f64().unwrap();
-    assert!(error(0) < 8e-3, "{record}");
-    assert!(error(1) < 1e-3, "{record}");
+    let error = |name: &str| record["score"][name]["mean_m"].as_f64().unwrap();
+    assert!(error("by_arc_length") < 8e-3, "{record}");
+    assert!(error("by_nearest_point") < 1e-3, "{record}");
     for name in ["rod.csv", "score.svg", "retreat/state.csv", "report.md"] {
         assert!(!cell.read(name).is_empty(), "{name}");
     }

@@ -37,6 +37,22 @@ impl TaskStage for FoldStage {
             Self::LookAgain => "looking again",
         }
     }
+
+    fn next_step(self) -> &'static str {
+        match self {
+            Self::Look | Self::Approach => {
+                "the sheet was not touched: look at the arm and at the camera, then run the command again with --checked"
+            }
+            Self::Take | Self::Fold | Self::Score | Self::LetGo => {
+                "the gripper may hold the sheet: look at the arm, open the gripper and lay the sheet flat, then run the command \
+                 again with --checked"
+            }
+            Self::Retreat | Self::LookAgain => {
+                "the sheet is folded and let go: look at the arm; `rodlab measure sheet` shows how the sheet lies; begin the next \
+                 task with --checked"
+            }
+        }
+    }
 }
 
 /// Why a fold ended early.

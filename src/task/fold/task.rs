@@ -11,6 +11,7 @@ use crate::results::{ResultsError, write_whole};
 use crate::robot::{JointTrajectory, Pose};
 use crate::task::error::TaskStage;
 use crate::task::look::next_picture;
+use crate::task::stopped::{HandPlace, Stopped};
 use crate::task::unfinished::Unfinished;
 use crate::task::working_arm::{Grip, WorkingArm};
 use crate::vision::{ColourRule, edges_overlay, encode_picture, sheet_overlay};
@@ -71,6 +72,8 @@ pub struct FoldEnd {
     pub frame: Option<Pose>,
     /// The score, or why there is none.
     pub score: Result<FoldScore, FoldTaskError>,
+    /// How the cell was left, where it ended early.
+    pub stopped: Option<Stopped>,
 }
 
 /// What is known of a sheet that lies there.
@@ -90,9 +93,16 @@ impl FoldTask<'_> {
             times: Vec::new(),
             looks: Vec::new(),
             frame: None,
-            score: Err(FoldTaskError::Interrupted),
+            score: Err(FoldTaskError::Interrupted {
+                stage: FoldStage::Look,
+            }),
+            stopped: None,
         };
         end.score = self.stages(is_interrupted, &mut end);
+        if let Err(error) = &end.score {
+            let hand = HandPlace::of(self.cell, self.arm);
+            end.stopped = Stopped::by(error, vec![hand], Vec::new());
+        }
         end
     }
 
@@ -114,7 +124,7 @@ impl FoldTask<'_> {
             times.push((stage, begin.elapsed().as_secs_f64()));
             begin = Instant::now();
             if is_interrupted() {
-                return Err(FoldTaskError::Interrupted);
+                return Err(FoldTaskError::Interrupted { stage });
             }
             Ok(())
         };
@@ -158,7 +168,9 @@ impl FoldTask<'_> {
             let hand = arm.hand().map_err(work(FoldStage::Fold))?;
             self.look(&lying, part, &hand, end)?;
             if is_interrupted() {
-                return Err(FoldTaskError::Interrupted);
+                return Err(FoldTaskError::Interrupted {
+                    stage: FoldStage::Fold,
+                });
             }
         }
         done(FoldStage::Fold, &mut end.times)?;

@@ -37,6 +37,19 @@ impl TaskStage for TieStage {
             Self::Score => "scoring",
         }
     }
+
+    fn next_step(self) -> &'static str {
+        match self {
+            Self::Approach | Self::Take | Self::Lay | Self::Tie | Self::LetGo => {
+                "a gripper may hold a rod: look at both arms, open their grippers and take the rods off the table, then run the \
+                 command again with --checked; tying starts from the beginning"
+            }
+            Self::Retreat | Self::Look | Self::Score => {
+                "the rods are let go: look at both arms and at the camera; `rodlab trace` with the camera shows what lies there; \
+                 begin the next task with --checked"
+            }
+        }
+    }
 }
 
 /// Why a knot was not tied to its end.

@@ -10,6 +10,7 @@ use crate::results::{ResultsError, write_whole};
 use crate::robot::JointTrajectory;
 use crate::task::error::{TaskStage, WorkError};
 use crate::task::look::{Seen, next_picture};
+use crate::task::stopped::{HandPlace, LaidAlong, Stopped};
 use crate::task::unfinished::Unfinished;
 use crate::task::working_arm::{Grip, WorkingArm};
 use crate::vision::{
@@ -47,6 +48,8 @@ pub struct TieEnd {
     pub times: Vec<(TieStage, f64)>,
     /// The score, or why there is none.
     pub score: Result<TieScore, TieError>,
+    /// How the cell was left, where it ended early.
+    pub stopped: Option<Stopped>,
 }
 
 impl TieTask<'_> {
@@ -54,7 +57,34 @@ impl TieTask<'_> {
     pub fn run(&self, is_interrupted: &dyn Fn() -> bool) -> TieEnd {
         let mut times = Vec::new();
         let score = self.stages(is_interrupted, &mut times);
-        TieEnd { times, score }
+        let error = score.as_ref().err();
+        let stopped = error.and_then(|error| self.left_by(error, &times));
+        TieEnd {
+            times,
+            score,
+            stopped,
+        }
+    }
+
+    /// How an error left the cell after some stages were done; `None` where the arms did all of their work.
+    fn left_by(&self, error: &TieError, times: &[(TieStage, f64)]) -> Option<Stopped> {
+        let stage = error.stage()?;
+        let hands = self.arms.map(|arm| HandPlace::of(self.cell, arm));
+        let done = times.iter().filter(|(stage, _)| *stage == TieStage::Lay);
+        let done = done.count();
+        let laid = self.knot.rods.iter().enumerate().map(|(number, planned)| {
+            let along = LaidAlong {
+                poses: &planned.laying,
+                frame: self.motion.frame,
+                unit: planned.rod.gravito_bending_length,
+            };
+            match stage == TieStage::Lay && number == done {
+                true => along.until(&hands[number % 2]),
+                false => along.whole(number < done),
+            }
+        });
+        let laid = laid.collect();
+        Stopped::by(error, hands.into(), laid)
     }
 
     fn stages(
@@ -68,7 +98,7 @@ impl TieTask<'_> {
             times.push((stage, begin.elapsed().as_secs_f64()));
             begin = Instant::now();
             match is_interrupted() {
-                true => Err(TieError::Interrupted),
+                true => Err(TieError::Interrupted { stage }),
                 false => Ok(()),
             }
         };
