@@ -12,7 +12,7 @@ use crate::finite::NotFinite;
 use crate::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, LaidPath, MOST_POSES, OptimalGrasps,
     Scheme, Spare, Trajectory, checked_points, checked_trajectory, deployment_figure,
-    friction_demands, lead_in_length, long_enough, times, trajectory, when_laid, with_spare_laid,
+    friction_demands, lead_length, long_enough, times, trajectory, when_laid, with_spare_laid,
 };
 use crate::plan::grasp::NeuralGrasps;
 use crate::plan::pattern::{Crossing, Pattern, PatternSource, Point, crossings};
@@ -51,7 +51,7 @@ pub struct DeploymentPlan {
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Length of a straight start whose curvature grows to that of the pattern: `auto`, as the friction demand of 0.1
-    /// needs it, `none`, or a length
+    /// needs it, but shorter where it would bend below three radii of the rod or coil, `none`, or a length
     #[arg(long, value_name = "LENGTH", default_value = "auto", value_parser = lead)]
     lead_in: LeadLength,
     /// How far the rod is laid on behind the pattern: `auto`, where it is longer than that, all but 2.5 gravito-bending lengths of
@@ -515,7 +515,7 @@ impl DeploymentPlan {
             .map_err(|error| self.source.no_pattern(&error))?;
         let length = match self.lead_in {
             LeadLength::Given(length) => length,
-            LeadLength::Auto => lead_in_length(rod, pattern.at(0.0).curvature),
+            LeadLength::Auto => lead_length(rod, &pattern.at(0.0)),
         };
         Ok(pattern.with_lead_in(length))
     }
@@ -524,7 +524,7 @@ impl DeploymentPlan {
     fn with_lead_out(&self, pattern: Pattern, rod: &DeployedRod, spare: &Spare<'_>) -> Pattern {
         if let Some(LeadLength::Given(length)) = self.lead_out {
             let last = pattern.at(pattern.length());
-            return pattern.with_lead_out(lead_in_length(rod, last.curvature), length);
+            return pattern.with_lead_out(lead_length(rod, &last.turned_round()), length);
         }
         with_spare_laid(pattern, rod, spare)
     }

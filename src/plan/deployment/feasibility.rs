@@ -1,13 +1,21 @@
 //! What a pattern asks of rod and table.
 
-use super::{DeployedRod, DeploymentError, GripperPose};
+use super::{DeployedRod, DeploymentError, GripperPose, Lead};
 use crate::plan::grasp::GraspProblem;
-use crate::plan::pattern::{Pattern, PatternPoint};
+use crate::plan::pattern::{LeadBend, Pattern, PatternPoint};
 
 /// Friction that a lead-in may ask for.
 const LEAD_IN_DEMAND: f64 = 0.1;
 /// Largest |d²κ/dx²| of the lead-in's curvature over x = s/ℓ, of a pattern that goes on with constant curvature 1.
 const LEAD_IN_BEND: f64 = 5.7735;
+/// Least radius of curvature of a lead, in radii of the rod.
+const LEAD_RADII: f64 = 3.0;
+/// How far a lead may turn whose curvature swings beyond that of the pattern, rad.
+const MOST_TURN: f64 = std::f64::consts::PI;
+/// Factor between two lengths of a lead that are tried.
+const SHORTER: f64 = 0.9;
+/// Relative difference of two curvatures that are the same.
+const ROUNDING: f64 = 1e-6;
 /// Curvature times L_gb below which a pattern starts straight.
 const STRAIGHT: f64 = 0.02;
 
@@ -46,15 +54,33 @@ fn contact_demand_at(poses: &[GripperPose], s: f64) -> f64 {
     }
 }
 
-/// Length of the lead-in that a pattern needs which starts with this curvature, m: zero where that is nearly none.
-pub fn lead_in_length(rod: &DeployedRod, curvature: f64) -> f64 {
+/// Length of the lead-in that a pattern needs which starts at this point, m: zero where that is nearly straight. Of a lead-out it is
+/// that of the last point turned round.
+///
+/// It is shorter than the friction demand wants where the lead would bend below three radii of the rod, or coil: a curvature
+/// that changes fast where the pattern begins makes a long lead swing to and fro.
+pub fn lead_length(rod: &DeployedRod, end: &PatternPoint) -> f64 {
     let unit = rod.gravito_bending_length;
-    let bent = curvature.abs() * unit;
+    let bent = end.curvature.abs() * unit;
     if bent < STRAIGHT {
-        0.0
-    } else {
-        unit * (2.0 * LEAD_IN_BEND * bent / LEAD_IN_DEMAND).sqrt()
+        return 0.0;
     }
+    let mut length = unit * (2.0 * LEAD_IN_BEND * bent / LEAD_IN_DEMAND).sqrt();
+    let own = end.curvature.abs() * (1.0 + ROUNDING);
+    let most = sharpest_of_lead(rod).max(own);
+    loop {
+        let bend = LeadBend::of(end, length);
+        let coils = bend.sharpest > own && bend.turn > MOST_TURN;
+        if bend.sharpest <= most && !coils {
+            return length;
+        }
+        length *= SHORTER;
+    }
+}
+
+/// Largest curvature of a lead, 1/m.
+fn sharpest_of_lead(rod: &DeployedRod) -> f64 {
+    1.0 / (LEAD_RADII * rod.radius)
 }
 
 /// Whether the gripper still has something to hold when the pattern ends.
@@ -70,7 +96,11 @@ pub fn long_enough(rod: &DeployedRod, pattern: &Pattern) -> Result<(), Deploymen
     Err(DeploymentError::TooLong {
         pattern_m: length,
         lead_in: if lead_in > 0.0 {
-            format!(" with a lead-in of {lead_in:.4} m (`lead_in`)")
+            let remedy = match rod.length >= least - lead_in {
+                true => "`lead_in`; shorten it, or leave it out by --lead-in none",
+                false => "`lead_in`",
+            };
+            format!(" with a lead-in of {lead_in:.4} m ({remedy})")
         } else {
             String::new()
         },
@@ -111,6 +141,7 @@ pub fn checked_points(
     let [least, most] = CHECKED_POINTS.map(|count| pattern.length() / count);
     let close = spacing.min(0.25 * rod.radius).min(least).max(most);
     let points = pattern.sampled(close);
+    leads_bend_little(pattern, &points, rod)?;
     let (sharpest, s_m) = worst(&points, &|point| point.curvature.abs());
     let radius_m = 1.0 / sharpest;
     if radius_m < rod.radius {
@@ -121,6 +152,40 @@ pub fn checked_points(
         });
     }
     Ok(points)
+}
+
+/// Leads must not bend below three radii of the rod, unless the pattern itself begins or ends so.
+fn leads_bend_little(
+    pattern: &Pattern,
+    points: &[PatternPoint],
+    rod: &DeployedRod,
+) -> Result<(), DeploymentError> {
+    let [begin, end] = [pattern.lead_in(), pattern.length() - pattern.lead_out()];
+    let leads = [
+        (
+            Lead::In,
+            &points[..points.partition_point(|point| point.s < begin)],
+            begin,
+        ),
+        (
+            Lead::Out,
+            &points[points.partition_point(|point| point.s <= end)..],
+            end,
+        ),
+    ];
+    for (lead, points, joint) in leads {
+        let (sharpest, s_m) = worst(points, &|point| point.curvature.abs());
+        let own = pattern.at(joint).curvature.abs() * (1.0 + ROUNDING);
+        if sharpest > sharpest_of_lead(rod).max(own) {
+            return Err(DeploymentError::SharpLead {
+                lead,
+                radius_m: 1.0 / sharpest,
+                s_m,
+                least_m: 1.0 / sharpest_of_lead(rod),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// The largest value over a pattern, and where it is, m from the start.
@@ -164,7 +229,7 @@ mod tests {
     use super::super::{OptimalGrasps, Scheme, trajectory};
     use super::*;
     use crate::plan::grasp::{GraspMethod, GraspSolver};
-    use crate::plan::pattern::{Circle, Line};
+    use crate::plan::pattern::{Circle, Line, Point};
 
     const GREEN: DeployedRod = DeployedRod {
         gravito_bending_length: 0.032,
@@ -182,7 +247,8 @@ mod tests {
     #[test]
     fn a_circle_asks_for_friction_at_its_contact_node() {
         // Eq. 5.2 sees no demand along a circle after its lead-in; a simulated rod slides at a friction of 0.12.
-        let lead_in = lead_in_length(&GREEN, 12.5);
+        let circle = Pattern::new(Box::new(Circle { radius: 0.08 }), 0.0).unwrap();
+        let lead_in = lead_length(&GREEN, &circle.at(0.0));
         let circle = || {
             let circle = Pattern::new(Box::new(Circle { radius: 0.08 }), 0.0).unwrap();
             circle.with_lead_in(lead_in)
@@ -206,6 +272,81 @@ mod tests {
         // Where the curvature of the lead-in grows, its shear force adds to that.
         assert!(asked.largest_demand > demand && asked.largest_demand < 1.5 * demand);
         assert!(asked.share_above_friction.unwrap() > 0.5);
+    }
+
+    /// A hook that is 12 mm wide: its curvature changes fast where it begins and ends.
+    fn hook() -> Pattern {
+        let corners = [[2e-3, 2e-3], [12e-3, 2e-3], [0.0, 10e-3], [10e-3, 10e-3]].map(Point::from);
+        let points = (0..=100).map(|k| {
+            let t = f64::from(k) / 100.0;
+            let u = 1.0 - t;
+            let weights = [u * u * u, 3.0 * u * u * t, 3.0 * u * t * t, t * t * t];
+            corners
+                .iter()
+                .zip(weights)
+                .map(|(corner, weight)| weight * corner)
+                .sum()
+        });
+        Pattern::along(&points.collect::<Vec<Point>>(), 2.5e-4).unwrap()
+    }
+
+    #[test]
+    fn leads_bend_no_tighter_than_three_radii_of_the_rod() {
+        let rod = DeployedRod {
+            gravito_bending_length: 0.018,
+            radius: 1.6e-3,
+            length: 0.875,
+        };
+        let first = hook().at(0.0);
+        let friction = 0.018 * (2.0 * LEAD_IN_BEND * first.curvature.abs() * 0.18).sqrt();
+        let length = lead_length(&rod, &first);
+        assert!(
+            length > 5e-3 && length < 0.5 * friction,
+            "{length} {friction}"
+        );
+        let last = hook().at(hook().length());
+        let back = lead_length(&rod, &last.turned_round());
+        let pattern = || hook().with_lead_in(length).with_lead_out(back, 2.0 * back);
+        checked_points(&pattern(), 3e-3, &rod).unwrap();
+        let leads = pattern().sampled(1e-4).into_iter();
+        let leads =
+            leads.filter(|point| point.s < length || point.s > pattern().length() - 2.0 * back);
+        for point in leads {
+            assert!(
+                point.curvature.abs() * 3.0 * rod.radius < 1.001,
+                "{point:?}"
+            );
+        }
+        for (long, lead) in [
+            (hook().with_lead_in(0.15), "lead-in"),
+            (hook().with_lead_out(0.15, 0.15), "lead-out"),
+        ] {
+            let words = checked_points(&long, 3e-3, &rod).unwrap_err().to_string();
+            assert!(words.contains(&format!("the {lead} bends")), "{words}");
+            assert!(words.contains("0.0048 m"), "{words}");
+        }
+    }
+
+    #[test]
+    fn a_lead_in_that_makes_a_pattern_too_long_is_named_with_its_remedy() {
+        let circle = |lead_in: f64| {
+            let circle = Pattern::new(Box::new(Circle { radius: 0.12 }), 0.0).unwrap();
+            circle.with_lead_in(lead_in)
+        };
+        let words = |lead_in: f64| {
+            let refused = long_enough(&GREEN, &circle(lead_in)).unwrap_err();
+            refused.to_string()
+        };
+        assert!(words(0.2).contains("--lead-in none"), "{}", words(0.2));
+        let short = DeployedRod {
+            length: 0.7,
+            ..GREEN
+        };
+        let refused = long_enough(&short, &circle(0.2)).unwrap_err().to_string();
+        assert!(
+            refused.contains("lead-in of 0.2000 m") && !refused.contains("none"),
+            "{refused}"
+        );
     }
 
     #[test]

@@ -26,7 +26,7 @@ mod trajectory;
 
 pub use corrected_path::CorrectedPath;
 pub use correction::{ObservedContact, corrected_length, return_curve};
-pub use feasibility::{Feasibility, checked_points, friction_demands, lead_in_length, long_enough};
+pub use feasibility::{Feasibility, checked_points, friction_demands, lead_length, long_enough};
 pub use figure::deployment_figure;
 pub use laid_path::LaidPath;
 pub use landing::hanging_rod;
@@ -39,10 +39,39 @@ pub use trajectory::{
 };
 
 use crate::plan::grasp::GraspError;
+use std::fmt;
 use thiserror::Error;
 
 /// Most poses of a trajectory.
 pub const MOST_POSES: f64 = 100_000.0;
+
+/// What is laid in front of a pattern or behind it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lead {
+    /// In front.
+    In,
+    /// Behind.
+    Out,
+}
+
+impl Lead {
+    /// How it is left out, in words.
+    fn without(self) -> &'static str {
+        match self {
+            Self::In => "--lead-in none, or `lead_in = 0` in a scenario",
+            Self::Out => "--lead-out none",
+        }
+    }
+}
+
+impl fmt::Display for Lead {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::In => "lead-in",
+            Self::Out => "lead-out",
+        })
+    }
+}
 
 /// Why a rod cannot be laid along a pattern.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -74,6 +103,22 @@ pub enum DeploymentError {
         s_m: f64,
         /// Radius of the rod, m.
         rod_m: f64,
+    },
+    /// A lead bends more than a rod should.
+    #[error(
+        "the {lead} bends to a radius of {radius_m:.2e} m at {s_m:.4} m, and three radii of the rod, {least_m:.4} m, are the least: \
+         the drawing is not at fault; shorten the {lead}, or leave it out ({})",
+        lead.without()
+    )]
+    SharpLead {
+        /// Which.
+        lead: Lead,
+        /// Its least radius of curvature, m.
+        radius_m: f64,
+        /// Where, m from the start.
+        s_m: f64,
+        /// The least that is allowed, m.
+        least_m: f64,
     },
     /// There is no grasp at some point.
     #[error("at {s_m:.4} m from the start of the pattern: {error}")]

@@ -1,6 +1,6 @@
 //! What of a rod is longer than its pattern: laid behind it and in front of it, so that it does not fall.
 
-use super::{DeployedRod, lead_in_length};
+use super::{DeployedRod, lead_length};
 use crate::plan::pattern::{Pattern, PatternPoint, Point};
 
 /// Suspended length, in gravito-bending lengths, at which the gripper lets go: it is 0.73 L_gb above the table then. A longer
@@ -54,7 +54,7 @@ pub fn with_spare_laid(pattern: Pattern, rod: &DeployedRod, spare: &Spare<'_>) -
         clearance: CLEARANCE * rod.radius,
         is_free: spare.is_free,
     };
-    let back = lead_in_length(rod, pattern.at(whole).curvature);
+    let back = lead_length(rod, &pattern.at(whole).turned_round());
     let pattern = pattern.with_lead_out(back, left);
     let points = pattern.sampled(spacing);
     let laid = points.partition_point(|point| point.s <= whole);
@@ -147,7 +147,8 @@ mod tests {
     #[test]
     fn nothing_is_laid_on_what_lies() {
         let circle = Pattern::new(Box::new(Circle { radius: 0.06 }), 0.0).unwrap();
-        let circle = circle.with_lead_in(lead_in_length(&GREEN, 1.0 / 0.06));
+        let lead_in = lead_length(&GREEN, &circle.at(0.0));
+        let circle = circle.with_lead_in(lead_in);
         let laid = laid(circle, &GREEN, &|_| true);
         assert_eq!(laid.lead_out(), 0.0);
         assert!((laid.length() - (0.885 - 2.5 * 0.032)).abs() < 1e-12);

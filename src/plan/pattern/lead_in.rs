@@ -21,6 +21,37 @@ pub struct LeadIn {
     rule: Vec<(f64, f64)>,
 }
 
+/// Points at which the curvature of a lead-in is looked at.
+const LOOKS: u32 = 200;
+
+/// How a lead-in bends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeadBend {
+    /// Largest curvature, 1/m.
+    pub sharpest: f64,
+    /// How far the tangent turns, to either side added up, rad.
+    pub turn: f64,
+}
+
+impl LeadBend {
+    /// That of the lead-in of a length, m, to a point. Of a lead-out it is that to the point turned round.
+    pub fn of(end: &PatternPoint, bent: f64) -> Self {
+        let lead = LeadIn::new(end, 0.0, bent);
+        let [c3, c4, c5] = lead.coefficients;
+        let curvatures = (1..=LOOKS).map(|k| {
+            let x = f64::from(k) / f64::from(LOOKS);
+            (x.powi(3) * (c3 + x * (c4 + x * c5))).abs()
+        });
+        let (sharpest, sum) = curvatures.fold((0.0_f64, 0.0), |(most, sum), curvature| {
+            (most.max(curvature), sum + curvature)
+        });
+        Self {
+            sharpest,
+            turn: sum * bent / f64::from(LOOKS),
+        }
+    }
+}
+
 impl LeadIn {
     pub fn new(end: &PatternPoint, straight: f64, bent: f64) -> Self {
         // Value a, slope b and bend c at x = 1 of c₃x³ + c₄x⁴ + c₅x⁵.

@@ -20,7 +20,7 @@ impl LeadOut {
         Self {
             length,
             begin: last.s,
-            lead_in: LeadIn::new(&turned_round(last), (length - bent).max(0.0), bent),
+            lead_in: LeadIn::new(&last.turned_round(), (length - bent).max(0.0), bent),
         }
     }
 
@@ -28,17 +28,19 @@ impl LeadOut {
         let back = self.lead_in.length() - (s - self.begin);
         PatternPoint {
             s,
-            ..turned_round(&self.lead_in.at(back))
+            ..self.lead_in.at(back).turned_round()
         }
     }
 }
 
-/// The point of the same curve run through from its end: curvature and bend change their signs, the slope does not.
-fn turned_round(point: &PatternPoint) -> PatternPoint {
-    PatternPoint {
-        angle: point.angle + PI,
-        curvature: -point.curvature,
-        curvature_bend: -point.curvature_bend,
-        ..*point
+impl PatternPoint {
+    /// The point of the same curve run through from its end: curvature and bend change their signs, the slope does not.
+    pub fn turned_round(&self) -> Self {
+        Self {
+            angle: self.angle + PI,
+            curvature: -self.curvature,
+            curvature_bend: -self.curvature_bend,
+            ..*self
+        }
     }
 }

@@ -23,6 +23,7 @@ mod svg;
 pub use analytic::{Circle, Line, Sine};
 pub use check::{Crossing, crossings, crossings_of_two};
 pub use curve::{PatternPoint, PlaneCurve};
+pub use lead_in::LeadBend;
 pub use source::{Drawing, PatternSource, chosen_stroke};
 pub use spline::SmoothCurve;
 pub use svg::{Stroke, read_svg};

@@ -11,7 +11,7 @@ mod typed;
 pub use resolved::Second;
 pub use resolved::{Correction, Deployment, Knot, Pattern, Peg, Rod, Scheme, Solver};
 
-use crate::plan::deployment::{DeployedRod, lead_in_length, long_enough};
+use crate::plan::deployment::{DeployedRod, lead_length, long_enough};
 use crate::plan::pattern::Pattern as Curve;
 use crate::scenario::Time;
 use crate::scenario::keys::{
@@ -219,7 +219,7 @@ fn with_lead_in(
     };
     let length = match lead_in.filter(|typed| !typed.is_word("auto")) {
         Some(typed) => section.number("lead_in", typed, NON_NEGATIVE),
-        None => lead_in_length(&rod, curve.at(0.0).curvature),
+        None => lead_length(&rod, &curve.at(0.0)),
     };
     let curve = curve.with_lead_in(length);
     // What is longer than a rod that is tied is the path of its end.
