@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::output::{print, print_json, write_file};
 use super::values::positive_length;
 use crate::vision::{
-    Calibration, Camera, Checkerboard, HandEye, Point, VisionError, board_pose,
+    Calibration, Camera, Checkerboard, LensMisfit, Point, RejectedPair, VisionError, board_pose,
     calibrate as calibrate_lens, hand_eye, pictures_in, read_picture, read_poses,
 };
 use clap::{Args, Subcommand};
@@ -126,6 +126,9 @@ struct CameraAnswer {
     fy_deviation_px: f64,
     cx_deviation_px: f64,
     cy_deviation_px: f64,
+    /// Radial errors that noise does not explain; the standard deviations are enlarged for them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    misfit: Option<LensMisfit>,
     left_out: Vec<String>,
     /// The table of its file.
     camera: toml::Value,
@@ -245,6 +248,7 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
         fy_deviation_px: fy,
         cx_deviation_px: cx,
         cy_deviation_px: cy,
+        misfit: found.misfit,
         left_out,
         camera: table(&calibrated)?,
     };
@@ -260,6 +264,15 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
             "# {:.4} px  {}\n",
             view.reprojection_rms_px,
             view.image.display()
+        );
+    }
+    if let Some(misfit) = &answer.misfit {
+        text += &format!(
+            "# warning: the lens model does not fit: {:.3} px off at {:.0} px from the middle of the picture; a fisheye lens? The \
+             standard deviations are enlarged {:.1} times\n",
+            misfit.radial_error_px,
+            misfit.at_radius_px,
+            misfit.inflation()
         );
     }
     for fault in &answer.left_out {
@@ -316,6 +329,13 @@ struct HandEyeAnswer {
     target: PoseAnswer,
     position_rms_m: f64,
     rotation_rms_degrees: f64,
+    /// Standard deviations of the camera's pose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    position_deviation_m: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rotation_deviation_degrees: Option<f64>,
+    /// Pairs that do not agree with the others, and were not used.
+    rejected: Vec<RejectedPair>,
 }
 
 fn mount(arguments: &HandEyeArguments) -> Result<(), Failure> {
@@ -327,17 +347,23 @@ fn mount(arguments: &HandEyeArguments) -> Result<(), Failure> {
             hand.inverse_mut();
         }
     }
-    let HandEye {
-        camera,
-        target,
-        position_rms,
-        rotation_rms,
-    } = hand_eye(&hands, &targets)?;
+    let found = hand_eye(&hands, &targets)?;
+    for pair in &found.rejected {
+        tracing::warn!(
+            "pair {} does not agree with the others, and is not used: {:.2} mm and {:.2}° off",
+            pair.pair,
+            1e3 * pair.position_error_m,
+            pair.rotation_error_degrees
+        );
+    }
     print_json(&HandEyeAnswer {
-        pairs: hands.len(),
-        camera: PoseAnswer::of(&camera),
-        target: PoseAnswer::of(&target),
-        position_rms_m: position_rms,
-        rotation_rms_degrees: rotation_rms.to_degrees(),
+        pairs: hands.len() - found.rejected.len(),
+        camera: PoseAnswer::of(&found.camera),
+        target: PoseAnswer::of(&found.target),
+        position_rms_m: found.position_rms,
+        rotation_rms_degrees: found.rotation_rms.to_degrees(),
+        position_deviation_m: found.deviations.map(|(position, _)| position),
+        rotation_deviation_degrees: found.deviations.map(|(_, turn)| turn.to_degrees()),
+        rejected: found.rejected,
     })
 }

@@ -7,6 +7,7 @@
 use super::camera::{Camera, Lens};
 use super::checkerboard::Checkerboard;
 use super::homography::{first_lens, first_pose, homography};
+use super::lens_fit::LensMisfit;
 use super::reprojection::{LENS, POSE, State};
 use super::{Point, VisionError};
 use nalgebra::{Isometry3, Matrix3};
@@ -22,9 +23,15 @@ pub struct Calibration {
     pub reprojection_rms: f64,
     /// The same for each view.
     pub view_rms: Vec<f64>,
-    /// Standard deviations of fx, fy, cx, cy, k1, k2, p1, p2, k3, from the scatter of the corners.
+    /// Standard deviations of fx, fy, cx, cy, k1, k2, p1, p2, k3, from the scatter of the corners, enlarged where the model does not
+    /// fit.
     pub lens_deviations: [f64; 9],
+    /// What of the residuals noise does not explain, if anything.
+    pub misfit: Option<LensMisfit>,
 }
+
+/// Largest radial error of a model that is accepted, pixels.
+const MOST_MISFIT: f64 = 0.5;
 
 impl Calibration {
     /// The camera of a view whose board lies on the table and is the origin of the world: its corner at the lower
@@ -44,7 +51,7 @@ impl Calibration {
 ///
 /// # Errors
 /// There are fewer than three views, or they are too much alike: pictures from one direction do not tell the focal
-/// length from the distance.
+/// length from the distance. Or the lens is of another kind than the model, such as a fisheye lens.
 pub fn calibrate(
     board: &Checkerboard,
     views: &[Vec<Point>],
@@ -86,9 +93,19 @@ pub fn calibrate(
     let observations = 2.0 * corners * views.len() as f64;
     let variance = total / (observations - unknowns).max(1.0);
     let covariance = normal.try_inverse().ok_or_else(|| undetermined(alike))? * variance;
+    let misfit = state.misfit(board, views);
+    if let Some(misfit) = misfit.filter(|misfit| misfit.radial_error_px > MOST_MISFIT) {
+        return Err(undetermined(&format!(
+            "the lens is of another kind than the model (a pinhole with distortion k1, k2, p1, p2, k3): {:.2} px off at {:.0} px from \
+             the middle of the picture; fisheye lenses are not supported: use another lens, or crop the pictures to their middle",
+            misfit.radial_error_px, misfit.at_radius_px
+        )));
+    }
+    // Errors that are no noise do not average out.
+    let inflation = misfit.map_or(1.0, |misfit| misfit.inflation());
     let mut lens_deviations = [0.0; LENS];
     for (index, deviation) in lens_deviations.iter_mut().enumerate() {
-        *deviation = covariance[(index, index)].max(0.0).sqrt();
+        *deviation = inflation * covariance[(index, index)].max(0.0).sqrt();
     }
     Ok(Calibration {
         lens: state.lens,
@@ -99,6 +116,7 @@ pub fn calibrate(
             .map(|square| (square / corners).sqrt())
             .collect(),
         lens_deviations,
+        misfit,
     })
 }
 
@@ -232,6 +250,51 @@ mod tests {
         assert!((pose.translation.vector - expected.translation.vector).norm() < 1e-8);
     }
 
+    /// Corners of boards behind an equidistant fisheye lens of a focal length, pixels, with a reproducible noise of 0.05 pixels.
+    fn fisheye_views(focal: f64) -> Vec<Vec<Point>> {
+        let mut state = 7_u64;
+        let mut noise = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            0.17 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
+        };
+        let middle = Vector3::new(0.105, 0.06, 0.0);
+        let views = (0..15).map(|index| {
+            let turn = 2.4 * f64::from(index);
+            let tilt = UnitQuaternion::new(Vector3::new(turn.cos(), turn.sin(), 0.1) * 0.4);
+            let shift = Vector3::new(
+                0.14 * (1.3 * turn).sin(),
+                0.1 * turn.cos(),
+                0.16 + 0.03 * f64::from(index % 4),
+            );
+            let corners = (0..BOARD.corners()).map(|corner| {
+                let place = BOARD.corner(corner);
+                let seen = tilt * (Vector3::new(place.x, place.y, 0.0) - middle) + shift;
+                let aside = seen.xy().norm();
+                let scale = focal * libm::atan2(aside, seen.z) / aside.max(1e-12);
+                Point::new(
+                    400.0 + scale * seen.x + noise(),
+                    300.0 + scale * seen.y + noise(),
+                )
+            });
+            corners.collect()
+        });
+        views.collect()
+    }
+
+    #[test]
+    fn a_fisheye_lens_is_flagged_with_honest_error_bars() {
+        let found = calibrate(&BOARD, &fisheye_views(350.0), 800, 600).expect("a calibration");
+        let misfit = found.misfit.expect("a misfit");
+        assert!(misfit.radial_error_px > 0.03, "{misfit:?}");
+        let off = (found.lens.focal[0] - 350.0).abs() / found.lens_deviations[0];
+        assert!(
+            off < 2.5,
+            "fx is {off} of its standard deviations off: {misfit:?}"
+        );
+    }
+
     #[test]
     fn rendered_boards_calibrate_the_camera() {
         let cameras = cameras(20);
@@ -251,6 +314,7 @@ mod tests {
         assert!(worst < 0.05, "a corner is {worst} pixels off");
         let found = calibrate(&BOARD, &views, 800, 600).expect("a calibration");
         assert!(found.reprojection_rms < 0.02, "{}", found.reprojection_rms);
+        assert_eq!(found.misfit, None);
         // A camera at 0.6 m from a board on the table.
         let mut far = cameras[3];
         let aim = Vector3::new(0.105, 0.06, 0.0);

@@ -58,6 +58,8 @@ mod dice;
 mod doubt;
 mod error;
 mod hand_eye;
+mod hand_eye_consensus;
+mod hand_eye_mount;
 mod homography;
 #[cfg(test)]
 mod hostile_tests;
@@ -67,6 +69,7 @@ mod jpeg;
 mod junction;
 mod labels;
 mod layers;
+mod lens_fit;
 mod marker;
 mod mask;
 mod order;
@@ -107,8 +110,9 @@ pub use contrast::Contrast;
 pub use curve_file::read_curve;
 pub use dice::{InstanceDice, instance_dice};
 pub use error::VisionError;
-pub use hand_eye::{HandEye, hand_eye};
+pub use hand_eye::{HandEye, RejectedPair, hand_eye};
 pub use labels::{MOST_LABELS, paint_labels};
+pub use lens_fit::LensMisfit;
 pub use marker::{
     InstabilityRule, InstabilityWatch, MarkerErrors, compare_markers, find_markers, helix_points,
 };

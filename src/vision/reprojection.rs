@@ -4,6 +4,7 @@
 use super::Point;
 use super::camera::Lens;
 use super::checkerboard::Checkerboard;
+use super::lens_fit::LensMisfit;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix2x3, UnitQuaternion, Vector3};
 
 /// Unknowns of the lens.
@@ -30,6 +31,19 @@ impl State {
             residuals[2 * index + 1] = found.y - corner.y;
         }
         residuals
+    }
+
+    /// What of the residuals depends on the distance from the principal point.
+    pub fn misfit(&self, board: &Checkerboard, views: &[Vec<Point>]) -> Option<LensMisfit> {
+        let views = views.iter().enumerate();
+        let corners = views.flat_map(|(view, corners)| {
+            let residuals = self.residuals(board, view, corners);
+            let pairs = corners.iter().enumerate();
+            let pairs = pairs
+                .map(|(k, corner)| (*corner, Point::new(residuals[2 * k], residuals[2 * k + 1])));
+            pairs.collect::<Vec<_>>()
+        });
+        LensMisfit::of(self.lens.centre.into(), &corners.collect::<Vec<_>>())
     }
 
     fn seen(&self, board: &Checkerboard, view: usize, corner: usize) -> Vector3<f64> {

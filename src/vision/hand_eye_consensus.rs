@@ -1,0 +1,183 @@
+//! Which pairs of poses agree on the mount of a camera: least median of squares over mounts of three pairs each (Rousseeuw, J. Am. Stat.
+//! Assoc. 79:871, 1984), then least squares over those that agree, until they are the same.
+
+use super::VisionError;
+use super::hand_eye_mount::mount;
+use nalgebra::{Isometry3, Vector3};
+
+/// Fewest pairs of which some may be rejected.
+const LEAST: usize = 5;
+/// Most mounts of three pairs that are tried.
+const MOST_TRIALS: usize = 600;
+/// How far a pair may be off, in the root mean square of those that agree.
+const FAR: f64 = 3.0;
+/// Errors that rounding leaves, as a share of the distance of the target.
+const ROUNDING: f64 = 1e-9;
+/// Most rounds until the pairs that agree are the same.
+const ROUNDS: usize = 20;
+/// Parts of the pairs that are left out one after the other for the standard deviations.
+const PARTS: usize = 20;
+/// Largest error of the middle pair, as a share of the distance of the target: with more, the pairs do not belong together.
+const LARGEST_ERROR: f64 = 0.05;
+
+/// Indices of the pairs that agree; all where there are too few to judge.
+///
+/// # Errors
+/// The hand turned about one axis only, or fewer than half of the pairs agree.
+pub fn agreeing(
+    hands: &[Isometry3<f64>],
+    targets: &[Isometry3<f64>],
+) -> Result<Vec<usize>, VisionError> {
+    let count = hands.len();
+    let all: Vec<usize> = (0..count).collect();
+    // It says what is wrong with all of them.
+    let first = mount(hands, targets)?;
+    if count < LEAST {
+        return Ok(all);
+    }
+    let lever = median(
+        targets
+            .iter()
+            .map(|target| target.translation.vector.norm())
+            .collect(),
+    );
+    let errors = |camera: &Isometry3<f64>| errors(camera, hands, targets, lever);
+    let mut best = (median(errors(&first)), first);
+    for triple in triples(count) {
+        let chosen = |poses: &[Isometry3<f64>]| triple.map(|index| poses[index]);
+        let Ok(camera) = mount(&chosen(hands), &chosen(targets)) else {
+            continue;
+        };
+        let middle = median(errors(&camera));
+        if middle < best.0 {
+            best = (middle, camera);
+        }
+    }
+    let (middle, mut camera) = best;
+    if middle > LARGEST_ERROR * lever {
+        return Err(disagreeing(count));
+    }
+    // The median of errors in six directions is nearly their root mean square.
+    let mut limit = FAR * middle.max(ROUNDING * lever);
+    let mut kept = Vec::new();
+    for _ in 0..ROUNDS {
+        let errors = errors(&camera);
+        let near = |index: &usize| errors[*index] <= limit;
+        let next: Vec<usize> = all.iter().copied().filter(near).collect();
+        if 2 * next.len() <= count {
+            return Err(disagreeing(count));
+        }
+        if next == kept {
+            break;
+        }
+        kept = next;
+        let chosen = |poses: &[Isometry3<f64>]| -> Vec<Isometry3<f64>> {
+            kept.iter().map(|index| poses[*index]).collect()
+        };
+        camera = mount(&chosen(hands), &chosen(targets))?;
+        let errors = self::errors(&camera, &chosen(hands), &chosen(targets), lever);
+        let square: f64 = errors.iter().map(|error| error * error).sum();
+        limit = FAR * (square / errors.len() as f64).sqrt().max(ROUNDING * lever);
+    }
+    Ok(kept)
+}
+
+fn disagreeing(count: usize) -> VisionError {
+    VisionError::Undetermined {
+        problem: "the mount of the camera",
+        reason: format!(
+            "of {count} pairs of poses fewer than half agree; compare the order of both files, row by row, and --fixed-camera"
+        ),
+    }
+}
+
+/// How far each pair puts the target from where most of them do, m: turns count by their way at a distance, m.
+fn errors(
+    camera: &Isometry3<f64>,
+    hands: &[Isometry3<f64>],
+    targets: &[Isometry3<f64>],
+    lever: f64,
+) -> Vec<f64> {
+    let pairs = hands.iter().zip(targets);
+    let seen: Vec<Isometry3<f64>> = pairs.map(|(hand, target)| hand * camera * target).collect();
+    let along = |axis: usize| {
+        median(
+            seen.iter()
+                .map(|pose| pose.translation.vector[axis])
+                .collect(),
+        )
+    };
+    let middle = Vector3::new(along(0), along(1), along(2));
+    let away = |pose: &Isometry3<f64>| (pose.translation.vector - middle).norm();
+    // The turn of the pose that is nearest to the middle of their places is off itself: the middle of turns from it is taken.
+    let nearest = seen.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+    let Some(reference) = nearest.map(|pose| pose.rotation) else {
+        return Vec::new();
+    };
+    let turns = seen
+        .iter()
+        .map(|pose| (reference.inverse() * pose.rotation).scaled_axis());
+    let turns: Vec<Vector3<f64>> = turns.collect();
+    let about = |axis: usize| median(turns.iter().map(|turn| turn[axis]).collect());
+    let turned = Vector3::new(about(0), about(1), about(2));
+    let pairs = seen.iter().zip(&turns);
+    pairs
+        .map(|(pose, turn)| libm::hypot(away(pose), lever * (turn - turned).norm()))
+        .collect()
+}
+
+/// Triples of indices below `count`: all of them, or as many as are tried, spread over all.
+fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
+    let all = count * (count - 1) * (count - 2) / 6;
+    let every = all.div_ceil(MOST_TRIALS).max(1);
+    let firsts = (0..count).flat_map(move |i| (0..i).map(move |j| (i, j)));
+    let all = firsts.flat_map(|(i, j)| (0..j).map(move |k| [i, j, k]));
+    all.step_by(every)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Standard deviations of the position along each axis, m, and of the turn, rad, of a mount: the jackknife, which leaves out a part of
+/// the pairs after the other. `None` of too few pairs.
+pub fn deviations(hands: &[Isometry3<f64>], targets: &[Isometry3<f64>]) -> Option<([f64; 3], f64)> {
+    let count = hands.len();
+    if count < LEAST {
+        return None;
+    }
+    let parts = count.min(PARTS);
+    let without = (0..parts).map(|part| {
+        let kept = |poses: &[Isometry3<f64>]| -> Vec<Isometry3<f64>> {
+            let poses = poses.iter().enumerate();
+            let kept = poses.filter(|(index, _)| index % parts != part);
+            kept.map(|(_, pose)| *pose).collect()
+        };
+        mount(&kept(hands), &kept(targets)).ok()
+    });
+    let mounts: Vec<Isometry3<f64>> = without.collect::<Option<_>>()?;
+    let number = parts as f64;
+    let first = mounts[0].rotation;
+    let mean = mounts
+        .iter()
+        .map(|pose| pose.translation.vector)
+        .sum::<Vector3<f64>>()
+        / number;
+    let turns = mounts
+        .iter()
+        .map(|pose| (first.inverse() * pose.rotation).scaled_axis());
+    let turns: Vec<Vector3<f64>> = turns.collect();
+    let mean_turn = turns.iter().sum::<Vector3<f64>>() / number;
+    let scale = (number - 1.0) / number;
+    let mut squares = Vector3::zeros();
+    for pose in &mounts {
+        let away = pose.translation.vector - mean;
+        squares += scale * away.component_mul(&away);
+    }
+    let turned: f64 = turns
+        .iter()
+        .map(|turn| (turn - mean_turn).norm_squared())
+        .sum();
+    Some((squares.map(f64::sqrt).into(), (scale * turned).sqrt()))
+}

@@ -1,0 +1,111 @@
+//! Whether a lens model fits the corners that were seen: residuals that depend on the distance from the middle of the picture are no
+//! noise of the corners, but a lens of another kind.
+
+use super::Point;
+use serde::Serialize;
+
+/// Groups of corners by their distance from the principal point, and least number of corners in each.
+const GROUPS: usize = 10;
+const LEAST: usize = 8;
+/// Mean of the squared radial errors of the groups, in their standard errors, above which the model does not fit: of noise alone
+/// it is about 1, and above this once in a million calibrations.
+const MOST: f64 = 4.5;
+
+/// Radial errors of a lens model that noise does not explain.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LensMisfit {
+    /// Largest mean radial error of a group of corners, pixels.
+    pub radial_error_px: f64,
+    /// Mean distance of that group from the principal point, pixels.
+    pub at_radius_px: f64,
+    /// Mean of the squared errors of the groups in their standard errors; about 1 where the model fits.
+    pub excess: f64,
+}
+
+impl LensMisfit {
+    /// The misfit of a lens with a principal point: corners as they were seen, each with the residual of the model, pixels. `None`
+    /// where noise explains the residuals, or there are too few corners.
+    pub fn of(centre: Point, corners: &[(Point, Point)]) -> Option<Self> {
+        let mut radial: Vec<(f64, f64)> = corners
+            .iter()
+            .map(|(corner, residual)| {
+                let outwards = corner - centre;
+                let radius = outwards.norm();
+                (radius, residual.dot(&outwards) / radius.max(1e-9))
+            })
+            .collect();
+        radial.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let groups = GROUPS.min(radial.len() / LEAST);
+        if groups < 3 {
+            return None;
+        }
+        let (mut excess, mut largest) = (0.0, (0.0, 0.0));
+        for group in 0..groups {
+            let ends = [group, group + 1].map(|k| k * radial.len() / groups);
+            let members = &radial[ends[0]..ends[1]];
+            let count = members.len() as f64;
+            let mean = members.iter().map(|(_, error)| error).sum::<f64>() / count;
+            let square: f64 = members
+                .iter()
+                .map(|(_, error)| (error - mean).powi(2))
+                .sum();
+            let variance = (square / (count - 1.0) / count).max(ROUNDING * ROUNDING);
+            excess += mean * mean / variance / groups as f64;
+            if mean.abs() > largest.1 {
+                let radius = members.iter().map(|(radius, _)| radius).sum::<f64>() / count;
+                largest = (radius, mean.abs());
+            }
+        }
+        (excess > MOST).then_some(Self {
+            radial_error_px: largest.1,
+            at_radius_px: largest.0,
+            excess,
+        })
+    }
+
+    /// Factor by which standard deviations are larger that took the errors for noise.
+    pub fn inflation(&self) -> f64 {
+        self.excess.sqrt()
+    }
+}
+
+/// Errors that rounding alone leaves, pixels.
+const ROUNDING: f64 = 1e-4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Corners on a grid with a reproducible noise of about 0.05 pixels, and a radial error.
+    fn corners(radial: impl Fn(f64) -> f64) -> Vec<(Point, Point)> {
+        let mut state = 1_u64;
+        let mut noise = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            0.1 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 1.7
+        };
+        let mut found = Vec::new();
+        for u in 0..30 {
+            for v in 0..20 {
+                let corner = Point::new(25.0 * f64::from(u), 25.0 * f64::from(v));
+                let outwards = corner - CENTRE;
+                let error = outwards.normalize() * radial(outwards.norm());
+                found.push((corner, error + Point::new(noise(), noise())));
+            }
+        }
+        found
+    }
+
+    const CENTRE: Point = Point::new(370.0, 240.0);
+
+    #[test]
+    fn noise_is_no_misfit_and_a_wave_along_the_radius_is() {
+        assert_eq!(LensMisfit::of(CENTRE, &corners(|_| 0.0)), None);
+        let wave = |radius: f64| 0.1 * libm::sin(radius / 50.0);
+        let misfit = LensMisfit::of(CENTRE, &corners(wave)).expect("a misfit");
+        assert!((0.05..0.12).contains(&misfit.radial_error_px), "{misfit:?}");
+        assert!(misfit.inflation() > 3.0, "{misfit:?}");
+        assert_eq!(LensMisfit::of(CENTRE, &corners(wave)[..20]), None);
+    }
+}
