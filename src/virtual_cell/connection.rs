@@ -19,8 +19,11 @@ const LARGEST_MESSAGE: usize = 32 << 20;
 const MOST_WAITING: usize = 32 << 20;
 /// Longest time for a client to say what it wants to be.
 const HANDSHAKE: Duration = Duration::from_secs(2);
-/// Most messages that are taken of a client at a time.
+/// Most messages that are taken of a client at a time, of any kind, and bytes after which no further one is taken.
 const AT_A_TIME: usize = 32;
+const BYTES_AT_A_TIME: usize = 1 << 20;
+/// Silence of a client without subscriptions after which its place may go to another one.
+const IDLE: Duration = Duration::from_secs(1);
 /// Most subscriptions of a client.
 const MOST_TOPICS: usize = 64;
 
@@ -64,6 +67,8 @@ pub struct Connection {
     pub id: u64,
     link: Link,
     since: Instant,
+    /// When it last sent something.
+    heard: Instant,
     topics: BTreeMap<String, Subscription>,
     /// Whether something of the last message still waits.
     is_full: bool,
@@ -86,6 +91,7 @@ impl Connection {
             id,
             link: Link::Closed,
             since: Instant::now(),
+            heard: Instant::now(),
             topics: BTreeMap::new(),
             is_full: false,
         };
@@ -114,6 +120,18 @@ impl Connection {
         matches!(self.link, Link::Closed)
     }
 
+    /// How long its place has been of no use, where it may go to another client: it has not said what it wants to be, or it is silent
+    /// and has subscribed nothing.
+    pub fn idle(&self) -> Option<Duration> {
+        match self.link {
+            Link::Opening(_) => Some(self.since.elapsed()),
+            Link::Open(_) if self.topics.is_empty() => {
+                Some(self.heard.elapsed()).filter(|silence| *silence > IDLE)
+            }
+            _ => None,
+        }
+    }
+
     /// Cuts it.
     pub fn cut(&mut self) {
         self.link = Link::Closed;
@@ -129,9 +147,16 @@ impl Connection {
             }
             Link::Closed => return texts,
             Link::Open(mut socket) => {
-                let mut is_open = true;
-                while is_open && texts.len() < AT_A_TIME {
-                    match socket.read() {
+                let (mut is_open, mut count, mut bytes) = (true, 0, 0);
+                // Pings and binary messages count, too: a flood of them must not keep the others waiting.
+                while is_open && count < AT_A_TIME && bytes < BYTES_AT_A_TIME {
+                    let read = socket.read();
+                    count += 1;
+                    if let Ok(message) = &read {
+                        bytes += message.len();
+                        self.heard = Instant::now();
+                    }
+                    match read {
                         Ok(Message::Text(text)) => texts.push(text.as_str().to_owned()),
                         Ok(Message::Close(_)) => is_open = false,
                         Ok(_) => {}

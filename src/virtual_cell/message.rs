@@ -8,6 +8,8 @@ use std::time::Duration;
 /// Most points of a trajectory, and most joints.
 const MOST_POINTS: usize = 200_000;
 const MOST_JOINTS: usize = 64;
+/// Most values of a message: those of a trajectory of 100,000 points of six joints with velocities.
+const MOST_VALUES: usize = 2_000_000;
 /// Longest name of a topic, an action or a goal, bytes.
 const LONGEST_NAME: usize = 256;
 
@@ -48,6 +50,13 @@ impl Request {
     /// # Errors
     /// In words: it is no JSON, or asks for something that is not known here.
     pub fn read(text: &str) -> Result<Self, String> {
+        // Each value takes far more memory than its text.
+        let separators = text.bytes().filter(|byte| b",[{".contains(byte)).count();
+        if separators > MOST_VALUES {
+            return Err(format!(
+                "a message of {separators} values; at most {MOST_VALUES} are allowed"
+            ));
+        }
         let message: Value =
             serde_json::from_str(text).map_err(|error| format!("no JSON: {error}"))?;
         let name = |value: &Value, what: &str| match value.as_str() {
@@ -112,7 +121,10 @@ impl Request {
                 action: name(&message["action"], "action")?,
                 id: name(&message["id"], "id")?,
             }),
-            _ => Err(format!("the operation {op:?} is not known here")),
+            _ => {
+                let op: String = op.chars().take(LONGEST_NAME).collect();
+                Err(format!("the operation {op:?} is not known here"))
+            }
         }
     }
 }

@@ -25,6 +25,8 @@
 //! | `server` | clients, goals, reports |
 
 mod arm;
+#[cfg(test)]
+mod attack_tests;
 mod axis;
 mod camera;
 mod chuck;

@@ -203,9 +203,15 @@ impl VirtualCell {
 
     /// Lets clients in, hears what they say, and stops the arms of those that are gone.
     fn listen(&mut self) {
-        while self.clients.len() < MOST_CLIENTS {
+        for _ in 0..MOST_CLIENTS {
+            if self.clients.len() >= MOST_CLIENTS && !self.has_idle_client() {
+                break;
+            }
             match self.listener.accept() {
                 Ok((stream, _)) => {
+                    if self.clients.len() >= MOST_CLIENTS {
+                        self.drop_idle_client();
+                    }
                     let id = self.next_client;
                     self.next_client += 1;
                     let token = self.token.as_deref();
@@ -236,6 +242,30 @@ impl VirtualCell {
                     }
                 }
             }
+        }
+    }
+
+    /// Clients that neither lead an arm nor do anything, with the time for which they have not.
+    fn idle_clients(&self) -> impl Iterator<Item = (usize, Duration)> {
+        let clients = self.clients.iter().enumerate();
+        let is_busy = |id: u64| {
+            let mut goals = self.motions.iter().chain(&self.grips).flatten();
+            self.leaders.contains(&Some(id)) || goals.any(|goal| goal.client == id)
+        };
+        clients.filter_map(move |(index, client)| {
+            let idle = client.idle().filter(|_| !is_busy(client.id))?;
+            Some((index, idle))
+        })
+    }
+
+    fn has_idle_client(&self) -> bool {
+        self.idle_clients().next().is_some()
+    }
+
+    /// Gives up the place of the client that has been idle for longest.
+    fn drop_idle_client(&mut self) {
+        if let Some((index, _)) = self.idle_clients().max_by_key(|(_, idle)| *idle) {
+            self.clients.remove(index);
         }
     }
 
@@ -276,6 +306,10 @@ impl VirtualCell {
             id,
         };
         if is_gripper {
+            let moving = self.motions[arm].as_ref();
+            if moving.is_some_and(|goal| goal.client != client) {
+                return Err(format!("{} is led by another client", known.name));
+            }
             let taken = opening(body).and_then(|opening| self.cell.grip(arm, opening));
             if let Err(words) = taken {
                 self.end(
