@@ -43,7 +43,7 @@
 //! cell           ──> robot, vision, scenario, figure
 //! vision         ──> figure
 //! robot, scenario ──> mesh
-//! mesh, results, figure ──> finite
+//! mesh, results, figure ──> finite, input
 //! ```
 //!
 //! | room | what lives there |
@@ -69,6 +69,7 @@
 //! | [`figure`] | pictures of plain curves and rows |
 //! | [`mesh`] | triangle meshes in files: STL, OBJ |
 //! | [`finite`] | the gate for numbers in files |
+//! | [`input`] | the gate for files: their size, the depth of XML |
 //! | [`vision`] | images → centrelines in pixels and metres, cameras, scores |
 //!
 //! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and
@@ -89,6 +90,7 @@ pub mod experiment;
 pub mod figure;
 pub mod finite;
 pub mod guide;
+pub mod input;
 pub mod knot;
 pub mod learn;
 pub mod linalg;

@@ -4,11 +4,13 @@ use super::resolved::Arm;
 use super::resolver::Resolver;
 use super::typed::{self, FixedJoint, MovingJoint, OneOrMany};
 use crate::robot::{
-    Body, Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Pose, Segment, Shape, read_urdf,
+    Body, Chain, Follower, Joint, JointKind, Limits, MOST_JOINTS, Motion, Pose, Segment, Shape,
+    read_urdf,
 };
 use crate::scenario::dimension::Dimension;
 use crate::scenario::{Issue, KeyPath, Quantity, did_you_mean};
 use nalgebra::{UnitVector3, Vector3};
+use std::collections::BTreeSet;
 
 /// Resolves an arm; `None` where there is no chain to speak of.
 pub(super) fn resolve_arm(
@@ -59,6 +61,9 @@ pub(super) fn resolve_arm(
         }
     };
     limits(resolver, path, typed, &mut chain);
+    if let Err(message) = chain.apply_followers() {
+        resolver.fault(path, message);
+    }
     if let Some(tool) = &typed.tool {
         chain.tool = resolver.pose(
             &path.key("tool"),
@@ -104,11 +109,24 @@ fn chain_of_joints(
     let mut chain = Chain {
         joints: Vec::new(),
         segments: Vec::new(),
+        followers: Vec::new(),
         tool: Pose::identity(),
     };
+    let mut names = BTreeSet::new();
     // Mimicked joints may stand behind those that mimic them.
     for (k, joint) in typed.iter().enumerate() {
         let path = path.key("joints").index(k);
+        let name = match joint {
+            typed::Joint::Revolute(joint) => &joint.name,
+            typed::Joint::Prismatic(joint) => &joint.name,
+            typed::Joint::Fixed(joint) => &joint.name,
+        };
+        if !names.insert(name) {
+            resolver.fault(
+                &path.key("name"),
+                format!("another joint is called {name:?}"),
+            );
+        }
         let own = match joint {
             typed::Joint::Revolute(joint) => own_joint(resolver, &path, JointKind::Revolute, joint),
             typed::Joint::Prismatic(joint) => {
@@ -117,12 +135,6 @@ fn chain_of_joints(
             typed::Joint::Fixed(_) => None,
         };
         if let Some(joint) = own {
-            if chain.joints.iter().any(|other| other.name == joint.name) {
-                resolver.fault(
-                    &path.key("name"),
-                    format!("another joint is called {:?}", joint.name),
-                );
-            }
             chain.joints.push(joint);
         }
     }
@@ -144,10 +156,10 @@ fn chain_of_joints(
         let path = path.key("joints").index(k);
         let segment = match joint {
             typed::Joint::Revolute(joint) => {
-                moving(resolver, &path, JointKind::Revolute, joint, &chain)
+                moving(resolver, &path, JointKind::Revolute, joint, &mut chain)
             }
             typed::Joint::Prismatic(joint) => {
-                moving(resolver, &path, JointKind::Prismatic, joint, &chain)
+                moving(resolver, &path, JointKind::Prismatic, joint, &mut chain)
             }
             typed::Joint::Fixed(joint) => fixed(resolver, &path, joint),
         };
@@ -168,6 +180,25 @@ fn own_joint<P: Dimension, V: Dimension>(
     if joint.mimic.is_some() {
         return None;
     }
+    let limits = limits_of(resolver, path, kind, joint);
+    let Limits { lower, upper, .. } = limits;
+    if kind == JointKind::Prismatic && !(lower.is_finite() && upper.is_finite()) {
+        resolver.fault(path, "a prismatic joint needs `lower` and `upper`");
+    }
+    Some(Joint {
+        name: joint.name.clone(),
+        kind,
+        limits,
+    })
+}
+
+/// Limits of a joint; infinite where it has none.
+fn limits_of<P: Dimension, V: Dimension>(
+    resolver: &Resolver<'_>,
+    path: &KeyPath,
+    kind: JointKind,
+    joint: &MovingJoint<P, V>,
+) -> Limits {
     let end = |key: &str, end: &Option<Quantity<P>>, otherwise: f64| {
         let end = end.as_ref();
         end.map_or(otherwise, |end| resolver.si(&path.key(key), end))
@@ -181,9 +212,6 @@ fn own_joint<P: Dimension, V: Dimension>(
             format!("{lower} {unit} must be below `upper`, {upper} {unit}"),
         );
     }
-    if kind == JointKind::Prismatic && !(lower.is_finite() && upper.is_finite()) {
-        resolver.fault(path, "a prismatic joint needs `lower` and `upper`");
-    }
     let velocity = joint.velocity.as_ref().map_or(f64::INFINITY, |velocity| {
         let key = path.key("velocity");
         resolver.positive(&key, resolver.si(&key, velocity))
@@ -193,28 +221,26 @@ fn own_joint<P: Dimension, V: Dimension>(
             resolver.positive(&path.key(key), bound)
         })
     };
-    Some(Joint {
-        name: joint.name.clone(),
-        kind,
-        limits: Limits {
-            lower,
-            upper,
-            velocity,
-            acceleration: bound("acceleration", joint.acceleration),
-            jerk: bound("jerk", joint.jerk),
-        },
-    })
+    Limits {
+        lower,
+        upper,
+        velocity,
+        acceleration: bound("acceleration", joint.acceleration),
+        jerk: bound("jerk", joint.jerk),
+    }
 }
 
-fn moving<P, V>(
+fn moving<P: Dimension, V: Dimension>(
     resolver: &Resolver<'_>,
     path: &KeyPath,
     kind: JointKind,
     joint: &MovingJoint<P, V>,
-    chain: &Chain,
+    chain: &mut Chain,
 ) -> Segment {
     let axis = Vector3::from(joint.axis.unwrap_or([0.0, 0.0, 1.0]));
-    let axis = UnitVector3::try_new(axis, 1e-9).unwrap_or_else(|| {
+    let has_direction = axis.norm().is_finite();
+    let axis = UnitVector3::try_new(axis, 1e-9).filter(|_| has_direction);
+    let axis = axis.unwrap_or_else(|| {
         resolver.fault(&path.key("axis"), "the axis must have a direction");
         Vector3::z_axis()
     });
@@ -239,6 +265,21 @@ fn moving<P, V>(
         );
         0
     });
+    if joint.mimic.is_some() {
+        let limits = limits_of(resolver, path, kind, joint);
+        for (key, number) in [("multiplier", ratio), ("offset", offset)] {
+            if !number.is_finite() {
+                resolver.fault(&path.key("mimic").key(key), "a finite number is needed");
+            }
+        }
+        chain.followers.push(Follower {
+            name: joint.name.clone(),
+            joint: index,
+            ratio,
+            offset,
+            limits,
+        });
+    }
     Segment {
         link: joint.link.clone().unwrap_or_else(|| joint.name.clone()),
         origin: resolver.pose(

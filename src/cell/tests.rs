@@ -37,6 +37,35 @@ size = [1, 1, "4 cm"]
 "#;
 
 #[test]
+fn limits_of_mimic_joints_bound_the_joint_they_follow() {
+    let with = |follower: &str| {
+        let joints = format!("lower = \"-90 deg\", upper = 2.0 }}, {{ {follower} }}]");
+        read(&ONE_JOINT.replace("lower = \"-90 deg\", upper = 2.0 }]", &joints))
+    };
+    let mimic = "mimic = { joint = \"a\", multiplier = 2.0, offset = 0.5 }";
+    let follower = format!(
+        "kind = \"revolute\", name = \"b\", {mimic}, lower = -0.5, upper = 1.5, velocity = 1.0"
+    );
+    let limits = with(&follower).unwrap().arms[0].chain.joints[0].limits;
+    assert_eq!((limits.lower, limits.upper), (-0.5, 0.5));
+    // Half of its own, although the arm gives 1 rad/s for all joints.
+    assert_eq!(limits.velocity, 0.5);
+    for (good, bad, expected) in [
+        ("offset = 0.5", "offset = 90.0", "which it mimics, no range"),
+        ("lower = -0.5", "lower = 2.0", "must be below `upper`"),
+        ("offset = 0.5", "offset = nan", "finite"),
+        ("multiplier = 2.0", "multiplier = inf", "finite"),
+        ("velocity = 1.0", "velocity = -1.0", "above 0"),
+        ("name = \"b\"", "name = \"a\"", "another joint is called"),
+        ("name = \"b\"", "name = \"b\", axis = [0, 0, inf]", "axis"),
+    ] {
+        let text = follower.replace(good, bad);
+        let error = with(&text).unwrap_err();
+        assert!(error.contains(expected), "{bad}: {error}");
+    }
+}
+
+#[test]
 fn the_sawyer_stands_where_the_samples_of_three_libraries_say() {
     let path = repository().join("../shared/facts/sawyer_fk_samples.csv");
     let Ok(mut samples) = csv::Reader::from_path(&path) else {

@@ -13,6 +13,8 @@ pub struct Chain {
     pub joints: Vec<Joint>,
     /// The links beyond the base, each with the joint that carries it.
     pub segments: Vec<Segment>,
+    /// The joints that mimic those that move on their own.
+    pub followers: Vec<Follower>,
     /// Pose of the hand in the frame of the last link.
     pub tool: Pose,
 }
@@ -83,6 +85,55 @@ impl Limits {
     /// Whether a position is allowed, but for round-off.
     pub fn allow(&self, position: f64) -> bool {
         (self.lower - 1e-9..=self.upper + 1e-9).contains(&position)
+    }
+}
+
+/// A joint that mimics another, with its own limits.
+#[derive(Clone, Debug)]
+pub struct Follower {
+    /// Its name.
+    pub name: String,
+    /// Index of the joint that it follows.
+    pub joint: usize,
+    /// Its motion per motion of that joint.
+    pub ratio: f64,
+    /// Its position where that joint is at zero.
+    pub offset: f64,
+    /// Its limits.
+    pub limits: Limits,
+}
+
+impl Follower {
+    /// Narrows the limits of the joint that it follows to those that keep its own.
+    ///
+    /// # Errors
+    /// In words, if no position of that joint does.
+    fn narrow(&self, leader: &mut Joint) -> Result<(), String> {
+        let of_leader = |position: f64| (position - self.offset) / self.ratio;
+        let limits = &mut leader.limits;
+        let is_reachable = if self.ratio == 0.0 {
+            self.limits.allow(self.offset)
+        } else {
+            let ends = [self.limits.lower, self.limits.upper].map(of_leader);
+            limits.lower = limits.lower.max(ends[0].min(ends[1]));
+            limits.upper = limits.upper.min(ends[0].max(ends[1]));
+            limits.lower < limits.upper
+        };
+        if !is_reachable {
+            return Err(format!(
+                "joint `{}`: its limits, {} to {}, leave joint `{}`, which it mimics, no range",
+                self.name, self.limits.lower, self.limits.upper, leader.name
+            ));
+        }
+        let per_motion = self.ratio.abs();
+        if per_motion > 0.0 {
+            limits.velocity = limits.velocity.min(self.limits.velocity / per_motion);
+            limits.acceleration = limits
+                .acceleration
+                .min(self.limits.acceleration / per_motion);
+            limits.jerk = limits.jerk.min(self.limits.jerk / per_motion);
+        }
+        Ok(())
     }
 }
 
@@ -168,6 +219,22 @@ impl Segment {
 }
 
 impl Chain {
+    /// Narrows the limits of joints to those that keep the limits of the joints that mimic them.
+    ///
+    /// # Errors
+    /// In words, if that leaves a joint no range.
+    pub fn apply_followers(&mut self) -> Result<(), String> {
+        let Self {
+            joints, followers, ..
+        } = self;
+        followers
+            .iter()
+            .try_for_each(|follower| match joints.get_mut(follower.joint) {
+                Some(leader) => follower.narrow(leader),
+                None => Ok(()),
+            })
+    }
+
     /// The middle of every joint's range; zero where that is without end.
     pub fn middle(&self) -> Vec<f64> {
         self.joints

@@ -1,7 +1,11 @@
 //! Collision meshes from STL files.
 
+use crate::input;
 use crate::mesh::stl_corners;
 use std::path::{Path, PathBuf};
+
+/// Largest mesh, bytes.
+const LARGEST: u64 = 256 << 20;
 
 /// The file that a URDF means by a name: a path from the folder of the URDF, `file://` and a path, or `package://`, a
 /// package and a path in it. A package is looked for in the folder of the URDF and in all above it; `None` where it is
@@ -36,7 +40,8 @@ pub(super) fn locate(name: &str, directory: &Path) -> Result<Option<PathBuf>, St
 /// In words, if it cannot be read or is no STL file.
 pub(super) fn read_stl(path: &Path) -> Result<Vec<[f64; 3]>, String> {
     let fault = |what: String| format!("its mesh {} {what}", path.display());
-    let bytes = std::fs::read(path).map_err(|error| fault(format!("cannot be read: {error}")))?;
+    let bytes = input::read(path, LARGEST);
+    let bytes = bytes.map_err(|reason| fault(format!("cannot be read: {reason}")))?;
     stl_corners(&bytes).map_err(fault)
 }
 

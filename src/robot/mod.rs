@@ -34,7 +34,7 @@ mod trajectory;
 mod urdf;
 
 pub use body::{Body, Hull, Shape};
-pub use chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
+pub use chain::{Chain, Follower, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
 pub use collision::{Approach, FAR, Member, StandingBox, Surroundings};
 pub use driver::{
     Bag, BagError, BagPicture, CameraError, CameraPicture, Driver, DriverError, FileDriver,

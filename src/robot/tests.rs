@@ -36,6 +36,7 @@ fn chain(joints: Vec<(Joint, Pose)>, tool: Pose) -> Chain {
         });
     Chain {
         segments: segments.collect(),
+        followers: Vec::new(),
         joints: joints.into_iter().map(|(joint, _)| joint).collect(),
         tool,
     }
@@ -312,10 +313,46 @@ fn faulty_urdfs_are_refused_with_the_name_of_what_is_wrong() {
         (
             r#"<cylinder radius="0.04""#,
             r#"<cylinder radius="NaN""#,
-            "its collision shape: a size",
+            "its collision shape: its `radius` NaN is not allowed",
         ),
         (r#"type="prismatic""#, r#"type="floating""#, "joint `c`"),
         ("</robot>", "", "not a URDF"),
+        (
+            r#"radius="0.04""#,
+            r#"radius="-0.04""#,
+            "link `upper`: its collision shape: its `radius` -0.04 is not allowed; allowed: above 0",
+        ),
+        (r#"length="0.4""#, r#"length="0""#, "`length` 0"),
+        (
+            r#"<cylinder radius="0.04" length="0.4"/>"#,
+            r#"<box size="0.1 -0.1 0.1"/>"#,
+            "`size` -0.1",
+        ),
+        (
+            r#"<cylinder radius="0.04" length="0.4"/>"#,
+            r#"<mesh filename="t.stl" scale="1 0 1"/>"#,
+            "`scale` 0",
+        ),
+        (
+            r#"velocity="0.5""#,
+            r#"velocity="-0.5""#,
+            "`velocity` of its limit is -0.5",
+        ),
+        (
+            r#"<joint name="c""#,
+            r#"<joint name="b""#,
+            "joint `b` is in the file twice",
+        ),
+        (
+            r#"<link name="slide"/>"#,
+            r#"<link name="slide"/><link name="base"/>"#,
+            "link `base` is in the file twice",
+        ),
+        (
+            r#"lower="-9" upper="9""#,
+            r#"lower="2" upper="3""#,
+            "joint `m`: its limits, 2 to 3, leave joint `b`, which it mimics, no range",
+        ),
     ];
     for (good, bad, expected) in cases {
         assert!(TWO_LINKS.contains(good));
@@ -325,6 +362,37 @@ fn faulty_urdfs_are_refused_with_the_name_of_what_is_wrong() {
             "{error}"
         );
     }
+}
+
+#[test]
+fn limits_of_mimic_joints_narrow_those_of_the_joint_they_follow() {
+    // The follower is at 0.5 − b: between −0.5 and 1 where b is between −0.5 and 1.
+    let narrow = r#"lower="-0.5" upper="1" effort="1" velocity="1""#;
+    let text = TWO_LINKS.replace(r#"lower="-9" upper="9" effort="1" velocity="3""#, narrow);
+    let text = text.replace(r#"multiplier="-1""#, r#"multiplier="-2""#);
+    let limits = urdf(&text).unwrap().chain.joints[1].limits;
+    assert_eq!((limits.lower, limits.upper), (-0.25, 0.5));
+    assert_eq!(limits.velocity, 0.5);
+}
+
+#[test]
+fn nested_and_large_urdfs_are_refused_at_once() {
+    let deep = TWO_LINKS.replace(
+        "</robot>",
+        &format!("{}{}</robot>", "<b>".repeat(20_000), "</b>".repeat(20_000)),
+    );
+    let error = urdf(&deep).unwrap_err().to_string();
+    assert!(error.contains("nested more than 100 levels"), "{error}");
+    let links: String = (0..1000)
+        .map(|k| format!("<link name=\"more{k}\"/>"))
+        .collect();
+    let error = urdf(&TWO_LINKS.replace("</robot>", &format!("{links}</robot>")))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("1005 links; allowed: at most 1000"),
+        "{error}"
+    );
 }
 
 /// A tetrahedron with one corner at the origin and one a unit along each axis, as an STL file.

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Largest table, bytes; what is longer is cut off there, so that an endless one is refused.
+/// Largest table, bytes; a pipe that never ends is read no further.
 const LARGEST: u64 = 256 << 20;
 
 /// A joint trajectory of arms and axes on one clock.
@@ -71,7 +71,7 @@ pub fn read_table(path: &Path) -> Result<Table, TableError> {
     let file = File::open(path).map_err(|error| fault(None, error.to_string()))?;
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
-        .from_reader(file.take(LARGEST));
+        .from_reader(file.take(LARGEST + 1));
     let header: Vec<String> = reader
         .headers()
         .map_err(of_csv)?
@@ -94,6 +94,13 @@ pub fn read_table(path: &Path) -> Result<Table, TableError> {
             .collect();
         rows.push(row?);
         lines.push(line.unwrap_or(0));
+    }
+    if reader.position().byte() > LARGEST {
+        let message = format!(
+            "it is larger than {} MiB; allowed: at most that",
+            LARGEST >> 20
+        );
+        return Err(fault(None, message));
     }
     Ok(Table {
         header,

@@ -1,7 +1,6 @@
 //! Files that scenarios are made of: regular ones, of a bounded size.
 
-use std::fs::{self, File};
-use std::io::Read;
+use crate::input;
 use std::path::Path;
 
 /// Largest scenario file, bytes: as a tree it takes some hundred times as much memory.
@@ -9,35 +8,13 @@ pub const LARGEST_TEXT: u64 = 16 << 20;
 /// Largest CSV file, bytes.
 pub const LARGEST_TABLE: u64 = 256 << 20;
 
-/// Reads a regular file of at most `largest` bytes. Pipes, which may never end or never begin, and devices are refused
-/// before they are opened.
+/// Reads a regular file of at most `largest` bytes.
 ///
 /// # Errors
 /// A message that names the file.
 pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
-    let place = path.display();
-    let unreadable = |error| format!("{place} cannot be read: {error}");
-    let about = fs::metadata(path).map_err(unreadable)?;
-    if about.is_dir() {
-        return Err(format!("{place} cannot be read: it is a directory"));
-    }
-    if !about.is_file() {
-        return Err(format!(
-            "{place} cannot be read: it is a pipe or a device; allowed: regular files"
-        ));
-    }
-    let mut bytes = Vec::new();
-    // Some files of the system say that they are empty, and are not.
-    let file = File::open(path).map_err(unreadable)?;
-    let read = file.take(largest + 1).read_to_end(&mut bytes);
-    read.map_err(unreadable)?;
-    if bytes.len() as u64 > largest {
-        return Err(format!(
-            "{place} cannot be read: it is larger than {} MiB; allowed: at most that",
-            largest >> 20
-        ));
-    }
-    Ok(bytes)
+    let named = |reason| format!("{} cannot be read: {reason}", path.display());
+    input::read(path, largest).map_err(named)
 }
 
 /// Reads a text file of the size that scenarios may have.
@@ -51,6 +28,7 @@ pub fn read_text_file(path: &Path) -> Result<Vec<u8>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn files_up_to_the_stated_size_are_read() {

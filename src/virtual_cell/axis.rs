@@ -33,6 +33,7 @@ pub fn as_arm(axis: &Axis) -> Arm {
                     offset: 0.0,
                 },
             }],
+            followers: Vec::new(),
             tool: Pose::identity(),
         },
         base: Pose::identity(),

@@ -1,8 +1,7 @@
 //! Files of a bounded size.
 
 use super::VisionError;
-use std::fs::{self, File};
-use std::io::Read;
+use crate::input;
 use std::path::Path;
 
 /// Largest text file, bytes.
@@ -13,29 +12,10 @@ const LARGEST_TEXT: u64 = 256 << 20;
 /// # Errors
 /// [`VisionError::Unreadable`].
 pub fn read_file(path: &Path, largest: u64) -> Result<Vec<u8>, VisionError> {
-    let unreadable = |reason: String| VisionError::Unreadable {
+    input::read(path, largest).map_err(|reason| VisionError::Unreadable {
         path: path.into(),
         reason,
-    };
-    let failed = |error: std::io::Error| unreadable(error.to_string());
-    let about = fs::metadata(path).map_err(failed)?;
-    if about.is_dir() {
-        return Err(unreadable("it is a folder".into()));
-    }
-    if !about.is_file() {
-        return Err(unreadable(
-            "it is a pipe or a device; allowed: regular files".into(),
-        ));
-    }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(failed)?;
-    let read = file.take(largest + 1).read_to_end(&mut bytes);
-    read.map_err(failed)?;
-    if bytes.len() as u64 > largest {
-        let reason = format!("it is larger than {} MiB, the most", largest >> 20);
-        return Err(unreadable(reason));
-    }
-    Ok(bytes)
+    })
 }
 
 /// Reads a text of at most 256 MiB.
@@ -52,6 +32,7 @@ pub fn read_text(path: &Path) -> Result<String, VisionError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     #[cfg(unix)]

@@ -1,13 +1,17 @@
 //! XML-RPC over HTTP, as ROS 1 masters and nodes speak it.
 
+use crate::input;
+use roxmltree::{Document, ParsingOptions};
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// Longest wait for an answer.
+/// Longest wait for a whole message.
 const PATIENCE: Duration = Duration::from_millis(1500);
 /// Longest message, bytes.
-const LONGEST: usize = 16 << 20;
+const LONGEST: usize = 1 << 20;
+/// Most nodes of a message: elements and texts.
+const MOST_NODES: u32 = 100_000;
 
 /// A value of a call or an answer.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,7 +105,6 @@ pub fn call(uri: &str, method: &str, parameters: &[Value]) -> io::Result<Value> 
         .next()
         .ok_or_else(|| broken("the host has no address"))?;
     let mut stream = TcpStream::connect_timeout(&address, PATIENCE)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
     let parameters: String = parameters
         .iter()
         .map(|value| format!("<param>{}</param>", value.to_xml()))
@@ -114,8 +117,8 @@ pub fn call(uri: &str, method: &str, parameters: &[Value]) -> io::Result<Value> 
         "POST /RPC2 HTTP/1.0\r\nHost: {authority}\r\nContent-Type: text/xml\r\nContent-Length: {}\r\n\r\n{body}",
         body.len()
     )?;
-    let text = read_body(&mut BufReader::new(stream))?;
-    let document = roxmltree::Document::parse(&text).map_err(|_| broken("the answer is no XML"))?;
+    let text = read_body(&mut BufReader::new(Timely::new(&stream)))?;
+    let document = parse(&text).map_err(|reason| broken(&format!("the answer: {reason}")))?;
     let value = document
         .descendants()
         .find(|node| node.has_tag_name("value"));
@@ -142,10 +145,12 @@ pub struct Call {
 /// # Errors
 /// If it is no XML-RPC, or does not come in time.
 pub fn read_call(stream: &TcpStream) -> io::Result<Call> {
-    stream.set_read_timeout(Some(PATIENCE))?;
-    let text = read_body(&mut BufReader::new(stream))?;
-    let broken = |_| io::Error::new(io::ErrorKind::InvalidData, "a call that is no XML");
-    let document = roxmltree::Document::parse(&text).map_err(broken)?;
+    let text = read_body(&mut BufReader::new(Timely::new(stream)))?;
+    let document = parse(&text).map_err(|reason| invalid(&format!("a call: {reason}")))?;
+    Ok(call_in(&document))
+}
+
+fn call_in(document: &Document<'_>) -> Call {
     let method = document
         .descendants()
         .find(|node| node.has_tag_name("methodName"));
@@ -153,14 +158,65 @@ pub fn read_call(stream: &TcpStream) -> io::Result<Call> {
         .descendants()
         .filter(|node| node.has_tag_name("param"))
         .filter_map(|param| param.children().find(|child| child.has_tag_name("value")));
-    Ok(Call {
+    Call {
         method: method
             .and_then(|node| node.text())
             .unwrap_or_default()
             .trim()
             .to_owned(),
         parameters: parameters.map(Value::from_xml).collect(),
-    })
+    }
+}
+
+/// Reads the text of a call, as [`read_call`] reads it from a caller.
+///
+/// # Errors
+/// The reason, if it is not XML, or too deep or too long.
+pub fn call_of_text(text: &str) -> Result<Call, String> {
+    parse(text).map(|document| call_in(&document))
+}
+
+/// The document of a message: [`Value::from_xml`] recurses, so its depth is bounded before.
+fn parse(text: &str) -> Result<Document<'_>, String> {
+    if text.len() > LONGEST {
+        return Err(format!("longer than {LONGEST} bytes"));
+    }
+    input::check_nesting(text)?;
+    let options = ParsingOptions {
+        nodes_limit: MOST_NODES,
+        ..ParsingOptions::default()
+    };
+    Document::parse_with_options(text, options).map_err(|error| format!("not XML: {error}"))
+}
+
+fn invalid(what: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what.to_owned())
+}
+
+/// A connection whose whole message must arrive within [`PATIENCE`], however small its parts.
+struct Timely<'a> {
+    stream: &'a TcpStream,
+    end: Instant,
+}
+
+impl<'a> Timely<'a> {
+    fn new(stream: &'a TcpStream) -> Self {
+        Self {
+            stream,
+            end: Instant::now() + PATIENCE,
+        }
+    }
+}
+
+impl Read for Timely<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let left = self.end.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        self.stream.set_read_timeout(Some(left))?;
+        self.stream.read(buffer)
+    }
 }
 
 /// Answers a call well.
@@ -191,10 +247,7 @@ fn read_body(reader: &mut impl BufRead) -> io::Result<String> {
             break;
         }
         if total > 1 << 16 {
-            return Err(io::Error::new(
-                io::ErrorKind::InvalidData,
-                "an endless header",
-            ));
+            return Err(invalid("an endless header"));
         }
         if let Some((name, value)) = line.split_once(':')
             && name.eq_ignore_ascii_case("content-length")
@@ -202,11 +255,13 @@ fn read_body(reader: &mut impl BufRead) -> io::Result<String> {
             length = value.trim().parse::<usize>().ok();
         }
     }
+    if length.is_some_and(|length| length > LONGEST) {
+        return Err(invalid(&format!("longer than {LONGEST} bytes")));
+    }
     let mut body = Vec::new();
-    let limit = length.unwrap_or(LONGEST).min(LONGEST);
+    let limit = length.unwrap_or(LONGEST);
     reader.take(limit as u64).read_to_end(&mut body)?;
-    String::from_utf8(body)
-        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "text that is no UTF-8"))
+    String::from_utf8(body).map_err(|_| invalid("text that is no UTF-8"))
 }
 
 #[cfg(test)]
@@ -225,6 +280,20 @@ mod tests {
         assert_eq!(Value::from_xml(document.root_element()), value);
         let bare = roxmltree::Document::parse("<value>bare</value>").unwrap();
         assert_eq!(Value::from_xml(bare.root_element()), Value::text("bare"));
+    }
+
+    #[test]
+    fn nested_and_long_messages_are_refused() {
+        let nested = |depth: usize| {
+            let (open, close) = ("<value><array><data>", "</data></array></value>");
+            let values = format!("{}{}", open.repeat(depth), close.repeat(depth));
+            format!("<methodCall><params><param>{values}</param></params></methodCall>")
+        };
+        assert_eq!(call_of_text(&nested(30)).unwrap().parameters.len(), 1);
+        let refused = |text: &str| call_of_text(text).err().unwrap();
+        assert!(refused(&nested(10_000)).contains("nested more than 100 levels"));
+        assert!(refused(&" ".repeat(LONGEST + 1)).contains("longer than"));
+        assert!(refused(&format!("<a>{}</a>", "<b/>".repeat(200_000))).contains("not XML"));
     }
 
     #[test]

@@ -1,18 +1,20 @@
 //! Kinematic chains from URDF files.
 
-use super::body::{Body, Shape};
-use super::chain::{Chain, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
-use super::mesh::{locate, read_stl};
-use super::pose::{Pose, pose_of_angles};
-use crate::finite::{self, NotFinite};
+use crate::input;
+use crate::robot::body::{Body, Shape};
+use crate::robot::chain::{
+    Chain, Follower, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment,
+};
+use crate::robot::mesh::{locate, read_stl};
+use crate::robot::pose::{Pose, pose_of_angles};
 use nalgebra::{UnitVector3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use urdf_rs::{Geometry, JointType, Robot};
 
-/// Largest file, bytes; what is longer is cut off there, so that an endless one is refused.
+mod check;
+
+/// Largest file, bytes.
 const LARGEST: u64 = 16 << 20;
 
 /// What is wrong with a URDF file.
@@ -52,23 +54,17 @@ pub struct UrdfArm {
 /// children, where they are not given).
 ///
 /// # Errors
-/// If the file cannot be read, has a loop, misses a link or a mesh, has limits the wrong way round, or more than twelve
-/// joints in the chain.
+/// If the file cannot be read, is nested too deep or has too many links, joints or shapes; if a name is used twice, a number is
+/// not finite or a size not positive; if it has a loop, misses a link or a mesh, has limits the wrong way round, or more
+/// than twelve joints in the chain.
 pub fn read_urdf(path: &Path, base: Option<&str>, tip: Option<&str>) -> Result<UrdfArm, UrdfError> {
-    let mut text = String::new();
-    let read = File::open(path).and_then(|file| file.take(LARGEST).read_to_string(&mut text));
-    read.map_err(|error| UrdfError::Unreadable {
+    let unreadable = |reason: String| UrdfError::Unreadable {
         path: path.to_owned(),
-        reason: format!("cannot be read: {error}"),
-    })?;
-    let robot = urdf_rs::read_from_string(&text).map_err(|error| UrdfError::Unreadable {
-        path: path.to_owned(),
-        reason: format!("not a URDF file: {error}"),
-    })?;
-    all_finite(&robot).map_err(|error| UrdfError::Unreadable {
-        path: path.to_owned(),
-        reason: error.to_string(),
-    })?;
+        reason,
+    };
+    let text = input::read_text(path, LARGEST)
+        .map_err(|reason| unreadable(format!("cannot be read: {reason}")))?;
+    let robot = robot(&text).map_err(unreadable)?;
     arm(&robot, base, tip, path.parent().unwrap_or(Path::new(""))).map_err(|reason| {
         UrdfError::Chain {
             path: path.to_owned(),
@@ -77,52 +73,13 @@ pub fn read_urdf(path: &Path, base: Option<&str>, tip: Option<&str>) -> Result<U
     })
 }
 
-/// Whether all numbers are finite that say where links are, how joints move and what may touch. Limits may be infinite, not NaN.
-fn all_finite(robot: &Robot) -> Result<(), NotFinite> {
-    let named = |what: String, numbers: &[f64]| finite::check(numbers, |_| what.clone());
-    let origin = |what: &str, pose: &urdf_rs::Pose| {
-        named(format!("{what}: `xyz` of its origin"), &pose.xyz.0)?;
-        named(format!("{what}: `rpy` of its origin"), &pose.rpy.0)
-    };
-    for joint in &robot.joints {
-        let what = format!("joint `{}`", joint.name);
-        origin(&what, &joint.origin)?;
-        named(format!("{what}: `xyz` of its axis"), &joint.axis.xyz.0)?;
-        let limit = &joint.limit;
-        let limits = [
-            ("lower", limit.lower),
-            ("upper", limit.upper),
-            ("velocity", limit.velocity),
-            ("acceleration", limit.acceleration),
-            ("jerk", limit.jerk),
-        ];
-        if let Some((name, _)) = limits.iter().find(|(_, value)| value.is_nan()) {
-            return Err(NotFinite {
-                what: format!("{what}: `{name}` of its limit"),
-            });
-        }
-        if let Some(mimic) = &joint.mimic {
-            let numbers = [mimic.multiplier, mimic.offset].map(|number| number.unwrap_or(0.0));
-            let words = format!("{what}: `multiplier` or `offset` of its mimic");
-            named(words, &numbers)?;
-        }
-    }
-    for link in &robot.links {
-        let what = format!("link `{}`: its collision shape", link.name);
-        for collision in &link.collision {
-            origin(&what, &collision.origin)?;
-            let numbers = match &collision.geometry {
-                Geometry::Box { size } => size.0.to_vec(),
-                Geometry::Sphere { radius } => vec![*radius],
-                Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
-                    vec![*radius, *length]
-                }
-                Geometry::Mesh { scale, .. } => scale.map_or(Vec::new(), |scale| scale.0.to_vec()),
-            };
-            named(format!("{what}: a size"), &numbers)?;
-        }
-    }
-    Ok(())
+/// The robot of a text whose names are unique and whose numbers are usable.
+fn robot(text: &str) -> Result<Robot, String> {
+    input::check_nesting(text)?;
+    let robot =
+        urdf_rs::read_from_string(text).map_err(|error| format!("not a URDF file: {error}"))?;
+    check::check(&robot)?;
+    Ok(robot)
 }
 
 fn arm(
@@ -248,11 +205,35 @@ fn chain(robot: &Robot, path: &[&urdf_rs::Joint]) -> Result<Chain, String> {
             })
         })
         .collect::<Result<Vec<Segment>, String>>()?;
-    Ok(Chain {
+    let mut chain = Chain {
         joints,
+        followers: followers(path, &segments),
         segments,
         tool: Pose::identity(),
-    })
+    };
+    chain.apply_followers()?;
+    Ok(chain)
+}
+
+/// The joints that mimic others, with their own limits.
+fn followers(path: &[&urdf_rs::Joint], segments: &[Segment]) -> Vec<Follower> {
+    let pairs = path.iter().zip(segments);
+    let followers = pairs.filter_map(|(joint, segment)| match segment.motion {
+        Motion::Driven {
+            joint: leader,
+            ratio,
+            offset,
+            ..
+        } if joint.mimic.is_some() => Some(Follower {
+            name: joint.name.clone(),
+            joint: leader,
+            ratio,
+            offset,
+            limits: follower_limits(joint),
+        }),
+        _ => None,
+    });
+    followers.collect()
 }
 
 fn driven(
@@ -314,18 +295,34 @@ fn own_joint(joint: &urdf_rs::Joint) -> Result<Joint, String> {
             joint.name
         ));
     }
-    let positive = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
     Ok(Joint {
         name: joint.name.clone(),
         kind: kind(joint).unwrap_or(JointKind::Revolute),
-        limits: Limits {
-            lower,
-            upper,
-            velocity: positive(limit.velocity),
-            acceleration: positive(limit.acceleration),
-            jerk: positive(limit.jerk),
-        },
+        limits: limits_between(lower, upper, limit),
     })
+}
+
+fn limits_between(lower: f64, upper: f64, limit: &urdf_rs::JointLimit) -> Limits {
+    let positive = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
+    Limits {
+        lower,
+        upper,
+        velocity: positive(limit.velocity),
+        acceleration: positive(limit.acceleration),
+        jerk: positive(limit.jerk),
+    }
+}
+
+/// Limits of a joint that mimics another. A range from 0 to 0 is that of a `<limit>` without a range.
+fn follower_limits(joint: &urdf_rs::Joint) -> Limits {
+    let limit = &joint.limit;
+    let is_endless = joint.joint_type == JointType::Continuous;
+    let (lower, upper) = if is_endless || (limit.lower == 0.0 && limit.upper == 0.0) {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    } else {
+        (limit.lower, limit.upper)
+    };
+    limits_between(lower, upper, limit)
 }
 
 fn pose_of(origin: &urdf_rs::Pose) -> Pose {

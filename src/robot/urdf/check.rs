@@ -1,0 +1,145 @@
+//! The gate for robots from URDF files: unique names, usable numbers, a bounded number of parts.
+
+use crate::finite::{self, NotFinite};
+use std::collections::BTreeSet;
+use urdf_rs::{Geometry, Robot};
+
+/// Most links, joints and collision shapes of a file, each.
+const MOST: usize = 1000;
+/// Largest length, m: squares of larger ones lose the distances between them.
+const LARGEST_LENGTH: f64 = 1e6;
+
+/// Checks a robot as it was parsed.
+///
+/// # Errors
+/// In words, the first fault.
+pub(super) fn check(robot: &Robot) -> Result<(), String> {
+    let shapes = robot.links.iter().map(|link| link.collision.len()).sum();
+    for (what, count) in [
+        ("links", robot.links.len()),
+        ("joints", robot.joints.len()),
+        ("collision shapes", shapes),
+    ] {
+        if count > MOST {
+            return Err(format!("it has {count} {what}; allowed: at most {MOST}"));
+        }
+    }
+    unique("link", robot.links.iter().map(|link| link.name.as_str()))?;
+    unique(
+        "joint",
+        robot.joints.iter().map(|joint| joint.name.as_str()),
+    )?;
+    robot.joints.iter().try_for_each(joint)?;
+    robot.links.iter().try_for_each(link)
+}
+
+fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(), String> {
+    let mut known = BTreeSet::new();
+    for name in names {
+        if !known.insert(name) {
+            return Err(format!(
+                "{what} `{name}` is in the file twice; names must be unique"
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn joint(joint: &urdf_rs::Joint) -> Result<(), String> {
+    let what = format!("joint `{}`", joint.name);
+    origin(&what, &joint.origin)?;
+    finite(&format!("{what}: `xyz` of its axis"), &joint.axis.xyz.0)?;
+    let limit = &joint.limit;
+    // Limits may be infinite.
+    for (name, value) in [("lower", limit.lower), ("upper", limit.upper)] {
+        if value.is_nan() {
+            return Err(format!("{what}: `{name}` of its limit is not a number"));
+        }
+    }
+    // Zero is how a file without them is read: no limit.
+    for (name, value) in [
+        ("velocity", limit.velocity),
+        ("acceleration", limit.acceleration),
+        ("jerk", limit.jerk),
+    ] {
+        if !(value >= 0.0) {
+            return Err(format!(
+                "{what}: `{name}` of its limit is {value}; allowed: above 0, or 0 for none"
+            ));
+        }
+    }
+    if let Some(mimic) = &joint.mimic {
+        let numbers = [mimic.multiplier, mimic.offset].map(|number| number.unwrap_or(0.0));
+        finite(
+            &format!("{what}: `multiplier` or `offset` of its mimic"),
+            &numbers,
+        )?;
+    }
+    Ok(())
+}
+
+fn link(link: &urdf_rs::Link) -> Result<(), String> {
+    let what = format!("link `{}`: its collision shape", link.name);
+    link.collision.iter().try_for_each(|collision| {
+        origin(&what, &collision.origin)?;
+        match &collision.geometry {
+            Geometry::Box { size } => positive(&what, "size", &size.0),
+            Geometry::Sphere { radius } => positive(&what, "radius", &[*radius]),
+            Geometry::Cylinder { radius, length } => {
+                positive(&what, "radius", &[*radius])?;
+                positive(&what, "length", &[*length])
+            }
+            Geometry::Capsule { radius, length } => {
+                positive(&what, "radius", &[*radius])?;
+                // A capsule of no length is a sphere.
+                match *length {
+                    0.0 => Ok(()),
+                    length => positive(&what, "length", &[length]),
+                }
+            }
+            Geometry::Mesh { scale, .. } => match scale {
+                Some(scale) => scaled(&what, &scale.0),
+                None => Ok(()),
+            },
+        }
+    })
+}
+
+fn origin(what: &str, pose: &urdf_rs::Pose) -> Result<(), String> {
+    let name = format!("{what}: `xyz` of its origin");
+    finite(&name, &pose.xyz.0)?;
+    if pose
+        .xyz
+        .0
+        .iter()
+        .any(|length| length.abs() > LARGEST_LENGTH)
+    {
+        return Err(format!("{name} is larger than {LARGEST_LENGTH} m"));
+    }
+    finite(&format!("{what}: `rpy` of its origin"), &pose.rpy.0)
+}
+
+fn finite(what: &str, numbers: &[f64]) -> Result<(), String> {
+    finite::check(numbers, |_| what).map_err(|error: NotFinite| error.to_string())
+}
+
+fn positive(what: &str, name: &str, sizes: &[f64]) -> Result<(), String> {
+    let is_size = |size: &f64| *size > 0.0 && *size <= LARGEST_LENGTH;
+    match sizes.iter().find(|size| !is_size(size)) {
+        Some(size) => Err(format!(
+            "{what}: its `{name}` {size} is not allowed; allowed: above 0, at most {LARGEST_LENGTH} m"
+        )),
+        None => Ok(()),
+    }
+}
+
+/// A negative scale mirrors a mesh; none leaves nothing of it.
+fn scaled(what: &str, scale: &[f64]) -> Result<(), String> {
+    let is_scale = |factor: &f64| *factor != 0.0 && factor.abs() <= LARGEST_LENGTH;
+    match scale.iter().find(|factor| !is_scale(factor)) {
+        Some(factor) => Err(format!(
+            "{what}: its `scale` {factor} is not allowed; allowed: finite numbers except 0"
+        )),
+        None => Ok(()),
+    }
+}
