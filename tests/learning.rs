@@ -162,6 +162,36 @@ fn a_training_that_was_stopped_goes_on() {
     );
 }
 
+#[test]
+fn a_training_replaces_only_its_own_files() {
+    let folder = folder();
+    let folder = folder.path();
+    let own = folder.join("network");
+    let forced = [&SMALL[..], &["--force"]].concat();
+    fs::create_dir_all(&own).unwrap();
+    fs::write(own.join("model.safetensors"), "precious").unwrap();
+    fs::write(own.join("training.json"), "{\"my\": \"state\"}").unwrap();
+    for arguments in [&SMALL[..], &forced] {
+        let message = refused(folder, arguments);
+        assert!(message.contains("training.json"), "{message}");
+        assert!(!message.contains("--force"), "{message}");
+    }
+    fs::remove_file(own.join("training.json")).unwrap();
+    fs::remove_file(own.join("model.safetensors")).unwrap();
+    let stopped = rodlab(folder, &[&SMALL[..], &["--timeout", "0"]].concat());
+    assert_eq!(stopped.status.code(), Some(5));
+    for name in ["model.safetensors", "training.csv", "training.svg"] {
+        let written = fs::read(own.join(name)).unwrap();
+        fs::write(own.join(name), "precious").unwrap();
+        for arguments in [&SMALL[..], &forced] {
+            assert!(refused(folder, arguments).contains(name), "{name}");
+            assert_eq!(fs::read(own.join(name)).unwrap(), b"precious");
+        }
+        fs::write(own.join(name), written).unwrap();
+    }
+    done(folder, &forced);
+}
+
 /// Killed while its first files were written, it left a folder that was refused.
 #[test]
 fn a_training_that_was_killed_at_its_start_begins_anew() {

@@ -123,10 +123,10 @@ impl Resolver<'_> {
                 acceleration: self.positive(&path.key("acceleration"), axis.acceleration),
                 jerk,
             },
-            driver: axis
-                .driver
-                .as_ref()
-                .map(|driver| self.driver(&path.key("driver"), driver, true)),
+            driver: axis.driver.as_ref().map(|driver| {
+                let joints = std::slice::from_ref(&axis.name);
+                self.driver(&path.key("driver"), driver, true, joints)
+            }),
         }
     }
 

@@ -72,6 +72,8 @@ pub(super) fn resolve_arm(
             tool.rpy.as_ref(),
         );
     }
+    let joints = chain.joints.iter().map(|joint| joint.name.clone());
+    let joints: Vec<String> = joints.collect();
     let home = home(resolver, path, typed, &chain);
     shapes(resolver, path, typed, &chain, &mut bodies);
     let may_touch = typed.may_touch.iter().enumerate().map(|(k, pair)| {
@@ -92,7 +94,7 @@ pub(super) fn resolve_arm(
         driver: typed
             .driver
             .as_ref()
-            .map(|driver| resolver.driver(&path.key("driver"), driver, false)),
+            .map(|driver| resolver.driver(&path.key("driver"), driver, false, &joints)),
         gripper: typed
             .gripper
             .as_ref()

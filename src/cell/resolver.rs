@@ -2,7 +2,7 @@
 
 use super::resolved::{Driver, Gripper};
 use super::typed::{self, CellFile};
-use crate::robot::{Middleware, Pose, Ros2Address, pose};
+use crate::robot::{FileDriver, Middleware, Pose, Ros2Address, pose};
 use crate::scenario::dimension::{Angle, Dimension, Dimensionless, Length};
 use crate::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile, Vector};
 use nalgebra::{Translation3, UnitQuaternion};
@@ -99,7 +99,14 @@ impl Resolver<'_> {
         Pose::from_parts(Translation3::from(position), rotation)
     }
 
-    pub fn driver(&self, path: &KeyPath, driver: &typed::Driver, is_axis: bool) -> Driver {
+    /// A driver of the given joints.
+    pub fn driver(
+        &self,
+        path: &KeyPath,
+        driver: &typed::Driver,
+        is_axis: bool,
+        joints: &[String],
+    ) -> Driver {
         let allowed = match driver {
             typed::Driver::Stepper(_) => is_axis,
             _ => true,
@@ -123,8 +130,15 @@ impl Resolver<'_> {
                         false
                     }
                 };
+                let key = path.key("path");
+                let place = (file.path != "-").then(|| self.file_at(&key, &file.path));
+                if let Some(place) = &place
+                    && let Err(message) = FileDriver::check_place(place, joints, json_lines)
+                {
+                    self.fault(&key, message);
+                }
                 Driver::File {
-                    path: (file.path != "-").then(|| self.file_at(&path.key("path"), &file.path)),
+                    path: place,
                     json_lines,
                 }
             }

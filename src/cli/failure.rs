@@ -124,9 +124,10 @@ impl Failure {
     /// Why nothing was trained: files of the user's that do not serve are bad input.
     pub fn of_training(error: &TrainingError) -> Self {
         match error {
-            TrainingError::Results(_) | TrainingError::System { .. } => {
+            TrainingError::Results(fault) if fault.exit_code() == 1 => {
                 Self::System(error.to_string())
             }
+            TrainingError::System { .. } => Self::System(error.to_string()),
             error => Self::Input(error.to_string()),
         }
     }

@@ -1,12 +1,13 @@
 //! The directory of a training: model, rounds, figure, and where it stands.
 
 use super::loss_figure::loss_figure;
-use super::model::{ModelError, read_model};
+use super::model::{ModelError, is_model, read_model};
 use super::processor::Processor;
 use super::samples::{Samples, SamplesError};
 use super::trainer::{FEWEST_SAMPLES, Standing, Trainer};
 use super::training::{Epoch, Plan};
-use crate::results::{ResultsError, is_unfinished, write_whole};
+use crate::figure::is_picture;
+use crate::results::{ResultsError, check_own, is_unfinished, write_whole};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -20,6 +21,17 @@ pub const EPOCHS: &str = "training.csv";
 pub const LOSS_FIGURE: &str = "training.svg";
 /// Where the training stands.
 pub const RECORD: &str = "training.json";
+
+/// First line of `training.csv`.
+const EPOCHS_HEADER: &[u8] = b"epoch,phase,training,held_back\n";
+
+/// Files beside the record, each with what its beginning shows where it is that of a training.
+type IsOwn = fn(&[u8]) -> bool;
+const OWN_FILES: [(&str, IsOwn); 3] = [
+    (MODEL, is_model),
+    (EPOCHS, |head| head.starts_with(EPOCHS_HEADER)),
+    (LOSS_FIGURE, is_picture),
+];
 
 /// How often the best network is written during a phase.
 const SAVED_EVERY: Duration = Duration::from_secs(20);
@@ -137,6 +149,16 @@ pub enum TrainingError {
     NotOwn {
         /// The directory.
         directory: PathBuf,
+    },
+    /// A record of that name is of another program, or damaged.
+    #[error(
+        "{path} is not the record of a training: {fault}; nothing there is replaced: choose another directory with --out"
+    )]
+    NotRecord {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        fault: String,
     },
     /// A file of an earlier call is damaged.
     #[error("{path} is damaged: {fault}; start over with --force")]
@@ -271,6 +293,14 @@ fn earlier(task: &Task<'_>, recorded: &RecordedTask) -> Result<Option<Record>, T
             }),
         };
     }
+    let record: Record =
+        serde_json::from_slice(&read(&path)?).map_err(|error| TrainingError::NotRecord {
+            path,
+            fault: error.to_string(),
+        })?;
+    for (name, is_own) in OWN_FILES {
+        check_own(&directory.join(name), is_own)?;
+    }
     if task.force {
         for name in [MODEL, EPOCHS, LOSS_FIGURE, RECORD] {
             // What is not there need not be removed.
@@ -278,11 +308,6 @@ fn earlier(task: &Task<'_>, recorded: &RecordedTask) -> Result<Option<Record>, T
         }
         return Ok(None);
     }
-    let record: Record =
-        serde_json::from_slice(&read(&path)?).map_err(|error| TrainingError::Damaged {
-            path,
-            fault: error.to_string(),
-        })?;
     let differs = |what| TrainingError::Another {
         directory: directory.to_owned(),
         what,

@@ -395,6 +395,13 @@ impl Model {
     }
 }
 
+/// Whether a file begins as a model of this program does. The metadata are the first key of its header.
+pub fn is_model(head: &[u8]) -> bool {
+    let text = head.get(8..).unwrap_or_default();
+    text.starts_with(b"{\"__metadata__\":{\"rodlab\":")
+        && String::from_utf8_lossy(text).contains(KIND)
+}
+
 /// Reads a model of samples of the kind `wanted`.
 ///
 /// # Errors

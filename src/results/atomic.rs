@@ -46,6 +46,16 @@ pub fn replace_own(
     bytes: &[u8],
     is_own: impl Fn(&[u8]) -> bool,
 ) -> Result<(), ResultsError> {
+    check_own(path, is_own)?;
+    write_whole(path, bytes)
+}
+
+/// Checks that a place is free, or holds a file that `is_own`, as its bytes say: the gate before a file is replaced or
+/// removed.
+///
+/// # Errors
+/// [`ResultsError::NotOwn`] as for [`replace_own`]; [`ResultsError::Io`] where it cannot be read.
+pub fn check_own(path: &Path, is_own: impl Fn(&[u8]) -> bool) -> Result<(), ResultsError> {
     let refusal = |what| {
         Err(ResultsError::NotOwn {
             path: path.to_owned(),
@@ -65,7 +75,7 @@ pub fn replace_own(
         }
         _ => {}
     }
-    write_whole(path, bytes)
+    Ok(())
 }
 
 /// The same where [`write_whole`] follows in the same directory, which makes the name of this file safe, too.

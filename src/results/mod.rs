@@ -40,7 +40,7 @@ mod value;
 mod vtk;
 
 pub(crate) use atomic::sync;
-pub use atomic::{is_unfinished, replace_own, write_whole};
+pub use atomic::{check_own, is_unfinished, replace_own, write_whole};
 pub use branch::{BranchKind, BranchRow, read_branches};
 pub use case_record::{CaseRecord, CaseStatus};
 pub use checkpoint::CheckpointFiles;

@@ -1,9 +1,12 @@
 //! Points as lines of a file or of standard output, each at its time.
 
 use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
-use std::fs::File;
-use std::io::{self, Write};
-use std::path::PathBuf;
+use std::fs::{self, File};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// Bytes by which an earlier log is recognised.
+const HEAD: u64 = 1 << 16;
 
 /// Writes each point at its time, as CSV or as JSON lines.
 pub struct FileDriver {
@@ -24,6 +27,33 @@ impl FileDriver {
             trajectory: None,
             written: 0,
         }
+    }
+
+    /// Checks that a place is free, holds an earlier log of the same joints, or is a device or a pipe.
+    ///
+    /// # Errors
+    /// In words: another file would be overwritten.
+    pub fn check_place(path: &Path, joints: &[String], json_lines: bool) -> Result<(), String> {
+        let Ok(found) = fs::metadata(path) else {
+            return Ok(());
+        };
+        if found.is_dir() {
+            return Err(format!("{} is a directory", path.display()));
+        }
+        if !found.is_file() || found.len() == 0 {
+            return Ok(());
+        }
+        let mut head = Vec::new();
+        let read = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+        read.map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
+        if is_log(&head, joints, json_lines) {
+            return Ok(());
+        }
+        Err(format!(
+            "{} holds something else than an earlier log of these joints ({}) and is not overwritten; move it away, or choose another `path`",
+            path.display(),
+            joints.join(", ")
+        ))
     }
 
     fn fault(&self, error: &io::Error) -> DriverError {
@@ -53,8 +83,29 @@ impl FileDriver {
     }
 }
 
+fn header(joints: &[String]) -> String {
+    format!("time_s,{}\n", joints.join(","))
+}
+
+/// Whether a file begins as a log of these joints does.
+fn is_log(head: &[u8], joints: &[String], json_lines: bool) -> bool {
+    if !json_lines {
+        return head.starts_with(header(joints).as_bytes());
+    }
+    let first = head.split(|byte| *byte == b'\n').next();
+    let first: Option<serde_json::Value> = first.and_then(|line| serde_json::from_slice(line).ok());
+    first.is_some_and(|line| {
+        line["time_s"].is_number()
+            && line["joints"] == serde_json::json!(joints)
+            && line["positions"].is_array()
+    })
+}
+
 impl Driver for FileDriver {
     fn connect(&mut self, joints: &[String]) -> Result<(), DriverError> {
+        if let Some(path) = &self.path {
+            Self::check_place(path, joints, self.json_lines).map_err(DriverError::Refused)?;
+        }
         self.sink = Some(match &self.path {
             None => Box::new(io::stdout()),
             Some(path) => Box::new(File::create(path).map_err(|error| self.fault(&error))?),
@@ -62,7 +113,7 @@ impl Driver for FileDriver {
         if self.json_lines {
             return Ok(());
         }
-        self.write(&format!("time_s,{}\n", joints.join(",")))
+        self.write(&header(joints))
     }
 
     fn reports_state(&self) -> bool {
@@ -103,5 +154,49 @@ impl Driver for FileDriver {
     fn stop(&mut self) -> Result<(), DriverError> {
         self.trajectory = None;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_an_own_log_is_overwritten() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log");
+        let joints = ["a".to_owned(), "b".to_owned()];
+        let other = ["a".to_owned()];
+        let mut accepted = 0;
+        for json_lines in [false, true] {
+            fs::write(&path, "").unwrap();
+            let mut driver = FileDriver::new(Some(path.clone()), json_lines);
+            let trajectory = PartTrajectory {
+                joints: joints.to_vec(),
+                times: vec![0.0, 1.0],
+                points: vec![vec![0.0, 1.0]; 2],
+            };
+            driver.connect(&joints).unwrap();
+            driver.start(&trajectory).unwrap();
+            driver.advance(2.0).unwrap();
+            let log = fs::read_to_string(&path).unwrap();
+            assert!(FileDriver::check_place(&path, &joints, json_lines).is_ok());
+            assert!(FileDriver::check_place(&path, &joints, !json_lines).is_err());
+            assert!(FileDriver::check_place(&path, &other, json_lines).is_err());
+            let mut again = FileDriver::new(Some(path.clone()), json_lines);
+            let refused = again.connect(&other).unwrap_err().to_string();
+            assert!(refused.contains("is not overwritten"), "{refused}");
+            assert_eq!(fs::read_to_string(&path).unwrap(), log);
+            accepted += usize::from(again.connect(&joints).is_ok());
+        }
+        assert_eq!(accepted, 2);
+        for foreign in ["precious", "time_s,energy_j\n", "{\"time_s\":0}\n", "\n"] {
+            fs::write(&path, foreign).unwrap();
+            for json_lines in [false, true] {
+                assert!(FileDriver::check_place(&path, &joints, json_lines).is_err());
+            }
+        }
+        assert!(FileDriver::check_place(Path::new("/dev/null"), &joints, false).is_ok());
+        assert!(FileDriver::check_place(folder.path(), &joints, false).is_err());
     }
 }

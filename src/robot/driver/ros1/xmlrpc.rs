@@ -168,14 +168,6 @@ fn call_in(document: &Document<'_>) -> Call {
     }
 }
 
-/// Reads the text of a call, as [`read_call`] reads it from a caller.
-///
-/// # Errors
-/// The reason, if it is not XML, or too deep or too long.
-pub fn call_of_text(text: &str) -> Result<Call, String> {
-    parse(text).map(|document| call_in(&document))
-}
-
 /// The document of a message: [`Value::from_xml`] recurses, so its depth is bounded before.
 fn parse(text: &str) -> Result<Document<'_>, String> {
     if text.len() > LONGEST {
@@ -267,6 +259,7 @@ fn read_body(reader: &mut impl BufRead) -> io::Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn values_read_back() {
@@ -280,6 +273,10 @@ mod tests {
         assert_eq!(Value::from_xml(document.root_element()), value);
         let bare = roxmltree::Document::parse("<value>bare</value>").unwrap();
         assert_eq!(Value::from_xml(bare.root_element()), Value::text("bare"));
+    }
+
+    fn call_of_text(text: &str) -> Result<Call, String> {
+        parse(text).map(|document| call_in(&document))
     }
 
     #[test]
@@ -301,5 +298,14 @@ mod tests {
         assert_eq!(authority("http://10.0.0.1:11311/"), Some("10.0.0.1:11311"));
         assert_eq!(authority("http://robot"), None);
         assert_eq!(authority("robot:11311"), None);
+    }
+
+    proptest! {
+        #[test]
+        fn no_call_panics(text in "(<(/|)(value|array|data|int|string|param|methodName)(/|)>|[a-z0-9<&;]){0,60}") {
+            let _ = call_of_text(&format!("<methodCall>{text}</methodCall>"));
+            let _ = call_of_text(&text);
+            let _ = read_body(&mut text.as_bytes());
+        }
     }
 }
