@@ -32,6 +32,7 @@ mod explain;
 mod explore;
 mod failure;
 mod figure_arguments;
+mod file_size;
 mod fold;
 mod fold_arguments;
 mod fold_figures;
@@ -94,6 +95,7 @@ use std::process;
 /// Runs the program and returns its exit code.
 pub fn main() -> process::ExitCode {
     crash::announce_panics();
+    file_size::report_as_errors();
     let arguments = Arguments::parse();
     crash::guarded(|| match dispatch(&arguments) {
         Ok(()) => process::ExitCode::SUCCESS,

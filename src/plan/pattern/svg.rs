@@ -19,7 +19,7 @@ const LARGEST: f64 = 1000.0;
 const SMALLEST: f64 = 1e-9;
 /// Most elements of a file.
 const MOST_NODES: u32 = 1_000_000;
-/// Most points of a stroke.
+/// Most points of all strokes of a drawing: the chords of its curves.
 const MOST_POINTS: usize = 1_000_000;
 /// Deepest nesting of groups.
 const DEEPEST: usize = 200;
@@ -52,10 +52,11 @@ pub fn read_svg(text: &str) -> Result<Vec<Stroke>, PatternError> {
     }
     let mut reader = Reader {
         strokes: Vec::new(),
+        points: 0,
         hint: "",
     };
     reader.children(root, view(root)?, 0)?;
-    let Reader { strokes, hint } = reader;
+    let Reader { strokes, hint, .. } = reader;
     if strokes.is_empty() {
         return Err(PatternError::NoPath { hint });
     }
@@ -117,6 +118,8 @@ fn view(root: Node) -> Result<Affine, PatternError> {
 
 struct Reader {
     strokes: Vec<Stroke>,
+    /// Points of all strokes so far.
+    points: usize,
     hint: &'static str,
 }
 
@@ -224,24 +227,51 @@ impl Reader {
         if size < SMALLEST {
             return Ok(());
         }
-        let mut strokes: Vec<Stroke> = Vec::new();
-        let point = |point: kurbo::Point| Point::new(point.x, point.y);
-        kurbo::flatten(path, FLATNESS * size, |element| {
-            match (element, strokes.last_mut()) {
-                (kurbo::PathEl::MoveTo(to), _) => strokes.push(vec![point(to)]),
-                (kurbo::PathEl::LineTo(to), Some(stroke)) => stroke.push(point(to)),
-                (kurbo::PathEl::ClosePath, Some(stroke)) => stroke.push(stroke[0]),
-                _ => {}
+        // Sub-path by sub-path, so that a drawing with too many points is refused before all of them are computed.
+        for elements in path
+            .elements()
+            .chunk_by(|_, next| !matches!(next, kurbo::PathEl::MoveTo(_)))
+        {
+            self.draw_one(node, elements, FLATNESS * size)?;
+        }
+        Ok(())
+    }
+
+    /// Adds the strokes of a sub-path, with chords that miss it by at most `tolerance`.
+    fn draw_one(
+        &mut self,
+        node: Node,
+        elements: &[kurbo::PathEl],
+        tolerance: f64,
+    ) -> Result<(), PatternError> {
+        let mut stroke: Stroke = Vec::new();
+        let room = MOST_POINTS.saturating_sub(self.points);
+        let mut count = 0;
+        kurbo::flatten(elements.iter().copied(), tolerance, |element| {
+            count += 1;
+            let point = match element {
+                kurbo::PathEl::MoveTo(to) | kurbo::PathEl::LineTo(to) => Point::new(to.x, to.y),
+                kurbo::PathEl::ClosePath if !stroke.is_empty() => stroke[0],
+                _ => return,
+            };
+            if count <= room {
+                stroke.push(point);
             }
         });
-        for mut stroke in strokes {
-            stroke.dedup();
-            if stroke.len() > MOST_POINTS {
-                return Err(fault(node, "d", "it has too many points"));
-            }
-            if stroke.len() > 1 {
-                self.strokes.push(stroke);
-            }
+        self.points += count;
+        if count > room {
+            return Err(fault(
+                node,
+                "d",
+                format!(
+                    "the curves of the drawing need more than {MOST_POINTS} points; allowed: at most that. Simplify the drawing"
+                ),
+            ));
+        }
+        stroke.dedup();
+        stroke.shrink_to_fit();
+        if stroke.len() > 1 {
+            self.strokes.push(stroke);
         }
         Ok(())
     }
@@ -276,12 +306,12 @@ fn joined(strokes: Vec<Stroke>) -> Vec<Stroke> {
         size.max((point - strokes[0][0]).norm())
     });
     let mut whole: Vec<Stroke> = Vec::new();
-    for stroke in &strokes {
+    for stroke in strokes {
         match whole.last_mut() {
             Some(before) if (before[before.len() - 1] - stroke[0]).norm() <= GAP * size => {
                 before.extend_from_slice(&stroke[1..]);
             }
-            _ => whole.push(stroke.clone()),
+            _ => whole.push(stroke),
         }
     }
     whole
@@ -310,6 +340,21 @@ mod tests {
         let error = read_svg(large).unwrap_err().to_string();
         assert!(error.contains("larger than 1000 m"), "{error}");
     }
+    #[test]
+    fn drawings_with_too_many_points_and_deep_ones_are_refused() {
+        let curve = "M0 0C900 100 100 900 1000 1000";
+        let paths = format!("<path d='{}'/>", curve.repeat(20_000));
+        let text = format!("<svg xmlns='http://www.w3.org/2000/svg'>{paths}</svg>");
+        let error = read_svg(&text).unwrap_err().to_string();
+        assert!(error.contains("more than 1000000 points"), "{error}");
+        for name in ["g", "b"] {
+            let nested =
+                format!("<{name}>").repeat(100_000) + &format!("</{name}>").repeat(100_000);
+            let text = format!("<svg xmlns='http://www.w3.org/2000/svg'>{nested}</svg>");
+            assert!(read_svg(&text).is_err(), "{name}");
+        }
+    }
+
     use proptest::prelude::*;
     use std::f64::consts::TAU;
 
