@@ -19,7 +19,7 @@ impl SampleFiles {
     /// Those of a results directory.
     pub fn of(directory: &Path) -> Result<Self, Failure> {
         let refused = |why: String| Failure::Input(format!("{}: {why}", directory.display()));
-        let manifest = Manifest::read(directory)?;
+        let manifest = Manifest::read_checked(directory)?;
         let manifest = manifest.ok_or_else(|| {
             refused("no results directory (there is no manifest.json): make samples with `rodlab dataset`".into())
         })?;

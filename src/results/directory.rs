@@ -4,7 +4,7 @@ use super::atomic::TEMPORARY_PREFIX;
 use super::checkpoint::SLOTS;
 use super::difference::{difference, holds, without_remarks};
 use super::files::{LOCK, MANIFEST, VTK_COLLECTION, VTK_FOLDER, files_of_runs, is_frame_name};
-use super::mark::check_files;
+use super::mark::{check_files, check_whole_files};
 use super::{Manifest, ResultsError};
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
@@ -35,7 +35,7 @@ impl ResultsDirectory {
     /// [`ResultsError::NotResults`] for a directory with other files and no manifest, even with `force`;
     /// [`ResultsError::AnotherScenario`]; [`ResultsError::Locked`] where another process writes;
     /// [`ResultsError::NotWritable`]; [`ResultsError::Damaged`] where the manifest is no manifest;
-    /// [`ResultsError::Altered`] where a finished run left other files than those that are there.
+    /// [`ResultsError::Altered`] where an earlier call left other files than those that are there.
     pub fn open(
         path: &Path,
         scenario_hash: &str,
@@ -65,8 +65,9 @@ impl ResultsDirectory {
             found => found,
         };
         sweep_temporary_files(path).map_err(not_writable(path))?;
-        if unfinished.is_none() {
-            remove_results(path, own_files)?;
+        match &unfinished {
+            Some(manifest) => check_whole_files(path, &manifest.files)?,
+            None => remove_results(path, own_files)?,
         }
         Ok(Opened::Ready(Self {
             path: path.to_owned(),

@@ -4,7 +4,7 @@ use super::atomic::place_whole;
 use super::case_record::{CaseRecord, CaseStatus};
 use super::difference::without_remarks;
 use super::files::{MANIFEST, SCENARIO};
-use super::mark::FileMarks;
+use super::mark::{FileMarks, check_quickly, marks_of_whole_files};
 use super::{ResultsError, SummaryRow, write_summary, write_timings, write_whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -51,7 +51,8 @@ pub struct Manifest {
     pub seeds: BTreeMap<String, u64>,
     /// The cases by id; a single run is the case `main`.
     pub cases: BTreeMap<String, CaseRecord>,
-    /// Length and hash of each file that grew during the run, as it was left.
+    /// Length and hash of each file as the run left it: those that grew, and those that are written whole. Results of
+    /// earlier versions do not mark the latter; they are read unchecked.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub files: FileMarks,
 }
@@ -120,7 +121,29 @@ impl Manifest {
         self.cases.insert(MAIN_CASE.into(), record);
         self.end = Some(jiff::Timestamp::now());
         self.files = files;
+        self.mark_whole_files(directory)?;
         self.write(directory)
+    }
+
+    /// Marks the files of the directory that are written whole, such as the summary.
+    ///
+    /// # Errors
+    /// [`ResultsError::Io`].
+    pub fn mark_whole_files(&mut self, directory: &Path) -> Result<(), ResultsError> {
+        self.files.extend(marks_of_whole_files(directory)?);
+        Ok(())
+    }
+
+    /// [`Manifest::read`] for a reader of the other files: those of finished results are checked, see [`check_quickly`].
+    ///
+    /// # Errors
+    /// As [`Manifest::read`]; [`ResultsError::Altered`] where a file is not what was written.
+    pub fn read_checked(directory: &Path) -> Result<Option<Self>, ResultsError> {
+        let manifest = Self::read(directory)?;
+        if let Some(manifest) = manifest.as_ref().filter(|manifest| manifest.is_finished()) {
+            check_quickly(directory, &manifest.files)?;
+        }
+        Ok(manifest)
     }
 
     fn to_bytes(&self) -> Vec<u8> {
@@ -205,6 +228,36 @@ pub(super) mod tests {
             )]),
             files: FileMarks::new(),
         }
+    }
+
+    #[test]
+    fn whole_files_that_were_changed_are_noticed() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path();
+        let mut manifest = example("ab", CaseStatus::Finished);
+        let record = manifest.cases[MAIN_CASE].clone();
+        manifest.place(path).unwrap();
+        fs::write(path.join("end_state.csv"), "rod,node\nbeam,0\n").unwrap();
+        manifest.conclude(path, record, FileMarks::new()).unwrap();
+        assert!(Manifest::read_checked(path).unwrap().is_some());
+        for name in ["end_state.csv", "summary.csv", "timings.csv", SCENARIO] {
+            let written = fs::read(path.join(name)).unwrap();
+            let mut changed = written.clone();
+            changed[3] ^= 1;
+            fs::write(path.join(name), changed).unwrap();
+            let error = Manifest::read_checked(path).unwrap_err();
+            assert!(matches!(error, ResultsError::Altered { .. }), "{error}");
+            assert!(error.to_string().contains(name), "{error}");
+            fs::remove_file(path.join(name)).unwrap();
+            assert!(Manifest::read_checked(path).is_err());
+            fs::write(path.join(name), written).unwrap();
+        }
+        assert!(Manifest::read_checked(path).is_ok());
+        // One of an earlier version, which marks none of them.
+        manifest.files.clear();
+        manifest.write(path).unwrap();
+        fs::write(path.join("summary.csv"), "changed").unwrap();
+        assert!(Manifest::read_checked(path).is_ok());
     }
 
     #[test]

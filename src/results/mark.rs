@@ -1,7 +1,7 @@
 //! Marks of files: what a run wrote, so that a later look notices when something else stands there.
 
 use super::ResultsError;
-use super::files::{VTK_FOLDER, frame_names};
+use super::files::{END_STATE, SCENARIO, START, SUMMARY, TIMINGS, VTK_FOLDER, frame_names};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -155,6 +155,50 @@ pub fn check_files(directory: &Path, marks: &FileMarks) -> Result<(), ResultsErr
             .map_err(ResultsError::io("read", &path))?;
         compare(&path, mark, &marker)
     })
+}
+
+/// Files that are written whole, once, by a run that ends: small ones.
+const WRITTEN_ONCE: [&str; 5] = [SCENARIO, START, END_STATE, SUMMARY, TIMINGS];
+
+/// Marks the files of a directory that are written whole, as far as they are there.
+///
+/// # Errors
+/// [`ResultsError::Io`] where one cannot be read.
+pub(super) fn marks_of_whole_files(directory: &Path) -> Result<FileMarks, ResultsError> {
+    let mut marks = FileMarks::new();
+    for name in WRITTEN_ONCE {
+        let path = directory.join(name);
+        let file = match File::open(&path) {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+            Err(error) => return Err(ResultsError::io("read", path)(error)),
+        };
+        let mut marker = Marker::default();
+        let read = marker.read(file, u64::MAX);
+        read.map_err(ResultsError::io("read", &path))?;
+        marks.insert(name.to_owned(), marker.mark());
+    }
+    Ok(marks)
+}
+
+/// Checks what takes little time: the files that are written whole by length and hash, the lengths of all others.
+///
+/// # Errors
+/// [`ResultsError::Altered`] names the first that differs.
+pub fn check_quickly(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
+    check_lengths(directory, marks)?;
+    check_whole_files(directory, marks)
+}
+
+/// Checks the files that are written whole, and no others.
+///
+/// # Errors
+/// [`ResultsError::Altered`] names the first that differs.
+pub(super) fn check_whole_files(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
+    let whole = marks.iter();
+    let whole = whole.filter(|(name, _)| WRITTEN_ONCE.contains(&name.as_str()));
+    let whole = whole.map(|(name, mark)| (name.clone(), mark.clone()));
+    check_files(directory, &whole.collect())
 }
 
 /// Checks the lengths alone, which takes no time.

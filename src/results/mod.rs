@@ -57,7 +57,7 @@ pub use forces::{NodeForces, read_node_forces};
 pub use frame::Frame;
 pub use lease::{HEARTBEAT, Lease, LeaseAttempt, Leases, Owner, host_name};
 pub use manifest::{MAIN_CASE, Manifest, RodRecord, scenario_hash, scenario_hash_with_inputs};
-pub use mark::{FileMark, FileMarks, check_files, check_lengths};
+pub use mark::{FileMark, FileMarks, check_files, check_lengths, check_quickly};
 pub use nodes::{NodePositions, read_nodes};
 pub use obstacle_frames::ObstacleSurfaces;
 pub use outcome::{CaseOutcome, Ending};

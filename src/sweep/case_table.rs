@@ -3,7 +3,7 @@
 use super::outcome::CaseCounts;
 use crate::results::{
     CaseRecord, CaseStatus, MAIN_CASE, Manifest, ResultsError, SummaryRow, SweepDirectory,
-    check_lengths, write_sweep_summary, write_timings,
+    write_sweep_summary, write_timings,
 };
 use crate::scenario::{Case, CaseSet, Parameter};
 use std::collections::BTreeMap;
@@ -36,14 +36,11 @@ struct State {
 /// The record of the case in a directory; `None` where it was not begun.
 ///
 /// # Errors
-/// [`ResultsError::Altered`] where files of a finished case are missing, or are not as long as they were.
+/// [`ResultsError::Altered`] where files of a finished case are missing or changed, see [`Manifest::read_checked`].
 pub(super) fn record_in(directory: &Path) -> Result<Option<CaseRecord>, ResultsError> {
-    let Some(mut manifest) = Manifest::read(directory)? else {
+    let Some(mut manifest) = Manifest::read_checked(directory)? else {
         return Ok(None);
     };
-    if manifest.is_finished() {
-        check_lengths(directory, &manifest.files)?;
-    }
     Ok(manifest.cases.remove(MAIN_CASE))
 }
 
@@ -173,7 +170,7 @@ impl<'a> CaseTable<'a> {
             write_timings(path, &timings.collect::<Vec<_>>())?;
             // What the first process that came here knew; others may have read the scenario from here.
             let first = Manifest::read(path)?.unwrap_or_else(|| self.manifest.clone());
-            Manifest {
+            let mut manifest = Manifest {
                 name: first.name,
                 start: first.start,
                 end,
@@ -182,8 +179,9 @@ impl<'a> CaseTable<'a> {
                     .map(|(id, record)| (id.to_owned(), record))
                     .collect(),
                 ..self.manifest.clone()
-            }
-            .write(path)
+            };
+            manifest.mark_whole_files(path)?;
+            manifest.write(path)
         })
     }
 }

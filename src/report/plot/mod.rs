@@ -47,7 +47,7 @@ const NAMED_RODS: usize = 12;
 /// [`PlotError::NotResults`], or [`PlotError::Results`] or [`PlotError::Scenario`] where files cannot be read or
 /// written.
 pub fn plot_results(directory: &Path, options: &FigureOptions) -> Result<Vec<PathBuf>, PlotError> {
-    let Some(manifest) = Manifest::read(directory)? else {
+    let Some(manifest) = Manifest::read_checked(directory)? else {
         return Err(PlotError::NotResults(directory.to_owned()));
     };
     let mut written = Vec::new();

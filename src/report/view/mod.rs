@@ -76,7 +76,7 @@ pub fn write_page(
     largest_count: usize,
     done: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<WrittenPage, ViewError> {
-    let Some(manifest) = Manifest::read(directory)? else {
+    let Some(manifest) = Manifest::read_checked(directory)? else {
         return Err(ViewError::NotResults(directory.to_owned()));
     };
     let kind = kind_named(&manifest.experiment);
@@ -141,7 +141,7 @@ fn movie_case(
     if !folder.path.join(NODES).exists() {
         return Ok(None);
     }
-    let own = Manifest::read(&folder.path)?;
+    let own = Manifest::read_checked(&folder.path)?;
     let manifest = own.as_ref().unwrap_or(root);
     let nodes = manifest.rods.iter().map(|rod| rod.nodes).sum();
     let branches = Branches::read(&folder.path)?;

@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 
 /// Name of the state in a results directory.
 pub const END_STATE: &str = "end_state.csv";
+/// Name of the manifest in a results directory.
+const MANIFEST: &str = "manifest.json";
 /// What the copy beside a resolved scenario is called.
 pub const COPY: &str = "start_state.csv";
 
@@ -57,10 +59,44 @@ pub fn start(
         section.fault("hash", message);
         return None;
     }
+    if let Err(message) = check_mark(&file, &hash) {
+        section.fault("from", message);
+        return None;
+    }
     Some(Start {
         from: COPY,
         velocities: typed.velocities.unwrap_or(true),
         hash,
         contents: contents.into(),
     })
+}
+
+/// Compares a state with the mark in the manifest beside it; a file without a mark, as of an earlier version, passes with a
+/// warning.
+fn check_mark(file: &Path, hash: &str) -> Result<(), String> {
+    let (Some(directory), Some(name)) = (file.parent(), file.file_name()) else {
+        return Ok(());
+    };
+    let manifest = directory.join(MANIFEST);
+    if !manifest.is_file() {
+        return Ok(());
+    }
+    let manifest: serde_json::Value =
+        serde_json::from_slice(&input_file::read(&manifest, LARGEST_TABLE)?)
+            .map_err(|error| format!("{} is damaged: {error}", manifest.display()))?;
+    let mark = &manifest["files"][&*name.to_string_lossy()]["blake3"];
+    match mark.as_str() {
+        Some(mark) if mark == hash => Ok(()),
+        Some(_) => Err(format!(
+            "{} is not the state that the run wrote there; put it back as it was, or run again",
+            file.display()
+        )),
+        None => {
+            tracing::warn!(
+                "{} has no mark in manifest.json, as in results of earlier versions: a change of it cannot be noticed",
+                file.display()
+            );
+            Ok(())
+        }
+    }
 }
