@@ -263,7 +263,7 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
         text += &format!(
             "# {:.4} px  {}\n",
             view.reprojection_rms_px,
-            view.image.display()
+            in_comment(&view.image.display().to_string())
         );
     }
     if let Some(misfit) = &answer.misfit {
@@ -276,13 +276,18 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
         );
     }
     for fault in &answer.left_out {
-        text += &format!("# left out: {fault}\n");
+        text += &format!("# left out: {}\n", in_comment(fault));
     }
     text += &format!(
         "# standard deviations: fx {fx:.2}, fy {fy:.2}, cx {cx:.2}, cy {cy:.2} px\n{}",
         calibrated.to_toml()
     );
     print(&text)
+}
+
+/// Text in a comment of TOML, which a line break in the name of a file must not end.
+fn in_comment(text: &str) -> String {
+    text.replace(|character: char| character.is_control(), " ")
 }
 
 fn view_answers(used: Vec<PathBuf>, found: &Calibration) -> Vec<ViewAnswer> {

@@ -75,6 +75,7 @@ impl ExitCode for Failure {
             Self::Checks { .. } | Self::NotFinite(_) => 4,
             Self::Stopped(StopRequest::Interrupt) => INTERRUPTED,
             Self::Stopped(StopRequest::TimeLimit) => TIME_LIMIT,
+            Self::Cluster(ClusterError::NotOneLine { .. } | ClusterError::NotOneWord { .. }) => 2,
             Self::Cluster(_) | Self::System(_) => 1,
         }
     }

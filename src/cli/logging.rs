@@ -1,6 +1,7 @@
 //! The log on standard error.
 
 use super::common::{Common, LogFormat};
+use super::terminal::Printable;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
@@ -30,7 +31,7 @@ pub fn start(common: &Common) {
         .with_target("rustdds", of_dds)
         .with_target(env!("CARGO_PKG_NAME"), level);
     let lines = tracing_subscriber::fmt::layer()
-        .with_writer(std::io::stderr)
+        .with_writer(|| Printable(std::io::stderr()))
         // What cannot be written to standard error cannot be complained about there, either.
         .log_internal_errors(false)
         .with_ansi(common.colours_stderr());

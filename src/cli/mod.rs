@@ -77,6 +77,7 @@ mod stream;
 mod submit;
 mod sweep;
 mod task_arguments;
+mod terminal;
 mod tie;
 mod trace;
 mod trace_answer;

@@ -1,15 +1,22 @@
 //! Writing to standard output.
 
 use super::failure::Failure;
+use super::terminal::printable;
 use crate::figure::{is_page, is_picture};
 use crate::results::replace_own;
 use serde::Serialize;
-use std::io::{ErrorKind, Write};
+use std::borrow::Cow;
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 
-/// Writes text to standard output. A reader that has gone away, as `head` does, is no fault.
+/// Writes text to standard output, to a terminal without control characters, see [`printable`]. A reader that has gone
+/// away, as `head` does, is no fault.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
+    let text = match stdout.is_terminal() {
+        true => Cow::Owned(printable(text)),
+        false => Cow::Borrowed(text),
+    };
     match stdout
         .write_all(text.as_bytes())
         .and_then(|()| stdout.flush())

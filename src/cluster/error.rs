@@ -42,6 +42,16 @@ pub enum ClusterError {
         /// What it reads.
         text: String,
     },
+    /// The value of an option has blanks, quotes or other characters that end it early (exit code 2).
+    #[error(
+        "the {what} {text:?} is not one word; allowed: no blanks, quotes, backslashes and number signs"
+    )]
+    NotOneWord {
+        /// What it is.
+        what: &'static str,
+        /// What it reads.
+        text: String,
+    },
     /// The record of the jobs is damaged (exit code 1).
     #[error("`{}` cannot be understood: {reason}", path.display())]
     Damaged {

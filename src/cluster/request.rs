@@ -29,7 +29,7 @@ impl Request {
     /// The options in the order in which the script has them.
     pub(super) fn options(&self) -> Vec<String> {
         let mut options = vec![
-            format!("--job-name={}", self.name),
+            format!("--job-name={}", one_word(&self.name)),
             format!("--cpus-per-task={}", self.cores),
         ];
         for (option, value) in [
@@ -42,6 +42,20 @@ impl Request {
         }
         options.extend(self.extra.iter().cloned());
         options
+    }
+
+    /// Values of options that must be one word each, with what they are.
+    pub(super) fn words(&self) -> Vec<(&'static str, &str)> {
+        let values = [
+            ("partition", self.partition.as_ref()),
+            ("time", self.time.as_ref()),
+            ("memory", self.memory.as_ref()),
+            ("account", self.account.as_ref()),
+        ];
+        let given = values.into_iter();
+        given
+            .filter_map(|(what, value)| Some((what, &value?[..])))
+            .collect()
     }
 
     /// What the user gives of the script, each with what it is: every one must be a single line.
@@ -64,4 +78,14 @@ impl Request {
         let prologue = self.prologue.iter().map(|line| ("prologue", &line[..]));
         given.chain(extra).chain(prologue).collect()
     }
+}
+
+/// A name as one word of an option: what Slurm could read as the end of the word is replaced by `_`.
+fn one_word(name: &str) -> String {
+    let is_plain = |character: char| character.is_alphanumeric() || "._-+=@:".contains(character);
+    let word: String = name
+        .chars()
+        .map(|character| if is_plain(character) { character } else { '_' })
+        .collect();
+    word
 }

@@ -30,7 +30,8 @@ pub struct Program {
 /// checkpoints, if Slurm leaves it the time, and stays out of the queue.
 ///
 /// # Errors
-/// [`ClusterError::NotOneLine`] where a name or an option would break a line of the script.
+/// [`ClusterError::NotOneLine`] where a name or an option would break a line of the script, [`ClusterError::NotOneWord`] where
+/// the value of an option would end early.
 pub fn script(
     program: &Program,
     request: &Request,
@@ -119,8 +120,15 @@ fn refuse_breaks(program: &Program, request: &Request) -> Result<(), ClusterErro
         let quoted = directory.contains(['"', '\\']);
         quoted.then_some(("results directory", directory))
     });
-    match found {
-        Some((what, text)) => Err(ClusterError::NotOneLine { what, text }),
+    if let Some((what, text)) = found {
+        return Err(ClusterError::NotOneLine { what, text });
+    }
+    let is_word = |text: &str| !text.contains([' ', '"', '\'', '\\', '#']);
+    match request.words().into_iter().find(|(_, text)| !is_word(text)) {
+        Some((what, text)) => Err(ClusterError::NotOneWord {
+            what,
+            text: text.to_owned(),
+        }),
         None => Ok(()),
     }
 }
@@ -158,6 +166,31 @@ fn ranges(tasks: &[usize]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_and_values_add_no_options() {
+        let program = Program {
+            executable: "/opt/rodlab".into(),
+            directory: "/data/a --exclusive".into(),
+            scenario: "/data/a --exclusive/scenario.toml".into(),
+            tasks: 1,
+        };
+        let mut request = Request {
+            name: "a --exclusive --mail-user=evil@x \"b\" #c".into(),
+            cores: 1,
+            ..Request::default()
+        };
+        let text = script(&program, &request, &[1]).unwrap();
+        assert!(
+            text.contains("#SBATCH --job-name=a_--exclusive_--mail-user=evil@x__b___c\n"),
+            "{text}"
+        );
+        for value in ["short --exclusive", "a\"b", "a#b"] {
+            request.partition = Some(value.into());
+            let error = script(&program, &request, &[1]).unwrap_err().to_string();
+            assert!(error.contains("partition"), "{error}");
+        }
+    }
 
     #[test]
     fn numbers_are_joined_to_ranges() {

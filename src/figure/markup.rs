@@ -1,10 +1,37 @@
-//! Text inside SVG and HTML.
+//! Text inside SVG, HTML and Markdown: one function for each context.
 
-/// Text as it stands between tags.
+/// Text as it stands between tags, and in quoted attributes. Control characters, which XML does not allow, are replaced.
 pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '"' => escaped += "&quot;",
+            '\n' | '\t' => escaped.push(character),
+            _ if character.is_control() => escaped.push(char::REPLACEMENT_CHARACTER),
+            _ => escaped.push(character),
+        }
+    }
+    escaped
+}
+
+/// Text as words of a line of Markdown, in headings and cells of tables, too: names of files and what servers say bring
+/// neither markup, nor links, nor HTML, nor further lines.
+pub fn escape_markdown(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '|' | '&' | '~' => {
+                escaped.push('\\');
+                escaped.push(character);
+            }
+            _ if character.is_control() => escaped.push(' '),
+            _ => escaped.push(character),
+        }
+    }
+    escaped
 }
 
 /// A template with `{{name}}` replaced by the text of that name. What is put in is not searched again: a title
@@ -59,6 +86,18 @@ pub fn json_in_script(value: &serde_json::Value) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_bring_no_markup() {
+        assert_eq!(
+            escape("a\u{1b}[2J <b c=\"d\"> & e"),
+            "a\u{fffd}[2J &lt;b c=&quot;d&quot;&gt; &amp; e"
+        );
+        assert_eq!(
+            escape_markdown("a_b\n# c\r[d](javascript:e) <script> | `f`"),
+            "a\\_b # c \\[d\\](javascript:e) \\<script\\> \\| \\`f\\`"
+        );
+    }
 
     #[test]
     fn text_that_reads_like_a_place_is_left_alone() {

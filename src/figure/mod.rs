@@ -27,7 +27,7 @@ mod viewer;
 pub use axis::AxisScale;
 pub use curve::{Curve, LinePlot, Look};
 pub use line_plot::{LineFigure, PlotStyle, line_plots, plot_to_scale, styled_line_plots};
-pub use markup::{is_page, is_picture};
+pub use markup::{escape_markdown, is_page, is_picture};
 pub use paper::{FigureOptions, Format, Paper};
 pub use snapshots::{Body, Plane, RodsFigure, Snapshot, snapshots};
 pub use surface::{ColouredSurface, surface_page};

@@ -5,6 +5,7 @@ use super::error::TaskStage;
 use super::record::{TaskHead, TaskRecord, add_pictures};
 use crate::cell::PlanReport;
 use crate::experiment::PassedPegs;
+use crate::figure::escape_markdown;
 use crate::vision::{CurveError, SeenLength};
 use serde::Serialize;
 use std::fmt::Write;
@@ -63,11 +64,13 @@ impl TaskRecord for DeployRecord {
     fn report(&self, directory: &Path) -> String {
         let mut text = format!(
             "# A rod laid along {}\n\n| | |\n|---|---|\n| cell | {} |\n| arm | {} |\n",
-            self.pattern, self.cell, self.arm
+            escape_markdown(&self.pattern),
+            escape_markdown(&self.cell),
+            escape_markdown(&self.arm)
         );
         let mut row = |name: &str, value: String| {
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "| {name} | {value} |");
+            let _ = writeln!(text, "| {name} | {} |", escape_markdown(&value));
         };
         for (name, value) in self.head.rows() {
             row(name, value);

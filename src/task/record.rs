@@ -87,7 +87,7 @@ impl TaskHead {
     /// Rows of a report: how far it came, and why no further.
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let because = self.error.iter();
-        let because = because.map(|error| ("because", error.replace(['|', '\n'], " ")));
+        let because = because.map(|error| ("because", error.clone()));
         let status = ("status", self.status.in_words().to_owned());
         let stopped = self.stopped.iter().flat_map(Stopped::rows);
         std::iter::once(status)

@@ -3,6 +3,7 @@
 use super::figure::{found_and_theory, is_section, section_figure};
 use super::row::{ExplorationRow, ExplorationSummary};
 use super::walk::SearchSteps;
+use crate::figure::escape_markdown;
 use crate::figure::{Figure, Paper};
 use crate::results::{ResultsError, write_whole};
 use crate::task::record::{TaskHead, write_manifest};
@@ -66,7 +67,7 @@ pub fn write_page(
     let mut text = String::from("# The stability of a helical rod, explored\n\n| | |\n|---|---|\n");
     let mut row = |name: &str, value: String| {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "| {name} | {} |", value.replace(['|', '\n'], " "));
+        let _ = writeln!(text, "| {name} | {} |", escape_markdown(&value));
     };
     row("cell", plan.cell.clone());
     row("arm", plan.arm.clone());

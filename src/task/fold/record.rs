@@ -3,6 +3,7 @@
 use super::score::{FoldScore, Look};
 use super::stage::FoldStage;
 use crate::cell::PlanReport;
+use crate::figure::escape_markdown;
 use crate::task::error::TaskStage;
 use crate::task::record::{TaskHead, TaskRecord, add_pictures};
 use serde::Serialize;
@@ -50,10 +51,11 @@ impl TaskRecord for FoldRecord {
     }
 
     fn report(&self, directory: &Path) -> String {
-        let mut text = format!("# {}, folded\n\n| | |\n|---|---|\n", self.paper);
+        let paper = escape_markdown(&self.paper);
+        let mut text = format!("# {paper}, folded\n\n| | |\n|---|---|\n");
         let mut row = |name: &str, value: String| {
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "| {name} | {value} |");
+            let _ = writeln!(text, "| {name} | {} |", escape_markdown(&value));
         };
         let mm = |metres: f64| format!("{:.2} mm", 1e3 * metres);
         row("cell", self.cell.clone());

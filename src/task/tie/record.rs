@@ -3,6 +3,7 @@
 use super::score::{TieScore, knot_in_words};
 use super::stage::TieStage;
 use crate::cell::PlanReport;
+use crate::figure::escape_markdown;
 use crate::knot::KnotInvariants;
 use crate::plan::tying::Pass;
 use crate::task::error::TaskStage;
@@ -47,11 +48,11 @@ impl TaskRecord for TieRecord {
     }
 
     fn report(&self, directory: &Path) -> String {
-        let patterns = self.patterns.join(" and ");
+        let patterns = escape_markdown(&self.patterns.join(" and "));
         let mut text = format!("# A knot tied along {patterns}\n\n| | |\n|---|---|\n");
         let mut row = |name: &str, value: String| {
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "| {name} | {value} |");
+            let _ = writeln!(text, "| {name} | {} |", escape_markdown(&value));
         };
         let [first, second] = &self.arms;
         row("cell", self.cell.clone());
