@@ -31,6 +31,7 @@ mod probes;
 mod random_scenes;
 mod reference_trajectory;
 mod robots;
+mod schema;
 mod sweep;
 mod tie_in_cell;
 mod view;

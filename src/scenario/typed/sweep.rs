@@ -15,13 +15,25 @@ use std::collections::BTreeMap;
 pub struct Sweep {
     /// Keys that vary together: tables of lists of the same length, the first values of all, the second, ...
     #[serde(default)]
-    pub zip: Vec<BTreeMap<String, Vec<serde_json::Value>>>,
+    pub zip: Vec<BTreeMap<String, Zipped>>,
     /// CSV file with a header line of dotted keys and a row per case, relative to this file.
     pub points: Option<String>,
     /// Samples of the ranges that have no `count`.
     pub sample: Option<Sample>,
     /// A search for one value of one key, instead of a grid of values.
     pub search: Option<Search>,
+}
+
+/// The values of a key, or the keys of a table below it: `rod.radius = [...]` is a table `rod`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+#[expect(dead_code, reason = "read in `scenario::sweep`; this is its schema")]
+pub enum Zipped {
+    /// Values.
+    List(Vec<serde_json::Value>),
+    /// A range, or a table of further keys.
+    Table(BTreeMap<String, serde_json::Value>),
 }
 
 /// Samples of the ranges of a sweep that have no `count`.
