@@ -5,7 +5,8 @@
 //! gives the same mutants everywhere. `RODLAB_FUZZ_CASES=1000000 cargo test --release fuzz::` tries more than the
 //! hundred thousand of continuous integration.
 
-use rodlab::cell::Cell;
+mod robots;
+
 use rodlab::experiment::{
     case_set, case_set_from_text, derived_numbers, from_text, prepare, try_scene,
 };
@@ -15,7 +16,6 @@ use rodlab::results::{
     CheckpointFiles, Manifest, read_branches, read_end_state, read_nodes, read_series,
     scenario_hash,
 };
-use rodlab::robot::read_urdf;
 use rodlab::run::{PreparedRun, RunError, RunOptions, run};
 use rodlab::scenario::read_polyline;
 use rodlab::sweep::check_every_value;
@@ -416,7 +416,36 @@ fn damaged_results_do_not_panic() {
     let file = |name: &str| fs::read(directory.path().join(name)).unwrap();
     let folder = |path: &Path| path.parent().unwrap().to_owned();
     let manifest = file("manifest.json");
-    feed_file("manifest", 0.06, "manifest.json", &[&manifest], |path| {
+    // Files of the run that were damaged beside a whole manifest, and a damaged manifest.
+    let marked = |name: &str| {
+        let beside = tempfile::tempdir().unwrap();
+        for entry in fs::read_dir(directory.path()).unwrap() {
+            let entry = entry.unwrap();
+            if entry.path().is_file() {
+                fs::copy(entry.path(), beside.path().join(entry.file_name())).unwrap();
+            }
+        }
+        let (written, place) = (file(name), beside.path().join(name));
+        feed(&format!("marked {name}"), 0.005, |random| {
+            let bytes = damaged(&written, random);
+            fs::write(&place, &bytes).unwrap();
+            let read = Manifest::read_checked(beside.path());
+            let outcome = match (bytes == written, &read) {
+                (false, Ok(Some(_))) if name != "manifest.json" => Outcome::Contradicted,
+                _ => read.into(),
+            };
+            (String::from_utf8_lossy(&bytes).into_owned(), outcome)
+        });
+    };
+    for name in [
+        "manifest.json",
+        "summary.csv",
+        "end_state.csv",
+        "scenario.toml",
+    ] {
+        marked(name);
+    }
+    feed_file("manifest", 0.04, "manifest.json", &[&manifest], |path| {
         Manifest::read(&folder(path))
     });
     feed_file(
@@ -451,19 +480,6 @@ fn damaged_results_do_not_panic() {
     feed_file("checkpoint", 0.03, "checkpoint.0", &[&checkpoint], |path| {
         let read = CheckpointFiles::new(&folder(path), &hash).read(|payload: Payload| Ok(payload));
         read.unwrap().ok_or(())
-    });
-}
-
-#[test]
-fn cells_and_robots_do_not_panic() {
-    let cells = texts("scenarios/cells", "toml");
-    let seeds: Vec<&[u8]> = cells.iter().map(String::as_bytes).collect();
-    feed_file("cell", 0.01, "cell.toml", &seeds, Cell::read);
-    let urdf = br#"<robot name="arm"><link name="a"/><link name="b"/>
-<joint name="j" type="revolute"><parent link="a"/><child link="b"/><origin xyz="0 0 0.1" rpy="0 0 1"/>
-<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"#;
-    feed_file("urdf", 0.01, "arm.urdf", &[urdf], |path| {
-        read_urdf(path, None, None)
     });
 }
 
