@@ -55,6 +55,26 @@ const SMALL: [&str; 9] = [
     "--json",
 ];
 
+/// A model of version 1, which has no checksum, whose answers overflow.
+fn with_huge_weights(model: &[u8]) -> Vec<u8> {
+    let length = u64::from_le_bytes(model[..8].try_into().unwrap()) as usize;
+    let mut header: Value = serde_json::from_slice(&model[8..8 + length]).unwrap();
+    let about = header["__metadata__"]["rodlab"].as_str().unwrap();
+    let mut about: Value = serde_json::from_str(about).unwrap();
+    about["version"] = 1.into();
+    about.as_object_mut().unwrap().remove("checksum");
+    header["__metadata__"]["rodlab"] = about.to_string().into();
+    let mut header = header.to_string();
+    header += &" ".repeat(header.len().next_multiple_of(8) - header.len());
+    let weights = model[8 + length..]
+        .chunks(4)
+        .flat_map(|_| 3e38_f32.to_le_bytes());
+    let mut huge = (header.len() as u64).to_le_bytes().to_vec();
+    huge.extend(header.bytes());
+    huge.extend(weights);
+    huge
+}
+
 #[test]
 fn samples_are_learned_judged_and_used() {
     let folder = folder();
@@ -102,6 +122,14 @@ fn samples_are_learned_judged_and_used() {
     let mean = |index: usize| judged["errors"][index]["mean"].as_f64().unwrap();
     // A small network from few samples: a tenth of the spread of places and a quarter of that of rotations.
     assert!(mean(0) < 0.3 && mean(1) < 0.2, "{judged}");
+
+    fs::write(
+        folder.join("huge.safetensors"),
+        with_huge_weights(&fs::read(folder.join(model)).unwrap()),
+    )
+    .unwrap();
+    let message = refused(folder, &["evaluate", "huge.safetensors", "results/grasps"]);
+    assert!(message.contains("not finite numbers"), "{message}");
 
     let plan = |solver: &[&str]| {
         let rod = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rods/green_vps.toml");
@@ -208,7 +236,8 @@ fn a_training_that_was_killed_at_its_start_begins_anew() {
     begun["epochs"] = 0.into();
     begun["next_phase"] = 0.into();
     fs::write(&record, begun.to_string()).unwrap();
-    fs::write(own.join("model.safetensors"), "half").unwrap();
+    let model = fs::read(own.join("model.safetensors")).unwrap();
+    fs::write(own.join("model.safetensors"), &model[..model.len() / 2]).unwrap();
     assert_eq!(done(folder, &SMALL)["status"], "finished");
 }
 

@@ -69,6 +69,14 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
     }
     let errors = errors_of(&model, &covered, files.columns.compared);
     let errors = errors.map_err(|error| input(&error))?;
+    let is_finite = |errors: &Errors| errors.mean.is_finite() && errors.largest.is_finite();
+    if let Some(wrong) = errors.iter().find(|errors| !is_finite(errors)) {
+        return Err(Failure::Input(format!(
+            "{}: its answers for `{}` are not finite numbers; train it again",
+            arguments.model.display(),
+            wrong.quantity
+        )));
+    }
     if let Some(out) = &arguments.out {
         let figure = error_figure(&errors).svg(&Paper::default());
         write_file(out, figure.as_bytes())?;
