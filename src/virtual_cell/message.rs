@@ -191,9 +191,13 @@ pub fn published(topic: &str, message: Value) -> String {
     json!({ "op": "publish", "topic": topic, "msg": message }).to_string()
 }
 
-/// A complaint about what a client said.
-pub fn complaint(words: &str) -> String {
-    json!({ "op": "status", "level": "error", "msg": words }).to_string()
+/// An error in a message of a client, with the name of the goal that the message is about.
+pub fn complaint(words: &str, goal: Option<&str>) -> String {
+    let mut message = json!({ "op": "status", "level": "error", "msg": words });
+    if let Some(goal) = goal {
+        message["id"] = json!(goal);
+    }
+    message.to_string()
 }
 
 /// A goal as its client knows it.

@@ -270,7 +270,12 @@ impl VirtualCell {
     }
 
     fn hear(&mut self, index: usize, text: &str) {
-        let answer = match Request::read(text) {
+        let request = Request::read(text);
+        let goal = match &request {
+            Ok(Request::Goal { id, .. }) => Some(id.clone()),
+            _ => None,
+        };
+        let answer = match request {
             Ok(Request::Subscribe(topic, wish)) => match self.topics.know(&topic) {
                 Ok(()) => self.clients[index].subscribe(topic, wish),
                 Err(words) => Err(words),
@@ -285,7 +290,7 @@ impl VirtualCell {
             Err(words) => Err(words),
         };
         if let Err(words) = answer {
-            self.clients[index].send(&complaint(&words));
+            self.clients[index].send(&complaint(&words, goal.as_deref()));
         }
     }
 

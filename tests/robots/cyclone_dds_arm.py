@@ -214,6 +214,11 @@ class Service:
         return [sample for sample in self.reader.take(10) if sample.sample_info.valid_data]
 
 
+# A fault of the server, by the environment: false-end (it reports success at once, and the arm stands still), false-cancel (it confirms
+# a cancellation, and the arm moves on), flood (the arm stands still after 2 s, with 5,000 reports a second).
+FAULT = os.environ.get("ARM_FAULT")
+
+
 class Arm:
     """Joints that reports name, which goals move those of `joints`, and where they are."""
 
@@ -229,6 +234,8 @@ class Arm:
         self.goal_id = None
         self.ended = None
         self.asked = []
+        # With false-cancel: the motion that does not end with its goal.
+        self.moves_on = False
 
     def answer(self):
         for one in self.send_goal.requests():
@@ -238,6 +245,8 @@ class Arm:
             if takes:
                 self.goal_id, self.trajectory = list(one.goal_id), trajectory
                 self.begin, self.reached, self.feedbacks = time.monotonic(), 0, 0
+                if FAULT == "false-end":
+                    self.end(EXECUTED)
         self.asked += self.get_result.requests()
         for one in self.cancel_goal.requests():
             ours = self.goal_id is not None and list(one.goal_info.goal_id) == self.goal_id
@@ -245,8 +254,9 @@ class Arm:
             if ours:
                 print("cancelled", flush=True)
                 self.end(CANCELLED)
+                self.moves_on = FAULT == "false-cancel"
 
-    def follow(self):
+    def move(self):
         points = self.trajectory.points
         elapsed = time.monotonic() - self.begin
         while self.reached < len(points):
@@ -255,6 +265,15 @@ class Arm:
                 break
             self.position.update(zip(self.trajectory.joint_names, points[self.reached].positions))
             self.reached += 1
+
+    def follow(self):
+        points = self.trajectory.points
+        is_stuck = FAULT == "flood" and time.monotonic() - self.begin > 2.0
+        if is_stuck:
+            for _ in range(50):
+                self.report()
+        else:
+            self.move()
         self.feedback.write(Feedback(self.goal_id, HEADER, self.trajectory.joint_names, NOWHERE, NOWHERE, NOWHERE))
         self.feedbacks += 1
         if self.reached == len(points):
@@ -277,7 +296,12 @@ class Arm:
         self.answer()
         if self.goal_id is not None:
             self.follow()
+        elif self.moves_on:
+            self.move()
         self.tell()
+        self.report()
+
+    def report(self):
         self.states.write(JointState(HEADER, list(self.position), list(self.position.values()), [], []))
 
 

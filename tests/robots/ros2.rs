@@ -96,9 +96,15 @@ fn driver(domain: u32, name: &str, middleware: &str) -> String {
 
 impl Robot {
     fn start(middleware: &str) -> Option<Self> {
+        Self::with_fault(middleware, "none")
+    }
+
+    /// With an arm that has a fault of `cyclone_dds_arm.py`.
+    fn with_fault(middleware: &str, fault: &str) -> Option<Self> {
         let (domain, name) = address();
         let mut arm = arm(middleware)?
             .args([&domain.to_string(), &name])
+            .env("ARM_FAULT", fault)
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
@@ -220,6 +226,28 @@ fn an_interruption_cancels_the_goal_within_half_a_second() {
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(130), "{}", said(&output));
         assert!(log(robot.folder.path(), "events.csv").contains("right holds"));
+    }
+}
+
+/// Success that is reported while the arm stands still, a cancellation that is confirmed while it moves on, and reports without end.
+#[test]
+fn faulty_servers_are_found_by_the_joints() {
+    for (fault, words) in [
+        ("false-end", "its controller has reported the end"),
+        ("false-cancel", "still moves: watch the arm"),
+        ("flood", "joints stand still"),
+    ] {
+        let Some(robot) = Robot::with_fault("cyclone-dds", fault) else {
+            return;
+        };
+        let child = start_stream(robot.folder.path());
+        if fault == "false-cancel" {
+            wait_for_motion(robot.folder.path());
+            interrupt(&child);
+        }
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
+        assert!(said(&output).contains(words), "{fault}: {}", said(&output));
     }
 }
 

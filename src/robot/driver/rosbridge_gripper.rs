@@ -5,9 +5,10 @@ use super::rosbridge_socket::{open_socket, send};
 use super::{DriverError, GripperDriver};
 use serde_json::{Value, json};
 use std::io::ErrorKind;
+use std::net::TcpStream;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-use tungstenite::Message;
 use tungstenite::protocol::WebSocketConfig;
+use tungstenite::{Message, WebSocket};
 
 /// Largest message of the server, bytes.
 const LARGEST_MESSAGE: usize = 1 << 20;
@@ -66,39 +67,13 @@ impl GripperDriver for RosbridgeGripper {
         let body = json!({ "command": command });
         let message = goal(self.version, &self.action, &COMMAND, &id, body);
         send(&mut socket, &message).map_err(|error| self.lost(error))?;
-        let begin = Instant::now();
-        while begin.elapsed() < patience {
-            if is_interrupted() {
-                let cancel = cancellation(self.version, &self.action, &id);
-                send(&mut socket, &cancel).map_err(|error| self.lost(error))?;
-                return Err(DriverError::Aborted("interrupted".into()));
-            }
-            match socket.read() {
-                Ok(Message::Text(text)) => {
-                    let message: Value = serde_json::from_str(&text).unwrap_or_default();
-                    if let Some(outcome) = result_of(&self.action, &id, &message) {
-                        return match is_stalled(&message) {
-                            true => Ok(()),
-                            false => outcome,
-                        };
-                    }
-                    if message["op"] == "status" && message["level"] == "error" {
-                        let said = message["msg"].as_str().unwrap_or("an error without words");
-                        return Err(DriverError::Refused(self.in_words(said)));
-                    }
-                }
-                Ok(_) => {}
-                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
-                    std::thread::sleep(LOOK);
-                }
-                Err(error) => return Err(self.lost(error)),
-            }
+        let ended = self.wait(&mut socket, &id, patience, is_interrupted);
+        if ended.is_err() {
+            // Whatever ended it, the fingers must not move on; the connection may be gone.
+            let cancel = cancellation(self.version, &self.action, &id);
+            send(&mut socket, &cancel).map_err(|error| self.lost(error))?;
         }
-        Err(self.lost(format_args!(
-            "the gripper {} has not moved within {} s; is it started, and is this its action?",
-            self.action,
-            patience.as_secs_f64()
-        )))
+        ended
     }
 }
 
@@ -115,6 +90,52 @@ fn is_stalled(result: &Value) -> bool {
 }
 
 impl RosbridgeGripper {
+    /// Waits for the end of a goal.
+    fn wait(
+        &self,
+        socket: &mut WebSocket<TcpStream>,
+        id: &str,
+        patience: Duration,
+        is_interrupted: &dyn Fn() -> bool,
+    ) -> Result<(), DriverError> {
+        let mut complaint = String::new();
+        let begin = Instant::now();
+        while begin.elapsed() < patience {
+            if is_interrupted() {
+                return Err(DriverError::Aborted("interrupted".into()));
+            }
+            match socket.read() {
+                Ok(Message::Text(text)) => {
+                    let message: Value = serde_json::from_str(&text).unwrap_or_default();
+                    if let Some(outcome) = result_of(&self.action, id, &message) {
+                        return match is_stalled(&message) {
+                            true => Ok(()),
+                            false => outcome,
+                        };
+                    }
+                    if message["op"] == "status" && message["level"] == "error" {
+                        let words = message["msg"].as_str().unwrap_or("an error without words");
+                        if message["id"] == *id {
+                            return Err(DriverError::Refused(self.in_words(words)));
+                        }
+                        // It may be about another client.
+                        complaint = format!(" (the server reported: {words})");
+                    }
+                }
+                Ok(_) => {}
+                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
+                    std::thread::sleep(LOOK);
+                }
+                Err(error) => return Err(self.lost(error)),
+            }
+        }
+        Err(self.lost(format_args!(
+            "the gripper {} has not moved within {} s; is it started, and is this its action?{complaint}",
+            self.action,
+            patience.as_secs_f64()
+        )))
+    }
+
     fn lost(&self, reason: impl std::fmt::Display) -> DriverError {
         DriverError::Lost(self.in_words(reason))
     }

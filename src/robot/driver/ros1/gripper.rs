@@ -75,6 +75,7 @@ impl GripperDriver for Ros1Gripper {
                 }
             }
         }
+        cancellations.publish(&message::cancel(goal.id()));
         Err(self.lost(format_args!(
             "the gripper {} has not moved within {} s; is it started, and is this its action?",
             self.action,

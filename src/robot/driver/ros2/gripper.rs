@@ -172,6 +172,7 @@ impl GripperDriver for Ros2Gripper {
             }
             std::thread::sleep(LOOK);
         }
+        self.cancel(&mut connection, goal_id);
         Err(self.lost(format_args!(
             "the gripper {} has not moved within {} s",
             self.address.action,
