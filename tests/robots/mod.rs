@@ -41,6 +41,12 @@ fn said(output: &Output) -> String {
     format!("{stdout}{stderr}")
 }
 
+/// Checks that a motion failed, with these words.
+fn assert_failed(output: &Output, words: &str) {
+    assert_eq!(output.status.code(), Some(1), "{}", said(output));
+    assert!(said(output).contains(words), "{}", said(output));
+}
+
 /// Starts [`STREAM`] in a folder.
 fn start_stream(folder: &Path) -> Child {
     Command::new(env!("CARGO_BIN_EXE_rodlab"))

@@ -1,8 +1,8 @@
 //! A real ROS 1 master and an action server of actionlib, installed and started for the purpose on Debian as root.
 
 use super::{
-    STREAM, assert_followed, interrupt, lines_of, log, rename_joint, rodlab, said, start_stream,
-    two_joints, wait_for_event, wait_for_motion,
+    STREAM, assert_failed, assert_followed, interrupt, lines_of, log, rename_joint, rodlab, said,
+    start_stream, two_joints, wait_for_event, wait_for_motion,
 };
 use crate::parts::{have, succeeds};
 use std::net::TcpListener;
@@ -148,12 +148,7 @@ fn false_reports_of_a_server_are_found_by_the_joints() {
         return;
     };
     let output = rodlab(robot.folder.path(), &STREAM);
-    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
-    assert!(
-        said(&output).contains("its controller has reported the end"),
-        "{}",
-        said(&output)
-    );
+    assert_failed(&output, "its controller has reported the end");
     drop(robot);
     let Some(robot) = Robot::with_fault("false-cancel") else {
         return;
@@ -162,12 +157,7 @@ fn false_reports_of_a_server_are_found_by_the_joints() {
     wait_for_motion(robot.folder.path());
     interrupt(&child);
     let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
-    assert!(
-        said(&output).contains("still moves: watch the arm"),
-        "{}",
-        said(&output)
-    );
+    assert_failed(&output, "still moves: watch the arm");
 }
 
 #[test]
@@ -175,12 +165,7 @@ fn joints_that_the_server_does_not_know_are_reported() {
     let Some(robot) = Robot::start() else { return };
     rename_joint(robot.folder.path());
     let output = rodlab(robot.folder.path(), &STREAM);
-    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
-    assert!(
-        said(&output).contains("it does not know these joints"),
-        "{}",
-        said(&output)
-    );
+    assert_failed(&output, "it does not know these joints");
 }
 
 #[test]
@@ -236,12 +221,7 @@ fn a_rod_before_a_camera_of_ros_1_is_traced() {
     }
     let place = format!("ros1://127.0.0.1:{}/camera/none", robot.port);
     let output = rodlab(robot.folder.path(), &["trace", &place]);
-    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
-    assert!(
-        said(&output).contains("is the camera started"),
-        "{}",
-        said(&output)
-    );
+    assert_failed(&output, "is the camera started");
     let output = rodlab(robot.folder.path(), &["trace", "ros1://none"]);
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
 }

@@ -1,8 +1,8 @@
 //! Action servers of ROS 2 on Cyclone DDS (by pip) and on Fast DDS (of Debian), made, started and met on this machine only.
 
 use super::{
-    STREAM, assert_followed, interrupt, lines_of, log, rename_joint, rodlab, said, start_stream,
-    two_joints, wait_for_event, wait_for_motion,
+    STREAM, assert_failed, assert_followed, interrupt, lines_of, log, rename_joint, rodlab, said,
+    start_stream, two_joints, wait_for_event, wait_for_motion,
 };
 use crate::parts::{have, python_with, succeeds};
 use std::fs;
@@ -246,8 +246,7 @@ fn faulty_servers_are_found_by_the_joints() {
             interrupt(&child);
         }
         let output = child.wait_with_output().unwrap();
-        assert_eq!(output.status.code(), Some(1), "{fault}: {}", said(&output));
-        assert!(said(&output).contains(words), "{fault}: {}", said(&output));
+        assert_failed(&output, words);
     }
 }
 
@@ -285,12 +284,7 @@ fn a_killed_server_is_noticed_within_half_a_second() {
             begin.elapsed()
         );
         let output = child.wait_with_output().unwrap();
-        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
-        assert!(
-            said(&output).contains("no report of its joints"),
-            "{}",
-            said(&output)
-        );
+        assert_failed(&output, "no report of its joints");
     }
 }
 

@@ -367,12 +367,7 @@ fn an_arm_that_moves_on_is_reported() {
         wait_for_feedback(&shared);
         interrupt(&child);
         let output = child.wait_with_output().unwrap();
-        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
-        assert!(
-            said(&output).contains("still moves: watch the arm"),
-            "{}",
-            said(&output)
-        );
+        assert_failed(&output, "still moves: watch the arm");
     }
 }
 
@@ -387,12 +382,7 @@ fn an_end_that_is_not_seen_is_no_end() {
         });
         let folder = folder(&address, 1, 4.0);
         let output = rodlab(folder.path(), &STREAM);
-        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
-        assert!(
-            said(&output).contains("its controller has reported the end of the motion"),
-            "{}",
-            said(&output)
-        );
+        assert_failed(&output, "its controller has reported the end of the motion");
         assert!(shared.lock().unwrap().cancelled_at.is_some());
     }
 }

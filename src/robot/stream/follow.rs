@@ -154,6 +154,10 @@ impl Follower {
                 return Ok(());
             }
         }
+        if distance.is_infinite() {
+            let joint = &self.joints[worst];
+            return Err(format!("{joint} reports a position that is not a number"));
+        }
         let kind = self.kinds[worst];
         let allowed = now.bounds.tracking.of(kind);
         Err(format!(
