@@ -186,6 +186,11 @@ pub fn reproduce(
     if options.quick && page::is_whole(&page) {
         return Err(ReproduceError::WouldReplace { page });
     }
+    let heading = page::Heading {
+        name: artifact.name(),
+        title: artifact.title(),
+    };
+    page::check_place(&page, &heading)?;
     artifact.recipe.make(artifact, options, report)
 }
 
@@ -194,6 +199,31 @@ mod tests {
     use super::*;
     use std::fs;
     use std::sync::Mutex;
+
+    #[test]
+    fn pages_of_others_are_not_replaced() {
+        let directory = tempfile::tempdir().unwrap();
+        let artifact = Artifact::named("tab2.1").unwrap();
+        let page = directory.path().join(artifact.name());
+        fs::create_dir_all(&page).unwrap();
+        let heading = page::Heading {
+            name: artifact.name(),
+            title: artifact.title(),
+        };
+        for (name, own) in [
+            ("README.md", format!("# {}\n\nMade by", artifact.title())),
+            (
+                "manifest.json",
+                format!("{{\n  \"artifact\": \"{}\",\n", artifact.name()),
+            ),
+        ] {
+            fs::write(page.join(name), "precious").unwrap();
+            let error = reproduce(artifact, &options(directory.path(), 1), &|_| {}).unwrap_err();
+            assert!(error.to_string().contains(name), "{error}");
+            fs::write(page.join(name), own).unwrap();
+            assert!(page::check_place(&page, &heading).is_ok());
+        }
+    }
 
     fn options(directory: &std::path::Path, jobs: usize) -> ReproduceOptions {
         ReproduceOptions {

@@ -4,7 +4,7 @@ use super::ReproduceOptions;
 use super::cases::{Case, Run};
 use crate::figure::{Figure, FigureOptions};
 use crate::report::write_figure;
-use crate::results::{CaseStatus, MANIFEST, ResultsError, write_whole};
+use crate::results::{CaseStatus, MANIFEST, ResultsError, check_own, write_whole};
 use crate::run::thread_pools::threads_of_a_job;
 use serde::Serialize;
 use std::fmt::Write;
@@ -104,6 +104,26 @@ pub(super) fn is_whole(page: &Path) -> bool {
     let manifest = std::fs::read(page.join(MANIFEST)).ok();
     let manifest = manifest.and_then(|bytes| serde_json::from_slice(&bytes).ok());
     manifest.is_some_and(|manifest: serde_json::Value| manifest["quick"] == false)
+}
+
+/// Checks that the page and the manifest in a folder, if there are any, are those of an artefact.
+///
+/// # Errors
+/// [`ResultsError::NotOwn`].
+pub(super) fn check_place(folder: &Path, heading: &Heading) -> Result<(), ResultsError> {
+    let entry = format!("\"artifact\": \"{}\"", heading.name);
+    let manifest = folder.join(MANIFEST);
+    check_own(&manifest, |head| {
+        String::from_utf8_lossy(head).contains(&entry)
+    })?;
+    if manifest.exists() {
+        // The title may be that of an earlier version.
+        return Ok(());
+    }
+    let title = format!("# {}", heading.title);
+    check_own(&folder.join("README.md"), |head| {
+        head.starts_with(title.as_bytes())
+    })
 }
 
 impl Page {
