@@ -444,6 +444,10 @@ fn a_mesh_of_a_urdf_keeps_the_distance_of_its_convex_hull() {
         let found = surroundings.clearance(&surroundings.homes(), None);
         assert!((found - expected).abs() < 1e-6, "{found} {expected}");
     }
+    let far = TETRAHEDRON.replace("vertex 0 0 1 ", "vertex 0 0 1e300 ");
+    std::fs::write(directory.path().join("t.stl"), far).unwrap();
+    let error = read_urdf(&path, None, None).unwrap_err().to_string();
+    assert!(error.contains("corners beyond 1000000 m"), "{error}");
     std::fs::write(directory.path().join("t.stl"), "solid t\nendsolid t\n").unwrap();
     let error = read_urdf(&path, None, None).unwrap_err().to_string();
     assert!(

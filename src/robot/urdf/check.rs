@@ -7,7 +7,7 @@ use urdf_rs::{Geometry, Robot};
 /// Most links, joints and collision shapes of a file, each.
 const MOST: usize = 1000;
 /// Largest length, m: squares of larger ones lose the distances between them.
-const LARGEST_LENGTH: f64 = 1e6;
+pub(super) const LARGEST_LENGTH: f64 = 1e6;
 
 /// Checks a robot as it was parsed.
 ///

@@ -391,6 +391,13 @@ fn bodies(
                     for corner in &mut corners {
                         *corner = [0, 1, 2].map(|k| corner[k] * scale[k]);
                     }
+                    let mut lengths = corners.iter().flatten();
+                    if !lengths.all(|length| length.abs() <= check::LARGEST_LENGTH) {
+                        return Err(fault(format!(
+                            "its mesh {filename} has corners beyond {} m",
+                            check::LARGEST_LENGTH
+                        )));
+                    }
                     let hull = Body::hull(index, &pose, &corners)
                         .ok_or_else(|| fault(format!("its mesh {filename} spans no surface")))?;
                     bodies.push(hull);
