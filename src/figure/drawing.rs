@@ -111,7 +111,7 @@ impl Drawing {
         let [x, y] = words.at.map(number);
         let turn = if words.upright { " rotate(-90)" } else { "" };
         let scale = words.size / UNITS;
-        let label = escape(words.text).replace('"', "&quot;");
+        let label = escape(words.text);
         self.body += &format!(
             "<g aria-label=\"{label}\" transform=\"translate({x} {y}){turn} scale({scale:.6} {:.6})\">",
             -scale
