@@ -4,7 +4,7 @@ use super::atomic::place_whole;
 use super::case_record::{CaseRecord, CaseStatus};
 use super::difference::without_remarks;
 use super::files::{MANIFEST, SCENARIO};
-use super::mark::{FileMarks, check_quickly, marks_of_whole_files};
+use super::mark::{FileMarks, check_whole_files, marks_of_whole_files};
 use super::{ResultsError, SummaryRow, write_summary, write_timings, write_whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -134,14 +134,15 @@ impl Manifest {
         Ok(())
     }
 
-    /// [`Manifest::read`] for a reader of the other files: those of finished results are checked, see [`check_quickly`].
+    /// [`Manifest::read`] for a reader of the other files: those that finished results
+    /// hold as a run wrote them whole, such as the summary, are checked.
     ///
     /// # Errors
     /// As [`Manifest::read`]; [`ResultsError::Altered`] where a file is not what was written.
     pub fn read_checked(directory: &Path) -> Result<Option<Self>, ResultsError> {
         let manifest = Self::read(directory)?;
         if let Some(manifest) = manifest.as_ref().filter(|manifest| manifest.is_finished()) {
-            check_quickly(directory, &manifest.files)?;
+            check_whole_files(directory, &manifest.files)?;
         }
         Ok(manifest)
     }

@@ -3,7 +3,7 @@
 use super::outcome::CaseCounts;
 use crate::results::{
     CaseRecord, CaseStatus, MAIN_CASE, Manifest, ResultsError, SummaryRow, SweepDirectory,
-    write_sweep_summary, write_timings,
+    check_quickly, write_sweep_summary, write_timings,
 };
 use crate::scenario::{Case, CaseSet, Parameter};
 use std::collections::BTreeMap;
@@ -36,11 +36,14 @@ struct State {
 /// The record of the case in a directory; `None` where it was not begun.
 ///
 /// # Errors
-/// [`ResultsError::Altered`] where files of a finished case are missing or changed, see [`Manifest::read_checked`].
+/// [`ResultsError::Altered`] where files of a finished case are missing or changed, see [`check_quickly`].
 pub(super) fn record_in(directory: &Path) -> Result<Option<CaseRecord>, ResultsError> {
-    let Some(mut manifest) = Manifest::read_checked(directory)? else {
+    let Some(mut manifest) = Manifest::read(directory)? else {
         return Ok(None);
     };
+    if manifest.is_finished() {
+        check_quickly(directory, &manifest.files)?;
+    }
     Ok(manifest.cases.remove(MAIN_CASE))
 }
 
