@@ -1,7 +1,10 @@
 //! The rosbridge driver against a WebSocket server with an arm behind it, made here for the purpose: the server itself
 //! is in no registry.
 
-use super::{STREAM, interrupt, log, rename_joint, rodlab, said, signal, start_stream, two_joints};
+use super::{
+    STREAM, assert_failed, interrupt, log, rename_joint, rodlab, said, signal, start_stream,
+    two_joints,
+};
 use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::net::{TcpListener, TcpStream};
