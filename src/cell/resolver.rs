@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// How far fingers are apart that hold nothing, where nobody says so, m.
 const OPEN: f64 = 0.04;
-/// Greatest effort of fingers where nobody says so, N: enough for a rod, and gentle to it. Controllers of effort take 0 for no force.
+/// Default greatest effort of fingers, N: enough for a rod, and gentle to it. Controllers of effort take 0 for no force.
 const EFFORT: f64 = 10.0;
 
 /// Reads keys and notes what is wrong with them; faulty ones are replaced by harmless values, so that all faults of a

@@ -64,7 +64,7 @@ impl<S: TaskStage> TaskError<S> {
 /// Why an arm did not do what it was to do.
 #[derive(Debug, thiserror::Error)]
 pub enum WorkError {
-    /// Something failed; all was told to hold.
+    /// Something failed; all was commanded to hold.
     #[error("{0}")]
     Failed(String),
     /// Somebody asked for the end; all holds.

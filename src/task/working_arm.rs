@@ -39,7 +39,7 @@ impl WorkingArm<'_> {
     /// Streams a motion, of this arm or with others. A folder of that name has its trajectory and log.
     ///
     /// # Errors
-    /// It cannot be done, or was not: all was told to hold.
+    /// It cannot be done, or was not: all was commanded to hold.
     pub fn follow(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
         self.stream(name, motion, None)
     }

@@ -1,4 +1,4 @@
-//! Hostile clients: whatever they send, others are served, answers are short, and the server goes on.
+//! Hostile clients: whatever they send, others are served, answers are short, and the server continues.
 
 use super::tests::gantry;
 use super::{Response, Settings, VirtualCell};

@@ -376,7 +376,7 @@ impl VirtualCell {
         Ok(())
     }
 
-    /// Ends a goal of an arm, with `which` of 0, or of its gripper, with 1: tells its client, and lists it as ended.
+    /// Ends a goal of an arm, with `which` of 0, or of its gripper, with 1: reports it to its client, and lists it as ended.
     fn end(&mut self, arm: usize, which: usize, goal: &UnderWay, verdict: &Verdict) {
         self.ended[arm][which].note(&goal.name.id, verdict);
         let clients = self.clients.iter_mut();

@@ -5,7 +5,7 @@ use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3,
 };
 
-/// Smallest turn between two poses that tells something, radians.
+/// Smallest turn between two poses that counts, radians.
 const LEAST_TURN: f64 = 0.05;
 
 /// The mount by least squares over all pairs.

@@ -198,7 +198,7 @@ fn a_killed_server_and_a_killed_master_are_noticed_within_half_a_second() {
         };
         assert!(said(&output).contains(expected), "{}", said(&output));
         if master {
-            // The arm lives, and was told to hold.
+            // The arm lives, and was commanded to hold.
             assert_eq!(robot.says(2), "preempted");
         }
     }

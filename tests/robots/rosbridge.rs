@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use tungstenite::{Message, WebSocket};
 
-/// What the server is told to do, and what it saw.
+/// What the server does, and what it saw.
 #[derive(Default)]
 pub(super) struct Script {
     ros: u8,
@@ -66,7 +66,7 @@ fn serve(script: Script) -> (String, Shared) {
     let shared = Arc::new(Mutex::new(script));
     let theirs = Arc::clone(&shared);
     std::thread::spawn(move || {
-        // The arm itself goes on while nobody is connected.
+        // The arm itself continues while no client is connected.
         let mut goal = None;
         loop {
             let (stream, _) = listener.accept().unwrap();

@@ -14,7 +14,7 @@ use std::time::Instant;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
-/// Topic on which a simulated robot tells its time.
+/// Topic on which a simulated robot publishes its time.
 const CLOCK: &str = "/clock";
 /// What it is sent to do.
 const FOLLOW: ActionName = ActionName {

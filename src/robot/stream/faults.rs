@@ -1,4 +1,4 @@
-//! Streams to arms with random faults, in simulated time: a motion ends finished, or told to stop, and the words are true.
+//! Streams to arms with random faults, in simulated time: a motion ends finished, or commanded to stop, and the words are true.
 //!
 //! `RODLAB_FAULT_CASES=100000 cargo test --release random_faults` tries more than continuous integration does.
 
@@ -119,7 +119,7 @@ const FAULTS: [Fault; 22] = [
     Fault::ClockJump,
 ];
 
-/// The arm itself, which goes on whatever its client does.
+/// The arm itself, which moves whatever its client does.
 struct Arm {
     fault: Fault,
     /// When it happens, s after the start.
@@ -455,7 +455,7 @@ fn run_case(seed: u64) -> Result<(), String> {
             .iter()
             .any(|arm| arm.begun.is_some() && arm.requests == 0 && !unreachable(arm))
         {
-            return wrong("it was not told to stop");
+            return wrong("it was not commanded to stop");
         }
     }
     // Early enough, each fault decides how the motion ends.
@@ -487,7 +487,7 @@ fn faulty_is_glitch(arms: &[MutexGuard<'_, Arm>]) -> bool {
 }
 
 #[test]
-fn motions_with_random_faults_end_finished_or_told_to_stop() {
+fn motions_with_random_faults_end_finished_or_commanded_to_stop() {
     let given = std::env::var(VARIABLE).ok();
     let cases = given.and_then(|cases| cases.parse().ok()).unwrap_or(CASES);
     let wrong: Vec<String> = (0..cases).filter_map(|seed| run_case(seed).err()).collect();

@@ -234,9 +234,7 @@ impl Follower {
             let is_early = now.time / now.rate < START && !now.is_done;
             return match is_early || !now.is_accepted || !now.is_alone {
                 true => Ok(Motion::Follows),
-                false => Err(format!(
-                    "its joints do not begin to move (are its drives on?)"
-                )),
+                false => Err("its joints do not begin to move (are its drives on?)".into()),
             };
         }
         let longest = now.bounds.longest_pause;

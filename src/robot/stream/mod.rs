@@ -3,7 +3,7 @@
 //! [`check`] looks at the motion before the first point is sent. [`stream`] then connects, compares the joints with their first
 //! points, starts all parts at once, and watches their reports. A motion is finished where the joints are seen at the last point
 //! and at rest, whatever a controller reports. A silence longer than the watchdog's time, or a joint farther from its trajectory
-//! than a tolerance, ends the motion of all. Whatever ends it early, every part is told to stop, and holds only where its joints
+//! than a tolerance, ends the motion of all. Whatever ends it early, every part is commanded to stop, and holds only where its joints
 //! are seen at rest.
 //!
 //! | file | what |
@@ -75,7 +75,7 @@ pub enum Ending {
 /// Motions under way in this program.
 static MOVING: AtomicUsize = AtomicUsize::new(0);
 
-/// A motion under way: from the first goal until every part was told to stop or has arrived.
+/// A motion under way: from the first goal until every part was commanded to stop or has arrived.
 pub struct Moving(());
 
 impl Moving {

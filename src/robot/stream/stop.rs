@@ -1,4 +1,4 @@
-//! The end of a motion that is not finished: every part is told to stop, and watched until its joints are at rest.
+//! The end of a motion that is not finished: every part is commanded to stop, and watched until its joints are at rest.
 
 use super::reports::Reports;
 use super::timer::Timer;
@@ -120,8 +120,8 @@ impl Stopping {
     fn in_words(&self, part: &Part) -> (bool, String) {
         let name = &part.name;
         let request = match &self.fault {
-            None => "was told to hold".to_owned(),
-            Some(error) => format!("could not be told to hold ({error})"),
+            None => "was commanded to hold".to_owned(),
+            Some(error) => format!("could not be commanded to hold ({error})"),
         };
         match self.left.as_ref().unwrap_or(&Left::Unseen) {
             Left::Still if self.fault.is_none() && part.driver.reports_state() => {

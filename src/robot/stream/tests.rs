@@ -274,7 +274,7 @@ fn an_interruption_leaves_both_arms_still() {
 }
 
 #[test]
-fn nobody_at_the_other_end_is_said_at_once() {
+fn a_missing_server_is_reported_at_once() {
     let driver =
         crate::robot::driver::RosbridgeDriver::new("127.0.0.1:1", RosVersion::One, "/a", "/s");
     let mut parts = [Part {

@@ -92,7 +92,7 @@ impl Walker<'_> {
     /// Searches along a ray from its first point on, and returns there.
     ///
     /// # Errors
-    /// Something fails on the way: all was told to hold. Or the rod does not become straight again.
+    /// Something fails on the way: all was commanded to hold. Or the rod does not become straight again.
     pub fn search(&self, ray: &Ray) -> Result<Searched, WorkError> {
         let mut walk = Walk {
             walker: self,

@@ -28,7 +28,7 @@ use std::time::{Duration, Instant};
 /// Longest wait for the action server.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// Topic on which a simulated robot tells its time.
+/// Topic on which a simulated robot publishes its time.
 const CLOCK_TOPIC: &str = "/clock";
 
 const CLOCK: &str = "clock";

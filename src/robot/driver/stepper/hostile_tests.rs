@@ -168,7 +168,7 @@ fn a_sound_board_finishes_and_holds() {
 }
 
 #[test]
-fn a_faulty_board_is_told_to_stop_and_named() {
+fn a_faulty_board_is_commanded_to_stop_and_named() {
     let faults = [
         (Fault::Stuck, false, "do not begin to move"),
         (Fault::Mute, false, "no answer in a quarter of a second"),
