@@ -325,3 +325,91 @@ fn clock_time(time: &Value) -> Option<f64> {
     let part = |one: &str, two: &str| time[one].as_f64().or_else(|| time[two].as_f64());
     Some(part("secs", "sec")? + 1e-9 * part("nsecs", "nanosec")?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Messages of words that servers use, in any place.
+    fn message() -> impl Strategy<Value = Value> {
+        let words = [
+            "op",
+            "publish",
+            "status",
+            "action_result",
+            "action_feedback",
+            "topic",
+            "/arm/status",
+            "/arm/feedback",
+            "/arm/result",
+            "/joint_states",
+            "/clock",
+            "msg",
+            "name",
+            "position",
+            "a",
+            "clock",
+            "secs",
+            "nsecs",
+            "goal_id",
+            "id",
+            "level",
+            "error",
+            "feedback",
+            "desired",
+            "positions",
+            "joint_names",
+            "values",
+            "error_code",
+            "result",
+            "status_list",
+        ];
+        let word = prop::sample::select(words.to_vec());
+        let leaf = prop_oneof![
+            word.clone().prop_map(|word| json!(word)),
+            any::<f64>().prop_map(|number| json!(number)),
+            any::<i64>().prop_map(|number| json!(number)),
+            any::<bool>().prop_map(|truth| json!(truth)),
+            Just(Value::Null),
+        ];
+        let inner = leaf.prop_recursive(5, 40, 6, move |inner| {
+            let pairs = prop::collection::vec((word.clone(), inner.clone()), 0..6);
+            prop_oneof![
+                prop::collection::vec(inner, 0..6).prop_map(Value::Array),
+                pairs.prop_map(|pairs| pairs
+                    .into_iter()
+                    .map(|(key, value)| (key.to_owned(), value))
+                    .collect()),
+            ]
+        });
+        let op = prop::sample::select(vec![
+            "publish",
+            "status",
+            "action_result",
+            "action_feedback",
+        ]);
+        let topic = prop::sample::select(vec![
+            "/clock",
+            "/joint_states",
+            "/arm/feedback",
+            "/arm/result",
+            "/arm/status",
+        ]);
+        (op, topic, inner).prop_map(|(op, topic, inner)| {
+            json!({ "op": op, "topic": topic, "id": "g", "level": "error", "msg": inner, "values": inner })
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn no_message_makes_it_panic(messages in prop::collection::vec(message(), 1..4)) {
+            let mut driver = RosbridgeDriver::new("server", RosVersion::One, "/arm", "/joint_states");
+            driver.joints = vec!["a".into(), "position".into()];
+            driver.goal = Some(Goal::new());
+            for message in messages {
+                driver.hear(&message);
+            }
+        }
+    }
+}

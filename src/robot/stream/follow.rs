@@ -306,11 +306,11 @@ impl Follower {
     pub(super) fn has_arrived(&self, now: &Circumstances<'_>) -> bool {
         now.time - self.lag >= self.path.duration()
             && self.reports.are_at_rest()
-            && self.from_last_point(now.bounds).is_none()
+            && self.missed_joint(now.bounds).is_none()
     }
 
     /// The joint that is not at the last point by the last report, with its distance from it, in words.
-    pub(super) fn from_last_point(&self, bounds: &StreamBounds) -> Option<String> {
+    pub(super) fn missed_joint(&self, bounds: &StreamBounds) -> Option<String> {
         let positions = self.reports.last()?;
         apart(
             &self.joints,

@@ -330,7 +330,7 @@ impl Watch<'_> {
         }
         let since = *watched.due_since.get_or_insert(self.timer.now());
         if self.timer.now().duration_since(since) > SETTLING {
-            let reason = follower.from_last_point(self.bounds);
+            let reason = follower.missed_joint(self.bounds);
             return Err(format!(
                 "its controller reports the end, but {}",
                 reason.unwrap_or_else(|| "its joints are not at rest".into())

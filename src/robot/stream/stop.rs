@@ -103,9 +103,7 @@ impl Stopping {
 
     fn judge(&mut self, part: &Part, waited: Duration, now: Instant) {
         let silence = now.duration_since(self.heard);
-        self.left = if !part.driver.reports_state() {
-            Some(Left::Still)
-        } else if self.reports.have_come_to_rest(now) {
+        self.left = if !part.driver.reports_state() || self.reports.have_come_to_rest(now) {
             Some(Left::Still)
         } else if silence > SILENCE {
             Some(Left::Unseen)
