@@ -129,7 +129,7 @@ pub trait Driver: Send {
         self.reports_state()
     }
 
-    /// The last report of the joints; `None` before the first. Reads what has arrived, within [`READING`].
+    /// The last report of the joints; `None` before the first. Reads what has arrived, for 2 ms at most.
     ///
     /// # Errors
     /// The connection is lost.
