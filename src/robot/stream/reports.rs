@@ -13,6 +13,8 @@ pub(super) const STILL: Tolerance = Tolerance {
 };
 /// Time without movement after which joints are at rest, s.
 const REST: f64 = 0.1;
+/// The same after a request to stop, which may have been ignored: what moves more slowly than 4 mrad/s or 0.4 mm/s is not found.
+const REST_AFTER_STOP: Duration = Duration::from_millis(250);
 /// Age up to which a report counts as new.
 const FRESH: Duration = Duration::from_millis(250);
 /// Time for which reports are kept, s.
@@ -77,15 +79,14 @@ impl Reports {
             .is_some_and(|moved| moved <= 1.0)
     }
 
-    /// Whether the joints have not moved in the last tenth of a second by the time at which reports came, and reports still
+    /// Whether the joints have not moved in the last quarter of a second by the time at which reports came, and reports still
     /// come at `now`.
     pub(super) fn have_come_to_rest(&self, now: Instant) -> bool {
-        let window = Duration::from_secs_f64(REST);
         let Some(last) = self.kept.back() else {
             return false;
         };
         let reaches_back =
-            |report: &Report| last.received.duration_since(report.received) >= window;
+            |report: &Report| last.received.duration_since(report.received) >= REST_AFTER_STOP;
         let is_fresh = now.duration_since(last.received) < FRESH;
         let first = self.kept.iter().rposition(reaches_back);
         is_fresh && first.is_some_and(|first| self.spread(first, &STILL) <= 1.0)
