@@ -78,7 +78,8 @@ impl Board {
                 (4, _) => {
                     self.holds += 1;
                     let count = self.count();
-                    self.moves = vec![(Instant::now(), count, 1e-6)];
+                    let long_ago = Instant::now() - Duration::from_millis(1);
+                    self.moves = vec![(long_ago, count, 1e-6)];
                 }
                 _ => {}
             }
