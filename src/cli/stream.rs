@@ -41,7 +41,7 @@ Examples:
 
 The motion is checked against limits and collisions before the first point is sent, between the points as well. It starts
 only where every joint is at its first point. It is finished where the joints are seen at the last point, at rest. A silence or
-a joint that leaves its path ends it: everything is told to hold, and watched until it is at rest. So do Ctrl-C and Ctrl-Z,
+a joint that leaves its path ends it: every arm is commanded to hold, and watched until it is at rest. So do Ctrl-C and Ctrl-Z,
 SIGTERM, SIGHUP, SIGQUIT, SIGUSR1 and SIGUSR2. The log is a directory with manifest.json, trajectory.csv (of
 several, trajectory-1.csv and so on), commanded.csv, state.csv and events.csv. Exit code 1: a driver failed, and the message says why.";
 

@@ -44,13 +44,21 @@ pub struct JointState {
 }
 
 impl JointState {
-    /// What a message says of `joints`, heard now; `position` looks up one of them. Messages may name more joints than these,
-    /// and in another order; `None` where one is missing: such a message is of another part of the robot.
-    fn heard(joints: &[String], position: impl Fn(&String) -> Option<f64>) -> Option<Self> {
-        let positions: Option<Vec<f64>> = joints.iter().map(position).collect();
-        positions.map(|positions| Self {
+    /// Where a message, received now, reports `joints` to be: `position` looks up a position by the index of its name among `names`.
+    /// Messages may name more joints than these, and in another order; `None` where one is missing: such a message is of another
+    /// part of the robot.
+    fn heard<Name: PartialEq<str>>(
+        joints: &[String],
+        names: &[Name],
+        position: impl Fn(usize) -> Option<f64>,
+    ) -> Option<Self> {
+        let positions = joints.iter().map(|joint| {
+            let index = names.iter().position(|name| *name == **joint)?;
+            position(index)
+        });
+        Some(Self {
             received: Instant::now(),
-            positions,
+            positions: positions.collect::<Option<_>>()?,
         })
     }
 }

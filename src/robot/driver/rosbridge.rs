@@ -11,7 +11,6 @@ use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::time::Instant;
-use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
 /// Topic on which a simulated robot publishes its time.
@@ -24,12 +23,6 @@ const FOLLOW: ActionName = ActionName {
 
 /// Largest message of the server, bytes: states and results of robots are far smaller.
 const LARGEST_MESSAGE: usize = 1 << 20;
-
-fn bounded() -> WebSocketConfig {
-    WebSocketConfig::default()
-        .max_message_size(Some(LARGEST_MESSAGE))
-        .max_frame_size(Some(LARGEST_MESSAGE))
-}
 
 /// A driver through rosbridge.
 pub struct RosbridgeDriver {
@@ -105,10 +98,7 @@ impl RosbridgeDriver {
         else {
             return;
         };
-        let heard = JointState::heard(&self.joints, |joint| {
-            let index = names.iter().position(|name| name == joint.as_str())?;
-            positions.get(index)?.as_f64()
-        });
+        let heard = JointState::heard(&self.joints, names, |index| positions.get(index)?.as_f64());
         self.state = heard.or(self.state.take());
     }
 
@@ -119,10 +109,8 @@ impl RosbridgeDriver {
             && let Some(names) = feedback["joint_names"].as_array()
             && let Some(positions) = feedback["desired"]["positions"].as_array()
         {
-            let heard = JointState::heard(&self.joints, |joint| {
-                let index = names.iter().position(|name| name == joint.as_str())?;
-                positions.get(index)?.as_f64()
-            });
+            let heard =
+                JointState::heard(&self.joints, names, |index| positions.get(index)?.as_f64());
             self.setpoint = heard.or(self.setpoint.take());
         }
         if let Some(outcome) = result_of(&self.action, goal.id(), message) {
@@ -205,7 +193,7 @@ impl ActionClient for RosbridgeDriver {
 impl Driver for RosbridgeDriver {
     fn connect(&mut self, joints: &[String]) -> Result<(), DriverError> {
         self.joints = joints.to_vec();
-        let socket = open_socket(&self.address, bounded())
+        let socket = open_socket(&self.address, LARGEST_MESSAGE)
             .map_err(|reason| self.lost(format_args!("{reason}")))?;
         let prepared = socket.get_ref().set_nonblocking(true);
         self.socket = Some(socket);

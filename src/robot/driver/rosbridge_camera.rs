@@ -9,7 +9,6 @@ use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
-use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
 /// Largest message, bytes: base64 has four for three.
@@ -28,11 +27,8 @@ impl RosbridgeCamera {
     /// # Errors
     /// If there is no server.
     pub fn open(address: &str, topic: &str) -> Result<Self, DriverError> {
-        let config = WebSocketConfig::default()
-            .max_message_size(Some(LARGEST_MESSAGE))
-            .max_frame_size(Some(LARGEST_MESSAGE));
         let lost = |reason: String| DriverError::Lost(format!("rosbridge at {address}: {reason}"));
-        let mut socket = open_socket(address, config).map_err(lost)?;
+        let mut socket = open_socket(address, LARGEST_MESSAGE).map_err(lost)?;
         // Of pictures that nobody took in time, the server keeps the newest.
         let request = json!({ "op": "subscribe", "topic": topic, "queue_length": 1 });
         let sent = socket.send(Message::text(request.to_string()));

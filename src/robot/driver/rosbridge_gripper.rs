@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
 /// Largest message of the server, bytes.
@@ -40,10 +39,8 @@ impl GripperDriver for RosbridgeGripper {
         patience: Duration,
         is_interrupted: &dyn Fn() -> bool,
     ) -> Result<(), DriverError> {
-        let config = WebSocketConfig::default()
-            .max_message_size(Some(LARGEST_MESSAGE))
-            .max_frame_size(Some(LARGEST_MESSAGE));
-        let mut socket = open_socket(&self.address, config).map_err(|error| self.lost(error))?;
+        let mut socket =
+            open_socket(&self.address, LARGEST_MESSAGE).map_err(|error| self.lost(error))?;
         let quiet = socket.get_ref().set_nonblocking(true);
         quiet.map_err(|error| self.lost(error))?;
         let now = SystemTime::now().duration_since(UNIX_EPOCH);

@@ -10,14 +10,12 @@ use tungstenite::{Message, WebSocket};
 /// Longest time for a connection, and for a message to leave.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A WebSocket to the server at `host:port`, or `host:port/path` where the server asks for one.
+/// A WebSocket to the server at `host:port`, or `host:port/path` where the server asks for one, for messages of
+/// at most `largest` bytes.
 ///
 /// # Errors
 /// In words.
-pub(super) fn open_socket(
-    address: &str,
-    config: WebSocketConfig,
-) -> Result<WebSocket<TcpStream>, String> {
+pub(super) fn open_socket(address: &str, largest: usize) -> Result<WebSocket<TcpStream>, String> {
     let (server, path) = address.split_once('/').unwrap_or((address, ""));
     let resolved = server
         .to_socket_addrs()
@@ -36,6 +34,9 @@ pub(super) fn open_socket(
         .and_then(|()| stream.set_read_timeout(Some(PATIENCE)))
         .map_err(|error| error.to_string())?;
     let url = format!("ws://{server}/{path}");
+    let config = WebSocketConfig::default()
+        .max_message_size(Some(largest))
+        .max_frame_size(Some(largest));
     let (socket, _) = tungstenite::client::client_with_config(url, stream, Some(config))
         .map_err(|error| format!("no WebSocket: {error}"))?;
     Ok(socket)

@@ -118,10 +118,8 @@ impl Ros1Driver {
                 let Some((names, positions)) = message::joint_state(bytes) else {
                     return;
                 };
-                let heard = JointState::heard(&self.joints, |joint| {
-                    let index = names.iter().position(|name| name == joint)?;
-                    positions.get(index).copied()
-                });
+                let heard =
+                    JointState::heard(&self.joints, &names, |index| positions.get(index).copied());
                 self.state = heard.or(self.state.take());
             }
             CLOCK => {
@@ -136,8 +134,7 @@ impl Ros1Driver {
                     && status.id == goal.id()
                 {
                     goal.acknowledge();
-                    let heard = JointState::heard(&self.joints, |joint| {
-                        let index = names.iter().position(|name| name == joint)?;
+                    let heard = JointState::heard(&self.joints, &names, |index| {
                         positions.get(index).copied()
                     });
                     self.setpoint = heard.or(self.setpoint.take());

@@ -2,9 +2,7 @@
 
 use super::super::action_client::{ActionClient, Goal};
 use super::super::follow_joint_trajectory::ros_2_outcome;
-use super::super::{
-    Driver, DriverError, JointState, MOST_MESSAGES, PartTrajectory, Progress, READING,
-};
+use super::super::{Driver, DriverError, JointState, PartTrajectory, Progress, read_within_bounds};
 use super::Ros2Address;
 use super::message::{
     CancelAnswer, CancelGoal, Feedback, GetResult, GoalAnswer, GoalId, JointStates, ResultAnswer,
@@ -115,19 +113,30 @@ impl Ros2Driver {
         })
     }
 
-    fn hear(&mut self, connection: &mut Connection) -> Result<(), String> {
-        let begin = Instant::now();
-        let mut budget = 0..MOST_MESSAGES;
-        let mut may_read = || budget.next().is_some() && begin.elapsed() < READING;
-        while may_read()
-            && let Some(states) = next(&mut connection.joint_states)?
-        {
-            let heard = JointState::heard(&self.joints, |joint| {
-                let index = states.name.iter().position(|name| name == joint)?;
-                states.position.get(index).copied()
-            });
+    /// Reads one report of the joints, or one feedback of the goal; `false` where none has arrived.
+    fn read_sample(&mut self, connection: &mut Connection) -> Result<bool, String> {
+        if let Some(states) = next(&mut connection.joint_states)? {
+            let position = |index: usize| states.position.get(index).copied();
+            let heard = JointState::heard(&self.joints, &states.name, position);
             self.state = heard.or(self.state.take());
+            return Ok(true);
         }
+        let Some(feedback) = next(&mut connection.feedback)? else {
+            return Ok(false);
+        };
+        if let Some((goal_id, goal)) = &mut self.goal
+            && feedback.goal_id == *goal_id
+        {
+            goal.acknowledge();
+            let position = |index: usize| feedback.setpoint.get(index).copied();
+            let heard = JointState::heard(&self.joints, &feedback.joints, position);
+            self.setpoint = heard.or(self.setpoint.take());
+        }
+        Ok(true)
+    }
+
+    fn hear(&mut self, connection: &mut Connection) -> Result<(), String> {
+        read_within_bounds(|| self.read_sample(connection))?;
         let answered = connection.send_goal.answer()?;
         let cancelled = connection.cancel_goal.answer()?;
         let ended = connection.get_result.answer()?;
@@ -135,18 +144,6 @@ impl Ros2Driver {
             return Ok(());
         };
         let goal_id = *goal_id;
-        while may_read()
-            && let Some(feedback) = next(&mut connection.feedback)?
-        {
-            if feedback.goal_id == goal_id {
-                goal.acknowledge();
-                let heard = JointState::heard(&self.joints, |joint| {
-                    let index = feedback.joints.iter().position(|name| name == joint)?;
-                    feedback.setpoint.get(index).copied()
-                });
-                self.setpoint = heard.or(self.setpoint.take());
-            }
-        }
         if let Some(answer) = answered {
             if answer.accepted {
                 goal.acknowledge();
