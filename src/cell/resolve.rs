@@ -243,6 +243,7 @@ impl Resolver<'_> {
             tracking,
             watchdog,
             longest_pause,
+            horizon,
         } = default;
         StreamBounds {
             start: Tolerance {
@@ -276,6 +277,7 @@ impl Resolver<'_> {
             watchdog: duration("watchdog", &typed.watchdog, 0.02, 10.0).unwrap_or(watchdog),
             longest_pause: duration("longest_pause", &typed.longest_pause, 0.0, 86_400.0)
                 .or(longest_pause),
+            horizon: duration("horizon", &typed.horizon, 1.0, 600.0).or(horizon),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::resolved::{Cell, Driver};
 use crate::robot::{
     self, FileDriver, JointKind, JointTrajectory, Limits, Part, PartTrajectory, Ros1Driver,
-    RosVersion, RosbridgeDriver, StepperDriver, check,
+    RosVersion, RosbridgeDriver, StepperDriver, check, check_stops,
 };
 
 const WITHOUT_ROS_2: &str = "this program was built without ROS 2; `cargo install --path .`, without `--no-default-features`, builds one with it";
@@ -87,12 +87,20 @@ impl Cell {
             match driver {
                 None => faults.push(format!("{name}: it has no `driver` in the cell file")),
                 Some(driver) => match self.driver(driver) {
-                    Some(driver) => parts.push(Part {
-                        name: name.to_owned(),
-                        driver,
-                        trajectory: part,
-                        kinds,
-                    }),
+                    Some(driver) => {
+                        if let Some(horizon) = self.streaming.horizon
+                            && driver.sends_goals()
+                            && let Err(stops) = check_stops(&part, &limits, horizon)
+                        {
+                            faults.extend(stops.iter().map(|fault| format!("{name}.{fault}")));
+                        }
+                        parts.push(Part {
+                            name: name.to_owned(),
+                            driver,
+                            trajectory: part,
+                            kinds,
+                        });
+                    }
                     None => faults.push(format!("{name}: {WITHOUT_ROS_2}")),
                 },
             }

@@ -221,6 +221,7 @@ pub struct Streaming {
     pub tracking_tolerance_prismatic: Option<Quantity<Length>>,
     pub watchdog: Option<Quantity<Time>>,
     pub longest_pause: Option<Quantity<Time>>,
+    pub horizon: Option<Quantity<Time>>,
 }
 
 /// What moves an arm or an axis.

@@ -51,7 +51,9 @@ pub use path::{
 };
 pub use pose::{Pose, between, difference, distance_and_angle, parts, pose, pose_of_angles};
 pub use posture::Posture;
-pub use stream::{Ending, Fault, Moving, Part, StreamBounds, StreamLog, Tolerance, check, stream};
+pub use stream::{
+    Ending, Fault, Moving, Part, StreamBounds, StreamLog, Tolerance, check, check_stops, stream,
+};
 pub use timing::{
     Motion as TimedMotion, SAMPLE, TimingError, Utilisation, parametrise, utilisation,
 };

@@ -66,6 +66,8 @@ pub struct SimulatedArm {
     held: Vec<f64>,
     speeds: Vec<f64>,
     goal: Option<(PartTrajectory, f64)>,
+    /// A goal that came less than the latency ago, and when.
+    next: Option<(PartTrajectory, f64)>,
     frozen: Option<usize>,
 }
 
@@ -81,6 +83,7 @@ impl SimulatedArm {
             held: arm.home.clone(),
             speeds: vec![0.0; arm.home.len()],
             goal: None,
+            next: None,
             frozen: None,
         }
     }
@@ -103,7 +106,7 @@ impl SimulatedArm {
 
     /// Whether it follows a trajectory.
     pub fn is_moving(&self) -> bool {
-        self.goal.is_some()
+        self.goal.is_some() || self.next.is_some()
     }
 
     /// What is clamped or handed over needs an arm that stands still.
@@ -117,7 +120,8 @@ impl SimulatedArm {
         }
     }
 
-    /// Takes a trajectory, to be followed from `now`, s.
+    /// Takes a trajectory, to be followed from `now`, s, in place of the one under way. One that begins later leads the joints to its
+    /// first point from where the one before has led them.
     ///
     /// # Errors
     /// Other joints, no points, times that do not grow, positions or speeds beyond the limits.
@@ -149,7 +153,7 @@ impl SimulatedArm {
                 )));
             }
         }
-        self.goal = Some((trajectory, now));
+        self.next = Some((trajectory, now));
         Ok(())
     }
 
@@ -179,7 +183,7 @@ impl SimulatedArm {
 
     /// Ends the motion where the arm is.
     pub fn stop(&mut self) {
-        self.goal = None;
+        (self.goal, self.next) = (None, None);
         self.held.clone_from(&self.joints);
     }
 
@@ -194,11 +198,21 @@ impl SimulatedArm {
 
     /// Moves on by `step` to the time `now`, s; says how a motion ended.
     pub fn advance(&mut self, now: f64, step: f64) -> Option<Ended> {
-        let elapsed = |begin: f64| now - begin - self.response.latency;
-        let target = match &self.goal {
-            Some((trajectory, begin)) if elapsed(*begin) >= 0.0 => trajectory.at(elapsed(*begin)),
-            _ => self.held.clone(),
+        let latency = self.response.latency;
+        let elapsed = |begin: f64| now - begin - latency;
+        let setpoint = |goal: &Option<(PartTrajectory, f64)>, held: &[f64]| match goal {
+            Some((trajectory, begin)) => trajectory.at(elapsed(*begin)),
+            None => held.to_vec(),
         };
+        let mut target = setpoint(&self.goal, &self.held);
+        if let Some((mut next, begin)) = self.next.take_if(|next| elapsed(next.1) >= 0.0) {
+            if next.times[0] > 0.0 {
+                next.times.insert(0, 0.0);
+                next.points.insert(0, target);
+            }
+            self.goal = Some((next, begin));
+            target = setpoint(&self.goal, &self.held);
+        }
         let part = -libm::expm1(-step / self.response.lag.max(1e-9));
         for (index, joint) in self.chain.joints.iter().enumerate() {
             let most = SPEED_MARGIN * joint.limits.velocity * step;
@@ -210,7 +224,7 @@ impl SimulatedArm {
             self.joints[index] += way;
             self.speeds[index] = (way / step).abs();
         }
-        let (trajectory, begin) = self.goal.as_ref()?;
+        let (trajectory, begin) = self.goal.as_ref().filter(|_| self.next.is_none())?;
         let late = elapsed(*begin) - trajectory.duration();
         let names = &trajectory.joints;
         let off = |point: &[f64]| {
@@ -294,6 +308,42 @@ mod tests {
         assert_eq!(ended, Ended::There);
         // 5 cm/s, 40 ms late: 2 mm; in steps of 5 ms a little less.
         assert!((1.5e-3..2.1e-3).contains(&behind), "{behind}");
+    }
+
+    #[test]
+    fn a_goal_that_comes_in_motion_is_joined_without_a_stop() {
+        let (mut arm, whole) = (arm(), ramp(2.0));
+        arm.take(whole.clone(), 0.0).unwrap();
+        let after = |time: f64| {
+            let rest = whole.times.iter().zip(&whole.points);
+            let rest = rest.filter(|(known, _)| **known >= time + 0.1);
+            let (times, points) = rest
+                .map(|(known, point)| (known - time, point.clone()))
+                .unzip();
+            PartTrajectory {
+                joints: whole.joints.clone(),
+                times,
+                points,
+            }
+        };
+        let mut steps = 0;
+        let ended = (1..1000).find_map(|step| {
+            let now = STEP * f64::from(step);
+            if step % 50 == 0 && now < 1.8 {
+                arm.take(after(now), now).unwrap();
+            }
+            let before = arm.joints()[0];
+            let ended = arm.advance(now, STEP);
+            let speed = (arm.joints()[0] - before) / STEP;
+            if (0.2..1.9).contains(&now) {
+                // 5 cm/s; the way from where the joints are begins a little behind.
+                assert!((0.04..0.06).contains(&speed), "{speed} at {now}");
+                steps += 1;
+            }
+            ended
+        });
+        assert!(steps > 300);
+        assert_eq!(ended, Some(Ended::There));
     }
 
     #[test]

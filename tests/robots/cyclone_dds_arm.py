@@ -39,6 +39,9 @@ class Time(IdlStruct):
     sec: int32 = 0
     nanosec: uint32 = 0
 
+    def seconds(self):
+        return self.sec + 1e-9 * self.nanosec
+
 
 @message
 class Header(IdlStruct):
@@ -240,11 +243,15 @@ class Arm:
     def answer(self):
         for one in self.send_goal.requests():
             trajectory = one.goal.trajectory
-            takes = self.goal_id is None and sorted(trajectory.joint_names) == sorted(self.joints)
+            takes = sorted(trajectory.joint_names) == sorted(self.joints)
             self.send_goal.writer.write(SendGoalResponse(one.request, takes, Time()))
             if takes:
+                if self.goal_id is not None:
+                    self.end(CANCELLED)
+                    self.tell()
                 self.goal_id, self.trajectory = list(one.goal_id), trajectory
                 self.begin, self.reached, self.feedbacks = time.monotonic(), 0, 0
+                self.first = dict(self.position)
                 if FAULT == "false-end":
                     self.end(EXECUTED)
         self.asked += self.get_result.requests()
@@ -261,10 +268,15 @@ class Arm:
         elapsed = time.monotonic() - self.begin
         while self.reached < len(points):
             due = points[self.reached].time_from_start
-            if due.sec + 1e-9 * due.nanosec > elapsed:
+            if due.seconds() > elapsed:
                 break
             self.position.update(zip(self.trajectory.joint_names, points[self.reached].positions))
             self.reached += 1
+        if self.reached == 0:
+            # A goal that begins later leads the joints to its first point.
+            part = elapsed / due.seconds()
+            for joint, place in zip(self.trajectory.joint_names, points[0].positions):
+                self.position[joint] = self.first[joint] + part * (place - self.first[joint])
 
     def follow(self):
         points = self.trajectory.points

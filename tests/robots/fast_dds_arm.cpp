@@ -2,6 +2,8 @@
 // An answer names its request in the parameters beside the message, as the middleware of ROS 2 on Fast DDS has it.
 // On this machine only. Arguments: the domain, and the name under which the arm lives.
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
@@ -221,6 +223,7 @@ int main(int, char **arguments) {
     std::map<Identifier, int> ended;          // with which status
     std::chrono::steady_clock::time_point begin;
     size_t reached = 0;
+    std::array<double, 2> first{};            // where the joints were when it came
     int feedbacks = 0;
     auto end = [&](int status) {
         ended[goals[0].identifier] = status;
@@ -231,14 +234,15 @@ int main(int, char **arguments) {
         Request request;
         while (send_goal.take(request)) try {
                 const Goal goal(request.bytes);
-                const bool ours = goal.joints.size() == 2 && goal.joints[0] == "right_j0" && goal.joints[1] == "right_j1";
-                const bool takes = ours && goals.empty();
+                const bool takes = goal.joints.size() == 2 && goal.joints[0] == "right_j0" && goal.joints[1] == "right_j1";
                 Writer answer;
                 send_goal.answer(answer.put<uint8_t>(takes).put<int32_t>(0).put<uint32_t>(0), request);
                 if (takes) {
+                    if (!goals.empty()) end(5);
                     goals.push_back(goal);
                     begin = std::chrono::steady_clock::now();
                     reached = feedbacks = 0;
+                    first = {position["right_j0"], position["right_j1"]};
                 }
             } catch (const std::exception &error) {
                 // It has no sense here; a server of ROS 2 is silent, too.
@@ -257,6 +261,11 @@ int main(int, char **arguments) {
         if (!goals.empty()) {
             const Goal &goal = goals[0];
             const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+            if (reached == 0) {
+                // A goal that begins later leads the joints to its first point.
+                const double part = std::min(1.0, elapsed.count() / std::max(1e-9, goal.points[0].time));
+                for (int k = 0; k < 2; k++) position[goal.joints[k]] = first[k] + part * (goal.points[0].positions[k] - first[k]);
+            }
             for (; reached < goal.points.size() && goal.points[reached].time <= elapsed.count(); reached++) {
                 for (int k = 0; k < 2; k++) position[goal.joints[k]] = goal.points[reached].positions[k];
             }

@@ -47,6 +47,39 @@ fn assert_failed(output: &Output, words: &str) {
     assert!(said(output).contains(words), "{}", said(output));
 }
 
+/// Sends the motion of a folder in pieces that are over after a time.
+fn set_horizon(folder: &Path, horizon: &str) {
+    let path = folder.join("cell.toml");
+    let cell = fs::read_to_string(&path).unwrap();
+    let streaming = format!("[streaming]\nhorizon = \"{horizon}\"");
+    fs::write(path, cell.replace("[streaming]", &streaming)).unwrap();
+}
+
+/// Checks that the first joint, by the log, moved from 0 to 1 rad without a stop: amid the motion of [`two_joints`] over `seconds`
+/// its speed never falls to a half of what it should be.
+fn assert_moved_without_a_stop(folder: &Path, seconds: f64) {
+    let state = log(folder, "state.csv");
+    let rows = state.lines().skip(1).filter_map(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let is_first = cells[2] == "right_j0";
+        is_first.then(|| [cells[0].parse().unwrap(), cells[3].parse().unwrap()])
+    });
+    let rows: Vec<[f64; 2]> = rows.collect();
+    let start = rows.iter().rfind(|row| row[1] == 0.0).unwrap()[0];
+    let at = |time: f64| rows.iter().rfind(|row| row[0] <= start + time).unwrap()[1];
+    // Over a time that is long beside the jitter of a busy machine.
+    let window = 0.3;
+    for k in 20..70 {
+        let time = 0.01 * f64::from(k) * seconds;
+        let should = rise(time + window, seconds) - rise(time, seconds);
+        let moved = at(time + window) - at(time);
+        assert!(
+            moved > 0.5 * should,
+            "{moved} of {should} rad after {time} s"
+        );
+    }
+}
+
 /// Starts [`STREAM`] in a folder.
 fn start_stream(folder: &Path) -> Child {
     Command::new(env!("CARGO_BIN_EXE_rodlab"))

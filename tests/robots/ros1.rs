@@ -1,8 +1,9 @@
 //! A real ROS 1 master and an action server of actionlib, installed and started for the purpose on Debian as root.
 
 use super::{
-    STREAM, assert_failed, assert_followed, interrupt, lines_of, log, rename_joint, rodlab, said,
-    start_stream, two_joints, wait_for_event, wait_for_motion,
+    STREAM, assert_failed, assert_followed, assert_moved_without_a_stop, interrupt, lines_of, log,
+    rename_joint, rodlab, said, set_horizon, start_stream, two_joints, wait_for_event,
+    wait_for_motion,
 };
 use crate::parts::{have, succeeds};
 use std::net::TcpListener;
@@ -139,6 +140,49 @@ fn an_interruption_preempts_the_goal_within_half_a_second() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", said(&output));
     assert!(log(robot.folder.path(), "events.csv").contains("right holds"));
+}
+
+/// The arm itself goes on: it has the goal.
+#[test]
+fn an_arm_comes_to_rest_within_the_horizon_when_the_program_is_killed() {
+    let Some(robot) = Robot::start() else { return };
+    set_horizon(robot.folder.path(), "2 s");
+    let mut child = start_stream(robot.folder.path());
+    wait_for_event(robot.folder.path(), "\"started\"", 20);
+    // The motion takes 5 s.
+    std::thread::sleep(Duration::from_millis(1600));
+    child.kill().unwrap();
+    let begin = Instant::now();
+    child.wait().unwrap();
+    // Each piece replaces the one before.
+    let mut said = robot.says(5);
+    let mut replaced = 0;
+    while said == "preempted" {
+        replaced += 1;
+        said = robot.says(5);
+    }
+    assert!(replaced > 1);
+    assert!(
+        begin.elapsed() < Duration::from_millis(2300),
+        "{:?}",
+        begin.elapsed()
+    );
+    let end: Vec<f64> = said
+        .split(' ')
+        .skip(3)
+        .map(|word| word.parse().unwrap())
+        .collect();
+    assert!((0.1..0.9).contains(&end[0]), "{said}");
+    assert!((end[1] + 0.5 * end[0]).abs() < 1e-6, "on the path: {said}");
+}
+
+#[test]
+fn the_pieces_of_a_motion_join_without_a_stop() {
+    let Some(robot) = Robot::start() else { return };
+    set_horizon(robot.folder.path(), "2 s");
+    let output = rodlab(robot.folder.path(), &STREAM);
+    assert!(output.status.success(), "{}", said(&output));
+    assert_moved_without_a_stop(robot.folder.path(), 5.0);
 }
 
 /// Success that is reported while the arm stands still, and a cancellation that is confirmed while it moves on.

@@ -2,6 +2,7 @@
 above it sees a dark rod, 200 pixels long, as pixels and as PNG files. With ARM_FAULT=false-end in the environment it reports success at
 once and stands still; with ARM_FAULT=false-cancel it confirms a cancellation and moves on."""
 
+import bisect
 import os
 import struct
 import threading
@@ -53,16 +54,22 @@ def look():
 
 class Arm:
     def __init__(self):
+        # Times and points of the trajectory under way, from where the joints were, and when it began.
+        self.motion = None
         self.server = actionlib.SimpleActionServer(
             "/robot/limb/right/follow_joint_trajectory", FollowJointTrajectoryAction, self.follow, auto_start=False
         )
         self.server.start()
+        threading.Thread(target=self.move, daemon=True).start()
 
-    def move_on(self, trajectory):
-        begin = rospy.Time.now()
-        for point in trajectory.points:
-            rospy.sleep(begin + point.time_from_start - rospy.Time.now())
-            position.update(zip(trajectory.joint_names, point.positions))
+    def move(self):
+        rate = rospy.Rate(100)
+        while not rospy.is_shutdown():
+            motion = self.motion
+            if motion is not None:
+                times, points, begin = motion
+                position.update(zip(JOINTS, at((rospy.Time.now() - begin).to_sec(), times, points)))
+            rate.sleep()
 
     def follow(self, goal):
         trajectory = goal.trajectory
@@ -73,26 +80,39 @@ class Arm:
         if FAULT == "false-end":
             self.server.set_succeeded(FollowJointTrajectoryResult())
             return
-        if FAULT == "false-cancel":
-            threading.Thread(target=self.move_on, args=(trajectory,), daemon=True).start()
         begin = rospy.Time.now()
+        times = [point.time_from_start.to_sec() for point in trajectory.points]
+        order = [trajectory.joint_names.index(joint) for joint in JOINTS]
+        points = [[point.positions[joint] for joint in order] for point in trajectory.points]
+        if times[0] > 0.0:
+            times, points = [0.0] + times, [[position[joint] for joint in JOINTS]] + points
+        self.motion = times, points, begin
         rate = rospy.Rate(100)
-        index = 0
         feedbacks = 0
-        while index < len(trajectory.points) and not rospy.is_shutdown():
+        while not rospy.is_shutdown():
             if self.server.is_preempt_requested():
+                # The next goal, if there is one, leads on from where the joints are then.
+                if FAULT != "false-cancel" and not self.server.is_new_goal_available():
+                    self.motion = None
                 print("preempted", flush=True)
                 self.server.set_preempted()
                 return
-            elapsed = rospy.Time.now() - begin
-            while index < len(trajectory.points) and trajectory.points[index].time_from_start <= elapsed:
-                position.update(zip(trajectory.joint_names, trajectory.points[index].positions))
-                index += 1
+            if (rospy.Time.now() - begin).to_sec() > times[-1] and list(position.values())[:2] == points[-1]:
+                break
             self.server.publish_feedback(FollowJointTrajectoryFeedback(joint_names=trajectory.joint_names))
             feedbacks += 1
             rate.sleep()
         print("followed", len(trajectory.points), feedbacks, position["right_j0"], position["right_j1"], flush=True)
         self.server.set_succeeded(FollowJointTrajectoryResult())
+
+
+def at(time, times, points):
+    """Joints at a time, straight between the points."""
+    after = bisect.bisect_right(times, time)
+    if after in (0, len(times)):
+        return points[min(after, len(times) - 1)]
+    part = (time - times[after - 1]) / (times[after] - times[after - 1])
+    return [p + part * (q - p) for p, q in zip(points[after - 1], points[after])]
 
 
 rospy.init_node("arm", disable_signals=True)

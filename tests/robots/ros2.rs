@@ -1,8 +1,9 @@
 //! Action servers of ROS 2 on Cyclone DDS (by pip) and on Fast DDS (of Debian), made, started and met on this machine only.
 
 use super::{
-    STREAM, assert_failed, assert_followed, interrupt, lines_of, log, rename_joint, rodlab, said,
-    start_stream, two_joints, wait_for_event, wait_for_motion,
+    STREAM, assert_failed, assert_followed, assert_moved_without_a_stop, interrupt, lines_of, log,
+    rename_joint, rodlab, said, set_horizon, start_stream, two_joints, wait_for_event,
+    wait_for_motion,
 };
 use crate::parts::{have, python_with, succeeds};
 use std::fs;
@@ -178,33 +179,49 @@ impl Drop for Robot {
     }
 }
 
+/// Looks at an arm behind each middleware, at once.
+fn with_each(check: impl Fn(Robot) + Sync) {
+    std::thread::scope(|scope| {
+        for middleware in MIDDLEWARES {
+            let check = &check;
+            scope.spawn(move || Robot::start(middleware).map(check));
+        }
+    });
+}
+
 #[test]
 fn five_hundred_points_are_followed_to_the_end() {
-    for middleware in MIDDLEWARES {
-        let Some(robot) = Robot::start(middleware) else {
-            continue;
-        };
+    with_each(|robot| {
         let begin = Instant::now();
         let output = rodlab(robot.folder.path(), &STREAM);
         assert!(output.status.success(), "{}", said(&output));
         assert!(begin.elapsed() > Duration::from_secs(5));
         assert_followed(&robot.says(1), 500);
         assert!(log(robot.folder.path(), "state.csv").lines().count() > 500);
-    }
+    });
+}
+
+#[test]
+fn the_pieces_of_a_motion_join_without_a_stop() {
+    with_each(|robot| {
+        robot.trajectory(400, 4.0);
+        set_horizon(robot.folder.path(), "2 s");
+        let output = rodlab(robot.folder.path(), &STREAM);
+        assert!(output.status.success(), "{}", said(&output));
+        assert!(robot.says(1).starts_with("followed"));
+        assert_moved_without_a_stop(robot.folder.path(), 4.0);
+    });
 }
 
 /// More than a datagram holds: requests with a name in front must not be damaged where they are cut.
 #[test]
 fn a_goal_of_many_datagrams_arrives_whole() {
-    for middleware in MIDDLEWARES {
-        let Some(robot) = Robot::start(middleware) else {
-            continue;
-        };
+    with_each(|robot| {
         robot.trajectory(3000, 3.0);
         let output = rodlab(robot.folder.path(), &STREAM);
         assert!(output.status.success(), "{}", said(&output));
         assert_followed(&robot.says(1), 3000);
-    }
+    });
 }
 
 #[test]

@@ -2,10 +2,11 @@
 //! is in no registry.
 
 use super::{
-    STREAM, assert_failed, interrupt, log, rename_joint, rodlab, said, signal, start_stream,
-    two_joints,
+    STREAM, assert_failed, assert_moved_without_a_stop, interrupt, log, rename_joint, rodlab, said,
+    set_horizon, signal, start_stream, two_joints,
 };
 use serde_json::{Value, json};
+use std::fs;
 use std::io::ErrorKind;
 use std::net::{TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
@@ -301,6 +302,49 @@ fn five_hundred_points_are_followed_to_the_end() {
         let manifest: Value = serde_json::from_str(&log(folder.path(), "manifest.json")).unwrap();
         assert_eq!(manifest["status"], "finished");
     }
+}
+
+#[test]
+fn the_pieces_of_a_motion_join_without_a_stop() {
+    let runs = [1, 2].map(|ros| {
+        std::thread::spawn(move || {
+            let (address, shared) = serve(Script {
+                ros,
+                ..Script::default()
+            });
+            let folder = folder(&address, ros, 4.0);
+            set_horizon(folder.path(), "2 s");
+            let output = rodlab(folder.path(), &STREAM);
+            assert!(output.status.success(), "{}", said(&output));
+            let script = shared.lock().unwrap();
+            assert!(script.points < 300, "{}", script.points);
+            assert_eq!(script.moved, [1.0, -0.5]);
+            assert_moved_without_a_stop(folder.path(), 4.0);
+        })
+    });
+    runs.into_iter().for_each(|run| run.join().unwrap());
+}
+
+#[test]
+fn a_stop_that_exceeds_limits_is_refused_before_anything_moves() {
+    let (address, shared) = willing();
+    let folder = folder(&address, 1, 1.2);
+    set_horizon(folder.path(), "1 s");
+    let path = folder.path().join("cell.toml");
+    let cell = fs::read_to_string(&path).unwrap();
+    fs::write(
+        path,
+        cell.replace("acceleration = 20.0", "acceleration = 4.5"),
+    )
+    .unwrap();
+    let output = rodlab(folder.path(), &STREAM);
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(
+        said(&output).contains("longer `streaming.horizon`"),
+        "{}",
+        said(&output)
+    );
+    assert!(shared.lock().unwrap().goal_at.is_none());
 }
 
 #[test]

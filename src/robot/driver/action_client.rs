@@ -15,6 +15,8 @@ pub(super) struct Goal {
     sent: Instant,
     acknowledged: bool,
     outcome: Option<Result<(), DriverError>>,
+    /// Name of the goal that it replaced.
+    former: Option<String>,
     /// The last error that the server reported without naming what it is about.
     complaint: Option<String>,
 }
@@ -22,12 +24,18 @@ pub(super) struct Goal {
 impl Goal {
     /// A goal with a name of its own, sent now.
     pub(super) fn new() -> Self {
+        Self::after(None)
+    }
+
+    /// A goal with a name of its own, sent now, that replaces another.
+    pub(super) fn after(former: Option<&Self>) -> Self {
         let now = SystemTime::now().duration_since(UNIX_EPOCH);
         Self {
             id: format!("rodlab-{}", now.map_or(0, |now| now.as_nanos())),
             sent: Instant::now(),
             acknowledged: false,
             outcome: None,
+            former: former.map(|goal| goal.id.clone()),
             complaint: None,
         }
     }
@@ -114,14 +122,17 @@ pub(super) trait ActionClient {
         }
     }
 
-    /// Requests the cancellation of the last goal. A goal whose end was reported is cancelled, too: the report may be wrong.
+    /// Requests the cancellation of the last goal, and of that which it replaced: the last one may not have arrived yet. A goal
+    /// whose end was reported is cancelled, too: the report may be wrong.
     ///
     /// # Errors
     /// The connection is lost.
     fn cancel_goal(&mut self) -> Result<(), DriverError> {
-        match self.goal().map(|goal| goal.id.clone()) {
-            Some(id) => self.cancel(&id),
-            None => Ok(()),
-        }
+        let Some(goal) = self.goal() else {
+            return Ok(());
+        };
+        let ids = goal.former.iter().chain([&goal.id]).cloned();
+        let ids: Vec<String> = ids.collect();
+        ids.iter().try_for_each(|id| self.cancel(id))
     }
 }

@@ -1,6 +1,6 @@
 //! Points as lines of a file or of standard output, each at its time.
 
-use super::{Driver, DriverError, JointState, PartTrajectory, Progress};
+use super::{Driver, DriverError, Interpolant, JointState, Progress};
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -13,7 +13,8 @@ pub struct FileDriver {
     path: Option<PathBuf>,
     json_lines: bool,
     sink: Option<Box<dyn Write + Send>>,
-    trajectory: Option<PartTrajectory>,
+    joints: Vec<String>,
+    motion: Option<Interpolant>,
     written: usize,
 }
 
@@ -24,7 +25,8 @@ impl FileDriver {
             path,
             json_lines,
             sink: None,
-            trajectory: None,
+            joints: Vec::new(),
+            motion: None,
             written: 0,
         }
     }
@@ -62,11 +64,11 @@ impl FileDriver {
         DriverError::Lost(format!("{place} cannot be written: {error}"))
     }
 
-    fn line(&self, trajectory: &PartTrajectory, index: usize) -> String {
-        let (time, point) = (trajectory.times[index], &trajectory.points[index]);
+    fn line(&self, motion: &Interpolant, index: usize) -> String {
+        let (time, point) = (motion.times()[index], &motion.points()[index]);
         if self.json_lines {
             let value = serde_json::json!({
-                "time_s": time, "joints": trajectory.joints, "positions": point
+                "time_s": time, "joints": self.joints, "positions": point
             });
             return format!("{value}\n");
         }
@@ -106,6 +108,7 @@ impl Driver for FileDriver {
         if let Some(path) = &self.path {
             Self::check_place(path, joints, self.json_lines).map_err(DriverError::Refused)?;
         }
+        self.joints = joints.to_vec();
         self.sink = Some(match &self.path {
             None => Box::new(io::stdout()),
             Some(path) => Box::new(File::create(path).map_err(|error| self.fault(&error))?),
@@ -124,23 +127,21 @@ impl Driver for FileDriver {
         Ok(None)
     }
 
-    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+    fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
         self.written = 0;
-        self.trajectory = Some(trajectory.clone());
+        self.motion = Some(motion.clone());
         Ok(())
     }
 
     fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError> {
-        let Some(trajectory) = self.trajectory.take() else {
+        let Some(motion) = self.motion.take() else {
             return Ok(Progress::Done);
         };
-        let due = trajectory.times.partition_point(|time| *time <= elapsed);
-        let lines: String = (self.written..due)
-            .map(|k| self.line(&trajectory, k))
-            .collect();
+        let due = motion.times().partition_point(|time| *time <= elapsed);
+        let lines: String = (self.written..due).map(|k| self.line(&motion, k)).collect();
         self.written = due;
-        let done = due == trajectory.times.len();
-        self.trajectory = Some(trajectory);
+        let done = due == motion.times().len();
+        self.motion = Some(motion);
         if !lines.is_empty() {
             self.write(&lines)?;
         }
@@ -152,7 +153,7 @@ impl Driver for FileDriver {
     }
 
     fn stop(&mut self) -> Result<(), DriverError> {
-        self.trajectory = None;
+        self.motion = None;
         Ok(())
     }
 }
@@ -171,13 +172,9 @@ mod tests {
         for json_lines in [false, true] {
             fs::write(&path, "").unwrap();
             let mut driver = FileDriver::new(Some(path.clone()), json_lines);
-            let trajectory = PartTrajectory {
-                joints: joints.to_vec(),
-                times: vec![0.0, 1.0],
-                points: vec![vec![0.0, 1.0]; 2],
-            };
+            let motion = Interpolant::new(&[0.0, 1.0], &[vec![0.0, 1.0], vec![0.0, 1.0]]);
             driver.connect(&joints).unwrap();
-            driver.start(&trajectory).unwrap();
+            driver.start(&motion).unwrap();
             driver.advance(2.0).unwrap();
             let log = fs::read_to_string(&path).unwrap();
             assert!(FileDriver::check_place(&path, &joints, json_lines).is_ok());

@@ -30,9 +30,32 @@ impl Interpolant {
         }
     }
 
+    /// The motion through points with velocities at growing times: an array of joints per time.
+    pub fn with_velocities(
+        times: Vec<f64>,
+        points: Vec<Vec<f64>>,
+        velocities: Vec<Vec<f64>>,
+    ) -> Self {
+        Self {
+            times,
+            points,
+            velocities,
+        }
+    }
+
     /// Times of the points, s.
     pub fn times(&self) -> &[f64] {
         &self.times
+    }
+
+    /// The points, rad or m: an array of joints per time.
+    pub fn points(&self) -> &[Vec<f64>] {
+        &self.points
+    }
+
+    /// Velocities at the points, rad/s or m/s: an array of joints per time.
+    pub fn velocities(&self) -> &[Vec<f64>] {
+        &self.velocities
     }
 
     /// Its last time, s.
@@ -70,6 +93,45 @@ impl Interpolant {
         joints
             .map(|joint| self.cubic(joint, after - 1, after).at(since))
             .collect()
+    }
+
+    /// Velocities at a time, rad/s or m/s; zero before the points and after.
+    pub fn velocity_at(&self, time: f64) -> Vec<f64> {
+        let joints = 0..self.points[0].len();
+        let after = self.times.partition_point(|known| *known <= time);
+        if after == 0 || after == self.times.len() {
+            return vec![0.0; joints.len()];
+        }
+        let since = time - self.times[after - 1];
+        joints
+            .map(|joint| self.cubic(joint, after - 1, after).velocity_at(since))
+            .collect()
+    }
+
+    /// The same motion, so much earlier, s.
+    #[must_use]
+    pub fn earlier_by(mut self, time: f64) -> Self {
+        self.times.iter_mut().for_each(|known| *known -= time);
+        self
+    }
+
+    /// Adds a point.
+    pub fn push(&mut self, time: f64, point: Vec<f64>, velocity: Vec<f64>) {
+        self.times.push(time);
+        self.points.push(point);
+        self.velocities.push(velocity);
+    }
+
+    /// What a controller makes of a goal that it takes in motion: from where its joints are to the first point.
+    #[must_use]
+    pub fn taken_at(&self, point: Vec<f64>, velocity: Vec<f64>) -> Self {
+        let mut taken = self.clone();
+        if taken.times[0] > 0.0 {
+            taken.times.insert(0, 0.0);
+            taken.points.insert(0, point);
+            taken.velocities.insert(0, velocity);
+        }
+        taken
     }
 
     /// Indices of points, the first and the last among them, between which single cubics pass all other points within
@@ -117,6 +179,12 @@ impl Cubic {
             + (cubed - 2.0 * squared + u) * h * v
             + (3.0 * squared - 2.0 * cubed) * q
             + (cubed - squared) * h * w
+    }
+
+    /// Velocity so long after its beginning, s.
+    pub fn velocity_at(&self, since: f64) -> f64 {
+        let [a, b] = self.accelerations();
+        self.slopes[0] + since * (a + 0.5 * (b - a) * since / self.duration)
     }
 
     /// Accelerations at both ends; it is straight in between.
@@ -201,6 +269,7 @@ mod tests {
         let [a, _] = spline.cubic(0, 2, 3).accelerations();
         assert!((a - (6.0 - 12.0 * 0.4)).abs() < 1e-10);
         assert!((spline.cubic(0, 2, 4).fastest() - 1.5).abs() < 1e-12);
+        assert!((spline.velocity_at(0.25)[0] - 6.0 * 0.25 * 0.75).abs() < 1e-12);
     }
 
     #[test]

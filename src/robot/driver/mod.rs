@@ -154,11 +154,17 @@ pub trait Driver: Send {
         None
     }
 
-    /// Begins a motion, at once.
+    /// Whether the other end carries out a goal by itself, also where this program has ended.
+    fn sends_goals(&self) -> bool {
+        false
+    }
+
+    /// Begins a motion, at once; where [`Driver::sends_goals`], it replaces the one under way, which may have a later first time
+    /// than zero then.
     ///
     /// # Errors
     /// The connection is lost.
-    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError>;
+    fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError>;
 
     /// Whether the other end has accepted the motion.
     fn is_accepted(&self) -> bool {

@@ -1,6 +1,6 @@
 //! The motion of one arm or axis, and the cubics by which controllers move between its points.
 
-use super::interpolant::{Interpolant, clamped_velocities};
+use super::interpolant::Interpolant;
 
 /// The motion of one arm or axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,13 +26,8 @@ impl PartTrajectory {
         pairs.map(|(a, b)| a + part * (b - a)).collect()
     }
 
-    /// Velocities at each point, of the cubic spline through the points that begins and ends at rest, rad/s or m/s. A
-    /// controller that interpolates between points with positions and velocities follows this spline.
-    pub fn velocities(&self) -> Vec<Vec<f64>> {
-        clamped_velocities(&self.times, &self.points)
-    }
-
-    /// The motion that a controller makes of the points and their velocities.
+    /// The cubic spline through the points that begins and ends at rest. A controller that interpolates between points with
+    /// positions and velocities follows it.
     pub fn interpolant(&self) -> Interpolant {
         Interpolant::new(&self.times, &self.points)
     }

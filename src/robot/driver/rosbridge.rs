@@ -6,7 +6,7 @@
 use super::action_client::{ActionClient, Goal};
 use super::rosbridge_goal::{ActionName, RosVersion, cancellation, duration, goal, result_of};
 use super::rosbridge_socket::{open_socket, send};
-use super::{Driver, DriverError, JointState, PartTrajectory, Progress, read_within_bounds};
+use super::{Driver, DriverError, Interpolant, JointState, Progress, read_within_bounds};
 use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::net::TcpStream;
@@ -147,14 +147,14 @@ impl RosbridgeDriver {
         }
     }
 
-    fn goal_message(&self, trajectory: &PartTrajectory, id: &str) -> Value {
-        let rows = trajectory.times.iter().zip(&trajectory.points);
+    fn goal_message(&self, motion: &Interpolant, id: &str) -> Value {
+        let rows = motion.times().iter().zip(motion.points());
         let points: Vec<Value> = rows
-            .zip(trajectory.velocities())
+            .zip(motion.velocities())
             .map(|((time, point), velocities)| {
                 json!({
                     "positions": rounded(point),
-                    "velocities": rounded(&velocities),
+                    "velocities": rounded(velocities),
                     "accelerations": [],
                     "effort": [],
                     "time_from_start": duration(self.version, *time),
@@ -162,7 +162,7 @@ impl RosbridgeDriver {
             })
             .collect();
         let body = json!({
-            "trajectory": { "joint_names": trajectory.joints, "points": points },
+            "trajectory": { "joint_names": self.joints, "points": points },
         });
         goal(self.version, &self.action, &FOLLOW, id, body)
     }
@@ -252,10 +252,14 @@ impl Driver for RosbridgeDriver {
         self.clock
     }
 
-    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+    fn sends_goals(&self) -> bool {
+        true
+    }
+
+    fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
         self.setpoint = None;
-        let goal = Goal::new();
-        let message = self.goal_message(trajectory, goal.id());
+        let goal = Goal::after(self.goal.as_ref());
+        let message = self.goal_message(motion, goal.id());
         self.send(&message)?;
         self.goal = Some(goal);
         Ok(())

@@ -34,6 +34,8 @@ pub struct StreamBounds {
     /// Longest time for which an arm may stand still on its way. `None`: for any time where the feedback of its controller
     /// shows that the setpoint stands still, too, as in a pause, and not at all otherwise.
     pub longest_pause: Option<Duration>,
+    /// Time after which a controller that takes goals comes to rest when nothing is sent any more. `None`: it has the whole motion.
+    pub horizon: Option<Duration>,
 }
 
 impl Default for StreamBounds {
@@ -51,6 +53,7 @@ impl Default for StreamBounds {
             },
             watchdog: Duration::from_millis(300),
             longest_pause: None,
+            horizon: None,
         }
     }
 }

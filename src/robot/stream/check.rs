@@ -77,9 +77,14 @@ pub fn check(trajectory: &PartTrajectory, limits: &[Limits]) -> Result<(), Vec<F
     }
 }
 
-type Found = (&'static str, usize, f64, [f64; 2]);
+/// What exceeds a limit, the index of its point, how much it is, and what is allowed.
+pub(super) type Found = (&'static str, usize, f64, [f64; 2]);
 
-fn first_fault_between(cubics: &Interpolant, joint: usize, limits: &Limits) -> Option<Found> {
+pub(super) fn first_fault_between(
+    cubics: &Interpolant,
+    joint: usize,
+    limits: &Limits,
+) -> Option<Found> {
     let count = cubics.times().len();
     (1..count).find_map(|k| {
         let cubic = cubics.cubic(joint, k - 1, k);

@@ -125,8 +125,10 @@ struct Arm {
     /// When it happens, s after the start.
     moment: f64,
     joint: usize,
-    begun: Option<(Instant, Interpolant)>,
-    /// Time of the trajectory at which it stopped, s.
+    begun: Option<Instant>,
+    /// Its goals, and when they came, on its own time, s.
+    goals: Vec<(f64, Interpolant)>,
+    /// Its own time at which it stopped, s.
     stopped: Option<f64>,
     requests: usize,
     lost: bool,
@@ -134,12 +136,39 @@ struct Arm {
 
 impl Arm {
     fn elapsed(&self, now: Instant) -> f64 {
-        let begun = self.begun.as_ref();
-        begun.map_or(0.0, |(start, _)| now.duration_since(*start).as_secs_f64())
+        self.begun
+            .map_or(0.0, |start| now.duration_since(start).as_secs_f64())
     }
 
-    /// Time of the trajectory at which it is, s.
-    fn path_time(&self, now: Instant) -> f64 {
+    /// Takes a goal, from where its joints are.
+    fn take(&mut self, goal: &Interpolant, now: Instant) {
+        let time = self.own_time(now);
+        let goal = match self.goals.last() {
+            Some((since, last)) => {
+                let since = time - since;
+                goal.taken_at(last.at(since), last.velocity_at(since))
+            }
+            None => goal.clone(),
+        };
+        self.begun.get_or_insert(now);
+        self.goals.push((time, goal));
+    }
+
+    /// Where its controller leads it at its own time, s.
+    fn place(&self, time: f64) -> Vec<f64> {
+        let came = self.goals.iter().rfind(|(since, _)| *since <= time);
+        let (since, goal) = came.unwrap_or(&self.goals[0]);
+        goal.at(time - since)
+    }
+
+    /// When its last goal ends, on its own time, s.
+    fn end(&self) -> f64 {
+        let (since, last) = &self.goals[self.goals.len() - 1];
+        since + last.duration()
+    }
+
+    /// Its own time, s: it stands still where the arm does.
+    fn own_time(&self, now: Instant) -> f64 {
         let elapsed = self.elapsed(now);
         let until = self.stopped.unwrap_or(f64::INFINITY);
         let late = (elapsed - self.moment).max(0.0);
@@ -153,24 +182,24 @@ impl Arm {
     }
 
     fn positions(&self, now: Instant) -> Vec<f64> {
-        let Some((_, path)) = &self.begun else {
+        if self.begun.is_none() {
             let elsewhere = if self.fault == Fault::Elsewhere {
                 0.3
             } else {
                 0.0
             };
             return vec![elsewhere; 2];
-        };
-        let time = self.path_time(now);
-        let mut positions = path.at(time);
+        }
+        let time = self.own_time(now);
+        let mut positions = self.place(time);
         let is_late = self.elapsed(now) > self.moment;
         match self.fault {
             Fault::FrozenJoint if is_late => {
-                positions[self.joint] = path.at(time.min(self.moment))[self.joint];
+                positions[self.joint] = self.place(time.min(self.moment))[self.joint];
             }
             Fault::Jump if is_late => positions[self.joint] += 0.5,
             Fault::Short => positions.iter_mut().for_each(|q| *q *= 0.95),
-            Fault::Swinging if time >= path.duration() => {
+            Fault::Swinging if time >= self.end() => {
                 positions[self.joint] += 0.015 * (30.0 * self.elapsed(now)).sin();
             }
             _ => {}
@@ -249,14 +278,14 @@ impl Connection {
                 time += if lasts { 30.0 } else { 0.0 };
             }
             self.clock = self.has_clock.then_some((time, received));
-            if let Some((_, path)) = &arm.begun {
+            if arm.begun.is_some() {
                 let is_off = matches!(arm.fault, Fault::DrivesOff | Fault::FrozenJoint);
                 let time = if is_off {
                     arm.elapsed(now)
                 } else {
-                    arm.path_time(now)
+                    arm.own_time(now)
                 };
-                let positions = path.at(time);
+                let positions = arm.place(time);
                 self.setpoint = Some(JointState {
                     received,
                     positions,
@@ -293,12 +322,15 @@ impl Driver for Connection {
         self.clock
     }
 
-    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+    fn sends_goals(&self) -> bool {
+        true
+    }
+
+    fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
         let now = self.timer.now();
         let mut arm = self.arm();
-        match arm.fault {
-            Fault::Refusal => {}
-            _ => arm.begun = Some((now, trajectory.interpolant())),
+        if arm.fault != Fault::Refusal {
+            arm.take(motion, now);
         }
         Ok(())
     }
@@ -307,11 +339,11 @@ impl Driver for Connection {
         self.read()?;
         let now = self.timer.now();
         let arm = self.arm();
-        let Some((_, trajectory)) = &arm.begun else {
+        if arm.begun.is_none() {
             return Err(DriverError::Refused(
                 "the controller rejected the goal".into(),
             ));
-        };
+        }
         let is_late = arm.elapsed(now) > arm.moment;
         match arm.fault {
             Fault::FalseEnd | Fault::EarlyEnd if is_late => return Ok(Progress::Done),
@@ -322,7 +354,7 @@ impl Driver for Connection {
             }
             _ => {}
         }
-        let is_over = arm.path_time(now) >= trajectory.duration() + 0.01;
+        let is_over = arm.own_time(now) >= arm.end() + 0.01;
         Ok(if is_over {
             Progress::Done
         } else {
@@ -338,7 +370,7 @@ impl Driver for Connection {
         }
         arm.requests += 1;
         if arm.fault != Fault::DeafServer && arm.stopped.is_none() {
-            arm.stopped = Some(arm.path_time(now));
+            arm.stopped = Some(arm.own_time(now));
         }
         Ok(())
     }
@@ -366,6 +398,9 @@ fn run_case(seed: u64) -> Result<(), String> {
         _ => duration * random.part(),
     };
     let is_alone = random.below(3) > 0;
+    let horizon = (random.below(3) == 0).then(|| Duration::from_secs(1));
+    let keeps_clock = !is_alone || horizon.is_some();
+    let bounds = StreamBounds { horizon, ..BOUNDS };
     let timer = Simulated(Arc::new(Mutex::new(Instant::now())));
     let begin = timer.now();
     let arm = |fault, joint| {
@@ -374,6 +409,7 @@ fn run_case(seed: u64) -> Result<(), String> {
             moment,
             joint,
             begun: None,
+            goals: Vec::new(),
             stopped: None,
             requests: 0,
             lost: false,
@@ -406,7 +442,7 @@ fn run_case(seed: u64) -> Result<(), String> {
         asks && elapsed > moment || elapsed > 60.0
     };
     let mut log = StreamLog::none();
-    let ending = stream_by(&timer, &mut parts, &BOUNDS, &is_interrupted, &mut log);
+    let ending = stream_by(&timer, &mut parts, &bounds, &is_interrupted, &mut log);
     let took = timer.now().duration_since(begin).as_secs_f64();
     drop(parts);
     let now = timer.now();
@@ -418,7 +454,8 @@ fn run_case(seed: u64) -> Result<(), String> {
     let arms = &arms[..count];
     let wrong = |what: &str| {
         Err(format!(
-            "seed {seed}, {fault:?} at {moment:.3} of {duration:.3} s, alone: {is_alone}: {what}: {ending:?}"
+            "seed {seed}, {fault:?} at {moment:.3} of {duration:.3} s, alone: {is_alone}, in pieces: {}: {what}: {ending:?}",
+            horizon.is_some()
         ))
     };
     if took > 12.0 * duration + 15.0 {
@@ -461,8 +498,10 @@ fn run_case(seed: u64) -> Result<(), String> {
     // Early enough, each fault decides how the motion ends.
     let is_early = (0.2 * duration..0.7 * duration).contains(&moment);
     let should = match fault {
+        // Before the last piece is sent, the end cannot have come.
+        Fault::EarlyEnd if horizon.is_some() => "Failed",
         Fault::None | Fault::EarlyEnd => "Finished",
-        Fault::Slow | Fault::Pause if is_alone => "Finished",
+        Fault::Slow | Fault::Pause if !keeps_clock => "Finished",
         Fault::ClockJump if faulty_is_glitch(arms) => "Finished",
         Fault::Interruption => "Interrupted",
         // The motion may be over, at rest, before the patience is.
@@ -474,8 +513,12 @@ fn run_case(seed: u64) -> Result<(), String> {
         Ending::Interrupted => "Interrupted",
         Ending::Failed(_) => "Failed",
     };
-    let slow_enough = fault != Fault::Slow || is_alone || moment < 0.5;
-    if is_early && slow_enough && is != should {
+    // In pieces a slow arm catches up at each of them.
+    let slowest = if horizon.is_some() { 0.3 } else { 0.5 };
+    let slow_enough = fault != Fault::Slow || !keeps_clock || moment < slowest;
+    // The last piece may have been sent.
+    let is_decided = fault != Fault::EarlyEnd || horizon.is_none() || moment < 0.2;
+    if is_early && slow_enough && is_decided && is != should {
         return wrong(&format!("it should have {should}"));
     }
     Ok(())

@@ -1,8 +1,8 @@
 //! Whether an arm follows its trajectory, by the reports of its joints.
 //!
 //! A controller may run a trajectory more slowly than its times ask for: by a speed slider, in a pause, or as it began late. The
-//! part of a stream that moves alone may lag without bound, as long as it moves along its path. Several parts keep one clock,
-//! so that each of them may lag by [`LATENESS`] only.
+//! part of a stream that moves alone may lag without bound, as long as it moves along its path. Several parts, and a motion that is
+//! sent in pieces, keep the clock, so that each may lag by [`LATENESS`] only.
 
 use super::bounds::StreamBounds;
 use super::reports::{Reports, STILL};
@@ -69,8 +69,8 @@ pub(super) struct Circumstances<'a> {
     pub is_accepted: bool,
     /// Whether the controller has reported the end of the motion.
     pub is_done: bool,
-    /// Whether the arm moves alone.
-    pub is_alone: bool,
+    /// Whether it may not be slower than its trajectory: other parts move with it, or the motion is sent in pieces.
+    pub keeps_clock: bool,
     /// Setpoint of the controller, where it reports one.
     pub setpoint: Option<&'a JointState>,
     /// Its bounds.
@@ -140,10 +140,10 @@ impl Follower {
             self.reached = self.reached.max(due);
             return Ok(());
         }
-        let most = match now.is_alone {
-            true => f64::INFINITY,
+        let most = match now.keeps_clock {
+            false => f64::INFINITY,
             // A clock that was fast at the start, when the arm heard the command, may be slow now.
-            false => (LATENESS * (now.greatest_rate - now.rate) - self.lag).max(0.0),
+            true => (LATENESS * (now.greatest_rate - now.rate) - self.lag).max(0.0),
         };
         let room = (due - self.reached).min(most);
         for k in 1..=SAMPLES {
@@ -232,13 +232,13 @@ impl Follower {
         if !self.has_moved {
             // The driver waits for an answer to its goal, and several parts are compared with their clock.
             let is_early = now.time / now.rate < START && !now.is_done;
-            return match is_early || !now.is_accepted || !now.is_alone {
+            return match is_early || !now.is_accepted || now.keeps_clock {
                 true => Ok(Motion::Follows),
                 false => Err("its joints do not begin to move (are its drives on?)".into()),
             };
         }
         let longest = now.bounds.longest_pause;
-        let may_pause = now.is_alone
+        let may_pause = !now.keeps_clock
             && !now.is_done
             && match longest {
                 Some(longest) => (now.time - since) / now.rate <= longest.as_secs_f64(),
@@ -253,10 +253,12 @@ impl Follower {
                 false => Motion::Pauses,
             });
         }
-        let advice = match (now.is_alone, longest) {
-            (false, _) => "several parts keep one clock, so that none of them may pause",
-            (true, Some(_)) => "longer than `streaming.longest_pause` of the cell file",
-            (true, None) => {
+        let advice = match (now.keeps_clock, longest) {
+            (true, _) => {
+                "several parts, and motions with `streaming.horizon`, keep the clock, so that none may pause"
+            }
+            (false, Some(_)) => "longer than `streaming.longest_pause` of the cell file",
+            (false, None) => {
                 "its drives are off, or it is paused; where the controller does not report its setpoint, `streaming.longest_pause` of the cell file allows pauses"
             }
         };

@@ -11,6 +11,7 @@
 //! | `check` | limits, before anything is sent |
 //! | `start` | connections, and whether every joint is at its first point |
 //! | `follow`, `reports` | whether an arm follows its trajectory, pauses, has arrived |
+//! | `pieces` | a motion in goals that end by themselves |
 //! | `stop` | requests to stop, until the joints are at rest |
 //! | `clock`, `timer` | the clock of the motion; time as a stream reads it |
 //! | `bounds`, `log` | tolerances; the log |
@@ -20,6 +21,7 @@ mod check;
 mod clock;
 mod follow;
 mod log;
+mod pieces;
 mod reports;
 mod start;
 mod stop;
@@ -28,11 +30,13 @@ mod timer;
 pub use bounds::{StreamBounds, Tolerance};
 pub use check::{Fault, check};
 pub use log::StreamLog;
+pub use pieces::check_stops;
 
 use super::chain::JointKind;
-use super::driver::{Driver, DriverError, JointState, PartTrajectory, Progress};
+use super::driver::{Driver, DriverError, Interpolant, JointState, PartTrajectory, Progress};
 use clock::MotionClock;
 use follow::{Circumstances, Follower, Motion};
+use pieces::{Piece, pieces};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -149,6 +153,10 @@ fn stream_by(
 /// A part and what is known of its motion.
 struct Watched {
     follower: Option<Follower>,
+    /// Goals of a motion that is sent in pieces; none where it is sent whole.
+    pieces: Vec<Piece>,
+    /// Pieces that were sent.
+    sent: usize,
     /// Whether its driver has reported the end.
     is_done: bool,
     has_arrived: bool,
@@ -169,6 +177,13 @@ fn run(
         .map(|part| Watched {
             follower: (part.driver.reports_state())
                 .then(|| Follower::new(&part.trajectory, &part.kinds)),
+            pieces: match bounds.horizon {
+                Some(horizon) if part.driver.sends_goals() => {
+                    pieces(&part.trajectory.interpolant(), horizon)
+                }
+                _ => Vec::new(),
+            },
+            sent: 1,
             is_done: false,
             has_arrived: false,
             due_since: None,
@@ -176,8 +191,16 @@ fn run(
         })
         .collect();
     let mut clock = MotionClock::of(parts, timer);
-    for part in parts.iter_mut() {
-        if let Err(error) = part.driver.start(&part.trajectory) {
+    let motions: Vec<Interpolant> = parts
+        .iter()
+        .zip(&watched)
+        .map(|(part, watched)| match watched.pieces.first() {
+            Some(first) => first.motion().clone(),
+            None => part.trajectory.interpolant(),
+        })
+        .collect();
+    for (part, motion) in parts.iter_mut().zip(&motions) {
+        if let Err(error) = part.driver.start(motion) {
             return failed(part, &error);
         }
     }
@@ -199,13 +222,13 @@ fn run(
         if let Err(reason) = clock.read(parts) {
             return Ending::Failed(reason);
         }
-        let is_alone = parts.len() == 1;
+        let keeps_clock = parts.len() > 1 || bounds.horizon.is_some();
         for ((part, watched), state) in parts.iter().zip(&mut watched).zip(&states) {
             let watch = Watch {
                 bounds,
                 clock: &clock,
                 timer,
-                is_alone,
+                keeps_clock,
             };
             if let Err(reason) = watch.look(part, watched, state.as_ref(), log) {
                 return Ending::Failed(format!("{}: {reason}", part.name));
@@ -244,9 +267,29 @@ fn advance(
 ) -> Result<Vec<Option<JointState>>, Ending> {
     let mut states = Vec::with_capacity(parts.len());
     for (part, watched) in parts.iter_mut().zip(watched) {
+        if let [before, piece, ..] = &watched.pieces[watched.sent.saturating_sub(1)..]
+            && piece.is_due(elapsed)
+        {
+            let Some(goal) = piece.goal(before, elapsed) else {
+                return Err(Ending::Failed(format!(
+                    "{}: this program was held up, so that the next piece of the motion could not be sent in time, and the arm stops by itself; a longer `streaming.horizon` leaves more time",
+                    part.name
+                )));
+            };
+            if let Err(error) = part.driver.start(&goal) {
+                return Err(failed(part, &error));
+            }
+            watched.sent += 1;
+        }
         if !watched.is_done {
             match part.driver.advance(elapsed) {
                 Ok(Progress::Running) => {}
+                Ok(Progress::Done) if watched.sent < watched.pieces.len() => {
+                    return Err(Ending::Failed(format!(
+                        "{}: its controller reports the end of the motion before the next piece of it was sent",
+                        part.name
+                    )));
+                }
                 Ok(Progress::Done) => {
                     watched.is_done = true;
                     log.event(&format!("{} reports the end", part.name));
@@ -264,7 +307,7 @@ struct Watch<'a> {
     bounds: &'a StreamBounds,
     clock: &'a MotionClock,
     timer: &'a dyn Timer,
-    is_alone: bool,
+    keeps_clock: bool,
 }
 
 impl Watch<'_> {
@@ -295,7 +338,7 @@ impl Watch<'_> {
             greatest_rate: self.clock.greatest_rate(),
             is_accepted,
             is_done: watched.is_done,
-            is_alone: self.is_alone,
+            keeps_clock: self.keeps_clock,
             setpoint: part.driver.setpoint(),
             bounds: self.bounds,
         };

@@ -15,7 +15,7 @@ struct Notes {
 
 struct Arm {
     notes: Arc<Mutex<Notes>>,
-    trajectory: Option<PartTrajectory>,
+    motion: Option<Interpolant>,
     start: Option<Instant>,
     /// Where it stands against where it should.
     offset: fn(f64) -> f64,
@@ -40,26 +40,21 @@ impl Driver for Arm {
             Some(start) if is_silent => start + Duration::from_secs_f64(heard),
             _ => Instant::now(),
         };
-        let at = self
-            .trajectory
-            .as_ref()
-            .map_or(0.0, |known| known.at(heard)[0]);
+        let at = self.motion.as_ref();
+        let at = at.map_or(0.0, |known| known.at(heard)[0]);
         Ok(Some(JointState {
             received,
             positions: vec![at + (self.offset)(heard)],
         }))
     }
-    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+    fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
         self.notes.lock().unwrap().started = true;
-        self.trajectory = Some(trajectory.clone());
+        self.motion = Some(motion.clone());
         self.start = Some(Instant::now());
         Ok(())
     }
     fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError> {
-        let duration = self
-            .trajectory
-            .as_ref()
-            .map_or(0.0, PartTrajectory::duration);
+        let duration = self.motion.as_ref().map_or(0.0, Interpolant::duration);
         Ok(if elapsed > duration {
             Progress::Done
         } else {
@@ -92,6 +87,7 @@ pub(super) const BOUNDS: StreamBounds = StreamBounds {
     },
     watchdog: Duration::from_millis(150),
     longest_pause: None,
+    horizon: None,
 };
 
 fn run_two(
@@ -104,7 +100,7 @@ fn run_two(
         name: format!("arm{which}"),
         driver: Box::new(Arm {
             notes: Arc::clone(&notes[which]),
-            trajectory: None,
+            motion: None,
             start: None,
             offset,
             silent_after,
@@ -217,7 +213,7 @@ impl Driver for Simulated {
     fn clock(&self) -> Option<(f64, Instant)> {
         Some((self.time(), self.now))
     }
-    fn start(&mut self, _: &PartTrajectory) -> Result<(), DriverError> {
+    fn start(&mut self, _: &Interpolant) -> Result<(), DriverError> {
         self.now = Instant::now();
         self.start = Some(self.now);
         Ok(())

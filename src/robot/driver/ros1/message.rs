@@ -1,7 +1,7 @@
 //! The messages of ROS 1 that a trajectory needs, in their binary form: little-endian numbers, texts and arrays after
 //! their lengths.
 
-use super::super::PartTrajectory;
+use super::super::Interpolant;
 use super::super::picture::RawImage;
 
 /// Type of a topic: name and MD5 sum of its definition.
@@ -115,21 +115,18 @@ impl Writer {
 }
 
 /// A goal, to be followed at once; tolerances are the controller's own.
-pub fn goal(trajectory: &PartTrajectory, id: &str) -> Vec<u8> {
+pub fn goal(joints: &[String], motion: &Interpolant, id: &str) -> Vec<u8> {
     let mut writer = Writer::default();
     writer.header();
     writer.goal_id(id);
     writer.header();
-    writer.u32(trajectory.joints.len() as u32);
-    trajectory
-        .joints
-        .iter()
-        .for_each(|joint| writer.text(joint));
-    writer.u32(trajectory.points.len() as u32);
-    let rows = trajectory.times.iter().zip(&trajectory.points);
-    for ((time, point), velocities) in rows.zip(trajectory.velocities()) {
+    writer.u32(joints.len() as u32);
+    joints.iter().for_each(|joint| writer.text(joint));
+    writer.u32(motion.points().len() as u32);
+    let rows = motion.times().iter().zip(motion.points());
+    for ((time, point), velocities) in rows.zip(motion.velocities()) {
         writer.numbers(point);
-        writer.numbers(&velocities);
+        writer.numbers(velocities);
         writer.numbers(&[]);
         writer.numbers(&[]);
         writer.duration(*time);

@@ -19,7 +19,7 @@ pub use gripper::Ros1Gripper;
 
 use super::action_client::{ActionClient, Goal};
 use super::follow_joint_trajectory::ros_1_outcome;
-use super::{Driver, DriverError, JointState, PartTrajectory, Progress, read_within_bounds};
+use super::{Driver, DriverError, Interpolant, JointState, Progress, read_within_bounds};
 use node::{Heard, Node, Publication, mailbox};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
@@ -226,17 +226,18 @@ impl Driver for Ros1Driver {
         self.clock
     }
 
-    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+    fn sends_goals(&self) -> bool {
+        true
+    }
+
+    fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
         let Some(connection) = &self.connection else {
             return Err(self.lost(format_args!("not connected")));
         };
         self.setpoint = None;
-        let goal = Goal::new();
-        if connection
-            .goals
-            .publish(&message::goal(trajectory, goal.id()))
-            == 0
-        {
+        let goal = Goal::after(self.goal.as_ref());
+        let message = message::goal(&self.joints, motion, goal.id());
+        if connection.goals.publish(&message) == 0 {
             return Err(self.lost(format_args!("the action server of {} is gone", self.action)));
         }
         self.goal = Some(goal);

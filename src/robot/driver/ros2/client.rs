@@ -2,7 +2,7 @@
 
 use super::super::action_client::{ActionClient, Goal};
 use super::super::follow_joint_trajectory::ros_2_outcome;
-use super::super::{Driver, DriverError, JointState, PartTrajectory, Progress, read_within_bounds};
+use super::super::{Driver, DriverError, Interpolant, JointState, Progress, read_within_bounds};
 use super::Ros2Address;
 use super::message::{
     CancelAnswer, CancelGoal, Feedback, GetResult, GoalAnswer, GoalId, JointStates, ResultAnswer,
@@ -28,6 +28,10 @@ pub struct Ros2Driver {
     state: Option<JointState>,
     setpoint: Option<JointState>,
     goal: Option<(GoalId, Goal)>,
+    /// The goal that the last one replaced.
+    former: Option<GoalId>,
+    /// The goal whose result was asked for last.
+    asked: Option<GoalId>,
 }
 
 struct Connection {
@@ -59,6 +63,8 @@ impl Ros2Driver {
             state: None,
             setpoint: None,
             goal: None,
+            former: None,
+            asked: None,
         }
     }
 
@@ -140,6 +146,8 @@ impl Ros2Driver {
         let answered = connection.send_goal.answer()?;
         let cancelled = connection.cancel_goal.answer()?;
         let ended = connection.get_result.answer()?;
+        // A goal that was replaced ends, too.
+        let ended = ended.filter(|_| self.asked == self.goal.as_ref().map(|(id, _)| *id));
         let Some((goal_id, goal)) = &mut self.goal else {
             return Ok(());
         };
@@ -148,6 +156,7 @@ impl Ros2Driver {
             if answer.accepted {
                 goal.acknowledge();
                 connection.get_result.ask(GetResult { goal_id })?;
+                self.asked = Some(goal_id);
             } else {
                 goal.end(ros_2_outcome(None, 0, WITHOUT_REASON));
             }
@@ -203,9 +212,9 @@ impl ActionClient for Ros2Driver {
 
     fn cancel(&mut self, _: &str) -> Result<(), DriverError> {
         let asked = match (&self.goal, &mut self.connection) {
-            (Some((goal_id, _)), Some(connection)) => {
-                connection.cancel_goal.ask(CancelGoal::new(*goal_id))
-            }
+            // The answer to the last request counts.
+            (Some((goal_id, _)), Some(connection)) => (self.former.iter().chain([goal_id]))
+                .try_for_each(|id| connection.cancel_goal.ask(CancelGoal::new(*id))),
             _ => Ok(()),
         };
         asked.map_err(|error| self.lost(format_args!("{error}")))
@@ -254,14 +263,20 @@ impl Driver for Ros2Driver {
         Ok(self.state.clone())
     }
 
-    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+    fn sends_goals(&self) -> bool {
+        true
+    }
+
+    fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
         let goal_id = unique();
         self.setpoint = None;
         let Some(connection) = &mut self.connection else {
             return Err(self.lost(format_args!("not connected")));
         };
-        let sent = connection.send_goal.ask(SendGoal::new(goal_id, trajectory));
+        let goal = SendGoal::new(goal_id, &self.joints, motion);
+        let sent = connection.send_goal.ask(goal);
         sent.map_err(|error| self.lost(format_args!("{error}")))?;
+        self.former = self.goal.as_ref().map(|(id, _)| *id);
         self.goal = Some((goal_id, Goal::new()));
         Ok(())
     }

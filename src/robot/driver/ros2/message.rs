@@ -2,7 +2,7 @@
 //!
 //! What an answer carries beyond what is needed is not read: CDR is read from the front.
 
-use super::super::PartTrajectory;
+use super::super::Interpolant;
 use serde::{Deserialize, Serialize};
 
 /// Names a goal.
@@ -78,13 +78,13 @@ pub struct SendGoal {
 
 impl SendGoal {
     /// A goal that asks for a motion.
-    pub fn new(goal_id: GoalId, trajectory: &PartTrajectory) -> Self {
-        let rows = trajectory.times.iter().zip(&trajectory.points);
+    pub fn new(goal_id: GoalId, joints: &[String], motion: &Interpolant) -> Self {
+        let rows = motion.times().iter().zip(motion.points());
         let points = rows
-            .zip(trajectory.velocities())
+            .zip(motion.velocities())
             .map(|((time, positions), velocities)| Point {
                 positions: positions.clone(),
-                velocities,
+                velocities: velocities.clone(),
                 accelerations: Empty::default(),
                 effort: Empty::default(),
                 time_from_start: Duration::of(*time),
@@ -93,7 +93,7 @@ impl SendGoal {
             goal_id,
             trajectory: Trajectory {
                 header: Header::default(),
-                joint_names: trajectory.joints.clone(),
+                joint_names: joints.to_vec(),
                 points: points.collect(),
             },
             multi_dof_trajectory: NoMultiDof::default(),
@@ -252,12 +252,8 @@ mod tests {
     /// By hand from the definitions and the rules of CDR: little-endian, each number at a multiple of its size.
     #[test]
     fn a_goal_has_the_bytes_of_its_definition() {
-        let trajectory = PartTrajectory {
-            joints: vec!["j".into()],
-            times: vec![0.0, 1.5],
-            points: vec![vec![0.0], vec![2.0]],
-        };
-        let goal = SendGoal::new([7; 16], &trajectory);
+        let motion = Interpolant::new(&[0.0, 1.5], &[vec![0.0], vec![2.0]]);
+        let goal = SendGoal::new([7; 16], &["j".into()], &motion);
         let mut written = Vec::new();
         rustdds::serialization::to_writer_with_rep_id(
             &mut written,

@@ -1,5 +1,6 @@
 //! Motions over serial lines whose other end is faulty: each ends as it should, and none is called finished.
 
+use super::super::PartTrajectory;
 use super::frame;
 use super::*;
 use crate::robot::chain::JointKind;

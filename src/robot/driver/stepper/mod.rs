@@ -14,7 +14,7 @@ pub use line::{
     Acknowledgement as StepperAnswer, Link as StepperLink, Request as StepperRequest, SerialLine,
 };
 
-use super::{Driver, DriverError, Interpolant, JointState, PartTrajectory, Progress};
+use super::{Driver, DriverError, Interpolant, JointState, Progress};
 use line::{Acknowledgement, Link, Request};
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
@@ -162,17 +162,17 @@ impl Driver for StepperDriver {
 
     /// The motor does not know its angle: where it stands is the first point. Nothing is sent before the first
     /// [`Driver::advance`]: the other parts of a stream, which begin at once, must not wait for the answers of a line.
-    fn start(&mut self, trajectory: &PartTrajectory) -> Result<(), DriverError> {
+    fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
         if self.link.is_none() {
             return Err(self.lost("not connected"));
         }
-        self.zero = trajectory.points[0][0] - self.position as f64 * self.radians_per_step;
+        self.zero = motion.first()[0] - self.position as f64 * self.radians_per_step;
         self.state = Some(JointState {
             received: self.asked,
-            positions: trajectory.points[0].clone(),
+            positions: motion.first().to_vec(),
         });
         self.motion = Some(Motion {
-            path: trajectory.interpolant(),
+            path: motion.clone(),
             sent: 0.0,
             steps: self.position,
         });

@@ -1,0 +1,246 @@
+//! A motion in goals that end by themselves: what a controller has of it, where this program has ended, comes to rest.
+//!
+//! Each goal is the motion of the next moments and then a stop along the same path: from the time `t` of the motion, with
+//! `u` from 0 to 1 over the time `T` of the stop, at the place of the time `t + T (u − u³ + u⁴/2)`. The speed along the path falls
+//! by `1 − 3 u² + 2 u³` then, and the stop takes half as much of the path as a motion at full speed. The next goal replaces it before it
+//! stops.
+
+use super::check::first_fault_between;
+use crate::robot::chain::Limits;
+use crate::robot::driver::{Interpolant, PartTrajectory};
+use std::time::Duration;
+
+/// A goal begins this long after it is sent, s: controllers lead the joints there from where they are.
+const LEAD: f64 = 0.1;
+/// Points nearer than this to an end of a piece are left out, s: cubics between them and the end would be too short for their numbers.
+const NEAR: f64 = 1e-3;
+/// Time between the points of a stop, s, at most, and fewest of them.
+const STOP_SPACING: f64 = 0.02;
+const STOP_POINTS: usize = 16;
+
+/// A part of a motion.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    /// When it is to be sent, s after the start.
+    sent: f64,
+    /// When it begins to stop, s after the start; infinite for the last piece.
+    stops: f64,
+    /// Its motion, at times since the start.
+    motion: Interpolant,
+}
+
+/// Pieces of a motion of which each is over `horizon` after it is sent, 1 s or more. The second half of this time is for the stop, and
+/// the next piece may be sent late by a quarter of it.
+pub(super) fn pieces(path: &Interpolant, horizon: Duration) -> Vec<Piece> {
+    let horizon = horizon.as_secs_f64();
+    let until_stop = 0.5 * horizon;
+    let interval = 0.5 * until_stop - LEAD;
+    let mut pieces = Vec::new();
+    loop {
+        let sent = interval * pieces.len() as f64;
+        let begin = if pieces.is_empty() { 0.0 } else { sent + LEAD };
+        if sent + horizon >= path.duration() {
+            pieces.push(Piece {
+                sent,
+                stops: f64::INFINITY,
+                motion: between(path, begin, path.duration()),
+            });
+            return pieces;
+        }
+        let stops = sent + until_stop;
+        let mut motion = between(path, begin, stops);
+        add_stop(&mut motion, path, stops, horizon - until_stop);
+        pieces.push(Piece {
+            sent,
+            stops,
+            motion,
+        });
+    }
+}
+
+impl Piece {
+    /// Whether it is time to send it.
+    pub(super) fn is_due(&self, elapsed: f64) -> bool {
+        elapsed >= self.sent
+    }
+
+    /// The goal that is sent so long after the start; `None` where it is too late, as `before` stops.
+    pub(super) fn goal(&self, before: &Self, elapsed: f64) -> Option<Interpolant> {
+        let begin = elapsed + LEAD;
+        (begin <= before.stops.min(self.motion.duration() - NEAR))
+            .then(|| between(&self.motion, begin, self.motion.duration()).earlier_by(elapsed))
+    }
+
+    /// Its motion, at times since the start.
+    pub(super) fn motion(&self) -> &Interpolant {
+        &self.motion
+    }
+}
+
+/// The part of a motion between two times.
+fn between(path: &Interpolant, begin: f64, end: f64) -> Interpolant {
+    let times = path.times();
+    let count_until = |until: f64| times.partition_point(|time| *time < until);
+    let first = count_until(begin + NEAR);
+    let inner = first..count_until(end - NEAR).max(first);
+    let ends = |of: fn(&Interpolant, f64) -> Vec<f64>, inner: &[Vec<f64>]| {
+        let mut rows = vec![of(path, begin)];
+        rows.extend_from_slice(inner);
+        rows.push(of(path, end));
+        rows
+    };
+    let mut kept = vec![begin];
+    kept.extend_from_slice(&times[inner.clone()]);
+    kept.push(end);
+    Interpolant::with_velocities(
+        kept,
+        ends(Interpolant::at, &path.points()[inner.clone()]),
+        ends(Interpolant::velocity_at, &path.velocities()[inner]),
+    )
+}
+
+/// Adds the stop along `path` from the time `begin` of it, over `duration`, s.
+fn add_stop(motion: &mut Interpolant, path: &Interpolant, begin: f64, duration: f64) {
+    let count = ((duration / STOP_SPACING).ceil() as usize).max(STOP_POINTS);
+    for k in 1..=count {
+        let u = k as f64 / count as f64;
+        let place = begin + duration * u * (1.0 - u * u * (1.0 - 0.5 * u));
+        let speed = (1.0 - u) * (1.0 - u) * (1.0 + 2.0 * u);
+        let velocity = path.velocity_at(place);
+        motion.push(
+            begin + duration * u,
+            path.at(place),
+            velocity.iter().map(|v| speed * v).collect(),
+        );
+    }
+}
+
+/// Checks what controllers make of the goals of a motion that is sent in pieces against limits, one per joint.
+///
+/// # Errors
+/// In words: the first fault of each joint.
+pub fn check_stops(
+    trajectory: &PartTrajectory,
+    limits: &[Limits],
+    horizon: Duration,
+) -> Result<(), Vec<String>> {
+    let pieces = pieces(&trajectory.interpolant(), horizon);
+    let joints = trajectory.joints.iter().zip(limits).enumerate();
+    let faults = joints.filter_map(|(joint, (name, limits))| {
+        pieces.iter().find_map(|piece| {
+            let (what, point, value, [low, high]) =
+                first_fault_between(&piece.motion, joint, limits)?;
+            Some(format!(
+                "{name}: {what} {value:.6} in a stop from the motion at {:.2} s; allowed: {low:.6} to {high:.6}. A longer `streaming.horizon` stops more gently, and without it no stops are sent",
+                piece.motion.times()[point].min(piece.stops)
+            ))
+        })
+    });
+    let faults: Vec<String> = faults.collect();
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(faults)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two joints that rise to 1 rad and 0.7 rad over a time, with points at 100 Hz.
+    fn rise(duration: f64) -> PartTrajectory {
+        let count = (100.0 * duration) as usize;
+        let part = |k: usize| k as f64 / count as f64;
+        let rise = |s: f64| s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+        PartTrajectory {
+            joints: vec!["a".into(), "b".into()],
+            times: (0..=count).map(|k| duration * part(k)).collect(),
+            points: (0..=count)
+                .map(|k| vec![rise(part(k)), -0.7 * rise(part(k))])
+                .collect(),
+        }
+    }
+
+    fn apart(a: &[f64], b: &[f64]) -> f64 {
+        let pairs = a.iter().zip(b);
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    /// Where each goal leads the joints from where they are when it comes.
+    #[test]
+    fn a_controller_that_takes_all_pieces_follows_the_motion() {
+        for (duration, horizon, late) in [(5.0, 1.0, 0.0), (5.0, 1.5, 0.1), (7.3, 2.0, 0.03)] {
+            let path = rise(duration).interpolant();
+            let pieces = pieces(&path, Duration::from_secs_f64(horizon));
+            assert!(pieces.len() > 4);
+            let mut goals = vec![(0.0, pieces[0].motion.clone())];
+            for pair in pieces.windows(2) {
+                let now = pair[1].sent + late;
+                let (sent, last) = &goals[goals.len() - 1];
+                let [point, velocity] = [last.at(now - sent), last.velocity_at(now - sent)];
+                let goal = pair[1].goal(&pair[0], now).unwrap();
+                assert!((goal.times()[0] - LEAD).abs() < 1e-9);
+                goals.push((now, goal.taken_at(point, velocity)));
+            }
+            for step in 0..=(1000.0 * duration) as usize {
+                let now = 1e-3 * step as f64;
+                let (sent, goal) = goals.iter().rfind(|(sent, _)| *sent <= now).unwrap();
+                let off = apart(&goal.at(now - sent), &path.at(now));
+                assert!(off < 2e-5, "{off} at {now} of {duration}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_piece_ends_at_rest_on_the_path_within_the_horizon() {
+        let path = rise(5.0).interpolant();
+        let horizon = 1.2;
+        let pieces = pieces(&path, Duration::from_secs_f64(horizon));
+        for piece in &pieces {
+            let motion = &piece.motion;
+            assert!(motion.duration() - piece.sent <= horizon + 1e-9);
+            let last = &motion.velocities()[motion.times().len() - 1];
+            assert!(last.iter().all(|velocity| *velocity == 0.0));
+            for step in 0..=100 {
+                let span = motion.duration() - motion.times()[0];
+                let point = motion.at(motion.times()[0] + 0.01 * f64::from(step) * span);
+                // The second joint is a multiple of the first all along the path.
+                assert!((point[1] + 0.7 * point[0]).abs() < 1e-6, "{point:?}");
+            }
+        }
+        let last = pieces[pieces.len() - 1].motion.last();
+        assert_eq!(last, path.last());
+    }
+
+    #[test]
+    fn a_piece_that_comes_too_late_is_not_sent() {
+        const SLACK: f64 = 0.25;
+        let path = rise(5.0).interpolant();
+        let pieces = pieces(&path, Duration::from_secs(1));
+        let due = pieces[1].sent;
+        assert!(!pieces[1].is_due(due - 1e-3) && pieces[1].is_due(due));
+        assert!(pieces[1].goal(&pieces[0], due + 0.99 * SLACK).is_some());
+        assert!(pieces[1].goal(&pieces[0], due + 1.01 * SLACK).is_none());
+        assert!(pieces[1].goal(&pieces[0], due + 10.0).is_none());
+    }
+
+    #[test]
+    fn stops_are_checked_against_limits() {
+        let limits = Limits {
+            lower: -2.0,
+            upper: 2.0,
+            velocity: 1.0,
+            acceleration: 1.0,
+            jerk: 10.0,
+        };
+        let motion = rise(4.0);
+        let check = |horizon| check_stops(&motion, &[limits; 2], Duration::from_secs_f64(horizon));
+        // Up to 0.47 rad/s, with 0.36 rad/s² on the way: a stop in half a second takes 1.4 rad/s² at least.
+        let faults = check(1.0).unwrap_err();
+        assert_eq!(faults.len(), 1, "{faults:?}");
+        assert!(faults[0].contains("a: acceleration"), "{faults:?}");
+        assert!(faults[0].contains("longer `streaming.horizon`"));
+        assert_eq!(check(2.0), Ok(()));
+    }
+}
