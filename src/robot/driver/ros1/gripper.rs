@@ -6,7 +6,7 @@ use super::super::{DriverError, GripperDriver};
 use super::message;
 use super::node::{Heard, Node, Publication, mailbox, master_uri};
 use std::sync::Arc;
-use std::sync::mpsc::RecvTimeoutError;
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 /// Longest wait for the action server.
@@ -51,10 +51,27 @@ impl GripperDriver for Ros1Gripper {
         self.wait_for_server([&goals, &cancellations], is_interrupted)?;
         let goal = Goal::new();
         goals.publish(&message::gripper_goal(opening, self.max_effort, goal.id()));
+        let ended = self.wait(&heard, &goal, patience, is_interrupted);
+        if ended.is_err() {
+            // Whatever ended it, the fingers must not move on.
+            cancellations.publish(&message::cancel(goal.id()));
+        }
+        ended
+    }
+}
+
+impl Ros1Gripper {
+    /// Waits for the end of a goal.
+    fn wait(
+        &self,
+        heard: &Receiver<Heard>,
+        goal: &Goal,
+        patience: Duration,
+        is_interrupted: &dyn Fn() -> bool,
+    ) -> Result<(), DriverError> {
         let begin = Instant::now();
         while begin.elapsed() < patience {
             if is_interrupted() {
-                cancellations.publish(&message::cancel(goal.id()));
                 return Err(DriverError::Aborted("interrupted".into()));
             }
             match heard.recv_timeout(LOOK) {
@@ -75,16 +92,13 @@ impl GripperDriver for Ros1Gripper {
                 }
             }
         }
-        cancellations.publish(&message::cancel(goal.id()));
         Err(self.lost(format_args!(
             "the gripper {} has not moved within {} s; is it started, and is this its action?",
             self.action,
             patience.as_secs_f64()
         )))
     }
-}
 
-impl Ros1Gripper {
     /// Waits until the action server hears goals and cancellations.
     fn wait_for_server(
         &self,

@@ -100,52 +100,20 @@ impl Ros2Gripper {
         Ok(connection)
     }
 
-    /// Cancels a goal, and waits until the server has confirmed it or the patience ends.
-    fn cancel(&self, connection: &mut Connection, goal_id: GoalId) -> DriverError {
-        let cancelled = || -> Result<bool, String> {
-            let begin = Instant::now();
-            connection.cancel_goal.ask(CancelGoal::new(goal_id))?;
-            while begin.elapsed() < CANCEL_PATIENCE {
-                if let Some(answer) = connection.cancel_goal.answer()? {
-                    return Ok(answer.return_code == 0);
-                }
-                std::thread::sleep(LOOK);
-            }
-            Ok(false)
-        }();
-        match cancelled {
-            Ok(true) => interrupted(),
-            Ok(false) => self.lost("the cancellation was not confirmed: watch the gripper"),
-            Err(reason) => self.lost(reason),
-        }
-    }
-
-    fn lost(&self, reason: impl std::fmt::Display) -> DriverError {
-        DriverError::Lost(format!("ROS 2, domain {}: {reason}", self.address.domain))
-    }
-}
-
-fn interrupted() -> DriverError {
-    DriverError::Aborted("interrupted".into())
-}
-
-impl GripperDriver for Ros2Gripper {
-    fn command(
+    /// Waits for the end of a goal.
+    fn wait(
         &self,
-        opening: f64,
+        connection: &mut Connection,
+        goal_id: GoalId,
         patience: Duration,
         is_interrupted: &dyn Fn() -> bool,
     ) -> Result<(), DriverError> {
-        let mut connection = self.connect(is_interrupted)?;
-        let goal_id = unique();
-        let goal = GripperGoal::new(goal_id, opening, self.address.max_effort);
         let lost = |reason: String| self.lost(reason);
-        connection.send_goal.ask(goal).map_err(lost)?;
         let begin = Instant::now();
         let mut is_taken = false;
         while begin.elapsed() < patience {
             if is_interrupted() {
-                return Err(self.cancel(&mut connection, goal_id));
+                return Err(interrupted());
             }
             if let Some(answer) = connection.send_goal.answer().map_err(lost)? {
                 if !answer.accepted {
@@ -172,11 +140,58 @@ impl GripperDriver for Ros2Gripper {
             }
             std::thread::sleep(LOOK);
         }
-        self.cancel(&mut connection, goal_id);
         Err(self.lost(format_args!(
             "the gripper {} has not moved within {} s",
             self.address.action,
             patience.as_secs_f64()
         )))
+    }
+
+    /// Cancels a goal; whether the server has confirmed it before the patience ends.
+    fn cancel(connection: &mut Connection, goal_id: GoalId) -> Result<bool, String> {
+        let begin = Instant::now();
+        connection.cancel_goal.ask(CancelGoal::new(goal_id))?;
+        while begin.elapsed() < CANCEL_PATIENCE {
+            if let Some(answer) = connection.cancel_goal.answer()? {
+                return Ok(answer.return_code == 0);
+            }
+            std::thread::sleep(LOOK);
+        }
+        Ok(false)
+    }
+
+    fn lost(&self, reason: impl std::fmt::Display) -> DriverError {
+        DriverError::Lost(format!("ROS 2, domain {}: {reason}", self.address.domain))
+    }
+}
+
+fn interrupted() -> DriverError {
+    DriverError::Aborted("interrupted".into())
+}
+
+impl GripperDriver for Ros2Gripper {
+    fn command(
+        &self,
+        opening: f64,
+        patience: Duration,
+        is_interrupted: &dyn Fn() -> bool,
+    ) -> Result<(), DriverError> {
+        let mut connection = self.connect(is_interrupted)?;
+        let goal_id = unique();
+        let goal = GripperGoal::new(goal_id, opening, self.address.max_effort);
+        let sent = connection.send_goal.ask(goal);
+        sent.map_err(|reason| self.lost(reason))?;
+        let ended = self.wait(&mut connection, goal_id, patience, is_interrupted);
+        let Err(error) = ended else {
+            return Ok(());
+        };
+        // Whatever ended it, the fingers must not move on.
+        match Self::cancel(&mut connection, goal_id) {
+            Ok(false) if error == interrupted() => {
+                Err(self.lost("the cancellation was not confirmed: watch the gripper"))
+            }
+            Err(reason) => Err(self.lost(format_args!("{error}; {reason}"))),
+            Ok(_) => Err(error),
+        }
     }
 }
