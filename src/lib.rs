@@ -43,7 +43,20 @@
 //! cell           ──> robot, vision, scenario, figure
 //! vision         ──> figure
 //! robot, scenario ──> mesh
-//! mesh, results, figure ──> finite, input
+//! mesh           ──> finite, input
+//! results, figure ──> finite, input, origin
+//! ```
+//!
+//! Each room is in a crate of the workspace, below `src`; this one hands on the rooms of all:
+//!
+//! ```text
+//! rodlab            cli, guide, verify, reproduce
+//! rodlab-workcell   cell, virtual_cell, task
+//! rodlab-lab        scenario, experiment, run, sweep, report, cluster
+//! rodlab-planning   knot, learn, plan
+//! rodlab-engine     linalg, mechanics: a library of its own, without files and command line
+//! rodlab-robot, rodlab-vision    a room each
+//! rodlab-files      results, figure, mesh, finite, input, origin
 //! ```
 //!
 //! | room | what lives there |
@@ -70,6 +83,7 @@
 //! | [`mesh`] | triangle meshes in files: STL, OBJ |
 //! | [`finite`] | the gate for numbers in files |
 //! | [`input`] | the gate for files: their size, the depth of XML |
+//! | [`origin`] | the version and commit of the program, as files state them |
 //! | [`vision`] | images → centrelines in pixels and metres, cameras, scores |
 //!
 //! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and
@@ -83,28 +97,15 @@
 // Tests compare with a tolerance, and may ask any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
-pub mod cell;
+pub use rodlab_engine::{linalg, mechanics};
+pub use rodlab_files::{figure, finite, input, mesh, origin, results};
+pub use rodlab_lab::{cluster, experiment, report, run, scenario, sweep};
+pub use rodlab_planning::{knot, learn, plan};
+pub use rodlab_robot as robot;
+pub use rodlab_vision as vision;
+pub use rodlab_workcell::{cell, task, virtual_cell};
+
 pub mod cli;
-pub mod cluster;
-pub mod experiment;
-pub mod figure;
-pub mod finite;
 pub mod guide;
-pub mod input;
-pub mod knot;
-pub mod learn;
-pub mod linalg;
-pub mod mechanics;
-pub mod mesh;
-pub mod plan;
-pub mod report;
 pub mod reproduce;
-pub mod results;
-pub mod robot;
-pub mod run;
-pub mod scenario;
-pub mod sweep;
-pub mod task;
 pub mod verify;
-pub mod virtual_cell;
-pub mod vision;

@@ -3,12 +3,12 @@
 use super::failure::Failure;
 use super::output::{print, print_json, write_file};
 use super::values::positive_length;
-use crate::vision::{
+use clap::{Args, Subcommand};
+use nalgebra::Isometry3;
+use rodlab_vision::{
     Calibration, Camera, Checkerboard, LensMisfit, Point, RejectedPair, VisionError, board_pose,
     calibrate as calibrate_lens, hand_eye, pictures_in, read_picture, read_poses,
 };
-use clap::{Args, Subcommand};
-use nalgebra::Isometry3;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -7,14 +7,14 @@ use super::output::print;
 use super::place::Scene;
 use super::plan::parse_place;
 use super::values::positive_length;
-use crate::cell::{Cell, Driver, Place};
-use crate::experiment::{Crease, Jitter};
-use crate::robot::Pose;
-use crate::task::middle_of_table;
-use crate::virtual_cell::{
+use clap::{Args, Subcommand};
+use rodlab_lab::experiment::{Crease, Jitter};
+use rodlab_robot::Pose;
+use rodlab_workcell::cell::{Cell, Driver, Place};
+use rodlab_workcell::task::middle_of_table;
+use rodlab_workcell::virtual_cell::{
     ChuckedSupply, Fault, Response, RodSupply, Settings, SheetPlace, SimulatedSheet, VirtualCell,
 };
-use clap::{Args, Subcommand};
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::path::{Path, PathBuf};
 

@@ -3,8 +3,8 @@
 use super::exit_code::NOT_SEEN_WHOLE;
 use super::failure::Failure;
 use super::output::print_json;
-use crate::cell::Cell;
-use crate::task::{TaskError, TaskRecord, TaskStage, Unfinished};
+use rodlab_workcell::cell::Cell;
+use rodlab_workcell::task::{TaskError, TaskRecord, TaskStage, Unfinished};
 use std::path::Path;
 
 /// Refuses to move an arm whose last task did not come to its end, until somebody has looked at it and says so.

@@ -4,11 +4,11 @@ use super::common::Common;
 use super::failure::Failure;
 use super::output::print;
 use super::run::prepare;
-use crate::cell::{Cell, CellReport};
-use crate::experiment::{DerivedNumbers, case_set, derived_numbers, try_scene};
-use crate::run::{Forecast, forecast};
-use crate::sweep::check_every_value;
 use clap::Args;
+use rodlab_lab::experiment::{DerivedNumbers, case_set, derived_numbers, try_scene};
+use rodlab_lab::run::{Forecast, forecast};
+use rodlab_lab::sweep::check_every_value;
+use rodlab_workcell::cell::{Cell, CellReport};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab check`.
@@ -69,7 +69,7 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
 /// Whether a file describes a robot cell: scenarios have no arms and no axes.
 fn is_cell(path: &Path) -> bool {
     // What cannot be read is left to the reader of scenarios, which says why.
-    let bytes = crate::scenario::read_text_file(path).unwrap_or_default();
+    let bytes = rodlab_lab::scenario::read_text_file(path).unwrap_or_default();
     String::from_utf8_lossy(&bytes).lines().any(|line| {
         let line = line.trim_start();
         line.starts_with("[[arms]]") || line.starts_with("[[axes]]")

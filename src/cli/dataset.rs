@@ -3,8 +3,8 @@
 use super::common::Common;
 use super::failure::Failure;
 use super::run::{RunArguments, run};
-use crate::experiment::{KINDS, case_set, kind_named};
 use clap::Args;
+use rodlab_lab::experiment::{KINDS, case_set, kind_named};
 
 /// Arguments of `rodlab dataset`.
 #[derive(Debug, Args)]

@@ -6,12 +6,12 @@ use super::laying::{Laying, LayingArguments};
 use super::output::print;
 use super::plan_deployment::DeploymentPlan;
 use super::run::{prepare, summary};
-use crate::experiment::case_set;
-use crate::plan::deployment::Spare;
-use crate::report::write_page;
-use crate::results::PAGE;
-use crate::run::RunOptions;
 use clap::Args;
+use rodlab_files::results::PAGE;
+use rodlab_lab::experiment::case_set;
+use rodlab_lab::report::write_page;
+use rodlab_lab::run::RunOptions;
+use rodlab_planning::plan::deployment::Spare;
 use std::path::Path;
 
 /// Outputs that the page of a simulation shows at most.
@@ -79,7 +79,7 @@ fn simulate(directory: &Path, common: &Common) -> Result<(), Failure> {
         progress: !common.quiet,
         ..RunOptions::new(directory.join("landing"))
     };
-    let outcome = crate::run::run(&prepared, &options)?;
+    let outcome = rodlab_lab::run::run(&prepared, &options)?;
     let page = outcome.directory.join(PAGE);
     write_page(&outcome.directory, &page, OUTPUTS, &|_, _| {})?;
     print(&summary(&outcome))?;

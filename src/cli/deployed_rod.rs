@@ -1,9 +1,9 @@
 //! Files of rods that are laid on a table.
 
 use super::failure::Failure;
-use crate::plan::deployment::DeployedRod;
-use crate::scenario::dimension::{Density, Length};
-use crate::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
+use rodlab_lab::scenario::dimension::{Density, Length};
+use rodlab_lab::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
+use rodlab_planning::plan::deployment::DeployedRod;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;

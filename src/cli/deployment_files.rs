@@ -2,10 +2,10 @@
 
 use super::deployed_rod::RodFile;
 use super::failure::Failure;
-use crate::finite::{self, NotFinite};
-use crate::plan::deployment::{GripperPose, Scheme};
-use crate::plan::pattern::{PatternPoint, PatternSource, Point};
-use crate::plan::tying::Pass;
+use rodlab_files::finite::{self, NotFinite};
+use rodlab_planning::plan::deployment::{GripperPose, Scheme};
+use rodlab_planning::plan::pattern::{PatternPoint, PatternSource, Point};
+use rodlab_planning::plan::tying::Pass;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -228,7 +228,7 @@ fn parts(pose: &GripperPose) -> ([f64; 3], [f64; 4]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::{UnitQuaternion, Vector3};
+    use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 
     #[test]
     fn a_pose_that_is_not_finite_is_not_written() {

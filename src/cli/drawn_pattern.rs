@@ -1,9 +1,9 @@
 //! Files of drawn patterns: SVG, and CSV files of points.
 
 use super::failure::Failure;
-use crate::plan::pattern::{Point, chosen_stroke, read_svg};
-use crate::scenario::read_text_file;
-use crate::vision::read_curve;
+use rodlab_lab::scenario::read_text_file;
+use rodlab_planning::plan::pattern::{Point, chosen_stroke, read_svg};
+use rodlab_vision::read_curve;
 use std::path::Path;
 
 /// Points of an SVG or CSV file in metres; none where the file has another ending. `stroke` counts the strokes of an

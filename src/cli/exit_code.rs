@@ -1,11 +1,11 @@
 //! The exit code of each reason to fail: a promise to scripts, kept here alone.
 
-use crate::mechanics::dynamics::SimulationError;
-use crate::report::{PlotError, ViewError};
 use crate::reproduce::ReproduceError;
-use crate::results::ResultsError;
-use crate::run::{RunError, StopRequest};
-use crate::sweep::{SweepError, SweepOutcome};
+use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_files::results::ResultsError;
+use rodlab_lab::report::{PlotError, ViewError};
+use rodlab_lab::run::{RunError, StopRequest};
+use rodlab_lab::sweep::{SweepError, SweepOutcome};
 
 /// Exit code where the time limit was reached.
 pub(super) const TIME_LIMIT: u8 = 5;
@@ -127,8 +127,8 @@ impl ExitCode for ViewError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::CaseStatus;
-    use crate::sweep::CaseCounts;
+    use rodlab_files::results::CaseStatus;
+    use rodlab_lab::sweep::CaseCounts;
     use std::path::PathBuf;
 
     #[test]

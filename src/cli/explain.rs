@@ -2,10 +2,10 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::{self, Described, describe, described_files, files_with_column};
-use crate::results::FileDescription;
-use crate::scenario::did_you_mean;
 use clap::Args;
+use rodlab_files::results::FileDescription;
+use rodlab_lab::experiment::{self, Described, describe, described_files, files_with_column};
+use rodlab_lab::scenario::did_you_mean;
 use std::fmt::Write;
 
 /// Arguments of `rodlab explain`.
@@ -103,7 +103,7 @@ fn files() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::json_schema;
+    use rodlab_lab::experiment::json_schema;
 
     #[test]
     fn columns_and_files_are_explained() {

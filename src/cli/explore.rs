@@ -5,15 +5,15 @@ use super::interruption::watch_for_interruption;
 use super::output::print_json;
 use super::plan::positive;
 use super::solve_arm::arm_named;
-use crate::cell::Cell;
-use crate::experiment::ClampedRod;
-use crate::results::{MANIFEST, write_whole};
-use crate::task::{
+use clap::Args;
+use rodlab_files::results::{MANIFEST, write_whole};
+use rodlab_lab::experiment::ClampedRod;
+use rodlab_vision::ColourRule;
+use rodlab_workcell::cell::Cell;
+use rodlab_workcell::task::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationSummary, ExploreError, HandPlace,
     SearchSteps, Status, Stopped, quarter_sphere, read_directions, section, write_exploration,
 };
-use crate::vision::ColourRule;
-use clap::Args;
 use std::path::{Path, PathBuf};
 
 /// Frames of the page of the arm in motion.

@@ -2,18 +2,18 @@
 
 use super::exit_code::{ExitCode, INTERRUPTED, TIME_LIMIT};
 use super::standard_error;
-use crate::cluster::ClusterError;
-use crate::finite::NotFinite;
-use crate::learn::TrainingError;
-use crate::mechanics::dynamics::SimulationError;
-use crate::report::{PlotError, ViewError};
 use crate::reproduce::ReproduceError;
-use crate::results::ResultsError;
-use crate::run::{RunError, StopRequest};
-use crate::scenario::ScenarioError;
-use crate::sweep::SweepError;
-use crate::virtual_cell::{RodError, ServeError};
-use crate::vision::VisionError;
+use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_files::finite::NotFinite;
+use rodlab_files::results::ResultsError;
+use rodlab_lab::cluster::ClusterError;
+use rodlab_lab::report::{PlotError, ViewError};
+use rodlab_lab::run::{RunError, StopRequest};
+use rodlab_lab::scenario::ScenarioError;
+use rodlab_lab::sweep::SweepError;
+use rodlab_planning::learn::TrainingError;
+use rodlab_vision::VisionError;
+use rodlab_workcell::virtual_cell::{RodError, ServeError};
 
 /// Why the program fails.
 #[derive(Debug)]

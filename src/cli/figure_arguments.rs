@@ -1,9 +1,9 @@
 //! Options of the commands that draw figures.
 
 use super::failure::Failure;
-use crate::figure::{FigureOptions, Format, Paper};
-use crate::scenario::metres;
 use clap::{Args, ValueEnum};
+use rodlab_files::figure::{FigureOptions, Format, Paper};
+use rodlab_lab::scenario::metres;
 
 /// How figures are drawn and kept.
 #[derive(Clone, Debug, Default, Args)]

@@ -3,10 +3,10 @@
 use super::plan::{parse_place, positive};
 use super::plan_fold::{crease, friction};
 use super::values::positive_length;
-use crate::cell::Place;
-use crate::experiment::{AlgorithmName, Crease};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
+use rodlab_lab::experiment::{AlgorithmName, Crease};
+use rodlab_workcell::cell::Place;
 use std::path::PathBuf;
 
 /// Arguments of `rodlab fold`.

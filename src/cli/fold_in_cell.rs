@@ -8,15 +8,15 @@ use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
 use super::output::print_json;
 use super::solve_arm::arm_named;
-use crate::cell::{Cell, Place};
-use crate::results::write_whole;
-use crate::robot::Pose;
-use crate::task::{
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use rodlab_files::results::write_whole;
+use rodlab_robot::Pose;
+use rodlab_vision::ColourRule;
+use rodlab_workcell::cell::{Cell, Place};
+use rodlab_workcell::task::{
     FoldMotionRequest, FoldRecord, FoldRequest, FoldTask, FoldWay, Status, TaskHead, TaskRecord,
     Unfinished, heading,
 };
-use crate::vision::ColourRule;
-use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 
 /// Parts of a way that is not planned anew: after each the camera looks.
 const WATCHED_PARTS: u16 = 5;

@@ -7,10 +7,10 @@ use super::output::print;
 use super::run::{prepare, summary};
 use super::view::show;
 use super::watchdog;
-use crate::experiment::{Crease, case_set_from_text};
-use crate::report::write_page;
-use crate::results::PAGE;
-use crate::run::RunOptions;
+use rodlab_files::results::PAGE;
+use rodlab_lab::experiment::{Crease, case_set_from_text};
+use rodlab_lab::report::write_page;
+use rodlab_lab::run::RunOptions;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub fn fold_in_simulation(
         progress: !common.quiet,
         ..RunOptions::new(directory)
     };
-    let outcome = crate::run::run(&prepared, &options)?;
+    let outcome = rodlab_lab::run::run(&prepared, &options)?;
     let page = outcome.directory.join(PAGE);
     write_page(&outcome.directory, &page, OUTPUTS, &|_, _| {})?;
     print(&summary(&outcome))?;

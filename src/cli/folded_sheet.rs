@@ -1,9 +1,9 @@
 //! Files of sheets that are folded.
 
 use super::failure::Failure;
-use crate::experiment::{Paper, TypedPaper, resolve_paper};
-use crate::scenario::keys::Section;
-use crate::scenario::{Issues, KeyPath, TypedFile};
+use rodlab_lab::experiment::{Paper, TypedPaper, resolve_paper};
+use rodlab_lab::scenario::keys::Section;
+use rodlab_lab::scenario::{Issues, KeyPath, TypedFile};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::cell::RefCell;

@@ -3,10 +3,10 @@
 use super::failure::Failure;
 use super::output::print;
 use super::sweep::verdict;
-use crate::figure::FigureOptions;
-use crate::report::plot_results;
-use crate::sweep;
 use clap::Args;
+use rodlab_files::figure::FigureOptions;
+use rodlab_lab::report::plot_results;
+use rodlab_lab::sweep;
 use std::path::PathBuf;
 
 /// Arguments of `rodlab gather`.

@@ -5,8 +5,8 @@ use super::failure::Failure;
 use super::markdown::for_terminal;
 use super::output::print;
 use crate::guide::{PAGES, page};
-use crate::scenario::did_you_mean;
 use clap::Args;
+use rodlab_lab::scenario::did_you_mean;
 
 /// Arguments of `rodlab guide`.
 #[derive(Debug, Args)]

@@ -1,10 +1,10 @@
 //! Files of helical rods with markers.
 
 use super::failure::Failure;
-use crate::scenario::dimension::{Curvature, Length};
-use crate::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
-use crate::vision::helix_points;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use rodlab_lab::scenario::dimension::{Curvature, Length};
+use rodlab_lab::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
+use rodlab_vision::helix_points;
 use serde::Deserialize;
 use std::path::Path;
 

@@ -2,9 +2,9 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::{KINDS, Kind, kind_named};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use rodlab_lab::experiment::{KINDS, Kind, kind_named};
 
 /// Arguments of `rodlab init`.
 #[derive(Debug, Args)]

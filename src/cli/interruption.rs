@@ -1,7 +1,7 @@
 //! Signals for programs that move something, or serve until they are stopped.
 
 use super::failure::Failure;
-use crate::robot::Moving;
+use rodlab_robot::Moving;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGUSR1, SIGUSR2};
 use signal_hook::iterator::Signals;
 use std::sync::Arc;

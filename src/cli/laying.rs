@@ -7,16 +7,16 @@ use super::log_directory::log_directory;
 use super::output::print_json;
 use super::solve_arm::arm_named;
 use super::task_arguments::TaskArguments;
-use crate::cell::Cell;
-use crate::experiment::Fixtures;
-use crate::plan::deployment::{DeployedRod, LaidPath, Spare};
-use crate::results::write_whole;
-use crate::task::{
+use clap::Args;
+use rodlab_files::results::write_whole;
+use rodlab_lab::experiment::Fixtures;
+use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, Spare};
+use rodlab_vision::{ColourRule, Point};
+use rodlab_workcell::cell::Cell;
+use rodlab_workcell::task::{
     Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, SETTLING, Status, TaskHead,
     TaskRecord, Unfinished, middle_of_table,
 };
-use crate::vision::{ColourRule, Point};
-use clap::Args;
 use std::path::{Path, PathBuf};
 
 /// Frames of the page of the arm in motion.

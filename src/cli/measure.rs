@@ -7,8 +7,8 @@ use super::measure_markers::{MarkerArguments, measure_markers};
 use super::measure_sheet::{SheetArguments, measure_sheet};
 use super::output::print_json;
 use super::values::positive_length;
-use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop};
 use clap::{Args, Subcommand};
+use rodlab_engine::mechanics::kirchhoff::{HangingStrip, HeavyLoop};
 use serde::Serialize;
 
 /// Arguments of `rodlab measure`.

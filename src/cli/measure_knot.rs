@@ -2,10 +2,10 @@
 
 use super::failure::Failure;
 use super::output::print_json;
-use crate::knot::{closed_far_away, determinant_of_closed, fewest_crossings};
-use crate::mechanics::Vector3;
-use crate::scenario::read_polyline;
 use clap::Args;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_lab::scenario::read_polyline;
+use rodlab_planning::knot::{closed_far_away, determinant_of_closed, fewest_crossings};
 use serde::Serialize;
 use std::path::PathBuf;
 

@@ -5,12 +5,12 @@ use super::helix_file::HelixFile;
 use super::output::{print, print_json, write_file, write_files};
 use super::picture_source::{RecordingArguments, SourcePicture, is_series, pictures};
 use super::values::positive_length;
-use crate::vision::{
+use clap::Args;
+use nalgebra::Vector3;
+use rodlab_vision::{
     Camera, ColourRule, InstabilityRule, InstabilityWatch, MarkerErrors, Point, compare_markers,
     encode_picture, find_markers, marker_overlay,
 };
-use clap::Args;
-use nalgebra::Vector3;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;

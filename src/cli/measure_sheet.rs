@@ -3,11 +3,11 @@
 use super::failure::Failure;
 use super::output::{print_json, write_files};
 use super::trace::mask_of_rule;
-use crate::vision::{
+use clap::Args;
+use rodlab_vision::{
     Camera, ColourRule, EdgePose, Point, Sheet, encode_picture, find_sheet, mask_overlay,
     read_picture, sheet_overlay, sliding,
 };
-use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -95,6 +95,9 @@ use std::process;
 
 /// Runs the program and returns its exit code.
 pub fn main() -> process::ExitCode {
+    if let Some(commit) = option_env!("RODLAB_COMMIT") {
+        rodlab_files::origin::state_commit(commit);
+    }
     crash::announce_panics();
     file_size::report_as_errors();
     let arguments = Arguments::parse();

@@ -2,8 +2,8 @@
 
 use super::failure::Failure;
 use super::terminal::printable;
-use crate::figure::{is_page, is_picture};
-use crate::results::replace_own;
+use rodlab_files::figure::{is_page, is_picture};
+use rodlab_files::results::replace_own;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};

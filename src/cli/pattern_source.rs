@@ -3,10 +3,12 @@
 use super::drawn_pattern::drawn_points;
 use super::failure::Failure;
 use super::values::positive_length;
-use crate::plan::pattern::{Circle, Drawing, Line, PatternError, PatternSource, Point, Sine};
-use crate::scenario::metres;
-use crate::vision::{Camera, ColourRule, Metric, TraceOptions, pattern, read_picture, trace};
 use clap::Args;
+use rodlab_lab::scenario::metres;
+use rodlab_planning::plan::pattern::{
+    Circle, Drawing, Line, PatternError, PatternSource, Point, Sine,
+};
+use rodlab_vision::{Camera, ColourRule, Metric, TraceOptions, pattern, read_picture, trace};
 use std::path::{Path, PathBuf};
 
 /// Distance of the points of a photographed line, m, as of `rodlab trace --pattern`.

@@ -1,12 +1,12 @@
 //! Where pictures come from: files, folders, recordings and cameras.
 
 use super::failure::Failure;
-use crate::robot::{
-    Bag, BagError, BagPicture, CameraError, CameraPicture, DriverError, PictureTopic, open_camera,
-};
-use crate::vision::{VisionError, decode_picture, pictures_in, read_picture};
 use clap::Args;
 use image::RgbImage;
+use rodlab_robot::{
+    Bag, BagError, BagPicture, CameraError, CameraPicture, DriverError, PictureTopic, open_camera,
+};
+use rodlab_vision::{VisionError, decode_picture, pictures_in, read_picture};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 

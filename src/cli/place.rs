@@ -3,11 +3,13 @@
 use super::deployment_files::{pattern_csv, trajectory_csv};
 use super::failure::Failure;
 use super::laying::{Laying, LayingArguments};
-use crate::experiment::{self, Deployment, DeploymentTables, Fixtures};
-use crate::plan::deployment::{LaidPath, Spare, deployment_figure, friction_demands, times};
-use crate::plan::pattern::crossings;
-use crate::results::{SCENARIO, write_whole};
 use clap::Args;
+use rodlab_files::results::{SCENARIO, write_whole};
+use rodlab_lab::experiment::{self, Deployment, DeploymentTables, Fixtures};
+use rodlab_planning::plan::deployment::{
+    LaidPath, Spare, deployment_figure, friction_demands, times,
+};
+use rodlab_planning::plan::pattern::crossings;
 use std::path::{Path, PathBuf};
 
 /// Distance of poses along the pattern, m, and speed of laying, m/s, in the files of the plan.

@@ -6,8 +6,8 @@ use super::plan_deployment::DeploymentArguments;
 use super::plan_fold::FoldPlanArguments;
 use super::plan_grippers::GripperPlanArguments;
 use super::solve_arm::ArmChoice;
-use crate::cell::{Place, PlanError, PlanRequest, read_poses};
 use clap::{Args, Subcommand};
+use rodlab_workcell::cell::{Place, PlanError, PlanRequest, read_poses};
 use std::path::PathBuf;
 
 /// Arguments of `rodlab plan`.

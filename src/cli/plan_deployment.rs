@@ -8,17 +8,17 @@ use super::failure::Failure;
 use super::output::{print_json, write_file};
 use super::pattern_source::PatternArguments;
 use super::values::positive_length;
-use crate::finite::NotFinite;
-use crate::plan::deployment::{
+use clap::{Args, ValueEnum};
+use rodlab_files::finite::NotFinite;
+use rodlab_planning::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, LaidPath, MOST_POSES, OptimalGrasps,
     Scheme, Spare, Trajectory, checked_points, checked_trajectory, deployment_figure,
     friction_demands, lead_length, long_enough, times, trajectory, when_laid, with_spare_laid,
 };
-use crate::plan::grasp::NeuralGrasps;
-use crate::plan::pattern::{Crossing, Pattern, PatternSource, Point, crossings};
-use crate::plan::tying::{Pass, Passage, TiedRod, laid_length, passages};
-use crate::task::{KnotPlan, PlannedRod};
-use clap::{Args, ValueEnum};
+use rodlab_planning::plan::grasp::NeuralGrasps;
+use rodlab_planning::plan::pattern::{Crossing, Pattern, PatternSource, Point, crossings};
+use rodlab_planning::plan::tying::{Pass, Passage, TiedRod, laid_length, passages};
+use rodlab_workcell::task::{KnotPlan, PlannedRod};
 use serde::Serialize;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};

@@ -6,14 +6,14 @@ use super::fold_figures::{fold_figure, friction_figure};
 use super::folded_sheet::PaperFile;
 use super::output::{print_json, write_files};
 use super::values::positive_length;
-use crate::experiment::Crease;
-use crate::figure::Paper;
-use crate::plan::deployment::GripperPose;
-use crate::plan::fold::{
+use clap::{Args, ValueEnum};
+use rodlab_files::figure::Paper;
+use rodlab_lab::experiment::Crease;
+use rodlab_planning::plan::deployment::GripperPose;
+use rodlab_planning::plan::fold::{
     FoldAtlas, FoldPath, FoldedSheet, ForceManifold, NetworkCheck, NeuralFolds, Objective,
     PART_OF_FRICTION, Sheet, fold_path, held_path, sliding,
 };
-use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -217,7 +217,7 @@ impl FoldPlanArguments {
             Ok(slid) => (slid, None),
             Err(error) => (None, Some(error.to_string())),
         };
-        let svg = |figure: crate::figure::Figure| figure.svg(&Paper::default()).into_bytes();
+        let svg = |figure: rodlab_files::figure::Figure| figure.svg(&Paper::default()).into_bytes();
         let named = vec![
             (
                 "trajectory.csv",
@@ -405,7 +405,7 @@ fn speed(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::fold::FoldAtlas;
+    use rodlab_planning::plan::fold::FoldAtlas;
 
     #[test]
     fn forces_of_a_plan_are_in_the_unit_of_a_single_fold() {

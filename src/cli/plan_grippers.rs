@@ -3,9 +3,9 @@
 use super::deployment_files::trajectory_csv;
 use super::failure::Failure;
 use super::output::{print_json, write_file};
-use crate::experiment::{DeploymentTables, GripperTask, GripperWork, load};
-use crate::plan::deployment::GripperPose;
 use clap::Args;
+use rodlab_lab::experiment::{DeploymentTables, GripperTask, GripperWork, load};
+use rodlab_planning::plan::deployment::GripperPose;
 use serde::Serialize;
 use std::path::PathBuf;
 

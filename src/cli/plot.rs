@@ -3,9 +3,9 @@
 use super::failure::Failure;
 use super::figure_arguments::FigureArguments;
 use super::output::print;
-use crate::figure::{AxisScale, Format};
-use crate::report::{CustomFigure, custom_figure, plot_results, write_figure};
 use clap::{Args, ValueEnum};
+use rodlab_files::figure::{AxisScale, Format};
+use rodlab_lab::report::{CustomFigure, custom_figure, plot_results, write_figure};
 use std::path::PathBuf;
 
 /// Arguments of `rodlab plot`.

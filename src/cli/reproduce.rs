@@ -5,9 +5,9 @@ use super::failure::Failure;
 use super::figure_arguments::FigureArguments;
 use super::output::print;
 use super::{standard_error, watchdog};
-use crate::figure::Format;
 use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
 use clap::Args;
+use rodlab_files::figure::Format;
 use std::path::PathBuf;
 
 /// Where pages go.

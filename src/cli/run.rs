@@ -6,11 +6,11 @@ use super::output::{print, print_json};
 use super::sweep;
 use super::values::{duration, shard};
 use super::watchdog;
-use crate::experiment::{self, try_scene};
-use crate::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
-use crate::scenario::CaseSet;
-use crate::sweep::{Shard, SweepOptions};
 use clap::Args;
+use rodlab_lab::experiment::{self, try_scene};
+use rodlab_lab::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
+use rodlab_lab::scenario::CaseSet;
+use rodlab_lab::sweep::{Shard, SweepOptions};
 use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -120,7 +120,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
         try_scene(&prepared)?;
         return print(&prepared.scenario_toml);
     }
-    let outcome = crate::run::run(&prepared, &options)?;
+    let outcome = rodlab_lab::run::run(&prepared, &options)?;
     if arguments.json {
         return print_json(&as_json(&outcome));
     }

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::experiment::json_schema;
+use rodlab_lab::experiment::json_schema;
 
 /// Prints the JSON Schema of scenario files.
 pub fn schema() -> Result<(), Failure> {

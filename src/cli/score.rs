@@ -5,14 +5,14 @@ use super::exit_code::NOT_SEEN_WHOLE;
 use super::failure::Failure;
 use super::output::{print, print_json, write_file};
 use super::values::{length_from_zero, positive_length};
-use crate::figure::{Format, Paper};
-use crate::plan::pattern::Drawing;
-use crate::scenario::read_text_file;
-use crate::vision::{
+use clap::Args;
+use rodlab_files::figure::{Format, Paper};
+use rodlab_lab::scenario::read_text_file;
+use rodlab_planning::plan::pattern::Drawing;
+use rodlab_vision::{
     CurveError, Point, SCORE_POINTS, Score, SeenLength, part_of_curve, read_curve,
     score as score_curves, score_figure,
 };
-use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -7,9 +7,9 @@ use super::solve_fold::FoldArguments;
 use super::solve_grasp::GraspArguments;
 use super::solve_knot::KnotInversionArguments;
 use super::values::positive_length;
-use crate::experiment::{HelixStability, estimated_critical_distance};
-use crate::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
 use clap::{Args, Subcommand, ValueEnum};
+use rodlab_engine::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
+use rodlab_lab::experiment::{HelixStability, estimated_critical_distance};
 use serde::Serialize;
 
 /// Most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.

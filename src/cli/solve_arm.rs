@@ -1,9 +1,9 @@
 //! `rodlab solve fk` and `rodlab solve ik`: the kinematics of an arm of a cell.
 
 use super::failure::Failure;
-use crate::cell::{Arm, Cell};
-use crate::robot::{Pose, Posture, parts, pose};
 use clap::Args;
+use rodlab_robot::{Pose, Posture, parts, pose};
+use rodlab_workcell::cell::{Arm, Cell};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

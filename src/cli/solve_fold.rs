@@ -1,8 +1,8 @@
 //! `rodlab solve fold`.
 
 use super::failure::Failure;
-use crate::plan::fold::{Fold, FoldAtlas, FoldError};
 use clap::{Args, ValueEnum};
+use rodlab_planning::plan::fold::{Fold, FoldAtlas, FoldError};
 use serde::Serialize;
 
 /// Fewest and most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.

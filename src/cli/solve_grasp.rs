@@ -1,9 +1,9 @@
 //! `rodlab solve grasp`.
 
 use super::failure::Failure;
-use crate::mechanics::rotation;
-use crate::plan::grasp::{Grasp, GraspError, GraspMethod, GraspProblem, GraspSolver};
 use clap::{Args, ValueEnum};
+use rodlab_engine::mechanics::rotation;
+use rodlab_planning::plan::grasp::{Grasp, GraspError, GraspMethod, GraspProblem, GraspSolver};
 use serde::Serialize;
 
 /// Most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.

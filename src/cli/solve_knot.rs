@@ -2,9 +2,9 @@
 
 use super::failure::Failure;
 use super::values::positive_length;
-use crate::knot::SimplifiedKnot;
-use crate::mechanics::kirchhoff::EndSpin;
 use clap::{Args, ValueEnum};
+use rodlab_engine::mechanics::kirchhoff::EndSpin;
+use rodlab_planning::knot::SimplifiedKnot;
 use serde::Serialize;
 
 /// Arguments of `rodlab solve knot-inversion`.

@@ -2,11 +2,11 @@
 
 use super::failure::Failure;
 use super::output::print;
-use crate::cluster::{self, ClusterError, Jobs, Task};
-use crate::results::{CaseRecord, CaseStatus};
-use crate::scenario::Case;
-use crate::sweep::{self, CaseCounts, Shard};
 use clap::Args;
+use rodlab_files::results::{CaseRecord, CaseStatus};
+use rodlab_lab::cluster::{self, ClusterError, Jobs, Task};
+use rodlab_lab::scenario::Case;
+use rodlab_lab::sweep::{self, CaseCounts, Shard};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -4,10 +4,10 @@ use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
 use super::output::print_json;
-use crate::cell::{Cell, Driver, StreamReport};
-use crate::results::write_whole;
-use crate::robot::{Ending, JointTrajectory, StreamLog, stream as run};
 use clap::Args;
+use rodlab_files::results::write_whole;
+use rodlab_robot::{Ending, JointTrajectory, StreamLog, stream as run};
+use rodlab_workcell::cell::{Cell, Driver, StreamReport};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -3,13 +3,13 @@
 use super::failure::Failure;
 use super::output::print;
 use super::sweep::refuse_too_many;
-use crate::cluster::{self, Jobs, Program, Request, TaskState};
-use crate::experiment::case_set;
-use crate::results::{CaseRecord, SCENARIO};
-use crate::run::RunOptions;
-use crate::scenario::{Case, CaseSet};
-use crate::sweep::{self, Shard};
 use clap::Args;
+use rodlab_files::results::{CaseRecord, SCENARIO};
+use rodlab_lab::cluster::{self, Jobs, Program, Request, TaskState};
+use rodlab_lab::experiment::case_set;
+use rodlab_lab::run::RunOptions;
+use rodlab_lab::scenario::{Case, CaseSet};
+use rodlab_lab::sweep::{self, Shard};
 use std::path::{Path, PathBuf};
 
 /// Tasks of a job array unless the user says otherwise.

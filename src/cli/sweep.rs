@@ -3,8 +3,10 @@
 use super::exit_code::ExitCode;
 use super::failure::Failure;
 use super::output::{print, print_json};
-use crate::scenario::{CaseSet, Parameter};
-use crate::sweep::{self, Found, SEARCH_TABLE, Shard, SweepOptions, SweepOutcome, forecast_of};
+use rodlab_lab::scenario::{CaseSet, Parameter};
+use rodlab_lab::sweep::{
+    self, Found, SEARCH_TABLE, Shard, SweepOptions, SweepOutcome, forecast_of,
+};
 use std::fmt::Write;
 
 /// Cases beyond which `--yes` must be given.

@@ -1,8 +1,8 @@
 //! How arms of a cell move in a task with rods, and where its results go.
 
 use super::plan::{parse_place, positive};
-use crate::cell::Place;
 use clap::Args;
+use rodlab_workcell::cell::Place;
 use std::path::PathBuf;
 
 /// Place, speeds, colour and results.

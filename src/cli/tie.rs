@@ -8,15 +8,15 @@ use super::output::print_json;
 use super::plan_deployment::DeploymentPlan;
 use super::solve_arm::arm_named;
 use super::task_arguments::TaskArguments;
-use crate::cell::Cell;
-use crate::plan::deployment::Spare;
-use crate::results::write_whole;
-use crate::task::{
+use clap::Args;
+use rodlab_files::results::write_whole;
+use rodlab_planning::plan::deployment::Spare;
+use rodlab_vision::ColourRule;
+use rodlab_workcell::cell::Cell;
+use rodlab_workcell::task::{
     KnotPlan, SETTLING, Status, TaskHead, TaskRecord, TieMotion, TieMotionRequest, TieRecord,
     TieTask, Unfinished, middle_of_table,
 };
-use crate::vision::ColourRule;
-use clap::Args;
 use std::path::PathBuf;
 
 /// Frames of the page of the arms in motion.

@@ -1,7 +1,7 @@
 //! What `rodlab trace` answers.
 
-use crate::vision::{Camera, Passage, Point, Trace, VisionError};
 use image::RgbImage;
+use rodlab_vision::{Camera, Passage, Point, Trace, VisionError};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

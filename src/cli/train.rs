@@ -5,10 +5,10 @@ use super::failure::Failure;
 use super::output::{print, print_json};
 use super::samples::SampleFiles;
 use super::values::duration;
-use crate::learn::{self, Plan, Processor, Schedule, Status, Task, Trainer};
-use crate::run::{Interruption, StopRequest};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+use rodlab_lab::run::{Interruption, StopRequest};
+use rodlab_planning::learn::{self, Plan, Processor, Schedule, Status, Task, Trainer};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -152,7 +152,7 @@ pub fn train(arguments: &TrainArguments, common: &Common) -> Result<(), Failure>
             .or(up.then_some(StopRequest::TimeLimit));
         stopped.is_none()
     };
-    let commit = option_env!("RODLAB_COMMIT").unwrap_or("unknown");
+    let commit = rodlab_files::origin::commit().unwrap_or("unknown");
     let provenance = [
         ("program", format!("rodlab {}", env!("CARGO_PKG_VERSION"))),
         ("commit", commit.to_owned()),

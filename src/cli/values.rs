@@ -1,7 +1,7 @@
 //! Values of arguments that several subcommands read, or that take more than a number.
 
-use crate::scenario::{metres, seconds};
-use crate::sweep::Shard;
+use rodlab_lab::scenario::{metres, seconds};
+use rodlab_lab::sweep::Shard;
 use std::time::Duration;
 
 /// A length above zero, in metres.

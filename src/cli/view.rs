@@ -3,12 +3,12 @@
 use super::common::Common;
 use super::failure::Failure;
 use super::output::{print, write_file};
-use crate::cell::Cell;
-use crate::report::write_page;
-use crate::results::PAGE;
-use crate::robot::JointTrajectory;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use rodlab_files::results::PAGE;
+use rodlab_lab::report::write_page;
+use rodlab_robot::JointTrajectory;
+use rodlab_workcell::cell::Cell;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab view`.

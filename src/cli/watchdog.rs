@@ -6,8 +6,8 @@
 
 use super::exit_code::TIME_LIMIT;
 use super::standard_error;
-use crate::results::UsageMeter;
-use crate::run::{is_attended, is_deaf};
+use rodlab_files::results::UsageMeter;
+use rodlab_lab::run::{is_attended, is_deaf};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
 use std::sync::Arc;

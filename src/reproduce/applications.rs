@@ -2,9 +2,9 @@
 //! differ by the jitter of the grippers.
 
 use super::cases::{Case, Run, prepared};
-use crate::experiment::DeploymentOutcome;
-use crate::plan::pattern::{chosen_stroke, read_svg};
-use crate::run::PreparedRun;
+use rodlab_lab::experiment::DeploymentOutcome;
+use rodlab_lab::run::PreparedRun;
+use rodlab_planning::plan::pattern::{chosen_stroke, read_svg};
 
 /// A task of thesis Tab. 5.4.
 #[derive(Debug)]
@@ -238,7 +238,7 @@ impl Run for Application {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::Mode;
+    use rodlab_lab::run::Mode;
 
     #[test]
     fn trials_take_the_time_of_their_scenarios() {

@@ -5,7 +5,7 @@ use super::bundling::{Bundling, STEP_VARIANTS};
 use super::cases::Case;
 use super::difference::{Difference, curve, differences, figure, nodes_of};
 use super::page::{Page, number};
-use crate::results::{SeriesRow, read_series};
+use rodlab_files::results::{SeriesRow, read_series};
 use serde::Serialize;
 
 /// Difference in radii that automatic steps should keep below.

@@ -1,7 +1,7 @@
 //! A run of bundling flagella with the parameters of the thesis, section 2.4.2.
 
 use super::cases::{Run, prepared};
-use crate::run::PreparedRun;
+use rodlab_lab::run::PreparedRun;
 
 /// What the flagella scenarios have in common.
 const BASE: &str = include_str!("../../scenarios/flagella_base.toml");
@@ -305,8 +305,8 @@ impl Run for Bundling {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::dynamics::{self, StepSize};
-    use crate::run::Mode;
+    use rodlab_engine::mechanics::dynamics::{self, StepSize};
+    use rodlab_lab::run::Mode;
 
     #[test]
     fn the_runs_of_table_2_1_come_in_pairs_of_models() {

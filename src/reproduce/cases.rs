@@ -1,9 +1,9 @@
 //! Runs, some at a time, each in its own results directory.
 
 use super::{ReproduceError, ReproduceOptions};
-use crate::experiment::{from_text, prepare};
-use crate::results::{CaseRecord, MAIN_CASE, Manifest};
-use crate::run::{PreparedRun, RunError, RunOptions, RunStatus, run, thread_pools};
+use rodlab_files::results::{CaseRecord, MAIN_CASE, Manifest};
+use rodlab_lab::experiment::{from_text, prepare};
+use rodlab_lab::run::{PreparedRun, RunError, RunOptions, RunStatus, run, thread_pools};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;

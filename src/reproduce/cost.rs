@@ -5,8 +5,8 @@ use super::bundling::Bundling;
 use super::cases::{Case, Run, prepared};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
-use crate::run::PreparedRun;
+use rodlab_files::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use rodlab_lab::run::PreparedRun;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

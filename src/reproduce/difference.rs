@@ -4,8 +4,8 @@ use super::ReproduceError;
 use super::bundling::Bundling;
 use super::cases::Case;
 use super::page::{Page, PageFigure};
-use crate::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
-use crate::results::{NodePositions, ResultsError, RodRecord, read_nodes};
+use rodlab_files::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
+use rodlab_files::results::{NodePositions, ResultsError, RodRecord, read_nodes};
 use serde::{Deserialize, Serialize};
 
 /// Height of the figure over the size of its letters.

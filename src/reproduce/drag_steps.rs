@@ -5,7 +5,7 @@ use super::bundling::{Bundling, Scheme, Step};
 use super::cases::Case;
 use super::difference::{Difference, curve, differences, figure, nodes_of};
 use super::page::{Page, number};
-use crate::figure::{Curve, Look};
+use rodlab_files::figure::{Curve, Look};
 use serde::Serialize;
 
 /// A row of the CSV file; differences are ē of thesis Eq. 2.28.

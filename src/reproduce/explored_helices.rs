@@ -2,13 +2,13 @@
 
 use super::cases::{Run, prepared};
 use super::served_cell;
-use crate::cell::Cell;
-use crate::experiment::ClampedRod;
-use crate::results::ResultsError;
-use crate::run::{PreparedRun, TableJob};
-use crate::task::{Exploration, ExplorationRow, SearchSteps, quarter_sphere};
-use crate::virtual_cell::{ChuckedSupply, Response, Settings};
-use crate::vision::ColourRule;
+use rodlab_files::results::ResultsError;
+use rodlab_lab::experiment::ClampedRod;
+use rodlab_lab::run::{PreparedRun, TableJob};
+use rodlab_vision::ColourRule;
+use rodlab_workcell::cell::Cell;
+use rodlab_workcell::task::{Exploration, ExplorationRow, SearchSteps, quarter_sphere};
+use rodlab_workcell::virtual_cell::{ChuckedSupply, Response, Settings};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -207,7 +207,7 @@ fn with_cell<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::task::ExploreError;
+    use rodlab_workcell::task::ExploreError;
     use std::time::{Duration, Instant};
 
     /// Two directions that lose stability early.

@@ -9,7 +9,7 @@ use super::cases::Case;
 use super::difference::{Difference, differences, nodes_of};
 use super::page::{Page, PageFigure};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, line_plots};
+use rodlab_files::figure::{Curve, LinePlot, line_plots};
 use std::path::Path;
 
 /// Time after the first contact over which the difference is summed up, s.

@@ -4,7 +4,7 @@ use super::ReproduceError;
 use super::bundling::Bundling;
 use super::cases::Case;
 use super::page::{Page, PageFigure};
-use crate::report::rods_figure;
+use rodlab_lab::report::rods_figure;
 use serde::Serialize;
 
 /// A row of the CSV file.

@@ -6,9 +6,9 @@ use super::overhand_law;
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
 use super::tightening::{FRICTIONS, Tightening, density_in_words, pulled_rows};
-use crate::experiment::{KnotOutcome, KnotRow};
-use crate::figure::{Curve, LinePlot, Look, line_plots};
-use crate::knot::{TREFOIL_FRICTION, audoly_traction};
+use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
+use rodlab_lab::experiment::{KnotOutcome, KnotRow};
+use rodlab_planning::knot::{TREFOIL_FRICTION, audoly_traction};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

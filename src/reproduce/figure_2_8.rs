@@ -6,8 +6,8 @@ use super::overhand_law::{HEADER, line};
 use super::page::{Page, PageFigure};
 use super::table::rows_of;
 use super::tightening::{FRICTION_OF_FIGURE_2_8, Tightening, density_in_words, pulled_rows};
-use crate::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
-use crate::knot::jawed_shortening;
+use rodlab_files::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use rodlab_planning::knot::jawed_shortening;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -5,9 +5,9 @@ use super::cases::Case;
 use super::inversion::Inversion;
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, line_plots};
-use crate::knot::SimplifiedKnot;
-use crate::mechanics::kirchhoff::EndSpin;
+use rodlab_engine::mechanics::kirchhoff::EndSpin;
+use rodlab_files::figure::{Curve, LinePlot, line_plots};
+use rodlab_planning::knot::SimplifiedKnot;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

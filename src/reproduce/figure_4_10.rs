@@ -5,8 +5,8 @@ use super::cases::Case;
 use super::figure_4_11::{line, row};
 use super::folds::{Folded, SCENARIOS, WAYS};
 use super::page::{Page, PageFigure};
-use crate::experiment::{FigureError, folded_outlines};
-use crate::figure::{Curve, LinePlot, plot_to_scale};
+use rodlab_files::figure::{Curve, LinePlot, plot_to_scale};
+use rodlab_lab::experiment::{FigureError, folded_outlines};
 
 /// Writes table and figure.
 pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), ReproduceError> {

@@ -5,7 +5,7 @@ use super::cases::Case;
 use super::folds::{Folded, SCENARIOS, TRIALS, WAYS};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, Look, line_plots};
+use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

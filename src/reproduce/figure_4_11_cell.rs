@@ -6,7 +6,7 @@ use super::folds::{Folded, SCENARIOS, WAYS};
 use super::folds_in_cell::{FRICTION, FoldedInCell, FoldingError, PARTS, fold_in_cell};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, Look, line_plots};
+use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

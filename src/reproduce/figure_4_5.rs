@@ -4,9 +4,9 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::folds::{Folded, SCENARIOS};
 use super::page::{Page, PageFigure, number};
-use crate::experiment::planned_fold;
-use crate::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
-use crate::plan::fold::{
+use rodlab_files::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
+use rodlab_lab::experiment::planned_fold;
+use rodlab_planning::plan::fold::{
     Algorithm, Fold, FoldAtlas, FoldPlanner, ForceManifold, Objective, Workspace,
 };
 use serde::Serialize;

@@ -5,9 +5,9 @@ use super::cases::Case;
 use super::hanging_strips::{Hanging, LENGTHS, UNIT};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, Look, line_plots};
-use crate::mechanics::kirchhoff::HangingStrip;
-use crate::results::read_nodes;
+use rodlab_engine::mechanics::kirchhoff::HangingStrip;
+use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
+use rodlab_files::results::read_nodes;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -6,8 +6,8 @@ use super::figure_5_5::largest_sideways_at;
 use super::page::{Page, PageFigure, number};
 use super::sideways_push::{SUSPENDED, SidewaysPush, stretch_stiffness};
 use super::table::rows_of;
-use crate::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
-use crate::plan::grasp::{
+use rodlab_files::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
+use rodlab_planning::plan::grasp::{
     FreeGrasp, Grasp, GraspBound, GraspProblem, GraspSolver, PlanarGrasp, SidewaysAnswer,
     free_grasps, grasp_region, rod_along_ray,
 };

@@ -5,8 +5,8 @@ use super::cases::Case;
 use super::page::{Page, PageFigure, number};
 use super::sideways_push::{RADIUS, SidewaysPush, UNIT, bending_stiffness, push_at};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, line_plots};
-use crate::results::{read_nodes, read_series_as};
+use rodlab_files::figure::{Curve, LinePlot, line_plots};
+use rodlab_files::results::{read_nodes, read_series_as};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -90,7 +90,7 @@ fn rows_of_case(case: &Case<SidewaysPush>) -> Result<Vec<Row>, ReproduceError> {
     let outputs = read_nodes(&case.directory, nodes)?;
     let series = read_series_as::<SeriesRow>(&case.directory)?;
     let force_unit = RADIUS.powi(2) / bending_stiffness();
-    let row = |(output, series): (crate::results::NodePositions, SeriesRow)| Row {
+    let row = |(output, series): (rodlab_files::results::NodePositions, SeriesRow)| Row {
         minimum: case.run.minimum,
         push: push_at(series.time_s),
         largest_sideways: output
@@ -128,9 +128,9 @@ fn figure(rows: &[Row]) -> PageFigure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::FigureOptions;
     use crate::reproduce::ReproduceOptions;
     use crate::reproduce::cases::run_all;
+    use rodlab_files::figure::FigureOptions;
 
     #[test]
     fn a_rod_snaps_from_the_second_local_minimum_and_follows_in_the_first() {

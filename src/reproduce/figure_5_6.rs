@@ -5,9 +5,9 @@ use super::cases::Case;
 use super::grasp_grid::{GraspGrid, LENGTH, STIFFNESS};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, Look, line_plots};
-use crate::mechanics::rotation;
-use crate::plan::grasp::{GraspProblem, NeuralGrasps};
+use rodlab_engine::mechanics::rotation;
+use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
+use rodlab_planning::plan::grasp::{GraspProblem, NeuralGrasps};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -107,7 +107,7 @@ fn rows_of_case(case: &Case<GraspGrid>) -> Result<Vec<Row>, ReproduceError> {
     let part = if case.run.is_over_length { "a" } else { "b" };
     let row = |(sample, learned): (Sample, Option<_>)| {
         let (place, vector) = learned
-            .map(|grasp: crate::plan::grasp::LearnedGrasp| {
+            .map(|grasp: rodlab_planning::plan::grasp::LearnedGrasp| {
                 (grasp.position, rotation::to_vector(&grasp.rotation))
             })
             .unzip();

@@ -5,10 +5,10 @@ use super::cases::Case;
 use super::heavy_loops::{LoopOfRod, RODS};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, Look, line_plots, plot_to_scale};
-use crate::mechanics::Vector3;
-use crate::mechanics::kirchhoff::HeavyLoop;
-use crate::results::read_nodes;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::kirchhoff::HeavyLoop;
+use rodlab_files::figure::{Curve, LinePlot, Look, line_plots, plot_to_scale};
+use rodlab_files::results::read_nodes;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

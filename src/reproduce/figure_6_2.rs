@@ -5,10 +5,12 @@ use super::cases::Case;
 use super::helices::Helices;
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::experiment::helix::stability::SURFACE;
-use crate::experiment::helix::stability::{BoundaryRow, Part, compare, read_boundary, sections_of};
-use crate::figure::{Curve, LinePlot, line_plots};
-use crate::results::PAGE;
+use rodlab_files::figure::{Curve, LinePlot, line_plots};
+use rodlab_files::results::PAGE;
+use rodlab_lab::experiment::helix::stability::SURFACE;
+use rodlab_lab::experiment::helix::stability::{
+    BoundaryRow, Part, compare, read_boundary, sections_of,
+};
 use std::path::Path;
 
 /// Writes the whole boundary: table, surface, sections, comparison with theory.

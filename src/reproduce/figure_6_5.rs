@@ -5,9 +5,9 @@ use super::cases::Case;
 use super::manipulated_helix::{DIRECTION, ManipulatedHelix, UNDISTURBED, observations};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::experiment::helix::manipulation::{Buckling, Observation};
-use crate::figure::{Curve, LinePlot, Look, PlotStyle, styled_line_plots};
-use crate::mechanics::kirchhoff::critical_distance;
+use rodlab_engine::mechanics::kirchhoff::critical_distance;
+use rodlab_files::figure::{Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use rodlab_lab::experiment::helix::manipulation::{Buckling, Observation};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -5,8 +5,8 @@ use super::cases::Case;
 use super::explored_helices::{DIRECTIONS, Explored, SEARCH};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, Look, line_plots};
-use crate::task::{
+use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
+use rodlab_workcell::task::{
     ExplorationRow, ExplorationSummary, found_and_theory, read_exploration, section_figure,
 };
 use std::collections::BTreeMap;

@@ -1,8 +1,8 @@
 //! Sheets that are folded (thesis 4.6): seven scenarios by several algorithms, in trials that differ by the jitter of the gripper.
 
 use super::cases::{Case, Run, prepared};
-use crate::experiment::FoldingOutcome;
-use crate::run::PreparedRun;
+use rodlab_lab::experiment::FoldingOutcome;
+use rodlab_lab::run::PreparedRun;
 
 /// A sheet and its crease.
 #[derive(Debug)]

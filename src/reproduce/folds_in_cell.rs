@@ -4,13 +4,15 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::folds::{Folded, SCENARIOS};
 use super::served_cell::{ANY_PORT, with_cell};
-use crate::cell::Cell;
-use crate::experiment::{FoldingTables, from_text};
-use crate::plan::fold::{Algorithm, Objective};
-use crate::results::{ResultsError, SCENARIO, write_whole};
-use crate::task::{FoldEnd, FoldRequest, FoldTask};
-use crate::virtual_cell::{HeldSheet, Response, RodError, ServeError, Settings, SimulatedSheet};
-use crate::vision::ColourRule;
+use rodlab_files::results::{ResultsError, SCENARIO, write_whole};
+use rodlab_lab::experiment::{FoldingTables, from_text};
+use rodlab_planning::plan::fold::{Algorithm, Objective};
+use rodlab_vision::ColourRule;
+use rodlab_workcell::cell::Cell;
+use rodlab_workcell::task::{FoldEnd, FoldRequest, FoldTask};
+use rodlab_workcell::virtual_cell::{
+    HeldSheet, Response, RodError, ServeError, Settings, SimulatedSheet,
+};
 use std::fs;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Exact grasps on a grid (thesis 5.3.4).
 
 use super::cases::{Run, prepared};
-use crate::run::PreparedRun;
+use rodlab_lab::run::PreparedRun;
 
 /// k̄_s of thesis Fig. 5.6a and l̄_s of Fig. 5.6b.
 pub(super) const STIFFNESS: f64 = 2087.0;

@@ -1,7 +1,7 @@
 //! Strips that are held horizontally at one end and hang down under their weight (thesis 4.6.1).
 
 use super::cases::{Run, prepared};
-use crate::run::PreparedRun;
+use rodlab_lab::run::PreparedRun;
 
 /// Free lengths of the strips, L_gb.
 pub(super) const LENGTHS: [f64; 8] = [0.8, 1.2, 1.6, 2.0, 2.6, 3.4, 4.5, 6.0];

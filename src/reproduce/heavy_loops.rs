@@ -4,8 +4,8 @@
 //! same gravito-bending length, which stay in their plane.
 
 use super::cases::{Run, prepared};
-use crate::mechanics::kirchhoff::HeavyLoop;
-use crate::run::PreparedRun;
+use rodlab_engine::mechanics::kirchhoff::HeavyLoop;
+use rodlab_lab::run::PreparedRun;
 
 /// Rods of thesis Tab. 5.1: number, name and L_gb, m.
 pub(super) const RODS: [(usize, &str, f64); 5] = [

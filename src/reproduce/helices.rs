@@ -1,7 +1,7 @@
 //! The boundary of the stable helices (thesis 6.2).
 
 use super::cases::{Run, prepared};
-use crate::run::PreparedRun;
+use rodlab_lab::run::PreparedRun;
 
 const BASE: &str = include_str!("../../scenarios/helix_boundary.toml");
 /// Directions of the thesis, and of a quick look.

@@ -1,9 +1,9 @@
 //! A knot pulled until it inverts, with the parameters of the thesis, chapter 3.
 
 use super::cases::{Case, Run, prepared};
-use crate::experiment::{KnotOutcome, KnotRow, read_knot_series};
-use crate::results::ResultsError;
-use crate::run::PreparedRun;
+use rodlab_files::results::ResultsError;
+use rodlab_lab::experiment::{KnotOutcome, KnotRow, read_knot_series};
+use rodlab_lab::run::PreparedRun;
 
 /// The inversion of the thesis' figure 3.4.
 const BASE: &str = include_str!("../../scenarios/inversion_n3.toml");
@@ -223,7 +223,7 @@ mod tests {
         let run = Inversion::of_figure_3_5(false)[4];
         let prepared = run.prepare();
         let observer = prepared
-            .observer::<crate::experiment::KnotMonitor>()
+            .observer::<rodlab_lab::experiment::KnotMonitor>()
             .unwrap()
             .observer;
         assert!(observer.ends_after_inversion);

@@ -3,9 +3,9 @@
 use super::cases::Case;
 use super::inversion::Inversion;
 use super::page::{Page, PageFigure, number};
-use crate::experiment::KnotRow;
-use crate::figure::{Curve, Figure, LinePlot, line_plots};
-use crate::results::ResultsError;
+use rodlab_files::figure::{Curve, Figure, LinePlot, line_plots};
+use rodlab_files::results::ResultsError;
+use rodlab_lab::experiment::KnotRow;
 use serde::{Deserialize, Serialize};
 
 /// Name of the axis of l̄_k.

@@ -2,11 +2,11 @@
 
 use super::cases::Case;
 use super::inversion::Inversion;
-use crate::experiment::KnotRow;
-use crate::figure::{Figure, RodCurve, Snapshot, View, snapshots};
-use crate::mechanics::Vector3;
-use crate::results::{NodePositions, ResultsError, read_nodes};
 use nalgebra::Rotation3;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_files::figure::{Figure, RodCurve, Snapshot, View, snapshots};
+use rodlab_files::results::{NodePositions, ResultsError, read_nodes};
+use rodlab_lab::experiment::KnotRow;
 
 /// A moment of an inversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,7 +8,7 @@ use super::page::{Page, PageFigure, number};
 use super::tightening::{
     Stretch, Tightening, VARIANTS, fluctuation, pulled_rows, range_before_inversion, stretches,
 };
-use crate::figure::{Curve, LinePlot, line_plots};
+use rodlab_files::figure::{Curve, LinePlot, line_plots};
 use serde::Serialize;
 
 /// Parts of the way in which tractions are averaged for the figure.

@@ -4,9 +4,9 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS};
 use super::page::PageFigure;
-use crate::experiment::{DeploymentTables, from_text};
-use crate::figure::{Curve, LinePlot, Look, plot_to_scale};
-use crate::results::{SCENARIO, read_nodes};
+use rodlab_files::figure::{Curve, LinePlot, Look, plot_to_scale};
+use rodlab_files::results::{SCENARIO, read_nodes};
+use rodlab_lab::experiment::{DeploymentTables, from_text};
 use std::path::Path;
 
 /// Distance between patterns in a figure, m.

@@ -1,9 +1,9 @@
 //! A rod laid along a pattern, with the rods and the patterns of the thesis, section 5.5.
 
 use super::cases::{Case, Run, prepared};
-use crate::experiment::DeploymentOutcome;
-use crate::plan::pattern::{chosen_stroke, read_svg};
-use crate::run::PreparedRun;
+use rodlab_lab::experiment::DeploymentOutcome;
+use rodlab_lab::run::PreparedRun;
+use rodlab_planning::plan::pattern::{chosen_stroke, read_svg};
 
 /// A pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,11 +1,13 @@
 //! A helical rod manipulated in time, with the parameters of the thesis, section 6.3.4.
 
 use super::cases::{Case, Run, prepared};
-use crate::experiment::helix::manipulation::{EndPath, Manipulation, Observation, helix_error};
-use crate::experiment::helix::stability::DiscreteRod;
-use crate::mechanics::kirchhoff::Helix;
-use crate::results::{ResultsError, read_nodes, read_series};
-use crate::run::PreparedRun;
+use rodlab_engine::mechanics::kirchhoff::Helix;
+use rodlab_files::results::{ResultsError, read_nodes, read_series};
+use rodlab_lab::experiment::helix::manipulation::{
+    EndPath, Manipulation, Observation, helix_error,
+};
+use rodlab_lab::experiment::helix::stability::DiscreteRod;
+use rodlab_lab::run::PreparedRun;
 use std::fmt::Write;
 
 /// Direction of the search.

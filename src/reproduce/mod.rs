@@ -114,9 +114,9 @@ mod virtual_tying;
 pub use artifact::{ARTIFACTS, Artifact};
 pub use redraw::redraw;
 
-use crate::figure::FigureOptions;
-use crate::results::ResultsError;
-use crate::run::RunError;
+use rodlab_files::figure::FigureOptions;
+use rodlab_files::results::ResultsError;
+use rodlab_lab::run::RunError;
 use std::path::PathBuf;
 
 /// How to reproduce, as opposed to what.
@@ -232,7 +232,7 @@ mod tests {
             jobs,
             command_line: vec!["rodlab".into(), "reproduce".into()],
             figures: FigureOptions {
-                formats: vec![crate::figure::Format::Svg],
+                formats: vec![rodlab_files::figure::Format::Svg],
                 ..FigureOptions::default()
             },
         }

@@ -8,7 +8,7 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::page::number;
 use super::tightening::{Stretch, Tightening, range_before_inversion, stretches};
-use crate::knot::{jawed_shortening, jawed_traction};
+use rodlab_planning::knot::{jawed_shortening, jawed_traction};
 
 /// Parts of the way before the inversion of which each is compared.
 const PARTS: usize = 10;

@@ -2,10 +2,11 @@
 
 use super::ReproduceOptions;
 use super::cases::{Case, Run};
-use crate::figure::{Figure, FigureOptions};
-use crate::report::write_figure;
-use crate::results::{CaseStatus, MANIFEST, ResultsError, check_own, write_whole};
-use crate::run::thread_pools::threads_of_a_job;
+use rodlab_files::figure::{Figure, FigureOptions};
+use rodlab_files::origin::{VERSION, commit};
+use rodlab_files::results::{CaseStatus, MANIFEST, ResultsError, check_own, write_whole};
+use rodlab_lab::report::write_figure;
+use rodlab_lab::run::thread_pools::threads_of_a_job;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -154,8 +155,8 @@ impl Page {
             manifest: PageManifest {
                 artifact: heading.name,
                 title: heading.title,
-                version: env!("CARGO_PKG_VERSION"),
-                commit: option_env!("RODLAB_COMMIT"),
+                version: VERSION,
+                commit: commit(),
                 command_line: options.command_line.clone(),
                 written: jiff::Timestamp::now(),
                 quick: options.quick,
@@ -253,8 +254,7 @@ fn head<R: Run>(heading: Heading, options: &ReproduceOptions, cases: &[Case<R>])
     let quick = if options.quick { " --quick" } else { "" };
     add(format!(
         "Made by `rodlab reproduce {}{quick}`, version {}.",
-        heading.name,
-        env!("CARGO_PKG_VERSION")
+        heading.name, VERSION
     ));
     let longest = cases
         .iter()

@@ -2,8 +2,8 @@
 
 use super::page::{PageFigure, write_figures};
 use super::{Artifact, ReproduceError, ReproduceOptions};
-use crate::figure::Format;
-use crate::results::{ResultsError, write_whole};
+use rodlab_files::figure::Format;
+use rodlab_files::results::{ResultsError, write_whole};
 use std::fs;
 use std::path::PathBuf;
 
@@ -71,7 +71,7 @@ fn with_caption(page: String, figure: &PageFigure) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::line_plots;
+    use rodlab_files::figure::line_plots;
 
     #[test]
     fn captions_are_set_and_the_rest_of_the_page_stays() {

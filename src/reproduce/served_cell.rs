@@ -1,7 +1,7 @@
 //! A virtual cell that is served beside what is done in it.
 
-use crate::cell::{Cell, Driver};
-use crate::virtual_cell::{ServeError, Settings, VirtualCell};
+use rodlab_workcell::cell::{Cell, Driver};
+use rodlab_workcell::virtual_cell::{ServeError, Settings, VirtualCell};
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;

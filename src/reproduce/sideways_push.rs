@@ -1,8 +1,8 @@
 //! A suspended rod in one of its optimal grasps, whose gripper is pushed sideways in time (thesis 5.3.3).
 
 use super::cases::{Run, prepared};
-use crate::plan::grasp::{GraspProblem, GraspSolver};
-use crate::run::PreparedRun;
+use rodlab_lab::run::PreparedRun;
+use rodlab_planning::plan::grasp::{GraspProblem, GraspSolver};
 
 /// l̄_s of thesis Figs. 5.4 and 5.5.
 pub(super) const SUSPENDED: f64 = 17.68;

@@ -6,8 +6,8 @@ use super::figure_3_9::SPINS;
 use super::inversion::Inversion;
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, Look, line_plots};
-use crate::knot::SimplifiedKnot;
+use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
+use rodlab_planning::knot::SimplifiedKnot;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

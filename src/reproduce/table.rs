@@ -2,7 +2,7 @@
 
 use super::ReproduceError;
 use super::page::PageFigure;
-use crate::results::read_whole_rows;
+use rodlab_files::results::read_whole_rows;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 

@@ -5,7 +5,7 @@ use super::bundling::{Bundling, ContactModel, FLAGELLA};
 use super::cases::Case;
 use super::page::{Page, PageFigure, count, number};
 use super::table::rows_of;
-use crate::figure::{Curve, LinePlot, Look, line_plots};
+use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

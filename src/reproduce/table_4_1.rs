@@ -4,9 +4,9 @@ use super::ReproduceError;
 use super::cases::Case;
 use super::folds::{Folded, SCENARIOS};
 use super::page::{Page, PageFigure, number};
-use crate::experiment::planned_fold;
-use crate::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
-use crate::plan::fold::{Algorithm, FoldPlanner, Objective};
+use rodlab_files::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use rodlab_lab::experiment::planned_fold;
+use rodlab_planning::plan::fold::{Algorithm, FoldPlanner, Objective};
 use serde::Serialize;
 use std::time::Instant;
 

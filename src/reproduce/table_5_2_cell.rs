@@ -6,8 +6,8 @@ use super::laying::{FRICTIONS, Laying, PATTERNS, RODS, Substrate};
 use super::measured_deployments::measured;
 use super::page::{Page, PageFigure, number};
 use super::virtual_laying::{LaidInCell, LayingError, lay_in_cell};
-use crate::figure::{Curve, LinePlot, Look, plot_to_scale};
-use crate::vision::Point;
+use rodlab_files::figure::{Curve, LinePlot, Look, plot_to_scale};
+use rodlab_vision::Point;
 use serde::Serialize;
 
 /// Gap between patterns in the figure, m.
@@ -118,7 +118,7 @@ impl Row {
 fn figure(
     cases: &[Case<Laying>],
     laid: &[Result<LaidInCell, LayingError>],
-) -> Option<crate::figure::Figure> {
+) -> Option<rodlab_files::figure::Figure> {
     let mut curves = ["rod", "pattern"].map(|name| (name, Vec::new()));
     let mut left = 0.0;
     for (_, laid) in cases.iter().zip(laid) {

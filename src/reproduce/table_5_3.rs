@@ -5,15 +5,15 @@ use super::cases::Case;
 use super::laying::{Laying, PATTERNS, RODS};
 use super::page::{Page, PageFigure, number};
 use super::table::rows_of;
-use crate::experiment::{DeploymentTables, from_text};
-use crate::figure::{Curve, LinePlot, Look, line_plots};
-use crate::plan::deployment::{
+use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
+use rodlab_files::results::SCENARIO;
+use rodlab_lab::experiment::{DeploymentTables, from_text};
+use rodlab_planning::plan::deployment::{
     DeployedRod, DeploymentError, GripperPose, OptimalGrasps, Scheme, network_trajectory,
     trajectory,
 };
-use crate::plan::grasp::NeuralGrasps;
-use crate::plan::pattern::PatternPoint;
-use crate::results::SCENARIO;
+use rodlab_planning::plan::grasp::NeuralGrasps;
+use rodlab_planning::plan::pattern::PatternPoint;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::Instant;

@@ -4,9 +4,9 @@ use super::ReproduceError;
 use super::applications::{Application, TASKS, TRIALS, Task};
 use super::cases::Case;
 use super::page::{Page, PageFigure, number};
-use crate::experiment::{FigureError, LaidOutlines, Outline, laid_outlines};
-use crate::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
-use crate::knot::KnotInvariants;
+use rodlab_files::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
+use rodlab_lab::experiment::{FigureError, LaidOutlines, Outline, laid_outlines};
+use rodlab_planning::knot::KnotInvariants;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

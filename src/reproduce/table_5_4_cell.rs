@@ -7,9 +7,9 @@ use super::cases::Case;
 use super::page::{Page, PageFigure, number};
 use super::virtual_laying::{LaidInCell, place_in_cell};
 use super::virtual_tying::tie_in_cell;
-use crate::experiment::laid_outlines;
-use crate::figure::{Curve, LinePlot, Look, plot_to_scale};
-use crate::task::TieScore;
+use rodlab_files::figure::{Curve, LinePlot, Look, plot_to_scale};
+use rodlab_lab::experiment::laid_outlines;
+use rodlab_workcell::task::TieScore;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -1,9 +1,9 @@
 //! A knot pulled tight, with the parameters of the thesis, section 2.5, and quasi-static.
 
 use super::cases::{Case, Run, prepared};
-use crate::experiment::{KnotMonitor, KnotOutcome, KnotRow, read_knot_series};
-use crate::results::{ResultsError, SeriesRow};
-use crate::run::PreparedRun;
+use rodlab_files::results::{ResultsError, SeriesRow};
+use rodlab_lab::experiment::{KnotMonitor, KnotOutcome, KnotRow, read_knot_series};
+use rodlab_lab::run::PreparedRun;
 
 /// The trefoil of the thesis.
 const BASE: &str = include_str!("../../scenarios/trefoil.toml");

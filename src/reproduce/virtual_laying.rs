@@ -5,18 +5,20 @@ use super::applications::Application;
 use super::cases::Case;
 use super::laying::{FRICTIONS, Laying, RODS};
 use super::served_cell::{ANY_PORT, with_cell};
-use crate::cell::{Cell, PlanError};
-use crate::experiment::{Deployment, DeploymentTables, Fixtures, Jitter, from_text};
-use crate::plan::deployment::{DeployedRod, DeploymentError, LaidPath, OptimalGrasps, Scheme};
-use crate::plan::pattern::{PatternError, PatternSource};
-use crate::results::{ResultsError, SCENARIO, write_whole};
-use crate::robot::Pose;
-use crate::task::{
+use rodlab_files::results::{ResultsError, SCENARIO, write_whole};
+use rodlab_lab::experiment::{Deployment, DeploymentTables, Fixtures, Jitter, from_text};
+use rodlab_planning::plan::deployment::{
+    DeployedRod, DeploymentError, LaidPath, OptimalGrasps, Scheme,
+};
+use rodlab_planning::plan::pattern::{PatternError, PatternSource};
+use rodlab_robot::Pose;
+use rodlab_vision::{ColourRule, Point, VisionError};
+use rodlab_workcell::cell::{Cell, PlanError};
+use rodlab_workcell::task::{
     Correction, DeployError, DeployMotion, DeployTask, Laid, LayingMethod, MotionRequest, SETTLING,
     middle_of_table,
 };
-use crate::virtual_cell::{Response, RodError, RodSupply, ServeError, Settings};
-use crate::vision::{ColourRule, Point, VisionError};
+use rodlab_workcell::virtual_cell::{Response, RodError, RodSupply, ServeError, Settings};
 use std::fs;
 use std::path::{Path, PathBuf};
 

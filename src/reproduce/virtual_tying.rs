@@ -5,15 +5,15 @@ use super::applications::Application;
 use super::cases::Case;
 use super::served_cell::{ANY_PORT, with_cell};
 use super::virtual_laying::{MARGIN, RATE, SPEEDS, STEP, cell_beside, deployment_of};
-use crate::cell::Cell;
-use crate::experiment::{Deployment, Jitter};
-use crate::plan::deployment::{LaidPath, Spare};
-use crate::plan::tying::{TiedRod, passages};
-use crate::task::{
+use rodlab_lab::experiment::{Deployment, Jitter};
+use rodlab_planning::plan::deployment::{LaidPath, Spare};
+use rodlab_planning::plan::tying::{TiedRod, passages};
+use rodlab_vision::ColourRule;
+use rodlab_workcell::cell::Cell;
+use rodlab_workcell::task::{
     KnotPlan, PlannedRod, SETTLING, TieMotion, TieMotionRequest, TieScore, TieTask, middle_of_table,
 };
-use crate::virtual_cell::{Response, RodError, RodSupply, Settings};
-use crate::vision::ColourRule;
+use rodlab_workcell::virtual_cell::{Response, RodError, RodSupply, Settings};
 use std::path::Path;
 
 /// The cell.

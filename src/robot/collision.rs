@@ -379,7 +379,7 @@ fn glam_pose(pose: &Pose) -> Pose3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::pose_of_angles;
+    use crate::pose_of_angles;
     use proptest::prelude::*;
 
     fn ball(at: [f64; 3], radius: f64) -> (Shape, Pose) {

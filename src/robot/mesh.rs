@@ -1,7 +1,7 @@
 //! Collision meshes from STL files.
 
-use crate::input;
-use crate::mesh::stl_corners;
+use rodlab_files::input;
+use rodlab_files::mesh::stl_corners;
 use std::path::{Path, PathBuf};
 
 /// Largest mesh, bytes.

@@ -2,7 +2,7 @@
 //! `axis_rad`.
 
 use super::chain::JointKind;
-use crate::finite::{self, NotFinite};
+use rodlab_files::finite::{self, NotFinite};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};

@@ -2,10 +2,10 @@
 
 use super::theory::swimmer::Swimmer;
 use super::{Check, Expectation, GroupError};
-use crate::experiment;
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::Simulation;
-use crate::mechanics::fluid::DragCoefficients;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_engine::mechanics::fluid::DragCoefficients;
+use rodlab_lab::experiment;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 

@@ -81,7 +81,7 @@ fn pendulum() -> Result<Check, GroupError> {
     let quarter = 0.5 * PI / mean_of_gauss(1.0, libm::cos(0.5 * start));
     let expected = quarter * (inertia / (mass * gravity * square.sqrt())).sqrt();
     // The rod turns downwards about y, from x on.
-    let angle = |simulation: &crate::mechanics::dynamics::Simulation| {
+    let angle = |simulation: &rodlab_engine::mechanics::dynamics::Simulation| {
         let end = simulation.positions()[2];
         libm::atan2(-end.z, end.x).rem_euclid(TAU)
     };

@@ -4,10 +4,10 @@
 use super::rods::{STIFFNESS_RATIO, clamp, line, steady, unit_rod, unit_stiffness};
 use super::theory::beam::{CLAMPED_COLUMN, beck_load, clamped_twist_moment, ring_twist};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
-use crate::mechanics::kirchhoff::numerics::bisect;
-use crate::mechanics::scene::{LoadKind, NaturalShape, RodDescription, Scene};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
+use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
+use rodlab_engine::mechanics::scene::{LoadKind, NaturalShape, RodDescription, Scene};
 use std::f64::consts::TAU;
 
 const EULER: Expectation = Expectation {

@@ -2,9 +2,9 @@
 
 use super::rods::unit_rod;
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation, StepSize};
-use crate::mechanics::scene::{RodDescription, Scene};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation, StepSize};
+use rodlab_engine::mechanics::scene::{RodDescription, Scene};
 
 const ENERGY: Expectation = Expectation {
     formula: "T + V = const",

@@ -2,10 +2,10 @@
 
 use super::rods::{RADIUS, line, unit_rod};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ActiveContact, ContactModel, ContactParameters};
-use crate::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
-use crate::mechanics::scene::{RodDescription, Scene};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::contact::{ActiveContact, ContactModel, ContactParameters};
+use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
+use rodlab_engine::mechanics::scene::{RodDescription, Scene};
 
 const PENETRATION: Expectation = Expectation {
     formula: "max(0, 1 − Δ/2h) = 0",

@@ -4,13 +4,13 @@
 use super::rods::{STIFFNESS_RATIO, clamp, line, unit_rod, unit_stiffness};
 use super::theory::beam::{CLAMPED_COLUMN, FREE_COLUMN, ring_twist, strip_tip_load};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
-use crate::mechanics::kirchhoff::numerics::bisect;
-use crate::mechanics::scene::{
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
+use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
+use rodlab_engine::mechanics::scene::{
     Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
 };
-use crate::mechanics::statics::{PathMethod, PathPlan, PointKind};
+use rodlab_engine::mechanics::statics::{PathMethod, PathPlan, PointKind};
 use std::f64::consts::TAU;
 
 const EULER: Expectation = Expectation {

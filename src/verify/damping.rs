@@ -2,9 +2,9 @@
 
 use super::theory::beam::cantilever_wave_number;
 use super::{Check, Expectation, GroupError};
-use crate::experiment;
-use crate::mechanics::dynamics::Simulation;
 use nalgebra::Complex;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_lab::experiment;
 use std::f64::consts::TAU;
 use std::path::Path;
 

@@ -2,11 +2,11 @@
 
 use super::rods::{clamp, unit_rod};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::contact::ContactParameters;
-use crate::mechanics::random::uniform_numbers;
-use crate::mechanics::scene::{NaturalShape, Plane, RodDescription, Scene};
-use crate::mechanics::system::{Stage, System};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::contact::ContactParameters;
+use rodlab_engine::mechanics::random::uniform_numbers;
+use rodlab_engine::mechanics::scene::{NaturalShape, Plane, RodDescription, Scene};
+use rodlab_engine::mechanics::system::{Stage, System};
 use std::f64::consts::TAU;
 
 const GRADIENT: Expectation = Expectation {

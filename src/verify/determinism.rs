@@ -1,9 +1,9 @@
 //! The same bytes for any number of threads and across interruptions.
 
 use super::{Check, Expectation, GroupError};
-use crate::experiment::{from_text, prepare};
-use crate::run::PreparedRun;
-use crate::run::{RunError, RunOptions, run};
+use rodlab_lab::experiment::{from_text, prepare};
+use rodlab_lab::run::PreparedRun;
+use rodlab_lab::run::{RunError, RunOptions, run};
 use std::path::Path;
 use std::time::{Duration, Instant};
 

@@ -3,9 +3,9 @@
 use super::filaments::{forces_on, open_filament};
 use super::theory::stokeslet::{adaptive_segment_integral, forces};
 use super::{Check, Expectation, GroupError, flow, flow_wall};
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::SimulationError;
-use crate::mechanics::fluid::{Fluid, FluidError, FluidModel, segment_integral};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_engine::mechanics::fluid::{Fluid, FluidError, FluidModel, segment_integral};
 use std::f64::consts::TAU;
 
 const SEGMENT: Expectation = Expectation {
@@ -33,7 +33,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
 /// Largest relative error of the closed form over 1000 pairs of point and segment: apart, near, on the
 /// axis, touching.
 fn segment_check() -> Check {
-    let mut numbers = crate::mechanics::random::uniform_numbers(2023);
+    let mut numbers = rodlab_engine::mechanics::random::uniform_numbers(2023);
     let mut vector = || Vector3::from_fn(|_, _| 2.0 * numbers() - 1.0);
     let mut worst = 0.0_f64;
     for pair in 0..1000 {

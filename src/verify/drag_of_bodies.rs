@@ -3,10 +3,10 @@
 use super::rods::{clamp, gravity, line, round_rod, run};
 use super::theory::shell::drag_of_sphere_with_tail;
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{Scheme, Simulation, SimulationError};
-use crate::mechanics::fluid::FluidModel;
-use crate::mechanics::scene::{Body, Clamp, Motion, RodNode, Scene};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{Scheme, Simulation, SimulationError};
+use rodlab_engine::mechanics::fluid::FluidModel;
+use rodlab_engine::mechanics::scene::{Body, Clamp, Motion, RodNode, Scene};
 use std::f64::consts::PI;
 
 const SINKING: Expectation = Expectation {

@@ -1,7 +1,7 @@
 //! Single filaments in a fluid, as the engine has them.
 
-use crate::mechanics::fluid::{Filament, Fluid, FluidError};
-use crate::mechanics::{Matrix3, Vector3};
+use rodlab_engine::mechanics::fluid::{Filament, Fluid, FluidError};
+use rodlab_engine::mechanics::{Matrix3, Vector3};
 
 /// A filament of all nodes.
 pub fn open_filament(nodes: usize, radius: f64) -> Filament {

@@ -3,8 +3,8 @@
 use super::scenario::simulation;
 use super::theory::stokeslet::{forces, forces_of_rods};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
 use nalgebra::{Matrix2, Vector2};
+use rodlab_engine::mechanics::Vector3;
 
 const GLIDE: Expectation = Expectation {
     formula: "U = F/R",

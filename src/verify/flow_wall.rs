@@ -5,8 +5,8 @@ use super::scenario::simulation;
 use super::theory::stokeslet::forces;
 use super::theory::wall::{drag_at_wall, gliding_cylinder};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::fluid::{Fluid, FluidError, FluidModel, Wall};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::fluid::{Fluid, FluidError, FluidModel, Wall};
 
 const IMAGES: Expectation = Expectation {
     formula: "8πη u(xᵢ) = Σ ∫ (S + S*) f ds",

@@ -1,8 +1,8 @@
 //! Frequencies of a rod scene about an equilibrium.
 
 use super::GroupError;
-use crate::mechanics::dynamics::Simulation;
 use nalgebra::DMatrix;
+use rodlab_engine::mechanics::dynamics::Simulation;
 
 /// Angular frequencies, ascending: K v = ω² M v has 1/ω² as the eigenvalues of L⁻¹ M L⁻ᵀ with K = L Lᵀ, where joints need no
 /// mass.

@@ -4,10 +4,12 @@ use super::contact::contact_parameters;
 use super::rods::{line, steady, unit_rod};
 use super::theory::friction::{Capstan, sliding_acceleration};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactModel, ContactParameters};
-use crate::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
-use crate::mechanics::scene::{Clamp, LoadKind, Motion, Plane, RodDescription, Scene, Stiffness};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::contact::{ContactModel, ContactParameters};
+use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
+use rodlab_engine::mechanics::scene::{
+    Clamp, LoadKind, Motion, Plane, RodDescription, Scene, Stiffness,
+};
 use std::f64::consts::PI;
 
 const SLIDING: Expectation = Expectation {

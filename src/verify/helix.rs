@@ -1,10 +1,12 @@
 //! Helical rods with clamped ends: where the discrete rod loses stability, against conjugate points.
 
 use super::{Check, Expectation, GroupError};
-use crate::experiment::helix::stability::{DiscreteRod, HelixSearch, discrete_critical_distance};
-use crate::mechanics::dynamics::SimulationError;
-use crate::mechanics::kirchhoff::{HeavyLoop, Helix, critical_distance};
-use crate::mechanics::random::uniform_numbers;
+use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_engine::mechanics::kirchhoff::{HeavyLoop, Helix, critical_distance};
+use rodlab_engine::mechanics::random::uniform_numbers;
+use rodlab_lab::experiment::helix::stability::{
+    DiscreteRod, HelixSearch, discrete_critical_distance,
+};
 use std::f64::consts::TAU;
 
 const CONJUGATE_POINT: Expectation = Expectation {

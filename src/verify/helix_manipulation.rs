@@ -1,13 +1,15 @@
 //! Helical rods manipulated slowly in time: where they leave the helix, against conjugate points.
 
 use super::{Check, Expectation, GroupError};
-use crate::experiment::helix::manipulation::{
+use rodlab_engine::mechanics::dynamics::{
+    IntegrationParameters, Simulation, SimulationError, StepSize,
+};
+use rodlab_engine::mechanics::kirchhoff::{Helix, critical_distance};
+use rodlab_engine::mechanics::random::uniform_numbers;
+use rodlab_lab::experiment::helix::manipulation::{
     Buckling, EndPath, Manipulation, Observation, helix_error,
 };
-use crate::experiment::helix::stability::DiscreteRod;
-use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError, StepSize};
-use crate::mechanics::kirchhoff::{Helix, critical_distance};
-use crate::mechanics::random::uniform_numbers;
+use rodlab_lab::experiment::helix::stability::DiscreteRod;
 use std::f64::consts::TAU;
 
 const SLOW: Expectation = Expectation {

@@ -4,11 +4,11 @@
 
 use super::frequencies::frequencies;
 use super::{Check, Expectation, GroupError, bodies, slides};
-use crate::experiment;
-use crate::mechanics::dynamics::Simulation;
-use crate::mechanics::{Vector3, scene::Scene};
-use crate::run::PreparedRun;
 use nalgebra::{DMatrix, Matrix2};
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_engine::mechanics::{Vector3, scene::Scene};
+use rodlab_lab::experiment;
+use rodlab_lab::run::PreparedRun;
 use std::fmt::Write;
 use std::path::Path;
 

@@ -3,9 +3,9 @@
 use super::rods::{clamp, unit_rod};
 use super::theory::localized_buckling::LocalizedBuckle;
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{IntegrationParameters, Simulation};
-use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation};
+use rodlab_engine::mechanics::scene::{RodDescription, Scene, Stiffness};
 use std::f64::consts::TAU;
 
 const ENVELOPE: Expectation = Expectation {

@@ -5,7 +5,7 @@ use super::friction::leg_tensions;
 use super::scenario::simulation;
 use super::theory::friction::Capstan;
 use super::{Check, Expectation, GroupError, sleeve, tube_buckling};
-use crate::mechanics::Vector3;
+use rodlab_engine::mechanics::Vector3;
 use std::f64::consts::PI;
 use std::fmt::Write;
 

@@ -3,10 +3,10 @@
 use super::rods::{clamp, line, round_rod, run, steady};
 use super::theory::stokeslet::forces;
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::Scheme;
-use crate::mechanics::fluid::FluidModel;
-use crate::mechanics::scene::{LoadKind, Scene};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::Scheme;
+use rodlab_engine::mechanics::fluid::FluidModel;
+use rodlab_engine::mechanics::scene::{LoadKind, Scene};
 use std::f64::consts::PI;
 
 const GLIDING: Expectation = Expectation {

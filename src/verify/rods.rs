@@ -1,10 +1,12 @@
 //! The rod of the checks: a metre long, with unit bending stiffness, so that loads are dimensionless.
 
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{
     IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
 };
-use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Scene, Stiffness};
+use rodlab_engine::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, RodDescription, Scene, Stiffness,
+};
 
 /// Radius of the rod, m: slender enough for theories of inextensible rods without shear.
 pub const RADIUS: f64 = 1e-3;

@@ -5,11 +5,11 @@
 //! value.
 
 use super::{Check, Expectation, GroupError, scenario};
-use crate::experiment;
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::Simulation;
-use crate::run::Mode;
-use crate::scenario::Scales;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_lab::experiment;
+use rodlab_lab::run::Mode;
+use rodlab_lab::scenario::Scales;
 
 const SCALE_INVARIANCE: Expectation = Expectation {
     formula: "x(L, T, M; t T) = L x(t)",

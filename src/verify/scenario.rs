@@ -1,9 +1,9 @@
 //! Scenes from scenario files, so that what a user writes is what is checked.
 
 use super::GroupError;
-use crate::experiment;
-use crate::mechanics::dynamics::Simulation;
-use crate::run::PreparedRun;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_lab::experiment;
+use rodlab_lab::run::PreparedRun;
 use std::path::Path;
 
 /// A scene, with some keys set to other values.

@@ -1,9 +1,9 @@
 //! Nodes that slide along rods, from scenario files, against closed forms.
 
 use super::{Check, Expectation, GroupError};
-use crate::experiment;
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::Simulation;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_lab::experiment;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 

@@ -5,10 +5,10 @@
 //! moments, the handedness of a helix. The theory has its own numbers.
 
 use super::{Check, Expectation, GroupError};
-use crate::experiment;
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::Simulation;
-use crate::mechanics::kirchhoff::SpatialCantilever;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_engine::mechanics::kirchhoff::SpatialCantilever;
+use rodlab_lab::experiment;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 

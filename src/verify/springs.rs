@@ -3,10 +3,10 @@
 
 use super::scenario::simulation;
 use super::{Check, Expectation, GroupError, turning_springs};
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::Simulation;
-use crate::mechanics::rod::STRIDE;
 use nalgebra::DMatrix;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_engine::mechanics::rod::STRIDE;
 use std::f64::consts::PI;
 
 const LENGTHENING: Expectation = Expectation {

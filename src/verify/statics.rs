@@ -2,12 +2,12 @@
 
 use super::rods::{clamp, gravity, line, steady, unit_rod};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::{
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{
     IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
 };
-use crate::mechanics::kirchhoff::{Cantilever, CantileverLoad};
-use crate::mechanics::scene::{LoadKind, Scene};
+use rodlab_engine::mechanics::kirchhoff::{Cantilever, CantileverLoad};
+use rodlab_engine::mechanics::scene::{LoadKind, Scene};
 
 const HEAVY: Expectation = Expectation {
     formula: "θ'' = −γ (1−s) cos θ",

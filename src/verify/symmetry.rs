@@ -2,11 +2,13 @@
 
 use super::rods::{clamp, line, steady, unit_rod};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::contact::ContactParameters;
-use crate::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError, StepSize};
-use crate::mechanics::scene::{Clamp, LoadKind, NaturalShape, RodDescription, Scene};
-use crate::mechanics::{Matrix3, Vector3};
 use nalgebra::{Rotation3, Unit};
+use rodlab_engine::mechanics::contact::ContactParameters;
+use rodlab_engine::mechanics::dynamics::{
+    IntegrationParameters, Simulation, SimulationError, StepSize,
+};
+use rodlab_engine::mechanics::scene::{Clamp, LoadKind, NaturalShape, RodDescription, Scene};
+use rodlab_engine::mechanics::{Matrix3, Vector3};
 
 const RIGID_MOTION: Expectation = Expectation {
     formula: "x(R scene + c) = R x(scene) + c",

@@ -5,9 +5,9 @@ use super::continuation::critical_on_path;
 use super::scenario::{prepared, simulation};
 use super::theory::tube::{EVEN_HELIX, SNAKE, uneven_helix};
 use super::{Check, Expectation, GroupError};
-use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::Simulation;
-use crate::run::{Mode, PreparedRun};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_lab::run::{Mode, PreparedRun};
 use std::f64::consts::TAU;
 
 const SNAKING: Expectation = Expectation {

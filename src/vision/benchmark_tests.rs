@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// Images of rods and their true labels, beside the checkout.
 fn benchmark() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/vision/mbest_sample");
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+        .join("../shared/vision/mbest_sample");
     if !folder.is_dir() {
         eprintln!("skipped: {} is not there", folder.display());
     }

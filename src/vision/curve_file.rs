@@ -2,7 +2,7 @@
 
 use super::input::read_text;
 use super::{Point, VisionError};
-use crate::finite;
+use rodlab_files::finite;
 use std::path::Path;
 
 /// Most points of a curve that is read.

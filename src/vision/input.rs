@@ -1,7 +1,7 @@
 //! Files of a bounded size.
 
 use super::VisionError;
-use crate::input;
+use rodlab_files::input;
 use std::path::Path;
 
 /// Largest text file, bytes.

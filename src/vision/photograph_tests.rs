@@ -146,7 +146,7 @@ fn rods_photograph() -> RgbImage {
 const SCENE: u64 = 2;
 
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/photographs")
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("scenarios/photographs")
 }
 
 #[test]

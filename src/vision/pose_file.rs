@@ -2,8 +2,8 @@
 
 use super::VisionError;
 use super::input::read_text;
-use crate::finite;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use rodlab_files::finite;
 use std::path::Path;
 
 const COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];

@@ -2,7 +2,7 @@
 
 use super::Point;
 use super::score::Score;
-use crate::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
+use rodlab_files::figure::{Curve, Figure, LinePlot, Look, PlotStyle, styled_line_plots};
 
 /// Height of the figure over the size of its letters.
 const HEIGHT: f64 = 40.0;

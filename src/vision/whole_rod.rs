@@ -74,7 +74,7 @@ fn round(points: &[Point], segment: usize, way: Point) -> Vec<Point> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vision::order::intersections;
+    use crate::order::intersections;
 
     fn strand(points: Vec<Point>, closed: bool) -> Strand {
         Strand {

@@ -3,25 +3,40 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A path to an item: the names from the root of the crate.
+/// A path to an item: its room and the names below. In which crate the room lies does not matter.
 pub type ItemPath = Vec<String>;
 
-/// A source file of the crate.
+/// Crates of one room, which has the name of the crate.
+const ROOM_CRATES: [&str; 2] = ["robot", "vision"];
+
+/// The path of the root of a crate.
+fn root_of(name: &str) -> ItemPath {
+    let is_room = ROOM_CRATES.contains(&name);
+    is_room.then(|| name.to_owned()).into_iter().collect()
+}
+
+/// The path of the root of the crate in which a module lies.
+fn own_root(module: &[String]) -> ItemPath {
+    module.first().map_or(Vec::new(), |room| root_of(room))
+}
+
+/// A source file.
 pub struct Source {
     /// The file.
     pub file: PathBuf,
     /// The module that it holds.
     pub module: ItemPath,
-    /// Everything of this crate that it names outside its tests, by its full path.
+    /// Everything of these crates that it names outside its tests, by its full path.
     pub imports: Vec<ItemPath>,
     /// What it hands on under names of its own: `pub use` of other files, by full paths.
     pub exports: Vec<ItemPath>,
 }
 
-/// All files below a folder that are not tests.
+/// All files below the folder of the crates that are neither tests nor roots of several rooms: these only name their rooms.
 pub fn sources(folder: &Path) -> Vec<Source> {
     let mut files = Vec::new();
     collect(folder, &mut files);
+    files.retain(|file| !module_of(file, folder).is_empty());
     let texts: Vec<(PathBuf, String)> = files
         .into_iter()
         .map(|file| {
@@ -77,6 +92,13 @@ fn module_of(file: &Path, folder: &Path) -> ItemPath {
         Some("mod" | "lib" | "main")
     ) {
         names.pop();
+    }
+    let is_crate = names.first().is_some_and(|name| {
+        let manifest = folder.join(name).join("Cargo.toml");
+        root_of(name).is_empty() && manifest.is_file()
+    });
+    if is_crate {
+        names.remove(0);
     }
     names
 }
@@ -195,9 +217,17 @@ fn item_end(item: &str) -> usize {
     item.len()
 }
 
-/// Every path that begins at the crate or at a module above `module`, in full.
+/// Every path that begins at one of the crates or at a module above `module`, in full.
 pub fn imports(code: &str, module: &[String]) -> Vec<ItemPath> {
     let mut found = Vec::new();
+    for (start, root) in code.match_indices("rodlab_") {
+        let (name, rest) = split_name(&code[start + root.len()..]);
+        if !code[..start].ends_with(is_name)
+            && let Some(below) = rest.strip_prefix("::")
+        {
+            tree(below, root_of(name), &mut found);
+        }
+    }
     for root in ["crate::", "super::", "self::"] {
         for (start, _) in code.match_indices(root) {
             let before = &code[..start];
@@ -205,11 +235,11 @@ pub fn imports(code: &str, module: &[String]) -> Vec<ItemPath> {
                 continue;
             }
             let base = match root {
-                "crate::" => &[],
-                "super::" => &module[..module.len().saturating_sub(1)],
-                _ => module,
+                "crate::" => own_root(module),
+                "super::" => module[..module.len().saturating_sub(1)].to_vec(),
+                _ => module.to_vec(),
             };
-            tree(&code[start + root.len()..], base.to_vec(), &mut found);
+            tree(&code[start + root.len()..], base, &mut found);
         }
     }
     found
@@ -228,11 +258,17 @@ pub fn exports(code: &str, module: &[String]) -> Vec<ItemPath> {
         }
         let path = &code[start + "use ".len()..];
         match path.strip_prefix("crate::") {
-            Some(below) => tree(below, Vec::new(), &mut found),
+            Some(below) => tree(below, own_root(module), &mut found),
             None => tree(path, module.to_vec(), &mut found),
         };
     }
     found
+}
+
+/// The name at the beginning, and what follows it.
+fn split_name(code: &str) -> (&str, &str) {
+    let length = code.find(|c: char| !is_name(c)).unwrap_or(code.len());
+    code.split_at(length)
 }
 
 /// Adds the paths of a tree such as `a::{b, c::D}` below `base`; returns what follows it.
@@ -248,8 +284,7 @@ fn tree<'a>(code: &'a str, base: ItemPath, found: &mut Vec<ItemPath>) -> &'a str
             }
         }
     }
-    let length = code.find(|c: char| !is_name(c)).unwrap_or(code.len());
-    let (name, rest) = code.split_at(length);
+    let (name, rest) = split_name(code);
     let mut path = base;
     if name == "super" {
         path.pop();

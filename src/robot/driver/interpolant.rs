@@ -11,7 +11,7 @@ pub struct Interpolant {
 
 /// The cubic of one joint between two points.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::robot) struct Cubic {
+pub(crate) struct Cubic {
     /// Duration, s.
     duration: f64,
     /// Positions at both ends, rad or m.
@@ -74,7 +74,7 @@ impl Interpolant {
     }
 
     /// The cubic of a joint from point `from` to point `to`.
-    pub(in crate::robot) fn cubic(&self, joint: usize, from: usize, to: usize) -> Cubic {
+    pub(crate) fn cubic(&self, joint: usize, from: usize, to: usize) -> Cubic {
         Cubic {
             duration: self.times[to] - self.times[from],
             ends: [self.points[from][joint], self.points[to][joint]],

@@ -1,7 +1,7 @@
 //! The ladder: solutions on rungs of the path, and the cheapest way through them.
 
 use super::{LARGEST_JUMP, Obstruction, PathFailure, PathPoint, PathProblem, jump};
-use crate::robot::self_motion::separation;
+use crate::self_motion::separation;
 use rayon::prelude::*;
 
 /// Way between rungs, m.

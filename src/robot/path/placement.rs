@@ -1,7 +1,7 @@
 //! The best place on a table for a path.
 
 use super::{PathFailure, PathProblem, subdivide};
-use crate::robot::pose::Pose;
+use crate::pose::Pose;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Points along a path of poses.
 
-use crate::robot::pose::{Pose, distance_and_angle};
+use crate::pose::{Pose, distance_and_angle};
 use nalgebra::{Translation3, UnitQuaternion, Vector3, Vector6};
 
 /// Length that counts as much as a turn by one radian, m.
@@ -150,7 +150,7 @@ impl Cubic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::pose_of_angles;
+    use crate::pose_of_angles;
 
     #[test]
     fn points_are_at_most_a_step_apart_and_hit_every_given_pose() {

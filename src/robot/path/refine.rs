@@ -2,7 +2,7 @@
 
 use super::ladder::Ladder;
 use super::{Obstruction, PathFailure, PathPoint, PathProblem};
-use crate::robot::chain::Chain;
+use crate::chain::Chain;
 
 /// Rounds of smoothing on the rungs, and at the points.
 const COARSE_ROUNDS: usize = 120;

@@ -1,6 +1,6 @@
 //! How far joints may be from where they should be, and how long a robot may be silent or stand still.
 
-use crate::robot::chain::JointKind;
+use crate::chain::JointKind;
 use std::time::Duration;
 
 /// A distance for joints that turn and one for joints that slide.

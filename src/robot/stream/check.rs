@@ -1,7 +1,7 @@
 //! Limits, checked before the first point is sent: of the points, and of the cubics that controllers put between them.
 
-use crate::robot::chain::Limits;
-use crate::robot::driver::{Interpolant, PartTrajectory};
+use crate::chain::Limits;
+use crate::driver::{Interpolant, PartTrajectory};
 use std::fmt;
 
 /// Part of a limit by which rounding in a table may exceed it.

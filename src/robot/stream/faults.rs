@@ -4,7 +4,7 @@
 
 use super::tests::BOUNDS;
 use super::*;
-use crate::robot::driver::Interpolant;
+use crate::driver::Interpolant;
 use std::sync::{Arc, Mutex, MutexGuard};
 
 /// Cases, unless the environment variable gives another number.

@@ -6,8 +6,8 @@
 
 use super::bounds::StreamBounds;
 use super::reports::{Reports, STILL};
-use crate::robot::chain::JointKind;
-use crate::robot::driver::{Interpolant, JointState, PartTrajectory};
+use crate::chain::JointKind;
+use crate::driver::{Interpolant, JointState, PartTrajectory};
 
 /// An arm may be late by this, s, before its distance from where it should be counts.
 pub(super) const LATENESS: f64 = 0.3;

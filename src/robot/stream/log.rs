@@ -1,7 +1,7 @@
 //! The log of a stream: what was commanded, what came back, what happened.
 
 use super::Part;
-use crate::robot::driver::JointState;
+use crate::driver::JointState;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;

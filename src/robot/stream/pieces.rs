@@ -6,8 +6,8 @@
 //! stops.
 
 use super::check::first_fault_between;
-use crate::robot::chain::Limits;
-use crate::robot::driver::{Interpolant, PartTrajectory};
+use crate::chain::Limits;
+use crate::driver::{Interpolant, PartTrajectory};
 use std::time::Duration;
 
 /// A goal begins this long after it is sent, s: controllers lead the joints there from where they are.

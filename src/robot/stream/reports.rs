@@ -1,8 +1,8 @@
 //! The last reports of the joints of a part, and whether they are at rest by them.
 
 use super::bounds::Tolerance;
-use crate::robot::chain::JointKind;
-use crate::robot::driver::JointState;
+use crate::chain::JointKind;
+use crate::driver::JointState;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 

@@ -3,7 +3,7 @@
 use super::reports::Reports;
 use super::timer::Timer;
 use super::{CYCLE, Part, StreamLog};
-use crate::robot::driver::DriverError;
+use crate::driver::DriverError;
 use std::time::{Duration, Instant};
 
 /// Longest time in which joints come to rest.

@@ -1,8 +1,8 @@
 //! Streams to drivers that lag, fall silent, leave the path or break off.
 
 use super::*;
-use crate::robot::chain::Limits;
-use crate::robot::driver::RosVersion;
+use crate::chain::Limits;
+use crate::driver::RosVersion;
 use std::cell::Cell;
 use std::sync::{Arc, Mutex};
 
@@ -271,8 +271,7 @@ fn an_interruption_leaves_both_arms_still() {
 
 #[test]
 fn a_missing_server_is_reported_at_once() {
-    let driver =
-        crate::robot::driver::RosbridgeDriver::new("127.0.0.1:1", RosVersion::One, "/a", "/s");
+    let driver = crate::driver::RosbridgeDriver::new("127.0.0.1:1", RosVersion::One, "/a", "/s");
     let mut parts = [Part {
         name: "arm".into(),
         driver: Box::new(driver),

@@ -2,7 +2,7 @@
 
 use super::SAMPLE;
 use super::spline::Spline;
-use crate::robot::chain::Limits;
+use crate::chain::Limits;
 
 /// Points of the profile, at least.
 const FEWEST: usize = 1000;

@@ -1,6 +1,6 @@
 //! The gate for robots from URDF files: unique names, usable numbers, a bounded number of parts.
 
-use crate::finite::{self, NotFinite};
+use rodlab_files::finite::{self, NotFinite};
 use std::collections::BTreeSet;
 use urdf_rs::{Geometry, Robot};
 

@@ -1,13 +1,11 @@
 //! Kinematic chains from URDF files.
 
-use crate::input;
-use crate::robot::body::{Body, Shape};
-use crate::robot::chain::{
-    Chain, Follower, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment,
-};
-use crate::robot::mesh::{locate, read_stl};
-use crate::robot::pose::{Pose, pose_of_angles};
+use crate::body::{Body, Shape};
+use crate::chain::{Chain, Follower, Joint, JointKind, Limits, MOST_JOINTS, Motion, Segment};
+use crate::mesh::{locate, read_stl};
+use crate::pose::{Pose, pose_of_angles};
 use nalgebra::{UnitVector3, Vector3};
+use rodlab_files::input;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use urdf_rs::{Geometry, JointType, Robot};

@@ -1,6 +1,6 @@
 //! Straight rods: small vibrations and the loads at which they buckle.
 
-use crate::mechanics::kirchhoff::numerics::bisect;
+use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
 use std::f64::consts::PI;
 
 /// Natural wave numbers β L of a cantilever, roots of cos x cosh x = −1 (Euler–Bernoulli; e.g. Timoshenko,

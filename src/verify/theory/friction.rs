@@ -1,6 +1,6 @@
 //! Dry friction after Coulomb.
 
-use crate::mechanics::kirchhoff::numerics::bisect;
+use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
 
 /// Acceleration g (sin α − μ cos α) of a body that slides down an incline of angle α.
 pub fn sliding_acceleration(gravity: f64, incline: f64, friction: f64) -> f64 {

@@ -5,7 +5,7 @@
 //! (cos φ − cos φ₀)/(1 − cos φ₀) = tanh²(s/s*), cos φ₀ = 2 m² − 1, s* = √(B/T)/√(1 − m²).
 //! Bergou et al. 2008 (Discrete elastic rods, sec. 8) compare a discrete rod with it.
 
-use crate::mechanics::kirchhoff::numerics::{bisect, runge_kutta};
+use rodlab_engine::mechanics::kirchhoff::numerics::{bisect, runge_kutta};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Half the number of steps in the shape.

@@ -1,8 +1,8 @@
 //! Drag of rods by regularised Stokeslet segments, with quadrature in place of closed forms and a dense
 //! solution in place of Krylov iterations.
 
-use crate::mechanics::kirchhoff::numerics::gauss_legendre;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use rodlab_engine::mechanics::kirchhoff::numerics::gauss_legendre;
 use std::f64::consts::PI;
 
 /// Velocity per force of a regularised Stokeslet, times 8πη (Cortez 2001):

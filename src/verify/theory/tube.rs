@@ -6,7 +6,7 @@
 //! e = ½ θ″² + ½ θ′⁴ − ½ f θ′² + 1 − cos θ
 //! ```
 
-use crate::mechanics::kirchhoff::numerics::bisect;
+use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
 
 /// Push at which the straight rod begins to snake (Dawson and Paslay 1984): θ = a sin kx has the energy
 /// e = ¼ a² (k⁴ − f k² + 1), first negative for k = 1 and f = 2.

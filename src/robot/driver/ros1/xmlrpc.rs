@@ -1,6 +1,6 @@
 //! XML-RPC over HTTP, as ROS 1 masters and nodes speak it.
 
-use crate::input;
+use rodlab_files::input;
 use roxmltree::{Document, ParsingOptions};
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};

@@ -3,8 +3,8 @@
 use super::super::PartTrajectory;
 use super::frame;
 use super::*;
-use crate::robot::chain::JointKind;
-use crate::robot::stream::{Ending, Part, StreamBounds, StreamLog, stream};
+use crate::chain::JointKind;
+use crate::stream::{Ending, Part, StreamBounds, StreamLog, stream};
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::sync::{Arc, Mutex};

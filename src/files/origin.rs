@@ -1,0 +1,18 @@
+//! Which program writes: its version, and the commit that it was built from.
+
+use std::sync::OnceLock;
+
+/// Version of the program.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+static COMMIT: OnceLock<&'static str> = OnceLock::new();
+
+/// States the commit that the program was built from; the first statement counts.
+pub fn state_commit(commit: &'static str) {
+    COMMIT.get_or_init(|| commit);
+}
+
+/// The commit that the program was built from, where it is known.
+pub fn commit() -> Option<&'static str> {
+    COMMIT.get().copied()
+}

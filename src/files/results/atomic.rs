@@ -1,0 +1,193 @@
+//! Files that appear whole: written aside, synced, renamed.
+//!
+//! To wait for the disk takes longer than many a case of a sweep. [`write_whole`] waits until the file would
+//! survive a loss of power, [`write_whole_before`] until it does together with the next one, and
+//! [`place_whole`] not at all.
+
+use super::ResultsError;
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::io::{Read, Write};
+use std::path::Path;
+use tempfile::NamedTempFile;
+
+/// Prefix of files being written; what is left of them after a crash is swept at the next start.
+pub(super) const TEMPORARY_PREFIX: &str = ".rodlab-unfinished-";
+
+/// Whether a file of that name is what is left of one that was being written when the program was killed.
+pub fn is_unfinished(name: &OsStr) -> bool {
+    name.to_string_lossy().starts_with(TEMPORARY_PREFIX)
+}
+
+/// Bytes by which the kind of a file is known.
+const HEAD: u64 = 4096;
+
+/// Writes a whole file, or leaves the old one untouched.
+///
+/// A reader sees the old bytes or the new ones, never a part, even through a crash or a full disk.
+///
+/// # Errors
+/// [`ResultsError::Io`] naming `path`.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
+    write_whole_before(path, bytes)?;
+    // The new name is safe only once the directory that holds it is.
+    #[cfg(unix)]
+    sync(directory_of(path))?;
+    Ok(())
+}
+
+/// [`write_whole`] to a place that the user chose: replaces only a file that `is_own`, as its bytes say.
+///
+/// # Errors
+/// [`ResultsError::NotOwn`] where something else stands there: a device, a link, a folder, another file; as
+/// [`write_whole`].
+pub fn replace_own(
+    path: &Path,
+    bytes: &[u8],
+    is_own: impl Fn(&[u8]) -> bool,
+) -> Result<(), ResultsError> {
+    check_own(path, is_own)?;
+    write_whole(path, bytes)
+}
+
+/// Checks that a place is free, or holds a file that `is_own`, as its bytes say: the gate before a file is replaced or
+/// removed.
+///
+/// # Errors
+/// [`ResultsError::NotOwn`] as for [`replace_own`]; [`ResultsError::Io`] where it cannot be read.
+pub fn check_own(path: &Path, is_own: impl Fn(&[u8]) -> bool) -> Result<(), ResultsError> {
+    let refusal = |what| {
+        Err(ResultsError::NotOwn {
+            path: path.to_owned(),
+            what,
+        })
+    };
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_dir() => return refusal("a folder"),
+        Ok(found) if !found.is_file() => return refusal("no regular file"),
+        Ok(found) if found.len() > 0 => {
+            let mut head = Vec::new();
+            let opened = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+            opened.map_err(ResultsError::io("read", path))?;
+            if !is_own(&head) {
+                return refusal("a file of another kind");
+            }
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+/// The same where [`write_whole`] follows in the same directory, which makes the name of this file safe, too.
+///
+/// # Errors
+/// [`ResultsError::Io`] naming `path`.
+pub(super) fn write_whole_before(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
+    written_aside(directory_of(path), bytes)
+        .and_then(|file| {
+            file.as_file().sync_all()?;
+            Ok(file.persist(path)?)
+        })
+        .map(drop)
+        .map_err(ResultsError::io("write", path))
+}
+
+/// The same for a file that is worth nothing without others that follow: until it is [`sync`]ed, a loss of
+/// power may leave it empty or take it away.
+///
+/// # Errors
+/// [`ResultsError::Io`] naming `path`.
+pub(super) fn place_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
+    written_aside(directory_of(path), bytes)
+        .and_then(|file| Ok(file.persist(path)?))
+        .map(drop)
+        .map_err(ResultsError::io("write", path))
+}
+
+/// Waits until a file or directory would survive a loss of power.
+///
+/// # Errors
+/// [`ResultsError::Io`] naming `path`.
+pub fn sync(path: &Path) -> Result<(), ResultsError> {
+    File::open(path)
+        .and_then(|file| file.sync_all())
+        .map_err(ResultsError::io("write", path))
+}
+
+fn directory_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// A temporary file in `directory` that holds `bytes`.
+fn written_aside(directory: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(TEMPORARY_PREFIX);
+    // Temporary files are private by default; results are as readable as the user's mask allows.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(directory)?;
+    file.write_all(bytes)?;
+    Ok(file)
+}
+
+/// Makes a file that appears with its bytes in it, unless there is one of its name already. It is not synced.
+///
+/// # Errors
+/// `AlreadyExists` where there is one; any other fault of the file system.
+pub(super) fn create_whole(directory: &Path, name: &str, bytes: &[u8]) -> std::io::Result<()> {
+    let file = written_aside(directory, bytes)?;
+    file.persist_noclobber(directory.join(name))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_an_own_file_is_replaced_never_a_device_a_link_or_a_folder() {
+        let directory = tempfile::tempdir().unwrap();
+        let place = |name: &str| directory.path().join(name);
+        let is_own: fn(&[u8]) -> bool = |head| head.starts_with(b"own");
+        replace_own(&place("new"), b"own 1", is_own).unwrap();
+        replace_own(&place("new"), b"own 2", is_own).unwrap();
+        assert_eq!(fs::read(place("new")).unwrap(), b"own 2");
+        fs::write(place("letter"), "to a friend").unwrap();
+        fs::create_dir(place("folder")).unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(place("new"), place("link")).unwrap();
+        for name in ["letter", "folder", "link"] {
+            let error = replace_own(&place(name), b"own 3", is_own).unwrap_err();
+            assert!(matches!(error, ResultsError::NotOwn { .. }), "{error}");
+        }
+        assert!(replace_own(Path::new("/dev/null"), b"own", is_own).is_err());
+        assert_eq!(fs::read(place("letter")).unwrap(), b"to a friend");
+        assert_eq!(fs::read(place("new")).unwrap(), b"own 2");
+    }
+    use std::fs;
+
+    #[test]
+    fn replaces_the_whole_file_and_leaves_nothing_beside_it() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("summary.csv");
+        write_whole(&path, b"a long first version").unwrap();
+        write_whole(&path, b"second").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"second");
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_failure_names_the_file_and_leaves_the_old_one() {
+        let directory = tempfile::tempdir().unwrap();
+        // A directory of that name cannot be replaced by a file.
+        let path = directory.path().join("manifest.json");
+        fs::create_dir(&path).unwrap();
+        let error = write_whole(&path, b"{}").unwrap_err();
+        assert!(error.to_string().contains("manifest.json"), "{error}");
+        assert!(path.is_dir());
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,216 @@
+//! What the files of a results directory hold, column by column, in words: `rodlab explain series`.
+//!
+//! Here are the files of every run; a kind of experiment describes those that it adds, and its columns in the common
+//! ones, in its own folder. `tests/explained.rs` runs scenarios of every kind and fails where a file or a column that
+//! they write is not described.
+
+/// A list of columns, each as `name: meaning`.
+#[macro_export]
+macro_rules! columns {
+    ($($name:literal: $meaning:literal),* $(,)?) => {
+        &[$($crate::results::Column { name: $name, meaning: $meaning }),*]
+    };
+}
+
+mod tables;
+
+use tables::{
+    BRANCH, END_STATE, MANIFEST, NODE_FORCES, NODES, SEARCH, SERIES, SLURM, SUMMARY, TIMINGS,
+};
+
+/// A column of a table, or a key of a JSON file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Its name in the header; the ending is the unit.
+    pub name: &'static str,
+    /// What it holds.
+    pub meaning: &'static str,
+}
+
+/// Columns that appear together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ColumnGroup {
+    /// When they are there; empty for those that always are.
+    pub when: &'static str,
+    /// The columns, in their order in the file.
+    pub columns: &'static [Column],
+}
+
+/// A file, a folder, or several of one kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FileDescription {
+    /// Names; the first stands for all.
+    pub names: &'static [&'static str],
+    /// What it holds, and when it is written.
+    pub meaning: &'static str,
+    /// Its columns or keys; none where it is no table.
+    pub groups: &'static [ColumnGroup],
+}
+
+impl FileDescription {
+    /// All its columns.
+    pub fn columns(&self) -> impl Iterator<Item = &'static Column> {
+        self.groups.iter().flat_map(|group| group.columns)
+    }
+
+    /// How it is called in keys: tables and JSON files also without their ending.
+    pub fn is_called(&self, word: &str) -> bool {
+        self.names.iter().any(|&name| {
+            let stem = name.strip_suffix(".csv").or(name.strip_suffix(".json"));
+            word == name || stem == Some(word)
+        })
+    }
+}
+
+/// A file whose columns are always there.
+pub const fn table(
+    names: &'static [&'static str],
+    meaning: &'static str,
+    groups: &'static [ColumnGroup],
+) -> FileDescription {
+    FileDescription {
+        names,
+        meaning,
+        groups,
+    }
+}
+
+/// A file that is no table.
+pub const fn file(names: &'static [&'static str], meaning: &'static str) -> FileDescription {
+    table(names, meaning, &[])
+}
+
+/// Columns that are always there.
+pub const fn always(columns: &'static [Column]) -> ColumnGroup {
+    ColumnGroup { when: "", columns }
+}
+
+/// Every file and folder that a results directory may hold.
+pub const FILES: &[FileDescription] = &[
+    table(
+        &["series.csv"],
+        "A row per output time. Means are over the steps since the row before; they are empty in the first row.",
+        &[always(SERIES)],
+    ),
+    table(
+        &["nodes.csv"],
+        "The position of every node at each output time ([output] nodes = true). A static run has one time, 0.",
+        &[always(NODES)],
+    ),
+    table(
+        &["node_forces.csv"],
+        "Velocity, forces and twist of every node at each output time ([output] forces = true).",
+        &[always(NODE_FORCES)],
+    ),
+    table(
+        &["end_state.csv", "start_state.csv"],
+        "The state in which a finished run ended, and the one from which it started ([start] from), a row per node: what \
+         another run needs to start there.",
+        &[always(END_STATE)],
+    ),
+    table(
+        &["summary.csv"],
+        "A row per case with its scalar outcomes, the same bytes for any number of threads and on every machine. Of a \
+         sweep, the columns after `case` are the varied keys, in SI units.",
+        &[always(SUMMARY)],
+    ),
+    table(
+        &["timings.csv"],
+        "A row per case with its cost, which differs from machine to machine and from run to run.",
+        &[always(TIMINGS)],
+    ),
+    table(
+        &["branch.csv"],
+        "A row per point of a path of equilibria (time.mode = \"continuation\"), branch after branch.",
+        &[always(BRANCH)],
+    ),
+    table(
+        &["search.csv"],
+        "What searches found ([sweep.search]), a row per search. The columns before `from` are the varied keys and, \
+         last, the searched one, with the value found; it is empty where there is none.",
+        &[always(SEARCH)],
+    ),
+    table(
+        &["manifest.json"],
+        "What was run, by which program, where and when, and how each case ended.",
+        &[always(MANIFEST)],
+    ),
+    file(
+        &["scenario.toml"],
+        "The resolved scenario: every key with its value in SI units, defaults included. It runs as it stands.",
+    ),
+    file(
+        &["cases"],
+        "Of a sweep: a folder for each case, called by its id, with the files of a single run.",
+    ),
+    file(
+        &["leases"],
+        "Of a sweep: which process works on which case. Files here come and go.",
+    ),
+    file(
+        &["checkpoint.0", "checkpoint.1"],
+        "The state of an unfinished run, versioned and checksummed. Two files take turns, so that one is always whole; \
+         a finished run has none.",
+    ),
+    file(
+        &[".lock"],
+        "Locked by the process that writes to the directory. Empty, and harmless when left behind.",
+    ),
+    file(
+        &["rods.pvd"],
+        "The collection that ParaView opens ([output] vtk = true): the frames of vtk/ with their times.",
+    ),
+    file(
+        &["vtk"],
+        "A frame per output time as VTK PolyData: polylines with radius, velocity, fluid and contact force at the \
+         nodes; beside them the obstacles, triangles with their number, once where none moves. ParaView's filter \"Tube\" with \"Vary Radius: By Absolute Scalar\" draws the rods as they are.",
+    ),
+    file(
+        &["rods.svg", "rods.png"],
+        "The rods at up to four times, evenly spread over the run. By `rodlab plot`; needs nodes.csv.",
+    ),
+    file(
+        &["series.svg", "series.png"],
+        "Energies, contacts, distance and iterations over time. By `rodlab plot`.",
+    ),
+    file(
+        &["sweep.svg", "sweep.png"],
+        "Outcomes of a sweep over the varied keys. By `rodlab plot` and `rodlab gather`.",
+    ),
+    file(
+        &["branch.svg", "branch.png"],
+        "Displacement and energy over the parameter of a path, stable and unstable. By `rodlab plot`.",
+    ),
+    file(
+        &["own.svg", "own.png"],
+        "The figure of columns of your choice. By `rodlab plot --y ...`, unless --out names another file.",
+    ),
+    file(
+        &["view.html"],
+        "The results in 3-D: one file for the browser that needs no network. By `rodlab view`; a run of \
+         \"helix-stability\" writes it itself.",
+    ),
+    table(
+        &["slurm.json"],
+        "The jobs that `rodlab submit` handed to Slurm.",
+        &[always(SLURM)],
+    ),
+    file(&["slurm"], "What the Slurm tasks printed, a file each."),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn names_are_unique() {
+        let names: Vec<&str> = FILES.iter().flat_map(|file| file.names).copied().collect();
+        assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
+        for file in FILES {
+            let columns: Vec<&str> = file.columns().map(|column| column.name).collect();
+            let different: BTreeSet<&&str> = columns.iter().collect();
+            assert_eq!(different.len(), columns.len(), "{:?}", file.names);
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Results directories: manifests, series, node files, checkpoints, VTK.
+//!
+//! A run opens a [`ResultsDirectory`], writes its [`Manifest`], lets a [`Recorder`] write each output time,
+//! keeps [`CheckpointFiles`], and ends with [`write_summary`] and [`write_timings`]. Nothing here knows
+//! mechanics: rods are names, node counts and arrays.
+//!
+//! The directory of a sweep ([`SweepDirectory`]) has such a directory for each case; [`Leases`] tell the processes
+//! that share it who works on which.
+//!
+//! Files that are written once appear whole ([`write_whole`]); files that grow are flushed at each output
+//! time and cut back to the length noted in the checkpoint when a run is continued. Checkpoint and manifest hold their
+//! lengths and hashes ([`FileMark`]), by which files that were removed or changed are noticed.
+
+mod atomic;
+mod branch;
+mod case_record;
+mod checkpoint;
+mod columns;
+mod difference;
+mod directory;
+mod end_state;
+mod error;
+mod files;
+mod forces;
+mod frame;
+mod lease;
+mod manifest;
+mod mark;
+mod nodes;
+mod obstacle_frames;
+mod outcome;
+mod recorder;
+mod series;
+mod stream;
+mod summary;
+mod sweep_directory;
+mod table;
+mod usage;
+mod value;
+mod vtk;
+
+pub use atomic::sync;
+pub use atomic::{check_own, is_unfinished, replace_own, write_whole};
+pub use branch::{BranchKind, BranchRow, read_branches};
+pub use case_record::{CaseRecord, CaseStatus};
+pub use checkpoint::CheckpointFiles;
+pub use columns::{Column, ColumnGroup, FILES, FileDescription, always, file, table};
+pub use directory::{Opened, ResultsDirectory};
+pub use end_state::{EndRow, read_end_state, write_end_state};
+pub use error::ResultsError;
+pub use files::{
+    BRANCH, BRANCH_FIGURE, END_STATE, MANIFEST, NODE_FORCES, NODES, PAGE, RODS_FIGURE, SCENARIO,
+    SERIES, SERIES_FIGURE, START, SUMMARY, SWEEP_FIGURE, TIMINGS, VTK_COLLECTION, VTK_FOLDER,
+};
+pub use forces::{NodeForces, read_node_forces};
+pub use frame::Frame;
+pub use lease::{HEARTBEAT, Lease, LeaseAttempt, Leases, Owner, host_name};
+pub use manifest::{MAIN_CASE, Manifest, RodRecord, scenario_hash, scenario_hash_with_inputs};
+pub use mark::{FileMark, FileMarks, check_files, check_lengths, check_quickly};
+pub use nodes::{NodePositions, read_nodes};
+pub use obstacle_frames::ObstacleSurfaces;
+pub use outcome::{CaseOutcome, Ending};
+pub use recorder::{Recorder, RecorderPlan};
+pub use series::{SeriesRow, read_series, read_series_as, series_columns};
+pub use stream::{CsvStream, WholeRows, read_whole_rows};
+pub use summary::{SummaryRow, write_summary, write_sweep_summary, write_timings};
+pub use sweep_directory::{CASES, SweepDirectory};
+pub use table::Table;
+pub use usage::{Usage, UsageMeter, thread_cpu_time};
+pub use value::{NamedValues, Value};
+pub use vtk::{Surface, write_surface};

@@ -1,0 +1,64 @@
+//! Pegs on the table of a robot cell, beside the pattern that passes them.
+
+use super::keys::{Deployment, Peg};
+use super::outcome::PassedPegs;
+use super::pegs;
+use rodlab_engine::mechanics::scene::RodDescription;
+use rodlab_planning::plan::pattern::{PatternError, Point};
+
+/// Pegs, and the pattern that passes them, in the frame of the pattern, m.
+#[derive(Clone, Debug)]
+pub struct Fixtures {
+    pegs: Vec<Peg>,
+    outline: Vec<[f64; 2]>,
+}
+
+impl Fixtures {
+    /// Those of a deployment; without pegs where it has none.
+    ///
+    /// # Errors
+    /// The pattern is none.
+    pub fn of(deployment: &Deployment) -> Result<Self, PatternError> {
+        Ok(Self {
+            pegs: deployment.pegs.clone(),
+            outline: pegs::outline(&deployment.pattern.source().pattern()?),
+        })
+    }
+
+    /// The pegs.
+    pub fn pegs(&self) -> &[Peg] {
+        &self.pegs
+    }
+
+    /// The pattern from above, m.
+    pub fn outline(&self) -> Vec<Point> {
+        self.outline.iter().map(|&point| point.into()).collect()
+    }
+
+    /// The rigid obstacles that stand for the pegs where another frame is used on the same table: `place` leads there.
+    pub fn posts(&self, place: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<RodDescription> {
+        let numbered = self.pegs.iter().enumerate();
+        let posts = numbered.map(|(number, peg)| {
+            let peg = Peg {
+                position: place(peg.position),
+                ..*peg
+            };
+            pegs::post(&format!("peg_{}", number + 1), &peg)
+        });
+        posts.collect()
+    }
+
+    /// The pegs that a rod passes, seen from above, as the pattern does; see [`PassedPegs`].
+    pub fn passed(&self, rod: &[Point]) -> PassedPegs {
+        let passes = |peg: &&Peg| pegs::passes_beside(rod, &self.outline, peg);
+        PassedPegs {
+            count: self.pegs.len(),
+            passed: self.pegs.iter().filter(passes).count(),
+        }
+    }
+
+    /// Circles of the pegs from above for a plot, with gaps between them, m.
+    pub fn circles(&self) -> Vec<(f64, Option<f64>)> {
+        pegs::outlines(&self.pegs)
+    }
+}

@@ -1,0 +1,153 @@
+//! A gripper that takes hold of rods where they should lie, leads them, and lets them go.
+
+use super::tying::{Hold, Part};
+use crate::run::Controller;
+use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
+use rodlab_engine::mechanics::scene::Motion;
+use rodlab_engine::mechanics::system::Grasp;
+use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// Nodes beside the ends of a rod that are no strand: a gripper is there already, or nearly nothing.
+const BESIDE_ENDS: usize = 2;
+
+/// Takes hold of rods, one after the other.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Hand {
+    name: String,
+    tasks: Vec<Task>,
+    reach: f64,
+    /// Tasks that are over, or have missed.
+    done: usize,
+    /// The clamp of what is held.
+    clamp: Option<usize>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Task {
+    /// When it takes hold, s; it lets go at the other time, if there is one.
+    begin: f64,
+    end: Option<f64>,
+    /// Nodes of which it takes the nearest.
+    nodes: Range<usize>,
+    /// Times (s) and places (m).
+    places: Vec<(f64, Vector3)>,
+    /// Times (s) and orientations; empty where it does not turn.
+    turns: Vec<(f64, UnitQuaternion)>,
+}
+
+impl Hand {
+    /// The gripper of a number that does this. `nodes` are those of the rods of the scene. It takes hold of the node that is nearest to
+    /// it, seen from above, if it is within `reach`, m.
+    pub fn new(number: usize, holds: &[Hold], nodes: &[Range<usize>], reach: f64) -> Self {
+        let task = |hold: &Hold| {
+            let Range { start, end } = nodes[hold.rod].clone();
+            let poses = || hold.poses.iter();
+            let first = poses()
+                .next()
+                .map_or_else(UnitQuaternion::identity, |pose| pose.2);
+            let (nodes, turns) = match hold.part {
+                Part::Strand => (
+                    start + BESIDE_ENDS..end.saturating_sub(BESIDE_ENDS),
+                    Vec::new(),
+                ),
+                Part::End => {
+                    let turns = poses().map(|(time, _, turn)| (*time, turn * first.inverse()));
+                    (end.saturating_sub(1)..end, turns.collect())
+                }
+            };
+            Task {
+                begin: hold.held[0],
+                end: Some(hold.held[1]).filter(|end| end.is_finite()),
+                nodes,
+                places: poses().map(|(time, place, _)| (*time, *place)).collect(),
+                turns,
+            }
+        };
+        Self {
+            name: format!("gripper {}", number + 1),
+            tasks: holds.iter().map(task).collect(),
+            reach,
+            done: 0,
+            clamp: None,
+        }
+    }
+}
+
+impl Task {
+    /// The node within reach of a place.
+    fn node_at(&self, place: &Vector3, reach: f64, positions: &[Vector3]) -> Option<usize> {
+        let away = |node: &usize| (positions[*node] - place).xy().norm();
+        let nodes = self.nodes.clone();
+        let nearest = nodes.min_by(|one, other| away(one).total_cmp(&away(other)));
+        nearest.filter(|node| away(node) <= reach)
+    }
+
+    /// The motion of a node that was taken hold of at a place.
+    fn motion(&self, first: &Vector3, found: &Vector3) -> Motion {
+        let ways = self.places.iter().map(|(time, place)| {
+            let mut way = place - first;
+            // A hand that trembles does not press the rod into the table.
+            way.z = way.z.max(0.0);
+            (*time, way)
+        });
+        Motion {
+            translation: ways.collect(),
+            orientation: self.turns.clone(),
+            pivot: Some(*found).filter(|_| !self.turns.is_empty()),
+            ..Motion::default()
+        }
+    }
+}
+
+impl Controller for Hand {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn act(&mut self, simulation: &mut Simulation) -> Result<(), SimulationError> {
+        let Some(task) = self.tasks.get(self.done) else {
+            return Ok(());
+        };
+        let has_come = |time: f64| simulation.time() >= time * (1.0 - 1e-12);
+        if let Some(clamp) = self.clamp {
+            if task.end.is_some_and(has_come) {
+                simulation.release(clamp)?;
+                self.clamp = None;
+                self.done += 1;
+            }
+            return Ok(());
+        }
+        if !has_come(task.begin) {
+            return Ok(());
+        }
+        let first = task
+            .places
+            .first()
+            .map_or_else(Vector3::zeros, |place| place.1);
+        let Some(node) = task.node_at(&first, self.reach, simulation.positions()) else {
+            self.done += 1;
+            return Ok(());
+        };
+        let motion = task.motion(&first, &simulation.positions()[node]);
+        let grasp = Grasp {
+            position: true,
+            frame: true,
+        };
+        let clamp = simulation.grasp(node, grasp)?;
+        simulation.move_clamp(clamp, motion);
+        self.clamp = Some(clamp);
+        Ok(())
+    }
+
+    fn next_time(&self) -> f64 {
+        let Some(task) = self.tasks.get(self.done) else {
+            return f64::INFINITY;
+        };
+        match self.clamp {
+            Some(_) => task.end.unwrap_or(f64::INFINITY),
+            None => task.begin,
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Resolving a knot that is tied along the pattern.
+
+use super::resolved::{Knot, Rod, Second};
+use super::typed;
+use crate::scenario::keys::{POSITIVE, Section};
+use rodlab_planning::plan::deployment::DeployedRod;
+use rodlab_planning::plan::pattern::Pattern;
+use rodlab_planning::plan::tying::{Handling, TiedRod, passages};
+
+/// How far a gripper reaches where nothing is said, m: fingers that open by 3 cm.
+const REACH: f64 = 0.015;
+
+/// The knot of a deployment, if there is one; `None` where a fault was reported.
+pub fn resolve(
+    section: &Section<'_>,
+    typed: &typed::Deployment,
+    first: (&Rod, &Pattern),
+    second: Option<&(Second, Pattern)>,
+) -> Option<Option<Knot>> {
+    let Some(knot) = &typed.knot else {
+        return Some(None);
+    };
+    if typed.correction.is_some() {
+        let message = "a path that is corrected while the rod is laid does not lead its end: leave `correction` out";
+        section.fault("knot", message);
+        return None;
+    }
+    let section = section.below("knot");
+    let help = "\"over\" or \"under\" for each crossing, as [\"over\", \"under\", \"over\"]";
+    let crossings = section.needed("crossings", knot.crossings.clone(), help)?;
+    let second = second.map(|(second, curve)| (&second.rod, curve));
+    let layings = || std::iter::once(first).chain(second);
+    let rods: Vec<DeployedRod> = layings().map(|(rod, _)| rod.deployed()).collect();
+    let tied = rods.iter().zip(layings());
+    let tied: Vec<TiedRod> = tied
+        .map(|(rod, (_, curve))| TiedRod { rod, curve })
+        .collect();
+    if let Err(error) = passages(&tied, &crossings) {
+        section.fault("crossings", error.to_string());
+        return None;
+    }
+    let usual = Handling::usual(&rods);
+    let lift = section.with_default("lift", &knot.lift, POSITIVE, usual.lift);
+    let speed = section.with_default("speed", &knot.speed, POSITIVE, usual.speed);
+    let reach = section.with_default("reach", &knot.reach, POSITIVE, REACH);
+    let is_known = [lift, speed, reach].iter().all(|value| value.is_finite());
+    is_known.then_some(Some(Knot {
+        crossings,
+        lift,
+        speed,
+        reach,
+    }))
+}

@@ -1,0 +1,266 @@
+//! The keys of deployments: `typed`, `resolved`, and here the way from the one to the other.
+
+mod fixtures;
+mod knot;
+mod pattern;
+mod resolved;
+mod second;
+mod typed;
+
+#[cfg(test)]
+pub use resolved::Second;
+pub use resolved::{Correction, Deployment, Knot, Pattern, Peg, Rod, Scheme, Solver};
+
+use crate::scenario::Time;
+use crate::scenario::keys::{
+    FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Quantity, Range, Request, Section,
+};
+use rodlab_planning::plan::deployment::{DeployedRod, lead_length, long_enough};
+use rodlab_planning::plan::pattern::Pattern as Curve;
+
+/// Edges per gravito-bending length of a simulated rod, and how many there are at least and at most where nothing is
+/// said.
+const EDGES_PER_LENGTH: f64 = 4.0;
+const USUAL_EDGES: [f64; 2] = [80.0, 400.0];
+/// Edges that may be asked for.
+const EDGES: [usize; 2] = [10, 100_000];
+/// Density where none is given, kg/m³.
+const DENSITY: f64 = 1000.0;
+/// Largest relative error of a length.
+const LARGEST_ERROR: f64 = 0.9;
+/// Length between corrections over L_gb where none is given.
+const CORRECTED_EVERY: f64 = 0.8;
+/// Length of return over L_gb where none is given, and the shortest over L_gb and over the length between corrections.
+const RETURN_LENGTH: f64 = 3.5;
+const SHORTEST_RETURN: f64 = 3.0;
+/// Period of the fastest jitter where none is given, s.
+const JITTER_PERIOD: f64 = 1.0;
+
+/// The table of this experiment.
+pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::Deployment>(
+    "deployment",
+    "Pattern, rod and gripper of the experiment \"deployment\".",
+)];
+
+/// Edges of the simulated rod where nothing is said.
+fn usual_edges(rod: &DeployedRod) -> usize {
+    let [fewest, most] = USUAL_EDGES;
+    let edges = EDGES_PER_LENGTH * rod.length / rod.gravito_bending_length;
+    edges.round().clamp(fewest, most) as usize
+}
+
+/// Resolves pattern, rod and gripper; `None` where a fault was reported that leaves nothing to go on with.
+pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
+    request.refuse(
+        &["material", "rod"],
+        "the rod of a deployment and its material are [deployment.rod]",
+    );
+    if !matches!(request.time, Time::Dynamic { .. }) {
+        let message = "a rod is laid in time: use \"dynamic\"";
+        request.top.below("time").fault("mode", message);
+    }
+    let typed: &typed::Deployment = request.table("deployment")?;
+    let section = request.top.below("deployment");
+    let help = "a table [deployment.rod], or extends = \"rods/green_vps.toml\"";
+    let rod = section.needed("rod", typed.rod.as_ref(), help);
+    let rod = rod.and_then(|rod| resolve_rod(&section.below("rod"), rod));
+    let help = "{ file = \"drawing.svg\" }, or { kind = \"circle\", radius = \"9 cm\" }";
+    let pattern = section.needed("pattern", typed.pattern.as_ref(), help);
+    let pattern =
+        pattern.and_then(|pattern| pattern::resolve(request, &section.below("pattern"), pattern));
+    let length_error = section.with_default("length_error", &typed.length_error, FINITE, 0.0);
+    if length_error.abs() > LARGEST_ERROR {
+        section.fault(
+            "length_error",
+            format!(
+                "{length_error:?} is out of range; allowed: -{LARGEST_ERROR} to {LARGEST_ERROR}"
+            ),
+        );
+    }
+    let number = |key: &str, typed, range: Range| section.with_default(key, typed, range, 0.0);
+    let jitter = number("jitter", &typed.jitter, NON_NEGATIVE);
+    let shift = typed.frame_shift.as_ref();
+    let frame_shift = shift.map_or([0.0; 2], |shift| section.components("frame_shift", shift));
+    let frame_turn = section.with_default("frame_turn", &typed.frame_turn, FINITE, 0.0);
+    let jitter_angle = section.with_default("jitter_angle", &typed.jitter_angle, NON_NEGATIVE, 0.0);
+    let jitter_period = section.with_default(
+        "jitter_period",
+        &typed.jitter_period,
+        POSITIVE,
+        JITTER_PERIOD,
+    );
+    let seed = typed.seed.unwrap_or(0);
+    if seed < 0 {
+        section.fault(
+            "seed",
+            format!("{seed} is out of range; allowed: 0 and above"),
+        );
+    }
+    let (rod, pattern) = (rod?, pattern?);
+    let is_tied = typed.knot.is_some();
+    let curve = with_lead_in(&section, typed.lead_in.as_ref(), is_tied, &rod, &pattern)?;
+    let scheme = typed.scheme.unwrap_or(Scheme::Optimal);
+    let second = second::resolve(request, &section, typed, scheme)?;
+    let pegs = fixtures::resolve(&section, typed, &rod, &curve)?;
+    let release = release(request, &section, typed)?;
+    let knot = knot::resolve(&section, typed, (&rod, &curve), second.as_ref())?;
+    let correction = match &typed.correction {
+        Some(_) if scheme == Scheme::Intuitive => {
+            let message = "the intuitive scheme is not corrected: use \"optimal\"";
+            section.fault("correction", message);
+            return None;
+        }
+        Some(typed) => Some(resolve_correction(
+            &section.below("correction"),
+            typed,
+            &rod,
+        )?),
+        None => None,
+    };
+    Some(Deployment {
+        scheme,
+        solver: typed.solver.unwrap_or(Solver::Exact),
+        lead_in: curve.lead_in(),
+        length_error,
+        frame_shift,
+        frame_turn,
+        jitter,
+        jitter_angle,
+        jitter_period,
+        seed: seed.max(0).unsigned_abs(),
+        correction,
+        release,
+        pegs,
+        knot,
+        pattern,
+        rod,
+        second: second.map(|(second, _)| second),
+    })
+}
+
+/// When the gripper lets go, s before the end; `None` where a fault was reported.
+fn release(
+    request: &Request<'_>,
+    section: &Section<'_>,
+    typed: &typed::Deployment,
+) -> Option<Option<f64>> {
+    let release = section.optional("release", &typed.release, POSITIVE);
+    let Time::Dynamic { end, .. } = *request.time else {
+        return None;
+    };
+    if let Some(release) = release.filter(|release| *release >= end) {
+        let message = format!(
+            "{release:?} s is out of range; allowed: less than the time in which the rod is laid, {end:?} s (`time.end`)"
+        );
+        section.fault("release", message);
+        return None;
+    }
+    Some(release)
+}
+
+fn resolve_correction(
+    section: &Section<'_>,
+    typed: &typed::Correction,
+    rod: &Rod,
+) -> Option<Correction> {
+    let unit = rod.gravito_bending_length;
+    let every = section.with_default("every", &typed.every, POSITIVE, CORRECTED_EVERY * unit);
+    let shortest = SHORTEST_RETURN * every.max(unit);
+    let usual = shortest.max(RETURN_LENGTH * unit);
+    let return_length =
+        section.with_default("return_length", &typed.return_length, POSITIVE, usual);
+    let noise = section.with_default("noise", &typed.noise, NON_NEGATIVE, 0.0);
+    if ![every, return_length, noise]
+        .iter()
+        .all(|value| value.is_finite())
+    {
+        return None;
+    }
+    let edge = rod.length / rod.edges as f64;
+    if every < edge {
+        section.fault(
+            "every",
+            format!("{every:?} m is less than an edge of the rod, {edge:.4} m (`rod.edges`)"),
+        );
+        return None;
+    }
+    if return_length < shortest * (1.0 - 1e-9) {
+        section.fault(
+            "return_length",
+            format!(
+                "{return_length:?} m is too short: the rod would swing about its pattern; allowed: {SHORTEST_RETURN} times `every` and \
+                 the gravito-bending length, {shortest:.4} m, and more"
+            ),
+        );
+        return None;
+    }
+    Some(Correction {
+        every,
+        return_length,
+        noise,
+    })
+}
+
+/// The pattern with its lead-in, which can be laid.
+fn with_lead_in(
+    section: &Section<'_>,
+    lead_in: Option<&Quantity<Length>>,
+    is_tied: bool,
+    rod: &Rod,
+    pattern: &Pattern,
+) -> Option<Curve> {
+    let rod = rod.deployed();
+    let curve = match pattern.source().pattern() {
+        Ok(curve) => curve,
+        Err(error) => {
+            section.fault("pattern", error.to_string());
+            return None;
+        }
+    };
+    let length = match lead_in.filter(|typed| !typed.is_word("auto")) {
+        Some(typed) => section.number("lead_in", typed, NON_NEGATIVE),
+        None => lead_length(&rod, &curve.at(0.0)),
+    };
+    let curve = curve.with_lead_in(length);
+    // What is longer than a rod that is tied is the path of its end.
+    if !is_tied && let Err(error) = long_enough(&rod, &curve) {
+        section.fault("pattern", error.to_string());
+        return None;
+    }
+    Some(curve)
+}
+
+fn resolve_rod(section: &Section<'_>, typed: &typed::Rod) -> Option<Rod> {
+    let rod = DeployedRod {
+        gravito_bending_length: section.required(
+            "gravito_bending_length",
+            &typed.gravito_bending_length,
+            POSITIVE,
+        ),
+        radius: section.required("radius", &typed.radius, POSITIVE),
+        length: section.required("length", &typed.length, POSITIVE),
+    };
+    let density = section.with_default("density", &typed.density, POSITIVE, DENSITY);
+    for (name, friction) in typed.friction.iter().flatten() {
+        if !(*friction >= 0.0 && friction.is_finite()) {
+            let message = format!("{friction:?} is out of range; allowed: at least 0");
+            section.below("friction").fault(name, message);
+        }
+    }
+    let is_known = [rod.gravito_bending_length, rod.radius, rod.length, density]
+        .iter()
+        .all(|value| value.is_finite());
+    let [fewest, most] = EDGES;
+    let edges = match typed.edges {
+        Some(_) => section.count("edges", typed.edges, fewest..=most)?,
+        None if is_known => usual_edges(&rod),
+        None => return None,
+    };
+    is_known.then_some(Rod {
+        gravito_bending_length: rod.gravito_bending_length,
+        radius: rod.radius,
+        length: rod.length,
+        density,
+        edges,
+    })
+}

@@ -1,0 +1,167 @@
+//! Resolving a pattern: a drawing in its size and direction, or a formula.
+
+use super::resolved::Pattern;
+use super::typed::{self, PatternKind};
+use crate::scenario::keys::{FINITE, POSITIVE, Request, Section, read_columns};
+use crate::scenario::read_text_file;
+use rodlab_planning::plan::pattern::{Drawing, Point, chosen_stroke, read_svg};
+use std::path::Path;
+
+/// How far the smooth curve may be from what was drawn where nothing is said, m.
+const DEVIATION: f64 = 0.25e-3;
+/// Most waves of a sine.
+const MOST_WAVES: f64 = 1000.0;
+
+/// Resolves a pattern; `None` where a fault was reported that leaves nothing to go on with.
+pub fn resolve(
+    request: &Request<'_>,
+    section: &Section<'_>,
+    typed: &typed::Pattern,
+) -> Option<Pattern> {
+    let kind = typed.kind.unwrap_or_default();
+    refuse_keys_of_others(section, typed, kind);
+    let pattern = match kind {
+        PatternKind::Drawn => return drawn(request, section, typed),
+        PatternKind::Line => Pattern::Line {
+            length: section.required("length", &typed.length, POSITIVE),
+        },
+        PatternKind::Circle => {
+            let radius = section.required("radius", &typed.radius, FINITE);
+            if radius == 0.0 {
+                section.fault("radius", "a circle has a radius other than 0");
+            }
+            Pattern::Circle { radius }
+        }
+        PatternKind::Sine => {
+            let waves = section.required("waves", &typed.waves, POSITIVE);
+            if waves > MOST_WAVES {
+                let message = format!("{waves:?} is out of range; allowed: at most {MOST_WAVES}");
+                section.fault("waves", message);
+            }
+            Pattern::Sine {
+                amplitude: section.required("amplitude", &typed.amplitude, POSITIVE),
+                wavelength: section.required("wavelength", &typed.wavelength, POSITIVE),
+                waves,
+            }
+        }
+    };
+    let is_known = match pattern {
+        Pattern::Line { length } => length.is_finite(),
+        Pattern::Circle { radius } => radius.is_finite() && radius != 0.0,
+        Pattern::Sine {
+            amplitude,
+            wavelength,
+            waves,
+        } => [amplitude, wavelength, waves].iter().all(|x| x.is_finite()) && waves <= MOST_WAVES,
+        Pattern::Drawn { .. } => true,
+    };
+    is_known.then_some(pattern)
+}
+
+/// Reports keys that say nothing of a pattern of this kind.
+fn refuse_keys_of_others(section: &Section<'_>, typed: &typed::Pattern, kind: PatternKind) {
+    use PatternKind::{Circle, Drawn, Line, Sine};
+    for (key, is_there, of) in [
+        ("file", typed.file.is_some(), Drawn),
+        ("points", typed.points.is_some(), Drawn),
+        ("size", typed.size.is_some(), Drawn),
+        ("stroke", typed.stroke.is_some(), Drawn),
+        ("reverse", typed.reverse.is_some(), Drawn),
+        ("deviation", typed.deviation.is_some(), Drawn),
+        ("length", typed.length.is_some(), Line),
+        ("radius", typed.radius.is_some(), Circle),
+        ("amplitude", typed.amplitude.is_some(), Sine),
+        ("wavelength", typed.wavelength.is_some(), Sine),
+        ("waves", typed.waves.is_some(), Sine),
+    ] {
+        if is_there && of != kind {
+            let kinds = [
+                (Drawn, "drawn"),
+                (Line, "line"),
+                (Circle, "circle"),
+                (Sine, "sine"),
+            ];
+            let name = kinds.iter().find(|(kind, _)| *kind == of);
+            let name = name.map_or("", |(_, name)| name);
+            section.fault(key, format!("this key is for patterns of kind \"{name}\""));
+        }
+    }
+}
+
+fn drawn(request: &Request<'_>, section: &Section<'_>, typed: &typed::Pattern) -> Option<Pattern> {
+    let deviation = section.with_default("deviation", &typed.deviation, POSITIVE, DEVIATION);
+    let drawing = Drawing {
+        size: section.optional("size", &typed.size, POSITIVE),
+        reverse: typed.reverse.unwrap_or(false),
+    };
+    let stroke = match typed.stroke {
+        Some(_) => Some(section.count("stroke", typed.stroke, 1..=usize::MAX)?),
+        None => None,
+    };
+    let (key, points) = match (&typed.file, &typed.points) {
+        (Some(file), None) => {
+            let path = request.path_of(&section.path.key("file"), file);
+            ("file", read(&path, stroke))
+        }
+        (None, Some(points)) => {
+            let below = section.below("points");
+            let points = points.iter().enumerate().map(|(index, point)| {
+                let [x, y] = below.components(&index.to_string(), point);
+                Point::new(x, y)
+            });
+            ("points", Ok(points.collect()))
+        }
+        (Some(_), Some(_)) => {
+            section.fault("points", "give `file` or `points`, not both");
+            return None;
+        }
+        (None, None) => {
+            section.missing("file", "an SVG or CSV file, or the `points` themselves");
+            return None;
+        }
+    };
+    let points = points.and_then(|points: Vec<Point>| {
+        let placed = drawing.of(points);
+        placed.map_err(|error| error.to_string())
+    });
+    match points {
+        Ok(points)
+            if points
+                .iter()
+                .all(|point| point.x.is_finite() && point.y.is_finite()) =>
+        {
+            Some(Pattern::Drawn {
+                points: points.iter().map(|point| [point.x, point.y]).collect(),
+                deviation,
+            })
+        }
+        Ok(_) => None,
+        Err(message) => {
+            section.fault(key, message);
+            None
+        }
+    }
+}
+
+/// The points of an SVG or CSV file.
+fn read(path: &Path, stroke: Option<usize>) -> Result<Vec<Point>, String> {
+    let place = path.display();
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    if extension == "svg" {
+        let text = String::from_utf8(read_text_file(path)?)
+            .map_err(|_| format!("{place} is no text in UTF-8"))?;
+        let points = read_svg(&text).and_then(|strokes| chosen_stroke(strokes, stroke));
+        return points.map_err(|error| format!("{place}: {error}"));
+    }
+    if extension != "csv" {
+        return Err(format!("{place}: an .svg or a .csv file is needed"));
+    }
+    if stroke.is_some() {
+        return Err(format!("{place} has no strokes; leave `stroke` out"));
+    }
+    let rows = read_columns(path, ["x", "y"])?;
+    Ok(rows
+        .into_iter()
+        .map(|(_, [x, y])| Point::new(x, y))
+        .collect())
+}

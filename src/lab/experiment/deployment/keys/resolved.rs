@@ -1,0 +1,289 @@
+//! Deployments as resolved.
+
+use rodlab_planning::plan::deployment::DeployedRod;
+use rodlab_planning::plan::pattern::{
+    Circle, Line, Pattern as Curve, PatternError, PatternSource, Point, Sine,
+};
+use rodlab_planning::plan::tying::{Handling, Pass, laid_length};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A rod that a gripper lays on a table along a pattern.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Deployment {
+    /// How the gripper leads the rod.
+    pub scheme: Scheme,
+    /// Who finds the optimal grasps.
+    pub solver: Solver,
+    /// Length of the lead-in, m.
+    pub lead_in: f64,
+    /// Relative error of the gravito-bending length that is planned for.
+    pub length_error: f64,
+    /// Displacement of the frame that is planned for, m.
+    pub frame_shift: [f64; 2],
+    /// Turn of that frame about the first point of the pattern, rad.
+    pub frame_turn: f64,
+    /// Root mean square of the gripper's displacement in each direction, m.
+    pub jitter: f64,
+    /// Root mean square of its turn about each axis, rad.
+    pub jitter_angle: f64,
+    /// Period of the fastest jitter, s.
+    pub jitter_period: f64,
+    /// Seed of the jitter, and of the noise of observations.
+    pub seed: u64,
+    /// How the path is corrected while the rod is laid, if it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correction: Option<Correction>,
+    /// How long before the end of the run the gripper lets go, s; never without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub release: Option<f64>,
+    /// Posts on the table; those of clips among them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pegs: Vec<Peg>,
+    /// The knot that is tied, if one is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub knot: Option<Knot>,
+    /// The curve that the rod is to follow.
+    pub pattern: Pattern,
+    /// The rod.
+    pub rod: Rod,
+    /// A rod that is laid after it, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second: Option<Second>,
+}
+
+/// The second rod of a deployment.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Second {
+    /// How its gripper leads it.
+    pub scheme: Scheme,
+    /// Length of its lead-in, m.
+    pub lead_in: f64,
+    /// The curve that it is to follow.
+    pub pattern: Pattern,
+    /// The rod.
+    pub rod: Rod,
+}
+
+/// Correction of the gripper's path from where the rod is seen to lie.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Correction {
+    /// Length that is laid between two corrections, m.
+    pub every: f64,
+    /// Length over which the rod returns to the pattern, m.
+    pub return_length: f64,
+    /// Root mean square, in each direction, by which places of the lying rod are seen wrongly, m.
+    pub noise: f64,
+}
+
+/// A knot that is tied along the pattern.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Knot {
+    /// How the rod passes the crossings when it comes to them again.
+    pub crossings: Vec<Pass>,
+    /// Height to which strands are lifted, m.
+    pub lift: f64,
+    /// Speed at which the end is led, m/s.
+    pub speed: f64,
+    /// How far from where a strand should lie it is found, m.
+    pub reach: f64,
+}
+
+/// A post on the table: a cylinder with a round top.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Peg {
+    /// Where its axis stands, m.
+    pub position: [f64; 2],
+    /// Its radius, m.
+    pub radius: f64,
+    /// Height of its top, m.
+    pub height: f64,
+}
+
+/// How the gripper leads the rod.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Scheme {
+    /// By the optimal grasp of each point.
+    Optimal,
+    /// Upright above the contact node.
+    Intuitive,
+}
+
+/// Who finds the optimal grasps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Solver {
+    /// The equations of the suspended rod.
+    Exact,
+    /// The network of the program; the equations where it has not learned them.
+    Neural,
+}
+
+/// What a laid rod is to follow, m.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Pattern {
+    /// Points of a drawing.
+    Drawn {
+        /// The points.
+        points: Vec<[f64; 2]>,
+        /// How far the smooth curve may be from them.
+        deviation: f64,
+    },
+    /// A straight line along x.
+    Line {
+        /// Its length.
+        length: f64,
+    },
+    /// A circle.
+    Circle {
+        /// Its radius; negative, it turns to the right.
+        radius: f64,
+    },
+    /// A sine.
+    Sine {
+        /// Its amplitude.
+        amplitude: f64,
+        /// Its wavelength.
+        wavelength: f64,
+        /// The number of waves.
+        waves: f64,
+    },
+}
+
+/// The rod that is laid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Rod {
+    /// L_gb, m.
+    pub gravito_bending_length: f64,
+    /// Radius, m.
+    pub radius: f64,
+    /// Length, m.
+    pub length: f64,
+    /// Mass per volume, kg/m³.
+    pub density: f64,
+    /// Edges of the simulated rod.
+    pub edges: usize,
+}
+
+impl From<Solver> for rodlab_planning::plan::deployment::OptimalGrasps<'static> {
+    fn from(solver: Solver) -> Self {
+        match solver {
+            Solver::Exact => Self::Exact,
+            Solver::Neural => Self::Neural(rodlab_planning::plan::grasp::NeuralGrasps::built_in()),
+        }
+    }
+}
+
+impl From<Scheme> for rodlab_planning::plan::deployment::Scheme {
+    fn from(scheme: Scheme) -> Self {
+        match scheme {
+            Scheme::Optimal => Self::Optimal,
+            Scheme::Intuitive => Self::Intuitive,
+        }
+    }
+}
+
+impl Pattern {
+    /// The same for those who plan.
+    pub fn source(&self) -> PatternSource {
+        match *self {
+            Self::Drawn {
+                ref points,
+                deviation,
+            } => PatternSource::Drawn {
+                points: points.iter().map(|[x, y]| Point::new(*x, *y)).collect(),
+                deviation,
+            },
+            Self::Line { length } => PatternSource::Line(Line { length }),
+            Self::Circle { radius } => PatternSource::Circle(Circle { radius }),
+            Self::Sine {
+                amplitude,
+                wavelength,
+                waves,
+            } => PatternSource::Sine(Sine {
+                amplitude,
+                wavelength,
+                waves,
+            }),
+        }
+    }
+}
+
+impl Rod {
+    /// What planning needs of it.
+    pub fn deployed(&self) -> DeployedRod {
+        DeployedRod {
+            gravito_bending_length: self.gravito_bending_length,
+            radius: self.radius,
+            length: self.length,
+        }
+    }
+}
+
+impl Knot {
+    /// The same for those who plan.
+    pub fn handling(&self) -> Handling {
+        Handling {
+            lift: self.lift,
+            speed: self.speed,
+        }
+    }
+}
+
+/// Between the seeds of two grippers.
+const OTHER_GRIPPER: u64 = 1 << 32;
+
+impl Deployment {
+    /// Deployments of one rod each, in the order in which they are laid, with the jitter of their grippers.
+    pub fn layings(&self) -> Vec<Self> {
+        let first = Self {
+            second: None,
+            ..self.clone()
+        };
+        let second = self.second.clone().map(|second| Self {
+            scheme: second.scheme,
+            lead_in: second.lead_in,
+            pattern: second.pattern,
+            rod: second.rod,
+            ..first.by_another_gripper()
+        });
+        std::iter::once(first).chain(second).collect()
+    }
+
+    /// The same with the jitter of another gripper.
+    pub fn by_another_gripper(&self) -> Self {
+        Self {
+            seed: self.seed.wrapping_add(OTHER_GRIPPER),
+            ..self.clone()
+        }
+    }
+
+    /// The rods in the order in which they are laid.
+    pub fn rods(&self) -> impl Iterator<Item = &Rod> {
+        std::iter::once(&self.rod).chain(self.second.iter().map(|second| &second.rod))
+    }
+
+    /// The pattern with its lead-in, all of it.
+    ///
+    /// # Errors
+    /// It is none.
+    pub fn whole_pattern(&self) -> Result<Curve, PatternError> {
+        Ok(self.pattern.source().pattern()?.with_lead_in(self.lead_in))
+    }
+
+    /// The part of it along which the rod is laid: all, unless its rest is the path of the rod's end.
+    ///
+    /// # Errors
+    /// It is none.
+    pub fn laid_pattern(&self) -> Result<Curve, PatternError> {
+        let whole = self.whole_pattern()?;
+        Ok(match self.knot {
+            Some(_) => whole.shortened(laid_length(&self.rod.deployed())),
+            None => whole,
+        })
+    }
+}

@@ -1,0 +1,89 @@
+//! What the planner of a gripper's path believes, and why there may be no path.
+
+use super::keys::Deployment;
+use nalgebra::{Matrix2, Vector2};
+use rodlab_planning::plan::deployment::{DeployedRod, DeploymentError, MOST_POSES};
+use rodlab_planning::plan::pattern::{PatternError, PatternPoint, Point};
+use rodlab_planning::plan::tying::TyingError;
+use serde::{Deserialize, Serialize};
+
+/// Why there is no path.
+#[derive(Debug, thiserror::Error)]
+pub enum PathError {
+    /// The pattern is none.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
+    /// It cannot be laid.
+    #[error(transparent)]
+    Deployment(#[from] DeploymentError),
+    /// No knot can be tied along it.
+    #[error(transparent)]
+    Tying(#[from] TyingError),
+    /// There is no time left.
+    #[error(
+        "tying takes {tying_s:.1} s when the rod is laid, and there are {end_s:?} s for all: `time.end` must be later"
+    )]
+    NoTime {
+        /// Time of tying, s.
+        tying_s: f64,
+        /// Time of all, s.
+        end_s: f64,
+    },
+    /// There is none for the second rod to be brought.
+    #[error(
+        "the second rod is brought within {brought_s} s when the first one lies, and there are {end_s:.1} s for laying both: `time.end` must \
+         be later"
+    )]
+    NoTimeForSecond {
+        /// Time of bringing, s.
+        brought_s: f64,
+        /// Time until both are laid, s.
+        end_s: f64,
+    },
+    /// It takes too many poses.
+    #[error("its gripper would need {0:.1e} poses; allowed: {MOST_POSES:.0e}")]
+    TooManyPoses(f64),
+}
+
+/// What the planner believes: the rod, and where the pattern lies.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Planned {
+    /// The rod.
+    pub rod: DeployedRod,
+    pivot: Vector2<f64>,
+    shift: Vector2<f64>,
+    turn: f64,
+}
+
+impl Planned {
+    /// What a deployment of one rod lets it believe of the rod and of a frame; `pivot` is the first point of the first pattern, m.
+    pub fn new(deployment: &Deployment, pivot: Point) -> Self {
+        let rod = deployment.rod.deployed();
+        Self {
+            rod: DeployedRod {
+                gravito_bending_length: rod.gravito_bending_length
+                    * (1.0 + deployment.length_error),
+                ..rod
+            },
+            pivot,
+            shift: deployment.frame_shift.into(),
+            turn: deployment.frame_turn,
+        }
+    }
+
+    /// Where the planner sees a place, m.
+    pub fn place(&self, place: Point) -> Point {
+        let (sine, cosine) = libm::sincos(self.turn);
+        let turned = Matrix2::new(cosine, -sine, sine, cosine);
+        self.pivot + turned * (place - self.pivot) + self.shift
+    }
+
+    /// Where the planner sees points of the pattern.
+    pub fn seen(&self, mut points: Vec<PatternPoint>) -> Vec<PatternPoint> {
+        for point in &mut points {
+            point.position = self.place(point.position);
+            point.angle += self.turn;
+        }
+        points
+    }
+}

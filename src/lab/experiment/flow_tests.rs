@@ -1,0 +1,164 @@
+//! Walls of the flow from scenario files: which plane it is, what is refused, and what is reported as left out.
+
+use super::{derived_numbers, from_text, prepare};
+use crate::run::{PreparedRun, RunOptions, run_until};
+use rodlab_engine::mechanics::dynamics::Simulation;
+use std::path::Path;
+
+/// A filament three radii over the plane z = 0, pulled along itself.
+const GLIDING: &str = r#"
+    experiment = "scene"
+    material = { youngs_modulus = "1 GPa", poissons_ratio = 0.5, density = 1000.0 }
+    time = { scheme = "implicit-euler", step = "10 us", end = "1 ms" }
+    [[rods]]
+    name = "f"
+    radius = "0.1 mm"
+    edges = 20
+    shape = { kind = "straight", start = [0, 0, "0.3 mm"], end = ["20 mm", 0, "0.3 mm"] }
+    [[loads]]
+    kind = "distributed"
+    force_per_length = ["1e-3 N/m", 0, 0]
+"#;
+const FLUID: &str = "[fluid]\nmodel = \"rss\"\nviscosity = \"1 Pa s\"\n";
+
+fn prepared(rest: &str) -> Result<PreparedRun, String> {
+    let text = format!("{GLIDING}{rest}");
+    let loaded = from_text("flow", &text, Path::new(""), &[]).map_err(|error| error.to_string())?;
+    prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).to_string())
+}
+
+fn simulation(rest: &str) -> Result<Simulation, String> {
+    let prepared = prepared(rest)?;
+    Simulation::new(&prepared.scene, &prepared.integration).map_err(|error| error.to_string())
+}
+
+/// Speed of the filament after a millisecond.
+fn speed(rest: &str) -> f64 {
+    let mut simulation = simulation(rest).unwrap();
+    for _ in 0..100 {
+        simulation.advance(f64::INFINITY).unwrap();
+    }
+    simulation.velocities()[10].x
+}
+
+fn remarks(rest: &str) -> Vec<String> {
+    let directory = tempfile::tempdir().unwrap();
+    let options = RunOptions {
+        progress: false,
+        ..RunOptions::new(directory.path())
+    };
+    let outcome = run_until(&prepared(rest).unwrap(), &options, &|| None).unwrap();
+    outcome.case.remarks
+}
+
+#[test]
+fn a_plane_beside_a_fluid_slows_a_filament_that_glides_along_it() {
+    // By a dense solution with images: 2.729e-4 over 7.615e-4 m/s.
+    let free = speed(FLUID);
+    for plane in [
+        "[[planes]]\n",
+        "[[planes]]\nwall = true\n",
+        "[[planes]]\n[[planes]]\npoint = [0, 0, -1]\nwall = false\n",
+        "[[planes]]\n[contact]\n",
+    ] {
+        let near = speed(&format!("{FLUID}{plane}"));
+        assert!((near / free - 0.358).abs() < 0.01, "{plane}: {near} {free}");
+    }
+    let ignored = speed(&format!("{FLUID}[[planes]]\nwall = false\n"));
+    assert!((ignored / free - 1.0).abs() < 1e-12, "{ignored} {free}");
+}
+
+#[test]
+fn faults_of_walls_name_the_plane_and_what_is_allowed() {
+    let two = "[[planes]]\n[[planes]]\npoint = [0, 0, 1]\nnormal = [0, 0, -1]\n";
+    let resistive = "[fluid]\nmodel = \"resistive\"\nviscosity = 1\n[[planes]]\nwall = true\n";
+    let cases = [
+        (format!("{FLUID}{two}"), "`planes.1.wall`", "wall = false"),
+        (resistive.to_owned(), "`planes.0.wall`", "\"rss\""),
+        (
+            "[[planes]]\nwall = true\n".to_owned(),
+            "`planes.0.wall`",
+            "\"rss\"",
+        ),
+    ];
+    for (rest, key, advice) in cases {
+        let fault = prepared(&rest).unwrap_err();
+        assert!(fault.contains(key) && fault.contains(advice), "{fault}");
+    }
+    let behind = format!("{FLUID}[[planes]]\npoint = [0, 0, 1]\n");
+    let fault = simulation(&behind).err().expect("a rod behind the wall");
+    assert!(fault.contains("`f`") && fault.contains("behind"), "{fault}");
+}
+
+#[test]
+fn what_the_flow_leaves_out_is_remarked_and_checked() {
+    let ball = "[[obstacles]]\nname = \"ball\"\nshape = { kind = \"sphere\", centre = [0, 0, 1], radius = 0.1 }\n[contact]\n";
+    let resistive = FLUID.replace("rss", "resistive");
+    let cases = [
+        (format!("{FLUID}{ball}"), "obstacle `ball`"),
+        (format!("{resistive}{ball}"), "obstacle `ball`"),
+        (format!("{resistive}[[planes]]\n"), "plane 0"),
+    ];
+    for (rest, what) in cases {
+        let found = remarks(&rest);
+        let is_told = |text: &String| text.contains(what) && text.contains("not part of the flow");
+        assert!(found.iter().any(is_told), "{found:?}");
+        let numbers = derived_numbers(&prepared(&rest).unwrap());
+        assert!(numbers.warnings.iter().any(is_told), "{numbers}");
+        assert!(numbers.to_string().contains(what), "{numbers}");
+    }
+    for rest in [
+        FLUID.to_owned(),
+        format!("{FLUID}[[planes]]\n"),
+        format!("{resistive}[[planes]]\nwall = false\n"),
+    ] {
+        assert!(remarks(&rest).is_empty(), "{rest}");
+    }
+    let numbers = derived_numbers(&prepared(&format!("{FLUID}[[planes]]\n")).unwrap());
+    assert!(numbers.to_string().contains("no-slip wall"), "{numbers}");
+}
+
+#[test]
+fn a_rod_nearer_to_the_wall_than_its_radius_is_remarked() {
+    let low = format!("{FLUID}[[planes]]\npoint = [0, 0, \"0.15 mm\"]\n");
+    let found = remarks(&low);
+    assert!(
+        found.len() == 1 && found[0].contains("0.500 radii") && found[0].contains("lubrication"),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_rod_that_stands_on_the_wall_moves_as_if_set_into_it() {
+    let standing = |depth: &str| {
+        let text = format!(
+            r#"
+            experiment = "scene"
+            material = {{ youngs_modulus = "10 kPa", poissons_ratio = 0.5, density = 1000.0 }}
+            time = {{ scheme = "implicit-euler", step = "1 ms", end = "1 s" }}
+            [[rods]]
+            name = "cilium"
+            radius = "0.1 mm"
+            edges = 20
+            shape = {{ kind = "straight", start = [0, 0, "{depth}"], end = [0, 0, "10 mm"] }}
+            [[clamps]]
+            rod = "cilium"
+            at = "start"
+            [[planes]]
+            [[loads]]
+            kind = "distributed"
+            force_per_length = ["1e-4 N/m", 0, 0]
+            {FLUID}"#
+        );
+        let loaded = from_text("cilium", &text, Path::new(""), &[]).unwrap();
+        let prepared = prepare(&loaded.scenario).unwrap();
+        let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();
+        for _ in 0..20 {
+            simulation.advance(f64::INFINITY).unwrap();
+        }
+        assert_eq!(simulation.fluid_forces()[0].norm(), 0.0);
+        simulation.positions()[20].x
+    };
+    let (on, into) = (standing("0 mm"), standing("-0.02 mm"));
+    assert!(on > 1e-7 && (into / on - 1.0).abs() < 0.02, "{on} {into}");
+}

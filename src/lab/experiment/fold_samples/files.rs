@@ -1,0 +1,38 @@
+//! What samples of folds leave in a results directory, in words.
+
+use rodlab_files::columns;
+use rodlab_files::results::{Column, FileDescription, always, file, table};
+
+/// The folds, a row per place.
+pub const SAMPLES: &str = "samples.csv";
+
+/// The same as a figure.
+pub const SAMPLES_FIGURE: &str = "samples.svg";
+
+/// The files of this experiment.
+pub static FILES: [FileDescription; 2] = [
+    table(
+        &[SAMPLES],
+        "Folds of a sheet that is held at its edge without a moment (experiment \"fold-samples\"), a row per place of the gripper. \
+     Lengths are in gravito-bending lengths L_gb, forces in EI/L_gb².",
+        &[always(SAMPLE_COLUMNS)],
+    ),
+    file(
+        &[SAMPLES_FIGURE, "samples.png"],
+        "Where the gripper is in samples.csv, with the workspace and the penalty region.",
+    ),
+];
+
+const SAMPLE_COLUMNS: &[Column] = columns! {
+    "x": "x̄: how far the edge has moved towards the sheet.",
+    "z": "z̄: its height above the table.",
+    "outcome": "found, or out_of_reach: then the rest of the row is empty.",
+    "lambda": "λ = |H|/|V| at the touchdown point.",
+    "alpha": "α, in rad: by how much the edge is turned.",
+    "suspended_length": "l̄_s, the suspended length.",
+    "force_inclination": "arctan(H/|V|), in rad: positive where the sheet is pulled, negative where it is pushed. λ is the size of its \
+     tangent; a network learns it more easily than λ, which has a kink at 0 and is large where the sheet is short or taut.",
+    "horizontal_force": "H, which the suspended part exerts on the lying one.",
+    "vertical_force": "V, likewise; negative: it presses on the table.",
+    "penalty": "Whether the suspended length is below fold_samples.least_suspended_length.",
+};

@@ -1,0 +1,52 @@
+//! The scene that stands for all samples: a sheet as it hangs from the gripper.
+
+use super::keys::FoldSamples;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
+};
+use rodlab_planning::plan::fold::FoldAtlas;
+
+/// Edges of the sheet.
+const EDGES: usize = 50;
+/// Radius of the rod that stands for it, L_gb: it is there to be seen.
+const RADIUS: f64 = 0.02;
+/// Stiffness against stretching of a sheet that hardly stretches.
+const STIFFEST: f64 = 1e6;
+
+/// The longest sheet that is lifted without a push, between touchdown point and gripper: EI = 1 and weight 1/2 per length, where
+/// L_gb = 1. None where it cannot be lifted.
+pub fn lifted_sheet(plan: &FoldSamples) -> Option<Scene> {
+    let length = plan.suspended_length.to;
+    let fold = *FoldAtlas::lift(length, EDGES).last()?;
+    let place = |[x, z]: [f64; 2]| Vector3::new(x, 0.0, z);
+    let centreline = fold.shape(EDGES).into_iter().map(place).collect();
+    let flat = (0..=EDGES).map(|node| Vector3::x() * (length * (1.0 - node as f64 / EDGES as f64)));
+    let stiffness = Stiffness {
+        stretching: STIFFEST,
+        bending: [1.0; 2],
+        twisting: 1.0,
+    };
+    let sheet = RodDescription {
+        natural_shape: NaturalShape::Centreline(flat.collect()),
+        ..RodDescription::uniform("sheet", centreline, stiffness, RADIUS, 0.5)
+    };
+    let clamp = |node, holds_frame| Clamp {
+        rod: 0,
+        node,
+        holds_position: true,
+        holds_frame,
+        motion: Motion::default(),
+    };
+    Some(Scene {
+        rods: vec![sheet],
+        clamps: vec![clamp(0, true), clamp(EDGES, false)],
+        loads: vec![Load {
+            kind: LoadKind::Gravity {
+                acceleration: -Vector3::z(),
+            },
+            schedule: Vec::new(),
+        }],
+        ..Scene::default()
+    })
+}

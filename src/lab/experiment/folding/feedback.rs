@@ -1,0 +1,119 @@
+//! Visual feedback: the rest of the path is planned anew from how far the sheet is seen to have slid.
+
+use super::gripper_path::GripperPath;
+use super::keys::{Feedback, Folding};
+use crate::run::Controller;
+use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
+use rodlab_engine::mechanics::random::uniform_numbers;
+use rodlab_planning::plan::fold::{Algorithm, FoldPlanner, FoldPose, Sheet};
+use serde::{Deserialize, Serialize};
+
+/// How far the gripper lifts the edge where it gives up, in L_gb.
+const RISE: f64 = 0.5;
+
+/// Looks at the sheet after each part of the path but the last, and plans the next part anew (thesis Algorithm 5): on the sheet,
+/// which has slid by Δx, the gripper is at x_i − Δx, and goes on to where it was to go, x_{i+1}.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct VisualFeedback {
+    keys: Feedback,
+    seed: u64,
+    path: GripperPath,
+    /// Where parts end: times, s, and poses as planned at first.
+    ends: Vec<(f64, FoldPose)>,
+    /// Which of them comes next.
+    next: usize,
+    /// Clamp of the gripper, and x of the free end at first, m.
+    clamp: usize,
+    free_end: f64,
+    /// What plans, and what it is made of.
+    sheet: Sheet,
+    algorithm: Algorithm,
+}
+
+impl VisualFeedback {
+    /// For a path on a table of friction μ, of the gripper that is a clamp of the scene.
+    pub fn new(
+        folding: &Folding,
+        keys: Feedback,
+        path: &GripperPath,
+        clamp: usize,
+        friction: f64,
+    ) -> Self {
+        let last = path.times.len() - 1;
+        let ends = (1..=keys.parts).map(|part| {
+            let time = path.times[last] * part as f64 / keys.parts as f64;
+            let index = path.times.partition_point(|known| *known < time);
+            let index = index.min(last);
+            (path.times[index], path.poses[index])
+        });
+        Self {
+            keys,
+            seed: folding.seed,
+            ends: ends.collect(),
+            path: path.clone(),
+            next: 0,
+            clamp,
+            free_end: folding.sheet().length,
+            sheet: folding.believed().dimensionless(),
+            algorithm: folding.algorithm.on(friction),
+        }
+    }
+
+    /// How far the sheet seems to have slid, m.
+    fn look(&self, simulation: &Simulation) -> f64 {
+        let mut number =
+            uniform_numbers(self.seed ^ (self.next as u64 + 1).wrapping_mul(0x9e37_79b9));
+        // Evenly distributed, of variance 1.
+        let noise = 12f64.sqrt() * (number() - 0.5);
+        simulation.positions()[0].x - self.free_end + self.keys.noise * noise
+    }
+
+    /// The part from an end on, planned anew; the gripper lifts the edge where there is no way.
+    fn plan(&mut self, end: usize, slid: f64) {
+        let planner = FoldPlanner::shared(self.sheet, self.algorithm);
+        let index_of = |time: f64| {
+            let index = self.path.times.partition_point(|known| *known < time);
+            index.min(self.path.times.len() - 1)
+        };
+        let [from, to] = [end, end + 1].map(|end| index_of(self.ends[end].0));
+        let farther = (slid - self.path.slid[from]) / self.path.unit;
+        match planner.next_part(self.path.poses[from], farther, self.ends[end + 1].1) {
+            Ok(poses) => {
+                // The first is the same place, seen from a sheet that has slid.
+                self.path.poses[from] = poses[0];
+                self.path.slid[from] = slid;
+                self.path.replace([from, to], &poses, slid);
+            }
+            Err(_) => {
+                self.path.lift_from(from, RISE * self.path.unit);
+                self.next = self.ends.len();
+            }
+        }
+    }
+}
+
+impl Controller for VisualFeedback {
+    fn name(&self) -> &str {
+        "visual feedback"
+    }
+
+    fn act(&mut self, simulation: &mut Simulation) -> Result<(), SimulationError> {
+        // After the last part there is nothing to plan.
+        if self.next + 1 >= self.ends.len()
+            || simulation.time() < self.ends[self.next].0 * (1.0 - 1e-12)
+        {
+            return Ok(());
+        }
+        let end = self.next;
+        let slid = self.look(simulation);
+        self.next += 1;
+        self.plan(end, slid);
+        simulation.move_clamp(self.clamp, self.path.motion());
+        Ok(())
+    }
+
+    fn next_time(&self) -> f64 {
+        let ends = &self.ends[..self.ends.len() - 1];
+        ends.get(self.next).map_or(f64::INFINITY, |(time, _)| *time)
+    }
+}

@@ -1,0 +1,45 @@
+//! What a fold leaves in a results directory, in words.
+
+use rodlab_files::columns;
+use rodlab_files::results::{Column, ColumnGroup, FileDescription, file, table};
+
+/// Name of the figure of a folded sheet.
+pub const FOLDED_FIGURE: &str = "folding.svg";
+
+/// Columns of a fold in the common files, and its figure.
+pub static FILES: [FileDescription; 3] = [
+    table(
+        &["series.csv"],
+        "The sheet at each output time.",
+        &[folded(SERIES)],
+    ),
+    table(&["summary.csv"], "What a fold came to.", &[folded(SUMMARY)]),
+    file(
+        &["folding.svg", "folding.png"],
+        "The sheet from the side while it is folded, and the way of the gripper. By `rodlab plot`.",
+    ),
+];
+
+const fn folded(columns: &'static [Column]) -> ColumnGroup {
+    ColumnGroup {
+        when: "where a sheet is folded",
+        columns,
+    }
+}
+
+const SERIES: &[Column] = columns! {
+    "sliding_m": "How far the free end of the sheet has come from where it lay, in the direction in which the edge goes, m.",
+    "gripper_x_m": "How far the edge has gone in that direction, m.",
+    "gripper_z_m": "Height of the edge, m.",
+    "gripper_force_n": "Force of the gripper on the whole sheet, N.",
+};
+
+const SUMMARY: &[Column] = columns! {
+    "largest_sliding_m": "Farthest that the free end of the sheet has come from where it lay, m.",
+    "final_sliding_m": "How far it is from there at the end, in the direction in which the edge goes, m.",
+    "fold_length_m": "Length of the sheet from its edge to a crease that is pressed half a crease target back from where the edge is, \
+        m; empty where the edge is not down, or no sheet lies below it.",
+    "fold_length_error_m": "What that is more than half the crease target, m: the error of the fold.",
+    "largest_gripper_force_n": "Largest force of the gripper on the whole sheet, N.",
+    "largest_speed_m_s": "Largest speed of a node of the sheet, m/s; far above that of the gripper where the sheet snaps.",
+};

@@ -1,0 +1,193 @@
+//! The path of the gripper, with the errors that it is given: made before the run, followed during it.
+
+use super::keys::Folding;
+use crate::experiment::prepare::Jitter;
+use rodlab_engine::mechanics::scene::Motion;
+use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
+use rodlab_planning::plan::fold::{FoldError, FoldPlanner, FoldPose};
+use serde::{Deserialize, Serialize};
+
+/// Parts of the time of a run in which the gripper rests, before the fold and after it.
+const REST: f64 = 0.03;
+
+/// Where the gripper is when.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GripperPath {
+    /// Times of the poses, s; the first is 0.
+    pub times: Vec<f64>,
+    /// The poses, in L_gb, from where the edge of the sheet would lie if it were flat.
+    pub poses: Vec<FoldPose>,
+    /// How far the sheet is believed to have slid, m, by pose.
+    pub slid: Vec<f64>,
+    /// Displacements along x and z (m) and turn (rad) that nobody knows of.
+    jitter: Vec<[f64; 3]>,
+    /// L_gb as it is believed to be, m.
+    pub unit: f64,
+    /// Where the edge goes, m.
+    target: f64,
+    /// Height of the middle of a lying sheet, and what a second layer adds, m.
+    pub height: f64,
+    layer: f64,
+}
+
+impl GripperPath {
+    /// The path of a fold that ends with a run of `end`, s; poses lie at whole numbers of steps where steps have a size, s. `gap` is the
+    /// distance of layers that rest on each other, m.
+    ///
+    /// # Errors
+    /// The target cannot be reached.
+    pub fn new(
+        folding: &Folding,
+        planner: &FoldPlanner,
+        gap: f64,
+        end: f64,
+        step: Option<f64>,
+    ) -> Result<Self, FoldError> {
+        let unit = folding.believed().gravito_bending_length;
+        let target = folding.target();
+        let flat = FoldPose::FLAT;
+        let mut poses = vec![flat; 2];
+        let planned = planner.poses(target / unit)?.into_iter();
+        poses.extend(planned.filter(|pose| *pose != flat));
+        let last = poses[poses.len() - 1];
+        let begin = REST * end;
+        let moved = &poses[1..];
+        let mut times = vec![0.0];
+        times.extend(timed(moved, [begin, end - begin]));
+        poses.push(last);
+        times.push(end);
+        if let Some(step) = step {
+            for time in &mut times {
+                *time = step * (*time / step).round();
+            }
+        }
+        // Poses that come to lie in one step are one.
+        let mut kept: Vec<usize> = vec![0];
+        for index in 1..times.len() {
+            if times[index] > times[kept[kept.len() - 1]] {
+                kept.push(index);
+            }
+        }
+        let times: Vec<f64> = kept.iter().map(|index| times[*index]).collect();
+        let trembling = Jitter::new(
+            [folding.jitter, folding.jitter_angle],
+            folding.jitter_period,
+            folding.seed,
+        );
+        let jitter = times.iter().map(|time| {
+            let (way, turn) = trembling.at(*time);
+            [way.x, way.z, turn.y]
+        });
+        Ok(Self {
+            jitter: jitter.collect(),
+            poses: kept.iter().map(|index| poses[*index]).collect(),
+            slid: vec![0.0; times.len()],
+            times,
+            unit,
+            target,
+            height: 0.5 * folding.paper.thickness + gap,
+            layer: folding.paper.thickness + 2.0 * gap,
+        })
+    }
+
+    /// Place and turn of the gripper at a pose, as it is planned: from the flat sheet, about y.
+    fn pose(&self, index: usize) -> (Vector3, f64) {
+        let FoldPose { gripper, angle } = self.poses[index];
+        let [x, z] = gripper.map(|value| self.unit * value);
+        let place = Vector3::new(x + self.slid[index], 0.0, z + self.lowest(x));
+        (place, angle)
+    }
+
+    /// Height of an edge that lies on the table where it lay, and on the sheet where it goes, m; in between it goes over from the one to the
+    /// other.
+    fn lowest(&self, x: f64) -> f64 {
+        self.height + self.layer * (x / self.target).clamp(0.0, 1.0)
+    }
+
+    /// The motion of the edge.
+    pub fn motion(&self) -> Motion {
+        let (start, _) = self.pose(0);
+        let places = (0..self.times.len()).map(|index| {
+            let (mut place, angle) = self.pose(index);
+            let [x, z, turn] = self.jitter[index];
+            // What lies under the gripper stops it.
+            let lowest = self.lowest(place.x);
+            place += Vector3::new(x, 0.0, z);
+            place.z = place.z.max(lowest);
+            (self.times[index], place - start, turned(angle + turn))
+        });
+        let places: Vec<_> = places.collect();
+        Motion {
+            translation: places
+                .iter()
+                .map(|(time, place, _)| (*time, *place))
+                .collect(),
+            orientation: places
+                .iter()
+                .map(|(time, _, turn)| (*time, *turn))
+                .collect(),
+            pivot: Some(start),
+            ..Motion::default()
+        }
+    }
+
+    /// Largest speed of the gripper as it is planned, m/s.
+    pub fn largest_speed(&self) -> f64 {
+        let speeds = (1..self.times.len()).map(|index| {
+            let way = self.pose(index).0 - self.pose(index - 1).0;
+            way.norm() / (self.times[index] - self.times[index - 1])
+        });
+        speeds.fold(0.0, f64::max)
+    }
+
+    /// Puts other poses in the place of those after `from` and up to `to`, in the same time, of a sheet that has slid by `slid`, m; what
+    /// comes later stays as it was planned, on the sheet.
+    pub fn replace(&mut self, [from, to]: [usize; 2], poses: &[FoldPose], slid: f64) {
+        let ends = [self.times[from], self.times[to]];
+        let times = timed(poses, ends);
+        let jitter: Vec<[f64; 3]> = times.iter().map(|time| self.jitter_at(*time)).collect();
+        let begin = from + 1;
+        self.poses.splice(begin..=to, poses[1..].iter().copied());
+        self.times.splice(begin..=to, times[1..].iter().copied());
+        self.jitter.splice(begin..=to, jitter[1..].iter().copied());
+        self.slid.truncate(begin);
+        self.slid.resize(self.times.len(), slid);
+    }
+
+    /// Ends the path: from a pose on the gripper rises by a height, m, and stays there.
+    pub fn lift_from(&mut self, from: usize, height: f64) {
+        let end = self.times.len() - 1;
+        let mut pose = self.poses[from];
+        pose.gripper[1] += height / self.unit;
+        for index in from + 1..=end {
+            self.poses[index] = pose;
+            self.slid[index] = self.slid[from];
+        }
+    }
+
+    fn jitter_at(&self, time: f64) -> [f64; 3] {
+        let after = self.times.partition_point(|known| *known < time);
+        let after = after.clamp(1, self.times.len() - 1);
+        let [begin, end] = [self.times[after - 1], self.times[after]];
+        let part = ((time - begin) / (end - begin)).clamp(0.0, 1.0);
+        let [one, other] = [self.jitter[after - 1], self.jitter[after]];
+        std::array::from_fn(|k| one[k] + part * (other[k] - one[k]))
+    }
+}
+
+/// Times at which poses are passed between two times, in proportion to way and turn.
+fn timed(poses: &[FoldPose], [begin, end]: [f64; 2]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let ways = poses.windows(2).map(|pair| {
+        sum += pair[0].way_to(&pair[1]).max(1e-9);
+        sum
+    });
+    let ways: Vec<f64> = [0.0].into_iter().chain(ways).collect();
+    let whole = ways[ways.len() - 1].max(f64::MIN_POSITIVE);
+    let time = |way: &f64| begin + way / whole * (end - begin);
+    ways.iter().map(time).collect()
+}
+
+fn turned(angle: f64) -> UnitQuaternion {
+    rotation::from_vector(angle * Vector3::y())
+}

@@ -1,0 +1,179 @@
+//! Folds as resolved.
+
+use rodlab_planning::plan::fold::{Algorithm, FoldedSheet, Objective};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize, Serializer};
+
+/// A sheet that a gripper folds on a table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Folding {
+    /// How the way of the gripper is planned.
+    pub algorithm: AlgorithmName,
+    /// Where the edge goes.
+    pub crease: Crease,
+    /// Relative error of the gravito-bending length that is planned for.
+    pub length_error: f64,
+    /// Root mean square of the gripper's displacement in each direction, m.
+    pub jitter: f64,
+    /// Root mean square of its turn, rad.
+    pub jitter_angle: f64,
+    /// Period of the fastest jitter, s.
+    pub jitter_period: f64,
+    /// Seed of the jitter, and of the noise of observations.
+    pub seed: u64,
+    /// How the rest is planned anew, if it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feedback: Option<Feedback>,
+    /// The sheet.
+    pub paper: Paper,
+}
+
+/// How a path is planned anew while the sheet is folded.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Feedback {
+    /// Parts of the path.
+    pub parts: usize,
+    /// Root mean square by which sliding is seen wrongly, m.
+    pub noise: f64,
+}
+
+/// Where the edge goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Crease {
+    /// Onto the opposite edge.
+    Half,
+    /// A corner onto the opposite one, of a strip of one width.
+    Diagonal,
+    /// So far, m.
+    At(f64),
+}
+
+impl Crease {
+    /// The word for a fold along the diagonal.
+    pub const DIAGONAL_STRIP: &str = "diagonal-strip";
+    /// Why `diagonal` alone is refused.
+    pub const NO_DIAGONAL: &str = "a sheet that is folded along its diagonal is a triangle, whose stiffness and weight grow from the corner, \
+        and folds are computed for sheets of one width only; \"diagonal-strip\" takes a strip of one width in its place, as the thesis does";
+}
+
+impl Serialize for Crease {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Half => serializer.serialize_str("half"),
+            Self::Diagonal => serializer.serialize_str(Self::DIAGONAL_STRIP),
+            Self::At(target) => serializer.serialize_f64(*target),
+        }
+    }
+}
+
+/// Ways of planning a fold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum AlgorithmName {
+    /// The least sum of λ (thesis Eq. 4.11).
+    Optimal,
+    /// The smallest friction demand.
+    LeastFriction,
+    /// With as little moment at the gripper as the friction of the table needs.
+    Held,
+    /// The edge on half a circle (thesis Eq. 4.17).
+    Circle,
+    /// Each step by itself.
+    StepByStep,
+}
+
+impl AlgorithmName {
+    /// The same for those who plan, on a table of friction μ.
+    pub fn on(self, friction: f64) -> Algorithm {
+        match self {
+            Self::Optimal => Algorithm::Optimal(Objective::Sum),
+            Self::LeastFriction => Algorithm::Optimal(Objective::Largest),
+            Self::Held => Algorithm::Held { friction },
+            Self::Circle => Algorithm::Circle,
+            Self::StepByStep => Algorithm::StepByStep,
+        }
+    }
+}
+
+/// A sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Paper {
+    /// Its length, m.
+    pub length: f64,
+    /// The side that stays as it is, m.
+    pub width: f64,
+    /// L_gb, m.
+    pub gravito_bending_length: f64,
+    /// Thickness, m.
+    pub thickness: f64,
+    /// Mass per volume, kg/m³.
+    pub density: f64,
+    /// Least suspended length while it is bent, in L_gb.
+    pub least_suspended_length: f64,
+    /// Static friction on a table, where it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
+    /// Edges of the simulated strip.
+    pub edges: usize,
+}
+
+impl Paper {
+    /// The sheet, folded in the direction of its length, or along its diagonal.
+    pub fn sheet(&self, crease: Crease) -> FoldedSheet {
+        FoldedSheet {
+            gravito_bending_length: self.gravito_bending_length,
+            length: if crease == Crease::Diagonal {
+                libm::hypot(self.length, self.width)
+            } else {
+                self.length
+            },
+            least_suspended: self.least_suspended_length,
+        }
+    }
+
+    /// How far the edge goes, m, or why it cannot go there.
+    ///
+    /// # Errors
+    /// A sheet that is not square has no diagonal to be folded along; a sheet has an end.
+    pub fn target(&self, crease: Crease) -> Result<f64, String> {
+        let length = self.sheet(crease).length;
+        match crease {
+            Crease::Diagonal if (self.length - self.width).abs() > 1e-6 * self.length => {
+                Err(format!(
+                    "the sheet is {} m by {} m; only a square sheet is folded along its diagonal",
+                    self.length, self.width
+                ))
+            }
+            Crease::At(target) if target > length => Err(format!(
+                "{target} m: the sheet is {length} m long, and its edge cannot go beyond the opposite one"
+            )),
+            Crease::At(target) => Ok(target),
+            Crease::Half | Crease::Diagonal => Ok(length),
+        }
+    }
+}
+
+impl Folding {
+    /// The sheet in the direction of the fold.
+    pub fn sheet(&self) -> FoldedSheet {
+        self.paper.sheet(self.crease)
+    }
+
+    /// The sheet as the planner believes it to be.
+    pub fn believed(&self) -> FoldedSheet {
+        let sheet = self.sheet();
+        FoldedSheet {
+            gravito_bending_length: sheet.gravito_bending_length * (1.0 + self.length_error),
+            ..sheet
+        }
+    }
+
+    /// How far the edge goes, m.
+    pub fn target(&self) -> f64 {
+        match self.crease {
+            Crease::At(target) => target,
+            Crease::Half | Crease::Diagonal => self.sheet().length,
+        }
+    }
+}

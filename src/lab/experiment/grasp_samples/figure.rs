@@ -1,0 +1,51 @@
+//! Where grippers are, over the suspended length.
+
+use super::files::SAMPLES;
+use super::row::Sample;
+use rodlab_files::figure::{Curve, Figure, LinePlot, Look, line_plots};
+use rodlab_files::results::{ResultsError, read_whole_rows};
+use std::path::Path;
+
+/// Samples that are drawn, at most.
+const MARKS: usize = 1000;
+/// Curvatures |κ̄| up to which samples are drawn in a colour each.
+const BANDS: [(f64, &str); 3] = [
+    (0.5, "|κ̄| up to 0.5"),
+    (1.0, "up to 1"),
+    (f64::INFINITY, "above 1"),
+];
+
+/// The figure of the samples in a results directory.
+///
+/// # Errors
+/// Where they cannot be read.
+pub fn samples_figure(directory: &Path) -> Result<Figure, ResultsError> {
+    let rows: Vec<Sample> = read_whole_rows(&directory.join(SAMPLES))?.rows;
+    Ok(figure(&rows))
+}
+
+/// The gripper's place over the suspended length.
+pub fn figure(rows: &[Sample]) -> Figure {
+    let drawn = || rows.iter().step_by(rows.len().div_ceil(MARKS).max(1));
+    let band = |row: &Sample| {
+        let curvature = row.curvature.abs();
+        BANDS.iter().position(|(largest, _)| curvature <= *largest)
+    };
+    let plot = |label: &str, value: fn(&Sample) -> Option<f64>| {
+        let curves = BANDS.iter().enumerate().map(|(index, (_, name))| {
+            let rows = drawn().filter(|row| band(row) == Some(index));
+            let points = rows.map(|row| (row.suspended_length, value(row)));
+            Curve::new(*name, points.collect()).looking(Look::Marks)
+        });
+        LinePlot {
+            label: label.into(),
+            curves: curves.collect(),
+        }
+    };
+    let plots = [
+        plot("gripper ahead, x in L_{gb}", |row| row.x),
+        plot("gripper aside, y in L_{gb}", |row| row.y),
+        plot("drop in L_{gb}", |row| row.drop),
+    ];
+    line_plots(plots, "suspended length in L_{gb}")
+}

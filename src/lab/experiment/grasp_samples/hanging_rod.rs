@@ -1,0 +1,53 @@
+//! The scene that stands for all samples: the rod of the first one, as it hangs.
+
+use super::keys::GraspSamples;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
+};
+use rodlab_planning::plan::grasp::{GraspError, GraspProblem, GraspSolver, TWIST_STIFFNESS};
+
+/// Edges of the rod.
+const EDGES: usize = 50;
+/// Radius of the rod, L_gb: it is there to be seen.
+const RADIUS: f64 = 0.05;
+/// k̄_s of a rod that is to be stretched by less than this engine's rods can.
+const STIFFEST: f64 = 1e6;
+
+/// The rod of the first sample between contact node and gripper: EI = 1 and weight 1/2 per length, where L_gb = 1.
+///
+/// # Errors
+/// There is no first grasp.
+pub fn hanging_rod(plan: &GraspSamples) -> Result<Scene, GraspError> {
+    let [length, curvature, compliance] = plan.point(0);
+    let problem = GraspProblem::new(length, curvature, 1.0 / compliance)?;
+    let centreline = GraspSolver::new().centreline(&problem, EDGES)?;
+    let stiffness = Stiffness {
+        stretching: (1.0 / compliance).min(STIFFEST),
+        bending: [1.0; 2],
+        twisting: TWIST_STIFFNESS,
+    };
+    let straight = (0..=EDGES).map(|node| Vector3::x() * (length * node as f64 / EDGES as f64));
+    let rod = RodDescription {
+        natural_shape: NaturalShape::Centreline(straight.collect()),
+        ..RodDescription::uniform("hanging", centreline, stiffness, RADIUS, 0.5)
+    };
+    let clamp = |node| Clamp {
+        rod: 0,
+        node,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    };
+    Ok(Scene {
+        rods: vec![rod],
+        clamps: vec![clamp(0), clamp(EDGES)],
+        loads: vec![Load {
+            kind: LoadKind::Gravity {
+                acceleration: -Vector3::z(),
+            },
+            schedule: Vec::new(),
+        }],
+        ..Scene::default()
+    })
+}

@@ -1,0 +1,70 @@
+//! A row of `boundary.csv`.
+
+use super::files::BOUNDARY;
+use rodlab_files::results::{ResultsError, read_whole_rows};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Which part of the boundary a direction belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Part {
+    /// The surface.
+    Surface,
+    /// Its section ω = 0.
+    KappaTau,
+    /// Its section τ = 0.
+    KappaOmega,
+    /// Its section κ = 0: straight rods.
+    TauOmega,
+}
+
+/// What becomes of the rod along a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// It loses stability.
+    Buckles,
+    /// It loses stability, but touches itself before.
+    TouchesItself,
+    /// It is stable up to the largest distance.
+    Stable,
+    /// No equilibrium was found next to the helix.
+    NoConvergence,
+}
+
+/// A row of `boundary.csv`. Distances are norms ‖(κ, τ, ω)‖ for a rod of length 1 and bending stiffness 1.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct BoundaryRow {
+    /// Part of the boundary.
+    pub part: Part,
+    /// Unit direction: curvature.
+    pub kappa: f64,
+    /// Unit direction: torsion.
+    pub tau: f64,
+    /// Unit direction: twisting moment.
+    pub omega: f64,
+    /// What becomes of the rod.
+    pub outcome: Outcome,
+    /// Distance at which the discrete rod loses stability; empty where it does not.
+    pub critical: Option<f64>,
+    /// The same in the limit of a fine mesh, by the error's falling with the square of the edge length; empty where
+    /// it is not asked for or the rod of half as many edges does not lose stability.
+    pub extrapolated: Option<f64>,
+    /// The same by the conjugate points of the smooth rod; empty where there are none up to 100.
+    pub theory: Option<f64>,
+    /// critical/theory − 1.
+    pub relative_difference: Option<f64>,
+    /// extrapolated/theory − 1.
+    pub relative_difference_extrapolated: Option<f64>,
+    /// Distance at which the rod first touches itself; empty where it does not before it loses stability.
+    pub contact: Option<f64>,
+}
+
+/// The rows in a results directory.
+///
+/// # Errors
+/// Where `boundary.csv` cannot be read.
+pub fn read_boundary(directory: &Path) -> Result<Vec<BoundaryRow>, ResultsError> {
+    Ok(read_whole_rows(&directory.join(BOUNDARY))?.rows)
+}

@@ -1,0 +1,173 @@
+//! What makes a kind of experiment: everything that the rest of the house asks of it.
+
+use crate::run::PreparedRun;
+use crate::scenario::keys::{CommonTables, ExperimentKeys, Section};
+use crate::scenario::{Contact, Fluid, Issue, Scenario, ScenarioError, Time};
+use rodlab_engine::mechanics::scene::Scene;
+use rodlab_files::figure::Figure;
+use rodlab_files::results::{FileDescription, ResultsError};
+use rodlab_planning::learn::Compared;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+use std::fmt;
+use std::path::Path;
+
+/// A kind of experiment.
+///
+/// Its name, its keys and how they are resolved are its [`ExperimentKeys`]; here is what becomes of them. A new kind
+/// is a folder beside this file and an entry in [`KINDS`](super::KINDS).
+pub trait Kind: ExperimentKeys {
+    /// The scenario file that `rodlab init` writes. Lines that begin with `#: ` are further keys.
+    fn template(&self) -> &'static str;
+
+    /// Adds its rods, clamps and loads to a scene that has none yet; those that the scenario lists come after them.
+    ///
+    /// # Errors
+    /// What cannot be built, at its key.
+    fn build(&self, _scenario: &Scenario, _scene: &mut Scene) -> Result<(), Issue> {
+        Ok(())
+    }
+
+    /// Adds what observes and drives the run, whose scene is complete.
+    ///
+    /// # Errors
+    /// What cannot be run, at its key.
+    fn attach(&self, _scenario: &Scenario, _run: &mut PreparedRun) -> Result<(), Issue> {
+        Ok(())
+    }
+
+    /// Numbers for `rodlab check` beside those of any scene.
+    fn derived(&self, _run: &PreparedRun) -> Option<OwnNumbers> {
+        None
+    }
+
+    /// The files of its own in a results directory, and its columns in the common ones, for `rodlab explain`.
+    fn files(&self) -> &'static [FileDescription] {
+        &[]
+    }
+
+    /// What a network may learn from a run, if it is a table of samples.
+    fn samples(&self) -> Option<SampleColumns> {
+        None
+    }
+
+    /// Its own figures of a run, with the names of their files as SVG; none where the run wrote nothing for them.
+    ///
+    /// # Errors
+    /// [`FigureError`] where files of the run cannot be read.
+    fn figures(&self, _directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
+        Ok(Vec::new())
+    }
+
+    /// The page of `rodlab view`, where it is not rods in motion.
+    ///
+    /// # Errors
+    /// Where files of the run cannot be read.
+    fn page(&self, _directory: &Path) -> Result<Page, ResultsError> {
+        Ok(Page::RodsInMotion)
+    }
+}
+
+impl fmt::Debug for dyn Kind {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+/// Tables of what stands in a scene, which kinds without dimensions have no use for.
+pub(super) const SCENE_TABLES: [&str; 11] = [
+    "material",
+    "rod",
+    "rods",
+    "clamps",
+    "joints",
+    "bodies",
+    "networks",
+    "loads",
+    "actuation",
+    "planes",
+    "obstacles",
+];
+
+/// Refuses time, contact and fluid, for kinds that know none of them; `why` tells the user.
+pub(super) fn refuse_surroundings(top: &Section<'_>, common: &CommonTables<'_>, why: &str) {
+    for (key, present) in [
+        ("time", *common.time != Time::Static),
+        ("contact", *common.contact != Contact::None),
+        ("fluid", *common.fluid != Fluid::None),
+    ] {
+        if present {
+            top.fault(key, why);
+        }
+    }
+}
+
+/// Numbers that follow from the scenario of one kind of experiment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnNumbers {
+    key: &'static str,
+    json: serde_json::Value,
+    lines: Vec<(String, String)>,
+}
+
+impl OwnNumbers {
+    /// Numbers that JSON calls `key`, and the same in words: name and value of each line.
+    pub fn new(key: &'static str, numbers: &impl Serialize, lines: Vec<(String, String)>) -> Self {
+        let json = serde_json::to_value(numbers);
+        Self {
+            key,
+            json: json.expect("numbers and names are JSON values"),
+            lines,
+        }
+    }
+
+    /// Name and value of each line.
+    pub fn lines(&self) -> &[(String, String)] {
+        &self.lines
+    }
+}
+
+impl Serialize for OwnNumbers {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut table = serializer.serialize_map(Some(1))?;
+        table.serialize_entry(self.key, &self.json)?;
+        table.end()
+    }
+}
+
+/// Columns of a table of samples.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleColumns {
+    /// The table.
+    pub file: &'static str,
+    /// Columns from which a network predicts.
+    pub inputs: &'static [&'static str],
+    /// Columns that it predicts; rows where they are empty are left out.
+    pub outputs: &'static [&'static str],
+    /// How much errors of each of these count; all alike where there are none.
+    pub weights: &'static [f64],
+    /// Quantities whose errors are told.
+    pub compared: &'static [Compared],
+}
+
+/// What `rodlab view` shows of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Page {
+    /// Its rods in motion, as of any run.
+    RodsInMotion,
+    /// A page of its own.
+    Own(String),
+    /// Nothing, and why.
+    Nothing(&'static str),
+}
+
+/// Why a figure of an experiment is not drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// The scenario of the results could not be read.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A file could not be read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+}

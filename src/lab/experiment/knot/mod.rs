@@ -1,0 +1,28 @@
+//! Knots that are pulled tight (thesis 2.5) or until they invert (thesis 3).
+
+//!
+//! | file | what |
+//! |---|---|
+//! | `kind` | the two experiments |
+//! | `keys` | their table `[knot]` |
+//! | `tied_knot`, `tightening` | the rods, and how their ends are held and moved |
+//! | `observer`, `monitor` | what is measured, and when a run ends |
+//! | `files`, `traction_figure` | what they leave in a results directory |
+
+mod files;
+mod keys;
+mod kind;
+pub mod monitor;
+pub mod observer;
+mod outcome;
+mod row;
+pub mod tied_knot;
+pub mod tightening;
+mod traction_figure;
+
+pub use keys::{Knot, KnotEnds, KnotKind, KnotStart, KnotTables};
+pub use kind::{InversionKind, TighteningKind};
+pub use monitor::KnotMonitor;
+pub use observer::{KnotObserver, KnotSample};
+pub use outcome::{KnotEnding, KnotOutcome};
+pub use row::{KnotRow, read_knot_series};

@@ -1,0 +1,165 @@
+//! Experiments: a scenario becomes a scene, with what is observed of it.
+//!
+//! Each kind of experiment is a folder of this room that implements [`Kind`] and stands in [`KINDS`]; nothing else in
+//! the house knows it by name.
+//!
+//! | file | what |
+//! |---|---|
+//! | `kind` | what makes a kind of experiment |
+//! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
+//! | `probes` | what a scenario asks to be measured, in terms of its scene |
+//! | `derived` | numbers for `rodlab check` |
+//! | `scene`, `flagella`, `knot`, `helix`, `deployment`, `grasp_samples`, `fold_samples`, `folding` | the kinds |
+
+#[cfg(test)]
+mod contact_tests;
+pub mod deployment;
+mod derived;
+mod described;
+mod flagella;
+mod flow_guard;
+#[cfg(test)]
+mod flow_tests;
+mod fold_samples;
+pub mod folding;
+mod grasp_samples;
+pub mod helix;
+#[cfg(test)]
+mod joint_tests;
+mod kind;
+pub mod knot;
+#[cfg(test)]
+mod obstacle_tests;
+mod prepare;
+mod probes;
+#[cfg(test)]
+mod probes_tests;
+#[cfg(test)]
+mod remark_tests;
+#[cfg(test)]
+mod root_tests;
+mod scene;
+#[cfg(test)]
+mod tests;
+
+pub use deployment::{
+    Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables, Fixtures, GripperTask,
+    GripperWork, LaidOutlines, Outline, PassedPegs, TiedKnot, knot_of_patterns, knot_on_table,
+    laid_outlines,
+};
+pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
+pub use described::{Described, describe, described_files, files_with_column};
+pub use folding::{
+    AlgorithmName, Crease, FoldedOutlines, FoldingOutcome, FoldingTables, Paper, TypedPaper,
+    folded_outlines, planned_fold, resolve_paper,
+};
+pub use helix::manipulation::{ClampPoses, ClampedRod};
+pub use helix::stability::{
+    HelixSearch, HelixStability, discrete_critical_distance, estimated_critical_distance,
+};
+pub use kind::{FigureError, Kind, OwnNumbers, Page, SampleColumns};
+pub use knot::{
+    KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
+};
+pub use prepare::{Jitter, place_obstacles, prepare, try_scene};
+
+use crate::scenario::keys::ExperimentKeys;
+use crate::scenario::{self, CaseSet, Experiments, Loaded, Scales, ScenarioError};
+use std::path::Path;
+use std::sync::LazyLock;
+
+/// All kinds of experiments, in the order in which they are listed to people.
+pub static KINDS: &[&dyn Kind] = &[
+    &scene::SceneKind,
+    &flagella::FlagellaKind,
+    &knot::TighteningKind,
+    &knot::InversionKind,
+    &helix::stability::HelixStabilityKind,
+    &deployment::DeploymentKind,
+    &grasp_samples::GraspSamplesKind,
+    &fold_samples::FoldSamplesKind,
+    &folding::FoldingKind,
+];
+
+/// The same, as scenario files see them.
+static EXPERIMENTS: LazyLock<Experiments> = LazyLock::new(|| {
+    let keys: Vec<&dyn ExperimentKeys> = KINDS.iter().map(|kind| *kind as _).collect();
+    Experiments::new(keys.leak())
+});
+
+/// The kind of a name.
+pub fn kind_named(name: &str) -> Option<&'static dyn Kind> {
+    KINDS.iter().copied().find(|kind| kind.name() == name)
+}
+
+/// Reads, merges, overrides and resolves a scenario file; see [`scenario::load`].
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded, ScenarioError> {
+    scenario::load(*EXPERIMENTS, path, overrides)
+}
+
+/// Resolves the text of a scenario, called `name`, that names other files relative to `directory`; see
+/// [`scenario::from_text`].
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn from_text(
+    name: &str,
+    text: &str,
+    directory: &Path,
+    overrides: &[String],
+) -> Result<Loaded, ScenarioError> {
+    scenario::from_text(*EXPERIMENTS, name, text, directory, overrides)
+}
+
+/// Reads a scenario file with its sweep; see [`CaseSet::load`].
+///
+/// # Errors
+/// Everything that is wrong with the file and its sweep.
+pub fn case_set(
+    path: &Path,
+    overrides: &[String],
+    varied: &[String],
+) -> Result<CaseSet, ScenarioError> {
+    CaseSet::load(*EXPERIMENTS, path, overrides, varied)
+}
+
+/// The cases in the text of a scenario; see [`CaseSet::from_text`].
+///
+/// # Errors
+/// As [`case_set`].
+pub fn case_set_from_text(
+    name: &str,
+    text: &str,
+    directory: &Path,
+) -> Result<CaseSet, ScenarioError> {
+    CaseSet::from_text(*EXPERIMENTS, name, text, directory)
+}
+
+/// JSON Schema of scenario files; see [`scenario::json_schema`].
+pub fn json_schema() -> serde_json::Value {
+    scenario::json_schema(*EXPERIMENTS)
+}
+
+/// A scenario file in other units; see [`scenario::rescaled`].
+///
+/// # Errors
+/// What is wrong with the text as TOML.
+pub fn rescaled(text: &str, scales: &Scales) -> Result<String, toml::de::Error> {
+    scenario::rescaled(*EXPERIMENTS, text, scales)
+}
+
+/// The SI unit of a key of scenario files, if it has one.
+pub fn unit(key: &str) -> Option<String> {
+    scenario::unit(*EXPERIMENTS, key)
+}
+
+/// Explains a dotted key; see [`scenario::explain`].
+///
+/// # Errors
+/// A message with the nearest key, if there is no such key.
+pub fn explain(key: &str) -> Result<String, String> {
+    scenario::explain(*EXPERIMENTS, key)
+}

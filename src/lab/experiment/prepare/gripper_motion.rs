@@ -1,0 +1,73 @@
+//! A clamp that follows a gripper.
+
+use crate::scenario::Pose;
+use rodlab_engine::mechanics::scene::Motion;
+use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
+
+/// The motion of what a gripper holds from its first pose on, as one rigid body with it: x(t) = p(t) + R(t) R(0)⁻¹
+/// (x(0) − p(0)), with the position p and the orientation R of the gripper. At least one pose is needed.
+pub fn gripper_motion(poses: &[Pose]) -> Motion {
+    let start = Vector3::from(poses[0].1);
+    let turned_back = orientation(poses[0].2).inverse();
+    Motion {
+        translation: poses
+            .iter()
+            .map(|&(time, position, _)| (time, Vector3::from(position) - start))
+            .collect(),
+        orientation: poses
+            .iter()
+            .map(|&(time, _, quaternion)| (time, orientation(quaternion) * turned_back))
+            .collect(),
+        pivot: Some(start),
+        ..Motion::default()
+    }
+}
+
+fn orientation([w, x, y, z]: [f64; 4]) -> UnitQuaternion {
+    UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::from_text;
+    use rodlab_engine::mechanics::dynamics::Simulation;
+    use std::path::Path;
+
+    /// A beam whose end a gripper holds by way of an offset, and moves and turns about z, from an orientation to another.
+    fn follow(from: [f64; 4], to: [f64; 4]) {
+        let text = format!(
+            "experiment = \"scene\"\n\
+            [material]\nyoungs_modulus = 1e6\npoissons_ratio = 0.5\ndensity = 1000.0\n\
+            [[rods]]\nname = \"beam\"\nradius = 0.005\nedges = 10\n\
+            shape = {{ kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] }}\n\
+            [[clamps]]\nrod = \"beam\"\nat = \"start\"\n\
+            poses = [[0, [0, 0.1, 0], {from:?}], [1, [0.2, 0.1, 0], {to:?}]]\n\
+            [time]\nstep = 0.01\nend = 1.0\n"
+        );
+        let loaded = from_text("beam", &text, Path::new(""), &[]).unwrap();
+        let prepared = crate::experiment::prepare(&loaded.scenario).unwrap();
+        let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();
+        for (until, angle) in [
+            (0.5, std::f64::consts::FRAC_PI_4),
+            (1.0, std::f64::consts::FRAC_PI_2),
+        ] {
+            while simulation.time() < until {
+                simulation.advance(until).unwrap();
+            }
+            // The node hangs 0.1 m below the gripper, which turns about z.
+            let gripper = Vector3::new(0.2 * until, 0.1, 0.0);
+            let expected = gripper + 0.1 * Vector3::new(angle.sin(), -angle.cos(), 0.0);
+            let found = simulation.positions()[0];
+            assert!((found - expected).norm() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn a_node_moves_with_its_gripper_as_one_rigid_body() {
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        follow([1.0, 0.0, 0.0, 0.0], [half, 0.0, 0.0, half]);
+        // Begun with a quarter turn about x: the turn about z comes after it.
+        follow([half, half, 0.0, 0.0], [0.5; 4]);
+    }
+}

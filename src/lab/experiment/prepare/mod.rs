@@ -1,0 +1,247 @@
+//! From a validated scenario to a scene that is ready to run.
+
+mod catenary;
+mod coil;
+pub mod curve;
+mod estimate;
+mod flow;
+mod gripper_motion;
+mod jitter;
+mod joint;
+mod obstacle;
+mod place;
+mod round_rod;
+mod settings;
+mod slack;
+#[cfg(test)]
+mod tests;
+mod warnings;
+
+use super::flow_guard::FlowGuard;
+use super::{KINDS, kind_named, probes};
+use crate::run::{
+    LinkingGuard, Mode, Observer, OutputPlan, PreparedRun, RunError, rod_records, start_from,
+};
+use crate::scenario::{self, Continuation, Issue, Issues, KeyPath, Scenario, Time};
+use joint::{judge_joints, place_body, place_joint};
+use obstacle::place_obstacle;
+use place::{place_actuation, place_clamp, place_load, place_plane, place_rod, same_node};
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_engine::mechanics::scene as mechanics;
+use rodlab_engine::mechanics::statics::{PathMethod, PathPlan};
+use rodlab_files::results::read_end_state;
+use settings::{contact_parameters, fluid_model, integration_parameters, resists_spin};
+
+pub use jitter::Jitter;
+pub use obstacle::place_obstacles;
+pub use round_rod::round_rod;
+
+/// Builds the mechanics of a scenario.
+///
+/// # Errors
+/// Faults that show only when the rods are placed: edges of no length, names of rods that do not exist,
+/// nodes beyond the end of their rod. Each names its key.
+pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
+    let mut scene = mechanics::Scene::default();
+    let mut issues = Issues::default();
+    let kind = kind_named(scenario.experiment.name()).expect("a scenario is of one of the kinds");
+    if let Err(issue) = kind.build(scenario, &mut scene) {
+        issues.push(issue);
+    }
+    for (index, rod) in scenario.rods.iter().enumerate() {
+        match place_rod(rod, &KeyPath::from("rods").index(index)) {
+            Ok(description) => scene.rods.push(description),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    if !issues.0.is_empty() {
+        return Err(issues);
+    }
+    for (index, clamp) in scenario.clamps.iter().enumerate() {
+        let path = KeyPath::from("clamps").index(index);
+        match place_clamp(clamp, &scene.rods, &path) {
+            Ok(clamp) if scene.clamps.iter().any(|other| same_node(other, &clamp)) => {
+                let message = "another clamp holds this node already";
+                issues.push(Issue::new(path.key("at"), message));
+            }
+            Ok(clamp) => scene.clamps.push(clamp),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    for (index, joint) in scenario.joints.iter().enumerate() {
+        let path = KeyPath::from("joints").index(index);
+        if let Err(issue) = place_joint(joint, &mut scene, &path) {
+            issues.push(issue);
+        }
+    }
+    for (index, body) in scenario.bodies.iter().enumerate() {
+        match place_body(body, &scene.rods, &KeyPath::from("bodies").index(index)) {
+            Ok(body) => scene.bodies.push(body),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    if issues.0.is_empty()
+        && let Err(issue) = judge_joints(&scene, scenario)
+    {
+        issues.push(issue);
+        return Err(issues);
+    }
+    for (index, load) in scenario.loads.iter().enumerate() {
+        match place_load(load, &scene.rods, &KeyPath::from("loads").index(index)) {
+            Ok(load) => scene.loads.push(load),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    for (index, actuation) in scenario.actuation.iter().enumerate() {
+        let path = KeyPath::from("actuation").index(index);
+        match place_actuation(actuation, &scene.rods, &path) {
+            Ok(actuation) => scene.actuations.push(actuation),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    scene.planes.extend(scenario.planes.iter().map(place_plane));
+    for (index, obstacle) in scenario.obstacles.iter().enumerate() {
+        let path = KeyPath::from("obstacles").index(index);
+        match place_obstacle(obstacle, &scene.rods, &path) {
+            Ok(obstacle) => scene.obstacles.push(obstacle),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    if scene.obstacles.len() < scenario.obstacles.len() {
+        // What follows may look for them.
+        return Err(issues);
+    }
+    scene.contact = contact_parameters(&scenario.contact);
+    scene.fluid = fluid_model(&scenario.fluid);
+    scene.spin_drag = resists_spin(&scenario.fluid);
+    match flow::wall(&scene, scenario) {
+        Ok(wall) => scene.wall = wall,
+        Err(issue) => issues.push(issue),
+    }
+    if let Err((rod, message)) = estimate::refuse_countless_pairs(&scene) {
+        // Rods of the kind come first; their nodes are counted in [rod].
+        let built = scene.rods.len() - scenario.rods.len();
+        issues.push(Issue::new(
+            match rod.checked_sub(built) {
+                Some(rod) => KeyPath::from("rods").index(rod).key("edges"),
+                None => KeyPath::from("rod.nodes"),
+            },
+            message,
+        ));
+        // What follows may look for these pairs itself.
+        return Err(issues);
+    }
+    let mut prepared = PreparedRun {
+        name: scenario.name.clone(),
+        experiment: scenario.experiment.name().to_owned(),
+        title: scenario.title.clone(),
+        scenario_toml: scenario.to_toml(),
+        scene,
+        mode: match (scenario.time, scenario.continuation) {
+            (Time::Dynamic { end, .. }, _) => Mode::Dynamic { end },
+            (_, Some(path)) => Mode::Continuation(path_plan(&path)),
+            _ => Mode::Static,
+        },
+        integration: integration_parameters(scenario),
+        output: OutputPlan {
+            // A static run writes once and never asks.
+            interval: scenario.output.interval.unwrap_or(0.0),
+            nodes: scenario.output.nodes,
+            forces: scenario.output.forces,
+            vtk: scenario.output.vtk,
+        },
+        observers: Vec::new(),
+        warnings: Vec::new(),
+        controllers: Vec::new(),
+        own_files: names_of_own_files(),
+        table: None,
+        start: None,
+    };
+    if let Some(start) = &scenario.start
+        && let Err(message) = begin_at(&mut prepared, start)
+    {
+        issues.push(Issue::new(KeyPath::from("start").key("from"), message));
+    }
+    if let Err(issue) = kind.attach(scenario, &mut prepared) {
+        issues.push(issue);
+    }
+    if prepared.table.is_some() && prepared.start.is_some() {
+        let message =
+            "this experiment places its rods itself, again and again; leave the table out";
+        issues.push(Issue::new(KeyPath::from("start"), message));
+    }
+    if prepared.table.is_none() {
+        let guard = LinkingGuard::of(&prepared.scene);
+        (prepared.observers).extend(guard.map(|guard| Box::new(guard) as Box<dyn Observer>));
+        let flow = FlowGuard::of(&prepared.scene);
+        (prepared.observers).extend(flow.map(|guard| Box::new(guard) as Box<dyn Observer>));
+    }
+    if prepared.table.is_none() {
+        let has_controllers = !prepared.controllers.is_empty();
+        prepared.warnings = warnings::warnings(scenario, &prepared.scene, has_controllers);
+        (prepared.warnings).extend(flow::left_out(&prepared.scene, scenario));
+    }
+    if let Err(found) = probes::add(&mut prepared, scenario) {
+        found.0.into_iter().for_each(|issue| issues.push(issue));
+    }
+    issues.or_ok(prepared)
+}
+
+/// Names of the files that kinds of experiments write beside those of every run: one may take the place of another.
+fn names_of_own_files() -> Vec<&'static str> {
+    let of_kinds = KINDS.iter().flat_map(|kind| kind.files());
+    of_kinds.flat_map(|file| file.names).copied().collect()
+}
+
+/// Lets the scene start from the end of another run.
+///
+/// # Errors
+/// Why that does not fit.
+fn begin_at(prepared: &mut PreparedRun, start: &scenario::Start) -> Result<(), String> {
+    let rows = read_end_state(&start.contents)?;
+    let mut state = start_from(&rows, &rod_records(prepared))?;
+    if !start.velocities {
+        state.velocities.clear();
+        state.spins.clear();
+    }
+    prepared.scene.start = Some(state);
+    prepared.start = Some(start.contents.clone());
+    Ok(())
+}
+
+fn path_plan(path: &Continuation) -> PathPlan {
+    PathPlan {
+        from: path.from,
+        to: path.to,
+        step: path.step,
+        largest_step: path.largest_step,
+        method: match path.method {
+            scenario::PathMethod::Natural => PathMethod::Natural,
+            scenario::PathMethod::Arclength => PathMethod::Arclength,
+        },
+        switch_branches: path.switch_branches,
+        most_points: path.most_points,
+    }
+}
+
+/// Does all that a run does before its first step, but for its files: finds rods that start inside each other,
+/// contradicting clamps, paths that cannot begin, and controllers that cannot act.
+///
+/// # Errors
+/// [`RunError::Scene`] says what is impossible.
+pub fn try_scene(prepared: &PreparedRun) -> Result<Vec<String>, RunError> {
+    let simulation = Simulation::new(&prepared.scene, &prepared.integration);
+    let mut simulation = simulation.map_err(RunError::Scene)?;
+    match prepared.mode {
+        _ if prepared.table.is_some() => Ok(()),
+        Mode::Static => Ok(()),
+        Mode::Continuation(plan) => simulation.path(plan).map(drop),
+        Mode::Dynamic { .. } => {
+            let mut controllers = prepared.controllers.clone();
+            let mut controllers = controllers.iter_mut();
+            controllers.try_for_each(|controller| controller.act(&mut simulation))
+        }
+    }
+    .map_err(RunError::Scene)?;
+    Ok(simulation.remarks())
+}

@@ -1,0 +1,153 @@
+//! Obstacles, placed in the scene.
+
+use super::place::motion_of;
+use crate::scenario::{self, Issue, KeyPath, ObstacleShape};
+use rodlab_engine::mechanics::rigid_body::RigidBody;
+use rodlab_engine::mechanics::scene::{Obstacle, RodDescription};
+use rodlab_engine::mechanics::{Vector3, rotation};
+
+/// Most that a mesh may be larger than all rods together, or smaller than the radius of the thinnest: by more, and the file is
+/// of another unit.
+const UNLIKELY: f64 = 100.0;
+
+/// Farthest from the origin that anything of an obstacle may be, over the radius of the thinnest rod: distances of rods from
+/// what is farther are lost to rounding.
+const FARTHEST: f64 = 1e9;
+
+/// Half the length of a cylinder without ends over the distance of the farthest node from its point: no rod comes to its ends,
+/// and little is lost to rounding.
+const ENDLESS: f64 = 1e2;
+
+/// The obstacle of a scenario among these rods.
+///
+/// # Errors
+/// What is wrong with its mesh.
+pub fn place_obstacle(
+    obstacle: &scenario::Obstacle,
+    rods: &[RodDescription],
+    path: &KeyPath,
+) -> Result<Obstacle, Issue> {
+    let farthest = FARTHEST * thinnest_radius(rods);
+    let body = match &obstacle.shape {
+        ObstacleShape::Sphere { centre, radius } => {
+            RigidBody::sphere(Vector3::from(*centre), *radius)
+        }
+        ObstacleShape::Capsule { start, end, radius } => {
+            RigidBody::capsule([Vector3::from(*start), Vector3::from(*end)], *radius)
+        }
+        ObstacleShape::Tube { start, end, radius } => {
+            RigidBody::tube([Vector3::from(*start), Vector3::from(*end)], *radius)
+        }
+        ObstacleShape::Cylinder {
+            point,
+            direction,
+            radius,
+        } => {
+            let (point, direction) = (Vector3::from(*point), Vector3::from(*direction));
+            let half_length = endless(&point, *radius, rods).min(0.5 * farthest);
+            RigidBody::cylinder(point, direction, *radius, half_length)
+        }
+        ObstacleShape::Box {
+            centre,
+            size,
+            rounding,
+            axis,
+            angle,
+        } => {
+            let orientation = rotation::from_vector(Vector3::from(*axis) * *angle);
+            let (centre, size) = (Vector3::from(*centre), Vector3::from(*size));
+            RigidBody::cuboid(centre, size, &orientation, *rounding)
+        }
+        ObstacleShape::Mesh {
+            vertices,
+            triangles,
+            closed,
+        } => {
+            let vertices = vertices.iter().copied().map(Vector3::from).collect();
+            let body = RigidBody::of_mesh(vertices, triangles.clone(), *closed);
+            let body = body.map_err(|fault| {
+                let help = closed.then(|| {
+                    "`closed = false` takes it for a sheet, which rods touch from both sides".into()
+                });
+                Issue::new(path.key("shape"), format!("the mesh cannot be: {fault}"))
+                    .with_help(help)
+            })?;
+            refuse_other_units(&body, rods, path)?;
+            body
+        }
+    };
+    let mut coordinates = body.vertices.iter().flat_map(|vertex| vertex.iter());
+    if body.radius > farthest || coordinates.any(|coordinate| coordinate.abs() > farthest) {
+        let message = format!(
+            "it reaches farther than {farthest:e} m from the origin; allowed: at most that, {FARTHEST:e} times the radius of the thinnest rod"
+        );
+        return Err(Issue::new(path.key("shape"), message));
+    }
+    Ok(Obstacle {
+        name: obstacle.name.clone(),
+        body,
+        friction: obstacle.friction,
+        motion: motion_of(&obstacle.movement),
+    })
+}
+
+/// The obstacles of a scenario that has run, for pictures.
+pub fn place_obstacles(scenario: &scenario::Scenario) -> Vec<Obstacle> {
+    let path = KeyPath::from("obstacles");
+    let obstacles = scenario.obstacles.iter();
+    obstacles
+        .filter_map(|obstacle| place_obstacle(obstacle, &[], &path).ok())
+        .collect()
+}
+
+fn refuse_other_units(
+    body: &RigidBody,
+    rods: &[RodDescription],
+    path: &KeyPath,
+) -> Result<(), Issue> {
+    if rods.is_empty() {
+        return Ok(());
+    }
+    let mesh = extent(body.vertices.iter());
+    let scene = extent(rods.iter().flat_map(|rod| &rod.centreline));
+    let thinnest = thinnest_radius(rods);
+    let (than, size) = if mesh > UNLIKELY * scene {
+        ("larger than the rods with their extent", scene)
+    } else if mesh * UNLIKELY < thinnest {
+        ("smaller than the radius of the thinnest rod", thinnest)
+    } else {
+        return Ok(());
+    };
+    let message = format!(
+        "the mesh is {mesh:.3e} m wide, over {UNLIKELY} times {than}, {size:.3e} m: its file is probably of another unit"
+    );
+    let help = "give the unit of the file, for example `unit = \"1 mm\"`".to_owned();
+    Err(Issue::new(path.key("shape"), message).with_help(Some(help)))
+}
+
+/// Radius of the thinnest rod, m; infinite where there is none.
+fn thinnest_radius(rods: &[RodDescription]) -> f64 {
+    rods.iter()
+        .fold(f64::INFINITY, |least, rod| least.min(rod.radius))
+}
+
+/// Half the length (m) at which a cylinder around a line through `point` counts as one without ends; without rods, for
+/// pictures, it is beyond all that they show.
+fn endless(point: &Vector3, radius: f64, rods: &[RodDescription]) -> f64 {
+    if rods.is_empty() {
+        return FARTHEST * radius;
+    }
+    let nodes = rods.iter().flat_map(|rod| &rod.centreline);
+    ENDLESS * nodes.fold(radius, |most, x| most.max((x - point).norm()))
+}
+
+/// Diagonal of the box around points, m.
+fn extent<'a>(points: impl Iterator<Item = &'a Vector3> + Clone) -> f64 {
+    let corner = |pick: fn(f64, f64) -> f64, start: f64| {
+        let start = Vector3::repeat(start);
+        points
+            .clone()
+            .fold(start, |corner, point| corner.zip_map(point, pick))
+    };
+    (corner(f64::max, f64::NEG_INFINITY) - corner(f64::min, f64::INFINITY)).norm()
+}

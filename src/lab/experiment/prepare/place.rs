@@ -1,0 +1,330 @@
+//! Rods, clamps, loads and planes, placed in the scene.
+
+use super::curve::{SampledCurve, sample};
+use super::gripper_motion::gripper_motion;
+use super::round_rod::relaxation;
+use crate::scenario::{
+    Actuation, ActuationKind, Clamp, Course, Hold, Inertia, Issue, KeyPath, Load, LoadFrame,
+    LoadKind, Movement, NaturalShape, Place, Plane, Rod, did_you_mean,
+};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::scene as mechanics;
+
+pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescription, Issue> {
+    let SampledCurve {
+        nodes: centreline,
+        end_tangents,
+    } = sample(&rod.shape, rod.edges, rod.closed);
+    refuse_short_edges(&centreline, rod.closed, &path.key("shape"))?;
+    let natural_shape = match &rod.natural_shape {
+        NaturalShape::AsPlaced => mechanics::NaturalShape::AsPlaced,
+        NaturalShape::Straight => mechanics::NaturalShape::Straight,
+        NaturalShape::Curved { curvature, twist } => mechanics::NaturalShape::Curved {
+            curvature: *curvature,
+            twist: *twist,
+        },
+        NaturalShape::Curve(shape) => {
+            let nodes = sample(shape, rod.edges, rod.closed).nodes;
+            refuse_short_edges(&nodes, rod.closed, &path.key("natural_shape"))?;
+            mechanics::NaturalShape::Centreline(nodes)
+        }
+    };
+    let area = rod.cross_section.area(rod.radius);
+    let [second_moment_1, second_moment_2] = rod.cross_section.second_moments(rod.radius);
+    let density = rod.material.density;
+    Ok(mechanics::RodDescription {
+        name: rod.name.clone(),
+        centreline,
+        closed: rod.closed,
+        end_tangents,
+        first_director: rod.director.map(Vector3::from),
+        twist: rod.twist,
+        natural_shape,
+        pretension: rod.pretension,
+        stiffness: mechanics::Stiffness {
+            stretching: rod.stiffness.stretching,
+            bending: [rod.stiffness.bending_1, rod.stiffness.bending_2],
+            twisting: rod.stiffness.twisting,
+        },
+        radius: rod.radius,
+        mass_per_length: density * area,
+        rotational_inertia_per_length: density * (second_moment_1 + second_moment_2),
+        inertia: match rod.inertia {
+            Inertia::Lumped => mechanics::Inertia::Lumped,
+            Inertia::Consistent => mechanics::Inertia::Consistent,
+        },
+        retardation_time: rod.material.retardation_time(),
+        relaxation: relaxation(&rod.material),
+        velocity: Vector3::from(rod.velocity),
+        angular_velocity: Vector3::from(rod.angular_velocity),
+        held: rod.held,
+    })
+}
+
+/// Edges shorter than this fraction of the mean edge are no edges: their direction is lost in round-off.
+const SHORTEST_EDGE: f64 = 1e-6;
+
+fn refuse_short_edges(nodes: &[Vector3], closed: bool, path: &KeyPath) -> Result<(), Issue> {
+    let edges = if closed { nodes.len() } else { nodes.len() - 1 };
+    let length = |edge: usize| (nodes[(edge + 1) % nodes.len()] - nodes[edge]).norm();
+    let mean = (0..edges).map(length).sum::<f64>() / edges as f64;
+    if !mean.is_finite() {
+        let message = "the coordinates are too large, or too close together, to measure the edges";
+        return Err(Issue::new(path.clone(), message));
+    }
+    match (0..edges).find(|&edge| length(edge) <= SHORTEST_EDGE * mean) {
+        None => Ok(()),
+        Some(edge) => Err(Issue::new(
+            path.clone(),
+            format!(
+                "edge {edge} has no length: nodes {edge} and {} lie in the same place",
+                (edge + 1) % nodes.len()
+            ),
+        )),
+    }
+}
+
+pub(super) fn place_clamp(
+    clamp: &Clamp,
+    rods: &[mechanics::RodDescription],
+    path: &KeyPath,
+) -> Result<mechanics::Clamp, Issue> {
+    let rod = find_rod(&clamp.rod, rods, &path.key("rod"))?;
+    Ok(mechanics::Clamp {
+        rod,
+        node: find_node(clamp.at, &rods[rod], path)?,
+        holds_position: matches!(clamp.hold, Hold::Position | Hold::Both),
+        holds_frame: matches!(clamp.hold, Hold::Frame | Hold::Both),
+        motion: motion_of(&clamp.movement),
+    })
+}
+
+pub(super) fn motion_of(movement: &Movement) -> mechanics::Motion {
+    if !movement.poses.is_empty() {
+        return gripper_motion(&movement.poses);
+    }
+    let translation = movement.translation.iter();
+    mechanics::Motion {
+        translation: translation
+            .map(|&(time, displacement)| (time, Vector3::from(displacement)))
+            .collect(),
+        axis: movement.axis.map(Vector3::from),
+        angle: movement.angle.clone(),
+        angular_velocity: movement.angular_velocity,
+        pivot: movement.pivot.map(Vector3::from),
+        ..mechanics::Motion::default()
+    }
+}
+
+pub(super) fn same_node(one: &mechanics::Clamp, other: &mechanics::Clamp) -> bool {
+    (one.rod, one.node) == (other.rod, other.node)
+}
+
+pub(super) fn place_load(
+    load: &Load,
+    rods: &[mechanics::RodDescription],
+    path: &KeyPath,
+) -> Result<mechanics::Load, Issue> {
+    let find_any = |name: &Option<String>| {
+        name.as_ref()
+            .map(|name| find_rod(name, rods, &path.key("rod")))
+            .transpose()
+    };
+    let kind = match &load.kind {
+        LoadKind::Gravity { acceleration } => mechanics::LoadKind::Gravity {
+            acceleration: Vector3::from(*acceleration),
+        },
+        LoadKind::Force {
+            rod,
+            at,
+            force,
+            frame,
+        } => {
+            let rod = find_rod(rod, rods, &path.key("rod"))?;
+            let node = find_node(*at, &rods[rod], path)?;
+            let force = Vector3::from(*force);
+            match frame {
+                LoadFrame::Space => mechanics::LoadKind::Force { rod, node, force },
+                LoadFrame::Material => mechanics::LoadKind::FollowerForce { rod, node, force },
+            }
+        }
+        LoadKind::Moment {
+            rod,
+            at,
+            moment,
+            frame,
+        } => {
+            let rod = find_rod(rod, rods, &path.key("rod"))?;
+            let edge = find_edge(*at, &rods[rod], path)?;
+            let moment = Vector3::from(*moment);
+            match frame {
+                LoadFrame::Space => mechanics::LoadKind::Moment { rod, edge, moment },
+                LoadFrame::Material => mechanics::LoadKind::FollowerMoment { rod, edge, moment },
+            }
+        }
+        LoadKind::Distributed {
+            rod,
+            force_per_length,
+            frame,
+        } => {
+            let rod = find_any(rod)?;
+            let force_per_length = Vector3::from(*force_per_length);
+            match frame {
+                LoadFrame::Space => mechanics::LoadKind::Distributed {
+                    rod,
+                    force_per_length,
+                },
+                LoadFrame::Material => mechanics::LoadKind::FollowerDistributed {
+                    rod,
+                    force_per_length,
+                },
+            }
+        }
+        LoadKind::Drag {
+            rod,
+            translation,
+            rotation,
+        } => mechanics::LoadKind::Drag {
+            rod: find_any(rod)?,
+            translation: *translation,
+            rotation: *rotation,
+        },
+    };
+    Ok(mechanics::Load {
+        kind,
+        schedule: load.schedule.clone(),
+    })
+}
+
+pub(super) fn place_actuation(
+    actuation: &Actuation,
+    rods: &[mechanics::RodDescription],
+    path: &KeyPath,
+) -> Result<mechanics::Actuation, Issue> {
+    let rod = find_rod(&actuation.rod, rods, &path.key("rod"))?;
+    if rods[rod].held {
+        let message = format!(
+            "rod `{}` is a rigid obstacle, which neither bends nor lengthens",
+            actuation.rod
+        );
+        return Err(Issue::new(path.key("rod"), message));
+    }
+    let length = natural_length(&rods[rod]);
+    if actuation.from >= length {
+        let message = format!(
+            "{:?} m is out of range; allowed: less than the length of rod `{}`, {length:?} m",
+            actuation.from, actuation.rod
+        );
+        return Err(Issue::new(path.key("from"), message));
+    }
+    Ok(mechanics::Actuation {
+        rod,
+        strain: match actuation.kind {
+            ActuationKind::Curvature { direction: 1 } => mechanics::ActuatedStrain::FirstCurvature,
+            ActuationKind::Curvature { .. } => mechanics::ActuatedStrain::SecondCurvature,
+            ActuationKind::Twist => mechanics::ActuatedStrain::Twist,
+            ActuationKind::Length => mechanics::ActuatedStrain::Length,
+        },
+        part: [actuation.from, actuation.to.unwrap_or(f64::INFINITY)],
+        course: match &actuation.course {
+            Course::Uniform { values } => mechanics::Course::Uniform(values.clone()),
+            Course::Wave {
+                amplitude,
+                wavelength,
+                frequency,
+                phase,
+                schedule,
+            } => mechanics::Course::Wave(mechanics::Wave {
+                amplitude: *amplitude,
+                wavelength: wavelength.unwrap_or(f64::INFINITY),
+                frequency: *frequency,
+                phase: *phase,
+                schedule: schedule.clone(),
+            }),
+        },
+    })
+}
+
+/// Length of a rod without stress, m.
+fn natural_length(rod: &mechanics::RodDescription) -> f64 {
+    let nodes = match &rod.natural_shape {
+        mechanics::NaturalShape::Centreline(nodes) => nodes,
+        _ => &rod.centreline,
+    };
+    let edges = nodes.len() - usize::from(!rod.closed);
+    let length = |edge: usize| (nodes[(edge + 1) % nodes.len()] - nodes[edge]).norm();
+    rod.relaxed((0..edges).map(length).collect()).iter().sum()
+}
+
+/// The rod of a name that stands at a key.
+pub(super) fn find_rod(
+    name: &str,
+    rods: &[mechanics::RodDescription],
+    key: &KeyPath,
+) -> Result<usize, Issue> {
+    rods.iter().position(|rod| rod.name == name).ok_or_else(|| {
+        let names: Vec<&str> = rods.iter().map(|rod| rod.name.as_str()).collect();
+        let help = did_you_mean(name, names.iter().copied())
+            .unwrap_or_else(|| format!("the rods are: {}", listed(&names)));
+        Issue::new(key.clone(), format!("no rod is called `{name}`")).with_help(help)
+    })
+}
+
+/// Names in words; of very many the first ones.
+fn listed(names: &[&str]) -> String {
+    const MOST: usize = 12;
+    match names.get(..MOST) {
+        Some(first) if names.len() > MOST => {
+            format!("{}, and {} more", first.join(", "), names.len() - MOST)
+        }
+        _ => names.join(", "),
+    }
+}
+
+fn find_node(
+    place: Place,
+    rod: &mechanics::RodDescription,
+    path: &KeyPath,
+) -> Result<usize, Issue> {
+    find_place(place, rod.centreline.len(), "node", rod, &path.key("at"))
+}
+
+fn find_edge(
+    place: Place,
+    rod: &mechanics::RodDescription,
+    path: &KeyPath,
+) -> Result<usize, Issue> {
+    let edges = rod.centreline.len() - usize::from(!rod.closed);
+    find_place(place, edges, "edge", rod, &path.key("at"))
+}
+
+/// The number of a place that stands at a key, among the `count` nodes or edges of a rod.
+pub(super) fn find_place(
+    place: Place,
+    count: usize,
+    what: &str,
+    rod: &mechanics::RodDescription,
+    key: &KeyPath,
+) -> Result<usize, Issue> {
+    match place {
+        Place::Start => Ok(0),
+        Place::End => Ok(count - 1),
+        Place::Number(number) if number < count => Ok(number),
+        Place::Number(number) => Err(Issue::new(
+            key.clone(),
+            format!(
+                "rod `{}` has no {what} {number}; allowed: 0 to {}, \"start\" or \"end\"",
+                rod.name,
+                count - 1
+            ),
+        )),
+    }
+}
+
+pub(super) fn place_plane(plane: &Plane) -> mechanics::Plane {
+    mechanics::Plane {
+        point: Vector3::from(plane.point),
+        normal: Vector3::from(plane.normal),
+        friction: plane.friction,
+    }
+}

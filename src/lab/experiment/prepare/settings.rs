@@ -1,0 +1,101 @@
+//! Contact, fluid and time: the settings of the engine.
+
+use crate::scenario::{Contact, Fluid, Scenario, Scheme, Step, Time};
+use rodlab_engine::mechanics::contact::{ContactModel, ContactParameters};
+use rodlab_engine::mechanics::dynamics::{self, IntegrationParameters, StepSize};
+use rodlab_engine::mechanics::fluid::FluidModel;
+
+pub(super) fn contact_parameters(contact: &Contact) -> Option<ContactParameters> {
+    match *contact {
+        Contact::None => None,
+        Contact::Imc {
+            friction,
+            distance_tolerance,
+            slip_tolerance,
+            stiffness_factor,
+            maximum_penetration,
+        } => Some(ContactParameters {
+            model: ContactModel::ImplicitContact,
+            distance_tolerance,
+            friction,
+            slip_tolerance,
+            stiffness_factor,
+            maximum_penetration,
+        }),
+        Contact::Ipc {
+            friction,
+            distance_tolerance,
+            slip_tolerance,
+            stiffness_factor,
+        } => Some(ContactParameters {
+            model: ContactModel::IncrementalPotential,
+            distance_tolerance,
+            friction,
+            slip_tolerance,
+            stiffness_factor,
+            maximum_penetration: 0.0,
+        }),
+        Contact::Complementarity {
+            friction,
+            distance_tolerance,
+            maximum_penetration,
+        } => Some(ContactParameters {
+            model: ContactModel::Complementarity,
+            distance_tolerance,
+            friction,
+            maximum_penetration,
+            ..ContactParameters::default()
+        }),
+    }
+}
+
+pub(super) fn fluid_model(fluid: &Fluid) -> Option<FluidModel> {
+    match *fluid {
+        Fluid::None => None,
+        Fluid::Rss {
+            viscosity,
+            regularization,
+            far_field_error,
+            ..
+        } => Some(FluidModel::RegularizedStokeslets {
+            viscosity,
+            regularization,
+            far_field_error,
+        }),
+        Fluid::Resistive { viscosity, .. } => Some(FluidModel::Resistive { viscosity }),
+    }
+}
+
+/// Whether the fluid resists that rods spin about their own axes.
+pub(super) fn resists_spin(fluid: &Fluid) -> bool {
+    matches!(
+        fluid,
+        Fluid::Rss { spin: true, .. } | Fluid::Resistive { spin: true, .. }
+    )
+}
+
+pub(super) fn integration_parameters(scenario: &Scenario) -> IntegrationParameters {
+    let defaults = IntegrationParameters::default();
+    let (scheme, step) = match scenario.time {
+        Time::Static | Time::Continuation => (defaults.scheme, defaults.step),
+        Time::Dynamic { scheme, step, .. } => (
+            match scheme {
+                Scheme::ImplicitEuler => dynamics::Scheme::ImplicitEuler,
+                Scheme::ImplicitMidpoint => dynamics::Scheme::ImplicitMidpoint,
+                Scheme::BackwardDifferences => dynamics::Scheme::BackwardDifferences,
+            },
+            match step {
+                Step::Fixed(step) => StepSize::Fixed(step),
+                Step::Auto { tolerance, maximum } => StepSize::Auto { tolerance, maximum },
+            },
+        ),
+    };
+    IntegrationParameters {
+        scheme,
+        step,
+        force_tolerance: scenario.solver.force_tolerance,
+        displacement_tolerance: scenario.solver.displacement_tolerance,
+        maximum_iterations: scenario.solver.maximum_iterations,
+        minimum_step: (scenario.solver.minimum_step).unwrap_or(defaults.minimum_step),
+    }
+}

@@ -1,0 +1,384 @@
+//! Probes of a scenario: names and places become rods, nodes and edges of the scene.
+
+use crate::run::probes::{
+    ContactPartner, Limit, Probe, Probes, Quantity, STOPPED_BY, StopWhen, Summary,
+};
+use crate::run::{Observer, PreparedRun};
+use crate::scenario::{
+    self, AtPlace, Between, Issue, Issues, KeyPath, OneRod, OneSpring, Place, PressedRod,
+    ProbeKind, Scenario, did_you_mean,
+};
+use rodlab_engine::mechanics::scene::{RodDescription, Scene};
+use rodlab_files::results::{SummaryRow, series_columns};
+
+/// Adds the probes of a scenario to the observers of a run.
+///
+/// # Errors
+/// Rods, nodes, edges, clamps and planes that do not exist, columns that are there already, and probes of an experiment
+/// that runs no scene. Each names its key.
+pub fn add(prepared: &mut PreparedRun, scenario: &Scenario) -> Result<(), Issues> {
+    let mut issues = Issues::default();
+    if scenario.probes.is_empty() && scenario.stop_when.is_none() {
+        return Ok(());
+    }
+    if prepared.table.is_some() {
+        let message = "this experiment fills a table and runs no scene that could be measured";
+        issues.push(Issue::new(KeyPath::from("probes"), message));
+        return Err(issues);
+    }
+    let mut probes = Vec::new();
+    let mut taken = Taken::of(prepared);
+    for (index, probe) in scenario.probes.iter().enumerate() {
+        let key = KeyPath::from("probes").index(index);
+        let found = resolve(probe, &prepared.scene, &key);
+        match found.and_then(|probe| taken.take(probe, &key)) {
+            Ok(probe) => probes.push(probe),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    let condition = scenario.stop_when.as_ref();
+    let stop_when = condition.map(|condition| stop_when(condition, &probes));
+    let stop_when = match stop_when.transpose() {
+        // A condition on a faulty probe is not to blame.
+        Err(issue) if issues.0.is_empty() => {
+            issues.push(issue);
+            None
+        }
+        found => found.unwrap_or_default(),
+    };
+    issues.or_ok(())?;
+    prepared
+        .observers
+        .push(Box::new(Probes::new(probes, stop_when)));
+    Ok(())
+}
+
+/// The columns that there are already.
+struct Taken {
+    series: Vec<String>,
+    summary: Vec<String>,
+}
+
+impl Taken {
+    fn of(prepared: &PreparedRun) -> Self {
+        let observed = prepared.observers.iter();
+        let outcomes = prepared.observers.iter().flat_map(|one| one.outcomes().0);
+        let outcomes = outcomes.map(|(name, _)| name);
+        Self {
+            series: (series_columns().into_iter())
+                .chain(observed.flat_map(|one| Observer::columns(&**one)))
+                .collect(),
+            summary: (SummaryRow::columns().into_iter())
+                .chain(outcomes)
+                .chain([STOPPED_BY.to_owned()])
+                .collect(),
+        }
+    }
+
+    /// Takes the columns of a probe, too.
+    fn take(&mut self, probe: Probe, key: &KeyPath) -> Result<Probe, Issue> {
+        for (columns, taken, table) in [
+            (probe.columns(), &mut self.series, "series.csv"),
+            (probe.summary_columns(), &mut self.summary, "summary.csv"),
+        ] {
+            if let Some(column) = columns.iter().find(|column| taken.contains(column)) {
+                let message =
+                    format!("{table} has a column `{column}` already; choose another name");
+                return Err(Issue::new(key.key("name"), message));
+            }
+            taken.extend(columns);
+        }
+        Ok(probe)
+    }
+}
+
+fn resolve(probe: &scenario::Probe, scene: &Scene, key: &KeyPath) -> Result<Probe, Issue> {
+    let rods = Rods { scene, key };
+    let quantity = match &probe.kind {
+        ProbeKind::Position(place) => Quantity::Position {
+            node: rods.node(place)?,
+        },
+        ProbeKind::Displacement(place) => {
+            let (rod, along) = rods.place(place)?;
+            Quantity::Displacement {
+                node: rods.first_node(rod) + along,
+                from: scene.rods[rod].centreline[along],
+            }
+        }
+        ProbeKind::Velocity(place) => Quantity::Velocity {
+            node: rods.node(place)?,
+        },
+        ProbeKind::Reaction(place) => rods.reaction(place)?,
+        ProbeKind::Distance(between) => rods.distance(between)?,
+        ProbeKind::Tension(place) => {
+            let (rod, edge) = rods.edge_or_largest(place)?;
+            Quantity::Tension { rod, edge }
+        }
+        ProbeKind::Torsion(place) => {
+            let (rod, edge) = rods.edge_or_largest(place)?;
+            Quantity::Torsion { rod, edge }
+        }
+        ProbeKind::BendingMoment(place) => {
+            let (rod, node) = rods.node_or_largest(place)?;
+            Quantity::BendingMoment { rod, node }
+        }
+        ProbeKind::TwistingMoment(place) => {
+            let (rod, node) = rods.node_or_largest(place)?;
+            Quantity::TwistingMoment { rod, node }
+        }
+        ProbeKind::Curvature(place) => {
+            let (rod, node) = rods.node_or_largest(place)?;
+            Quantity::Curvature { rod, node }
+        }
+        ProbeKind::Twist(place) => {
+            let (rod, node) = rods.node_or_largest(place)?;
+            Quantity::Twist { rod, node }
+        }
+        ProbeKind::ContactForce(pressed) => rods.contact_force(pressed)?,
+        ProbeKind::Energy(OneRod { rod }) => Quantity::Energy {
+            rod: rods.rod(rod.as_ref())?,
+        },
+        ProbeKind::Writhe(OneRod { rod }) => Quantity::Writhe {
+            rod: rods.rod(rod.as_ref())?,
+        },
+        ProbeKind::ArcLength(OneRod { rod }) => Quantity::ArcLength {
+            rod: rods.rod(rod.as_ref())?,
+        },
+        ProbeKind::LinkingNumber(pair) => {
+            let one = rods.named(&pair.rod, "rod")?;
+            let other = rods.named(&pair.to_rod, "to_rod")?;
+            if one == other {
+                let message = "a rod has no linking number with itself; ask for its writhe";
+                return Err(Issue::new(key.key("to_rod"), message));
+            }
+            Quantity::LinkingNumber { rods: [one, other] }
+        }
+        ProbeKind::SpringForce(OneSpring { joint }) => {
+            let springs = &scene.springs;
+            let found = springs.iter().position(|spring| spring.name == *joint);
+            let spring = found.ok_or_else(|| {
+                let names: Vec<&str> = springs.iter().map(|spring| spring.name.as_str()).collect();
+                let help = match names[..] {
+                    [] => "the scene has no springs between nodes".to_owned(),
+                    _ => did_you_mean(joint, names.iter().copied())
+                        .unwrap_or_else(|| format!("the springs are: {}", names.join(", "))),
+                };
+                let message = format!("no spring between nodes is called `{joint}`");
+                Issue::new(key.key("joint"), message).with_help(help)
+            })?;
+            Quantity::SpringForce { spring }
+        }
+    };
+    Ok(Probe {
+        name: probe.name.clone(),
+        quantity,
+        summary: probe.summary.map(|summary| match summary {
+            scenario::Summary::Last => Summary::Last,
+            scenario::Summary::Max => Summary::Maximum,
+            scenario::Summary::Min => Summary::Minimum,
+            scenario::Summary::Mean => Summary::Mean,
+        }),
+    })
+}
+
+/// The rods of a scene as a probe calls them.
+struct Rods<'a> {
+    scene: &'a Scene,
+    /// The probe.
+    key: &'a KeyPath,
+}
+
+impl Rods<'_> {
+    fn named(&self, name: &str, key: &str) -> Result<usize, Issue> {
+        let rods = &self.scene.rods;
+        rods.iter().position(|rod| rod.name == name).ok_or_else(|| {
+            let names: Vec<&str> = rods.iter().map(|rod| rod.name.as_str()).collect();
+            let help = did_you_mean(name, names.iter().copied())
+                .unwrap_or_else(|| format!("the rods are: {}", names.join(", ")));
+            let message = format!("no rod is called `{name}`");
+            Issue::new(self.key.key(key), message).with_help(help)
+        })
+    }
+
+    /// A rod by its name, or the only one.
+    fn rod(&self, name: Option<&String>) -> Result<usize, Issue> {
+        match (name, &self.scene.rods[..]) {
+            (Some(name), _) => self.named(name, "rod"),
+            (None, [_]) => Ok(0),
+            (None, rods) => {
+                let names: Vec<&str> = rods.iter().map(|rod| rod.name.as_str()).collect();
+                let help = format!("the rods are: {}", names.join(", "));
+                Err(Issue::new(self.key.clone(), "missing key `rod`").with_help(help))
+            }
+        }
+    }
+
+    fn first_node(&self, rod: usize) -> usize {
+        let before = self.scene.rods[..rod].iter();
+        before.map(|rod| rod.centreline.len()).sum()
+    }
+
+    fn along(&self, rod: usize, at: Place, key: &str, what: &str) -> Result<usize, Issue> {
+        let description: &RodDescription = &self.scene.rods[rod];
+        let nodes = description.centreline.len();
+        let count = match what {
+            "edge" if !description.closed => nodes - 1,
+            _ => nodes,
+        };
+        match at {
+            Place::Start => Ok(0),
+            Place::End => Ok(count - 1),
+            Place::Number(number) if number < count => Ok(number),
+            Place::Number(number) => {
+                let message = format!(
+                    "rod `{}` has no {what} {number}; allowed: 0 to {}, \"start\" or \"end\"",
+                    description.name,
+                    count - 1
+                );
+                Err(Issue::new(self.key.key(key), message))
+            }
+        }
+    }
+
+    /// Rod and node along it.
+    fn place(&self, place: &AtPlace) -> Result<(usize, usize), Issue> {
+        let rod = self.rod(place.rod.as_ref())?;
+        let at = place.at.unwrap_or(Place::Start);
+        Ok((rod, self.along(rod, at, "at", "node")?))
+    }
+
+    fn node(&self, place: &AtPlace) -> Result<usize, Issue> {
+        let (rod, along) = self.place(place)?;
+        Ok(self.first_node(rod) + along)
+    }
+
+    fn node_or_largest(&self, place: &AtPlace) -> Result<(usize, Option<usize>), Issue> {
+        self.place_or_largest(place, "node")
+    }
+
+    fn edge_or_largest(&self, place: &AtPlace) -> Result<(usize, Option<usize>), Issue> {
+        self.place_or_largest(place, "edge")
+    }
+
+    fn place_or_largest(
+        &self,
+        place: &AtPlace,
+        what: &str,
+    ) -> Result<(usize, Option<usize>), Issue> {
+        let rod = self.rod(place.rod.as_ref())?;
+        let at = place.at.map(|at| self.along(rod, at, "at", what));
+        let first = self.first_node(rod);
+        Ok((rod, at.transpose()?.map(|along| first + along)))
+    }
+
+    fn reaction(&self, place: &AtPlace) -> Result<Quantity, Issue> {
+        let (rod, along) = self.place(place)?;
+        let mut clamps = self.scene.clamps.iter();
+        if !clamps.any(|clamp| (clamp.rod, clamp.node) == (rod, along)) {
+            let name = &self.scene.rods[rod].name;
+            let message = format!("no clamp holds node {along} of rod `{name}`");
+            return Err(Issue::new(self.key.key("at"), message));
+        }
+        Ok(Quantity::Reaction {
+            node: self.first_node(rod) + along,
+        })
+    }
+
+    fn distance(&self, between: &Between) -> Result<Quantity, Issue> {
+        let one = self.rod(between.rod.as_ref())?;
+        let other = match &between.to_rod {
+            Some(name) => self.named(name, "to_rod")?,
+            None => one,
+        };
+        let Some(nodes) = between.nodes else {
+            if one == other {
+                let message = "a rod has no distance from itself; give the nodes `at` and `to`";
+                return Err(Issue::new(self.key.key("to_rod"), message));
+            }
+            return Ok(Quantity::RodDistance { rods: [one, other] });
+        };
+        let at = self.along(one, nodes.at, "at", "node")?;
+        let to = self.along(other, nodes.to, "to", "node")?;
+        Ok(Quantity::NodeDistance {
+            nodes: [self.first_node(one) + at, self.first_node(other) + to],
+        })
+    }
+
+    fn contact_force(&self, pressed: &PressedRod) -> Result<Quantity, Issue> {
+        let fault = |key: &str, message: String| Err(Issue::new(self.key.key(key), message));
+        if self.scene.contact.is_none() {
+            let message = "there is no contact in this scenario: a table [contact] is missing";
+            return fault("kind", message.to_owned());
+        }
+        let planes = self.scene.planes.len();
+        if let Some(name) = &pressed.from_obstacle {
+            let names: Vec<&str> = (self.scene.obstacles.iter())
+                .map(|obstacle| obstacle.name.as_str())
+                .collect();
+            let Some(obstacle) = names.iter().position(|known| known == name) else {
+                let message = match names.as_slice() {
+                    [] => {
+                        format!("there is no obstacle `{name}`: the scenario has no [[obstacles]]")
+                    }
+                    names => format!(
+                        "there is no obstacle `{name}`; there are: {}",
+                        names.join(", ")
+                    ),
+                };
+                return fault("from_obstacle", message);
+            };
+            return Ok(Quantity::ContactForce {
+                rod: self.rod(pressed.rod.as_ref())?,
+                from: ContactPartner::Obstacle(obstacle),
+            });
+        }
+        let from = match (&pressed.from_rod, pressed.from_plane) {
+            (Some(name), _) => ContactPartner::Rod(self.named(name, "from_rod")?),
+            (None, Some(plane)) if plane < planes => ContactPartner::Plane(plane),
+            (None, Some(plane)) => {
+                let message = match planes {
+                    0 => format!("there is no plane {plane}: the scenario has no [[planes]]"),
+                    _ => format!("there is no plane {plane}; allowed: 0 to {}", planes - 1),
+                };
+                return fault("from_plane", message);
+            }
+            (None, None) => ContactPartner::Anything,
+        };
+        Ok(Quantity::ContactForce {
+            rod: self.rod(pressed.rod.as_ref())?,
+            from,
+        })
+    }
+}
+
+/// The condition on the column that it names, or on the only column of the probe that it names.
+fn stop_when(condition: &scenario::StopWhen, probes: &[Probe]) -> Result<StopWhen, Issue> {
+    let key = KeyPath::from("stop_when.probe");
+    let columns: Vec<String> = probes.iter().flat_map(Probe::columns).collect();
+    let column = match probes.iter().find(|probe| probe.name == condition.probe) {
+        Some(probe) => match &probe.columns()[..] {
+            [column] => Ok(column.clone()),
+            several => {
+                let help = format!("name one of them: {}", several.join(", "));
+                Err(Issue::new(key, "this probe has several columns").with_help(help))
+            }
+        },
+        None if columns.contains(&condition.probe) => Ok(condition.probe.clone()),
+        None => {
+            let message = format!("no probe has a column `{}`", condition.probe);
+            let help = did_you_mean(&condition.probe, columns.iter().map(String::as_str));
+            let help = help.unwrap_or_else(|| match columns.len() {
+                0 => "there are no [[probes]]".to_owned(),
+                _ => format!("the columns are: {}", columns.join(", ")),
+            });
+            Err(Issue::new(key, message).with_help(help))
+        }
+    };
+    Ok(StopWhen {
+        column: column?,
+        limit: match (condition.above, condition.below) {
+            (Some(limit), _) => Limit::Above(limit),
+            (None, limit) => Limit::Below(limit.unwrap_or(f64::NEG_INFINITY)),
+        },
+    })
+}

@@ -1,0 +1,20 @@
+//! The laboratory: scenarios from files, experiments, runs, sweeps, reports.
+//!
+//! | room | what lives there |
+//! |---|---|
+//! | [`scenario`] | the TOML schema as Rust types, units, validation with source positions |
+//! | [`experiment`] | one folder per kind of experiment: its keys, scene, observers, figures; the list of kinds |
+//! | [`run`] | the run loop on a results directory |
+//! | [`sweep`] | many cases |
+//! | [`report`] | figures and pages of a results directory |
+//! | [`cluster`] | Slurm job arrays |
+
+// Tests compare with a tolerance, and may ask any mathematical library.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
+pub mod cluster;
+pub mod experiment;
+pub mod report;
+pub mod run;
+pub mod scenario;
+pub mod sweep;

@@ -1,0 +1,133 @@
+//! Bodies that rods carry, for pictures: where their nodes are, turned as the rods run there.
+//!
+//! Results hold positions of nodes, not how bodies are turned about the rod: pictures turn them the shortest way from where
+//! they were placed. Spheres and disks show no difference.
+
+use super::rod_places::{node_at, nodes_of};
+use crate::scenario::{BodyShape, Scenario};
+use rodlab_engine::mechanics::rigid_body::RigidBody;
+use rodlab_engine::mechanics::rod::transport::{any_normal, normal_part, parallel_transport};
+use rodlab_engine::mechanics::rotation::Pose;
+use rodlab_engine::mechanics::{Matrix3, UnitQuaternion, Vector3};
+use rodlab_files::figure::{Body, MovieObstacle};
+use rodlab_files::results::RodRecord;
+use std::f64::consts::TAU;
+
+/// Corners of a disk.
+const AROUND: usize = 48;
+
+/// A body with a shape.
+#[derive(Clone, Debug)]
+pub struct CarriedBody {
+    /// Its node.
+    node: usize,
+    /// The nodes before and after it along the rod as far as there are any, among all nodes.
+    between: [usize; 2],
+    /// Its surface in the frame of directors and tangent, m.
+    triangles: Vec<[Vector3; 3]>,
+    /// Tangent and first director as placed.
+    placed: [Vector3; 2],
+}
+
+/// Those of a scenario, whose nodes were placed at `start`.
+pub fn carried_bodies(
+    scenario: Option<&Scenario>,
+    rods: &[RodRecord],
+    start: &[Vector3],
+) -> Vec<CarriedBody> {
+    let bodies = scenario.iter().flat_map(|scenario| &scenario.bodies);
+    let carried = bodies.filter_map(|body| {
+        let nodes = nodes_of(rods, &body.rod)?;
+        let node = node_at(&nodes, body.at);
+        let between = [
+            node.saturating_sub(1).max(*nodes.start()),
+            (node + 1).min(*nodes.end()),
+        ];
+        let described = scenario?.rods.iter().find(|one| one.name == body.rod);
+        let along_rod = start.get(between[1])? - start.get(between[0])?;
+        let tangent = along_rod.try_normalize(0.0)?;
+        let director = described.and_then(|rod| rod.director).map(Vector3::from);
+        let director = director.and_then(|director| normal_part(&director, &tangent));
+        Some(CarriedBody {
+            node,
+            between,
+            triangles: surface(&body.shape?, body.offset),
+            placed: [tangent, director.unwrap_or_else(|| any_normal(&tangent))],
+        })
+    });
+    carried.collect()
+}
+
+impl CarriedBody {
+    /// Where it is with the nodes at these positions.
+    fn pose(&self, positions: &[Vector3]) -> Pose {
+        let along = positions[self.between[1]] - positions[self.between[0]];
+        let [from, director] = self.placed;
+        let tangent = along.try_normalize(0.0).unwrap_or(from);
+        let first = parallel_transport(&director, &from, &tangent);
+        let axes = Matrix3::from_columns(&[first, tangent.cross(&first), tangent]);
+        Pose {
+            rotation: UnitQuaternion::from_matrix(&axes),
+            translation: positions[self.node],
+        }
+    }
+
+    /// As figures show it with the nodes at these positions.
+    pub fn at(&self, positions: &[Vector3]) -> Body {
+        let pose = self.pose(positions);
+        let placed = |corners: &[Vector3; 3]| corners.map(|corner| pose.of(&corner));
+        Body {
+            triangles: self.triangles.iter().map(placed).collect(),
+            hollow: false,
+        }
+    }
+
+    /// As the 3-D page shows it with the nodes at the positions of each output.
+    pub fn in_motion<'a>(&self, outputs: impl Iterator<Item = &'a [Vector3]>) -> MovieObstacle {
+        MovieObstacle {
+            triangles: self.triangles.clone(),
+            poses: outputs
+                .map(|positions| self.pose(positions).matrix())
+                .collect(),
+        }
+    }
+}
+
+/// The surface of a shape around a centre, m; the tangent is z.
+fn surface(shape: &BodyShape, centre: Option<[f64; 3]>) -> Vec<[Vector3; 3]> {
+    let mut triangles = surface_about_origin(shape);
+    if let Some(centre) = centre.map(Vector3::from) {
+        let corners = triangles.iter_mut().flatten();
+        corners.for_each(|corner| *corner += centre);
+    }
+    triangles
+}
+
+fn surface_about_origin(shape: &BodyShape) -> Vec<[Vector3; 3]> {
+    let (origin, all) = (Vector3::zeros(), f64::INFINITY);
+    match *shape {
+        BodyShape::Sphere { radius } => RigidBody::sphere(origin, radius).surface(&origin, all),
+        BodyShape::Box { size } => {
+            let upright = UnitQuaternion::identity();
+            let sides = Vector3::from(size);
+            RigidBody::cuboid(origin, sides, &upright, 0.0).surface(&origin, all)
+        }
+        BodyShape::Disk { radius, thickness } => {
+            let corner = |k: usize, side: f64| {
+                let (sine, cosine) = libm::sincos(TAU * (k % AROUND) as f64 / AROUND as f64);
+                Vector3::new(radius * cosine, radius * sine, 0.5 * side * thickness)
+            };
+            let mut triangles = Vec::with_capacity(4 * AROUND);
+            for k in 0..AROUND {
+                for side in [-1.0, 1.0] {
+                    let centre = Vector3::z() * (0.5 * side * thickness);
+                    triangles.push([centre, corner(k, side), corner(k + 1, side)]);
+                }
+                let [a, b] = [k, k + 1].map(|k| corner(k, -1.0));
+                let [c, d] = [k, k + 1].map(|k| corner(k, 1.0));
+                triangles.extend([[a, b, d], [a, d, c]]);
+            }
+            triangles
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! Numbers for people, of scenes of any size.
+
+/// A number with so many decimals, or with a power of ten where these would show less than a digit of it: lengths in
+/// metres and times in seconds, in scenes of micrometres, too.
+pub fn decimals(number: f64, decimals: usize) -> String {
+    let shown = libm::pow(10.0, 1.0 - decimals as f64);
+    if number == 0.0 || number.abs() >= shown || !number.is_finite() {
+        format!("{number:.decimals$}")
+    } else {
+        format!("{number:.3e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_numbers_keep_their_digits() {
+        let shown = [0.3, 1.25e-5, 5e-7, 0.0].map(|number| decimals(number, 6));
+        assert_eq!(shown, ["0.300000", "0.000013", "5.000e-7", "0.000000"]);
+    }
+}

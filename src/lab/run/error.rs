@@ -1,0 +1,47 @@
+//! Why a run ended early.
+
+use super::Reached;
+use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_files::results::ResultsError;
+use std::path::PathBuf;
+
+/// Why a run did not reach its end.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scene cannot be set up; nothing was written.
+    #[error(transparent)]
+    Scene(SimulationError),
+    /// The mechanics stopped: no convergence or a physics check failed.
+    #[error("{source}\nresults up to there are in `{}`", directory.display())]
+    Simulation {
+        /// What the simulation said.
+        source: SimulationError,
+        /// Where the results lie.
+        directory: PathBuf,
+    },
+    /// The time limit was reached; a checkpoint was written.
+    #[error(
+        "time limit reached at {reached}; the same command continues from there, in `{}`",
+        directory.display()
+    )]
+    TimeLimit {
+        /// How far the run had come.
+        reached: Reached,
+        /// Where the results lie.
+        directory: PathBuf,
+    },
+    /// Ctrl-C or SIGTERM; a checkpoint was written.
+    #[error(
+        "interrupted at {reached}; the same command continues from there, in `{}`",
+        directory.display()
+    )]
+    Interrupted {
+        /// How far the run had come.
+        reached: Reached,
+        /// Where the results lie.
+        directory: PathBuf,
+    },
+    /// Results could not be written or read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+}

@@ -1,0 +1,103 @@
+//! Ctrl-C, SIGTERM and a terminal that closes end a run after the step at hand, with a checkpoint; so does SIGUSR1, by
+//! which batch systems say that the time is nearly up.
+
+use super::stop::StopRequest;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::{SigId, flag, low_level};
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Watches for a request to stop, from its creation until it is dropped.
+///
+/// Signals end the program at once as long as nobody has asked for them: there is nothing to save yet. From the first
+/// call of [`requested`](Self::requested) on, whoever asks has work to save and will stop; a second signal, which shells
+/// and wrappers often send within milliseconds of the first, then changes nothing, until all is saved.
+pub struct Interruption {
+    interrupted: Arc<AtomicBool>,
+    time_is_up: Arc<AtomicBool>,
+    /// Whether nobody asks: not yet, or no more.
+    unattended: Arc<AtomicBool>,
+    handlers: Vec<SigId>,
+}
+
+/// How many in this process ask now and then.
+static ATTENDANTS: AtomicUsize = AtomicUsize::new(0);
+/// Whether one of them has heard a request, and ends the program in its own way.
+static HEARD: AtomicBool = AtomicBool::new(false);
+
+/// Whether anybody in this process asks for requests to stop, or has heard one. While nobody does, before the first run and
+/// between two, nothing is at work that would have to be saved.
+pub fn is_attended() -> bool {
+    ATTENDANTS.load(Ordering::Relaxed) > 0 || HEARD.load(Ordering::Relaxed)
+}
+
+/// Exit code of a program ended by Ctrl-C.
+const EXIT_CODE: i32 = 130;
+
+impl Interruption {
+    /// Installs the handlers; where that fails, a warning says so and signals end the program at once.
+    pub fn watch() -> Self {
+        Self::install().unwrap_or_else(|error| {
+            tracing::warn!("Ctrl-C will end the run without a checkpoint: {error}");
+            Self::deaf()
+        })
+    }
+
+    /// One that no signal reaches.
+    fn deaf() -> Self {
+        Self {
+            interrupted: Arc::default(),
+            time_is_up: Arc::default(),
+            unattended: Arc::new(AtomicBool::new(true)),
+            handlers: Vec::new(),
+        }
+    }
+
+    fn install() -> io::Result<Self> {
+        let mut interruption = Self::deaf();
+        for signal in [SIGINT, SIGTERM, SIGHUP] {
+            let unattended = Arc::clone(&interruption.unattended);
+            let at_once = flag::register_conditional_shutdown(signal, EXIT_CODE, unattended)?;
+            let noted = flag::register(signal, Arc::clone(&interruption.interrupted))?;
+            interruption.handlers.extend([at_once, noted]);
+        }
+        let warning = flag::register(SIGUSR1, Arc::clone(&interruption.time_is_up))?;
+        interruption.handlers.push(warning);
+        Ok(interruption)
+    }
+
+    /// Whether the run was asked to stop.
+    pub fn requested(&self) -> Option<StopRequest> {
+        if self.unattended.swap(false, Ordering::Relaxed) {
+            ATTENDANTS.fetch_add(1, Ordering::Relaxed);
+        }
+        let request = if self.interrupted.load(Ordering::Relaxed) {
+            StopRequest::Interrupt
+        } else if self.time_is_up.load(Ordering::Relaxed) {
+            StopRequest::TimeLimit
+        } else {
+            return None;
+        };
+        HEARD.store(true, Ordering::Relaxed);
+        Some(request)
+    }
+}
+
+impl Interruption {
+    /// Nobody will ask any more: what is still done need not be saved. A request that has come already stands.
+    pub fn leave_unattended(&self) {
+        if !self.unattended.swap(true, Ordering::Relaxed) {
+            ATTENDANTS.fetch_sub(1, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Drop for Interruption {
+    fn drop(&mut self) {
+        for handler in self.handlers.drain(..) {
+            low_level::unregister(handler);
+        }
+        self.leave_unattended();
+    }
+}

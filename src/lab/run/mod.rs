@@ -1,0 +1,236 @@
+//! The run loop: a prepared run goes in, a results directory comes out.
+
+mod advance;
+mod controller;
+mod counters;
+mod decimals;
+mod end_state;
+mod error;
+mod interruption;
+mod linking;
+mod observer;
+mod output_times;
+#[cfg(test)]
+mod participant_tests;
+mod participants;
+mod path;
+mod prepared;
+pub mod probes;
+mod progress;
+mod records;
+mod saved;
+mod session;
+mod stop;
+mod table;
+#[cfg(test)]
+mod tests;
+pub mod thread_pools;
+mod trial;
+mod work;
+
+pub use controller::{Controller, ControllerObject};
+pub use decimals::decimals;
+pub use end_state::start_from;
+pub use error::RunError;
+pub use interruption::{Interruption, is_attended};
+pub use linking::LinkingGuard;
+pub use observer::{Finding, Observer, ObserverObject, Sample};
+pub use prepared::{Mode, OutputPlan, PreparedRun, TableRun};
+pub use progress::AmongBars;
+pub use records::rod_records;
+pub use stop::StopRequest;
+pub use stop::StopRequests;
+pub use table::TableJob;
+pub use trial::{Forecast, forecast};
+pub use work::is_deaf;
+
+use advance::Advance;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_files::results::{
+    CaseOutcome, MAIN_CASE, Manifest, Opened, ResultsDirectory, ResultsError, scenario_hash,
+};
+use session::Session;
+use std::fmt;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use work::Work;
+
+/// How to run, as opposed to what.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// Where the results go.
+    pub directory: PathBuf,
+    /// Start over where results exist, whatever scenario they are of.
+    pub force: bool,
+    /// The command line, for the manifest.
+    pub command_line: Vec<String>,
+    /// Show a progress bar on standard error (none appears where that is no terminal).
+    pub progress: bool,
+    /// The bars among which that of this run appears, where it has company.
+    pub among: Option<AmongBars>,
+    /// Moment at which the run stops with a checkpoint, though not before some steps.
+    pub deadline: Option<Instant>,
+    /// Wall time between checkpoints.
+    pub checkpoint_every: Duration,
+}
+
+impl RunOptions {
+    /// The usual options for a run into `directory`: no time limit, a checkpoint every minute.
+    pub fn new(directory: impl Into<PathBuf>) -> Self {
+        Self {
+            directory: directory.into(),
+            force: false,
+            command_line: std::env::args_os()
+                .map(|argument| argument.to_string_lossy().into_owned())
+                .collect(),
+            progress: true,
+            among: None,
+            deadline: None,
+            checkpoint_every: Duration::from_secs(60),
+        }
+    }
+}
+
+/// A run that reached its end.
+#[derive(Clone, Debug)]
+pub struct RunOutcome {
+    /// Where the results lie.
+    pub directory: PathBuf,
+    /// Whether there was anything left to do.
+    pub status: RunStatus,
+    /// Steps, iterations, contacts.
+    pub case: CaseOutcome,
+    /// Wall time of this call and of the interrupted ones before it.
+    pub wall_time: Duration,
+    /// What people want to see first of what was observed: names and texts, a line each.
+    pub highlights: Vec<(String, String)>,
+}
+
+/// What a successful call of [`run`] did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RunStatus {
+    /// Ran from the beginning.
+    Finished,
+    /// Continued from what an interrupted call had reached.
+    Resumed {
+        /// How far it had come.
+        from: Reached,
+    },
+    /// The results were there already; nothing was run.
+    AlreadyFinished,
+}
+
+/// How far a run has come.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub enum Reached {
+    /// Not beyond the start: an equilibrium is found or not.
+    Start,
+    /// Simulated time, s.
+    Time(f64),
+    /// Parameter of a path of equilibria.
+    Parameter(f64),
+    /// Rows of a table.
+    Rows(usize),
+}
+
+impl fmt::Display for Reached {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Start => write!(f, "the start"),
+            Self::Time(time) => write!(f, "t = {} s", decimals(*time, 6)),
+            Self::Parameter(parameter) => write!(f, "parameter {parameter:.6}"),
+            Self::Rows(rows) => write!(f, "row {rows}"),
+        }
+    }
+}
+
+/// Runs to the end and writes the results directory.
+///
+/// Idempotent: finished results of the same scenario are left alone, interrupted ones are continued
+/// from their last checkpoint, bit for bit.
+///
+/// # Errors
+/// See [`RunError`].
+pub fn run(prepared: &PreparedRun, options: &RunOptions) -> Result<RunOutcome, RunError> {
+    let interruption = Interruption::watch();
+    run_until(prepared, options, &|| interruption.requested())
+}
+
+/// Time for which work that was set up goes on, though its time may be up: so each call gets on, however short its time.
+const LEAST: Duration = Duration::from_millis(20);
+
+/// The moment at which work that begins now is to stop.
+pub fn not_at_once(deadline: Instant) -> Instant {
+    deadline.max(Instant::now() + LEAST)
+}
+
+/// [`run`], until `stop_requested`, which is asked between steps and during long ones.
+///
+/// # Errors
+/// See [`RunError`].
+pub fn run_until(
+    prepared: &PreparedRun,
+    options: &RunOptions,
+    stop_requested: StopRequests<'_>,
+) -> Result<RunOutcome, RunError> {
+    let deadline = options.deadline.map(not_at_once);
+    let work = Work::begin();
+    let stop_requested = || {
+        let late = || deadline.is_some_and(|at| Instant::now() >= at);
+        let request = stop_requested().or_else(|| late().then_some(StopRequest::TimeLimit));
+        request.inspect(|_| work.is_told())
+    };
+    if let Some(table) = &prepared.table {
+        return table.run(prepared, options, &stop_requested);
+    }
+    let mut simulation =
+        Simulation::new(&prepared.scene, &prepared.integration).map_err(RunError::Scene)?;
+    run_simulation(&mut simulation, prepared, options, &stop_requested)
+}
+
+/// Opens the results directory of a run.
+fn open_results(prepared: &PreparedRun, options: &RunOptions) -> Result<Opened, ResultsError> {
+    ResultsDirectory::open(
+        &options.directory,
+        &scenario_hash(&prepared.scenario_toml),
+        &prepared.scenario_toml,
+        &prepared.own_files,
+        options.force,
+    )
+}
+
+/// Runs a simulation at time zero to the end of the prepared run, or until `stop_requested`, asked between steps.
+fn run_simulation(
+    simulation: &mut impl Advance,
+    prepared: &PreparedRun,
+    options: &RunOptions,
+    stop_requested: StopRequests<'_>,
+) -> Result<RunOutcome, RunError> {
+    match open_results(prepared, options)? {
+        Opened::Finished(manifest) => {
+            Ok(RunOutcome::already_finished(&manifest, prepared, options))
+        }
+        Opened::Ready(directory) => {
+            let mut session = Session::begin(directory, simulation, prepared, options)?;
+            let result = session.proceed(simulation, prepared.mode, stop_requested);
+            session.conclude(simulation, result)
+        }
+    }
+}
+
+impl RunOutcome {
+    fn already_finished(manifest: &Manifest, prepared: &PreparedRun, options: &RunOptions) -> Self {
+        let record = manifest.cases.get(MAIN_CASE);
+        let case = record.map(|record| record.outcome.clone());
+        let case = case.unwrap_or_default();
+        Self {
+            directory: options.directory.clone(),
+            status: RunStatus::AlreadyFinished,
+            highlights: participants::highlights(&prepared.observers, &case),
+            case,
+            wall_time: record
+                .map(|record| record.usage().wall_time)
+                .unwrap_or_default(),
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! All observers and controllers of a run together.
+
+use super::{Controller, Observer};
+use rodlab_files::results::{CaseOutcome, NamedValues, ResultsError};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The saved states of observers and controllers, with their names.
+#[derive(Clone, Default, Serialize, Deserialize)]
+pub(super) struct SavedStates {
+    observers: Vec<(String, Vec<u8>)>,
+    controllers: Vec<(String, Vec<u8>)>,
+}
+
+/// Those of a run.
+#[derive(Clone)]
+pub(super) struct Participants {
+    pub observers: Vec<Box<dyn Observer>>,
+    pub controllers: Vec<Box<dyn Controller>>,
+}
+
+impl Participants {
+    /// Their states now.
+    pub fn save(&self) -> SavedStates {
+        let observers = self.observers.iter();
+        let controllers = self.controllers.iter();
+        SavedStates {
+            observers: observers
+                .map(|one| (one.name().to_owned(), (**one).save()))
+                .collect(),
+            controllers: controllers
+                .map(|one| (one.name().to_owned(), (**one).save()))
+                .collect(),
+        }
+    }
+
+    /// Takes over saved states.
+    ///
+    /// # Errors
+    /// [`ResultsError::Damaged`] where they are those of others.
+    pub fn restore(&mut self, states: &SavedStates, directory: &Path) -> Result<(), ResultsError> {
+        let damaged = |reason: String| ResultsError::Damaged {
+            path: directory.to_owned(),
+            reason: format!("the checkpoint does not fit: {reason}"),
+        };
+        let observers = self.observers.iter().map(|one| one.name());
+        let controllers = self.controllers.iter().map(|one| one.name());
+        let saved = states.observers.iter().chain(&states.controllers);
+        if !observers
+            .chain(controllers)
+            .eq(saved.map(|(name, _)| name.as_str()))
+        {
+            return Err(damaged("other observers or controllers".into()));
+        }
+        for (one, (name, state)) in self.observers.iter_mut().zip(&states.observers) {
+            let restored = (**one).restore(state);
+            restored.map_err(|error| damaged(format!("{name}: {error}")))?;
+        }
+        for (one, (name, state)) in self.controllers.iter_mut().zip(&states.controllers) {
+            let restored = (**one).restore(state);
+            restored.map_err(|error| damaged(format!("{name}: {error}")))?;
+        }
+        Ok(())
+    }
+}
+
+/// Names of the columns that observers add to the series.
+pub(super) fn columns(observers: &[Box<dyn Observer>]) -> Vec<String> {
+    observers.iter().flat_map(|one| one.columns()).collect()
+}
+
+/// What all observers say of the run.
+pub(super) fn outcomes(observers: &[Box<dyn Observer>]) -> NamedValues {
+    let values = observers.iter().flat_map(|one| one.outcomes().0);
+    NamedValues(values.collect())
+}
+
+/// What people want to see first of an outcome.
+pub(super) fn highlights(
+    observers: &[Box<dyn Observer>],
+    outcome: &CaseOutcome,
+) -> Vec<(String, String)> {
+    let lines = observers.iter().flat_map(|one| one.highlights(outcome));
+    lines.collect()
+}

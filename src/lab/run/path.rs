@@ -1,0 +1,121 @@
+//! A path of equilibria that is followed, and what is written of its points.
+
+use rodlab_engine::mechanics::dynamics::Energies;
+use rodlab_engine::mechanics::statics::{EndedEarly, PathPoint, PointKind, Tracer};
+use rodlab_files::results::{
+    BRANCH, BranchKind, BranchRow, CsvStream, FileMark, ResultsDirectory, ResultsError,
+};
+use serde::{Deserialize, Serialize};
+
+/// A path at work.
+pub struct PathAtWork {
+    /// Finds the points.
+    pub tracer: Tracer,
+    branches: CsvStream,
+    /// Parameters of the points so far.
+    pub parameters: Vec<f64>,
+}
+
+/// What a checkpoint holds of it.
+#[derive(Serialize, Deserialize)]
+pub struct PathCheckpoint {
+    tracer: Tracer,
+    parameters: Vec<f64>,
+    /// How far `branch.csv` has come.
+    branches: FileMark,
+}
+
+impl PathAtWork {
+    /// Begins at the start of a path.
+    pub fn begin(tracer: Tracer, directory: &ResultsDirectory) -> Result<Self, ResultsError> {
+        Ok(Self {
+            tracer,
+            branches: CsvStream::create(&directory.file(BRANCH))?,
+            parameters: Vec::new(),
+        })
+    }
+
+    /// Goes on from a checkpoint.
+    pub fn resume(
+        checkpoint: PathCheckpoint,
+        directory: &ResultsDirectory,
+    ) -> Result<Self, ResultsError> {
+        Ok(Self {
+            tracer: checkpoint.tracer,
+            branches: CsvStream::continue_at(&directory.file(BRANCH), &checkpoint.branches)?,
+            parameters: checkpoint.parameters,
+        })
+    }
+
+    /// Puts `branch.csv` on the disk; what a checkpoint must hold.
+    pub fn checkpoint(&mut self) -> Result<PathCheckpoint, ResultsError> {
+        Ok(PathCheckpoint {
+            tracer: self.tracer.clone(),
+            parameters: self.parameters.clone(),
+            branches: self.branches.sync()?,
+        })
+    }
+
+    /// Writes the row of a point at which nodes have moved by `displacement_rms`, m.
+    pub fn add(
+        &mut self,
+        point: &PathPoint,
+        displacement_rms: f64,
+        energies: &Energies,
+    ) -> Result<(), ResultsError> {
+        self.branches
+            .write(&row(point, displacement_rms, energies))?;
+        self.branches.flush()?;
+        self.parameters.push(point.parameter);
+        Ok(())
+    }
+
+    /// Puts `branch.csv` on the disk and marks it.
+    pub fn sync(&mut self) -> Result<FileMark, ResultsError> {
+        self.branches.sync()
+    }
+
+    /// What is to be told at the end of the path.
+    pub fn remarks(&self) -> Vec<String> {
+        remarks(self.tracer.ended_early())
+    }
+}
+
+/// What is to be told of a path at its end.
+fn remarks(ended_early: EndedEarly) -> Vec<String> {
+    let EndedEarly { long, lost } = ended_early;
+    let mut remarks = Vec::new();
+    if long > 0 {
+        remarks.push(format!(
+            "{long} of the branches ended within the range, at continuation.most_points"
+        ));
+    }
+    if lost > 0 {
+        remarks.push(format!("{lost} of the branches that leave the first could not be followed to an end of the range"));
+    }
+    remarks
+}
+
+fn row(point: &PathPoint, displacement_rms_m: f64, energies: &Energies) -> BranchRow {
+    let elastic = energies.elastic();
+    BranchRow {
+        branch: point.branch,
+        parameter: point.parameter,
+        parameter_error: point.parameter_error,
+        displacement_rms_m,
+        elastic_energy_j: elastic,
+        energy_j: elastic + energies.contact + energies.gravitational,
+        negative_pivots: point.negative,
+        stable: point.negative == 0,
+        lowest_eigenvalue_n_per_m: Some(point.lowest_eigenvalue).filter(|value| value.is_finite()),
+        growth_rate_per_s: point.motions.map(|motions| motions.growth_rate),
+        frequency_hz: point.motions.map(|motions| motions.frequency),
+        kind: match point.kind {
+            PointKind::Regular => BranchKind::Regular,
+            PointKind::Fold => BranchKind::Fold,
+            PointKind::Bifurcation => BranchKind::Bifurcation,
+            PointKind::Flutter => BranchKind::Flutter,
+        },
+        newton_iterations: point.iterations,
+    }
+}

@@ -1,0 +1,93 @@
+//! A run that is ready to start: what every experiment builds from its scenario.
+
+use super::stop::StopRequests;
+use super::{Controller, Observer, RunError, RunOptions, RunOutcome};
+use rodlab_engine::mechanics::dynamics::IntegrationParameters;
+use rodlab_engine::mechanics::scene::Scene;
+use rodlab_engine::mechanics::statics::PathPlan;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// A scenario turned into mechanics, with all that the run loop needs to know.
+#[derive(Clone, Debug)]
+pub struct PreparedRun {
+    /// Short name for directories: the stem of the scenario file.
+    pub name: String,
+    /// Name of the experiment, such as `scene` or `flagella`.
+    pub experiment: String,
+    /// Title for people.
+    pub title: String,
+    /// The resolved scenario as TOML, runnable as it stands; its hash identifies the run.
+    pub scenario_toml: String,
+    /// The mechanics.
+    pub scene: Scene,
+    /// Dynamic or static.
+    pub mode: Mode,
+    /// Time integration and Newton parameters.
+    pub integration: IntegrationParameters,
+    /// What is written, and how often.
+    pub output: OutputPlan,
+    /// What is observed, each as it is at the start.
+    pub observers: Vec<Box<dyn Observer>>,
+    /// What acts on the scene while it runs, each as it is at the start.
+    pub controllers: Vec<Box<dyn Controller>>,
+    /// What fills a table instead of moving the scene, which then shows the first of many.
+    pub table: Option<Arc<dyn TableRun>>,
+    /// Names of the files that kinds of experiments add to those of every run: what starting over removes, too.
+    pub own_files: Vec<&'static str>,
+    /// What may not be meant as it is, a sentence each: warnings of the run, and remarks at its end.
+    pub warnings: Vec<String>,
+    /// The file from which the scene starts, where it does not start as placed; the results hold a copy.
+    pub start: Option<Arc<[u8]>>,
+}
+
+impl PreparedRun {
+    /// The first observer of a type.
+    pub fn observer<T: Observer + 'static>(&self) -> Option<&T> {
+        let mut observers = self.observers.iter();
+        observers.find_map(|observer| (**observer).as_any().downcast_ref())
+    }
+}
+
+/// What fills a table: a [`TableJob`](super::TableJob), whatever its rows are.
+pub trait TableRun: Debug + Send + Sync {
+    /// Number of rows.
+    fn rows(&self) -> usize;
+    /// Computes the rows that are missing and concludes.
+    ///
+    /// # Errors
+    /// See [`RunError`].
+    fn run(
+        &self,
+        prepared: &PreparedRun,
+        options: &RunOptions,
+        stop_requested: StopRequests<'_>,
+    ) -> Result<RunOutcome, RunError>;
+}
+
+/// Whether the scene moves in time or rests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mode {
+    /// Time steps from zero to `end`, s.
+    Dynamic {
+        /// End of the simulated time, s.
+        end: f64,
+    },
+    /// Newton's method without inertia.
+    Static,
+    /// Equilibria along a path.
+    Continuation(PathPlan),
+}
+
+/// What a run writes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutputPlan {
+    /// Time between outputs, s.
+    pub interval: f64,
+    /// Whether `nodes.csv` is written.
+    pub nodes: bool,
+    /// Whether velocities, fluid and contact forces of the nodes are written (`node_forces.csv`).
+    pub forces: bool,
+    /// Whether a VTK PolyData series is written.
+    pub vtk: bool,
+}

@@ -1,0 +1,108 @@
+//! The progress bar.
+
+use super::decimals::decimals;
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use rodlab_engine::mechanics::dynamics::StepReport;
+use rodlab_engine::mechanics::statics::PathPoint;
+use std::time::{Duration, Instant};
+
+/// Ticks of a whole bar.
+const LENGTH: u64 = 10_000;
+
+/// Time between redraws; steps are often far shorter.
+const REFRESH: Duration = Duration::from_millis(100);
+
+/// A bar on standard error: simulated time of the end, step size, iterations, contacts, time left; or how far a
+/// path has come.
+pub struct Progress {
+    bar: ProgressBar,
+    start: f64,
+    end: f64,
+    drawn: Option<Instant>,
+}
+
+/// The bars of the runs of a sweep, and what this run is called among them.
+#[derive(Clone, Debug)]
+pub struct AmongBars {
+    /// All bars.
+    pub bars: MultiProgress,
+    /// Name of the run.
+    pub name: String,
+}
+
+impl Progress {
+    /// A bar of its own, or among those of other runs. Nothing is drawn unless `visible`, nor where standard
+    /// error is no terminal.
+    pub fn bar(visible: bool, among: Option<&AmongBars>) -> ProgressBar {
+        let template =
+            |text: &str| ProgressStyle::with_template(text).expect("the template is right");
+        match among {
+            _ if !visible => ProgressBar::hidden(),
+            None => ProgressBar::new(LENGTH).with_style(template("{wide_bar} {msg}, {eta} left")),
+            Some(among) => among.bars.add(
+                ProgressBar::new(LENGTH)
+                    .with_style(template("{prefix:.dim} {bar:20} {wide_msg}"))
+                    .with_prefix(among.name.clone()),
+            ),
+        }
+    }
+
+    /// A bar that is empty at `start` and full at `end`, simulated times in s or parameters, and stands at `now`.
+    pub fn new(bar: ProgressBar, now: f64, [start, end]: [f64; 2]) -> Self {
+        let progress = Self {
+            bar,
+            start,
+            end,
+            drawn: None,
+        };
+        progress.bar.set_position(progress.position(now));
+        // What an earlier call has done says nothing about the speed of this one.
+        progress.bar.reset_eta();
+        progress
+    }
+
+    /// Shows the step just taken.
+    pub fn update(&mut self, report: &StepReport) {
+        let end = self.end;
+        self.show(report.time, || {
+            format!(
+                "{} of {} s, step {:.1e} s, {} iterations, {} contacts",
+                decimals(report.time, 3),
+                end,
+                report.step,
+                report.newton_iterations,
+                report.contacts
+            )
+        });
+    }
+
+    /// Shows the point of a path just found, the last of so many.
+    pub fn update_path(&mut self, point: &PathPoint, points: usize) {
+        let end = self.end;
+        self.show(point.parameter, || {
+            format!(
+                "branch {}, parameter {:.4} of {}, {points} points",
+                point.branch, point.parameter, end
+            )
+        });
+    }
+
+    fn show(&mut self, now: f64, message: impl Fn() -> String) {
+        if self.bar.is_hidden() || self.drawn.is_some_and(|drawn| drawn.elapsed() < REFRESH) {
+            return;
+        }
+        self.drawn = Some(Instant::now());
+        self.bar.set_position(self.position(now));
+        self.bar.set_message(message());
+    }
+
+    fn position(&self, now: f64) -> u64 {
+        (LENGTH as f64 * (now - self.start) / (self.end - self.start)) as u64
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,97 @@
+//! Integration in time.
+
+use super::Session;
+use crate::run::advance::Advance;
+use crate::run::observer::Finding;
+use crate::run::stop::{Stop, StopRequests};
+use rodlab_engine::mechanics::dynamics::StepReport;
+use std::time::{Duration, Instant};
+
+/// Wall time up to which a step is always finished. To keep the state before it, so that it can be stopped halfway, would
+/// cost short steps some percent.
+const SHORT_STEP: Duration = Duration::from_millis(50);
+
+impl Session {
+    /// Takes time steps to the end, an output at each of its times.
+    pub(super) fn integrate(
+        &mut self,
+        simulation: &mut impl Advance,
+        stop_requested: StopRequests<'_>,
+    ) -> Result<(), Stop> {
+        while self.run_state.outputs <= self.times.last() {
+            let target = self.times.time(self.run_state.outputs);
+            while simulation.time() < target {
+                self.ask_to_stop(stop_requested)?;
+                self.write_checkpoint_if_due(simulation)?;
+                let start = Instant::now();
+                let report = if self.last_step < SHORT_STEP {
+                    let until = self.control(simulation)?.min(target);
+                    simulation.advance(until)?
+                } else {
+                    self.take_long_step(simulation, target, stop_requested)?
+                };
+                self.last_step = start.elapsed();
+                if report.contacts > 0 {
+                    self.meter.add_step_with_contact(start.elapsed());
+                }
+                self.run_state.counters.add_step(&report);
+                self.sample_if_due(simulation)?;
+                self.progress.update(&report);
+            }
+            self.record(simulation)?;
+            if self.has_ended() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes a step that may be stopped halfway, which leaves no trace.
+    fn take_long_step(
+        &mut self,
+        simulation: &mut impl Advance,
+        target: f64,
+        stop_requested: StopRequests<'_>,
+    ) -> Result<StepReport, Stop> {
+        let before = simulation.state();
+        let controllers = self.participants.controllers.clone();
+        let until = self.control(simulation)?.min(target);
+        let start = Instant::now();
+        let goes_on = || start.elapsed() < SHORT_STEP || self.ask_to_stop(stop_requested).is_ok();
+        if let Some(report) = simulation.advance_while(until, &goes_on)? {
+            return Ok(report);
+        }
+        simulation.restore(before)?;
+        self.participants.controllers = controllers;
+        Err(self.reason_to_stop(stop_requested))
+    }
+
+    /// Lets controllers act before a step; returns when the next of them must act again, s.
+    fn control(&mut self, simulation: &mut impl Advance) -> Result<f64, Stop> {
+        let now = simulation.time();
+        let mut until = f64::INFINITY;
+        let Some(simulation) = simulation.simulation_mut() else {
+            return Ok(until);
+        };
+        for controller in &mut self.participants.controllers {
+            controller.act(simulation)?;
+            let next = controller.next_time();
+            if next > now {
+                until = until.min(next);
+            }
+        }
+        Ok(until)
+    }
+
+    /// Lets observers look that are due, at times that do not depend on those of outputs.
+    fn sample_if_due(&mut self, simulation: &impl Advance) -> Result<(), Stop> {
+        let Some(sample) = self.sample_of(simulation) else {
+            return Ok(());
+        };
+        let time = simulation.time();
+        let observers = self.participants.observers.iter_mut();
+        let due = observers.filter(|observer| observer.is_due(time));
+        let findings: Vec<Finding> = due.map(|observer| observer.sample(&sample)).collect();
+        self.conclude_from(findings)
+    }
+}

@@ -1,0 +1,93 @@
+//! Why the steps of a run end early.
+
+use super::{Reached, RunError};
+use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_files::results::{CaseStatus, ResultsError};
+use std::path::PathBuf;
+
+/// A wish from outside to stop after the step at hand, with a checkpoint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopRequest {
+    /// A person, or the system, interrupts.
+    Interrupt,
+    /// The time is up.
+    TimeLimit,
+}
+
+/// What is asked, between steps and during long ones, whether to stop. A wish once told stays: it is asked for again by
+/// whoever finds work left undone.
+pub type StopRequests<'a> = &'a (dyn Fn() -> Option<StopRequest> + Sync);
+
+/// Why the steps ended early.
+pub(super) enum Stop {
+    Interrupted,
+    TimeLimit,
+    Simulation(SimulationError),
+    Results(ResultsError),
+}
+
+impl From<StopRequest> for Stop {
+    fn from(request: StopRequest) -> Self {
+        match request {
+            StopRequest::Interrupt => Self::Interrupted,
+            StopRequest::TimeLimit => Self::TimeLimit,
+        }
+    }
+}
+
+impl From<SimulationError> for Stop {
+    fn from(error: SimulationError) -> Self {
+        Self::Simulation(error)
+    }
+}
+
+impl From<ResultsError> for Stop {
+    fn from(error: ResultsError) -> Self {
+        Self::Results(error)
+    }
+}
+
+impl Stop {
+    /// The status it gives the case.
+    pub fn status(&self) -> CaseStatus {
+        match self {
+            Self::Interrupted => CaseStatus::Interrupted,
+            Self::TimeLimit => CaseStatus::TimeLimit,
+            Self::Simulation(
+                SimulationError::NoConvergence { .. }
+                | SimulationError::NoContactForces { .. }
+                | SimulationError::NoEquilibrium { .. },
+            ) => CaseStatus::NoConvergence,
+            Self::Simulation(SimulationError::Unphysical(_)) => CaseStatus::Unphysical,
+            Self::Simulation(SimulationError::BadScene(_)) | Self::Results(_) => CaseStatus::Failed,
+        }
+    }
+
+    /// The reason in words, for the record of the case.
+    pub fn reason(&self) -> String {
+        match self {
+            Self::Interrupted => "interrupted".to_owned(),
+            Self::TimeLimit => "time limit reached".to_owned(),
+            Self::Simulation(error) => error.to_string(),
+            Self::Results(error) => error.to_string(),
+        }
+    }
+
+    /// Whether the state of the simulation is sound, so that it may be kept.
+    pub fn leaves_sound_state(&self) -> bool {
+        matches!(
+            self.status(),
+            CaseStatus::Interrupted | CaseStatus::TimeLimit | CaseStatus::NoConvergence
+        )
+    }
+
+    /// The error with which the run ends.
+    pub fn into_error(self, reached: Reached, directory: PathBuf) -> RunError {
+        match self {
+            Self::Interrupted => RunError::Interrupted { reached, directory },
+            Self::TimeLimit => RunError::TimeLimit { reached, directory },
+            Self::Simulation(source) => RunError::Simulation { source, directory },
+            Self::Results(error) => RunError::Results(error),
+        }
+    }
+}

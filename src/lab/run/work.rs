@@ -1,0 +1,46 @@
+//! Who is at work in this process, and who has heard of a request to stop.
+//!
+//! Runs ask now and then whether to stop. A step of an enormous system may take minutes in between: whoever has asked a run to
+//! stop learns here that it has not heard.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// For each piece of work, whether it has been told to stop.
+static AT_WORK: Mutex<Vec<Arc<AtomicBool>>> = Mutex::new(Vec::new());
+
+/// A piece of work, until it is dropped.
+pub(super) struct Work {
+    told: Arc<AtomicBool>,
+}
+
+impl Work {
+    /// Work begins.
+    pub fn begin() -> Self {
+        let told = Arc::new(AtomicBool::new(false));
+        at_work().push(Arc::clone(&told));
+        Self { told }
+    }
+
+    /// It has asked and was told to stop, which it will do after it has saved what there is.
+    pub fn is_told(&self) {
+        self.told.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Work {
+    fn drop(&mut self) {
+        at_work().retain(|told| !Arc::ptr_eq(told, &self.told));
+    }
+}
+
+/// A list of pointers is whole whatever happened to who held it.
+fn at_work() -> MutexGuard<'static, Vec<Arc<AtomicBool>>> {
+    AT_WORK.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Whether somebody is at work who has not been told to stop, and nobody else is saving what there is.
+pub fn is_deaf() -> bool {
+    let at_work = at_work();
+    !at_work.is_empty() && at_work.iter().all(|told| !told.load(Ordering::Relaxed))
+}

@@ -1,0 +1,282 @@
+//! Resolving obstacles.
+
+use super::Context;
+use super::movement::{TypedMovement, movement};
+use super::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
+use crate::scenario::input_file;
+use crate::scenario::resolved::{Obstacle, ObstacleShape};
+use crate::scenario::typed;
+use rodlab_files::mesh;
+
+const UP: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// Most heights along a side of a grid.
+const MOST_HEIGHTS: usize = 1000;
+
+/// Resolves all obstacles.
+pub fn obstacles(
+    context: &Context<'_>,
+    top: &Section<'_>,
+    typed: &[typed::Obstacle],
+) -> Vec<Obstacle> {
+    let section = top.below("obstacles");
+    let mut resolved: Vec<Obstacle> = Vec::with_capacity(typed.len());
+    for (index, typed) in typed.iter().enumerate() {
+        let below = section.below(&index.to_string());
+        let name = typed.name.clone();
+        let name = name.unwrap_or_else(|| format!("obstacle {index}"));
+        if resolved.iter().any(|other| other.name == name) {
+            below.fault("name", format!("another obstacle is called `{name}`"));
+        }
+        let Some(of_shape) = &typed.shape else {
+            below.missing(
+                "shape",
+                "a table such as { kind = \"sphere\", centre = [0, 0, 0], radius = \"5 cm\" }",
+            );
+            continue;
+        };
+        let Some(shape) = shape(context, &below.below("shape"), of_shape) else {
+            continue;
+        };
+        resolved.push(Obstacle {
+            name,
+            shape,
+            friction: below.optional("friction", &typed.friction, NON_NEGATIVE),
+            movement: movement(
+                context,
+                &below,
+                &TypedMovement {
+                    translation: &typed.translation,
+                    angle: &typed.angle,
+                    angular_velocity: &typed.angular_velocity,
+                    axis: &typed.axis,
+                    pivot: &typed.pivot,
+                    follow: &typed.follow,
+                    poses: &typed.poses,
+                },
+            ),
+        });
+    }
+    resolved
+}
+
+/// Resolves a shape; `None` where it has none that could be judged any further.
+fn shape(
+    context: &Context<'_>,
+    section: &Section<'_>,
+    typed: &typed::ObstacleShape,
+) -> Option<ObstacleShape> {
+    Some(match typed {
+        typed::ObstacleShape::Sphere(sphere) => ObstacleShape::Sphere {
+            centre: section.required_vector("centre", &sphere.centre),
+            radius: section.required("radius", &sphere.radius, POSITIVE),
+        },
+        typed::ObstacleShape::Capsule(capsule) => {
+            let ([start, end], radius) = segment(section, capsule);
+            ObstacleShape::Capsule { start, end, radius }
+        }
+        typed::ObstacleShape::Tube(tube) => {
+            let ([start, end], radius) = segment(section, tube);
+            ObstacleShape::Tube { start, end, radius }
+        }
+        typed::ObstacleShape::Cylinder(cylinder) => ObstacleShape::Cylinder {
+            point: section.required_vector("point", &cylinder.point),
+            direction: section.required_direction("direction", &cylinder.direction),
+            radius: section.required("radius", &cylinder.radius, POSITIVE),
+        },
+        typed::ObstacleShape::Box(typed) => cuboid(section, typed),
+        typed::ObstacleShape::Mesh(typed) => return mesh(context, section, typed),
+        typed::ObstacleShape::Heights(typed) => return heights(section, typed),
+    })
+}
+
+fn segment(section: &Section<'_>, typed: &typed::Capsule) -> ([[f64; 3]; 2], f64) {
+    let start = section.required_vector("start", &typed.start);
+    let end = section.required_vector("end", &typed.end);
+    if start == end {
+        section.fault(
+            "end",
+            "`start` and `end` are the same: there is no axis between them",
+        );
+    }
+    let radius = section.required("radius", &typed.radius, POSITIVE);
+    ([start, end], radius)
+}
+
+fn cuboid(section: &Section<'_>, typed: &typed::Cuboid) -> ObstacleShape {
+    let size = section.required_vector("size", &typed.size);
+    for (axis, side) in size.iter().enumerate() {
+        if *side <= 0.0 {
+            let message = format!("{side:?} is out of range; allowed: greater than 0");
+            section.below("size").fault(&axis.to_string(), message);
+        }
+    }
+    let rounding = section.with_default("rounding", &typed.rounding, NON_NEGATIVE, 0.0);
+    let shortest = size.iter().copied().fold(f64::INFINITY, f64::min);
+    if shortest > 0.0 && rounding >= 0.5 * shortest {
+        let message = format!(
+            "{rounding:?} is out of range; allowed: less than half of the shortest side, {:?} m",
+            0.5 * shortest
+        );
+        section.fault("rounding", message);
+    }
+    ObstacleShape::Box {
+        centre: section.required_vector("centre", &typed.centre),
+        size,
+        rounding,
+        axis: section.direction("axis", &typed.axis).unwrap_or(UP),
+        angle: section.with_default("angle", &typed.angle, FINITE, 0.0),
+    }
+}
+
+fn mesh(
+    context: &Context<'_>,
+    section: &Section<'_>,
+    typed: &typed::Mesh,
+) -> Option<ObstacleShape> {
+    let (vertices, triangles) = match (&typed.file, &typed.vertices, &typed.triangles) {
+        (Some(file), None, None) => match read(context, section, file) {
+            Ok(mesh) => (mesh.vertices, mesh.triangles),
+            Err(message) => {
+                section.fault("file", message);
+                return None;
+            }
+        },
+        (None, Some(vertices), Some(triangles)) => (
+            vertices.clone(),
+            corners(section, vertices.len(), triangles)?,
+        ),
+        (None, None, None) => {
+            section.missing("file", "an STL or OBJ file, or `vertices` and `triangles`");
+            return None;
+        }
+        (Some(_), ..) => {
+            section.fault(
+                "file",
+                "give `file`, or `vertices` and `triangles`, not both",
+            );
+            return None;
+        }
+        _ => {
+            section.missing("triangles", "`vertices` and `triangles` go together");
+            return None;
+        }
+    };
+    let unit = section.with_default("unit", &typed.unit, POSITIVE, 1.0);
+    let position = section
+        .vector("position", &typed.position)
+        .unwrap_or_default();
+    let axis = section.direction("axis", &typed.axis).unwrap_or(UP);
+    let angle = section.with_default("angle", &typed.angle, FINITE, 0.0);
+    let placed = |vertex: &[f64; 3]| {
+        let turned = turned(vertex.map(|coordinate| coordinate * unit), axis, angle);
+        std::array::from_fn(|k| turned[k] + position[k])
+    };
+    Some(ObstacleShape::Mesh {
+        vertices: vertices.iter().map(placed).collect(),
+        triangles,
+        closed: typed.closed.unwrap_or(true),
+    })
+}
+
+fn read(context: &Context<'_>, section: &Section<'_>, file: &str) -> Result<mesh::Mesh, String> {
+    let directory = (context.directory_of)(&section.path.key("file"));
+    let path = directory.join(file);
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    let bytes = input_file::read(&path, input_file::LARGEST_TABLE)?;
+    mesh::parse(&bytes, ending.unwrap_or_default())
+        .map_err(|what| format!("{} {what}", path.display()))
+}
+
+fn corners(
+    section: &Section<'_>,
+    vertices: usize,
+    triangles: &[[i64; 3]],
+) -> Option<Vec<[usize; 3]>> {
+    let below = section.below("triangles");
+    let mut corners = Vec::with_capacity(triangles.len());
+    for (index, triangle) in triangles.iter().enumerate() {
+        let known = triangle.map(|corner| usize::try_from(corner).unwrap_or(usize::MAX));
+        if let Some(k) = known.iter().position(|corner| *corner >= vertices) {
+            let message = match vertices {
+                0 => "there are no vertices".to_owned(),
+                _ => format!(
+                    "there is no vertex {}; allowed: 0 to {}",
+                    triangle[k],
+                    vertices - 1
+                ),
+            };
+            below
+                .below(&index.to_string())
+                .fault(&k.to_string(), message);
+            return None;
+        }
+        corners.push(known);
+    }
+    Some(corners)
+}
+
+/// A vector turned about a unit vector by an angle (Rodrigues); just the same one by no angle.
+fn turned(vector: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
+    if angle == 0.0 {
+        return vector;
+    }
+    let (sine, cosine) = libm::sincos(angle);
+    let along: f64 = (0..3).map(|k| axis[k] * vector[k]).sum();
+    std::array::from_fn(|k| {
+        let (l, m) = ((k + 1) % 3, (k + 2) % 3);
+        let across = axis[l] * vector[m] - axis[m] * vector[l];
+        vector[k] * cosine + across * sine + axis[k] * along * (1.0 - cosine)
+    })
+}
+
+/// A grid of heights as a mesh of two triangles in every field.
+fn heights(section: &Section<'_>, typed: &typed::Heights) -> Option<ObstacleShape> {
+    let origin = section.vector("origin", &typed.origin).unwrap_or_default();
+    let spacing = section.required("spacing", &typed.spacing, POSITIVE);
+    let Some(rows) = &typed.heights else {
+        section.missing(
+            "heights",
+            "rows of heights, such as [[0, 0, 0], [0, 0.01, 0]]",
+        );
+        return None;
+    };
+    let (count, length) = (rows.len(), rows.first().map_or(0, Vec::len));
+    let allowed = 2..=MOST_HEIGHTS;
+    if !allowed.contains(&count) || !allowed.contains(&length) {
+        let message = format!(
+            "a grid of {length} by {count} heights; allowed: 2 to {MOST_HEIGHTS} along either side"
+        );
+        section.fault("heights", message);
+        return None;
+    }
+    let below = section.below("heights");
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for (row, heights) in rows.iter().enumerate() {
+        if heights.len() != length {
+            let message = format!(
+                "{} heights, where the first row has {length}",
+                heights.len()
+            );
+            below.fault(&row.to_string(), message);
+            return None;
+        }
+        let of_row = below.below(&row.to_string());
+        for (column, height) in heights.iter().enumerate() {
+            let height = of_row.number(&column.to_string(), height, FINITE);
+            let place = [column as f64 * spacing, row as f64 * spacing, height];
+            vertices.push(std::array::from_fn(|k| origin[k] + place[k]));
+        }
+    }
+    for row in 0..count - 1 {
+        for column in 0..length - 1 {
+            let [a, b] = [row, row + 1].map(|row| row * length + column);
+            triangles.extend([[a, a + 1, b + 1], [a, b + 1, b]]);
+        }
+    }
+    Some(ObstacleShape::Mesh {
+        vertices,
+        triangles,
+        closed: false,
+    })
+}

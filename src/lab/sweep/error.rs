@@ -1,0 +1,39 @@
+//! Why a sweep could not be run.
+
+use crate::scenario::ScenarioError;
+use rodlab_files::results::ResultsError;
+use std::path::PathBuf;
+
+/// Why a sweep could not begin, or had to be given up.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// The scenario is wrong, or one of the values.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// Two cases are the same.
+    #[error("the case `{id}` occurs twice; give each value once")]
+    RepeatedCase {
+        /// Its id.
+        id: String,
+    },
+    /// A directory that is not that of a sweep.
+    #[error("`{}` does not hold the results of a sweep", directory.display())]
+    NoSweep {
+        /// The directory.
+        directory: PathBuf,
+    },
+    /// Results could not be written or read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// The system could not start the threads.
+    #[error("cannot start the threads of the cases: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// A search has no outcome to look at.
+    #[error("there is no column `{column}` to search by; there are {known}")]
+    UnknownObjective {
+        /// The column that was asked for.
+        column: String,
+        /// Those that exist.
+        known: String,
+    },
+}

@@ -1,0 +1,108 @@
+//! What a sweep came to.
+
+use crate::run::StopRequest;
+use rodlab_files::results::CaseStatus;
+use serde::Serialize;
+use std::fmt;
+use std::path::PathBuf;
+
+/// What one search found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Index of the case of the keys that are not searched.
+    pub index: usize,
+    /// The value of the searched key, in the unit in which the ends of the interval were typed; `None` where
+    /// the search came to no end.
+    pub value: Option<f64>,
+    /// Ends of the last interval.
+    pub interval: [f64; 2],
+    /// Cases that it took.
+    pub evaluations: usize,
+    /// Why it came to no end.
+    pub failure: Option<String>,
+}
+
+/// What a sweep came to.
+#[derive(Clone, Debug)]
+pub struct SweepOutcome {
+    /// Where the results lie.
+    pub directory: PathBuf,
+    /// How its cases, or those of the share that was run, stand.
+    pub counts: CaseCounts,
+    /// Why no further case was begun, where there was a request to stop.
+    pub interrupted: Option<StopRequest>,
+    /// What the search found for each case of the keys that are not searched; empty without a search.
+    pub found: Vec<Found>,
+    /// Whether the tables of the whole were left as they were, since the sweep was stopped and they take long to write.
+    pub tables_are_old: bool,
+}
+
+/// How many cases stand how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct CaseCounts {
+    /// Finished.
+    pub finished: usize,
+    /// Not begun, running, interrupted or stopped by a time limit.
+    pub unfinished: usize,
+    /// Newton's method did not converge.
+    pub no_convergence: usize,
+    /// A physics check failed.
+    pub unphysical: usize,
+    /// The scenario of the case is impossible.
+    pub invalid: usize,
+    /// Results could not be written.
+    pub failed: usize,
+    /// Cases, however they stand, of which something is remarked: see the column `remarks` of the summary.
+    pub remarked: usize,
+}
+
+impl CaseCounts {
+    /// Counts a case.
+    pub fn add(&mut self, status: CaseStatus) {
+        let count = match status {
+            CaseStatus::Finished => &mut self.finished,
+            CaseStatus::Pending
+            | CaseStatus::Running
+            | CaseStatus::Interrupted
+            | CaseStatus::TimeLimit => &mut self.unfinished,
+            CaseStatus::NoConvergence => &mut self.no_convergence,
+            CaseStatus::Unphysical => &mut self.unphysical,
+            CaseStatus::Invalid => &mut self.invalid,
+            CaseStatus::Failed => &mut self.failed,
+        };
+        *count += 1;
+    }
+
+    /// All cases.
+    pub fn total(&self) -> usize {
+        self.finished + self.unfinished + self.not_good()
+    }
+
+    /// Cases that came to a bad end.
+    pub fn not_good(&self) -> usize {
+        self.no_convergence + self.unphysical + self.invalid + self.failed
+    }
+}
+
+impl fmt::Display for CaseCounts {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            formatter,
+            "{} of {} cases finished",
+            self.finished,
+            self.total()
+        )?;
+        for (count, words) in [
+            (self.unfinished, "unfinished"),
+            (self.no_convergence, "without convergence"),
+            (self.unphysical, "against a physics check"),
+            (self.invalid, "with an impossible scenario"),
+            (self.failed, "whose results could not be written"),
+        ] {
+            if count > 0 {
+                write!(formatter, ", {count} {words}")?;
+            }
+        }
+        Ok(())
+    }
+}

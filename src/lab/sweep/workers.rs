@@ -1,0 +1,346 @@
+//! Runs cases: leases, runs and records one after the other, on each of several workers.
+
+use super::case_table::CaseTable;
+use super::heartbeat::HeldLeases;
+use super::outcome::SweepOutcome;
+use super::{Shard, SweepError, SweepOptions, prepared, thread_pools};
+use crate::run::{AmongBars, PreparedRun, RunError, RunOptions, StopRequest};
+use crate::run::{Interruption, not_at_once, run_until};
+use crate::scenario::{Case, CaseSet, ScenarioError};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+use rodlab_files::results::{
+    CaseRecord, CaseStatus, LeaseAttempt, MAIN_CASE, Manifest, ResultsError, SweepDirectory,
+};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, OnceLock};
+use std::time::{Duration, Instant};
+
+/// Time between two looks at cases that other processes work on.
+const WAIT: Duration = Duration::from_millis(100);
+
+/// A case by its place in the case_set.
+#[derive(Clone, Debug)]
+pub(super) struct Job {
+    /// The case.
+    pub case: Case,
+    /// Its index in the case_set.
+    pub index: usize,
+    /// The number of the searched key.
+    pub searched: Option<f64>,
+}
+
+/// What became of a case at one attempt.
+pub(super) enum Attempt {
+    /// It stands like this, and this process has done what it can.
+    Settled(Box<CaseRecord>),
+    /// Another process works on it.
+    Held,
+    /// It was not begun, because the sweep is to stop.
+    Stopped,
+}
+
+/// The workers, and what they share.
+pub(super) struct Workers<'a> {
+    case_set: &'a CaseSet,
+    directory: &'a SweepDirectory,
+    case_table: &'a CaseTable<'a>,
+    options: &'a SweepOptions,
+    interruption: &'a Interruption,
+    leased: HeldLeases,
+    /// Cases that failed before, and were tried again by this call.
+    retried: Mutex<BTreeSet<String>>,
+    /// Set once no further case is to be begun.
+    stopped: AtomicBool,
+    /// Why the whole sweep must be given up.
+    fault: OnceLock<ResultsError>,
+    deadline: Option<Instant>,
+    bars: MultiProgress,
+}
+
+impl<'a> Workers<'a> {
+    /// Workers that have not begun.
+    pub fn new(
+        case_set: &'a CaseSet,
+        directory: &'a SweepDirectory,
+        case_table: &'a CaseTable<'a>,
+        options: &'a SweepOptions,
+        interruption: &'a Interruption,
+    ) -> Self {
+        Self {
+            case_set,
+            directory,
+            case_table,
+            options,
+            interruption,
+            leased: Arc::new(Mutex::new(BTreeMap::new())),
+            retried: Mutex::new(BTreeSet::new()),
+            stopped: AtomicBool::new(false),
+            fault: OnceLock::new(),
+            deadline: options.run.deadline.map(not_at_once),
+            bars: MultiProgress::new(),
+        }
+    }
+
+    /// The leases that are held, for their signs of life.
+    pub fn leased(&self) -> HeldLeases {
+        Arc::clone(&self.leased)
+    }
+
+    /// The share of the cases.
+    pub fn shard(&self) -> Shard {
+        self.options.shard
+    }
+
+    /// Cases at a time.
+    pub fn jobs(&self) -> usize {
+        self.options.jobs.get()
+    }
+
+    /// The results directory of a case.
+    pub fn case_directory(&self, id: &str) -> PathBuf {
+        self.directory.case(id)
+    }
+
+    /// What is swept.
+    pub fn case_set(&self) -> &CaseSet {
+        self.case_set
+    }
+
+    /// Runs all cases of the share, and waits for those that other processes work on.
+    pub fn run_all(&self, cases: &[Case]) -> Result<(), SweepError> {
+        let mut left: Vec<usize> = self.options.shard.indices(cases.len()).collect();
+        let bar = self.whole_bar(left.len());
+        while !left.is_empty() {
+            let held = Mutex::new(Vec::new());
+            thread_pools::for_each(left.len(), self.options.jobs.get(), |place| {
+                let index = left[place];
+                let job = Job {
+                    case: cases[index].clone(),
+                    index,
+                    searched: None,
+                };
+                match self.attempt(&job) {
+                    Attempt::Settled(_) => bar.inc(1),
+                    Attempt::Held => held.lock().expect("no case panics").push(index),
+                    Attempt::Stopped => return ControlFlow::Break(()),
+                }
+                if let Err(error) = self.case_table.publish_if_due(cases) {
+                    self.give_up(error);
+                }
+                ControlFlow::Continue(())
+            })?;
+            if self.stops() {
+                break;
+            }
+            left = held.into_inner().expect("no case panics");
+            left.sort_unstable();
+            if !left.is_empty() {
+                bar.set_message(format!("waiting for {} of other processes", left.len()));
+                std::thread::sleep(WAIT);
+            }
+        }
+        bar.finish_and_clear();
+        Ok(())
+    }
+
+    /// Runs one case, and waits where another process works on it; `None` where the sweep stops.
+    pub fn run_one(&self, job: &Job) -> Option<CaseRecord> {
+        loop {
+            match self.attempt(job) {
+                Attempt::Settled(record) => return Some(*record),
+                Attempt::Stopped => return None,
+                Attempt::Held => std::thread::sleep(WAIT),
+            }
+        }
+    }
+
+    /// Takes up a case, if it is not settled and nobody else has it.
+    fn attempt(&self, job: &Job) -> Attempt {
+        match self.try_attempt(job) {
+            Ok(attempt) => attempt,
+            Err(error) => {
+                self.give_up(error);
+                Attempt::Stopped
+            }
+        }
+    }
+
+    fn try_attempt(&self, job: &Job) -> Result<Attempt, ResultsError> {
+        // First of all: to look at a million finished cases takes a while, too.
+        if self.stops() {
+            return Ok(Attempt::Stopped);
+        }
+        if let Some(record) = self.settled(&job.case)? {
+            return Ok(Attempt::Settled(Box::new(record)));
+        }
+        let id = &job.case.id;
+        let lease = match self.directory.leases.acquire(id)? {
+            LeaseAttempt::Granted(lease) => lease,
+            LeaseAttempt::Held(_) => return Ok(Attempt::Held),
+        };
+        self.lock_leases().insert(id.clone(), lease);
+        // Another process may have finished it before this one had the lease.
+        let attempt = match self.settled(&job.case) {
+            Ok(Some(record)) => Ok(Attempt::Settled(Box::new(record))),
+            Ok(None) => self.run_leased(job),
+            Err(error) => Err(error),
+        };
+        drop(self.lock_leases().remove(id));
+        attempt
+    }
+
+    /// The record of a case that needs no work.
+    fn settled(&self, case: &Case) -> Result<Option<CaseRecord>, ResultsError> {
+        let record = self.case_table.look_up(&case.id)?;
+        let again = self.options.retry_failed
+            && record.status != CaseStatus::Finished
+            && !self.lock_retried().contains(&case.id);
+        Ok((record.status.is_final() && !again).then_some(record))
+    }
+
+    fn run_leased(&self, job: &Job) -> Result<Attempt, ResultsError> {
+        let id = &job.case.id;
+        let before = self.case_table.look_up(id)?;
+        let again = before.status.is_final();
+        if again {
+            self.lock_retried().insert(id.clone());
+            self.case_table.forget(id);
+        }
+        let record = match self.prepare(job) {
+            Ok(prepared) => match self.run_prepared(job, &prepared, again) {
+                Err(RunError::Results(ResultsError::Locked { .. })) => return Ok(Attempt::Held),
+                Err(RunError::Results(error)) => return Err(error),
+                Err(RunError::Scene(error)) => self.record_invalid(job, error.to_string())?,
+                // How it ended stands in its manifest.
+                Ok(_)
+                | Err(
+                    RunError::Simulation { .. }
+                    | RunError::TimeLimit { .. }
+                    | RunError::Interrupted { .. },
+                ) => self.case_table.look_up(id)?,
+            },
+            Err(error) => self.record_invalid(job, error.to_string())?,
+        };
+        self.case_table.commit(id, record.clone());
+        let (status, wall_time) = (record.status.in_words(), record.wall_time);
+        tracing::info!(case = %id, status, wall_time, "case ends");
+        if record.status.is_final() && record.status != CaseStatus::Finished {
+            let error = record.error.as_deref().unwrap_or_default();
+            self.bars.suspend(|| {
+                tracing::warn!("case `{id}`: {}: {error}", record.status.in_words());
+            });
+            if self.options.fail_fast {
+                self.stopped.store(true, Ordering::Relaxed);
+            }
+        }
+        Ok(Attempt::Settled(Box::new(record)))
+    }
+
+    fn prepare(&self, job: &Job) -> Result<PreparedRun, ScenarioError> {
+        prepared(&match job.searched {
+            Some(number) => self.case_set.searched_scenario(job.index, number)?,
+            None => self.case_set.scenario_of(job.index)?,
+        })
+    }
+
+    fn run_prepared(&self, job: &Job, prepared: &PreparedRun, again: bool) -> Result<(), RunError> {
+        let options = RunOptions {
+            directory: self.directory.case(&job.case.id),
+            force: again,
+            among: Some(AmongBars {
+                bars: self.bars.clone(),
+                name: job.case.id.clone(),
+            }),
+            ..self.options.run.clone()
+        };
+        let stop = || {
+            let given_up = self.fault.get().map(|_| StopRequest::Interrupt);
+            self.interruption.requested().or(given_up)
+        };
+        run_until(prepared, &options, &stop).map(drop)
+    }
+
+    /// Leaves a manifest that says why a case could not be begun.
+    fn record_invalid(&self, job: &Job, error: String) -> Result<CaseRecord, ResultsError> {
+        let directory = self.directory.case(&job.case.id);
+        let record = CaseRecord {
+            error: Some(error),
+            ..CaseRecord::new(CaseStatus::Invalid)
+        };
+        let io = |source| ResultsError::NotWritable {
+            directory: directory.clone(),
+            source,
+        };
+        std::fs::create_dir_all(&directory).map_err(io)?;
+        Manifest {
+            cases: BTreeMap::from([(MAIN_CASE.to_owned(), record.clone())]),
+            ..self.case_table.manifest().clone()
+        }
+        .write(&directory)?;
+        Ok(record)
+    }
+
+    fn give_up(&self, error: ResultsError) {
+        // Of several faults the first counts.
+        let _ = self.fault.set(error);
+        self.stopped.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether no further case is to be begun.
+    pub fn stops(&self) -> bool {
+        self.stopped.load(Ordering::Relaxed) || self.stop_request().is_some()
+    }
+
+    fn stop_request(&self) -> Option<StopRequest> {
+        let late = self
+            .deadline
+            .is_some_and(|deadline| Instant::now() >= deadline);
+        self.interruption
+            .requested()
+            .or(late.then_some(StopRequest::TimeLimit))
+    }
+
+    /// What the cases of this process came to.
+    pub fn outcome<'c>(&self, cases: impl IntoIterator<Item = &'c Case>) -> SweepOutcome {
+        let counts = self.case_table.counts(cases);
+        let is_over = counts.unfinished == 0;
+        SweepOutcome {
+            directory: self.directory.path().to_owned(),
+            counts,
+            interrupted: self.stop_request().filter(|_| !is_over),
+            found: Vec::new(),
+            tables_are_old: false,
+        }
+    }
+
+    /// The fault for which the sweep was given up.
+    pub fn into_fault(self) -> Option<ResultsError> {
+        self.fault.into_inner()
+    }
+
+    fn whole_bar(&self, length: usize) -> ProgressBar {
+        if !self.options.run.progress {
+            return ProgressBar::hidden();
+        }
+        let style =
+            ProgressStyle::with_template("{pos} of {len} cases {wide_bar} {msg} {eta} left")
+                .expect("the template is right");
+        self.bars
+            .add(ProgressBar::new(length as u64).with_style(style))
+    }
+
+    fn lock_leases(
+        &self,
+    ) -> std::sync::MutexGuard<'_, BTreeMap<String, rodlab_files::results::Lease>> {
+        self.leased.lock().expect("no thread panics with this lock")
+    }
+
+    fn lock_retried(&self) -> std::sync::MutexGuard<'_, BTreeSet<String>> {
+        self.retried
+            .lock()
+            .expect("no thread panics with this lock")
+    }
+}

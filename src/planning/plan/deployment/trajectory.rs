@@ -1,0 +1,517 @@
+//! Poses of the gripper along a pattern (thesis Algorithm 9).
+
+use super::{DeployedRod, DeploymentError};
+use crate::learn::ModelError;
+use crate::plan::grasp::{
+    Grasp, GraspMethod, GraspProblem, GraspSolver, LearnedGrasp, NeuralGrasps, contact_demand,
+    force_of_pose,
+};
+use crate::plan::pattern::PatternPoint;
+use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
+use std::f64::consts::FRAC_PI_2;
+
+/// How the gripper leads the rod.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    /// By the optimal grasp of each point.
+    Optimal,
+    /// Upright above the contact node, lower by what has been laid (thesis 5.1.1, Fig. 5.2): the gripper goes along the
+    /// pattern and, at the same pace, down.
+    Intuitive,
+}
+
+/// Every so many-th answer of a network is compared with the equations, and those between them with what is interpolated there.
+const CHECKED: usize = 8;
+/// How far an answer may be off, L_gb and rad: twice what the network of the program is off at worst.
+const TOLERANCES: [f64; 2] = [0.05, 0.02];
+
+/// Solver for the optimal grasps.
+#[derive(Clone, Copy, Debug)]
+pub enum OptimalGrasps<'a> {
+    /// The equations of the suspended rod.
+    Exact,
+    /// A network whose answers are checked; the equations out of the range of its samples and where an answer is wrong.
+    Neural(&'a NeuralGrasps),
+}
+
+/// Poses of the gripper along a pattern.
+#[derive(Clone, Debug)]
+pub struct Trajectory {
+    /// The poses.
+    pub poses: Vec<GripperPose>,
+    /// How many answers of a network were replaced, because they are not those of the equations.
+    pub rejected: usize,
+}
+
+/// Where the gripper is when the rod touches the table at an arc length of the pattern.
+#[derive(Clone, Debug)]
+pub struct GripperPose {
+    /// Arc length of the contact node, m.
+    pub s: f64,
+    /// Place, m. The table is z = 0, and the lying rod's centreline a radius above it.
+    pub position: Vector3,
+    /// Orientation: its x axis is the tangent of the rod, towards the gripper; the frame of the rod that lies on the
+    /// table, (t, ẑ × t, ẑ), goes over into it without twist.
+    pub rotation: UnitQuaternion,
+    /// The exact grasp, dimensionless; none for the intuitive scheme and for a network, which do not know it.
+    pub grasp: Option<Grasp>,
+    /// Friction by which the table must hold the rod at the contact node; none where no grasp says so.
+    pub contact_demand: Option<f64>,
+}
+
+impl GripperPose {
+    /// Whether all its numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let position = self.position.iter();
+        let mut numbers = position.chain(self.rotation.coords.iter()).chain([&self.s]);
+        numbers.all(|number| number.is_finite())
+    }
+}
+
+/// The gripper's poses for the points of a pattern; quaternions go over into each other without a change of sign.
+///
+/// # Errors
+/// There is no grasp at some point.
+pub fn trajectory(
+    points: &[PatternPoint],
+    rod: &DeployedRod,
+    scheme: Scheme,
+    grasps: OptimalGrasps<'_>,
+) -> Result<Vec<GripperPose>, DeploymentError> {
+    checked_trajectory(points, rod, scheme, grasps).map(|trajectory| trajectory.poses)
+}
+
+/// The same, with the number of a network's answers that were replaced, of which a warning tells.
+///
+/// # Errors
+/// There is no grasp at some point.
+pub fn checked_trajectory(
+    points: &[PatternPoint],
+    rod: &DeployedRod,
+    scheme: Scheme,
+    grasps: OptimalGrasps<'_>,
+) -> Result<Trajectory, DeploymentError> {
+    let (found, rejected) = match (scheme, grasps) {
+        (Scheme::Intuitive, _) => (
+            points.iter().map(|point| intuitive(point, rod)).collect(),
+            0,
+        ),
+        (Scheme::Optimal, OptimalGrasps::Exact) => {
+            let mut solver = GraspSolver::new();
+            let poses = points.iter().map(|point| optimal(point, rod, &mut solver));
+            (poses.collect::<Result<Vec<_>, _>>()?, 0)
+        }
+        (Scheme::Optimal, OptimalGrasps::Neural(network)) => learned(points, rod, network)?,
+    };
+    if rejected > 0 {
+        let [position, angle] = TOLERANCES;
+        tracing::warn!(
+            "{rejected} of {} answers of the network are more than {position} L_gb or {:.1}° off and were replaced by exact grasps",
+            points.len(),
+            angle.to_degrees()
+        );
+    }
+    Ok(Trajectory {
+        poses: continuous(found)?,
+        rejected,
+    })
+}
+
+/// Poses by a network alone, without a check; points out of its range by the equations.
+///
+/// # Errors
+/// There is no grasp at some point, or an answer of the network is not finite.
+pub fn network_trajectory(
+    points: &[PatternPoint],
+    rod: &DeployedRod,
+    network: &NeuralGrasps,
+) -> Result<Vec<GripperPose>, DeploymentError> {
+    let mut solver = GraspSolver::new();
+    let answers = predictions(points, rod, network)?;
+    let poses = points
+        .iter()
+        .zip(answers)
+        .map(|(point, (problem, answer))| match answer {
+            Some(answer) => Ok(placed_answer(point, rod, &problem, &answer)),
+            None => optimal(point, rod, &mut solver),
+        });
+    continuous(poses.collect::<Result<_, _>>()?)
+}
+
+/// The poses, finite, with quaternions of one sign.
+fn continuous(found: Vec<GripperPose>) -> Result<Vec<GripperPose>, DeploymentError> {
+    let mut poses: Vec<GripperPose> = Vec::with_capacity(found.len());
+    for mut pose in found {
+        if !pose.is_finite() {
+            return Err(DeploymentError::NotFinite { s_m: pose.s });
+        }
+        if let Some(before) = poses.last()
+            && before.rotation.coords.dot(&pose.rotation.coords) < 0.0
+        {
+            pose.rotation = UnitQuaternion::new_unchecked(-pose.rotation.into_inner());
+        }
+        poses.push(pose);
+    }
+    Ok(poses)
+}
+
+/// R_t = (t, ẑ × t, ẑ).
+fn lying(point: &PatternPoint) -> UnitQuaternion {
+    rotation::from_vector(point.angle * Vector3::z())
+}
+
+/// The centreline of the lying rod.
+fn contact(point: &PatternPoint, rod: &DeployedRod) -> Vector3 {
+    Vector3::new(point.position.x, point.position.y, rod.radius)
+}
+
+fn optimal(
+    point: &PatternPoint,
+    rod: &DeployedRod,
+    solver: &mut GraspSolver,
+) -> Result<GripperPose, DeploymentError> {
+    let problem = problem(point, rod)?;
+    let grasp = exact(point, &problem, solver)?;
+    Ok(placed_grasp(point, rod, grasp))
+}
+
+fn exact(
+    point: &PatternPoint,
+    problem: &GraspProblem,
+    solver: &mut GraspSolver,
+) -> Result<Grasp, DeploymentError> {
+    let found = solver.solve(problem, GraspMethod::Theory);
+    found.map_err(|error| DeploymentError::Grasp {
+        s_m: point.s,
+        error,
+    })
+}
+
+/// An exact grasp, brought to a point of the pattern.
+fn placed_grasp(point: &PatternPoint, rod: &DeployedRod, grasp: Grasp) -> GripperPose {
+    let force = [-grasp.contact_force.y, -grasp.contact_force.z];
+    GripperPose {
+        contact_demand: Some(contact_demand(force, curvature_slope(point, rod))),
+        grasp: Some(grasp.clone()),
+        ..placed(point, rod, grasp.position, grasp.rotation)
+    }
+}
+
+/// An answer of a network, brought to a point of the pattern.
+fn placed_answer(
+    point: &PatternPoint,
+    rod: &DeployedRod,
+    problem: &GraspProblem,
+    answer: &LearnedGrasp,
+) -> GripperPose {
+    let force = force_of_pose(problem, answer.position, &answer.rotation);
+    GripperPose {
+        contact_demand: force.map(|force| contact_demand(force, curvature_slope(point, rod))),
+        ..placed(point, rod, answer.position, answer.rotation)
+    }
+}
+
+/// κ̄' = κ' L_gb².
+fn curvature_slope(point: &PatternPoint, rod: &DeployedRod) -> f64 {
+    point.curvature_slope * rod.gravito_bending_length.powi(2)
+}
+
+/// What a network says at each point, all at once; nothing out of its range.
+fn predictions(
+    points: &[PatternPoint],
+    rod: &DeployedRod,
+    network: &NeuralGrasps,
+) -> Result<Vec<(GraspProblem, Option<LearnedGrasp>)>, DeploymentError> {
+    let problems: Vec<GraspProblem> = points
+        .iter()
+        .map(|point| problem(point, rod))
+        .collect::<Result<_, _>>()?;
+    let found = network.predict(&problems);
+    let found = found.map_err(|error: ModelError| DeploymentError::Network(error.to_string()))?;
+    Ok(problems.into_iter().zip(found).collect())
+}
+
+/// Poses by a network whose answers are checked, and how many of them were replaced.
+///
+/// Every eighth answer is compared with the exact grasp. Those between them are compared with what lies between the exact grasps on
+/// either side; where they differ, be it that the curvature changes there, the equations are solved for that point, too. An answer
+/// that is off by more than the tolerances gives way to the exact grasp.
+fn learned(
+    points: &[PatternPoint],
+    rod: &DeployedRod,
+    network: &NeuralGrasps,
+) -> Result<(Vec<GripperPose>, usize), DeploymentError> {
+    let answers = predictions(points, rod, network)?;
+    let mut solver = GraspSolver::new();
+    let last = points.len().saturating_sub(1);
+    let is_known = |index: usize| index.is_multiple_of(CHECKED) || index == last;
+    let mut grasps = Vec::with_capacity(points.len());
+    for (index, (point, (problem, answer))) in points.iter().zip(&answers).enumerate() {
+        let is_solved = answer.is_none() || is_known(index);
+        let grasp = is_solved.then(|| exact(point, problem, &mut solver));
+        grasps.push(grasp.transpose()?);
+    }
+    let mut poses = Vec::with_capacity(points.len());
+    let mut rejected = 0;
+    for (index, (point, (problem, answer))) in points.iter().zip(&answers).enumerate() {
+        let grasp = match (&grasps[index], answer) {
+            (Some(grasp), _) => grasp.clone(),
+            (None, Some(answer))
+                if between(&grasps, points, index).is_some_and(|known| is_near(answer, &known)) =>
+            {
+                poses.push(placed_answer(point, rod, problem, answer));
+                continue;
+            }
+            (None, _) => exact(point, problem, &mut solver)?,
+        };
+        poses.push(match answer {
+            Some(answer) if is_near(answer, &learned_of(&grasp)) => {
+                placed_answer(point, rod, problem, answer)
+            }
+            _ => {
+                rejected += usize::from(answer.is_some());
+                placed_grasp(point, rod, grasp)
+            }
+        });
+    }
+    Ok((poses, rejected))
+}
+
+fn learned_of(grasp: &Grasp) -> LearnedGrasp {
+    LearnedGrasp {
+        position: grasp.position,
+        rotation: grasp.rotation,
+    }
+}
+
+/// Whether an answer is a known one within the tolerances; numbers that are not finite are not.
+fn is_near(answer: &LearnedGrasp, known: &LearnedGrasp) -> bool {
+    let [farthest, most] = TOLERANCES;
+    (answer.position - known.position).norm() <= farthest
+        && answer.rotation.angle_to(&known.rotation) <= most
+}
+
+/// Between the exact grasps on either side of a point, by arc length.
+fn between(
+    grasps: &[Option<Grasp>],
+    points: &[PatternPoint],
+    index: usize,
+) -> Option<LearnedGrasp> {
+    let before = (0..index).rev().find(|known| grasps[*known].is_some())?;
+    let after = (index + 1..grasps.len()).find(|known| grasps[*known].is_some())?;
+    let [one, other] = [before, after].map(|known| grasps[known].as_ref());
+    let (one, other) = (one?, other?);
+    let part = (points[index].s - points[before].s) / (points[after].s - points[before].s);
+    // A quaternion and its negative are the same rotation.
+    let sign = one.rotation.coords.dot(&other.rotation.coords).signum();
+    let end = UnitQuaternion::new_unchecked(sign * other.rotation.into_inner());
+    Some(LearnedGrasp {
+        position: one.position.lerp(&other.position, part),
+        rotation: one.rotation.nlerp(&end, part),
+    })
+}
+
+/// The grasp that a point of the pattern asks for.
+fn problem(point: &PatternPoint, rod: &DeployedRod) -> Result<GraspProblem, DeploymentError> {
+    let unit = rod.gravito_bending_length;
+    let problem = GraspProblem::new(
+        (rod.length - point.s) / unit,
+        point.curvature * unit,
+        rod.stretch_stiffness(),
+    );
+    problem.map_err(|error| DeploymentError::Grasp {
+        s_m: point.s,
+        error,
+    })
+}
+
+/// A dimensionless grasp, brought to a point of the pattern.
+fn placed(
+    point: &PatternPoint,
+    rod: &DeployedRod,
+    position: Vector3,
+    rotation: UnitQuaternion,
+) -> GripperPose {
+    let lying = lying(point);
+    GripperPose {
+        s: point.s,
+        position: contact(point, rod) + rod.gravito_bending_length * (lying * position),
+        rotation: lying * rotation,
+        grasp: None,
+        contact_demand: None,
+    }
+}
+
+fn intuitive(point: &PatternPoint, rod: &DeployedRod) -> GripperPose {
+    let upright = rotation::from_vector(-FRAC_PI_2 * Vector3::y());
+    GripperPose {
+        s: point.s,
+        position: contact(point, rod) + (rod.hanging_length() - point.s) * Vector3::z(),
+        rotation: lying(point) * upright,
+        grasp: None,
+        contact_demand: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::pattern::{Circle, Line, Pattern, Point};
+
+    const GREEN: DeployedRod = DeployedRod {
+        gravito_bending_length: 0.032,
+        radius: 0.0016,
+        length: 0.885,
+    };
+
+    /// A wavy curve, moved by a motion of the plane, mirrored about x first where asked for.
+    fn wave(turn: f64, shift: Point, mirror: f64) -> Vec<PatternPoint> {
+        let turned = nalgebra::Rotation2::new(turn);
+        let points: Vec<Point> = (0..=300)
+            .map(|index| f64::from(index) / 300.0)
+            .map(|t| Point::new(0.4 * t, 0.04 * (9.0 * t).sin()))
+            .map(|point| turned * Point::new(point.x, mirror * point.y) + shift)
+            .collect();
+        Pattern::along(&points, 2e-4).unwrap().sampled(0.01)
+    }
+
+    /// The trajectory of the green rod by exact grasps.
+    fn exact(points: &[PatternPoint], scheme: Scheme) -> Result<Vec<GripperPose>, DeploymentError> {
+        trajectory(points, &GREEN, scheme, OptimalGrasps::Exact)
+    }
+
+    #[test]
+    fn a_moved_pattern_moves_the_trajectory() {
+        let (turn, shift) = (2.4, Point::new(0.3, -0.7));
+        let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+        for scheme in [Scheme::Optimal, Scheme::Intuitive] {
+            let here = exact(&wave(0.0, Point::zeros(), 1.0), scheme).unwrap();
+            let there = exact(&wave(turn, shift, 1.0), scheme).unwrap();
+            assert_eq!(here.len(), there.len());
+            for (here, there) in here.iter().zip(&there) {
+                let expected = turned * here.position + Vector3::new(shift.x, shift.y, 0.0);
+                assert!((there.position - expected).norm() < 1e-9, "{}", here.s);
+                assert!(there.rotation.angle_to(&(turned * here.rotation)) < 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn a_mirrored_pattern_mirrors_the_trajectory() {
+        for scheme in [Scheme::Optimal, Scheme::Intuitive] {
+            let here = exact(&wave(0.0, Point::zeros(), 1.0), scheme).unwrap();
+            let there = exact(&wave(0.0, Point::zeros(), -1.0), scheme).unwrap();
+            for (here, there) in here.iter().zip(&there) {
+                let expected = Vector3::new(here.position.x, -here.position.y, here.position.z);
+                assert!((there.position - expected).norm() < 1e-9);
+                let [w, i, j, k] = [
+                    here.rotation.w,
+                    here.rotation.i,
+                    here.rotation.j,
+                    here.rotation.k,
+                ];
+                let expected =
+                    UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, -i, j, -k));
+                assert!(there.rotation.angle_to(&expected) < 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn along_a_line_the_gripper_keeps_its_distance_until_the_rod_is_short() {
+        let line = Pattern::new(Box::new(Line { length: 0.5 }), 0.0).unwrap();
+        let poses = exact(&line.sampled(0.005), Scheme::Optimal).unwrap();
+        assert_eq!(poses.len(), 101);
+        for pose in &poses {
+            let ahead = pose.position.x - pose.s;
+            assert!((ahead / 0.032 - 2.566).abs() < 2e-3, "{pose:?}");
+            assert!(pose.position.y.abs() < 1e-12);
+            // Upright, but for the last few gravito-bending lengths.
+            let tangent = pose.rotation * Vector3::x();
+            assert!(tangent.z > 0.99999);
+        }
+    }
+
+    #[test]
+    fn rotations_do_not_jump_on_a_circle() {
+        let circle = Pattern::new(Box::new(Circle { radius: 0.09 }), 0.0).unwrap();
+        let points = circle.with_lead_in(0.1).sampled(0.004);
+        for scheme in [Scheme::Optimal, Scheme::Intuitive] {
+            let poses = exact(&points, scheme).unwrap();
+            for pair in poses.windows(2) {
+                assert!(pair[0].rotation.coords.dot(&pair[1].rotation.coords) > 0.99);
+                assert!((pair[0].position - pair[1].position).norm() < 0.02);
+            }
+        }
+    }
+
+    /// The network of the program with its last bias moved by some standard deviations.
+    fn damaged(by: f32) -> NeuralGrasps {
+        let bytes = include_bytes!("../../../../results/models/grasps.safetensors");
+        let path = std::path::Path::new("damaged");
+        let model = crate::learn::Model::from_bytes(path, bytes, NeuralGrasps::SAMPLES).unwrap();
+        let layers: Vec<_> = model.network().tensors();
+        let mut layers: Vec<_> = layers
+            .into_iter()
+            .map(|[weight, bias]| [weight.clone(), bias.clone()])
+            .collect();
+        let last = layers.last_mut().unwrap();
+        last[1] = last[1].affine(1.0, f64::from(by)).unwrap();
+        let network = crate::learn::Network::from_tensors(layers).unwrap();
+        NeuralGrasps::of(path, crate::learn::Model::new(model.about.clone(), network)).unwrap()
+    }
+
+    #[test]
+    fn wrong_answers_of_a_network_give_way_to_exact_grasps() {
+        let circle = Pattern::new(Box::new(Circle { radius: 0.09 }), 0.0).unwrap();
+        let points = circle.with_lead_in(0.2).sampled(0.003);
+        let planned = |network: &NeuralGrasps| {
+            let grasps = OptimalGrasps::Neural(network);
+            checked_trajectory(&points, &GREEN, Scheme::Optimal, grasps).unwrap()
+        };
+        let exact = exact(&points, Scheme::Optimal).unwrap();
+        let off = |poses: &[GripperPose]| {
+            let pairs = poses.iter().zip(&exact);
+            pairs.fold([0.0; 2], |[far, turned]: [f64; 2], (pose, exact)| {
+                let distance = (pose.position - exact.position).norm() / 0.032;
+                [
+                    far.max(distance),
+                    turned.max(pose.rotation.angle_to(&exact.rotation)),
+                ]
+            })
+        };
+        let built_in = planned(NeuralGrasps::built_in());
+        assert_eq!(built_in.rejected, 0);
+        let by_network =
+            |poses: &[GripperPose]| poses.iter().filter(|pose| pose.grasp.is_none()).count();
+        assert!(by_network(&built_in.poses) > points.len() / 2);
+        // Slightly off, far off, and so far that its numbers overflow.
+        for by in [0.1, 30.0, 3e38] {
+            let network = damaged(by);
+            let trajectory = planned(&network);
+            assert!(
+                trajectory.rejected > points.len() / 2,
+                "{by}: {}",
+                trajectory.rejected
+            );
+            assert!(trajectory.poses.iter().all(GripperPose::is_finite));
+            let [far, turned] = off(&trajectory.poses);
+            // What is interpolated between exact grasps is off, too.
+            assert!(
+                far < 2.0 * TOLERANCES[0] && turned < 2.0 * TOLERANCES[1],
+                "{by}: {far} {turned}"
+            );
+        }
+        let unchecked = network_trajectory(&points, &GREEN, &damaged(30.0)).unwrap();
+        assert!(off(&unchecked)[0] > 1.0);
+        let overflown = network_trajectory(&points, &GREEN, &damaged(3e38));
+        assert!(overflown.is_err() || off(&overflown.unwrap())[0] > 1e6);
+    }
+
+    #[test]
+    fn a_rod_that_is_too_short_has_no_grasp_there() {
+        let line = Pattern::new(Box::new(Line { length: 0.9 }), 0.0).unwrap();
+        let found = exact(&line.sampled(0.05), Scheme::Optimal);
+        assert!(matches!(found, Err(DeploymentError::Grasp { s_m, .. }) if s_m > 0.85));
+    }
+}

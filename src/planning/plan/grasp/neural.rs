@@ -1,0 +1,233 @@
+//! Optimal grasps by a network that has learned them from exact ones (thesis 5.3.5).
+//!
+//! It sees ln(1 + l̄_s), |κ̄| and 1/k̄_s, and answers with what is even in κ̄, of the gripper's place x and the drop from where it would be
+//! if the rod hung upright, in L_gb, and of the rotation vector its component y; and with what is odd, y and the components x and z of
+//! the rotation vector, over κ̄. So what it says of straight patterns is straight, and what is planned for mirrored patterns is mirrored
+//! exactly.
+
+use super::{GraspProblem, Vector3};
+use crate::learn::{Compared, Model, ModelError, read_model};
+use rodlab_engine::mechanics::{UnitQuaternion, rotation};
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+use thiserror::Error;
+
+/// A trained network for grasps.
+#[derive(Clone, Debug)]
+pub struct NeuralGrasps {
+    model: Model,
+}
+
+/// What a network says of a grasp: place in L_gb, rotation as of [`Grasp`](super::Grasp).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearnedGrasp {
+    /// Place of the gripper.
+    pub position: Vector3,
+    /// Its rotation.
+    pub rotation: UnitQuaternion,
+}
+
+/// Why there is no network for grasps.
+#[derive(Debug, Error)]
+pub enum NeuralError {
+    /// It is no model, or fails.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// It has learned other columns.
+    #[error("{path} predicts {found} from {from}; needed here: {outputs} from {inputs}", outputs = NeuralGrasps::OUTPUTS.join(", "), inputs = NeuralGrasps::INPUTS.join(", "))]
+    Columns {
+        /// The file.
+        path: PathBuf,
+        /// Its outputs.
+        found: String,
+        /// Its inputs.
+        from: String,
+    },
+}
+
+/// ln(1 + l̄_s).
+pub fn log_length(suspended_length: f64) -> f64 {
+    libm::log1p(suspended_length)
+}
+
+/// Height of the upper end of a rod that hangs upright, L_gb: its tension at s is about s/2 − 0.7, as of a grasp.
+pub fn hanging_height(suspended_length: f64, stretch_compliance: f64) -> f64 {
+    let stretch = 0.25 * suspended_length * suspended_length - 0.7 * suspended_length;
+    suspended_length + stretch_compliance * stretch
+}
+
+static BUILT_IN: LazyLock<NeuralGrasps> = LazyLock::new(|| {
+    let bytes = include_bytes!("../../../../results/models/grasps.safetensors");
+    let path = Path::new("the network in this program");
+    NeuralGrasps::from_bytes(path, bytes).expect("the network in this program is whole")
+});
+
+impl NeuralGrasps {
+    /// The kind of samples that it learns from.
+    pub const SAMPLES: &str = "grasp-samples";
+
+    /// Columns of samples that it sees.
+    pub const INPUTS: [&str; 3] = ["log_length", "curvature", "stretch_compliance"];
+    /// Columns that it predicts.
+    pub const OUTPUTS: [&str; 6] = [
+        "x",
+        "y_per_curvature",
+        "drop",
+        "rotation_x_per_curvature",
+        "rotation_y",
+        "rotation_z_per_curvature",
+    ];
+    /// Quantities whose errors are told: what is over the curvature is multiplied with it.
+    pub const COMPARED: [Compared; 2] = [
+        Compared {
+            quantity: "position in L_gb",
+            components: |input, output| [output[0], input[1] * output[1], output[2]],
+        },
+        Compared {
+            quantity: "rotation in rad",
+            components: |input, output| [input[1] * output[3], output[4], input[1] * output[5]],
+        },
+    ];
+
+    /// The network that comes with the program: `results/models/grasps.safetensors`, made by `rodlab dataset
+    /// scenarios/deployment_dataset.toml` and `rodlab train results/deployment_dataset`.
+    pub fn built_in() -> &'static Self {
+        &BUILT_IN
+    }
+
+    /// Reads a model.
+    ///
+    /// # Errors
+    /// See [`NeuralError`].
+    pub fn read(path: &Path) -> Result<Self, NeuralError> {
+        Self::of(path, read_model(path, Self::SAMPLES)?)
+    }
+
+    fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, NeuralError> {
+        Self::of(path, Model::from_bytes(path, bytes, Self::SAMPLES)?)
+    }
+
+    /// The network of a model that was read from a file.
+    ///
+    /// # Errors
+    /// [`NeuralError::Columns`].
+    pub fn of(path: &Path, model: Model) -> Result<Self, NeuralError> {
+        if model.about.inputs != Self::INPUTS || model.about.outputs != Self::OUTPUTS {
+            return Err(NeuralError::Columns {
+                path: path.to_owned(),
+                found: model.about.outputs.join(", "),
+                from: model.about.inputs.join(", "),
+            });
+        }
+        Ok(Self { model })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// A grasp for each problem within the range of the samples, `None` for the others.
+    ///
+    /// # Errors
+    /// [`ModelError::Tensors`].
+    pub fn predict(
+        &self,
+        problems: &[GraspProblem],
+    ) -> Result<Vec<Option<LearnedGrasp>>, ModelError> {
+        let input = |problem: &GraspProblem| {
+            [
+                log_length(problem.suspended_length),
+                problem.curvature.abs(),
+                problem.stretch_compliance,
+            ]
+        };
+        let covered = |problem: &&GraspProblem| self.model.covers(&input(problem));
+        let inputs: Vec<f64> = problems.iter().filter(covered).flat_map(input).collect();
+        let outputs = self.model.predict(&inputs)?;
+        let mut outputs = outputs.chunks_exact(Self::OUTPUTS.len());
+        let grasps = problems.iter().map(|problem| {
+            let output = covered(&problem).then(|| outputs.next()).flatten()?;
+            Some(LearnedGrasp {
+                position: Vector3::new(
+                    output[0],
+                    problem.curvature * output[1],
+                    hanging_height(problem.suspended_length, problem.stretch_compliance)
+                        - output[2],
+                ),
+                rotation: rotation::from_vector(Vector3::new(
+                    problem.curvature * output[3],
+                    output[4],
+                    problem.curvature * output[5],
+                )),
+            })
+        });
+        Ok(grasps.collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{GraspMethod, GraspSolver};
+    use super::*;
+
+    fn problem(length: f64, curvature: f64) -> GraspProblem {
+        GraspProblem::new(length, curvature, 1e4).unwrap()
+    }
+
+    #[test]
+    fn the_built_in_network_knows_grasps_that_it_has_not_seen() {
+        let mut problems = Vec::new();
+        for index in 0..500 {
+            // An own lattice: no points of Sobol's.
+            let part = |factor: f64| (f64::from(index) * factor).fract();
+            problems.push(problem(
+                0.5 + 49.0 * part(0.754_877_666).powi(2),
+                2.0 * part(0.569_840_291),
+            ));
+        }
+        let found = NeuralGrasps::built_in().predict(&problems).unwrap();
+        let mut errors = [0.0; 2];
+        for (found, problem) in found.iter().zip(&problems) {
+            let found = found.expect("a grasp within the range");
+            let exact = GraspSolver::new()
+                .solve(problem, GraspMethod::Theory)
+                .unwrap();
+            errors[0] += (found.position - exact.position).norm() / 500.0;
+            errors[1] += found.rotation.angle_to(&exact.rotation).to_degrees() / 500.0;
+        }
+        // Over the whole range of its samples; `reproduce tab5.3` has the errors along patterns.
+        assert!(errors[0] < 0.005 && errors[1] < 0.08, "{errors:?}");
+    }
+
+    #[test]
+    fn the_built_in_network_has_its_checksum() {
+        let bytes = include_bytes!("../../../../results/models/grasps.safetensors");
+        let written = NeuralGrasps::built_in().model().to_bytes().unwrap();
+        assert!(
+            written == bytes,
+            "results/models/grasps.safetensors is not as it is written"
+        );
+    }
+
+    #[test]
+    fn a_turn_to_the_right_is_the_mirror_image_of_one_to_the_left() {
+        let problems = [problem(9.0, 0.7), problem(9.0, -0.7)];
+        let found = NeuralGrasps::built_in().predict(&problems).unwrap();
+        let [left, right] = [0, 1].map(|index| found[index].unwrap());
+        assert_eq!(left.position.x, right.position.x);
+        assert_eq!(left.position.y, -right.position.y);
+        assert_eq!(left.position.z, right.position.z);
+        assert_eq!(left.rotation.j, right.rotation.j);
+        assert_eq!(left.rotation.i, -right.rotation.i);
+        assert_eq!(left.rotation.k, -right.rotation.k);
+    }
+
+    #[test]
+    fn what_it_has_not_learned_it_does_not_answer() {
+        let problems = [problem(9.0, 0.7), problem(9.0, 5.0), problem(80.0, 0.1)];
+        let found = NeuralGrasps::built_in().predict(&problems).unwrap();
+        let answered: Vec<bool> = found.iter().map(Option::is_some).collect();
+        assert_eq!(answered, [true, false, false]);
+    }
+}

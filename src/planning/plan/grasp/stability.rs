@@ -1,0 +1,203 @@
+//! Stability of a suspended rod whose two ends are held: inertia of the second variation of its energy.
+//!
+//! With the force at the gripper as the multiplier of its place, the rod in balance is a stationary point over all
+//! rotations exp([θ]×) of its cross-sections, stretch eliminated, of
+//!
+//! > Π = ∫ ½ EI|t'|² + ½ GJ τ² − n·t − (n·t)²/2k_s ds.
+//!
+//! A small rotation θ(s), zero at both ends, with θ' of strain and the moment M, changes it in second order by
+//!
+//! > ½ ∫ θ'·K θ' − M·(θ × θ') + λ[(n·t)|θ|² − (n·θ)(t·θ)] − (n·(θ × t))²/k_s ds,  K = EI(I − t tᵀ) + GJ t tᵀ,
+//!
+//! and the rod is stable if this is positive for all θ that leave the gripper in its place. θ is piecewise linear here;
+//! the three conditions border the matrix, and each takes one negative eigenvalue.
+
+use super::Vector3;
+use super::shape::Shape;
+use rodlab_engine::mechanics::Matrix3;
+
+/// GJ/EI of an incompressible rod of round cross-section: 1/(1 + ν) with ν = 1/2.
+pub const TWIST_STIFFNESS: f64 = 2.0 / 3.0;
+/// Elements per interval of the mesh of the shape.
+const ELEMENTS_PER_INTERVAL: usize = 8;
+/// Conditions at the gripper.
+const CONDITIONS: usize = 3;
+/// Least 1/k̄_s: the gripper's distance along a straight rod is no condition on its rotations if it cannot stretch.
+const LEAST_COMPLIANCE: f64 = 1e-12;
+
+/// What the second variation needs to know of an element, at its middle.
+#[derive(Clone, Copy, Debug)]
+pub struct Element {
+    /// Its length.
+    pub length: f64,
+    /// t.
+    pub tangent: Vector3,
+    /// M.
+    pub moment: Vector3,
+    /// n.
+    pub force: Vector3,
+}
+
+/// Number of independent ways in which the rod gives way with both ends held: zero where it is stable.
+pub fn unstable_modes(shape: &Shape) -> usize {
+    let elements = shape.intervals.iter().flat_map(|interval| {
+        let length = interval.length / ELEMENTS_PER_INTERVAL as f64;
+        (0..ELEMENTS_PER_INTERVAL).map(move |part| {
+            let middle = interval.start + (part as f64 + 0.5) * length;
+            let (tangent, moment) = shape.at(middle);
+            Element {
+                length,
+                tangent,
+                moment,
+                force: shape.internal_force(middle),
+            }
+        })
+    });
+    let elements: Vec<Element> = elements.collect();
+    negative_modes(&elements, TWIST_STIFFNESS, shape.problem.stretch_compliance)
+}
+
+/// Negative eigenvalues of the second variation, less those of the conditions: block LDLᵀ from end to end.
+pub fn negative_modes(elements: &[Element], twist_stiffness: f64, compliance: f64) -> usize {
+    let compliance = compliance.max(LEAST_COMPLIANCE);
+    let mut negative = 0;
+    let mut conditions = Matrix3::zeros();
+    // Of the node before the element: what is left of its block, and of its part in the conditions.
+    let mut block = Matrix3::zeros();
+    let mut part = Matrix3::zeros();
+    for (index, element) in elements.iter().enumerate() {
+        let Variation {
+            before,
+            across,
+            after,
+            condition,
+            multiplier,
+        } = element.variation(twist_stiffness, compliance);
+        conditions += multiplier;
+        if index == 0 {
+            // The contact node is held: nothing of the block before.
+            (block, part) = (after, condition);
+            continue;
+        }
+        block += before;
+        part += condition;
+        negative += negatives(&block);
+        let inverse = block.try_inverse().unwrap_or_else(Matrix3::zeros);
+        conditions -= part * inverse * part.transpose();
+        part = condition - part * inverse * across;
+        block = after - across.transpose() * inverse * across;
+    }
+    // The last node is held at the gripper.
+    (negative + negatives(&conditions)).saturating_sub(CONDITIONS)
+}
+
+/// Blocks of an element's second variation, for the rotations of its two ends.
+pub struct Variation {
+    /// Of its first end.
+    pub before: Matrix3,
+    /// Of its first end with its second one.
+    pub across: Matrix3,
+    /// Of its second end.
+    pub after: Matrix3,
+    /// ∂(place of the gripper)/∂θ, the same for both ends.
+    pub condition: Matrix3,
+    /// Of the multiplier of the gripper's place.
+    pub multiplier: Matrix3,
+}
+
+impl Element {
+    /// Its part of the second variation.
+    pub fn variation(&self, twist_stiffness: f64, compliance: f64) -> Variation {
+        let Self {
+            length,
+            tangent,
+            moment,
+            force,
+        } = self;
+        let along = tangent * tangent.transpose();
+        let stiffness = (Matrix3::identity() - along + twist_stiffness * along) / *length;
+        let pull = force.dot(tangent);
+        let stretch = 1.0 + compliance * pull;
+        let turning = tangent.cross(force);
+        let mixed = force * tangent.transpose();
+        // θ at the middle is the mean of the ends: a quarter to each pair of ends.
+        let mean = 0.25
+            * length
+            * (stretch * (pull * Matrix3::identity() - 0.5 * (mixed + mixed.transpose()))
+                - compliance * turning * turning.transpose());
+        // −½ M·(θ × θ') with θ₁ × θ₂ over the length: θ × θ' = θ₁ × θ₂ / length, for both triangles.
+        let twist = 0.5 * moment.cross_matrix();
+        let condition = 0.5
+            * length
+            * (-stretch * tangent.cross_matrix() + compliance * tangent * turning.transpose());
+        Variation {
+            before: stiffness + mean,
+            across: -stiffness + mean + twist,
+            after: stiffness + mean,
+            condition,
+            multiplier: -compliance * *length * along,
+        }
+    }
+}
+
+fn negatives(matrix: &Matrix3) -> usize {
+    let symmetric = 0.5 * (matrix + matrix.transpose());
+    let values = symmetric.symmetric_eigenvalues();
+    values.iter().filter(|value| **value < 0.0).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    fn straight(force: f64, twisting_moment: f64, twist_stiffness: f64) -> usize {
+        let count = 400;
+        let element = Element {
+            length: 1.0 / f64::from(count),
+            tangent: Vector3::x(),
+            moment: twisting_moment * Vector3::x(),
+            force: force * Vector3::x(),
+        };
+        negative_modes(&vec![element; count as usize], twist_stiffness, 0.0)
+    }
+
+    #[test]
+    fn the_clamped_column_buckles_at_four_pi_squared_both_ways() {
+        let critical = 4.0 * PI * PI;
+        assert_eq!(straight(-0.999 * critical, 0.0, 0.7), 0);
+        assert_eq!(straight(-1.001 * critical, 0.0, 0.7), 2);
+        assert_eq!(straight(3.0, 0.0, 0.7), 0);
+    }
+
+    #[test]
+    fn the_clamped_rod_gives_way_under_twist_as_greenhill_says() {
+        for twist_stiffness in [0.5, 0.9] {
+            assert_eq!(straight(0.0, 0.999 * 8.986_818_9, twist_stiffness), 0);
+            assert!(straight(0.0, 1.001 * 8.986_818_9, twist_stiffness) > 0);
+            assert!(straight(0.0, -1.001 * 8.986_818_9, twist_stiffness) > 0);
+        }
+    }
+
+    #[test]
+    fn a_ring_that_is_held_is_stable_up_to_a_full_turn() {
+        // Clamped planar arcs without force lose stability at 2π (Borum & Bretl 2020).
+        let arc = |angle: f64| {
+            let count = 600;
+            let elements: Vec<Element> = (0..count)
+                .map(|index| {
+                    let at = angle * (f64::from(index) + 0.5) / f64::from(count);
+                    Element {
+                        length: 1.0 / f64::from(count),
+                        tangent: Vector3::new(at.cos(), at.sin(), 0.0),
+                        moment: angle * Vector3::z(),
+                        force: Vector3::zeros(),
+                    }
+                })
+                .collect();
+            negative_modes(&elements, TWIST_STIFFNESS, 0.0)
+        };
+        assert_eq!(arc(0.99 * 2.0 * PI), 0);
+        assert!(arc(1.01 * 2.0 * PI) > 0);
+    }
+}

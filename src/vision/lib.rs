@@ -1,0 +1,145 @@
+//! From images to curves in metres: strands, crossings, cameras, scores. It knows images and arrays, no rods and no
+//! robots.
+//!
+//! [`trace()`] reads as the algorithm:
+//!
+//! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the [`Mask`].
+//! 2. Thinning wears the mask down to lines one pixel wide; as a graph these are ends and junctions joined by branches.
+//! 3. Forks that face each other are the halves of one crossing. Arms are paired such that the paths from one to the other
+//!    bend least and keep their colour: at a crossing, along a stretch that two strands share, or across a gap under
+//!    another strand. Where ends remain that touch other strands, where strands change their hue, or where parts of the mask
+//!    remain, the mask is split by hue and looked at again.
+//! 4. Each path becomes a [`Strand`]: the middle between both of its edges, measured between pixels, smoothed along
+//!    the strand, bridged where it meets others. An end that comes out beyond another strand is followed to its tip.
+//! 5. [`find_crossings`] intersects the centrelines. Which strand lies on top the picture tells where both overlap: it goes
+//!    on there with the cross-section that it has beside the crossing.
+//!    [`whole_rod`] puts closed strands into the open one that they are parts of, where all is known to be one rod.
+//! 6. [`paint_labels`] gives each pixel of the mask to a strand; [`instance_dice`] compares that with the truth.
+//!
+//! A [`Camera`] maps pixels to the table; [`calibrate`], [`board_pose`] and [`hand_eye()`] find it. [`pattern()`] makes a
+//! drawn line a pattern, [`score()`] compares a deployed curve with one, [`find_sheet`] finds a sheet of paper, [`find_edge`] one of its edges,
+//! [`find_markers`], [`compare_markers`] and [`InstabilityWatch`] say when a rod with markers stops being a helix.
+//! [`render()`] makes pictures to test all this with.
+//!
+//! ```
+//! use rodlab_vision::{TraceOptions, trace};
+//!
+//! let mut picture = image::RgbImage::new(120, 80);
+//! for (u, v, pixel) in picture.enumerate_pixels_mut() {
+//!     if (i64::from(v) - 40).abs() <= 3 && (10..110).contains(&u) {
+//!         *pixel = image::Rgb([200, 60, 70]);
+//!     }
+//! }
+//! let found = trace(&picture, &TraceOptions::default())?;
+//! assert_eq!(found.strands.len(), 1);
+//! assert!((found.strands[0].width() - 7.0).abs() < 0.5);
+//! # Ok::<(), rodlab_vision::VisionError>(())
+//! ```
+//!
+//! Everything runs on one thread. An image of 672 × 896 pixels takes some 10 ms and about 20 bytes of memory a pixel;
+//! [`read_picture`] refuses images of more than [`MOST_PIXELS`].
+
+// Tests compare with a tolerance, and may ask any mathematical library.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
+mod across;
+#[cfg(test)]
+mod benchmark_tests;
+mod calibration;
+mod camera;
+mod camera_file;
+mod centreline;
+mod checkerboard;
+mod colour;
+mod contrast;
+mod corner;
+mod crossing;
+#[cfg(test)]
+mod crossing_tests;
+mod curve_file;
+mod dice;
+mod doubt;
+mod error;
+mod hand_eye;
+mod hand_eye_consensus;
+mod hand_eye_mount;
+mod homography;
+#[cfg(test)]
+mod hostile_tests;
+mod input;
+mod joining;
+mod jpeg;
+mod junction;
+mod labels;
+mod layers;
+mod lens_fit;
+mod marker;
+mod mask;
+mod order;
+mod overlap;
+mod overlay;
+mod passage;
+mod path_energy;
+mod pattern;
+#[cfg(test)]
+mod photograph_tests;
+mod picture;
+mod pose_file;
+mod render;
+mod reprojection;
+mod saddle;
+mod score;
+mod score_figure;
+mod seen_length;
+mod sheet;
+mod skeleton;
+mod smoothing;
+mod straight_edge;
+mod strand;
+mod strand_end;
+mod thinning;
+mod trace;
+#[cfg(test)]
+mod trace_tests;
+mod way;
+mod whole_rod;
+
+pub use calibration::{Calibration, board_pose, calibrate};
+pub use camera::{Camera, Lens};
+pub use centreline::Strand;
+pub use checkerboard::Checkerboard;
+pub use colour::{ColourRule, HsvBox, LabBall, colour_difference, hsv, lab};
+pub use contrast::Contrast;
+pub use curve_file::read_curve;
+pub use dice::{InstanceDice, instance_dice};
+pub use error::VisionError;
+pub use hand_eye::{HandEye, RejectedPair, hand_eye};
+pub use labels::{MOST_LABELS, paint_labels};
+pub use lens_fit::LensMisfit;
+pub use marker::{
+    InstabilityRule, InstabilityWatch, MarkerErrors, compare_markers, find_markers, helix_points,
+};
+pub use mask::Mask;
+pub use order::{StrandCrossing, find_crossings};
+pub use overlay::{
+    centrelines_csv, centrelines_svg, edges_overlay, encode_labels, encode_picture, marker_overlay,
+    mask_overlay, overlay, sheet_overlay, strand_colour,
+};
+pub use passage::Passage;
+pub use pattern::{Metric, pattern, pattern_csv};
+pub use picture::{
+    LARGEST_FILE, LONGEST_SIDE, MOST_PIXELS, decode_labels, decode_picture, pictures_in,
+    read_labels, read_picture,
+};
+pub use pose_file::read_poses;
+pub use render::{RenderOptions, RenderedRod, render};
+pub use score::{CurveError, SCORE_POINTS, Score, part_of_curve, rigid_alignment, score};
+pub use score_figure::score_figure;
+pub use seen_length::SeenLength;
+pub use sheet::{EdgePose, Sheet, find_sheet, sliding};
+pub use straight_edge::{FoundEdge, find_edge};
+pub use trace::{Trace, TraceOptions, clean_mask, trace, trace_contrast};
+pub use whole_rod::whole_rod;
+
+/// A point of an image, pixels: u to the right, v down; (0, 0) is the centre of the first pixel.
+pub type Point = nalgebra::Vector2<f64>;

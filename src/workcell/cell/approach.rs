@@ -1,0 +1,164 @@
+//! From where an arm stands to where a motion begins.
+
+use super::plan::PlanError;
+use super::resolved::{Cell, Driver};
+use rodlab_robot::{
+    Column, GripperDriver, JointTrajectory, Limits, Ros1Gripper, Ros2GripperAddress, RosVersion,
+    RosbridgeGripper, SAMPLE, parametrise,
+};
+use std::time::{Duration, Instant};
+
+/// Points of a straight way of the joints.
+const POINTS: usize = 100;
+/// Samples of the motion from point to point of its trajectory.
+const STRIDE: usize = 10;
+/// Way that counts for a joint that turns by 1 rad, m.
+const WAY_PER_RADIAN: f64 = 0.3;
+/// Joints nearer than this, rad or m, are there.
+const THERE: f64 = 1e-6;
+/// Longest wait for a first report of the joints.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+impl Cell {
+    /// Where the joints of an arm are, by its driver.
+    ///
+    /// # Errors
+    /// In words: it has no driver, the driver does not report, or nothing is heard in time.
+    pub fn stands(&self, arm: usize) -> Result<Vec<f64>, String> {
+        let arm = &self.arms[arm];
+        let joints = arm.chain.joints.iter().map(|joint| joint.name.clone());
+        self.positions(&arm.name, arm.driver.as_ref(), &joints.collect::<Vec<_>>())
+    }
+
+    /// Where an external axis is, rad, by its driver: a motor without a sensor says what it was told.
+    ///
+    /// # Errors
+    /// As [`Self::stands`].
+    pub fn axis_stands(&self, axis: usize) -> Result<f64, String> {
+        let axis = &self.axes[axis];
+        let joints = [axis.name.clone()];
+        let found = self.positions(&axis.name, axis.driver.as_ref(), &joints)?;
+        Ok(found[0])
+    }
+
+    fn positions(
+        &self,
+        name: &str,
+        driver: Option<&Driver>,
+        joints: &[String],
+    ) -> Result<Vec<f64>, String> {
+        Ok(self.heard(name, driver, joints)?.1)
+    }
+
+    /// A driver that was connected for joints, and where they are.
+    pub(super) fn heard(
+        &self,
+        name: &str,
+        driver: Option<&Driver>,
+        joints: &[String],
+    ) -> Result<(Box<dyn rodlab_robot::Driver>, Vec<f64>), String> {
+        let missing = || format!("{name}: it has no driver in the cell file that could move it");
+        let known = driver.ok_or_else(missing)?;
+        let mut driver = self.driver(known).ok_or_else(missing)?;
+        let in_words = |error: rodlab_robot::DriverError| format!("{name}: {error}");
+        if !driver.reports_state() {
+            return Err(format!("{name}: its driver does not say where it stands"));
+        }
+        driver.connect(joints).map_err(in_words)?;
+        let begin = Instant::now();
+        while begin.elapsed() < PATIENCE {
+            if let Some(state) = driver.state().map_err(in_words)? {
+                return Ok((driver, state.positions));
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        Err(format!(
+            "{name}: no report of all of its joints ({}) in {} s; compare the names in the cell file with the robot's",
+            joints.join(", "),
+            PATIENCE.as_secs()
+        ))
+    }
+
+    /// A motion of an arm from joints to joints, each straight, the hand at about `speed`, m/s, or slower. Whether anything is in
+    /// the way shows when it is prepared for a stream. `None` where it is there already.
+    ///
+    /// # Errors
+    /// A joint has no limit of acceleration or jerk.
+    pub fn approach(
+        &self,
+        arm: usize,
+        from: &[f64],
+        to: &[f64],
+        speed: f64,
+    ) -> Result<Option<JointTrajectory>, PlanError> {
+        let arm = &self.arms[arm];
+        let reach = from.iter().zip(to).map(|(a, b)| (b - a).abs());
+        let reach = reach.fold(0.0, f64::max);
+        if reach < THERE {
+            return Ok(None);
+        }
+        let part = |k: usize| k as f64 / POINTS as f64;
+        let straight = |k: usize| {
+            let pairs = from.iter().zip(to);
+            pairs.map(|(a, b)| a + part(k) * (b - a)).collect()
+        };
+        let joints: Vec<Vec<f64>> = (0..=POINTS).map(straight).collect();
+        let ways = arm.chain.joints.iter().zip(from.iter().zip(to));
+        let way = ways.map(|(joint, (a, b))| match joint.kind {
+            rodlab_robot::JointKind::Revolute => WAY_PER_RADIAN * (b - a).abs(),
+            rodlab_robot::JointKind::Prismatic => (b - a).abs(),
+        });
+        let whole: f64 = way.sum();
+        let way: Vec<f64> = (0..=POINTS).map(|k| part(k) * whole).collect();
+        let limits: Vec<Limits> = arm.chain.joints.iter().map(|joint| joint.limits).collect();
+        let motion = parametrise(&joints, &way, &limits, speed)?;
+        let columns = arm.chain.joints.iter().map(|joint| Column {
+            part: arm.name.clone(),
+            joint: Some(joint.name.clone()),
+            kind: joint.kind,
+        });
+        let last = motion.samples.len() - 1;
+        let count = last.div_ceil(STRIDE);
+        Ok(Some(JointTrajectory {
+            columns: columns.collect(),
+            times: (0..=count).map(|k| (k * STRIDE) as f64 * SAMPLE).collect(),
+            points: (0..=count)
+                .map(|k| motion.samples[(k * STRIDE).min(last)].clone())
+                .collect(),
+        }))
+    }
+
+    /// The gripper of an arm, with the openings in which it holds nothing and in which it holds, m.
+    pub fn gripper(&self, arm: usize) -> Option<(Box<dyn GripperDriver>, [f64; 2])> {
+        let arm = &self.arms[arm];
+        let gripper = arm.gripper.as_ref()?;
+        let action = gripper.action.clone();
+        let max_effort = gripper.max_effort;
+        let driver: Box<dyn GripperDriver> = match arm.driver.as_ref()? {
+            Driver::Rosbridge { address, ros, .. } => Box::new(RosbridgeGripper {
+                address: address.clone(),
+                version: match ros {
+                    1 => RosVersion::One,
+                    _ => RosVersion::Two,
+                },
+                action,
+                max_effort,
+            }),
+            Driver::Ros1 { master, .. } => Box::new(Ros1Gripper {
+                master: master.clone(),
+                action,
+                max_effort,
+            }),
+            Driver::Ros2(arm) => Ros2GripperAddress {
+                domain: arm.domain,
+                middleware: arm.middleware,
+                interface: arm.interface,
+                action,
+                max_effort,
+            }
+            .driver()?,
+            _ => return None,
+        };
+        Some((driver, [gripper.open, gripper.closed]))
+    }
+}

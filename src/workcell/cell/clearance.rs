@@ -1,0 +1,114 @@
+//! The least distance along a motion, between its points, too.
+//!
+//! Between two times no point of an arm moves farther than `m`, the sum over its joints of how far each turns times the reach of
+//! what it carries. With distances `a` and `b` at the two times, nothing comes nearer than `(a + b − m)/2` in between. Where that
+//! does not exclude contact, the time between is halved.
+
+use super::resolved::Cell;
+use rodlab_robot::{Interpolant, Member, Part};
+
+/// Movement of a point, m, below which no contact is looked for between two times.
+const FINEST: f64 = 5e-4;
+
+impl Cell {
+    /// Least distance between arms, themselves and what is around them along the motion of parts, m. Arms without a motion rest
+    /// at home.
+    ///
+    /// # Errors
+    /// What touches, and when.
+    pub(super) fn least_clearance(&self, parts: &[Part]) -> Result<f64, String> {
+        let surroundings = self.surroundings();
+        let moving: Vec<Option<Interpolant>> = self
+            .arms
+            .iter()
+            .map(|arm| {
+                let part = parts.iter().find(|part| part.name == arm.name);
+                part.map(|part| part.trajectory.interpolant())
+            })
+            .collect();
+        let homes = surroundings.homes();
+        let reaches: Vec<Vec<f64>> = surroundings.members().iter().map(Member::reaches).collect();
+        let postures = |time: f64| -> Vec<Vec<f64>> {
+            let arms = moving.iter().zip(&homes);
+            arms.map(|(path, home)| match path {
+                Some(path) => path.at(time),
+                None => home.clone(),
+            })
+            .collect()
+        };
+        let look = |time: f64| -> Result<Look, String> {
+            let postures = postures(time);
+            let mut distance = rodlab_robot::FAR;
+            if let Some(approach) = surroundings.nearest(&postures, None) {
+                distance = approach.distance;
+                if distance <= 0.0 {
+                    let [one, other] = &approach.between;
+                    return Err(format!(
+                        "{one} would touch {other} {time:.3} s after the start"
+                    ));
+                }
+            }
+            Ok(Look {
+                time,
+                postures,
+                distance,
+            })
+        };
+        let mut times: Vec<f64> = parts
+            .iter()
+            .flat_map(|part| part.trajectory.times.iter().copied())
+            .collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        let Some((first, rest)) = times.split_first() else {
+            return Ok(rodlab_robot::FAR);
+        };
+        let mut before = look(*first)?;
+        let mut least = before.distance;
+        for time in rest {
+            // Times that are still to be looked at, the next one last.
+            let mut ahead = vec![*time];
+            while let Some(next) = ahead.pop() {
+                let after = look(next)?;
+                let moved = movement(&before, &after, &reaches, &moving);
+                if before.distance + after.distance <= moved && moved > FINEST {
+                    ahead.push(next);
+                    ahead.push(0.5 * (before.time + next));
+                    continue;
+                }
+                least = least.min(after.distance);
+                before = after;
+            }
+        }
+        Ok(least)
+    }
+}
+
+/// The arms at a time.
+struct Look {
+    time: f64,
+    postures: Vec<Vec<f64>>,
+    distance: f64,
+}
+
+/// Greatest movement of a point of an arm against anything else between two times, m.
+fn movement(
+    before: &Look,
+    after: &Look,
+    reaches: &[Vec<f64>],
+    moving: &[Option<Interpolant>],
+) -> f64 {
+    let middle = 0.5 * (before.time + after.time);
+    let arms = moving.iter().zip(reaches).enumerate();
+    arms.filter_map(|(arm, (path, reaches))| {
+        let middle = path.as_ref()?.at(middle);
+        let joints = reaches.iter().enumerate().map(|(joint, reach)| {
+            let [a, b, c] =
+                [&before.postures[arm], &middle, &after.postures[arm]].map(|q| q[joint]);
+            // A joint may turn back between two points.
+            ((b - a).abs() + (c - b).abs()) * reach
+        });
+        Some(joints.sum::<f64>())
+    })
+    .sum()
+}

@@ -1,0 +1,48 @@
+//! A motion of an arm that goes on from where it stands, along a path that was not known before.
+
+use super::plan::{PlanError, STEP};
+use super::resolved::Cell;
+use rodlab_robot::{JointTrajectory, LARGEST_JUMP, Limits, Pose, parametrise, subdivide};
+
+impl Cell {
+    /// The motion of an arm along poses of its hand in the cell, of which the first is where it stands with the joints `from`; at
+    /// `speed` at most, m/s, with `rate` points per second, a divisor of 1000. Whether anything is in the way shows when it is
+    /// prepared for a stream.
+    ///
+    /// # Errors
+    /// The hand cannot be led on along the path from these joints.
+    pub fn continuation(
+        &self,
+        arm: usize,
+        poses: &[Pose],
+        from: &[f64],
+        speed: f64,
+        rate: u32,
+    ) -> Result<JointTrajectory, PlanError> {
+        let known = &self.arms[arm];
+        let chain = &known.chain;
+        let to_base = known.base.inverse();
+        let poses: Vec<Pose> = poses.iter().map(|pose| to_base * pose).collect();
+        let points = subdivide(&poses, STEP);
+        let mut joints = vec![from.to_vec()];
+        for point in points.iter().skip(1) {
+            let before = &joints[joints.len() - 1];
+            let next = chain.follow(&point.pose, before);
+            let is_near = |next: &Vec<f64>| {
+                let steps = next.iter().zip(before).map(|(a, b)| (a - b).abs());
+                steps.fold(0.0, f64::max) <= LARGEST_JUMP
+            };
+            joints.push(next.filter(is_near).ok_or_else(|| {
+                let [x, y, z] = (known.base * point.pose).translation.vector.into();
+                PlanError::Path(format!(
+                    "arm {}: its hand cannot be led on to {x:.4},{y:.4},{z:.4} from where it stands",
+                    known.name
+                ))
+            })?);
+        }
+        let way: Vec<f64> = points.iter().map(|point| point.way).collect();
+        let limits: Vec<Limits> = chain.joints.iter().map(|joint| joint.limits).collect();
+        let motion = parametrise(&joints, &way, &limits, speed)?;
+        Ok(self.sampled(arm, rate, &motion.samples))
+    }
+}

@@ -1,0 +1,63 @@
+//! The fingers of a gripper, by the reports of its arm: whether they still hold what they held.
+
+use super::resolved::Cell;
+use std::cell::RefCell;
+
+/// Fingers nearer than this to where they hold nothing are closed, m: a sheet of paper is twice as thick.
+const CLOSED: f64 = 5e-5;
+/// Fingers that are wider apart than this part of their way are open.
+const OPEN: f64 = 0.95;
+/// Part of what they held to which they come together when it is gone.
+const LOST: f64 = 0.5;
+
+/// The fingers of a gripper that says how far they are apart.
+pub struct Fingers {
+    driver: RefCell<Box<dyn rodlab_robot::Driver>>,
+    /// How far they were apart at first, m.
+    first: f64,
+    open: f64,
+    closed: f64,
+}
+
+impl Cell {
+    /// The fingers of an arm as they are now; `None` where its gripper does not name their joint.
+    ///
+    /// # Errors
+    /// In words: nothing is heard of them in time.
+    pub fn fingers(&self, arm: usize) -> Result<Option<Fingers>, String> {
+        let arm = &self.arms[arm];
+        let known = arm.gripper.as_ref();
+        let Some((gripper, joint)) = known.and_then(|known| Some((known, known.joint.clone()?)))
+        else {
+            return Ok(None);
+        };
+        let (driver, found) = self.heard(&arm.name, arm.driver.as_ref(), &[joint])?;
+        Ok(Some(Fingers {
+            driver: RefCell::new(driver),
+            first: found[0],
+            open: gripper.open,
+            closed: gripper.closed,
+        }))
+    }
+}
+
+impl Fingers {
+    /// Whether they held something at first.
+    pub fn hold(&self) -> bool {
+        let apart = self.first - self.closed;
+        apart > CLOSED && apart < OPEN * (self.open - self.closed)
+    }
+
+    /// In words, that what they held at first has slipped out. A lost connection is told by the motion.
+    pub fn slipped(&self) -> Option<String> {
+        let state = self.driver.borrow_mut().state().ok().flatten()?;
+        let apart = state.positions[0];
+        (apart - self.closed < LOST * (self.first - self.closed)).then(|| {
+            format!(
+                "what it held slipped out of the gripper: its fingers came together from {:.2} mm to {:.2} mm",
+                1e3 * self.first,
+                1e3 * apart
+            )
+        })
+    }
+}

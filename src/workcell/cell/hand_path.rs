@@ -1,0 +1,209 @@
+//! Joints along poses of a hand that begin where it is, and motions to and fro along a part of them.
+//!
+//! Where [`Cell::plan`](super::Cell::plan) looks for the best of all ways, this goes on from the posture before: the way back is
+//! the way that was taken, and every path from the same posture begins with the same joints.
+
+use super::plan::PlanError;
+use super::resolved::Cell;
+use rodlab_robot::{
+    Column, JointKind, JointTrajectory, Limits, Pose, SAMPLE, distance_and_angle, parametrise,
+};
+
+/// Largest step of a joint from pose to pose, rad or m: what turns farther is near a singularity, and too fast for a rod.
+const LARGEST_STEP: f64 = 0.15;
+/// Length that counts as much as a turn by one radian, m.
+const LENGTH_PER_RADIAN: f64 = 0.1;
+/// Samples of a motion from point to point of its trajectory.
+const STRIDE: usize = 10;
+
+/// What is asked for.
+pub struct HandPathRequest<'a> {
+    /// Index of the arm.
+    pub arm: usize,
+    /// Joint positions at the first pose.
+    pub from: Vec<f64>,
+    /// Poses of the hand in the cell, near each other.
+    pub poses: &'a [Pose],
+    /// Least distance of the arm to anything else, m.
+    pub margin: f64,
+}
+
+/// Joints along poses of a hand.
+#[derive(Clone, Debug)]
+pub struct HandPath {
+    /// Joint positions at each pose, as far as they can be followed.
+    pub joints: Vec<Vec<f64>>,
+    /// Why no farther, in words; `None` where all can be followed.
+    pub ends: Option<String>,
+}
+
+impl Cell {
+    /// Follows poses from pose to pose, the other arms at rest.
+    pub fn follow_poses(&self, request: &HandPathRequest<'_>) -> HandPath {
+        let arm = &self.arms[request.arm];
+        let surroundings = self.surroundings();
+        let mut postures = surroundings.homes();
+        let to_base = arm.base.inverse();
+        let mut joints: Vec<Vec<f64>> = Vec::with_capacity(request.poses.len());
+        let mut ends = None;
+        for pose in request.poses {
+            let before = joints.last().unwrap_or(&request.from);
+            let Some(next) = arm.chain.follow(&(to_base * pose), before) else {
+                ends = Some(format!("arm {} does not reach it", arm.name));
+                break;
+            };
+            let steps = arm.chain.joints.iter().zip(next.iter().zip(before));
+            let too_far = steps
+                .filter(|(_, (now, then))| (*now - *then).abs() > LARGEST_STEP)
+                .map(|(joint, _)| joint.name.as_str())
+                .next();
+            if let Some(joint) = too_far {
+                ends = Some(format!(
+                    "joint {joint} of arm {} would turn too fast: it is near a singularity",
+                    arm.name
+                ));
+                break;
+            }
+            postures[request.arm].clone_from(&next);
+            if let Some(near) = surroundings.nearest(&postures, Some(request.arm))
+                && near.distance < request.margin
+            {
+                let [one, other] = near.between;
+                ends = Some(format!("{one} comes too near to {other}"));
+                break;
+            }
+            joints.push(next);
+        }
+        HandPath { joints, ends }
+    }
+
+    /// A motion of an arm and an external axis along points of the joints of both, that of the axis last, from rest to rest, and
+    /// then `rest`, s, at the last one. The hand moves at `speed`, m/s, at most, and turns by ten times as much, rad/s.
+    ///
+    /// # Errors
+    /// A joint has no limit of acceleration or jerk.
+    pub fn motion_along(
+        &self,
+        arm: usize,
+        axis: usize,
+        points: &[Vec<f64>],
+        speed: f64,
+        rest: f64,
+    ) -> Result<JointTrajectory, PlanError> {
+        let (arm, axis) = (&self.arms[arm], &self.axes[axis]);
+        let count = arm.chain.joints.len();
+        let mut way = vec![0.0];
+        for pair in points.windows(2) {
+            let [from, to] = [&pair[0], &pair[1]].map(|point| arm.chain.hand(&point[..count]));
+            let (distance, angle) = distance_and_angle(&from, &to);
+            let turned = (pair[1][count] - pair[0][count]).abs();
+            let step = libm::hypot(distance, LENGTH_PER_RADIAN * angle.max(turned));
+            way.push(way[way.len() - 1] + step);
+        }
+        let limits = arm.chain.joints.iter().map(|joint| joint.limits);
+        let limits: Vec<Limits> = limits.chain([axis.limits]).collect();
+        let motion = parametrise(points, &way, &limits, speed)?;
+        let columns = arm.chain.joints.iter().map(|joint| Column {
+            part: arm.name.clone(),
+            joint: Some(joint.name.clone()),
+            kind: joint.kind,
+        });
+        let columns = columns.chain([Column {
+            part: axis.name.clone(),
+            joint: None,
+            kind: JointKind::Revolute,
+        }]);
+        let last = motion.samples.len() - 1;
+        let whole = last.div_ceil(STRIDE).max(1);
+        let mut times: Vec<f64> = (0..=whole).map(|k| (k * STRIDE) as f64 * SAMPLE).collect();
+        let at = |k: usize| motion.samples[(k * STRIDE).min(last)].clone();
+        let mut points: Vec<Vec<f64>> = (0..=whole).map(at).collect();
+        if rest > 0.0 {
+            times.push(times[whole] + rest);
+            points.push(motion.samples[last].clone());
+        }
+        Ok(JointTrajectory {
+            columns: columns.collect(),
+            times,
+            points,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn gantry() -> Cell {
+        let file = "scenarios/cells/helix_gantry.toml";
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(file);
+        Cell::read(&path).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Poses from that at home on, each moved by `step`.
+    fn poses(cell: &Cell, count: usize, step: impl Fn(f64) -> Pose) -> Vec<Pose> {
+        let arm = &cell.arms[0];
+        let first = arm.base * arm.chain.hand(&arm.home);
+        (0..count).map(|k| first * step(k as f64)).collect()
+    }
+
+    fn followed(cell: &Cell, poses: &[Pose]) -> HandPath {
+        cell.follow_poses(&HandPathRequest {
+            arm: 0,
+            from: cell.arms[0].home.clone(),
+            poses,
+            margin: 5e-3,
+        })
+    }
+
+    #[test]
+    fn the_hand_follows_its_poses_until_a_joint_or_an_obstacle_ends_them() {
+        let cell = gantry();
+        let turning = |k: f64| {
+            let turn = nalgebra::UnitQuaternion::from_euler_angles(0.0, 0.0, 0.02 * k);
+            Pose::from_parts(nalgebra::Translation3::new(-1e-3 * k, 0.0, 0.0), turn)
+        };
+        let wanted = poses(&cell, 400, turning);
+        let path = followed(&cell, &wanted);
+        assert_eq!((path.joints.len(), path.ends), (400, None));
+        let arm = &cell.arms[0];
+        for (joints, pose) in path.joints.iter().zip(&wanted) {
+            let (distance, angle) = distance_and_angle(&(arm.base * arm.chain.hand(joints)), pose);
+            assert!(distance < 1e-6 && angle < 1e-6);
+        }
+        // More than a turn about z is that of one joint.
+        assert!((path.joints[399][3] - 0.02 * 399.0).abs() < 1e-6);
+        let sideways = poses(&cell, 200, |k| Pose::translation(0.0, 0.01 * k, 0.0));
+        let path = followed(&cell, &sideways);
+        assert_eq!(path.joints.len(), 71);
+        assert!(path.ends.unwrap().contains("does not reach"));
+        let to_chuck = poses(&cell, 200, |k| Pose::translation(-0.01 * k, 0.0, 0.0));
+        let words = followed(&cell, &to_chuck).ends.unwrap();
+        assert!(words.contains("comes too near to motor"), "{words}");
+    }
+
+    #[test]
+    fn arm_and_axis_move_together_from_rest_to_rest() {
+        let cell = gantry();
+        let wanted = poses(&cell, 50, |k| Pose::translation(-2e-3 * k, 0.0, 0.0));
+        let joints = followed(&cell, &wanted).joints;
+        let with_axis = joints.into_iter().enumerate().map(|(k, mut joints)| {
+            joints.push(0.04 * k as f64);
+            joints
+        });
+        let points: Vec<Vec<f64>> = with_axis.collect();
+        let motion = cell.motion_along(0, 0, &points, 0.05, 0.3).unwrap();
+        let last = motion.points.len() - 1;
+        assert_eq!(motion.columns[6].header(), "stepper_rad");
+        assert!((motion.points[0][6], motion.points[last][6]) == (0.0, points[49][6]));
+        assert!((motion.times[last] - motion.times[last - 1] - 0.3).abs() < 1e-12);
+        // The axis, which turns by 1.96 rad at ten times the speed of the hand, sets the pace.
+        assert!(motion.duration() > 1.96 / 0.5);
+        for pair in motion.points.windows(2).zip(motion.times.windows(2)) {
+            let (points, times) = pair;
+            let speed = (points[1][6] - points[0][6]) / (times[1] - times[0]);
+            assert!(speed <= 0.5 * 1.001, "{speed}");
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! The robot cell from its file: arms, external axes, table, camera, drivers.
+//!
+//! A cell file is TOML with the units and the messages of scenario files. [`Cell::read`] gives the cell in SI units;
+//! [`robot`](rodlab_robot) plans and streams with its parts.
+//!
+//! | file | what |
+//! |---|---|
+//! | `typed` | every key of a cell file, as typed |
+//! | `resolve`, `resolve_chain`, `resolver` | units, ranges, names: from the file as typed to the [`Cell`] |
+//! | `resolved` | the [`Cell`] |
+//! | `surroundings`, `clearance`, `plan` | collision checks; the least distance along a motion; joint trajectories along a path of a hand |
+//! | `streaming` | a joint trajectory with the drivers that it moves |
+//! | `approach` | from where an arm stands to where a motion begins |
+//! | `hand_path` | joints along poses of a hand that begin where it is, and motions along a part of them, with an axis |
+//! | `fingers` | whether a gripper still holds what it held |
+//! | `continuation` | from where an arm stands on along a path |
+//! | `camera` | the camera as one that locates what it sees |
+//! | `view` | the 3-D page of a cell |
+//! | `report` | what `rodlab check` says of it |
+
+mod approach;
+mod camera;
+mod clearance;
+mod continuation;
+mod fingers;
+mod hand_path;
+mod plan;
+mod report;
+mod resolve;
+mod resolve_chain;
+mod resolved;
+mod resolver;
+mod streaming;
+mod surroundings;
+#[cfg(test)]
+mod tests;
+mod typed;
+mod view;
+
+pub use fingers::Fingers;
+pub use hand_path::{HandPath, HandPathRequest};
+pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
+pub use report::CellReport;
+pub use resolved::{Arm, Axis, Camera, Cell, Chuck, Driver, Gripper, Obstacle, Table};
+pub use streaming::StreamReport;

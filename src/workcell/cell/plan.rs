@@ -1,0 +1,268 @@
+//! From a path of an arm's hand in the cell to a joint trajectory within all limits.
+
+use super::resolved::Cell;
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use rodlab_robot::{
+    Column, JointTrajectory, Obstruction, PathFailure, PathProblem, Pose, SAMPLE, TimingError,
+    Utilisation, parametrise, parts, place, read_table, subdivide, utilisation,
+};
+use rodlab_robot::{Limits, TableError, pose};
+use serde::Serialize;
+use std::path::Path;
+
+/// Distance of the points of a joint path, m, and a tenth of it in rad.
+pub(super) const STEP: f64 = 1e-3;
+
+/// Where a path lies.
+#[derive(Clone, Copy, Debug)]
+pub enum Place {
+    /// Its poses are those in the cell, moved by x, y, z, m, and then turned about z where it lies, rad.
+    At([f64; 4]),
+    /// Where the arm stays farthest from singularities; z = 0 of the path is the top of the table.
+    Auto,
+}
+
+impl Place {
+    /// The pose of the frame of the path in the cell, where it is given.
+    pub fn pose(self) -> Option<Pose> {
+        let Self::At([x, y, z, turn]) = self else {
+            return None;
+        };
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
+        Some(Pose::from_parts(Translation3::new(x, y, z), turn))
+    }
+}
+
+/// What is planned.
+#[derive(Clone, Debug)]
+pub struct PlanRequest {
+    /// Index of the arm.
+    pub arm: usize,
+    /// Poses of the hand; the first column of times is not needed.
+    pub path: Vec<Pose>,
+    /// Where the path lies.
+    pub place: Place,
+    /// Least distance to anything else, m.
+    pub margin: f64,
+    /// Greatest speed of the hand, m/s (and ten times it in rad/s).
+    pub speed: f64,
+    /// Points per second: a divisor of 1000.
+    pub rate: u32,
+}
+
+/// A trajectory and what is known of it.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The joint trajectory.
+    pub trajectory: JointTrajectory,
+    /// Its numbers.
+    pub report: PlanReport,
+}
+
+/// Numbers of a plan.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct PlanReport {
+    /// Points of the joint path, 1 mm apart at most.
+    pub path_points: usize,
+    /// Length of the path, m (0.1 m for a turn by 1 rad).
+    pub length_m: f64,
+    /// Duration of the motion.
+    pub duration_s: f64,
+    /// Points of the trajectory.
+    pub points: usize,
+    /// Position of the frame of the path in the cell.
+    pub place_position: [f64; 3],
+    /// Its quaternion w, x, y, z.
+    pub place_quaternion: [f64; 4],
+    /// Largest step of a joint between points of the path, rad or m.
+    pub largest_jump: f64,
+    /// Least distance to anything else, m; 0.2 stands for that and more.
+    pub least_clearance_m: f64,
+    /// Smallest singular value of the Jacobian.
+    pub least_distance_to_singularity: f64,
+    /// Least distance of a joint from an end of its range, rad or m; `null` where none has an end.
+    pub least_distance_to_limits: Option<f64>,
+    /// Largest velocity, acceleration and jerk at 1 kHz, as parts of the limits.
+    pub velocity_used: f64,
+    /// See `velocity_used`.
+    pub acceleration_used: f64,
+    /// See `velocity_used`.
+    pub jerk_used: f64,
+}
+
+/// Why there is no plan.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The request makes no sense.
+    #[error("{0}")]
+    Input(String),
+    /// The path cannot be followed.
+    #[error("{0}")]
+    Path(String),
+    /// No motion along it.
+    #[error("{0}")]
+    Timing(#[from] TimingError),
+}
+
+/// Reads poses of a hand: the columns `x_m`, `y_m`, `z_m`, `qw`, `qx`, `qy`, `qz` of a table, whatever else it has.
+///
+/// # Errors
+/// If a column is missing, a number is none or a quaternion has not length one within a thousandth.
+pub fn read_poses(path: &Path) -> Result<Vec<Pose>, TableError> {
+    let table = read_table(path)?;
+    let fault = |line: u64, message: String| TableError {
+        path: path.to_owned(),
+        line: Some(line),
+        message,
+    };
+    let mut columns = [0; 7];
+    for (slot, name) in columns
+        .iter_mut()
+        .zip(["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"])
+    {
+        *slot = table
+            .header
+            .iter()
+            .position(|header| header == name)
+            .ok_or_else(|| fault(1, format!("there is no column `{name}`")))?;
+    }
+    if table.rows.is_empty() {
+        return Err(fault(1, "there are no poses".into()));
+    }
+    let poses = table.rows.iter().zip(&table.lines).map(|(row, line)| {
+        let [x, y, z, qw, qx, qy, qz] = columns.map(|column| row[column]);
+        let length = (qw * qw + qx * qx + qy * qy + qz * qz).sqrt();
+        if (length - 1.0).abs() > 1e-3 {
+            return Err(fault(
+                *line,
+                format!("the quaternion has length {length:.6} instead of 1"),
+            ));
+        }
+        pose([x, y, z], [qw, qx, qy, qz]).ok_or_else(|| fault(*line, "no pose".into()))
+    });
+    poses.collect()
+}
+
+impl Cell {
+    /// Plans the motion of one arm along a path of its hand, the other arms at rest.
+    ///
+    /// # Errors
+    /// If the path cannot be followed: the first point, why, and the nearest pose that can be reached.
+    pub fn plan(&self, request: &PlanRequest) -> Result<Plan, PlanError> {
+        let arm = &self.arms[request.arm];
+        if request.rate == 0 || 1000 % request.rate != 0 {
+            return Err(PlanError::Input(format!(
+                "{} points per second; allowed: divisors of 1000, as 100, 250, 500, 1000",
+                request.rate
+            )));
+        }
+        let surroundings = self.surroundings();
+        let homes = surroundings.homes();
+        let clearance = |joints: &[f64]| {
+            let mut postures = homes.clone();
+            postures[request.arm] = joints.to_vec();
+            surroundings.clearance(&postures, Some(request.arm))
+        };
+        let problem = PathProblem {
+            chain: &arm.chain,
+            from: &arm.home,
+            clearance: &clearance,
+            margin: request.margin,
+        };
+        let frame = self.frame(request, &problem)?;
+        let to_base = arm.base.inverse() * frame;
+        let poses: Vec<Pose> = request.path.iter().map(|pose| to_base * pose).collect();
+        let points = subdivide(&poses, STEP);
+        let path = problem.solve(&points).map_err(|failure| {
+            PlanError::Path(self.in_words(request, &failure, points[failure.point].given))
+        })?;
+        let way: Vec<f64> = points.iter().map(|point| point.way).collect();
+        let limits: Vec<Limits> = arm.chain.joints.iter().map(|joint| joint.limits).collect();
+        let motion = parametrise(&path.joints, &way, &limits, request.speed)?;
+        let used: Utilisation = utilisation(&motion.samples, &limits);
+        let trajectory = self.sampled(request.arm, request.rate, &motion.samples);
+        let (place_position, place_quaternion) = parts(&frame);
+        let to_limits = path.least_distance_to_limits;
+        let report = PlanReport {
+            path_points: points.len(),
+            length_m: way[way.len() - 1],
+            duration_s: trajectory.duration(),
+            points: trajectory.points.len(),
+            place_position,
+            place_quaternion,
+            largest_jump: path.largest_jump,
+            least_clearance_m: path.least_clearance,
+            least_distance_to_singularity: path.least_distance_to_singularity,
+            least_distance_to_limits: to_limits.is_finite().then_some(to_limits),
+            velocity_used: used.velocity,
+            acceleration_used: used.acceleration,
+            jerk_used: used.jerk,
+        };
+        Ok(Plan { trajectory, report })
+    }
+
+    /// Pose of the path's frame in the cell.
+    fn frame(&self, request: &PlanRequest, problem: &PathProblem<'_>) -> Result<Pose, PlanError> {
+        let arm = &self.arms[request.arm];
+        if let Some(pose) = request.place.pose() {
+            return Ok(pose);
+        }
+        let table = self.table.ok_or_else(|| {
+            PlanError::Input("a place can be found only on a [table], and the cell has none".into())
+        })?;
+        let top = arm.base.inverse() * table.top;
+        let sides = [table.size[0], table.size[1]];
+        let found = place(problem, &request.path, &top, sides, STEP).map_err(|failure| {
+            PlanError::Path(match failure {
+                None => format!(
+                    "nowhere on the table can arm {} reach all of the path",
+                    arm.name
+                ),
+                Some(failure) => format!(
+                    "nowhere on the table can arm {} follow the path; where it comes nearest to it: {}",
+                    arm.name,
+                    failure.reason.in_words()
+                ),
+            })
+        })?;
+        Ok(arm.base * found.pose)
+    }
+
+    fn in_words(&self, request: &PlanRequest, failure: &PathFailure, given: usize) -> String {
+        let arm = &self.arms[request.arm];
+        let frame_of_hand = request.place.pose().unwrap_or_default();
+        let nearest = frame_of_hand.inverse() * arm.base * failure.nearest;
+        let ([x, y, z], [qw, qx, qy, qz]) = parts(&nearest);
+        let what_next = match failure.reason {
+            Obstruction::OutOfReach => "the nearest pose that can be reached",
+            Obstruction::Collision | Obstruction::Jump => "the last pose before it",
+        };
+        format!(
+            "arm {}: the path cannot be followed beyond its pose {} (line {} of the table): {}; {what_next} is \
+             {x:.6},{y:.6},{z:.6},{qw:.6},{qx:.6},{qy:.6},{qz:.6}; --place auto looks for a better place",
+            arm.name,
+            given + 1,
+            given + 2,
+            failure.reason.in_words()
+        )
+    }
+
+    /// Every so many samples as a trajectory; the last point is one more step at rest where it falls between.
+    pub(super) fn sampled(&self, arm: usize, rate: u32, samples: &[Vec<f64>]) -> JointTrajectory {
+        let arm = &self.arms[arm];
+        let stride = (1000 / rate) as usize;
+        let count = (samples.len() - 1).div_ceil(stride);
+        let columns = arm.chain.joints.iter().map(|joint| Column {
+            part: arm.name.clone(),
+            joint: Some(joint.name.clone()),
+            kind: joint.kind,
+        });
+        JointTrajectory {
+            columns: columns.collect(),
+            times: (0..=count).map(|k| (k * stride) as f64 * SAMPLE).collect(),
+            points: (0..=count)
+                .map(|k| samples[(k * stride).min(samples.len() - 1)].clone())
+                .collect(),
+        }
+    }
+}

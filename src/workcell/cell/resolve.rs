@@ -1,0 +1,283 @@
+//! From the cell file as typed to the cell in SI units.
+
+use super::resolve_chain::resolve_arm;
+use super::resolved::{Axis, Camera, Cell, Chuck, Obstacle, Table};
+use super::resolver::Resolver;
+use super::typed::{self, CellFile};
+use rodlab_lab::scenario::dimension::{Angle, Dimension, Time};
+use rodlab_lab::scenario::{KeyPath, Quantity, ScenarioError, TypedFile};
+use rodlab_robot::{Limits, StreamBounds, Tolerance};
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::time::Duration;
+
+impl Cell {
+    /// Reads a cell file. Names of files in it are relative to the file in which they stand.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it, with file, line and column.
+    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
+        let file: TypedFile<CellFile> = TypedFile::read(path)?;
+        let resolver = Resolver {
+            issues: RefCell::default(),
+            warnings: RefCell::default(),
+            file: &file,
+        };
+        let cell = resolver.cell(path);
+        let issues = resolver.issues.into_inner();
+        issues.or_ok(cell).map_err(|issues| file.locate(issues))
+    }
+}
+
+impl Resolver<'_> {
+    fn cell(&self, path: &Path) -> Cell {
+        let typed = &self.file.typed;
+        let root = KeyPath::root();
+        if typed.arms.is_empty() && typed.axes.is_empty() {
+            self.fault(
+                &root,
+                "a cell needs an arm ([[arms]]) or an axis ([[axes]])",
+            );
+        }
+        self.unique_names();
+        let arms = typed.arms.iter().enumerate();
+        let arms = arms.filter_map(|(k, arm)| resolve_arm(self, &root.key("arms").index(k), arm));
+        let arms = arms.collect();
+        let axes = typed.axes.iter().enumerate();
+        let axes = axes.map(|(k, axis)| self.axis(&root.key("axes").index(k), axis));
+        let axes = axes.collect();
+        let obstacles = typed.obstacles.iter().enumerate().map(|(k, obstacle)| {
+            let path = root.key("obstacles").index(k);
+            Obstacle {
+                name: obstacle.name.clone(),
+                pose: self.pose(
+                    &path,
+                    obstacle.position.as_ref(),
+                    obstacle.quaternion.as_ref(),
+                    obstacle.rpy.as_ref(),
+                ),
+                size: self.sides(&path.key("size"), &obstacle.size),
+            }
+        });
+        let obstacles = obstacles.collect();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        Cell {
+            title: typed.title.clone().unwrap_or_else(|| stem.into_owned()),
+            arms,
+            axes,
+            table: typed.table.as_ref().map(|table| self.table(table)),
+            obstacles,
+            chuck: typed.chuck.as_ref().map(|chuck| self.chuck(chuck)),
+            camera: typed.camera.as_ref().map(|camera| self.camera(camera)),
+            streaming: self.streaming(),
+            warnings: self.warnings.take(),
+        }
+    }
+
+    fn unique_names(&self) {
+        let typed = &self.file.typed;
+        let arms = typed.arms.iter().map(|arm| &arm.name).enumerate();
+        let axes = typed.axes.iter().map(|axis| &axis.name).enumerate();
+        let mut known = BTreeSet::new();
+        for (table, k, name) in arms
+            .map(|(k, name)| ("arms", k, name))
+            .chain(axes.map(|(k, name)| ("axes", k, name)))
+        {
+            let path = KeyPath::from(table).index(k).key("name");
+            if name.is_empty() || name.contains(['.', ',']) {
+                self.fault(&path, "a name without points and commas is needed");
+            }
+            if !known.insert(name) {
+                self.fault(&path, format!("another arm or axis is called {name:?}"));
+            }
+        }
+    }
+
+    fn axis(&self, path: &KeyPath, axis: &typed::Axis) -> Axis {
+        let end = |key: &str, end: &Option<Quantity<Angle>>, otherwise: f64| {
+            let end = end.as_ref();
+            end.map_or(otherwise, |end| self.si(&path.key(key), end))
+        };
+        let (lower, upper) = (
+            end("lower", &axis.lower, f64::NEG_INFINITY),
+            end("upper", &axis.upper, f64::INFINITY),
+        );
+        if !(lower < upper) {
+            self.fault(
+                &path.key("lower"),
+                format!("{lower} rad must be below `upper`, {upper} rad"),
+            );
+        }
+        let velocity_key = path.key("velocity");
+        let jerk = axis.jerk.unwrap_or(f64::INFINITY);
+        if !(jerk > 0.0) {
+            self.fault(&path.key("jerk"), format!("{jerk} must be above 0"));
+        }
+        Axis {
+            name: axis.name.clone(),
+            limits: Limits {
+                lower,
+                upper,
+                velocity: self.positive(&velocity_key, self.si(&velocity_key, &axis.velocity)),
+                acceleration: self.positive(&path.key("acceleration"), axis.acceleration),
+                jerk,
+            },
+            driver: axis.driver.as_ref().map(|driver| {
+                let joints = std::slice::from_ref(&axis.name);
+                self.driver(&path.key("driver"), driver, true, joints)
+            }),
+        }
+    }
+
+    fn chuck(&self, chuck: &typed::Chuck) -> Chuck {
+        let path = KeyPath::from("chuck");
+        let names: Vec<&str> = self
+            .file
+            .typed
+            .axes
+            .iter()
+            .map(|axis| axis.name.as_str())
+            .collect();
+        let axis = names.iter().position(|name| *name == chuck.axis);
+        Chuck {
+            axis: axis.unwrap_or_else(|| {
+                let known = match names.is_empty() {
+                    true => "the cell has no [[axes]]".to_owned(),
+                    false => format!("there are {}", names.join(", ")),
+                };
+                self.fault(
+                    &path.key("axis"),
+                    format!("no axis is called {:?}; {known}", chuck.axis),
+                );
+                0
+            }),
+            pose: self.pose(
+                &path,
+                chuck.position.as_ref(),
+                chuck.quaternion.as_ref(),
+                chuck.rpy.as_ref(),
+            ),
+        }
+    }
+
+    fn table(&self, table: &typed::Table) -> Table {
+        let path = KeyPath::from("table");
+        Table {
+            top: self.pose(
+                &path,
+                table.position.as_ref(),
+                table.quaternion.as_ref(),
+                table.rpy.as_ref(),
+            ),
+            size: self.sides(&path.key("size"), &table.size),
+        }
+    }
+
+    fn camera(&self, camera: &typed::Camera) -> Camera {
+        let path = KeyPath::from("camera");
+        for (key, pixels) in [("width", camera.width), ("height", camera.height)] {
+            if pixels == 0 {
+                self.fault(&path.key(key), "0 must be above 0");
+            }
+        }
+        self.positive(&path.key("fx"), camera.fx);
+        self.positive(&path.key("fy"), camera.fy);
+        // What `rodlab trace` locates points on.
+        if let Some(height) = &camera.table_height {
+            self.si(&path.key("table_height"), height);
+        }
+        if camera.distortion.len() > 5 {
+            self.fault(
+                &path.key("distortion"),
+                "k1, k2, p1, p2, k3 are allowed: five numbers at most",
+            );
+        }
+        Camera {
+            size: [camera.width, camera.height],
+            intrinsics: [camera.fx, camera.fy, camera.cx, camera.cy],
+            distortion: camera.distortion.clone(),
+            pose: self.pose(
+                &path,
+                camera.position.as_ref(),
+                camera.quaternion.as_ref(),
+                None,
+            ),
+            source: camera.source.clone(),
+        }
+    }
+
+    /// A tolerance under `path`, rad or m.
+    fn tolerance<D: Dimension>(
+        &self,
+        path: &KeyPath,
+        key: &str,
+        given: &Option<Quantity<D>>,
+        otherwise: f64,
+    ) -> f64 {
+        let path = path.key(key);
+        let given = given.as_ref().map(|given| self.si(&path, given));
+        given.map_or(otherwise, |given| self.positive(&path, given))
+    }
+
+    fn streaming(&self) -> StreamBounds {
+        let default = StreamBounds::default();
+        let Some(typed) = &self.file.typed.streaming else {
+            return default;
+        };
+        let path = KeyPath::from("streaming");
+        let duration = |key: &str, given: &Option<Quantity<Time>>, least: f64, most: f64| {
+            let path = path.key(key);
+            let seconds = self.si(&path, given.as_ref()?);
+            if !(least..=most).contains(&seconds) {
+                self.fault(
+                    &path,
+                    format!("{seconds} s; allowed: {least} s to {most} s"),
+                );
+                return None;
+            }
+            Some(Duration::from_secs_f64(seconds))
+        };
+        let StreamBounds {
+            start,
+            tracking,
+            watchdog,
+            longest_pause,
+            horizon,
+        } = default;
+        StreamBounds {
+            start: Tolerance {
+                revolute: self.tolerance(
+                    &path,
+                    "start_tolerance",
+                    &typed.start_tolerance,
+                    start.revolute,
+                ),
+                prismatic: self.tolerance(
+                    &path,
+                    "start_tolerance_prismatic",
+                    &typed.start_tolerance_prismatic,
+                    start.prismatic,
+                ),
+            },
+            tracking: Tolerance {
+                revolute: self.tolerance(
+                    &path,
+                    "tracking_tolerance",
+                    &typed.tracking_tolerance,
+                    tracking.revolute,
+                ),
+                prismatic: self.tolerance(
+                    &path,
+                    "tracking_tolerance_prismatic",
+                    &typed.tracking_tolerance_prismatic,
+                    tracking.prismatic,
+                ),
+            },
+            watchdog: duration("watchdog", &typed.watchdog, 0.02, 10.0).unwrap_or(watchdog),
+            longest_pause: duration("longest_pause", &typed.longest_pause, 0.0, 86_400.0)
+                .or(longest_pause),
+            horizon: duration("horizon", &typed.horizon, 1.0, 600.0).or(horizon),
+        }
+    }
+}

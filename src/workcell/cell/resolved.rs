@@ -1,0 +1,169 @@
+//! The cell in SI units.
+
+use rodlab_robot::{Body, Chain, Limits, Pose, Ros2Address, StreamBounds};
+use std::path::PathBuf;
+
+/// A robot cell. Its frame is the one in which bases, table and camera are placed: z up.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// Title for people.
+    pub title: String,
+    /// The arms, with unique names.
+    pub arms: Vec<Arm>,
+    /// External axes, with unique names.
+    pub axes: Vec<Axis>,
+    /// The chuck that holds one end of a rod.
+    pub chuck: Option<Chuck>,
+    /// The table.
+    pub table: Option<Table>,
+    /// Boxes that arms must not touch.
+    pub obstacles: Vec<Obstacle>,
+    /// The camera.
+    pub camera: Option<Camera>,
+    /// How trajectories are streamed.
+    pub streaming: StreamBounds,
+    /// What was passed over when the file was read.
+    pub warnings: Vec<String>,
+}
+
+/// An arm.
+#[derive(Clone, Debug)]
+pub struct Arm {
+    /// Its name.
+    pub name: String,
+    /// Its joints and links, tool included.
+    pub chain: Chain,
+    /// Pose of its base in the cell.
+    pub base: Pose,
+    /// Joint positions at rest.
+    pub home: Vec<f64>,
+    /// Shapes of base and links.
+    pub bodies: Vec<Body>,
+    /// Pairs of links that may touch: indices of segments, `None` for the base.
+    pub may_touch: Vec<[Option<usize>; 2]>,
+    /// What moves it.
+    pub driver: Option<Driver>,
+    /// Its gripper.
+    pub gripper: Option<Gripper>,
+}
+
+/// The gripper of an arm: the action `control_msgs/GripperCommand` where that of the arm is: at its rosbridge server, at its ROS 1
+/// master or in its ROS 2 domain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gripper {
+    /// Name of the action.
+    pub action: String,
+    /// How far its fingers are apart when it holds nothing, m.
+    pub open: f64,
+    /// How far it closes them, m.
+    pub closed: f64,
+    /// Greatest effort of its fingers, N; 0 leaves it to the controller.
+    pub max_effort: f64,
+    /// Name of the joint by which the reports of the arm say how far its fingers are apart, if they do.
+    pub joint: Option<String>,
+}
+
+/// An external axis, such as the motor that twists a rod's end.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// Its name.
+    pub name: String,
+    /// How far and how fast it may turn.
+    pub limits: Limits,
+    /// What moves it.
+    pub driver: Option<Driver>,
+}
+
+/// A chuck that holds one end of a rod and turns it.
+#[derive(Clone, Copy, Debug)]
+pub struct Chuck {
+    /// Index of the external axis that turns it.
+    pub axis: usize,
+    /// Pose in the cell of its end, where the rod begins, the axis at zero; x is the rod, out of the chuck, and what it turns about.
+    pub pose: Pose,
+}
+
+/// The table: a box.
+#[derive(Clone, Copy, Debug)]
+pub struct Table {
+    /// Pose in the cell of the centre of its top, z out of the table.
+    pub top: Pose,
+    /// Its sides along x and y and its thickness, m.
+    pub size: [f64; 3],
+}
+
+/// A box that arms must not touch.
+#[derive(Clone, Debug)]
+pub struct Obstacle {
+    /// Its name.
+    pub name: String,
+    /// Pose of its centre in the cell.
+    pub pose: Pose,
+    /// Its sides, m.
+    pub size: [f64; 3],
+}
+
+/// A pinhole camera.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    /// Width and height of its images, pixels.
+    pub size: [u32; 2],
+    /// Focal lengths fx and fy and principal point cx, cy, pixels.
+    pub intrinsics: [f64; 4],
+    /// Distortion coefficients k1, k2, p1, p2, k3 as OpenCV orders them; fewer where the rest is zero.
+    pub distortion: Vec<f64>,
+    /// Pose in the cell; the camera looks along its z, y down.
+    pub pose: Pose,
+    /// Where its pictures come from, such as `rosbridge://127.0.0.1:9090/camera/image_raw`.
+    pub source: Option<String>,
+}
+
+/// What moves an arm or an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Driver {
+    /// Points are written to a file.
+    File {
+        /// The file; `None` for standard output.
+        path: Option<PathBuf>,
+        /// Whether as JSON lines instead of CSV.
+        json_lines: bool,
+    },
+    /// A rosbridge server in front of a `control_msgs/FollowJointTrajectory` action.
+    Rosbridge {
+        /// `host:port`.
+        address: String,
+        /// 1 or 2.
+        ros: u8,
+        /// Name of the action.
+        action: String,
+        /// Topic of the joint states.
+        joint_states: String,
+    },
+    /// A `control_msgs/FollowJointTrajectory` action of ROS 1.
+    Ros1 {
+        /// Address of the master, `http://host:port`.
+        master: String,
+        /// Name of the action.
+        action: String,
+        /// Topic of the joint states.
+        joint_states: String,
+    },
+    /// A `control_msgs/FollowJointTrajectory` action of ROS 2.
+    Ros2(Ros2Address),
+    /// A stepper motor on a serial line.
+    Stepper {
+        /// The port, such as `/dev/ttyACM0`.
+        port: String,
+        /// Bits per second.
+        baud: u32,
+        /// Steps per turn of the axis, microsteps and gear included.
+        steps_per_turn: u32,
+    },
+}
+
+impl Cell {
+    /// The arm of that name.
+    pub fn arm(&self, name: &str) -> Option<&Arm> {
+        self.arms.iter().find(|arm| arm.name == name)
+    }
+}

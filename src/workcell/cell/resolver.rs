@@ -1,0 +1,278 @@
+//! Reading the keys of a cell file: units, ranges, poses and drivers, and what is wrong with them.
+
+use super::resolved::{Driver, Gripper};
+use super::typed::{self, CellFile};
+use nalgebra::{Translation3, UnitQuaternion};
+use rodlab_lab::scenario::dimension::{Angle, Dimension, Dimensionless, Length};
+use rodlab_lab::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile, Vector};
+use rodlab_robot::{FileDriver, Middleware, Pose, Ros2Address, pose};
+use std::cell::RefCell;
+use std::path::PathBuf;
+
+/// How far fingers are apart that hold nothing, where nobody says so, m.
+const OPEN: f64 = 0.04;
+/// Default greatest effort of fingers, N: enough for a rod, and gentle to it. Controllers of effort take 0 for no force.
+const EFFORT: f64 = 10.0;
+
+/// Reads keys and notes what is wrong with them; faulty ones are replaced by harmless values, so that all faults of a
+/// file are found together.
+pub(super) struct Resolver<'a> {
+    pub issues: RefCell<Issues>,
+    pub warnings: RefCell<Vec<String>>,
+    pub file: &'a TypedFile<CellFile>,
+}
+
+impl Resolver<'_> {
+    pub fn fault(&self, path: &KeyPath, message: impl Into<String>) {
+        self.issue(Issue::new(path.clone(), message));
+    }
+
+    pub fn issue(&self, issue: Issue) {
+        self.issues.borrow_mut().push(issue);
+    }
+
+    /// A file named at `path`.
+    pub fn file_at(&self, path: &KeyPath, name: &str) -> PathBuf {
+        self.file.directory_of(path).join(name)
+    }
+
+    pub fn si<D: Dimension>(&self, path: &KeyPath, quantity: &Quantity<D>) -> f64 {
+        quantity.si().unwrap_or_else(|message| {
+            self.fault(path, message);
+            1.0
+        })
+    }
+
+    pub fn positive(&self, path: &KeyPath, value: f64) -> f64 {
+        if value > 0.0 && value.is_finite() {
+            return value;
+        }
+        self.fault(path, format!("{value} must be above 0"));
+        1.0
+    }
+
+    pub fn vector<D: Dimension>(&self, path: &KeyPath, vector: Option<&Vector<D>>) -> [f64; 3] {
+        let mut components = [0.0; 3];
+        for (k, component) in vector.into_iter().flatten().enumerate() {
+            components[k] = self.si(&path.index(k), component);
+        }
+        components
+    }
+
+    pub fn sides(&self, path: &KeyPath, size: &Vector<Length>) -> [f64; 3] {
+        let sides = self.vector(path, Some(size));
+        for (k, side) in sides.iter().enumerate() {
+            self.positive(&path.index(k), *side);
+        }
+        sides
+    }
+
+    /// A pose by position and either quaternion or angles.
+    pub fn pose(
+        &self,
+        path: &KeyPath,
+        position: Option<&Vector<Length>>,
+        quaternion: Option<&[Quantity<Dimensionless>; 4]>,
+        rpy: Option<&Vector<Angle>>,
+    ) -> Pose {
+        let position = self.vector(&path.key("position"), position);
+        let [roll, pitch, yaw] = self.vector(&path.key("rpy"), rpy);
+        let mut rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        if let Some(quaternion) = quaternion {
+            let key = path.key("quaternion");
+            if rpy.is_some() {
+                self.fault(&key, "either `quaternion` or `rpy` may be given, not both");
+            }
+            let mut parts = [0.0; 4];
+            for (k, part) in quaternion.iter().enumerate() {
+                parts[k] = self.si(&key.index(k), part);
+            }
+            let norm = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
+            match pose([0.0; 3], parts) {
+                Some(turned) if (norm - 1.0).abs() < 1e-3 => rotation = turned.rotation,
+                _ => self.fault(
+                    &key,
+                    format!("w, x, y, z must have length 1 within 0.001, found {norm:.6}"),
+                ),
+            }
+        }
+        Pose::from_parts(Translation3::from(position), rotation)
+    }
+
+    /// A driver of the given joints.
+    pub fn driver(
+        &self,
+        path: &KeyPath,
+        driver: &typed::Driver,
+        is_axis: bool,
+        joints: &[String],
+    ) -> Driver {
+        let allowed = match driver {
+            typed::Driver::Stepper(_) => is_axis,
+            _ => true,
+        };
+        if !allowed {
+            self.fault(
+                &path.key("kind"),
+                "this kind does not fit here; allowed: file, rosbridge, ros1, ros2",
+            );
+        }
+        match driver {
+            typed::Driver::File(file) => {
+                let json_lines = match file.format.as_deref() {
+                    None | Some("csv") => false,
+                    Some("json-lines") => true,
+                    Some(other) => {
+                        self.fault(
+                            &path.key("format"),
+                            format!("{other:?} is not known here; allowed: csv, json-lines"),
+                        );
+                        false
+                    }
+                };
+                let key = path.key("path");
+                let place = (file.path != "-").then(|| self.file_at(&key, &file.path));
+                if let Some(place) = &place
+                    && let Err(message) = FileDriver::check_place(place, joints, json_lines)
+                {
+                    self.fault(&key, message);
+                }
+                Driver::File {
+                    path: place,
+                    json_lines,
+                }
+            }
+            typed::Driver::Rosbridge(bridge) => {
+                let ros = bridge.ros.unwrap_or(1);
+                if !(1..=2).contains(&ros) {
+                    self.fault(&path.key("ros"), format!("{ros}; allowed: 1 or 2"));
+                }
+                let server = bridge.address.split('/').next().unwrap_or_default();
+                let port = server.rsplit_once(':').map(|(_, port)| port.parse());
+                if !matches!(port, Some(Ok(1..=u16::MAX))) {
+                    self.fault(
+                        &path.key("address"),
+                        "host and port are needed, as in \"192.168.1.5:9090\", and a path behind them where the server asks for one",
+                    );
+                }
+                Driver::Rosbridge {
+                    address: bridge.address.clone(),
+                    ros,
+                    action: bridge.action.clone(),
+                    joint_states: bridge.joint_states.clone(),
+                }
+            }
+            typed::Driver::Ros1(ros) => {
+                let authority = ros.master.strip_prefix("http://").unwrap_or_default();
+                let port = authority
+                    .trim_end_matches('/')
+                    .rsplit_once(':')
+                    .map(|(_, port)| port.parse());
+                if !matches!(port, Some(Ok(1..=u16::MAX))) {
+                    self.fault(
+                        &path.key("master"),
+                        "an address is needed, as in \"http://192.168.1.5:11311\"",
+                    );
+                }
+                Driver::Ros1 {
+                    master: ros.master.clone(),
+                    action: ros.action.clone(),
+                    joint_states: ros.joint_states.clone(),
+                }
+            }
+            typed::Driver::Ros2(ros) => Driver::Ros2(self.ros_2(path, ros)),
+            typed::Driver::Stepper(stepper) => {
+                if stepper.steps_per_turn == 0 {
+                    self.fault(&path.key("steps_per_turn"), "0 must be above 0");
+                }
+                Driver::Stepper {
+                    port: stepper.port.clone(),
+                    baud: stepper.baud.unwrap_or(115_200),
+                    steps_per_turn: stepper.steps_per_turn.max(1),
+                }
+            }
+        }
+    }
+
+    /// A gripper beside the driver of its arm.
+    pub fn gripper(
+        &self,
+        path: &KeyPath,
+        gripper: &typed::Gripper,
+        driver: Option<&typed::Driver>,
+    ) -> Gripper {
+        if !matches!(
+            driver,
+            Some(typed::Driver::Rosbridge(_) | typed::Driver::Ros1(_) | typed::Driver::Ros2(_))
+        ) {
+            self.fault(
+                path,
+                "a gripper is moved as its arm is: the driver of that must be of kind \"rosbridge\", \"ros1\" or \"ros2\"",
+            );
+        }
+        let opening = |key: &str, given: &Option<Quantity<Length>>, otherwise: f64| {
+            let path = path.key(key);
+            let metres = given
+                .as_ref()
+                .map_or(otherwise, |given| self.si(&path, given));
+            if !(metres >= 0.0 && metres.is_finite()) {
+                self.fault(&path, format!("{metres} m must be 0 or more"));
+            }
+            metres
+        };
+        let effort = path.key("max_effort");
+        let max_effort = gripper
+            .max_effort
+            .as_ref()
+            .map_or(EFFORT, |given| self.si(&effort, given));
+        if !(max_effort >= 0.0 && max_effort.is_finite()) {
+            self.fault(&effort, format!("{max_effort} N must be 0 or more"));
+        }
+        Gripper {
+            max_effort,
+            action: gripper.action.clone(),
+            open: opening("open", &gripper.open, OPEN),
+            closed: opening("closed", &gripper.closed, 0.0),
+            joint: gripper.joint.clone(),
+        }
+    }
+
+    fn ros_2(&self, path: &KeyPath, ros: &typed::Ros2Driver) -> Ros2Address {
+        let domain = ros.domain.unwrap_or(0);
+        // Ports of higher domains are no ports.
+        if domain > 232 {
+            self.fault(
+                &path.key("domain"),
+                format!("{domain}; allowed: 0 to 232, the robot's ROS_DOMAIN_ID"),
+            );
+        }
+        let middleware = match ros.middleware.as_deref() {
+            None | Some("fast-dds") => Middleware::FastDds,
+            Some("cyclone-dds") => Middleware::CycloneDds,
+            Some(other) => {
+                self.fault(
+                    &path.key("middleware"),
+                    format!("{other:?} is not known here; allowed: fast-dds, cyclone-dds"),
+                );
+                Middleware::FastDds
+            }
+        };
+        let interface = ros.interface.as_ref().and_then(|text| {
+            let address = text.parse().ok();
+            if address.is_none() {
+                self.fault(
+                    &path.key("interface"),
+                    "an address of this machine is needed, as in \"192.168.1.10\"",
+                );
+            }
+            address
+        });
+        Ros2Address {
+            domain,
+            middleware,
+            interface,
+            action: ros.action.clone(),
+            joint_states: ros.joint_states.clone(),
+        }
+    }
+}

@@ -1,0 +1,487 @@
+//! Cell files: those that come with the program, and faulty ones.
+
+use super::*;
+use rodlab_robot::{Middleware, distance_and_angle, pose};
+use std::path::PathBuf;
+
+fn repository() -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+}
+
+fn shipped(name: &str) -> Cell {
+    let path = repository().join("scenarios/cells").join(name);
+    Cell::read(&path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn read(text: &str) -> Result<Cell, String> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("cell.toml");
+    std::fs::write(&path, text).unwrap();
+    Cell::read(&path).map_err(|error| error.to_string())
+}
+
+const ONE_JOINT: &str = r#"[[arms]]
+name = "arm"
+velocity = 1.0
+joints = [{ kind = "revolute", name = "a", axis = [0, 0, 1], lower = "-90 deg", upper = 2.0 }]
+tool = { position = ["10 cm", 0, 0] }
+
+[[axes]]
+name = "twister"
+velocity = "60 rpm"
+acceleration = 10.0
+driver = { kind = "stepper", port = "/dev/ttyACM0", steps_per_turn = 3200 }
+
+[table]
+size = [1, 1, "4 cm"]
+"#;
+
+#[test]
+fn limits_of_mimic_joints_bound_the_joint_they_follow() {
+    let with = |follower: &str| {
+        let joints = format!("lower = \"-90 deg\", upper = 2.0 }}, {{ {follower} }}]");
+        read(&ONE_JOINT.replace("lower = \"-90 deg\", upper = 2.0 }]", &joints))
+    };
+    let mimic = "mimic = { joint = \"a\", multiplier = 2.0, offset = 0.5 }";
+    let follower = format!(
+        "kind = \"revolute\", name = \"b\", {mimic}, lower = -0.5, upper = 1.5, velocity = 1.0"
+    );
+    let limits = with(&follower).unwrap().arms[0].chain.joints[0].limits;
+    assert_eq!((limits.lower, limits.upper), (-0.5, 0.5));
+    // Half of its own, although the arm gives 1 rad/s for all joints.
+    assert_eq!(limits.velocity, 0.5);
+    for (good, bad, expected) in [
+        ("offset = 0.5", "offset = 90.0", "which it mimics, no range"),
+        ("lower = -0.5", "lower = 2.0", "must be below `upper`"),
+        ("offset = 0.5", "offset = nan", "finite"),
+        ("multiplier = 2.0", "multiplier = inf", "finite"),
+        ("velocity = 1.0", "velocity = -1.0", "above 0"),
+        ("name = \"b\"", "name = \"a\"", "another joint is called"),
+        ("name = \"b\"", "name = \"b\", axis = [0, 0, inf]", "axis"),
+    ] {
+        let text = follower.replace(good, bad);
+        let error = with(&text).unwrap_err();
+        assert!(error.contains(expected), "{bad}: {error}");
+    }
+}
+
+#[test]
+fn the_sawyer_stands_where_the_samples_of_three_libraries_say() {
+    let path = repository().join("../shared/facts/sawyer_fk_samples.csv");
+    let Ok(mut samples) = csv::Reader::from_path(&path) else {
+        eprintln!("SKIPPED: {} is not there", path.display());
+        return;
+    };
+    let cell = shipped("two_sawyers.toml");
+    let mut count = 0;
+    for sample in samples.deserialize() {
+        let sample: Vec<f64> = sample.unwrap();
+        let position = [sample[7], sample[8], sample[9]];
+        let quaternion = [sample[10], sample[11], sample[12], sample[13]];
+        let expected = pose(position, quaternion).unwrap();
+        for arm in &cell.arms {
+            let (distance, angle) = distance_and_angle(&arm.chain.hand(&sample[..7]), &expected);
+            assert!(
+                distance < 1e-9 && angle < 1e-7,
+                "{distance:e} m, {angle:e} rad"
+            );
+        }
+        count += 1;
+    }
+    assert_eq!(count, 200);
+}
+
+#[test]
+fn a_thousand_reachable_poses_of_every_arm_are_solved_in_a_millisecond_each() {
+    // Builds without optimisation take longer.
+    const MOST: f64 = if cfg!(debug_assertions) { 10e-3 } else { 1e-3 };
+    for name in ["two_sawyers.toml", "seven_joints.toml", "six_joints.toml"] {
+        let cell = shipped(name);
+        let arm = &cell.arms[0];
+        for k in 0..1000 {
+            let target = arm.chain.hand(&arm.chain.start(100_000 + k));
+            // The best of a few times: the machine has other things to do.
+            let mut fastest = f64::INFINITY;
+            for _ in 0..20 {
+                let begin = std::time::Instant::now();
+                let joints = arm
+                    .chain
+                    .reach(&target, &arm.home)
+                    .unwrap_or_else(|nearest| {
+                        panic!("{name}, pose {k}: {nearest:?}");
+                    });
+                fastest = fastest.min(begin.elapsed().as_secs_f64());
+                let (distance, angle) = distance_and_angle(&arm.chain.hand(&joints), &target);
+                assert!(distance < 1e-9 && angle < 1e-9);
+                assert!(arm.chain.outside_limits(&joints).is_none());
+                if fastest < MOST {
+                    break;
+                }
+            }
+            assert!(fastest < MOST, "{name}, pose {k}: {fastest} s");
+        }
+    }
+}
+
+#[test]
+fn units_and_defaults_are_resolved() {
+    let cell = read(ONE_JOINT).unwrap();
+    let arm = cell.arm("arm").unwrap();
+    let limits = arm.chain.joints[0].limits;
+    assert!((limits.lower + std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+    assert_eq!((limits.upper, limits.velocity), (2.0, 1.0));
+    assert_eq!(arm.chain.tool.translation.x, 0.1);
+    assert!((cell.axes[0].limits.velocity - std::f64::consts::TAU).abs() < 1e-15);
+    assert_eq!(cell.streaming, rodlab_robot::StreamBounds::default());
+    assert!(matches!(
+        cell.axes[0].driver,
+        Some(Driver::Stepper { baud: 115_200, .. })
+    ));
+}
+
+#[test]
+fn the_gripper_of_an_arm_of_ros_1_is_moved_by_its_master() {
+    let cell = shipped("mujoco.toml");
+    let (_, openings) = cell.gripper(0).unwrap();
+    assert_eq!(openings, [0.04, 0.0]);
+}
+
+#[test]
+fn the_gripper_of_an_arm_of_ros_2_grips_with_an_effort() {
+    if !rodlab_robot::Ros2Address::IS_BUILT {
+        return;
+    }
+    let with = |keys: &str| {
+        let gripper = format!("[arms.gripper]\naction = \"/grip\"\n{keys}\n[arms.driver]\n");
+        let driver = "kind = \"ros2\"\naction = \"/arm\"\njoint_states = \"/joints\"\n\n[[axes]]";
+        read(&ONE_JOINT.replacen("[[axes]]", &(gripper + driver), 1))
+    };
+    let effort = |keys: &str| {
+        let cell = with(keys).unwrap();
+        assert!(cell.gripper(0).is_some());
+        cell.arms[0].gripper.as_ref().unwrap().max_effort
+    };
+    assert_eq!(effort(""), 10.0);
+    assert_eq!(effort("max_effort = \"25 N\""), 25.0);
+    assert_eq!(effort("max_effort = 0"), 0.0);
+    let refused = with("max_effort = \"-1 N\"").unwrap_err();
+    assert!(refused.contains("`arms.0.gripper.max_effort`"), "{refused}");
+}
+
+#[test]
+fn faults_name_file_line_and_key() {
+    let cases = [
+        ("name = \"a\"", "nam = \"a\"", "cell.toml:4:", "nam"),
+        ("velocity = 1.0\n", "", "cell.toml:1:", "needs a `velocity`"),
+        (
+            "upper = 2.0",
+            "upper = \"-100 deg\"",
+            "`arms.0.joints.0.lower`",
+            "must be below",
+        ),
+        (
+            "axis = [0, 0, 1]",
+            "axis = [0, 0, 0]",
+            "`arms.0.joints.0.axis`",
+            "direction",
+        ),
+        (
+            "\"10 cm\"",
+            "\"10 kg\"",
+            "`arms.0.tool.position.0`",
+            "is a mass, but this key takes a length",
+        ),
+        (
+            "\"stepper\"",
+            "\"steper\"",
+            "cell.toml:11:",
+            "allowed: file, rosbridge, ros1, ros2, stepper",
+        ),
+        (
+            "kind = \"stepper\", port = \"/dev/ttyACM0\", steps_per_turn = 3200",
+            "kind = \"ros2\", domain = 300, action = \"/a\", joint_states = \"/s\"",
+            "`axes.0.driver.domain`",
+            "allowed: 0 to 232",
+        ),
+        (
+            "kind = \"stepper\", port = \"/dev/ttyACM0\", steps_per_turn = 3200",
+            "kind = \"ros2\", middleware = \"zenoh\", action = \"/a\", joint_states = \"/s\"",
+            "`axes.0.driver.middleware`",
+            "allowed: fast-dds, cyclone-dds",
+        ),
+        (
+            "name = \"twister\"",
+            "name = \"arm\"",
+            "`axes.0.name`",
+            "another arm or axis",
+        ),
+        (
+            "velocity = 1.0",
+            "velocity = [1.0, 2.0]",
+            "`arms.0.velocity`",
+            "found 2",
+        ),
+        (
+            "velocity = 1.0",
+            "velocity = 1.0\nhome = [3.0]",
+            "`arms.0.home.0`",
+            "out of the range",
+        ),
+        (
+            "velocity = 1.0",
+            "velocity = 1.0\nquaternion = [1, 1, 0, 0]",
+            "`arms.0.quaternion`",
+            "length 1",
+        ),
+        (
+            "velocity = 1.0",
+            "velocity = 1.0\nurdf = \"x.urdf\"",
+            "`arms.0.joints`",
+            "not both",
+        ),
+        (
+            "velocity = 1.0",
+            "velocity = 1.0\nlink_radius = \"-1 cm\"",
+            "`arms.0.link_radius`",
+            "above 0",
+        ),
+        (
+            "size = [1, 1, \"4 cm\"]",
+            "size = [1, 0, 1]",
+            "`table.size.1`",
+            "above 0",
+        ),
+    ];
+    let gripper = "[arms.gripper]\naction = \"/grip\"\n[arms.driver]\nkind = \"file\"\npath = \"-\"\n\n[[axes]]";
+    let refused = read(&ONE_JOINT.replacen("[[axes]]", gripper, 1)).unwrap_err();
+    assert!(
+        refused.contains("`arms.0.gripper`") && refused.contains("\"ros1\" or \"ros2\""),
+        "{refused}"
+    );
+    for (good, bad, place, expected) in cases {
+        assert!(ONE_JOINT.contains(good), "{good}");
+        let error = read(&ONE_JOINT.replacen(good, bad, 1)).unwrap_err();
+        assert!(error.contains(place) && error.contains(expected), "{error}");
+    }
+    assert!(
+        read("title = \"empty\"")
+            .unwrap_err()
+            .contains("needs an arm")
+    );
+    let missing = "[[arms]]\nname = \"a\"\nurdf = \"none.urdf\"\n";
+    assert!(
+        read(missing)
+            .unwrap_err()
+            .contains("none.urdf: cannot be read")
+    );
+}
+
+#[test]
+fn ten_lines_of_the_guide_connect_an_arm() {
+    let page = include_str!("../../guide/robots.md");
+    let block = |k: usize| {
+        let after = page.split("```toml cell\n").nth(k).unwrap();
+        after.split("```").next().unwrap()
+    };
+    assert_eq!(block(1).lines().count(), 10);
+    let directory = tempfile::tempdir().unwrap();
+    let urdf = r#"<robot name="r"><link name="base"/><link name="hand"/><joint name="a" type="revolute"><parent link="base"/>
+        <child link="hand"/><axis xyz="0 0 1"/><limit lower="-1" upper="2" effort="1" velocity="3"/></joint></robot>"#;
+    std::fs::write(directory.path().join("my_arm.urdf"), urdf).unwrap();
+    let path = directory.path().join("cell.toml");
+    std::fs::write(&path, [block(1), block(3)].concat()).unwrap();
+    let cell = Cell::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    let Some(Driver::Ros2(address)) = &cell.arms[0].driver else {
+        panic!("{:?}", cell.arms[0].driver);
+    };
+    assert_eq!(
+        (address.domain, address.middleware),
+        (0, Middleware::FastDds)
+    );
+    assert!(cell.table.is_some() && cell.obstacles.len() == 1 && cell.axes.len() == 1);
+    let joints = format!(
+        "[[arms]]\nname = \"arm\"\nacceleration = 1.0\njerk = 1.0\n{}",
+        block(2)
+    );
+    std::fs::write(&path, joints).unwrap();
+    let arm = &Cell::read(&path)
+        .unwrap_or_else(|error| panic!("{error}"))
+        .arms[0];
+    assert_eq!(arm.chain.joints.len(), 2);
+}
+
+#[test]
+fn a_report_names_every_part() {
+    let report = CellReport::new(&shipped("two_sawyers.toml"));
+    let text = report.to_string();
+    for part in [
+        "right",
+        "left",
+        "twister",
+        "table top",
+        "rosbridge",
+        "/dev/ttyACM0",
+    ] {
+        assert!(text.contains(part), "{text}");
+    }
+    assert!(serde_json::from_str::<serde_json::Value>(&report.to_json()).is_ok());
+}
+
+/// A path of the hand above the table, gripper down: in the frame of the table's top.
+fn down(at: [f64; 3], turn: f64) -> rodlab_robot::Pose {
+    use nalgebra::{Translation3, UnitQuaternion, Vector3};
+    let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn)
+        * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+    rodlab_robot::Pose::from_parts(Translation3::from(at), rotation)
+}
+
+/// Three turns of a helix of radius 5 cm and pitch 4 cm, with the gripper turning along by half a turn.
+fn helix() -> Vec<rodlab_robot::Pose> {
+    (0..=500)
+        .map(|k| {
+            let part = f64::from(k) / 500.0;
+            let angle = 6.0 * std::f64::consts::PI * part;
+            let at = [0.05 * angle.cos(), 0.05 * angle.sin(), 0.1 + 0.12 * part];
+            down(at, std::f64::consts::PI * part)
+        })
+        .collect()
+}
+
+/// The letter R, 16 cm high, drawn 12 cm above the table.
+fn letter() -> Vec<rodlab_robot::Pose> {
+    let mut corners = vec![[-0.05, -0.08], [-0.05, 0.08], [0.0, 0.08]];
+    corners.extend((0..=20).map(|k| {
+        let angle = std::f64::consts::FRAC_PI_2 - std::f64::consts::PI * f64::from(k) / 20.0;
+        [0.04 * angle.cos(), 0.04 + 0.04 * angle.sin()]
+    }));
+    corners.extend([[-0.05, 0.0], [0.05, -0.08]]);
+    corners
+        .iter()
+        .map(|[x, y]| down([*x, *y, 0.12], 0.0))
+        .collect()
+}
+
+#[test]
+fn helices_and_letters_become_smooth_joint_paths_where_they_fit_best() {
+    use rodlab_robot::{LARGEST_JUMP, PathProblem, place, subdivide};
+    for name in ["two_sawyers.toml", "seven_joints.toml", "six_joints.toml"] {
+        let cell = shipped(name);
+        let arm = &cell.arms[0];
+        let surroundings = cell.surroundings();
+        let homes = surroundings.homes();
+        let clearance = |joints: &[f64]| {
+            let mut postures = homes.clone();
+            postures[0] = joints.to_vec();
+            surroundings.clearance(&postures, Some(0))
+        };
+        let problem = PathProblem {
+            chain: &arm.chain,
+            from: &arm.home,
+            clearance: &clearance,
+            margin: 0.01,
+        };
+        let table = cell.table.unwrap();
+        let top = arm.base.inverse() * table.top;
+        for (what, path) in [("helix", helix()), ("letter", letter())] {
+            let begin = std::time::Instant::now();
+            let sides = [table.size[0], table.size[1]];
+            let placement = place(&problem, &path, &top, sides, 1e-3)
+                .unwrap_or_else(|failure| panic!("{name}, {what}: {failure:?}"));
+            let placed_in = begin.elapsed();
+            let poses: Vec<_> = path.iter().map(|local| placement.pose * local).collect();
+            let points = subdivide(&poses, 1e-3);
+            let begin = std::time::Instant::now();
+            let found = problem.solve(&points).unwrap();
+            eprintln!(
+                "{name}, {what}: {} points in {:?}, placed in {placed_in:?} at {:?}; jump {:.4}, clearance {:.3}, singularity {:.3}, limits {:.3}",
+                points.len(),
+                begin.elapsed(),
+                placement.on_table,
+                found.largest_jump,
+                found.least_clearance,
+                found.least_distance_to_singularity,
+                found.least_distance_to_limits
+            );
+            assert!(found.largest_jump <= LARGEST_JUMP && found.least_clearance >= 0.01);
+            for (point, joints) in points.iter().zip(&found.joints) {
+                let (distance, angle) = distance_and_angle(&arm.chain.hand(joints), &point.pose);
+                assert!(distance < 1e-9 && angle < 1e-9);
+                assert!(arm.chain.outside_limits(joints).is_none());
+            }
+        }
+    }
+}
+
+#[test]
+fn planned_helices_and_letters_hold_every_limit_at_a_kilohertz() {
+    for name in ["two_sawyers.toml", "seven_joints.toml", "six_joints.toml"] {
+        for (what, path) in [("helix", helix()), ("letter", letter())] {
+            planned_within_limits(name, what, &path);
+        }
+    }
+}
+
+fn planned_within_limits(name: &str, what: &str, path: &[rodlab_robot::Pose]) {
+    const SPEED: f64 = 0.25;
+    let cell = shipped(name);
+    let arm = &cell.arms[0];
+    let begin = std::time::Instant::now();
+    let request = PlanRequest {
+        arm: 0,
+        path: path.to_vec(),
+        place: Place::Auto,
+        margin: 0.01,
+        speed: SPEED,
+        rate: 1000,
+    };
+    let plan = cell
+        .plan(&request)
+        .unwrap_or_else(|error| panic!("{name}, {what}: {error}"));
+    eprintln!("{name}, {what}: {:?}; {:?}", begin.elapsed(), plan.report);
+    let joints = arm.chain.joints.iter();
+    let limits: Vec<_> = joints.map(|joint| joint.limits).collect();
+    let points = &plan.trajectory.points;
+    let used = rodlab_robot::utilisation(points, &limits);
+    assert!(
+        used.velocity <= 1.0 && used.acceleration <= 1.0 && used.jerk <= 1.0,
+        "{used:?}"
+    );
+    let outside = points
+        .iter()
+        .find(|q| arm.chain.outside_limits(q).is_some());
+    assert!(outside.is_none(), "{outside:?}");
+    assert!(plan.report.largest_jump <= rodlab_robot::LARGEST_JUMP);
+    // The hand comes by every pose, within what the cutting of the time into milliseconds leaves, and is never too fast.
+    let frame =
+        rodlab_robot::pose(plan.report.place_position, plan.report.place_quaternion).unwrap();
+    let to_base = arm.base.inverse() * frame;
+    let hands: Vec<_> = points
+        .iter()
+        .map(|q| arm.chain.hand(q).translation.vector)
+        .collect();
+    for pose in path {
+        let place = (to_base * pose).translation.vector;
+        let distances = hands.iter().map(|hand| (hand - place).norm());
+        let nearest = distances.fold(f64::INFINITY, f64::min);
+        assert!(nearest < 5e-4, "{name}, {what}: {nearest}");
+    }
+    let fastest = hands.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+    assert!(fastest.fold(0.0, f64::max) < SPEED * 1e-3 * 1.001);
+}
+
+#[test]
+fn a_chuck_names_the_axis_that_turns_it() {
+    let cell = shipped("helix_gantry.toml");
+    let chuck = cell.chuck.unwrap();
+    assert_eq!(cell.axes[chuck.axis].name, "stepper");
+    assert!((chuck.pose.translation.z - 0.6).abs() < 1e-12);
+    assert!(matches!(
+        cell.axes[chuck.axis].driver,
+        Some(Driver::Rosbridge { .. })
+    ));
+    let error = read(&format!("{ONE_JOINT}\n[chuck]\naxis = \"twist\"\n")).unwrap_err();
+    assert!(
+        error.contains("no axis is called \"twist\"; there are twister"),
+        "{error}"
+    );
+}

@@ -1,0 +1,199 @@
+//! The 3-D page of a cell: links as capsules, boxes by their edges, along a joint trajectory.
+
+use super::resolved::{Arm, Cell};
+use nalgebra::{Point3, Vector3};
+use rodlab_files::figure::{Movie, MovieCase, MovieFrame, MovieRod, View, movie_page};
+use rodlab_robot::{JointTrajectory, Pose, Shape};
+
+/// Radius of the lines that stand for the edges of boxes, m.
+const LINE: f64 = 2e-3;
+/// Radius of the lines from joint to joint of an arm without shapes, m.
+const BONE: f64 = 1e-2;
+
+/// Rods of the page: name, radius and positions.
+struct Lines(Vec<(String, f64, Vec<Vector3<f64>>)>);
+
+impl Cell {
+    /// The page as HTML: the arms at home, or along a trajectory in no more than so many frames.
+    pub fn page(&self, trajectory: Option<&JointTrajectory>, most_frames: usize) -> String {
+        let frames: Vec<(f64, Lines)> = match trajectory {
+            None => {
+                let homes: Vec<Vec<f64>> = self.arms.iter().map(|arm| arm.home.clone()).collect();
+                vec![(0.0, self.lines(&homes))]
+            }
+            Some(trajectory) => {
+                let count = trajectory.points.len().min(most_frames.max(1));
+                let last = trajectory.points.len() - 1;
+                (0..count)
+                    .map(|k| k * last / (count - 1).max(1))
+                    .map(|k| {
+                        (
+                            trajectory.times[k],
+                            self.lines(&self.postures(trajectory, k)),
+                        )
+                    })
+                    .collect()
+            }
+        };
+        let rods = frames[0].1.0.iter().map(|(name, radius, points)| MovieRod {
+            name: name.clone(),
+            nodes: points.len(),
+            closed: false,
+            radius: *radius,
+            held: false,
+        });
+        let case = MovieCase {
+            obstacles: Vec::new(),
+            name: "main".into(),
+            distinction: Vec::new(),
+            parameters: Vec::new(),
+            rods: rods.collect(),
+            planes: Vec::new(),
+            view: View::oblique(),
+            frames: frames
+                .into_iter()
+                .map(|(time, lines)| MovieFrame {
+                    time,
+                    positions: lines
+                        .0
+                        .into_iter()
+                        .flat_map(|(.., points)| points)
+                        .collect(),
+                    contacts: Vec::new(),
+                })
+                .collect(),
+            fields: Vec::new(),
+            series: Vec::new(),
+            branches: None,
+        };
+        movie_page(&Movie {
+            title: self.title.clone(),
+            subtitle: format!("cell · rodlab {}", rodlab_files::origin::VERSION),
+            cases: vec![case],
+        })
+    }
+
+    /// Joint positions of all arms at a point of a trajectory; arms that it does not move, and joints that it does not
+    /// name, are at home.
+    fn postures(&self, trajectory: &JointTrajectory, point: usize) -> Vec<Vec<f64>> {
+        let position = |arm: &Arm, joint: usize| {
+            let name = &arm.chain.joints[joint].name;
+            let column = trajectory
+                .columns
+                .iter()
+                .position(|column| column.part == arm.name && column.joint.as_ref() == Some(name));
+            column.map_or(arm.home[joint], |column| trajectory.points[point][column])
+        };
+        self.arms
+            .iter()
+            .map(|arm| {
+                (0..arm.home.len())
+                    .map(|joint| position(arm, joint))
+                    .collect()
+            })
+            .collect()
+    }
+
+    fn lines(&self, postures: &[Vec<f64>]) -> Lines {
+        let mut lines = Lines(Vec::new());
+        for (arm, posture) in self.arms.iter().zip(postures) {
+            lines.arm(arm, posture);
+        }
+        if let Some(table) = &self.table {
+            let half = table.size.map(|side| side / 2.0);
+            let middle = table.top * nalgebra::Translation3::new(0.0, 0.0, -half[2]);
+            lines.edges("table", &middle, half);
+        }
+        for obstacle in &self.obstacles {
+            lines.edges(
+                &obstacle.name,
+                &obstacle.pose,
+                obstacle.size.map(|side| side / 2.0),
+            );
+        }
+        lines
+    }
+}
+
+impl Lines {
+    fn arm(&mut self, arm: &Arm, posture: &[f64]) {
+        let links = arm.chain.links(posture);
+        if arm.bodies.is_empty() {
+            let joints = std::iter::once(arm.base.translation.vector)
+                .chain(
+                    links
+                        .iter()
+                        .map(|link| (arm.base * link).translation.vector),
+                )
+                .chain([(arm.base * arm.chain.hand(posture)).translation.vector]);
+            self.0.push((arm.name.clone(), BONE, joints.collect()));
+        }
+        for body in &arm.bodies {
+            let link = body.link.map_or(Pose::identity(), |link| links[link]);
+            let pose = arm.base * link * body.pose;
+            let name = body
+                .link
+                .map_or("base", |link| &arm.chain.segments[link].link);
+            let name = format!("{}.{name}", arm.name);
+            match &body.shape {
+                Shape::Capsule {
+                    half_length,
+                    radius,
+                } => {
+                    // A ball has a line, too, so that its tube has a direction.
+                    let end = half_length.max(1e-4);
+                    let at = |z: f64| (pose * Point3::new(0.0, 0.0, z)).coords;
+                    self.0.push((name, *radius, vec![at(-end), at(end)]));
+                }
+                Shape::Box { half } => self.edges(&name, &pose, *half),
+                Shape::Hull(hull) => {
+                    for outline in hull.outlines() {
+                        let points = outline.iter().map(|at| (pose * Point3::from(*at)).coords);
+                        self.0.push((name.clone(), LINE, points.collect()));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The twelve edges of a box, as one line through its corners.
+    fn edges(&mut self, name: &str, pose: &Pose, half: [f64; 3]) {
+        // Round the bottom, up, round the top, and down and up again at the other three corners.
+        const CORNERS: [usize; 16] = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4];
+        let corner = |bits: usize| {
+            let side = |k: usize| {
+                if bits >> k & 1 == 1 {
+                    half[k]
+                } else {
+                    -half[k]
+                }
+            };
+            (pose * Point3::new(side(0), side(1), side(2))).coords
+        };
+        let points = CORNERS.iter().map(|bits| corner(*bits));
+        self.0.push((name.to_owned(), LINE, points.collect()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn a_box_shows_all_of_its_edges() {
+        let mut lines = Lines(Vec::new());
+        lines.edges("box", &Pose::identity(), [1.0, 2.0, 3.0]);
+        let edges: BTreeSet<String> = lines.0[0]
+            .2
+            .windows(2)
+            .map(|pair| {
+                assert_eq!((pair[0] - pair[1]).iter().filter(|d| **d != 0.0).count(), 1);
+                let mut ends = [format!("{:?}", pair[0]), format!("{:?}", pair[1])];
+                ends.sort();
+                ends.join(" ")
+            })
+            .collect();
+        assert_eq!(edges.len(), 12);
+    }
+}

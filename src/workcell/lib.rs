@@ -1,0 +1,14 @@
+//! Robot cells: from their files, simulated, and at work.
+//!
+//! | room | what lives there |
+//! |---|---|
+//! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
+//! | [`virtual_cell`] | the same cell simulated, with a rod or a sheet, behind the protocol of real ones |
+//! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, looked at and scored |
+
+// Tests compare with a tolerance, and may ask any mathematical library.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
+pub mod cell;
+pub mod task;
+pub mod virtual_cell;

@@ -1,0 +1,214 @@
+//! Online correction: the arm lays a length and stops, the camera looks, and what remains is planned anew.
+
+use super::deploy::{DeployError, DeployTask, LayingMethod, Stage};
+use super::look::next_picture;
+use image::RgbImage;
+use nalgebra::Translation3;
+use rodlab_files::results::thread_cpu_time;
+use rodlab_planning::plan::deployment::{CorrectedPath, ObservedContact, OptimalGrasps};
+use rodlab_robot::Pose;
+use rodlab_vision::Point;
+use std::fmt::Write;
+use std::time::Duration;
+
+/// Length that is laid between two looks, and over which the rod returns to its pattern, in gravito-bending lengths: those of
+/// `[deployment.correction]`.
+const LENGTHS: [f64; 2] = [0.8, 3.5];
+/// Length in front of the place where the rod should leave the table, in gravito-bending lengths, of which nothing is believed:
+/// where it really leaves it, nobody knows so exactly.
+const UNSURE: f64 = 0.3;
+/// Distance of the places by which the end of the lying rod is seen, m.
+const SPACING: f64 = 2e-3;
+/// How far from where it should the rod may begin in a picture, m: elsewhere it is hidden by what hangs from the gripper.
+const MOST_OFF: f64 = 0.01;
+/// Points per second of a motion.
+const RATE: u32 = 100;
+
+/// How the path is corrected.
+#[derive(Clone, Copy, Debug)]
+pub struct Correction {
+    /// Length that is laid between two looks, m.
+    pub every: f64,
+    /// Greatest speed of the hand, m/s.
+    pub speed: f64,
+}
+
+impl Correction {
+    /// The usual one for a rod of a gravito-bending length, m, with a hand of some speed, m/s.
+    pub fn usual(gravito_bending_length: f64, speed: f64) -> Self {
+        Self {
+            every: LENGTHS[0] * gravito_bending_length,
+            speed,
+        }
+    }
+
+    /// The motion from one pose of the path to another one.
+    fn way(
+        &self,
+        task: &DeployTask<'_>,
+        path: &CorrectedPath,
+        [from, to]: [usize; 2],
+        joints: &[f64],
+    ) -> Result<rodlab_robot::JointTrajectory, DeployError> {
+        let poses = path.poses()[from..=to].iter();
+        let poses = poses.map(|(position, rotation)| {
+            task.motion.frame * Pose::from_parts(Translation3::from(*position), *rotation)
+        });
+        let poses: Vec<Pose> = poses.collect();
+        let way = task
+            .cell
+            .continuation(task.arm, &poses, joints, self.speed, RATE);
+        way.map_err(|error| DeployError::failed(Stage::Lay, error))
+    }
+}
+
+impl LayingMethod for Correction {
+    /// Lays the rod of a task length by length; what was seen and planned is written to `corrections.csv`.
+    fn lay(
+        &self,
+        task: &DeployTask<'_>,
+        is_interrupted: &dyn Fn() -> bool,
+    ) -> Result<(), DeployError> {
+        let unit = task.rod.gravito_bending_length;
+        let poses = task.path.poses.iter();
+        let poses = poses.map(|pose| (pose.position, pose.rotation)).collect();
+        let lengths = [self.every, LENGTHS[1] * unit];
+        let path = CorrectedPath::new(*task.rod, task.path.points.clone(), poses, lengths);
+        let mut path = path.with_horizon();
+        let mut joints = task.motion.laying.points[0].clone();
+        let mut looks = Looks::default();
+        let last = task.path.points.len() - 1;
+        let mut here = 0;
+        for number in 1.. {
+            let next = path.after(here).min(last);
+            let way = self.way(task, &path, [here, next], &joints)?;
+            let folder = format!("laying/{number:03}");
+            task.lay(&folder, &way, is_interrupted)?;
+            joints.clone_from(&way.points[way.points.len() - 1]);
+            here = next;
+            if here == last {
+                break;
+            }
+            let picture = next_picture(task.cell);
+            let picture = picture.map_err(|reason| DeployError::failed(Stage::Lay, reason))?;
+            let begin = thread_cpu_time();
+            let contact = end_of_the_lying(task, &path, here, &picture);
+            if let Some(contact) = &contact {
+                let after = path.after(here).min(last);
+                path.correct(here, after, contact, OptimalGrasps::Exact);
+            }
+            let used = thread_cpu_time().zip(begin).map(|(end, begin)| end - begin);
+            looks.note(&path, here, contact.as_ref(), used);
+            task.write("corrections.csv", looks.rows.as_bytes())?;
+        }
+        Ok(())
+    }
+}
+
+/// The end of the lying part of the rod in a picture, when the gripper is at pose `index` of its path; `None` where too little lies,
+/// or is seen.
+fn end_of_the_lying(
+    task: &DeployTask<'_>,
+    path: &CorrectedPath,
+    index: usize,
+    picture: &RgbImage,
+) -> Option<ObservedContact> {
+    let unsure = UNSURE * path.rod().gravito_bending_length;
+    let lies = path.pattern()[index].s - path.risen() - unsure;
+    let curve = task.seen(picture).and_then(|seen| seen.from(task.start()));
+    let curve = curve.inspect_err(|error| tracing::warn!("not corrected at {lies:.3} m: {error}"));
+    let curve = curve.ok()?;
+    let begins = (curve.first()? - task.start()).norm();
+    let lying = along(&curve, lies)?;
+    let window = path.window();
+    if lies < window || begins > MOST_OFF {
+        return None;
+    }
+    let contact = ObservedContact::of(&lying, window)?;
+    path.is_plausible(&contact).then_some(contact)
+}
+
+/// Arc lengths and places along a curve up to a length, m; `None` where it is shorter.
+fn along(curve: &[Point], length: f64) -> Option<Vec<(f64, Point)>> {
+    let count = (length / SPACING).ceil().max(1.0);
+    let mut wanted = (0..=count as usize).map(|k| length * k as f64 / count);
+    let mut places = Vec::new();
+    let mut next = wanted.next()?;
+    let mut before = 0.0;
+    for pair in curve.windows(2) {
+        let step = (pair[1] - pair[0]).norm();
+        while before + step >= next {
+            let part = if step > 0.0 {
+                (next - before) / step
+            } else {
+                0.0
+            };
+            places.push((next, pair[0] + part * (pair[1] - pair[0])));
+            match wanted.next() {
+                Some(after) => next = after,
+                None => return Some(places),
+            }
+        }
+        before += step;
+    }
+    None
+}
+
+/// The rows of `corrections.csv`.
+struct Looks {
+    rows: String,
+}
+
+impl Default for Looks {
+    fn default() -> Self {
+        Self {
+            rows: "laid_m,seen_m,x_m,y_m,angle_rad,gravito_bending_length_m,processor_time_s\n"
+                .into(),
+        }
+    }
+}
+
+impl Looks {
+    /// Notes what was seen when the gripper was at pose `index`, what the rod is believed to be then, and what looking and planning
+    /// took.
+    fn note(
+        &mut self,
+        path: &CorrectedPath,
+        index: usize,
+        contact: Option<&ObservedContact>,
+        used: Option<Duration>,
+    ) {
+        let laid = path.pattern()[index].s;
+        let seen = contact.map_or_else(
+            || ",,,".into(),
+            |contact| {
+                let [x, y]: [f64; 2] = contact.position.into();
+                format!("{:.6},{x:.6},{y:.6},{:.6}", contact.s, contact.angle)
+            },
+        );
+        let length = path.rod().gravito_bending_length;
+        let used = used.map_or_else(String::new, |used| format!("{:.6}", used.as_secs_f64()));
+        // Writing to a string does not fail.
+        let _ = writeln!(self.rows, "{laid:.6},{seen},{length:.6},{used}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_lie_at_their_arc_lengths() {
+        let curve = [[0.0, 0.0], [0.003, 0.004], [0.003, 0.014]].map(Point::from);
+        let places = along(&curve, 0.01).unwrap();
+        assert_eq!(places.len(), 6);
+        for (s, place) in &places {
+            let expected = match s {
+                s if *s <= 0.005 => Point::new(0.6 * s, 0.8 * s),
+                s => Point::new(0.003, s - 0.001),
+            };
+            assert!((place - expected).norm() < 1e-12, "{s}: {place}");
+        }
+        assert_eq!(along(&curve, 0.0151), None);
+    }
+}

@@ -1,0 +1,171 @@
+//! A row for each direction that was explored, and what all of them come to.
+
+use rodlab_files::results::{ResultsError, read_whole_rows};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Name of the table.
+pub const TABLE: &str = "exploration.csv";
+
+/// What became of the rod along a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Found {
+    /// It left the helix.
+    Buckles,
+    /// It was the helix as far as the arm could lead it.
+    StaysHelix,
+    /// Something failed; `limit` says what.
+    Failed,
+}
+
+/// A row of `exploration.csv`. Distances are norms ‖(κ, τ, ω)‖ in units of the rod's length and bending stiffness.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExplorationRow {
+    /// Number of the direction, from 1.
+    pub direction: usize,
+    /// Unit direction: curvature.
+    pub kappa: f64,
+    /// Unit direction: torsion.
+    pub tau: f64,
+    /// Unit direction: twisting moment.
+    pub omega: f64,
+    /// What became of the rod.
+    pub outcome: Found,
+    /// Largest distance at which it was seen to be the helix before it was none.
+    pub stable: f64,
+    /// Distance at which it was the helix no longer; empty where it always was.
+    pub lost: Option<f64>,
+    /// The middle between both: where stability is lost.
+    pub found: Option<f64>,
+    /// The same by the conjugate points of the smooth rod without weight; empty where there are none up to 100.
+    pub theory: Option<f64>,
+    /// found/theory − 1.
+    pub relative_difference: Option<f64>,
+    /// Distance to which the arm can lead it.
+    pub reach: f64,
+    /// Why no farther; empty where it is the largest distance asked for.
+    pub limit: String,
+    /// Number of looks.
+    pub looks: usize,
+    /// Time that it took, s.
+    pub wall_time_s: f64,
+}
+
+impl ExplorationRow {
+    /// A row of a direction that could not be explored.
+    pub fn failed([kappa, tau, omega]: [f64; 3], words: String) -> Self {
+        Self {
+            direction: 0,
+            kappa,
+            tau,
+            omega,
+            outcome: Found::Failed,
+            stable: 0.0,
+            lost: None,
+            found: None,
+            theory: None,
+            relative_difference: None,
+            reach: 0.0,
+            limit: words,
+            looks: 0,
+            wall_time_s: 0.0,
+        }
+    }
+}
+
+/// The rows in a directory of an exploration.
+///
+/// # Errors
+/// The table cannot be read.
+pub fn read_rows(directory: &Path) -> Result<Vec<ExplorationRow>, ResultsError> {
+    Ok(read_whole_rows(&directory.join(TABLE))?.rows)
+}
+
+/// What was found, against theory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct ExplorationSummary {
+    /// Directions explored.
+    pub directions: usize,
+    /// Those in which the rod buckled.
+    pub buckled: usize,
+    /// Those in which theory has it lose stability within reach, and it was not seen to.
+    pub missed: usize,
+    /// Mean of |found/theory − 1| over those that buckled; empty without any.
+    pub mean_relative_error: Option<f64>,
+    /// Their standard deviation.
+    pub deviation_of_relative_error: Option<f64>,
+    /// The largest.
+    pub largest_relative_error: Option<f64>,
+}
+
+impl ExplorationSummary {
+    /// That of rows.
+    pub fn of(rows: &[ExplorationRow]) -> Self {
+        let errors = rows.iter().filter_map(|row| row.relative_difference);
+        let errors: Vec<f64> = errors.map(f64::abs).collect();
+        let count = errors.len() as f64;
+        let mean = (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / count);
+        let deviation = mean.map(|mean| {
+            let squares = errors.iter().map(|error| (error - mean).powi(2));
+            (squares.sum::<f64>() / count).sqrt()
+        });
+        let is_missed = |row: &&ExplorationRow| {
+            row.found.is_none() && row.theory.is_some_and(|theory| theory < row.reach)
+        };
+        Self {
+            directions: rows.len(),
+            buckled: rows.iter().filter(|row| row.found.is_some()).count(),
+            missed: rows.iter().filter(is_missed).count(),
+            mean_relative_error: mean,
+            deviation_of_relative_error: deviation,
+            largest_relative_error: mean.map(|_| errors.iter().copied().fold(0.0, f64::max)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(found: Option<f64>, theory: Option<f64>, reach: f64) -> ExplorationRow {
+        ExplorationRow {
+            direction: 1,
+            kappa: 1.0,
+            tau: 0.0,
+            omega: 0.0,
+            outcome: found.map_or(Found::StaysHelix, |_| Found::Buckles),
+            stable: reach,
+            lost: found,
+            found,
+            theory,
+            relative_difference: found
+                .zip(theory)
+                .map(|(found, theory)| found / theory - 1.0),
+            reach,
+            limit: String::new(),
+            looks: 3,
+            wall_time_s: 1.0,
+        }
+    }
+
+    #[test]
+    fn a_summary_counts_what_was_found_and_what_was_missed() {
+        let rows = [
+            row(Some(10.1), Some(10.0), 12.0),
+            row(Some(7.76), Some(8.0), 12.0),
+            row(None, Some(9.0), 12.0),
+            row(None, Some(13.0), 12.0),
+            row(None, None, 12.0),
+        ];
+        let summary = ExplorationSummary::of(&rows);
+        assert_eq!(
+            (summary.directions, summary.buckled, summary.missed),
+            (5, 2, 1)
+        );
+        assert!((summary.mean_relative_error.unwrap() - 0.02).abs() < 1e-12);
+        assert!((summary.deviation_of_relative_error.unwrap() - 0.01).abs() < 1e-12);
+        assert!((summary.largest_relative_error.unwrap() - 0.03).abs() < 1e-12);
+        assert_eq!(ExplorationSummary::of(&rows[2..]).mean_relative_error, None);
+    }
+}

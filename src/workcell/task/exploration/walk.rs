@@ -1,0 +1,306 @@
+//! Motions along a ray, looks from there, and the search for the instability.
+
+use super::ray::{Ray, SPACING};
+use crate::task::error::WorkError;
+use crate::task::look::next_picture;
+use crate::task::working_arm::{Grip, WorkingArm};
+use image::RgbImage;
+use rodlab_lab::experiment::ClampedRod;
+use rodlab_vision::{ColourRule, MarkerErrors, Point, compare_markers, find_markers};
+use serde::Serialize;
+
+/// Fewest and most pixels of a marker.
+const MARKER_AREA: [usize; 2] = [6, 2000];
+/// How far from its place a marker is looked for, over the length of the rod.
+const GATE: f64 = 0.1;
+/// Part of the markers that must be found: where fewer are, the rod is not where the helix would be.
+const FOUND: f64 = 0.5;
+/// Joints nearer than this, rad or m, are there.
+const THERE: f64 = 1e-4;
+/// How long the arm rests after a step before the camera looks, s.
+const REST: f64 = 0.3;
+/// The folder of the newest motion.
+pub const LOG: &str = "motion";
+
+/// How the instability is sought.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SearchSteps {
+    /// Distance ‖(κ, τ, ω)‖ from look to look on the way out.
+    pub step: f64,
+    /// The same where the instability has been passed once.
+    pub precision: f64,
+    /// Mean distance of the markers from those of the helix, over the length of the rod, above which it is no helix.
+    pub deviation: f64,
+    /// Greatest speed of the hand on the way out, m/s, and ten times that in rad/s, which bounds the chuck, too.
+    pub speed: f64,
+    /// The same on the way back.
+    pub return_speed: f64,
+}
+
+/// What was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Look {
+    /// Number of the look.
+    pub look: usize,
+    /// Distance ‖(κ, τ, ω)‖ of the clamps.
+    pub distance: f64,
+    /// Mean distance of the markers from those of the helix, over the length of the rod; empty where too few were found.
+    pub deviation: Option<f64>,
+    /// Markers that were found near their places.
+    pub markers: usize,
+    /// Whether the rod is that helix.
+    pub is_helix: bool,
+}
+
+/// What is known of a direction once it was searched.
+#[derive(Clone, Debug)]
+pub struct Searched {
+    /// The largest distance at which the rod was the helix, and the next one, at which it was not, if there was any.
+    pub stable: f64,
+    /// See `stable`.
+    pub lost: Option<f64>,
+    /// All looks.
+    pub looks: Vec<Look>,
+    /// Pictures at both distances, with the markers in them and those that were expected.
+    pub pictures: Vec<(&'static str, Picture)>,
+}
+
+/// A picture with what was found in it.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// As it came.
+    pub pixels: RgbImage,
+    /// All spots of the colour of markers.
+    pub spots: Vec<Point>,
+    /// How far they are from their places.
+    pub errors: MarkerErrors,
+}
+
+/// An arm and a chuck on a ray.
+pub struct Walker<'a> {
+    /// The arm. Its motions are logged, each over the one before.
+    pub arm: WorkingArm<'a>,
+    /// The rod.
+    pub rod: &'a ClampedRod,
+    /// Which pixels are markers.
+    pub colour: &'a ColourRule,
+    /// How it goes on.
+    pub steps: SearchSteps,
+}
+
+impl Walker<'_> {
+    /// Searches along a ray from its first point on, and returns there.
+    ///
+    /// # Errors
+    /// Something fails on the way: all was commanded to hold. Or the rod does not become straight again.
+    pub fn search(&self, ray: &Ray) -> Result<Searched, WorkError> {
+        let mut walk = Walk {
+            walker: self,
+            ray,
+            at: 0,
+            looks: Vec::new(),
+            last: None,
+        };
+        let found = walk.outwards()?;
+        let pictures = match found.1 {
+            Some(_) => walk.pictures(),
+            None => Vec::new(),
+        };
+        walk.straighten(found.1.is_some())?;
+        let distance = |index: usize| index as f64 * SPACING;
+        Ok(Searched {
+            stable: distance(found.0),
+            lost: found.1.map(distance),
+            looks: walk.looks,
+            pictures,
+        })
+    }
+
+    /// Goes from where joints stand to a point of a ray, over the points between, and rests there.
+    ///
+    /// # Errors
+    /// Something fails on the way.
+    pub fn return_from(&self, ray: &Ray, joints: Vec<f64>) -> Result<(), WorkError> {
+        let (index, away) = ray.nearest(&joints);
+        if index == 0 && away < THERE {
+            return Ok(());
+        }
+        let mut points = vec![joints];
+        // The nearest point may lie farther out.
+        points.extend(ray.points[..index].iter().rev().cloned());
+        if index == 0 {
+            points.push(ray.points[0].clone());
+        }
+        self.stream(&points, self.steps.return_speed)
+    }
+
+    /// The hand lets the straight rod go, which turns out of its twist, and takes it again.
+    ///
+    /// # Errors
+    /// The gripper does not move.
+    pub fn take_anew(&self) -> Result<(), WorkError> {
+        self.arm.grip(Grip::Open)?;
+        self.arm.grip(Grip::Close)
+    }
+
+    fn stream(&self, points: &[Vec<f64>], speed: f64) -> Result<(), WorkError> {
+        let WorkingArm { cell, arm, .. } = self.arm;
+        let chuck = cell.chuck.expect("the cell has a chuck");
+        let motion = cell.motion_along(arm, chuck.axis, points, speed, REST);
+        let motion = motion.map_err(|error| WorkError::Failed(error.to_string()))?;
+        self.arm.follow(LOG, &motion)
+    }
+}
+
+/// A walk under way.
+struct Walk<'a> {
+    walker: &'a Walker<'a>,
+    ray: &'a Ray,
+    /// Index of the point where the clamps are.
+    at: usize,
+    looks: Vec<Look>,
+    /// The newest picture.
+    last: Option<Picture>,
+}
+
+impl Walk<'_> {
+    /// The last point of the ray at which the rod is the helix, and the next one, at which it is none any more.
+    fn outwards(&mut self) -> Result<(usize, Option<usize>), WorkError> {
+        let SearchSteps {
+            step, precision, ..
+        } = self.walker.steps;
+        let points = |distance: f64| ((distance / SPACING).round() as usize).max(1);
+        let Some(passed) = self.advance(points(step))? else {
+            return Ok((self.at, None));
+        };
+        let lost = self.at;
+        if points(precision) >= points(step) {
+            return Ok((passed, Some(lost)));
+        }
+        self.straighten(true)?;
+        self.go(passed)?;
+        if !self.look()? {
+            return Ok((passed, Some(lost)));
+        }
+        Ok(match self.advance(points(precision))? {
+            Some(stable) => (stable, Some(self.at)),
+            None => (self.at, None),
+        })
+    }
+
+    /// Goes back to the straight rod. One that snapped is taken anew there: it keeps something of it, by all signs whole turns of twist,
+    /// which a straight rod does not show.
+    fn straighten(&mut self, has_snapped: bool) -> Result<(), WorkError> {
+        self.go(0)?;
+        if !self.look()? {
+            return Err(WorkError::Failed(
+                "the rod does not become straight again; look at it, and begin a new exploration with another one".into(),
+            ));
+        }
+        match has_snapped {
+            true => self.walker.take_anew(),
+            false => Ok(()),
+        }
+    }
+
+    /// Goes on by so many points until the rod is no helix, or the ray ends; returns the point before it was none.
+    fn advance(&mut self, points: usize) -> Result<Option<usize>, WorkError> {
+        let last = self.ray.points.len() - 1;
+        while self.at < last {
+            let before = self.at;
+            self.go((before + points).min(last))?;
+            if !self.look()? {
+                return Ok(Some(before));
+            }
+        }
+        Ok(None)
+    }
+
+    fn go(&mut self, to: usize) -> Result<(), WorkError> {
+        if to == self.at {
+            return Ok(());
+        }
+        let SearchSteps {
+            speed,
+            return_speed,
+            ..
+        } = self.walker.steps;
+        let mut points = self.ray.points[self.at.min(to)..=self.at.max(to)].to_vec();
+        let mut most = speed;
+        if to < self.at {
+            points.reverse();
+            most = return_speed;
+        }
+        self.walker.stream(&points, most)?;
+        self.at = to;
+        Ok(())
+    }
+
+    /// Whether the rod is the helix that it should be.
+    fn look(&mut self) -> Result<bool, WorkError> {
+        let failed = |reason: String| WorkError::Failed(format!("looking: {reason}"));
+        let walker = self.walker;
+        if (walker.arm.is_interrupted)() {
+            return Err(WorkError::Interrupted);
+        }
+        let pixels = next_picture(walker.arm.cell).map_err(failed)?;
+        let seen = compare(walker, self.ray, self.at, pixels);
+        let picture = seen.map_err(|error| failed(error.to_string()))?;
+        let deviation = deviation(&picture.errors, walker.rod.length);
+        let is_helix = deviation.is_some_and(|deviation| deviation <= walker.steps.deviation);
+        self.looks.push(Look {
+            look: self.looks.len() + 1,
+            distance: self.at as f64 * SPACING,
+            deviation,
+            markers: picture.errors.found.iter().flatten().count(),
+            is_helix,
+        });
+        self.last = Some(picture);
+        Ok(is_helix)
+    }
+
+    /// The newest picture under its name.
+    fn pictures(&mut self) -> Vec<(&'static str, Picture)> {
+        self.last
+            .take()
+            .map(|picture| ("lost", picture))
+            .into_iter()
+            .collect()
+    }
+}
+
+/// A picture of the rod at a point of a ray, compared with the markers of the helix there.
+fn compare(
+    walker: &Walker<'_>,
+    ray: &Ray,
+    index: usize,
+    pixels: RgbImage,
+) -> Result<Picture, rodlab_vision::VisionError> {
+    let cell = walker.arm.cell;
+    let camera = cell.camera.as_ref().expect("the cell has a camera");
+    let camera = camera.seeing(cell.table_height());
+    camera.check_size(pixels.width(), pixels.height())?;
+    let [least, most] = MARKER_AREA;
+    let spots = find_markers(&pixels, walker.colour, least, most)?;
+    let length = walker.rod.length;
+    let expected = ray.places(cell, length, index, &walker.rod.marker_places());
+    let depths = expected.iter();
+    let depth =
+        |place: &nalgebra::Vector3<f64>| camera.pose.inverse_transform_point(&(*place).into()).z;
+    let nearest = depths.map(depth).fold(f64::INFINITY, f64::min);
+    let gate = GATE * length * camera.lens.focal[0] / nearest.max(1e-3);
+    let errors = compare_markers(&camera, &expected, &spots, gate)?;
+    Ok(Picture {
+        pixels,
+        spots,
+        errors,
+    })
+}
+
+/// Mean distance of the markers that were found from their places, over the length of the rod; `None` where too few were. A
+/// marker that another one hides, as where the rod crosses itself in the picture, says nothing.
+fn deviation(errors: &MarkerErrors, length: f64) -> Option<f64> {
+    let found: Vec<f64> = errors.metres.iter().flatten().copied().collect();
+    let enough = found.len() as f64 >= FOUND * errors.metres.len() as f64;
+    enough.then(|| found.iter().sum::<f64>() / found.len() as f64 / length)
+}

@@ -1,0 +1,166 @@
+//! The way of the edge of a sheet in parts, of which each is planned anew where the sheet has slid.
+
+use nalgebra::Translation3;
+use rodlab_planning::plan::fold::{Algorithm, FoldError, FoldPlanner, FoldPose, FoldedSheet};
+use rodlab_robot::Pose;
+use std::sync::Arc;
+
+/// What an arm that lays an edge down stays above the sheet below, m: nothing is pressed with its accuracy.
+const CLEARANCE: f64 = 1e-4;
+
+/// A fold as it is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct FoldRequest {
+    /// The sheet in the direction of the fold.
+    pub sheet: FoldedSheet,
+    /// Its thickness, m.
+    pub thickness: f64,
+    /// How far the edge goes, m.
+    pub target: f64,
+    /// How its way is planned.
+    pub algorithm: Algorithm,
+    /// Parts of the way; one is not planned anew.
+    pub parts: usize,
+}
+
+/// The way of an edge.
+#[derive(Clone, Debug)]
+pub struct FoldWay {
+    request: FoldRequest,
+    planner: Arc<FoldPlanner>,
+    /// Poses of each part on the sheet, in L_gb; each begins where the one before ends.
+    parts: Vec<Vec<FoldPose>>,
+    /// How far the sheet is believed to have slid while each is done, m.
+    slid: Vec<f64>,
+}
+
+impl FoldWay {
+    /// Plans a way.
+    ///
+    /// # Errors
+    /// The target cannot be reached.
+    pub fn new(request: FoldRequest) -> Result<Self, FoldError> {
+        let planner = FoldPlanner::shared(request.sheet.dimensionless(), request.algorithm);
+        let unit = request.sheet.gravito_bending_length;
+        let planned = planner.poses(request.target / unit)?.into_iter();
+        let mut poses = vec![FoldPose::FLAT];
+        poses.extend(planned.filter(|pose| *pose != FoldPose::FLAT));
+        Ok(Self {
+            planner,
+            parts: in_parts(&poses, request.parts),
+            slid: vec![0.0; request.parts],
+            request,
+        })
+    }
+
+    /// Parts.
+    pub fn parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Poses of the hand in a part, in the frame of the sheet: its origin is the middle of the edge of the flat sheet, half a
+    /// thickness below which the table is; x is over the sheet, z up.
+    pub fn hands(&self, part: usize) -> Vec<Pose> {
+        let unit = self.request.sheet.gravito_bending_length;
+        let slid = self.slid[part];
+        let layer = self.request.thickness + CLEARANCE;
+        let hand = |pose: &FoldPose| {
+            let [x, z] = pose.gripper.map(|value| unit * value);
+            let rise = layer * (x / self.request.target).clamp(0.0, 1.0);
+            let place = Translation3::new(x + slid, 0.0, z + rise);
+            Pose::from_parts(place, pose.orientation())
+        };
+        self.parts[part].iter().map(hand).collect()
+    }
+
+    /// Plans a part anew: after the one before it the sheet has slid by so much in all, m.
+    ///
+    /// # Errors
+    /// No way leads on.
+    pub fn anew(&mut self, part: usize, slid: f64) -> Result<(), FoldError> {
+        let ends = [part - 1, part].map(|part| self.parts[part][self.parts[part].len() - 1]);
+        let unit = self.request.sheet.gravito_bending_length;
+        let farther = (slid - self.slid[part - 1]) / unit;
+        let [from, to] = ends;
+        self.parts[part] = self.planner.next_part(from, farther, to)?;
+        self.slid[part] = slid;
+        Ok(())
+    }
+
+    /// Keeps a part as it was planned, on a sheet that is believed to have slid as far as during the one before it.
+    pub fn keep(&mut self, part: usize) {
+        self.slid[part] = self.slid[part - 1];
+    }
+
+    /// How far the sheet is believed to have slid in a part, m.
+    pub fn slid(&self, part: usize) -> f64 {
+        self.slid[part]
+    }
+}
+
+/// Cuts a way into parts that take about as long.
+fn in_parts(poses: &[FoldPose], parts: usize) -> Vec<Vec<FoldPose>> {
+    let mut way = 0.0;
+    let ways = poses.windows(2).map(|pair| {
+        way += pair[0].way_to(&pair[1]);
+        way
+    });
+    let ways: Vec<f64> = std::iter::once(0.0).chain(ways).collect();
+    let last = poses.len() - 1;
+    let end = |part: usize| {
+        let way = ways[last] * part as f64 / parts as f64;
+        ways.partition_point(|known| *known < way).min(last)
+    };
+    let cut = |part: usize| poses[end(part)..=end(part + 1)].to_vec();
+    (0..parts).map(cut).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn a4(parts: usize) -> FoldWay {
+        let request = FoldRequest {
+            sheet: FoldedSheet {
+                gravito_bending_length: 0.048,
+                length: 0.297,
+                least_suspended: 0.958,
+            },
+            thickness: 1e-4,
+            target: 0.297,
+            algorithm: Algorithm::Held { friction: 0.12 },
+            parts,
+        };
+        FoldWay::new(request).unwrap()
+    }
+
+    #[test]
+    fn parts_follow_each_other_and_take_about_as_long() {
+        let (whole, parts) = (a4(1), a4(5));
+        let joined: Vec<Pose> = (0..5).flat_map(|part| parts.hands(part)).collect();
+        let all = whole.hands(0);
+        assert_eq!(joined.len(), all.len() + 4);
+        for part in 1..5 {
+            let before = parts.hands(part - 1);
+            assert_eq!(before[before.len() - 1], parts.hands(part)[0]);
+        }
+        let first = all[0].translation.vector;
+        assert!(first.norm() < 1e-12);
+        let last = all[all.len() - 1].translation.vector;
+        assert!((last.x - 0.297).abs() < 1e-9 && (last.z - 2e-4).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_part_that_is_planned_anew_begins_where_the_hand_is_and_ends_as_much_farther() {
+        let mut way = a4(5);
+        let planned = way.hands(3);
+        way.anew(3, 4e-3).unwrap();
+        let anew = way.hands(3);
+        let away = |one: &Pose, other: &Pose| other.translation.vector - one.translation.vector;
+        assert!(away(&planned[0], &anew[0]).xy().norm() < 1e-9);
+        let end = away(&planned[planned.len() - 1], &anew[anew.len() - 1]);
+        assert!((end.x - 4e-3).abs() < 1e-9, "{end}");
+        way.keep(4);
+        assert_eq!(way.hands(4)[0], anew[anew.len() - 1]);
+    }
+}

@@ -1,0 +1,201 @@
+//! The camera's picture of a rod that lies, as a curve in the frame of its pattern.
+
+use crate::cell::Cell;
+use image::RgbImage;
+use rodlab_robot::{CameraPicture, Pose, open_camera};
+use rodlab_vision::{
+    Camera, ColourRule, Point, Trace, TraceOptions, VisionError, decode_picture, trace, whole_rod,
+};
+use std::time::Duration;
+
+/// Longest wait for a picture.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Least distance from the border of a picture at which an end counts as seen, pixels.
+const BORDER: f64 = 2.0;
+
+/// The next picture of the camera of a cell.
+///
+/// # Errors
+/// In words: there is no camera, it has no source, or no picture comes.
+pub fn next_picture(cell: &Cell) -> Result<RgbImage, String> {
+    let camera = cell.camera.as_ref().ok_or("the cell has no [camera]")?;
+    let source = camera.source.as_deref();
+    let source = source.ok_or("camera.source is missing: where its pictures come from")?;
+    let opened = open_camera(source).ok_or_else(|| {
+        format!("camera.source: {source:?} is no camera; needed: ros1://, rosbridge:// or ros2://")
+    })?;
+    let mut camera = opened.map_err(|error| error.to_string())?;
+    match camera
+        .picture(PATIENCE)
+        .map_err(|error| error.to_string())?
+    {
+        CameraPicture::Pixels(picture) => Ok(picture),
+        CameraPicture::File(bytes) => decode_picture(&bytes),
+    }
+}
+
+/// The strands of a picture, and the camera that saw them.
+pub struct Seen {
+    /// The strands.
+    pub trace: Trace,
+    camera: Camera,
+    /// From the cell to the frame of the pattern, and the height of the centreline in the cell, m.
+    to_frame: Pose,
+    height: f64,
+}
+
+impl Seen {
+    /// What a picture shows of rods of some radius, m, that lie on the table, in a colour.
+    ///
+    /// # Errors
+    /// No strand is seen, or the picture has another size than the camera.
+    pub fn of(
+        picture: &RgbImage,
+        cell: &Cell,
+        frame: &Pose,
+        radius: f64,
+        colour: &ColourRule,
+    ) -> Result<Self, VisionError> {
+        let missing = VisionError::Undetermined {
+            problem: "the rod",
+            reason: "the cell has no [camera]".into(),
+        };
+        let camera = cell.camera.as_ref().ok_or(missing)?;
+        // The centreline lies a radius above the table.
+        let height = frame.translation.z + radius;
+        let camera = camera.seeing(height);
+        camera.check_size(picture.width(), picture.height())?;
+        let options = TraceOptions {
+            colour: colour.clone(),
+            ..TraceOptions::default()
+        };
+        Ok(Self {
+            trace: trace(picture, &options)?,
+            camera,
+            to_frame: frame.inverse(),
+            height,
+        })
+    }
+
+    /// The longest strand in the frame of the pattern, m, from the end that is nearer to `start`, with the closed ones that it
+    /// crosses: there is one rod.
+    ///
+    /// # Errors
+    /// A pixel shows no point of the table.
+    pub fn longest(&self, start: Point) -> Result<Vec<Point>, VisionError> {
+        self.curve(self.longest_index(), start)
+    }
+
+    /// Whether the longest strand, from the end that is nearer to `start`, runs out of the picture.
+    ///
+    /// # Errors
+    /// A pixel shows no point of the table.
+    pub fn leaves_picture(&self, start: Point) -> Result<bool, VisionError> {
+        let index = self.longest_index();
+        let margin = self.trace.strands[index].width().max(BORDER);
+        let [width, height] = [self.camera.width, self.camera.height].map(f64::from);
+        let is_at_border = |pixel: &Point| {
+            let sides = [
+                pixel.x,
+                pixel.y,
+                width - 1.0 - pixel.x,
+                height - 1.0 - pixel.y,
+            ];
+            sides.iter().any(|away| *away < margin)
+        };
+        Ok(self.pixels(index, start)?.last().is_some_and(is_at_border))
+    }
+
+    /// Strands in the picture, pixels, with their widths, pixels, one for each rod by where it begins, each from there: the longest
+    /// where there is one rod, otherwise those that begin nearest. Fewer where there are not so many.
+    ///
+    /// # Errors
+    /// A pixel shows no point of the table.
+    pub fn in_picture(&self, starts: &[Point]) -> Result<Vec<(Vec<Point>, f64)>, VisionError> {
+        let mut taken = Vec::new();
+        for start in starts {
+            let index = match starts {
+                [_] => Some(self.longest_index()),
+                _ => self.nearest_index(*start, &taken)?,
+            };
+            taken.extend(index);
+        }
+        let strands = taken.iter().zip(starts).map(|(index, start)| {
+            let width = self.trace.strands[*index].width();
+            Ok((self.pixels(*index, *start)?, width))
+        });
+        strands.collect()
+    }
+
+    /// The strand that begins nearest to a place, but for some.
+    fn nearest_index(&self, start: Point, but: &[usize]) -> Result<Option<usize>, VisionError> {
+        let mut nearest: Option<(f64, usize)> = None;
+        for (index, strand) in self.trace.strands.iter().enumerate() {
+            for end in [strand.points.first(), strand.points.last()] {
+                let Some(end) = end.filter(|_| !but.contains(&index)) else {
+                    continue;
+                };
+                let away = (self.place(*end)? - start).norm();
+                if nearest.is_none_or(|(least, _)| away < least) {
+                    nearest = Some((away, index));
+                }
+            }
+        }
+        Ok(nearest.map(|(_, index)| index))
+    }
+
+    fn longest_index(&self) -> usize {
+        let strands = self.trace.strands.iter().enumerate();
+        // Where there is no open one, the rod closes upon itself.
+        let longest = strands.max_by(|(_, a), (_, b)| {
+            let openness = b.closed.cmp(&a.closed);
+            openness.then(a.length().total_cmp(&b.length()))
+        });
+        let (index, _) = longest.expect("a trace has strands");
+        index
+    }
+
+    /// The strand that begins nearest to `start` in the same frame, m, from there.
+    ///
+    /// # Errors
+    /// A pixel shows no point of the table.
+    pub fn from(&self, start: Point) -> Result<Vec<Point>, VisionError> {
+        let curves = (0..self.trace.strands.len()).map(|index| self.curve(index, start));
+        let curves = curves.collect::<Result<Vec<_>, _>>()?;
+        let away = |curve: &Vec<Point>| curve.first().map_or(0.0, |point| (point - start).norm());
+        let nearest = curves
+            .into_iter()
+            .min_by(|a, b| away(a).total_cmp(&away(b)));
+        Ok(nearest.unwrap_or_default())
+    }
+
+    /// A strand in the frame of the pattern, m, from the end that is nearer to `start`.
+    fn curve(&self, index: usize, start: Point) -> Result<Vec<Point>, VisionError> {
+        let pixels = self.pixels(index, start)?.into_iter();
+        pixels.map(|pixel| self.place(pixel)).collect()
+    }
+
+    /// The same, pixels.
+    fn pixels(&self, index: usize, start: Point) -> Result<Vec<Point>, VisionError> {
+        let Trace {
+            strands, crossings, ..
+        } = &self.trace;
+        let ends = [strands[index].points.first(), strands[index].points.last()];
+        let mut away = [0.0; 2];
+        for (away, end) in away.iter_mut().zip(ends) {
+            *away = match end {
+                Some(pixel) => (self.place(*pixel)? - start).norm(),
+                None => 0.0,
+            };
+        }
+        Ok(whole_rod(strands, crossings, index, away[1] < away[0]))
+    }
+
+    /// The place of a pixel in the frame of the pattern, m.
+    pub fn place(&self, pixel: Point) -> Result<Point, VisionError> {
+        let place = self.camera.on_table(pixel)?;
+        let place = self.to_frame * nalgebra::Point3::new(place.x, place.y, self.height);
+        Ok(Point::new(place.x, place.y))
+    }
+}

@@ -1,0 +1,230 @@
+//! How a task that ended early left the cell: what was being done, what of the rod lies, where the hands are, and what to do next.
+
+use super::error::{TaskError, TaskStage};
+use crate::cell::Cell;
+use rodlab_planning::plan::deployment::GripperPose;
+use rodlab_robot::Pose;
+use serde::Serialize;
+
+/// The state in which a task was left.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Stopped {
+    /// What was being done.
+    pub during: String,
+    /// How much of each rod lies along its path.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub laid: Vec<LaidLength>,
+    /// Where the hands are.
+    pub hands: Vec<HandPlace>,
+    /// What to do next.
+    pub next: String,
+}
+
+/// How much of a rod lies along its path.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LaidLength {
+    /// Length that lies, m; `None` where the arm does not report its joints.
+    pub laid_m: Option<f64>,
+    /// Length of the whole path, m.
+    pub path_m: f64,
+}
+
+/// Where a hand is.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HandPlace {
+    /// Name of the arm.
+    pub arm: String,
+    /// Position in the frame of the cell, m; `None` where the arm does not report its joints.
+    pub position_m: Option<[f64; 3]>,
+    #[serde(skip)]
+    pose: Option<Pose>,
+}
+
+impl HandPlace {
+    /// The hand of an arm, by what its driver reports now.
+    pub fn of(cell: &Cell, arm: usize) -> Self {
+        let known = &cell.arms[arm];
+        let joints = cell.stands(arm);
+        let pose = joints.map(|joints| known.base * known.chain.hand(&joints));
+        let pose = pose
+            .inspect_err(|reason| tracing::warn!("{}: {reason}", known.name))
+            .ok();
+        Self {
+            arm: known.name.clone(),
+            position_m: pose.map(|pose| pose.translation.vector.into()),
+            pose,
+        }
+    }
+}
+
+/// The path along which a rod is laid.
+pub struct LaidAlong<'a> {
+    /// The gripper along it.
+    pub poses: &'a [GripperPose],
+    /// The frame of the path in the cell.
+    pub frame: Pose,
+    /// Gravito-bending length of the rod, m.
+    pub unit: f64,
+}
+
+impl LaidAlong<'_> {
+    /// The length of the path.
+    fn length(&self) -> f64 {
+        self.poses.last().map_or(0.0, |pose| pose.s)
+    }
+
+    /// Nothing of it, or all.
+    pub fn whole(&self, lies: bool) -> LaidLength {
+        let path_m = self.length();
+        LaidLength {
+            laid_m: Some(if lies { path_m } else { 0.0 }),
+            path_m,
+        }
+    }
+
+    /// As far as the pose that is nearest to a hand, turns weighed by the gravito-bending length: a path may cross itself.
+    pub fn until(&self, hand: &HandPlace) -> LaidLength {
+        let laid_m = hand.pose.and_then(|pose| {
+            let here = self.frame.inverse() * pose;
+            let away = |pose: &GripperPose| {
+                let shift = (pose.position - here.translation.vector).norm();
+                shift + self.unit * pose.rotation.angle_to(&here.rotation)
+            };
+            let nearest = self.poses.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            nearest.map(|pose| pose.s)
+        });
+        LaidLength {
+            laid_m,
+            path_m: self.length(),
+        }
+    }
+}
+
+impl Stopped {
+    /// How an error left the cell; `None` where the arms did all of their work.
+    pub fn by<S: TaskStage>(
+        error: &TaskError<S>,
+        hands: Vec<HandPlace>,
+        laid: Vec<LaidLength>,
+    ) -> Option<Self> {
+        let stage = error.stage()?;
+        Some(Self {
+            during: stage.in_words().into(),
+            laid,
+            hands,
+            next: stage.next_step().into(),
+        })
+    }
+
+    /// Rows of a report.
+    pub fn rows(&self) -> Vec<(&'static str, String)> {
+        let mut rows = vec![("stopped while", self.during.clone())];
+        for rod in &self.laid {
+            let path = format!("{:.1} mm of its path", 1e3 * rod.path_m);
+            rows.push((
+                "rod laid",
+                match rod.laid_m {
+                    Some(laid) => format!("{:.1} of {path}", 1e3 * laid),
+                    None => format!("unknown part of {path}"),
+                },
+            ));
+        }
+        for hand in &self.hands {
+            let place = match hand.position_m {
+                Some([x, y, z]) => format!("at {x:.4}, {y:.4}, {z:.4} m in the cell"),
+                None => "not reported".into(),
+            };
+            rows.push(("hand", format!("{}: {place}", hand.arm)));
+        }
+        rows.push(("next", self.next.clone()));
+        rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+    /// Poses along a square of 10 cm that ends where it begins; the hand turns at its corners.
+    fn square() -> Vec<GripperPose> {
+        let turn = |side: u32| f64::from(side) * std::f64::consts::FRAC_PI_2;
+        let mut position = Vector3::zeros();
+        let mut poses = Vec::new();
+        for k in 0..=40 {
+            let side = (k / 10).min(3);
+            let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn(side));
+            poses.push(GripperPose {
+                s: 0.01 * f64::from(k),
+                position,
+                rotation,
+                grasp: None,
+                contact_demand: None,
+            });
+            position += rotation * Vector3::new(0.01, 0.0, 0.0);
+        }
+        poses
+    }
+
+    #[test]
+    fn the_laid_length_is_that_of_the_pose_at_which_the_hand_is() {
+        let poses = square();
+        let frame = Pose::translation(0.3, 0.2, 0.1);
+        let along = LaidAlong {
+            poses: &poses,
+            frame,
+            unit: 0.03,
+        };
+        // The first and the last pose are at the same place.
+        for index in [0, 7, 25, 40] {
+            let GripperPose {
+                position,
+                rotation,
+                s,
+                ..
+            } = &poses[index];
+            let pose = frame * Pose::from_parts(Translation3::from(*position), *rotation);
+            let hand = HandPlace {
+                arm: "arm".into(),
+                position_m: None,
+                pose: Some(pose),
+            };
+            assert_eq!(along.until(&hand).laid_m, Some(*s));
+        }
+        let silent = HandPlace {
+            arm: "arm".into(),
+            position_m: None,
+            pose: None,
+        };
+        assert_eq!(along.until(&silent).laid_m, None);
+        assert_eq!(along.whole(true).laid_m, Some(0.4));
+    }
+
+    #[test]
+    fn a_report_names_what_lies_and_where_the_hand_is() {
+        let error = TaskError::Interrupted {
+            stage: crate::task::Stage::Lay,
+        };
+        let hand = HandPlace {
+            arm: "gantry".into(),
+            position_m: Some([0.1, 0.2, 0.03]),
+            pose: None,
+        };
+        let laid = LaidLength {
+            laid_m: Some(0.12),
+            path_m: 0.3,
+        };
+        let stopped = Stopped::by(&error, vec![hand], vec![laid]).unwrap();
+        let text = format!("{:?}", stopped.rows());
+        for words in [
+            "laying",
+            "120.0 of 300.0 mm",
+            "0.1000, 0.2000, 0.0300 m",
+            "--checked",
+        ] {
+            assert!(text.contains(words), "{words}: {text}");
+        }
+        let whole = TaskError::<crate::task::Stage>::NotSeenWhole("short".into());
+        assert_eq!(Stopped::by(&whole, Vec::new(), Vec::new()), None);
+    }
+}

@@ -1,0 +1,335 @@
+//! The motions of both arms, put together one after the other.
+//!
+//! Between grips both arms move in one motion, and at grips both stand. While an end is led to where it must go under, the other
+//! arm comes from above to the strand there; it lifts the strand, waits until the end has passed, and puts it down; it rises,
+//! and goes to the next strand or home.
+
+use super::plan::{KnotPlan, Lead, PlannedRod};
+use super::request::{RATE, TieMotionRequest};
+use super::two_arms::TwoArms;
+use crate::cell::{Place, PlanError};
+use crate::task::working_arm::Grip;
+use nalgebra::Translation3;
+use rodlab_planning::plan::tying::GripperPoses;
+use rodlab_robot::{JointTrajectory, Pose, subdivide};
+
+/// How far above a strand the hand is that comes to it, or has let it go, m.
+const RISE: f64 = 0.06;
+/// Rest between the motion of one arm and that of the other, s: they begin a little apart, as messages do.
+const REST: f64 = 0.3;
+/// Ways shorter than this are none, m.
+const NO_WAY: f64 = 1e-6;
+/// Times of a schedule nearer than this are the same, s.
+const SAME: f64 = 1e-6;
+/// Distance of the points by which the length of a way is told, m.
+const SPACING: f64 = 1e-3;
+
+/// How a rod is laid.
+pub struct Laying {
+    /// Both arms, while the one that lays comes from home; `None` for the first rod, to which it comes from where it stands.
+    pub approach: Option<JointTrajectory>,
+    /// The arm that lays, while it does.
+    pub motion: JointTrajectory,
+    /// Both arms, while that one goes home, having let go; `None` for the last rod, whose end it leads then.
+    pub parting: Option<JointTrajectory>,
+}
+
+/// A motion of both arms between two grips.
+pub struct Stretch {
+    /// Name of its folder.
+    pub name: String,
+    /// The motion.
+    pub motion: JointTrajectory,
+    /// Which gripper, of the first arm or the second, does what then.
+    pub then: Option<(usize, Grip)>,
+}
+
+/// Motions of both arms while they are put together.
+pub struct Choreography<'a> {
+    request: &'a TieMotionRequest<'a>,
+    frame: Pose,
+    both: TwoArms<'a>,
+    /// All that was put together.
+    pub done: Vec<JointTrajectory>,
+}
+
+impl<'a> Choreography<'a> {
+    /// What begins with the first arm, in some joints, where the first rod is laid, and the second one at home.
+    pub fn from(request: &'a TieMotionRequest<'a>, frame: Pose, first: Vec<f64>) -> Self {
+        let joints = [first, request.home(1).clone()];
+        Self {
+            request,
+            frame,
+            both: TwoArms::from(request.cell, request.arms, joints),
+            done: Vec::new(),
+        }
+    }
+}
+
+impl Choreography<'_> {
+    /// The rods are laid.
+    ///
+    /// # Errors
+    /// An arm cannot follow its path.
+    pub fn layings(&mut self, knot: &KnotPlan) -> Result<Vec<Laying>, PlanError> {
+        let mut layings = Vec::new();
+        for (number, planned) in knot.rods.iter().enumerate() {
+            let which = number % 2;
+            let approach = if number == 0 {
+                None
+            } else {
+                let path = held(knot, number)
+                    .iter()
+                    .map(|pose| self.frame * pose)
+                    .collect();
+                let (first, _) = self.request.best(which, path, Place::At([0.0; 4]))?;
+                let coming = self.straight(which, self.both.joints(which), &first)?;
+                self.go(which, coming.as_slice());
+                Some(self.ended())
+            };
+            let path = laying(planned).map(|pose| self.frame * pose);
+            let path: Vec<Pose> = path.collect();
+            let from = self.both.joints(which).to_vec();
+            let motion = self.way(which, &path, &from, self.request.speed)?;
+            self.go(which, motion.as_slice());
+            self.ended();
+            let motion = motion.ok_or_else(|| {
+                PlanError::Input("the pattern is too short to be laid along".into())
+            })?;
+            let parting = if number + 1 == knot.rods.len() {
+                None
+            } else {
+                self.homewards(which)?;
+                Some(self.ended())
+            };
+            layings.push(Laying {
+                approach,
+                motion,
+                parting,
+            });
+        }
+        Ok(layings)
+    }
+
+    /// Ends are led and strands lifted; the arm that holds an end at last.
+    ///
+    /// # Errors
+    /// An arm cannot follow its path.
+    pub fn stretches(&mut self, knot: &KnotPlan) -> Result<(usize, Vec<Stretch>), PlanError> {
+        let mut stretches = Vec::new();
+        let mut last = 0;
+        for (index, lead) in knot.leads.iter().enumerate() {
+            let [leader, lifter] = [0, 1].map(|other| (lead.schedule.rod + other) % 2);
+            if index > 0 {
+                let end = self.in_cell(&lead.end);
+                let coming = self.to_what_lies(leader, &end, Vec::new())?;
+                self.go(leader, &coming);
+                let taken = Some((leader, Grip::Close));
+                stretches.push(self.stretch(stretches.len(), "taking", taken));
+            }
+            let mut time = 0.0;
+            let mut rising = Vec::new();
+            for (lift, (_, corners)) in lead.lifts.iter().zip(&lead.schedule.lifts) {
+                let [begin, lifted, lower, end] = *corners;
+                let strand = self.in_cell(&lift.poses);
+                let leading = self.led(leader, lead, [time, begin])?;
+                let coming = self.to_what_lies(lifter, &strand, rising)?;
+                self.go_both(leader, [&leading, &coming]);
+                let taken = Some((lifter, Grip::Close));
+                stretches.push(self.stretch(stretches.len(), "leading", taken));
+                for times in [[begin, lifted], [lifted, lower], [lower, end]] {
+                    let leading = self.led(leader, lead, times)?;
+                    let part = between(&lift.poses, times);
+                    let moved = self.timed(lifter, &part, times)?;
+                    self.go_both(leader, [&leading, &moved]);
+                    self.both.rest(REST);
+                }
+                let let_go = Some((lifter, Grip::Open));
+                stretches.push(self.stretch(stretches.len(), "lifting", let_go));
+                rising = vec![self.raised(lifter)?];
+                time = end;
+            }
+            let leading = self.led(leader, lead, [time, lead.schedule.duration()])?;
+            let from = rising.last().map_or(self.both.joints(lifter), last_of);
+            let home = self.straight(lifter, from, self.request.home(lifter))?;
+            rising.extend(home);
+            self.go_both(leader, [&leading, &rising]);
+            let is_last = index + 1 == knot.leads.len();
+            let let_go = (!is_last).then_some((leader, Grip::Open));
+            stretches.push(self.stretch(stretches.len(), "end", let_go));
+            if !is_last {
+                self.homewards(leader)?;
+                stretches.push(self.stretch(stretches.len(), "parting", None));
+            }
+            last = leader;
+        }
+        Ok((last, stretches))
+    }
+
+    /// What has been put together so far as a motion of its own; the next one begins where it ends.
+    pub fn ended(&mut self) -> JointTrajectory {
+        self.both.rest(REST);
+        let joints = [0, 1].map(|which| self.both.joints(which).to_vec());
+        let next = TwoArms::from(self.request.cell, self.request.arms, joints);
+        let motion = std::mem::replace(&mut self.both, next).trajectory();
+        self.done.push(motion.clone());
+        motion
+    }
+
+    fn stretch(&mut self, before: usize, what: &str, then: Option<(usize, Grip)>) -> Stretch {
+        Stretch {
+            name: format!("tying/{:02}_{what}", before + 1),
+            motion: self.ended(),
+            then,
+        }
+    }
+
+    /// One arm goes on, and the other one rests.
+    fn go(&mut self, which: usize, ways: &[JointTrajectory]) {
+        self.go_both(which, [ways, &[]]);
+    }
+
+    /// An arm and the other one go on.
+    fn go_both(&mut self, which: usize, [ways, others]: [&[JointTrajectory]; 2]) {
+        self.both.go(match which {
+            0 => [ways, others],
+            _ => [others, ways],
+        });
+    }
+
+    /// An arm that goes along some ways first comes from above to the first of some poses of its hand, in the cell.
+    fn to_what_lies(
+        &self,
+        which: usize,
+        poses: &[Pose],
+        mut before: Vec<JointTrajectory>,
+    ) -> Result<Vec<JointTrajectory>, PlanError> {
+        let over = Translation3::new(0.0, 0.0, RISE) * poses[0];
+        let path = std::iter::once(over).chain(poses.iter().copied()).collect();
+        let (there, _) = self.request.best(which, path, Place::At([0.0; 4]))?;
+        let from = before.last().map_or(self.both.joints(which), last_of);
+        let coming = self.straight(which, from, &there)?;
+        before.extend(coming);
+        before.extend(self.way(which, &[over, poses[0]], &there, self.request.speed)?);
+        Ok(before)
+    }
+
+    /// An arm that has let go rises and goes home.
+    ///
+    /// # Errors
+    /// It cannot.
+    pub fn homewards(&mut self, which: usize) -> Result<(), PlanError> {
+        let mut ways = vec![self.raised(which)?];
+        let home = self.straight(which, last_of(&ways[0]), self.request.home(which))?;
+        ways.extend(home);
+        self.go(which, &ways);
+        Ok(())
+    }
+
+    fn in_cell(&self, poses: &GripperPoses) -> Vec<Pose> {
+        self::poses(poses).map(|pose| self.frame * pose).collect()
+    }
+
+    /// The end led between two times of the schedule, from where the arm is.
+    fn led(
+        &self,
+        which: usize,
+        lead: &Lead,
+        times: [f64; 2],
+    ) -> Result<Vec<JointTrajectory>, PlanError> {
+        self.timed(which, &between(&lead.end, times), times)
+    }
+
+    /// A way along poses from where the arm is that takes as long as it should, or longer where that would be too fast.
+    fn timed(
+        &self,
+        which: usize,
+        poses: &GripperPoses,
+        [begin, end]: [f64; 2],
+    ) -> Result<Vec<JointTrajectory>, PlanError> {
+        let path = self.in_cell(poses);
+        let length = length(&path);
+        if length < NO_WAY {
+            return Ok(Vec::new());
+        }
+        let speed = (length / (end - begin)).min(self.request.speed);
+        let way = self.way(which, &path, self.both.joints(which), speed)?;
+        Ok(way.into_iter().collect())
+    }
+
+    /// The hand of an arm rises from where it is.
+    fn raised(&self, which: usize) -> Result<JointTrajectory, PlanError> {
+        let arm = &self.request.cell.arms[self.request.arms[which]];
+        let from = self.both.joints(which);
+        let hand = arm.base * arm.chain.hand(from);
+        let path = [hand, Translation3::new(0.0, 0.0, RISE) * hand];
+        let way = self.way(which, &path, from, self.request.speed)?;
+        Ok(way.expect("a way of some length"))
+    }
+
+    /// An arm that holds nothing goes from joints to joints, each straight.
+    fn straight(
+        &self,
+        which: usize,
+        from: &[f64],
+        to: &[f64],
+    ) -> Result<Option<JointTrajectory>, PlanError> {
+        let (cell, arm) = (self.request.cell, self.request.arms[which]);
+        cell.approach(arm, from, to, self.request.free_speed)
+    }
+
+    fn way(
+        &self,
+        which: usize,
+        path: &[Pose],
+        from: &[f64],
+        speed: f64,
+    ) -> Result<Option<JointTrajectory>, PlanError> {
+        if length(path) < NO_WAY {
+            return Ok(None);
+        }
+        let arm = self.request.arms[which];
+        let way = self.request.cell.continuation(arm, path, from, speed, RATE);
+        way.map(Some)
+    }
+}
+
+fn last_of(way: &JointTrajectory) -> &[f64] {
+    &way.points[way.points.len() - 1]
+}
+
+fn poses(poses: &GripperPoses) -> impl Iterator<Item = Pose> {
+    let poses = poses.iter();
+    poses.map(|(_, position, rotation)| Pose::from_parts(Translation3::from(*position), *rotation))
+}
+
+/// Poses of the gripper that lays a rod, in the frame of the pattern.
+fn laying(planned: &PlannedRod) -> impl Iterator<Item = Pose> {
+    let poses = planned.laying.iter();
+    poses.map(|pose| Pose::from_parts(Translation3::from(pose.position), pose.rotation))
+}
+
+/// All poses of the gripper that lays a rod while it holds it.
+pub fn held(knot: &KnotPlan, number: usize) -> Vec<Pose> {
+    let is_held_on = number + 1 == knot.rods.len();
+    let lead = knot.leads.first().filter(|_| is_held_on);
+    let led = lead.into_iter().flat_map(|lead| poses(&lead.end));
+    laying(&knot.rods[number]).chain(led).collect()
+}
+
+/// The poses between two times.
+fn between(poses: &GripperPoses, [begin, end]: [f64; 2]) -> GripperPoses {
+    let within = |time: f64| time >= begin - SAME && time <= end + SAME;
+    poses
+        .iter()
+        .filter(|pose| within(pose.0))
+        .copied()
+        .collect()
+}
+
+/// Length of a way of the hand, m; a turn by 1 rad counts 0.1 m.
+fn length(path: &[Pose]) -> f64 {
+    subdivide(path, SPACING)
+        .last()
+        .map_or(0.0, |point| point.way)
+}

@@ -1,0 +1,107 @@
+//! The motions of both arms that tie a knot, planned and checked before anything moves.
+
+use super::choreography::{Choreography, Laying, Stretch, held};
+use super::plan::KnotPlan;
+use super::request::TieMotionRequest;
+use super::two_arms::joined;
+use crate::cell::{PlanError, PlanReport};
+use crate::task::room::is_in_room;
+use rodlab_robot::{FAR, JointTrajectory, Pose, pose};
+
+/// Points of a motion between those at which the distance of the arms to everything is looked at.
+const STRIDE: usize = 5;
+
+/// The planned motions.
+pub struct TieMotion {
+    /// The rods are laid, one after the other, the first by the first arm.
+    pub layings: Vec<Laying>,
+    /// Ends are led and strands lifted.
+    pub stretches: Vec<Stretch>,
+    /// Which arm holds an end then, and both arms, while it goes home, having let go.
+    pub last: usize,
+    /// See `last`.
+    pub retreat: JointTrajectory,
+    /// All of that as one motion of both arms, for people to see.
+    pub whole: JointTrajectory,
+    /// Numbers of the path of the first arm.
+    pub report: PlanReport,
+    /// Least distance of both to each other and to anything else, m; 0.2 stands for that and more.
+    pub least_clearance: f64,
+    /// The frame of the patterns in the cell.
+    pub frame: Pose,
+}
+
+impl TieMotion {
+    /// Plans all motions.
+    ///
+    /// # Errors
+    /// A pattern leaves table or picture, an arm cannot follow its path, or something comes too near to something else.
+    pub fn plan(request: &TieMotionRequest<'_>, knot: &KnotPlan) -> Result<Self, PlanError> {
+        let (first, report) = request.best(0, held(knot, 0), request.place)?;
+        let frame = pose(report.place_position, report.place_quaternion);
+        let frame = frame.expect("the pose of a plan");
+        in_room(request, &frame, knot)?;
+        let mut choreography = Choreography::from(request, frame, first);
+        let layings = choreography.layings(knot)?;
+        let (last, stretches) = choreography.stretches(knot)?;
+        choreography.homewards(last)?;
+        let retreat = choreography.ended();
+        let done = &choreography.done;
+        let found = done.iter().map(|motion| clearance(request, motion));
+        let least_clearance = found
+            .collect::<Result<Vec<f64>, String>>()
+            .map_err(PlanError::Path)?;
+        Ok(Self {
+            whole: joined(done),
+            layings,
+            stretches,
+            last,
+            retreat,
+            report,
+            least_clearance: least_clearance.into_iter().fold(f64::INFINITY, f64::min),
+            frame,
+        })
+    }
+}
+
+/// Rods must lie on the table, and be seen.
+fn in_room(request: &TieMotionRequest<'_>, frame: &Pose, knot: &KnotPlan) -> Result<(), PlanError> {
+    let mut points = knot.rods.iter().flat_map(|planned| planned.points());
+    let outside = points.find(|point| !is_in_room(request.cell, frame, *point));
+    outside.map_or(Ok(()), |point| {
+        Err(PlanError::Input(format!(
+            "at {:.3},{:.3} the pattern leaves the table, or the picture of the camera, in which its knot is to be seen: \
+             --place puts it elsewhere, --size makes it smaller",
+            point.x, point.y
+        )))
+    })
+}
+
+/// Least distance of the arms to each other and to anything else along a motion of both.
+fn clearance(request: &TieMotionRequest<'_>, motion: &JointTrajectory) -> Result<f64, String> {
+    let surroundings = request.cell.surroundings();
+    let mut postures = surroundings.homes();
+    let columns = request
+        .arms
+        .map(|arm| motion.columns_of(&request.cell.arms[arm].name));
+    let mut least = FAR;
+    for (point, time) in motion.points.iter().zip(&motion.times).step_by(STRIDE) {
+        for (arm, columns) in request.arms.iter().zip(&columns) {
+            postures[*arm] = columns.iter().map(|column| point[*column]).collect();
+        }
+        let Some(near) = surroundings.nearest(&postures, None) else {
+            continue;
+        };
+        if near.distance < request.margin {
+            let [one, other] = &near.between;
+            return Err(format!(
+                "{one} comes within {:.3} m of {other} {time:.1} s after one of their motions has begun; \
+                 allowed: {} m, --margin says how much",
+                near.distance.max(0.0),
+                request.margin
+            ));
+        }
+        least = least.min(near.distance);
+    }
+    Ok(least)
+}

@@ -1,0 +1,51 @@
+//! What is asked of two arms that are to tie a knot.
+
+use crate::cell::{Cell, Place, PlanError, PlanReport, PlanRequest};
+use rodlab_robot::Pose;
+
+/// Points per second of motions.
+pub const RATE: u32 = 100;
+
+/// What is to be planned.
+pub struct TieMotionRequest<'a> {
+    /// The cell.
+    pub cell: &'a Cell,
+    /// Indices of the arm that lays the first rod, and of the other one.
+    pub arms: [usize; 2],
+    /// Where the frame of the patterns lies in the cell.
+    pub place: Place,
+    /// Greatest speed of a hand that holds the rod, m/s.
+    pub speed: f64,
+    /// The same of one that holds nothing, m/s.
+    pub free_speed: f64,
+    /// Least distance to anything else, m.
+    pub margin: f64,
+}
+
+impl TieMotionRequest<'_> {
+    /// Where the joints of one of the arms are at rest.
+    pub fn home(&self, which: usize) -> &Vec<f64> {
+        &self.cell.arms[self.arms[which]].home
+    }
+
+    /// The best joints at the first pose of a path that one of the arms is to follow, and its numbers.
+    ///
+    /// # Errors
+    /// The arm cannot follow it.
+    pub fn best(
+        &self,
+        which: usize,
+        path: Vec<Pose>,
+        place: Place,
+    ) -> Result<(Vec<f64>, PlanReport), PlanError> {
+        let plan = self.cell.plan(&PlanRequest {
+            arm: self.arms[which],
+            path,
+            place,
+            margin: self.margin,
+            speed: self.speed,
+            rate: RATE,
+        })?;
+        Ok((plan.trajectory.points[0].clone(), plan.report))
+    }
+}

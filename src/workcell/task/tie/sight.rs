@@ -1,0 +1,249 @@
+//! Rods as the camera sees them, with what lies over what: which knot that is.
+
+use crate::task::look::Seen;
+use image::RgbImage;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::scene::piecewise_linear;
+use rodlab_lab::experiment::knot_on_table;
+use rodlab_planning::knot::KnotInvariants;
+use rodlab_vision::{Passage, Point, Strand, StrandCrossing, VisionError, find_crossings};
+use serde::Serialize;
+
+/// How sure it must be which strand lies on top: below, both are tried. Pictures of the virtual cell tell it with 0.2 to 0.9.
+const SURE: f64 = 0.1;
+/// Most crossings of which it is not sure: both orders of each are tried.
+const MOST_UNSURE: usize = 8;
+/// Height of what passes over a crossing, over the length of the rod: any will do.
+const HEIGHT: f64 = 0.01;
+
+/// A place along a rod that was seen.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
+pub struct SeenPlace {
+    /// Number of the rod, from 1.
+    pub rod: usize,
+    /// Length along it, m.
+    pub at_m: f64,
+}
+
+/// A crossing that was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SeenCrossing {
+    /// Both places that cross, that of the lower number first, or, of one rod, that which is nearer to its start.
+    pub places: [SeenPlace; 2],
+    /// Where, in the frame of the pattern, m.
+    pub position_m: [f64; 2],
+    /// Whether the second place lies over the first.
+    pub over: bool,
+    /// How sure that is: 0 for a guess.
+    pub confidence: f64,
+}
+
+/// Rods that were seen.
+pub struct SeenKnot {
+    /// The rods in the frame of the pattern, m.
+    pub curves: Vec<Vec<Point>>,
+    /// Their crossings.
+    pub crossings: Vec<SeenCrossing>,
+}
+
+impl SeenKnot {
+    /// The rods in a picture that begin at `starts`, m; fewer where there are not so many strands.
+    ///
+    /// # Errors
+    /// A pixel shows no point of the table.
+    pub fn of(picture: &RgbImage, seen: &Seen, starts: &[Point]) -> Result<Self, VisionError> {
+        let strands = seen.in_picture(starts)?.into_iter();
+        let strands = strands.map(|(points, width)| Strand {
+            widths: vec![width; points.len()],
+            points,
+            closed: false,
+        });
+        let strands: Vec<Strand> = strands.collect();
+        let curves = strands.iter().map(|strand| {
+            let places = strand.points.iter().map(|pixel| seen.place(*pixel));
+            places.collect::<Result<Vec<Point>, _>>()
+        });
+        let curves = curves.collect::<Result<Vec<_>, _>>()?;
+        let lengths: Vec<Vec<f64>> = curves.iter().map(|curve| lengths(curve)).collect();
+        let found = find_crossings(picture, &strands).into_iter();
+        let crossings = found.map(|crossing| in_metres(&crossing, &lengths, seen));
+        let mut crossings = crossings.collect::<Result<Vec<_>, _>>()?;
+        crossings.sort_by(|one, other| {
+            let [one, other] = [one, other].map(|crossing| crossing.places[1]);
+            one.rod
+                .cmp(&other.rod)
+                .then(one.at_m.total_cmp(&other.at_m))
+        });
+        Ok(Self { curves, crossings })
+    }
+
+    /// The length of each rod, m.
+    pub fn lengths(&self) -> Vec<f64> {
+        let lengths = self.curves.iter().map(|curve| lengths(curve));
+        lengths
+            .map(|lengths| lengths.last().copied().unwrap_or(0.0))
+            .collect()
+    }
+
+    /// Their knot: `Ok(None)` where it depends on how the ends are joined.
+    ///
+    /// # Errors
+    /// In words: the picture does not decide.
+    pub fn knot(&self) -> Result<Option<KnotInvariants>, String> {
+        let numbered = self.crossings.iter().enumerate();
+        let unsure: Vec<usize> = numbered
+            .filter(|(_, crossing)| crossing.confidence < SURE)
+            .map(|(index, _)| index)
+            .collect();
+        if unsure.len() > MOST_UNSURE {
+            return Err(format!(
+                "of {} crossings the picture does not show what lies on top",
+                unsure.len()
+            ));
+        }
+        let ways = (0..1_usize << unsure.len()).map(|way| {
+            let mut over: Vec<bool> = self.crossings.iter().map(|known| known.over).collect();
+            for (bit, index) in unsure.iter().enumerate() {
+                over[*index] ^= way >> bit & 1 == 1;
+            }
+            self.knot_with(&over)
+        });
+        let mut knots: Vec<Option<KnotInvariants>> = ways.collect();
+        knots.dedup();
+        match knots.as_slice() {
+            [only] => Ok(*only),
+            _ => Err(format!(
+                "the picture does not show what lies on top at {}",
+                self.places_of(&unsure)
+            )),
+        }
+    }
+
+    fn places_of(&self, crossings: &[usize]) -> String {
+        let places = crossings.iter().map(|index| {
+            let [x, y] = self.crossings[*index].position_m;
+            format!("{x:.3},{y:.3}")
+        });
+        places.collect::<Vec<_>>().join(" and ")
+    }
+
+    /// The knot where the second place of each crossing lies over the first, or under it.
+    fn knot_with(&self, over: &[bool]) -> Option<KnotInvariants> {
+        let high = HEIGHT * self.lengths().iter().sum::<f64>();
+        let placed = self.curves.iter().enumerate().map(|(index, curve)| {
+            let crossings = self.crossings.iter().zip(over);
+            let heights = crossings.flat_map(|(crossing, over)| {
+                let height = if *over { high } else { -high };
+                let [first, second] = crossing.places;
+                [(first, -height), (second, height)]
+            });
+            let of_rod = heights.filter(|(place, _)| place.rod == index + 1);
+            let mut heights: Vec<(f64, f64)> =
+                of_rod.map(|(place, height)| (place.at_m, height)).collect();
+            heights.sort_by(|one, other| one.0.total_cmp(&other.0));
+            let nodes = curve.iter().zip(lengths(curve)).map(|(point, s)| {
+                let height = piecewise_linear(&heights, s).unwrap_or(0.0);
+                Vector3::new(point.x, point.y, height)
+            });
+            nodes.collect::<Vec<_>>()
+        });
+        let placed: Vec<Vec<Vector3>> = placed.collect();
+        knot_on_table(&placed.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    }
+}
+
+fn in_metres(
+    crossing: &StrandCrossing,
+    lengths: &[Vec<f64>],
+    seen: &Seen,
+) -> Result<SeenCrossing, VisionError> {
+    let place = |passage: &Passage| {
+        let lengths = &lengths[passage.strand];
+        let index = (passage.at as usize).min(lengths.len().saturating_sub(2));
+        let step = lengths[index + 1] - lengths[index];
+        SeenPlace {
+            rod: passage.strand + 1,
+            at_m: lengths[index] + (passage.at - index as f64) * step,
+        }
+    };
+    let [over, under] = [&crossing.over, &crossing.under].map(place);
+    let is_over = over > under;
+    Ok(SeenCrossing {
+        places: if is_over {
+            [under, over]
+        } else {
+            [over, under]
+        },
+        position_m: seen.place(crossing.position)?.into(),
+        over: is_over,
+        confidence: crossing.confidence,
+    })
+}
+
+/// Lengths along a curve, m.
+fn lengths(curve: &[Point]) -> Vec<f64> {
+    let mut lengths = vec![0.0];
+    for pair in curve.windows(2) {
+        lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());
+    }
+    lengths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rod along the trefoil of the repository, which passes its crossings so.
+    fn trefoil(passes: [(bool, f64); 3]) -> SeenKnot {
+        use rodlab_planning::plan::pattern::{PatternSource, chosen_stroke, crossings, read_svg};
+        let svg = include_str!("../../../../scenarios/patterns/trefoil.svg");
+        let points = chosen_stroke(read_svg(svg).unwrap(), None).unwrap();
+        let source = PatternSource::Drawn {
+            points,
+            deviation: 2.5e-4,
+        };
+        let sampled = source.pattern().unwrap().sampled(2e-3);
+        let found = crossings(&sampled);
+        let mut seen: Vec<SeenCrossing> = found
+            .iter()
+            .map(|crossing| SeenCrossing {
+                places: [crossing.first, crossing.second].map(|at_m| SeenPlace { rod: 1, at_m }),
+                position_m: crossing.position.into(),
+                over: true,
+                confidence: 1.0,
+            })
+            .collect();
+        seen.sort_by(|one, other| one.places[1].at_m.total_cmp(&other.places[1].at_m));
+        for (crossing, (over, confidence)) in seen.iter_mut().zip(passes) {
+            (crossing.over, crossing.confidence) = (over, confidence);
+        }
+        SeenKnot {
+            curves: vec![sampled.iter().map(|point| point.position).collect()],
+            crossings: seen,
+        }
+    }
+
+    #[test]
+    fn a_knot_is_known_by_its_crossings_where_they_are_seen() {
+        let seen = |over: [bool; 3], confidence: [f64; 3]| {
+            let passes = [0, 1, 2].map(|k| (over[k], confidence[k]));
+            trefoil(passes).knot()
+        };
+        let invariants = |determinant: u64, signature: i64| {
+            Ok(Some(KnotInvariants {
+                determinant,
+                signature,
+            }))
+        };
+        let alternating = [true, false, true];
+        assert_eq!(seen(alternating, [1.0; 3]), invariants(3, -2));
+        assert_eq!(seen([true; 3], [1.0; 3]), invariants(1, 0));
+        // With the other order at one crossing there is no knot.
+        let words = seen(alternating, [1.0, 0.01, 1.0]).unwrap_err();
+        assert!(words.contains("does not show"), "{words}");
+        // All of it lies over or under: whatever the first crossing is.
+        let mut loose = trefoil([(true, 0.0), (true, 1.0), (true, 1.0)]);
+        loose.crossings.truncate(1);
+        assert_eq!(loose.knot(), invariants(1, 0));
+    }
+}

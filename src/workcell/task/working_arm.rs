@@ -1,0 +1,155 @@
+//! An arm at work: its motions and grips, with the log of each motion in a folder.
+
+use super::error::WorkError;
+use super::unfinished::Unfinished;
+use crate::cell::{Cell, Fingers};
+use rodlab_files::results::write_whole;
+use rodlab_robot::{Ending, JointTrajectory, Moving, Pose, StreamLog, stream};
+use std::path::Path;
+use std::time::Duration;
+
+/// Longest wait for a gripper.
+const GRIPPER: Duration = Duration::from_secs(20);
+
+/// An arm of a cell that does a task.
+#[derive(Clone, Copy)]
+pub struct WorkingArm<'a> {
+    /// The cell.
+    pub cell: &'a Cell,
+    /// Index of the arm.
+    pub arm: usize,
+    /// Where the folders of its motions are.
+    pub directory: &'a Path,
+    /// What says from its first motion on that the task was begun, if it is to be said.
+    pub unfinished: Option<&'a Unfinished>,
+    /// Whether somebody asks for the end.
+    pub is_interrupted: &'a dyn Fn() -> bool,
+}
+
+/// What a gripper is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grip {
+    /// It takes.
+    Close,
+    /// It lets go.
+    Open,
+}
+
+impl WorkingArm<'_> {
+    /// Streams a motion, of this arm or with others. A folder of that name has its trajectory and log.
+    ///
+    /// # Errors
+    /// It cannot be done, or was not: all was commanded to hold.
+    pub fn follow(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
+        self.stream(name, motion, None)
+    }
+
+    /// The same with something in the gripper, which must not slip out where the cell file names the joint of its fingers.
+    ///
+    /// # Errors
+    /// As [`Self::follow`], or it slipped out.
+    pub fn carry(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
+        let fingers = self.cell.fingers(self.arm).map_err(WorkError::Failed)?;
+        if fingers.as_ref().is_some_and(|fingers| !fingers.hold()) {
+            return Err(WorkError::Failed(
+                "its fingers hold nothing: what they took slipped out of the gripper, or they took nothing".into(),
+            ));
+        }
+        self.stream(name, motion, fingers.as_ref())
+    }
+
+    fn stream(
+        &self,
+        name: &str,
+        motion: &JointTrajectory,
+        fingers: Option<&Fingers>,
+    ) -> Result<(), WorkError> {
+        let folder = self.directory.join(name);
+        let unwritable = |error: std::io::Error| {
+            WorkError::Failed(format!("{} cannot be written: {error}", folder.display()))
+        };
+        std::fs::create_dir_all(&folder).map_err(unwritable)?;
+        let table = motion.to_csv();
+        let table = table.map_err(|error| WorkError::Failed(error.to_string()))?;
+        let written = write_whole(&folder.join("trajectory.csv"), table.as_bytes());
+        written.map_err(|error| WorkError::Failed(error.to_string()))?;
+        let prepared = self.cell.prepare_stream(std::slice::from_ref(motion));
+        let (mut parts, _) = prepared.map_err(WorkError::Failed)?;
+        let mut log = StreamLog::open(&folder).map_err(unwritable)?;
+        let marked = self.unfinished.map_or(Ok(()), Unfinished::mark);
+        marked.map_err(|error| {
+            WorkError::Failed(format!("the task cannot be marked as begun: {error}"))
+        })?;
+        let slipped = || fingers.and_then(Fingers::slipped);
+        let must_end = || (self.is_interrupted)() || slipped().is_some();
+        let ending = stream(&mut parts, &self.cell.streaming, &must_end, &mut log);
+        let logged = log.finish();
+        match ending {
+            Ending::Finished => logged.map_err(unwritable),
+            Ending::Interrupted => Err(slipped().map_or(WorkError::Interrupted, WorkError::Failed)),
+            Ending::Failed(reason) => Err(WorkError::Failed(reason)),
+        }
+    }
+
+    /// Goes to joints, each straight from where it stands, the hand at `speed`, m/s, at most.
+    ///
+    /// # Errors
+    /// As [`Self::follow`].
+    pub fn go(&self, name: &str, joints: &[f64], speed: f64) -> Result<(), WorkError> {
+        let way = self.way_to(joints, speed)?;
+        way.map_or(Ok(()), |way| self.follow(name, &way))
+    }
+
+    /// Goes to its posture at rest, so that the camera sees what it has done. Where something is in the way it stays: the work is
+    /// done.
+    ///
+    /// # Errors
+    /// It was begun, and not done.
+    pub fn go_home(&self, name: &str, speed: f64) -> Result<(), WorkError> {
+        let Some(way) = self.way_to(&self.cell.arms[self.arm].home, speed)? else {
+            return Ok(());
+        };
+        if let Err(reason) = self.cell.prepare_stream(std::slice::from_ref(&way)) {
+            tracing::warn!("the arm stays where it is, perhaps in the picture: {reason}");
+            return Ok(());
+        }
+        self.follow(name, &way)
+    }
+
+    fn way_to(&self, joints: &[f64], speed: f64) -> Result<Option<JointTrajectory>, WorkError> {
+        let from = self.cell.stands(self.arm).map_err(WorkError::Failed)?;
+        let way = self.cell.approach(self.arm, &from, joints, speed);
+        way.map_err(|error| WorkError::Failed(error.to_string()))
+    }
+
+    /// Closes or opens its gripper.
+    ///
+    /// # Errors
+    /// There is none, or it did not.
+    pub fn grip(&self, grip: Grip) -> Result<(), WorkError> {
+        let Some((gripper, [open, closed])) = self.cell.gripper(self.arm) else {
+            let missing = "the arm has no gripper in the cell file";
+            return Err(WorkError::Failed(missing.into()));
+        };
+        let opening = match grip {
+            Grip::Close => closed,
+            Grip::Open => open,
+        };
+        let _moving = Moving::begin();
+        let moved = gripper.command(opening, GRIPPER, self.is_interrupted);
+        moved.map_err(|error| match (self.is_interrupted)() {
+            true => WorkError::Interrupted,
+            false => WorkError::Failed(error.to_string()),
+        })
+    }
+
+    /// Where its hand is in the cell, by what its driver reports.
+    ///
+    /// # Errors
+    /// It reports nothing.
+    pub fn hand(&self) -> Result<Pose, WorkError> {
+        let joints = self.cell.stands(self.arm).map_err(WorkError::Failed)?;
+        let arm = &self.cell.arms[self.arm];
+        Ok(arm.base * arm.chain.hand(&joints))
+    }
+}

@@ -1,0 +1,325 @@
+//! A rod between the chuck and a hand of a virtual cell: clamped at both ends, led and twisted.
+
+use super::axis::served_axes;
+use super::rod::RodError;
+use super::simulated_rod::HANDING_OVER;
+use crate::cell::Cell;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
+use rodlab_engine::mechanics::scene::Motion;
+use rodlab_lab::experiment::{self, ClampedRod};
+use rodlab_lab::run::PreparedRun;
+use rodlab_robot::{Pose, between, distance_and_angle};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// How far the hand may be from the end of the straight rod when it is handed over, over the rod's length, and how far turned, rad:
+/// a person bends it by so much.
+const REACH: [f64; 2] = [0.05, 0.2];
+/// Index of the clamp of the chuck, and of that of the hand.
+const CLAMPS: [usize; 2] = [0, 1];
+/// Longest time of simulation without a look at anything else.
+const AT_A_TIME: Duration = Duration::from_millis(20);
+
+/// Rods of one kind, one after the other, for a chuck to hold.
+pub struct ChuckedSupply {
+    rod: ClampedRod,
+    prepared: PreparedRun,
+    /// Pose of the chuck in the cell.
+    chuck: Pose,
+    /// Which of the moving parts turns it: the arms, then the axes that are served.
+    part: usize,
+}
+
+impl ChuckedSupply {
+    /// Rods as a file describes them, for the chuck of a cell; `None` where it has none.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is wrong; or the axis of the chuck is not served.
+    pub fn new(file: &Path, cell: &Cell) -> Result<Option<Self>, RodError> {
+        let Some(chuck) = cell.chuck else {
+            return Ok(None);
+        };
+        let served = served_axes(cell).position(|axis| axis == chuck.axis);
+        let Some(served) = served else {
+            return Err(RodError::Impossible(format!(
+                "axis {}: a virtual cell turns a chuck with a driver of kind \"rosbridge\"",
+                cell.axes[chuck.axis].name
+            )));
+        };
+        let rod = ClampedRod::read(file).map_err(Box::new)?;
+        let up = chuck.pose.rotation.inverse() * Vector3::z();
+        let loaded = experiment::from_text("rod", &rod.scenario(&up), Path::new(""), &[]);
+        let loaded = loaded.map_err(Box::new)?;
+        let prepared = experiment::prepare(&loaded.scenario);
+        let prepared = prepared.map_err(|issues| Box::new(loaded.locate(issues)))?;
+        Ok(Some(Self {
+            rod,
+            prepared,
+            chuck: chuck.pose,
+            part: cell.arms.len() + served,
+        }))
+    }
+
+    /// Where the hand holds the straight rod, in the frame of the chuck.
+    fn end(&self) -> Pose {
+        Pose::translation(self.rod.length, 0.0, 0.0)
+    }
+
+    /// A straight rod whose end is handed to a hand, at the time `now`, s. `hand` is a pose in the cell, `angle` that of the
+    /// chuck, rad.
+    ///
+    /// # Errors
+    /// In words: the hand is not where the straight rod ends, or it cannot be simulated.
+    fn handed(&self, hand: &Pose, angle: f64, now: f64) -> Result<ChuckedRod, String> {
+        let (distance, turned) = distance_and_angle(&self.end(), &(self.chuck.inverse() * hand));
+        let [most, most_turned] = [REACH[0] * self.rod.length, REACH[1]];
+        if !(distance <= most && turned <= most_turned) {
+            return Err(format!(
+                "the rod between chuck and hand is {:.3} m long and straight when it is clamped; the hand is {distance:.3} m and \
+                 {turned:.2} rad away from its end; allowed: {most:.3} m and {most_turned} rad",
+                self.rod.length
+            ));
+        }
+        let simulation = Simulation::new(&self.prepared.scene, &self.prepared.integration);
+        Ok(ChuckedRod {
+            simulation: simulation.map_err(|error| error.to_string())?,
+            end: self.end(),
+            last: self.end(),
+            first_angle: angle,
+            last_angle: angle,
+            led_until: 0.0,
+            begin: now,
+            is_held: true,
+        })
+    }
+}
+
+/// The chuck of a cell, with the rod in it.
+pub struct Chuck {
+    supply: ChuckedSupply,
+    /// The rod, and the arm that took it.
+    rod: Option<(ChuckedRod, usize)>,
+}
+
+impl Chuck {
+    /// An empty chuck.
+    pub fn new(supply: ChuckedSupply) -> Self {
+        Self { supply, rod: None }
+    }
+
+    /// Which of the moving parts turns it.
+    pub fn part(&self) -> usize {
+        self.supply.part
+    }
+
+    /// The arm that holds the rod.
+    pub fn holder(&self) -> Option<usize> {
+        let held = self.rod.as_ref().filter(|(rod, _)| rod.is_held);
+        held.map(|(_, holder)| *holder)
+    }
+
+    /// Clamps a new rod between chuck and the hand of an arm, where that holds none.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn take(&mut self, arm: usize, hand: &Pose, angle: f64, now: f64) -> Result<(), String> {
+        if self.holder().is_none() {
+            self.rod = Some((self.supply.handed(hand, angle, now)?, arm));
+        }
+        Ok(())
+    }
+
+    /// The hand lets go.
+    ///
+    /// # Errors
+    /// The simulation refuses.
+    pub fn let_go(&mut self) -> Result<(), SimulationError> {
+        match &mut self.rod {
+            Some((rod, _)) if rod.is_held => {
+                rod.is_held = false;
+                rod.simulation.release(CLAMPS[1])
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Leads the rod on to `now`, s, with the hand of the arm that took it and the chuck; whether it has come there.
+    ///
+    /// # Errors
+    /// The rod finds no step.
+    pub fn lead(
+        &mut self,
+        hand: impl Fn(usize) -> Pose,
+        angle: f64,
+        now: f64,
+    ) -> Result<bool, SimulationError> {
+        match &mut self.rod {
+            Some((rod, holder)) => {
+                let held = self.supply.chuck.inverse() * hand(*holder);
+                rod.advance(&held, angle, now)
+            }
+            None => Ok(true),
+        }
+    }
+
+    /// Nodes of the rod in the cell, m.
+    pub fn nodes(&self) -> Option<Vec<Vector3>> {
+        let (rod, _) = self.rod.as_ref()?;
+        let nodes = rod.simulation.positions().iter();
+        let in_cell = |node: &Vector3| (self.supply.chuck * nalgebra::Point3::from(*node)).coords;
+        Some(nodes.map(in_cell).collect())
+    }
+
+    /// The rod as it was made.
+    pub fn rod(&self) -> &ClampedRod {
+        &self.supply.rod
+    }
+}
+
+/// A rod in simulation, in the frame of the chuck.
+struct ChuckedRod {
+    simulation: Simulation,
+    /// Where its end was first, and where it was last.
+    end: Pose,
+    last: Pose,
+    /// Angle of the chuck when the rod was clamped, and the last one, rad.
+    first_angle: f64,
+    last_angle: f64,
+    /// Until when its clamps lead it, s of the simulation.
+    led_until: f64,
+    /// When it was handed over, s.
+    begin: f64,
+    is_held: bool,
+}
+
+impl ChuckedRod {
+    /// Moves on towards the time `now`, s; whether it has come there. Hard steps take long: then it must be called again, with
+    /// the same clamps, so that others need not wait.
+    fn advance(&mut self, hand: &Pose, angle: f64, now: f64) -> Result<bool, SimulationError> {
+        let until = now - self.begin;
+        if until > self.led_until {
+            let from = self.simulation.time();
+            if self.is_held {
+                let part = (until / HANDING_OVER).clamp(0.0, 1.0);
+                let part = part * part * (3.0 - 2.0 * part);
+                let next = between(&self.end, hand, part);
+                self.simulation
+                    .move_clamp(CLAMPS[1], self.way(from, &next, until));
+                self.last = next;
+            }
+            self.simulation
+                .move_clamp(CLAMPS[0], self.turn(from, angle, until));
+            (self.last_angle, self.led_until) = (angle, until);
+        }
+        let work = Instant::now();
+        while self.simulation.time() < until {
+            if work.elapsed() > AT_A_TIME {
+                return Ok(false);
+            }
+            self.simulation.advance(until)?;
+        }
+        Ok(true)
+    }
+
+    /// From the last place of the end to the next.
+    fn way(&self, from: f64, next: &Pose, until: f64) -> Motion {
+        let knots = [(from, &self.last), (until, next)];
+        let way = |pose: &Pose| pose.translation.vector - self.end.translation.vector;
+        let turn = |pose: &Pose| pose.rotation * self.end.rotation.inverse();
+        Motion {
+            translation: knots.map(|(time, pose)| (time, way(pose))).into(),
+            orientation: knots.map(|(time, pose)| (time, turn(pose))).into(),
+            ..Motion::default()
+        }
+    }
+
+    /// From the last angle of the chuck to the next.
+    fn turn(&self, from: f64, angle: f64, until: f64) -> Motion {
+        let knots = [(from, self.last_angle), (until, angle)];
+        Motion {
+            axis: Some(Vector3::x()),
+            angle: knots
+                .map(|(time, angle)| (time, angle - self.first_angle))
+                .into(),
+            ..Motion::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rodlab_engine::mechanics::kirchhoff::{Helix, critical_distance};
+    use rodlab_lab::experiment::ClampPoses;
+
+    /// The cell with a chuck and the wire that come with the program.
+    fn supply() -> ChuckedSupply {
+        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("scenarios");
+        let cell = Cell::read(&folder.join("cells/helix_gantry.toml")).unwrap();
+        let wire = folder.join("rods/nitinol_wire.toml");
+        ChuckedSupply::new(&wire, &cell).unwrap().unwrap()
+    }
+
+    /// Mean distance of the nodes from the helix over the length.
+    fn error(rod: &ChuckedRod, helix: &Helix, length: f64) -> f64 {
+        let nodes = rod.simulation.positions();
+        let edges = (nodes.len() - 1) as f64;
+        let away = nodes
+            .iter()
+            .enumerate()
+            .map(|(k, node)| (node / length - helix.position(k as f64 / edges)).norm());
+        away.sum::<f64>() / nodes.len() as f64
+    }
+
+    /// Leads a straight rod along a ray in small steps to distances, and gives its error at each.
+    fn errors_along(direction: [f64; 3], distances: &[f64]) -> Vec<f64> {
+        let supply = supply();
+        let rod = &supply.rod;
+        let unit = Helix::from(direction);
+        let unit = unit.scaled(1.0 / unit.distance());
+        let hand = supply.chuck * supply.end();
+        let mut led = supply.handed(&hand, 0.0, 0.0).unwrap();
+        let (mut at, mut time) = (0.0, HANDING_OVER);
+        let mut errors = Vec::new();
+        for distance in distances {
+            while at < *distance {
+                at = (at + 0.02_f64).min(*distance);
+                let clamps =
+                    ClampPoses::of(&unit.scaled(at), rod.length, rod.stiffness_ratio(), 0.0);
+                for _ in 0..8 {
+                    time += 5e-3;
+                    while !led.advance(&clamps.hand, clamps.chuck, time).unwrap() {}
+                }
+            }
+            errors.push(error(&led, &unit.scaled(at), rod.length));
+        }
+        errors
+    }
+
+    #[test]
+    fn a_rod_between_chuck_and_hand_is_the_helix_until_theory_has_it_lose_stability() {
+        for direction in [[1.0, 1.0, -1.0], [1.0, 0.3, 0.6]] {
+            let critical = critical_distance(&Helix::from(direction)).unwrap().distance;
+            let errors = errors_along(direction, &[0.9, 1.05].map(|part| part * critical));
+            // Its weight bends it a little.
+            assert!(errors[0] < 0.006, "{direction:?}: {errors:?}");
+            assert!(errors[1] > 0.03, "{direction:?}: {errors:?}");
+        }
+    }
+
+    #[test]
+    fn a_hand_that_is_not_at_the_end_of_the_straight_rod_gets_none() {
+        let supply = supply();
+        let hand = supply.chuck * supply.end() * Pose::translation(0.0, 0.05, 0.0);
+        let mut chuck = Chuck::new(supply);
+        let words = chuck.take(0, &hand, 0.0, 0.0).unwrap_err();
+        assert!(words.contains("0.050 m"), "{words}");
+        assert_eq!((chuck.holder(), chuck.nodes()), (None, None));
+        let straight = hand * Pose::translation(0.0, -0.05, 0.0);
+        chuck.take(0, &straight, 0.0, 0.0).unwrap();
+        assert_eq!(chuck.holder(), Some(0));
+        chuck.let_go().unwrap();
+        assert_eq!(chuck.holder(), None);
+    }
+}

@@ -1,0 +1,553 @@
+//! Rods for the grippers of a virtual cell, which are handed over so that they hang on the table.
+
+use super::simulated_rod::{HandedRod, Placed, SimulatedRod};
+use nalgebra::Translation3;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_engine::mechanics::scene::{Motion, Scene};
+use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
+use rodlab_lab::experiment::{self, Deployment, DeploymentTables, Fixtures};
+use rodlab_lab::run::PreparedRun;
+use rodlab_lab::scenario::ScenarioError;
+use rodlab_planning::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, trajectory};
+use rodlab_planning::plan::pattern::{Line, PatternError, PatternSource};
+use rodlab_robot::{Pose, distance_and_angle};
+use std::path::Path;
+
+/// How far the hand may be from where the rod hangs by itself, in gravito-bending lengths, and how far turned, rad: a person
+/// bends it by so much.
+const REACH: [f64; 2] = [2.0, 0.6];
+/// Least part of the hand's y axis that must be level for the rod to have a direction on the table.
+const LEVEL: f64 = 0.5;
+/// Length of the line on which a rod begins, over that of the rod.
+const FIRST_LINE: f64 = 0.05;
+
+/// Rods of one kind, one after the other, for grippers to take.
+pub struct RodSupply {
+    prepared: PreparedRun,
+    rod: DeployedRod,
+    /// Where the end hangs of a rod whose free end lies at the origin, along x.
+    end: Pose,
+    /// Where in the cell a person lays the free end, m; else where the rod hangs by itself.
+    free_end: Option<[f64; 2]>,
+    /// Whether the rod may hang by itself where no hand reaches it with its free end there.
+    may_hang: bool,
+    /// Pegs on the table, and the pose of their frame in the cell.
+    fixtures: Option<(Fixtures, Pose)>,
+}
+
+/// Why there are no rods.
+#[derive(Debug, thiserror::Error)]
+pub enum RodError {
+    /// The file is faulty.
+    #[error(transparent)]
+    File(#[from] Box<ScenarioError>),
+    /// The rod cannot hang.
+    #[error("the rod cannot hang from a gripper: {0}")]
+    Impossible(String),
+}
+
+impl RodSupply {
+    /// Rods as a file describes them in `[deployment.rod]`, on a table of some friction.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is wrong.
+    pub fn new(file: &Path, friction: f64) -> Result<Self, RodError> {
+        let whole = std::path::absolute(file);
+        let whole = whole.map_err(|error| RodError::Impossible(error.to_string()))?;
+        let extended = toml::Value::from(whole.to_string_lossy().as_ref());
+        Self::described(&format!("extends = {extended}\n"), "", friction)
+    }
+
+    /// Rods of a deployment, on its table with its pegs; `frame` is the pose of its pattern in the cell. A person lays the free end where
+    /// the pattern begins, if the hand reaches the rod there.
+    ///
+    /// # Errors
+    /// The rod cannot hang.
+    pub fn of(deployment: &Deployment, friction: f64, frame: Pose) -> Result<Self, RodError> {
+        let rod = &deployment.rod;
+        let rod = format!(
+            "[deployment.rod]\ngravito_bending_length = {:?}\nradius = {:?}\nlength = {:?}\ndensity = {:?}\nedges = {}\n",
+            rod.gravito_bending_length, rod.radius, rod.length, rod.density, rod.edges
+        );
+        let impossible = |error: PatternError| RodError::Impossible(error.to_string());
+        let fixtures = Fixtures::of(deployment).map_err(impossible)?;
+        let start = deployment.whole_pattern().map_err(impossible)?.at(0.0);
+        let start = frame * nalgebra::Point3::new(start.position.x, start.position.y, 0.0);
+        let supply = Self::described("", &rod, friction)?;
+        Ok(Self {
+            fixtures: Some((fixtures, frame)),
+            free_end: Some([start.x, start.y]),
+            may_hang: true,
+            ..supply
+        })
+    }
+
+    /// Rods by the first and the last lines of a scenario.
+    fn described(first: &str, last: &str, friction: f64) -> Result<Self, RodError> {
+        let impossible = |error: String| RodError::Impossible(error);
+        let text = |length: f64| {
+            format!(
+                "{first}experiment = \"deployment\"\n\
+                 [deployment]\npattern = {{ kind = \"line\", length = {length:?} }}\nlead_in = 0.0\n\
+                 [contact]\nfriction = {friction:?}\ndistance_tolerance = \"50 µm\"\nslip_tolerance = \"0.01 mm/s\"\n\
+                 [time]\nstep = \"5 ms\"\nend = 10.0\n{last}"
+            )
+        };
+        let load = |length: f64| {
+            let loaded = experiment::from_text("rod", &text(length), Path::new(""), &[]);
+            loaded.map_err(Box::new)
+        };
+        // Any short line will do; how short, the rod says.
+        let first = load(1e-3)?;
+        let tables: Option<&DeploymentTables> = first.scenario.experiment.tables();
+        let tables = tables.expect("the tables of a deployment");
+        let rod = tables.deployment.rod.deployed();
+        let loaded = load(FIRST_LINE * rod.length)?;
+        let prepared = experiment::prepare(&loaded.scenario);
+        let prepared = prepared.map_err(|issues| Box::new(loaded.locate(issues)))?;
+        let line = Line {
+            length: FIRST_LINE * rod.length,
+        };
+        let start = PatternSource::Line(line).pattern();
+        let start = start
+            .map_err(|error| impossible(error.to_string()))?
+            .at(0.0);
+        let poses = trajectory(&[start], &rod, Scheme::Optimal, OptimalGrasps::Exact);
+        let poses = poses.map_err(|error| impossible(error.to_string()))?;
+        let end = Pose::from_parts(Translation3::from(poses[0].position), poses[0].rotation);
+        Ok(Self {
+            prepared,
+            rod,
+            end,
+            free_end: None,
+            may_hang: false,
+            fixtures: None,
+        })
+    }
+
+    /// Rods whose free end a person lays at a place in the cell, m.
+    pub fn with_free_end(mut self, place: [f64; 2]) -> Self {
+        self.free_end = Some(place);
+        self
+    }
+
+    /// The pegs on the table: where their axes begin and where their round tops are centred in the cell, m, and their radii, m.
+    pub fn pegs(&self) -> Vec<([Vector3; 2], f64)> {
+        let standing = self.fixtures.iter().flat_map(|(fixtures, frame)| {
+            fixtures.pegs().iter().map(move |peg| {
+                let [x, y] = peg.position;
+                let axis = [0.0, peg.height - peg.radius];
+                let axis = axis.map(|z| (frame * nalgebra::Point3::new(x, y, z)).coords);
+                (axis, peg.radius)
+            })
+        });
+        standing.collect()
+    }
+
+    /// The rod by what matters for laying it.
+    pub fn rod(&self) -> &DeployedRod {
+        &self.rod
+    }
+
+    /// A rod whose end is handed to the gripper of an arm, at the time `now`, s. `hand` and the top of the `table` are poses in the cell.
+    /// Its free end lies on the table, in the direction in which the gripper holds it, so that it hangs by itself, or at the place of
+    /// [`RodSupply::with_free_end`].
+    ///
+    /// # Errors
+    /// In words: no rod of this length hangs there, or it cannot be simulated.
+    pub fn handed(
+        &self,
+        arm: usize,
+        hand: &Pose,
+        table: &Pose,
+        now: f64,
+    ) -> Result<SimulatedRod, String> {
+        let frame = self.frame(hand, table)?;
+        let placed = Placed {
+            frame: table * frame,
+            end: self.end,
+            radius: self.rod.radius,
+        };
+        self.simulated(&self.prepared.scene, placed, &[], arm, now)
+    }
+
+    /// Rods of a scene, of which the last one, of this kind, is handed to an arm beside `others`.
+    fn simulated(
+        &self,
+        scene: &Scene,
+        placed: Placed,
+        others: &[HandedRod],
+        arm: usize,
+        now: f64,
+    ) -> Result<SimulatedRod, String> {
+        let mut scene = scene.clone();
+        if let Some((fixtures, pegs)) = &self.fixtures {
+            let pegs = placed.frame.inverse() * pegs;
+            scene.rods.extend(fixtures.posts(|[x, y]| {
+                let place = pegs * nalgebra::Point3::new(x, y, 0.0);
+                [place.x, place.y]
+            }));
+        }
+        let simulation = Simulation::new(&scene, &self.prepared.integration);
+        let simulation = simulation.map_err(|error| error.to_string())?;
+        let handed = HandedRod {
+            arm,
+            nodes: self.prepared.scene.rods[0].centreline.len(),
+            radius: self.rod.radius,
+        };
+        let rods = [others, &[handed]].concat();
+        Ok(SimulatedRod::handed(simulation, placed, &rods, now))
+    }
+
+    /// The frame, on the table, of the simulation of a rod that hangs from a hand.
+    fn frame(&self, hand: &Pose, table: &Pose) -> Result<Pose, String> {
+        match self.frame_with(self.free_end, hand, table) {
+            Err(_) if self.may_hang => self.frame_with(None, hand, table),
+            frame => frame,
+        }
+    }
+
+    /// The same with its free end somewhere in the cell, m, or where it hangs by itself.
+    fn frame_with(
+        &self,
+        free_end: Option<[f64; 2]>,
+        hand: &Pose,
+        table: &Pose,
+    ) -> Result<Pose, String> {
+        let held = table.inverse() * hand;
+        let across = held.rotation * Vector3::y();
+        if libm::hypot(across.x, across.y) < LEVEL {
+            return Err(
+                "the y axis of the hand is not level: a rod that it held would hang in no direction"
+                    .into(),
+            );
+        }
+        let heading = libm::atan2(-across.x, across.y);
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading);
+        let end = turn * self.end.translation.vector;
+        let place = match free_end {
+            Some([x, y]) => (table.inverse() * nalgebra::Point3::new(x, y, 0.0)).coords,
+            None => held.translation.vector - end,
+        };
+        let frame = Pose::from_parts(Translation3::new(place.x, place.y, 0.0), turn);
+        let held = frame.inverse() * held;
+        let (distance, angle) = distance_and_angle(&self.end, &held);
+        let [most_lengths, most_angle] = REACH;
+        let most = most_lengths * self.rod.gravito_bending_length;
+        if !(distance <= most && angle <= most_angle) {
+            return Err(format!(
+                "a rod of {:.3} m hangs with its end {:.3} m above the table; the hand is {distance:.3} m and {angle:.2} rad away \
+                 from there; allowed: {most:.3} m and {most_angle} rad",
+                self.rod.length, self.end.translation.z
+            ));
+        }
+        Ok(frame)
+    }
+
+    /// The same beside a rod, of another `kind`, that lies there and that nobody holds.
+    ///
+    /// # Errors
+    /// As [`Self::handed`].
+    pub fn handed_beside(
+        &self,
+        (lying, kind): (&SimulatedRod, &Self),
+        arm: usize,
+        hand: &Pose,
+        table: &Pose,
+        now: f64,
+    ) -> Result<SimulatedRod, String> {
+        let frame = lying.frame();
+        let moved = frame.inverse() * table * self.frame(hand, table)?;
+        let mut scene = self.prepared.scene.clone();
+        let handed = &mut scene.rods[0];
+        for node in &mut handed.centreline {
+            *node = (moved * nalgebra::Point3::from(*node)).coords;
+        }
+        for tangent in handed.end_tangents.iter_mut().flatten() {
+            *tangent = moved.rotation * *tangent;
+        }
+        // What lies there goes on from rest, its twist forgotten.
+        let mut first = kind.prepared.scene.rods[0].clone();
+        first.name = "lying".into();
+        first.centreline = lying.positions().to_vec();
+        first.end_tangents = [None; 2];
+        scene.rods.insert(0, first);
+        for clamp in &mut scene.clamps {
+            clamp.rod += 1;
+            clamp.motion = Motion::default();
+        }
+        let placed = Placed {
+            frame,
+            end: moved * self.end,
+            radius: self.rod.radius,
+        };
+        self.simulated(&scene, placed, lying.rods(), arm, now)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::short_rod;
+    use super::*;
+
+    fn table() -> Pose {
+        Pose::translation(0.3, -0.1, 0.05)
+    }
+
+    /// Where a hand takes a rod whose free end lies somewhere on the table.
+    fn hand(supply: &RodSupply, heading: f64) -> Pose {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading);
+        table() * Pose::from_parts(Translation3::new(0.1, 0.2, 0.0), turn) * supply.end
+    }
+
+    #[test]
+    fn a_rod_that_is_handed_over_hangs_where_it_was_until_it_is_moved() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let hand = hand(&supply, 0.7);
+        let mut rod = supply.handed(0, &hand, &table(), 3.0).unwrap();
+        let first = rod.nodes();
+        assert!((first[first.len() - 1] - hand.translation.vector).norm() < 1e-6);
+        let free = table() * nalgebra::Point3::new(0.1, 0.2, supply.rod().radius);
+        assert!((first[0] - free.coords).norm() < 1e-9);
+        for step in 1..=60 {
+            while !rod.advance(&hand, 3.0 + 5e-3 * f64::from(step)).unwrap() {}
+        }
+        let nodes = rod.nodes();
+        let moved = nodes.iter().zip(&first).map(|(a, b)| (a - b).norm());
+        assert!(moved.fold(0.0, f64::max) < 0.02 * supply.rod().gravito_bending_length);
+    }
+
+    #[test]
+    fn a_free_end_lies_where_a_person_lays_it() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let hand = hand(&supply, 0.0);
+        let supply = supply.with_free_end([0.395, 0.104]);
+        let rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
+        let expected = Vector3::new(0.395, 0.104, 0.05 + supply.rod().radius);
+        assert!((rod.nodes()[0] - expected).norm() < 1e-9);
+        // Too far from the hand for that.
+        let far = supply
+            .with_free_end([0.1, 0.1])
+            .handed(0, &hand, &table(), 0.0);
+        assert!(far.is_err());
+    }
+
+    #[test]
+    fn a_rod_that_is_let_go_falls_on_the_table() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let hand = hand(&supply, 0.0);
+        let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
+        rod.release().unwrap();
+        for step in 1..=300 {
+            while !rod.advance(&hand, 5e-3 * f64::from(step)).unwrap() {}
+        }
+        let top = rod.nodes().iter().map(|node| node.z).fold(0.0, f64::max);
+        assert!(top - 0.05 < 0.3 * supply.rod().length, "{top}");
+        assert!(!rod.is_held());
+    }
+
+    #[test]
+    fn a_rod_that_is_held_still_falls_when_it_is_let_go() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let hand = hand(&supply, 0.0);
+        let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
+        rod.release().unwrap();
+        // Nothing has moved yet.
+        assert!(rod.advance(&hand, 0.0).unwrap());
+        let height = |rod: &SimulatedRod| rod.nodes().last().map_or(0.0, |node| node.z);
+        let first = height(&rod);
+        while !rod.advance(&hand, 0.05).unwrap() {}
+        assert!(height(&rod) < first - 5e-3);
+    }
+
+    #[test]
+    fn pegs_stand_where_the_frame_of_their_pattern_lies() {
+        let text = "experiment = \"deployment\"\n[deployment]\npattern = { kind = \"line\", length = 0.2 }\n\
+                    [deployment.rod]\ngravito_bending_length = 0.03\nradius = 0.002\nlength = 0.3\nedges = 30\n\
+                    [deployment.clips]\nat = [0.1]\nwidth = 0.008\nradius = 0.004\nheight = 0.006\n\
+                    [contact]\nfriction = 0.2\n[time]\nstep = 0.005\nend = 10.0\n";
+        let loaded = experiment::from_text("clips", text, Path::new(""), &[]).unwrap();
+        let tables: Option<&DeploymentTables> = loaded.scenario.experiment.tables();
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.5);
+        let frame = table() * Pose::from_parts(Translation3::new(0.02, 0.03, 0.0), turn);
+        let supply = RodSupply::of(&tables.unwrap().deployment, 0.2, frame).unwrap();
+        for (index, ([foot, top], radius)) in supply.pegs().into_iter().enumerate() {
+            let side = if index == 0 { 1.0 } else { -1.0 };
+            let along = frame.inverse() * nalgebra::Point3::from(foot);
+            let expected = Vector3::new(0.1, side * 0.008, 0.0);
+            assert!((along.coords - expected).norm() < 1e-9, "{along}");
+            assert!((top - foot - Vector3::z() * 0.002).norm() < 1e-12);
+            assert_eq!(radius, 0.004);
+        }
+        // A person lays the free end where the pattern begins, or elsewhere. The rod is all that is seen as rod.
+        let begins = (frame * nalgebra::Point3::origin()).coords.xy();
+        let free_end = nalgebra::Vector2::from(supply.free_end.unwrap());
+        assert!((begins - free_end).norm() < 1e-9);
+        let supply = supply.with_free_end([0.4, 0.1]);
+        let rod = supply
+            .handed(0, &hand(&supply, 0.0), &table(), 0.0)
+            .unwrap();
+        assert_eq!(rod.nodes().len(), 31);
+    }
+
+    #[test]
+    fn two_hands_on_one_rod_lead_what_each_holds() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let first = hand(&supply, 0.7);
+        let mut rod = supply.handed(0, &first, &table(), 0.0).unwrap();
+        while !rod.advance(&first, 5e-3).unwrap() {}
+        let free = rod.nodes()[0];
+        // A little beside the free end, and turned in some way.
+        let second = Pose::from_parts(
+            Translation3::from(free + Vector3::new(4e-3, -3e-3, 2e-3)),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.4),
+        );
+        let node = rod.within_reach(&second).unwrap();
+        assert_eq!(node, 0);
+        let mut hands = [first, second];
+        let lead = |rod: &mut SimulatedRod, hands: &[Pose; 2], step: i32| {
+            while !rod
+                .advance_in(|arm| hands[arm], 5e-3 * f64::from(step))
+                .unwrap()
+            {}
+        };
+        rod.take(1, node, &second, 5e-3).unwrap();
+        assert_eq!(rod.holders().collect::<Vec<_>>(), [0, 1]);
+        for step in 2..=240 {
+            let part = f64::from(step) / 240.0;
+            hands[0] = Translation3::new(0.0, 0.0, -0.02 * part) * first;
+            hands[1] = Translation3::new(0.0, 0.01 * part, 0.03 * part) * second;
+            lead(&mut rod, &hands, step);
+        }
+        let nodes = rod.nodes();
+        let end = nodes[nodes.len() - 1];
+        assert!((end - hands[0].translation.vector).norm() < 1e-6, "{end}");
+        let led = nodes[0] - free;
+        assert!((led - Vector3::new(0.0, 0.01, 0.03)).norm() < 1e-6, "{led}");
+        // One that goes down to the table is stopped where the rod lay; one that lets go loses its end only.
+        for step in 241..=340 {
+            let down = f64::from(step - 240) / 100.0;
+            hands[1] = Translation3::new(0.0, 0.01, 0.03 - 0.05 * down) * second;
+            lead(&mut rod, &hands, step);
+        }
+        let height = rod.nodes()[0].z - free.z;
+        assert!(height.abs() < 1e-6, "{height}");
+        rod.release_by(1).unwrap();
+        assert_eq!(rod.holders().collect::<Vec<_>>(), [0]);
+        hands[0] = Translation3::new(0.0, 0.0, -0.03) * first;
+        lead(&mut rod, &hands, 400);
+        let end = rod.nodes()[nodes.len() - 1];
+        assert!((end - hands[0].translation.vector).norm() < 1e-6, "{end}");
+    }
+
+    #[test]
+    fn a_hand_beyond_reach_takes_nothing() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let hand = hand(&supply, 0.0);
+        let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
+        let free = rod.nodes()[0];
+        let at = |x: f64, y: f64, z: f64| {
+            Pose::from_parts(
+                Translation3::from(free + Vector3::new(x, y, z)),
+                UnitQuaternion::identity(),
+            )
+        };
+        assert_eq!(rod.within_reach(&at(0.0, 0.014, 0.0)), Some(0));
+        assert_eq!(rod.within_reach(&at(0.0, 0.016, 0.0)), None);
+        assert_eq!(rod.within_reach(&at(0.0, 0.0, 0.016)), None);
+        // A gripper holds the end already.
+        assert_eq!(rod.within_reach(&hand), None);
+        rod.take(1, 0, &at(0.0, 0.0, 0.0), 0.0).unwrap();
+        assert_eq!(rod.within_reach(&at(0.0, 0.0, 0.0)), None);
+    }
+
+    #[test]
+    fn a_second_rod_is_handed_beside_one_that_lies() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let first = hand(&supply, 0.7);
+        let mut rod = supply.handed(0, &first, &table(), 0.0).unwrap();
+        let free = rod.nodes()[0];
+        // It is laid down straight, the hand on a quarter of a circle about the free end.
+        let (sine, cosine) = libm::sincos(0.7);
+        let ahead = Vector3::new(cosine, sine, 0.0);
+        let across = nalgebra::UnitVector3::new_normalize(Vector3::z().cross(&ahead));
+        let from = first.translation.vector - free;
+        let turned = |angle: f64| {
+            let turn = UnitQuaternion::from_axis_angle(&across, angle);
+            let place = free + 0.99 * (turn * from);
+            Pose::from_parts(place.into(), turn * first.rotation)
+        };
+        let low = free.z - table().translation.z;
+        let last = libm::acos(low / from.norm()) - libm::atan2(from.dot(&ahead), from.z);
+        for step in 1..=500 {
+            let part = (f64::from(step - 100) / 400.0).clamp(0.0, 1.0);
+            let hand = turned(part * last);
+            while !rod.advance(&hand, 5e-3 * f64::from(step)).unwrap() {}
+        }
+        rod.release().unwrap();
+        for step in 501..=700 {
+            while !rod.advance(&first, 5e-3 * f64::from(step)).unwrap() {}
+        }
+        let lay = rod.nodes();
+        let second = Pose::translation(0.0, 0.2, 0.0) * hand(&supply, -0.4);
+        let both = supply.handed_beside((&rod, &supply), 1, &second, &table(), 3.5);
+        let mut both = both.unwrap();
+        let seen = both.seen();
+        assert_eq!(seen.len(), 2);
+        assert!(
+            seen[0]
+                .0
+                .iter()
+                .zip(&lay)
+                .all(|(a, b)| (a - b).norm() < 1e-9)
+        );
+        let end = seen[1].0[30];
+        assert!((end - second.translation.vector).norm() < 1e-6, "{end}");
+        // The one lies, and the other follows its hand.
+        let lifted = Translation3::new(0.0, 0.0, 0.05) * second;
+        for step in 1..=100 {
+            let part = f64::from(step) / 100.0;
+            let hand = Translation3::new(0.0, 0.0, 0.05 * part) * second;
+            while !both
+                .advance_in(|_| hand, 3.5 + 5e-3 * f64::from(step))
+                .unwrap()
+            {}
+        }
+        for step in 101..=240 {
+            while !both
+                .advance_in(|_| lifted, 3.5 + 5e-3 * f64::from(step))
+                .unwrap()
+            {}
+        }
+        let seen = both.seen();
+        let moved = seen[0].0.iter().zip(&lay).map(|(a, b)| (a - b).norm());
+        let moved = moved.fold(0.0, f64::max);
+        assert!(moved < 1e-4, "{moved}");
+        let end = seen[1].0[30];
+        assert!((end - lifted.translation.vector).norm() < 1e-6, "{end}");
+    }
+
+    #[test]
+    fn a_hand_that_cannot_hold_a_hanging_rod_is_told_so() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let far = Pose::translation(0.0, 0.0, 0.3) * hand(&supply, 0.0);
+        let Err(words) = supply.handed(0, &far, &table(), 0.0) else {
+            panic!("it is too high");
+        };
+        assert!(words.contains("above the table"), "{words}");
+        let tipped =
+            hand(&supply, 0.0) * Pose::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
+        let Err(words) = supply.handed(0, &tipped, &table(), 0.0) else {
+            panic!("its y axis points up");
+        };
+        assert!(words.contains("not level"), "{words}");
+    }
+}

@@ -1,0 +1,511 @@
+//! The server: clients, their goals, reports and pictures, and the clock of the cell.
+
+use super::arm::{Ended, Response};
+use super::camera::PictureTaker;
+use super::chuck::ChuckedSupply;
+use super::connection::Connection;
+use super::fault::{Fault, FaultKind};
+use super::goal_status::GoalLog;
+use super::message::{
+    GoalName, Request, Verdict, complaint, opening, published, stamp, trajectory,
+};
+use super::rod::RodSupply;
+use super::sheet::SimulatedSheet;
+use super::simulated_cell::{Event, STEP, SimulatedCell};
+use super::topics::{CLOCK, Topics};
+use crate::cell::Cell;
+use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_lab::experiment::Jitter;
+use rodlab_robot::RosVersion;
+use serde_json::json;
+use std::io::{self, ErrorKind};
+use std::net::{SocketAddr, TcpListener};
+use std::time::{Duration, Instant};
+
+/// Most clients at a time.
+const MOST_CLIENTS: usize = 16;
+/// Longest time in which the server steps without listening.
+const WORK: Duration = Duration::from_millis(5);
+/// Time for which it rests where nothing is to be done.
+const REST: Duration = Duration::from_millis(1);
+/// How far, s on our clock, the cell may fall behind before its clock waits for it.
+const BEHIND: f64 = 0.05;
+/// Time between reports: of the cell's clock, s, of ours at least, and of ours at most.
+const REPORT: (f64, Duration, Duration) =
+    (0.01, Duration::from_millis(4), Duration::from_millis(40));
+/// Time between lists of goals.
+const STATUS: Duration = Duration::from_millis(200);
+/// Time between pictures, s of the cell's clock.
+const PICTURE: f64 = 0.1;
+
+/// What a virtual cell is told.
+pub struct Settings {
+    /// Where it listens; with a port of 0 any that is free.
+    pub address: SocketAddr,
+    /// What clients must name as the path of the server.
+    pub token: Option<String>,
+    /// How many times as fast as real time.
+    pub rate: f64,
+    /// How the arms answer.
+    pub response: Response,
+    /// Rods for the grippers.
+    pub supply: Option<RodSupply>,
+    /// Rods of another kind, for the grippers of all arms but the first.
+    pub second_supply: Option<RodSupply>,
+    /// A sheet on the table.
+    pub sheet: Option<SimulatedSheet>,
+    /// Rods between the chuck and a hand.
+    pub chucked: Option<ChuckedSupply>,
+    /// How the hands tremble, which nobody is told.
+    pub jitter: Option<Jitter>,
+    /// What goes wrong.
+    pub faults: Vec<Fault>,
+}
+
+/// Why there is no virtual cell, or no more.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// The cell cannot be simulated.
+    #[error("{0}")]
+    Cell(String),
+    /// Nobody can listen there.
+    #[error("{address}: nobody can listen there: {error}")]
+    Address {
+        /// The address.
+        address: SocketAddr,
+        /// Why.
+        error: io::Error,
+    },
+    /// The rod or the sheet cannot be simulated any more.
+    #[error("what is on the table cannot be simulated any further: {0}")]
+    Rod(#[from] SimulationError),
+}
+
+/// A goal that is under way.
+struct UnderWay {
+    name: GoalName,
+    client: u64,
+}
+
+/// A virtual cell that listens.
+pub struct VirtualCell {
+    listener: TcpListener,
+    token: Option<String>,
+    rate: f64,
+    cell: SimulatedCell,
+    topics: Topics,
+    clients: Vec<Connection>,
+    next_client: u64,
+    /// The client that leads each arm, and the goals of arm and gripper.
+    leaders: Vec<Option<u64>>,
+    motions: Vec<Option<UnderWay>>,
+    grips: Vec<Option<UnderWay>>,
+    pictures: Option<PictureTaker>,
+    last_picture: f64,
+    /// Clients that watched when the picture under way was begun.
+    watchers: Vec<u64>,
+    last_report: (f64, Instant),
+    last_status: Instant,
+    /// Goals of each arm and of its gripper that ended lately.
+    ended: Vec<[GoalLog; 2]>,
+}
+
+impl VirtualCell {
+    /// Listens for the clients of a cell.
+    ///
+    /// # Errors
+    /// Its arms have other drivers than rosbridge, its camera is too large, or the address is not free.
+    pub fn new(cell: &Cell, settings: Settings) -> Result<Self, ServeError> {
+        let topics = Topics::of(cell).map_err(ServeError::Cell)?;
+        let camera = cell.camera.as_ref();
+        let pictures = camera.map(|camera| PictureTaker::new(camera.seeing(cell.table_height())));
+        let unusable = |error| ServeError::Address {
+            address: settings.address,
+            error,
+        };
+        let listener = TcpListener::bind(settings.address).map_err(unusable)?;
+        listener.set_nonblocking(true).map_err(unusable)?;
+        let parts = topics.arms.len();
+        let none = || (0..parts).map(|_| None);
+        Ok(Self {
+            listener,
+            token: settings.token,
+            rate: settings.rate,
+            topics,
+            clients: Vec::new(),
+            next_client: 1,
+            leaders: vec![None; parts],
+            motions: none().collect(),
+            grips: none().collect(),
+            pictures,
+            last_picture: f64::NEG_INFINITY,
+            watchers: Vec::new(),
+            last_report: (f64::NEG_INFINITY, Instant::now()),
+            last_status: Instant::now(),
+            ended: (0..parts).map(|_| Default::default()).collect(),
+            cell: SimulatedCell::new(
+                cell,
+                settings.response,
+                [settings.supply, settings.second_supply],
+                settings.sheet,
+                settings.chucked,
+                settings.jitter,
+                settings.faults,
+            ),
+        })
+    }
+
+    /// Where it listens.
+    ///
+    /// # Errors
+    /// The system does not say.
+    pub fn address(&self) -> io::Result<SocketAddr> {
+        self.listener.local_addr()
+    }
+
+    /// The sheet on its table.
+    pub fn sheet(&self) -> Option<&SimulatedSheet> {
+        self.cell.sheet()
+    }
+
+    /// Serves until somebody asks for the end.
+    ///
+    /// # Errors
+    /// What is on the table cannot be simulated any further.
+    pub fn serve(&mut self, is_interrupted: &dyn Fn() -> bool) -> Result<(), ServeError> {
+        let mut since = Instant::now();
+        let mut began = self.cell.time();
+        while !is_interrupted() {
+            self.listen();
+            let target = began + self.rate * since.elapsed().as_secs_f64();
+            let work = Instant::now();
+            let mut is_idle = true;
+            while self.cell.time() + STEP <= target && work.elapsed() < WORK {
+                is_idle = false;
+                for event in self.cell.advance()? {
+                    self.tell(event);
+                }
+            }
+            // What cannot be caught up with is given up: the clock of the cell is late.
+            if target - self.cell.time() > self.rate * BEHIND {
+                (since, began) = (Instant::now(), self.cell.time());
+            }
+            self.report();
+            self.report_goals();
+            self.take_pictures();
+            self.clients.iter_mut().for_each(Connection::flush);
+            if is_idle {
+                std::thread::sleep(REST);
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets clients in, hears what they say, and stops the arms of those that are gone.
+    fn listen(&mut self) {
+        for _ in 0..MOST_CLIENTS {
+            if self.clients.len() >= MOST_CLIENTS && !self.has_idle_client() {
+                break;
+            }
+            match self.listener.accept() {
+                Ok((stream, _)) => {
+                    if self.clients.len() >= MOST_CLIENTS {
+                        self.drop_idle_client();
+                    }
+                    let id = self.next_client;
+                    self.next_client += 1;
+                    let token = self.token.as_deref();
+                    self.clients.extend(Connection::accept(id, stream, token));
+                }
+                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
+                Err(error) => {
+                    tracing::warn!("a client could not be let in: {error}");
+                    break;
+                }
+            }
+        }
+        for index in 0..self.clients.len() {
+            for text in self.clients[index].receive() {
+                self.hear(index, &text);
+            }
+        }
+        let gone = self.clients.extract_if(.., |client| client.is_closed());
+        let gone: Vec<u64> = gone.map(|client| client.id).collect();
+        for client in gone {
+            for arm in 0..self.leaders.len() {
+                if self.leaders[arm] == Some(client) {
+                    tracing::info!("the client that led {} is gone", self.topics.arms[arm].name);
+                    self.leaders[arm] = None;
+                    if let Some(goal) = self.motions[arm].take() {
+                        self.ended[arm][0].note(&goal.name.id, &Verdict::Cancelled);
+                        self.cell.stop(arm);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Clients that neither lead an arm nor do anything, with the time for which they have not.
+    fn idle_clients(&self) -> impl Iterator<Item = (usize, Duration)> {
+        let clients = self.clients.iter().enumerate();
+        let is_busy = |id: u64| {
+            let mut goals = self.motions.iter().chain(&self.grips).flatten();
+            self.leaders.contains(&Some(id)) || goals.any(|goal| goal.client == id)
+        };
+        clients.filter_map(move |(index, client)| {
+            let idle = client.idle().filter(|_| !is_busy(client.id))?;
+            Some((index, idle))
+        })
+    }
+
+    fn has_idle_client(&self) -> bool {
+        self.idle_clients().next().is_some()
+    }
+
+    /// Gives up the place of the client that has been idle for longest.
+    fn drop_idle_client(&mut self) {
+        if let Some((index, _)) = self.idle_clients().max_by_key(|(_, idle)| *idle) {
+            self.clients.remove(index);
+        }
+    }
+
+    fn hear(&mut self, index: usize, text: &str) {
+        let request = Request::read(text);
+        let goal = match &request {
+            Ok(Request::Goal { id, .. }) => Some(id.clone()),
+            _ => None,
+        };
+        let answer = match request {
+            Ok(Request::Subscribe(topic, wish)) => match self.topics.know(&topic) {
+                Ok(()) => self.clients[index].subscribe(topic, wish),
+                Err(words) => Err(words),
+            },
+            Ok(Request::Unsubscribe(topic, id)) => {
+                self.clients[index].unsubscribe(&topic, id.as_deref());
+                Ok(())
+            }
+            Ok(Request::Goal { action, id, body }) => self.take(index, &action, id, &body),
+            Ok(Request::Cancel { action, id }) => self.cancel(index, &action, &id),
+            Ok(Request::Nothing) => Ok(()),
+            Err(words) => Err(words),
+        };
+        if let Err(words) = answer {
+            self.clients[index].send(&complaint(&words, goal.as_deref()));
+        }
+    }
+
+    /// Takes a goal. An arm is led by one client at a time, until that is gone.
+    fn take(
+        &mut self,
+        index: usize,
+        action: &str,
+        id: String,
+        body: &serde_json::Value,
+    ) -> Result<(), String> {
+        let client = self.clients[index].id;
+        let (arm, is_gripper) = self.topics.action(action)?;
+        let known = &self.topics.arms[arm];
+        let name = GoalName {
+            version: known.version,
+            action: action.to_owned(),
+            id,
+        };
+        if is_gripper {
+            let moving = self.motions[arm].as_ref();
+            if moving.is_some_and(|goal| goal.client != client) {
+                return Err(format!("{} is led by another client", known.name));
+            }
+            let taken = opening(body).and_then(|opening| self.cell.grip(arm, opening));
+            if let Err(words) = taken {
+                self.end(
+                    arm,
+                    1,
+                    &UnderWay { name, client },
+                    &Verdict::Aborted(-1, words),
+                );
+                return Ok(());
+            }
+            if let Some(before) = self.grips[arm].replace(UnderWay { name, client }) {
+                self.end(arm, 1, &before, &Verdict::Cancelled);
+            }
+            return Ok(());
+        }
+        if self.leaders[arm].is_some_and(|leader| leader != client) {
+            return Err(format!("{} is led by another client", known.name));
+        }
+        let refused = match trajectory(body) {
+            Ok(trajectory) => self
+                .cell
+                .follow(arm, trajectory)
+                .map_err(|refusal| (refusal.code, refusal.words)),
+            Err(words) => Err((-1, words)),
+        };
+        if let Err((code, words)) = refused {
+            self.end(
+                arm,
+                0,
+                &UnderWay { name, client },
+                &Verdict::Aborted(code, words),
+            );
+            return Ok(());
+        }
+        self.leaders[arm] = Some(client);
+        self.clients[index].send(&name.feedback());
+        if let Some(before) = self.motions[arm].replace(UnderWay { name, client }) {
+            self.end(arm, 0, &before, &Verdict::Cancelled);
+        }
+        Ok(())
+    }
+
+    fn cancel(&mut self, index: usize, action: &str, id: &str) -> Result<(), String> {
+        let (arm, is_gripper) = self.topics.action(action)?;
+        let client = self.clients[index].id;
+        let goals = if is_gripper {
+            &mut self.grips
+        } else {
+            &mut self.motions
+        };
+        let is_meant =
+            |goal: &mut UnderWay| goal.client == client && (id.is_empty() || goal.name.id == id);
+        if let Some(goal) = goals[arm].take_if(is_meant) {
+            if !is_gripper {
+                self.cell.stop(arm);
+            }
+            self.end(arm, usize::from(is_gripper), &goal, &Verdict::Cancelled);
+        }
+        Ok(())
+    }
+
+    /// Ends a goal of an arm, with `which` of 0, or of its gripper, with 1: reports it to its client, and lists it as ended.
+    fn end(&mut self, arm: usize, which: usize, goal: &UnderWay, verdict: &Verdict) {
+        self.ended[arm][which].note(&goal.name.id, verdict);
+        let clients = self.clients.iter_mut();
+        for client in clients.filter(|client| client.id == goal.client) {
+            client.send(&goal.name.result(verdict));
+        }
+    }
+
+    /// Tells what has happened.
+    fn tell(&mut self, event: Event) {
+        match event {
+            Event::Arm(arm, ended) => {
+                let verdict = match ended {
+                    Ended::There => Verdict::Succeeded,
+                    Ended::Broken { code, words } => Verdict::Aborted(code, words),
+                };
+                if let Some(goal) = self.motions[arm].take() {
+                    self.end(arm, 0, &goal, &verdict);
+                }
+            }
+            Event::Gripper(arm) => {
+                if let Some(goal) = self.grips[arm].take() {
+                    self.end(arm, 1, &goal, &Verdict::Succeeded);
+                }
+            }
+            Event::Fault(kind) => {
+                tracing::warn!("{kind}, as told");
+                match kind {
+                    FaultKind::DropLink => self.clients.iter_mut().for_each(Connection::cut),
+                    FaultKind::LoseCamera => self.pictures = None,
+                    FaultKind::FreezeJoint | FaultKind::SlipGrasp => {}
+                }
+            }
+        }
+    }
+
+    /// Tells the time and where the joints are.
+    fn report(&mut self) {
+        let (time, told) = self.last_report;
+        let now = self.cell.time();
+        let (interval, least, most) = REPORT;
+        let is_due = now - time >= interval - 1e-9 && told.elapsed() >= least;
+        if !is_due && told.elapsed() < most {
+            return;
+        }
+        self.last_report = (now, Instant::now());
+        let version = self.topics.version;
+        let clock = published(CLOCK, json!({ "clock": stamp(version, now) }));
+        let mut reports = vec![(CLOCK.to_owned(), clock)];
+        for (index, (known, arm)) in self.topics.arms.iter().zip(self.cell.arms()).enumerate() {
+            let names = arm.names().into_iter().map(str::to_owned);
+            let (mut names, mut joints) = (names.collect::<Vec<_>>(), arm.joints().to_vec());
+            if let Some((name, apart)) = known.fingers.clone().zip(self.cell.fingers(index)) {
+                names.push(name);
+                joints.push(apart);
+            }
+            let message = json!({
+                "header": { "stamp": stamp(known.version, now), "frame_id": "" },
+                "name": names, "position": joints, "velocity": [], "effort": [],
+            });
+            let topic = known.joint_states.clone();
+            let text = published(&topic, message);
+            reports.push((topic, text));
+        }
+        for goal in self.motions.iter().flatten() {
+            let clients = self.clients.iter_mut();
+            for client in clients.filter(|client| client.id == goal.client) {
+                client.send(&goal.name.feedback());
+            }
+        }
+        for client in &mut self.clients {
+            for (topic, text) in &reports {
+                client.publish(topic, text);
+            }
+        }
+    }
+
+    /// Lists the goals of each action of ROS 1, also while there is none: its clients wait for that.
+    fn report_goals(&mut self) {
+        if self.last_status.elapsed() < STATUS {
+            return;
+        }
+        self.last_status = Instant::now();
+        let now = self.cell.time();
+        for (arm, known) in self.topics.arms.iter().enumerate() {
+            if known.version != RosVersion::One {
+                continue;
+            }
+            let stamp = stamp(known.version, now);
+            let goals = [&self.motions[arm], &self.grips[arm]];
+            let actions = [Some(&known.action), known.gripper.as_ref()];
+            let logs = self.ended[arm].iter_mut();
+            for ((action, goal), log) in actions.into_iter().zip(goals).zip(logs) {
+                let Some(action) = action else {
+                    continue;
+                };
+                let under_way = goal.as_ref().map(|goal| goal.name.id.as_str());
+                let topic = format!("{action}/status");
+                let text = published(&topic, log.listed(under_way, &stamp));
+                for client in &mut self.clients {
+                    client.publish(&topic, &text);
+                }
+            }
+        }
+    }
+
+    /// Takes a picture after the other while somebody wants to see them.
+    fn take_pictures(&mut self) {
+        let Some(pictures) = &mut self.pictures else {
+            return;
+        };
+        let topic = &self.topics.camera;
+        if let Some(picture) = pictures.finished() {
+            // Who came later waits for the next one: this shows what was before.
+            let watchers = std::mem::take(&mut self.watchers);
+            let watching = self.clients.iter_mut();
+            for client in watching.filter(|client| !client.is_full()) {
+                if watchers.contains(&client.id) {
+                    client.publish(topic, &picture);
+                }
+            }
+        }
+        let watching = self.clients.iter().filter(|client| client.awaits(topic));
+        let watching: Vec<u64> = watching.map(|client| client.id).collect();
+        let now = self.cell.time();
+        if !watching.is_empty() && !pictures.is_busy() && now - self.last_picture >= PICTURE {
+            self.last_picture = now;
+            self.watchers = watching;
+            pictures.begin(self.cell.scenery(), topic, stamp(self.topics.version, now));
+        }
+    }
+}

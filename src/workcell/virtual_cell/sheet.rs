@@ -1,0 +1,376 @@
+//! The sheet of a virtual cell: it lies on the table, a gripper takes it by its edge, folds it and lets it go.
+//!
+//! A strip of it in the direction of the fold is simulated, as in the experiment `folding`: a rod of the same gravito-bending
+//! length, which sticks and slips on the table and on itself. It is led in a frame of its own, in which all y are zero: what is
+//! symmetric about a plane stays exactly in it, while a rounding error across, as of a turned frame, would grow until the round
+//! strip tipped over, which a sheet, wide as it is, does not.
+
+use super::rod::RodError;
+use super::sheet_picture::SeenSheet;
+use super::simulated_rod::{Placed, SimulatedRod};
+use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
+use rodlab_engine::mechanics::scene::{Load, LoadKind};
+use rodlab_lab::experiment::{self, FoldingTables};
+use rodlab_robot::{Pose, distance_and_angle};
+use std::path::Path;
+
+/// How far the hand may be from the middle of the edge that it takes, m, and how far turned, rad.
+const REACH: [f64; 2] = [5e-3, 0.2];
+/// Distance in which layers and the table are felt, m.
+const TOLERANCE: f64 = 2e-5;
+/// Speed at which a sheet that was let go falls through the air, m/s: that of paper that falls flat.
+const TERMINAL_SPEED: f64 = 1.0;
+/// Acceleration of free fall, m/s².
+const GRAVITY: f64 = 9.81;
+/// Length of sheet beside the edge, in layers, that does not lie below it.
+const BESIDE: f64 = 50.0;
+
+/// How a sheet lies on the table of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SheetPlace {
+    /// The middle of the edge that is taken (or the corner) in the frame of the table's top, x and y, m.
+    pub edge: [f64; 2],
+    /// Direction from there over the sheet, from the table's x axis, rad.
+    pub heading: f64,
+}
+
+/// What a sheet came to while a gripper held it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldSheet {
+    /// The farthest that its free end had slid, m.
+    pub largest_sliding: f64,
+    /// How far it had slid at last, in the direction in which the edge is folded, m.
+    pub sliding: f64,
+    /// Where its edge was at last: along the fold and up, m.
+    pub edge: [f64; 2],
+}
+
+/// A sheet in simulation. Its frame has its origin where the middle of the edge lay first, x over the sheet and z up.
+pub struct SimulatedSheet {
+    strip: SimulatedRod,
+    frame: Pose,
+    /// The load that is the drag of the air.
+    air: usize,
+    /// The edge as the hand holds it.
+    held: Option<Pose>,
+    last_held: Option<HeldSheet>,
+    length: f64,
+    width: f64,
+    is_diagonal: bool,
+    thickness: f64,
+}
+
+impl SimulatedSheet {
+    /// A sheet as a file describes it in `[folding.paper]`, on a table of some friction; it lies with a corner ahead where it is
+    /// to be folded along its diagonal, and in the middle of the table where no place is given. `table` is the pose of its top.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is wrong.
+    pub fn new(
+        file: &Path,
+        friction: f64,
+        is_diagonal: bool,
+        place: Option<SheetPlace>,
+        table: &Pose,
+    ) -> Result<Self, RodError> {
+        let impossible = |error: String| RodError::Impossible(error);
+        let whole = std::path::absolute(file).map_err(|error| impossible(error.to_string()))?;
+        let extended = toml::Value::from(whole.to_string_lossy().as_ref()).to_string();
+        let crease = if is_diagonal {
+            "diagonal-strip"
+        } else {
+            "half"
+        };
+        // How it will be folded the gripper knows; a circle needs no plan.
+        let text = format!(
+            "extends = {extended}\nexperiment = \"folding\"\n\
+             [folding]\ncrease = \"{crease}\"\nalgorithm = \"circle\"\n\
+             [contact]\nfriction = {friction:?}\ndistance_tolerance = {TOLERANCE:?}\nslip_tolerance = \"0.02 mm/s\"\n\
+             [time]\nstep = \"5 ms\"\nend = 10.0\n"
+        );
+        let loaded = experiment::from_text("sheet", &text, Path::new(""), &[]).map_err(Box::new)?;
+        let tables: Option<&FoldingTables> = loaded.scenario.experiment.tables();
+        let folding = &tables.expect("the tables of a fold").folding;
+        let length = folding.sheet().length;
+        let paper = folding.paper;
+        let prepared = experiment::prepare(&loaded.scenario);
+        let mut prepared = prepared.map_err(|issues| Box::new(loaded.locate(issues)))?;
+        let loads = &mut prepared.scene.loads;
+        let air = loads.len();
+        loads.push(Load {
+            kind: LoadKind::Drag {
+                rod: None,
+                translation: prepared.scene.rods[0].mass_per_length * GRAVITY / TERMINAL_SPEED,
+                rotation: 0.0,
+            },
+            schedule: Vec::new(),
+        });
+        let simulation = Simulation::new(&prepared.scene, &prepared.integration);
+        let simulation = simulation.map_err(|error| impossible(error.to_string()))?;
+        let place = place.unwrap_or(SheetPlace {
+            edge: [-0.5 * length, 0.0],
+            heading: 0.0,
+        });
+        let [x, y] = place.edge;
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), place.heading);
+        let frame = table * Pose::from_parts(Translation3::new(x, y, 0.0), turn);
+        let placed = Placed {
+            frame: Pose::identity(),
+            end: edge_pose(simulation.positions()),
+            radius: 0.5 * paper.thickness,
+        };
+        let mut strip = SimulatedRod::held(simulation, placed, 0.0);
+        let released = strip.release();
+        released.map_err(|error| impossible(error.to_string()))?;
+        Ok(Self {
+            strip,
+            frame,
+            air,
+            held: None,
+            last_held: None,
+            length,
+            width: paper.width,
+            is_diagonal,
+            thickness: paper.thickness,
+        })
+    }
+
+    /// The gripper at a hand takes the edge, at the time `now`, s.
+    ///
+    /// # Errors
+    /// In words: the hand is not at the edge.
+    pub fn take(&mut self, hand: &Pose, now: f64) -> Result<(), String> {
+        let edge = edge_pose(self.strip.positions());
+        let (distance, angle) = distance_and_angle(&(self.frame * edge), hand);
+        let [farthest, most] = REACH;
+        if !(distance <= farthest && angle <= most) {
+            return Err(format!(
+                "the hand is {:.1} mm and {angle:.2} rad away from the edge of the sheet; allowed: {:.0} mm and {most} rad",
+                1e3 * distance,
+                1e3 * farthest
+            ));
+        }
+        let last = self.strip.positions().len() - 1;
+        let taken = self.strip.take_again(last, edge, now);
+        // While it is folded slowly the air matters less than anything else.
+        let taken = taken.and_then(|()| self.strip.set_load(self.air, 0.0));
+        taken.map_err(|error| error.to_string())?;
+        self.held = Some(hand.inverse() * self.frame * edge);
+        Ok(())
+    }
+
+    /// The gripper lets go, and the air brakes what springs open.
+    ///
+    /// # Errors
+    /// The simulation refuses.
+    pub fn release(&mut self) -> Result<(), SimulationError> {
+        self.held = None;
+        self.strip.set_load(self.air, 1.0)?;
+        self.strip.release()
+    }
+
+    /// Moves on towards the time `now`, s, its edge in the hand if that holds it; whether it has come there.
+    ///
+    /// # Errors
+    /// No step is found while it is held.
+    pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
+        let Some(held) = &self.held else {
+            return self.strip.advance(hand, now);
+        };
+        let edge = self.frame.inverse() * hand * held;
+        let (mut place, mut outwards) = (edge.translation.vector, edge.rotation * Vector3::x());
+        // A sheet is not bent across: its strip stays in the plane of the fold.
+        (place.y, outwards.y) = (0.0, 0.0);
+        // What lies under the edge stops it: fingers give way.
+        place.z = place.z.max(self.lowest(place.x));
+        let has_come = self.strip.advance(&edge_along(place, outwards), now);
+        self.note();
+        has_come
+    }
+
+    fn note(&mut self) {
+        let nodes = self.strip.positions();
+        let sliding = nodes[0].x - self.length;
+        let edge = nodes[nodes.len() - 1];
+        let before = self.last_held.map_or(0.0, |held| held.largest_sliding);
+        self.last_held = Some(HeldSheet {
+            largest_sliding: before.max(sliding.abs()),
+            sliding,
+            edge: [edge.x, edge.z],
+        });
+    }
+
+    /// Whether a gripper holds it.
+    pub fn is_held(&self) -> bool {
+        self.held.is_some()
+    }
+
+    /// How thick it is, m.
+    pub fn thickness(&self) -> f64 {
+        self.thickness
+    }
+
+    /// What a camera sees of it.
+    pub fn seen(&self) -> SeenSheet {
+        SeenSheet {
+            frame: self.frame,
+            nodes: self.strip.positions().to_vec(),
+            width: self.width,
+            is_diagonal: self.is_diagonal,
+        }
+    }
+
+    /// What it came to while it was held last, if it was.
+    pub fn last_held(&self) -> Option<HeldSheet> {
+        self.last_held
+    }
+
+    /// Height of the lowest place of the edge at x, m: on the table, or on the sheet that lies there.
+    fn lowest(&self, x: f64) -> f64 {
+        let nodes = self.strip.positions();
+        let top = nodes[nodes.len() - 1].z;
+        let spacing = (nodes[1] - nodes[0]).norm();
+        let beside = (BESIDE * self.thickness / spacing).ceil() as usize + 1;
+        let below = nodes[..nodes.len() - beside].windows(2).filter_map(|pair| {
+            let part = (x - pair[0].x) / (pair[1].x - pair[0].x);
+            let height = pair[0].z + part * (pair[1].z - pair[0].z);
+            ((0.0..=1.0).contains(&part) && height < top).then_some(height)
+        });
+        let layer = self.thickness + 2.0 * TOLERANCE;
+        let table = 0.5 * self.thickness + TOLERANCE;
+        below.fold(table, |lowest, height| lowest.max(height + layer))
+    }
+}
+
+/// Pose of the edge of a strip, as that of a hand that holds it.
+fn edge_pose(nodes: &[Vector3]) -> Pose {
+    let last = nodes.len() - 1;
+    edge_along(nodes[last], nodes[last] - nodes[last - 1])
+}
+
+/// The same of an edge at a place: x along the sheet, out of it, and y level.
+fn edge_along(place: Vector3, outwards: Vector3) -> Pose {
+    let outwards = outwards.normalize();
+    let level = -Vector3::y();
+    let normal = outwards.cross(&level).normalize();
+    let axes = Matrix3::from_columns(&[outwards, normal.cross(&outwards), normal]);
+    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+    Pose::from_parts(Translation3::from(place), turn)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sheet() -> SimulatedSheet {
+        let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+            .join("scenarios/papers/a4.toml");
+        let place = SheetPlace {
+            edge: [0.1, -0.2],
+            heading: 0.5,
+        };
+        let table = Pose::translation(0.0, 0.0, 0.05);
+        SimulatedSheet::new(&file, 0.12, false, Some(place), &table).unwrap()
+    }
+
+    fn advance(sheet: &mut SimulatedSheet, hand: &Pose, now: f64) {
+        while !sheet.advance(hand, now).unwrap() {}
+    }
+
+    #[test]
+    fn a_sheet_is_taken_by_its_edge_lifted_and_let_go() {
+        let mut sheet = sheet();
+        let edge = sheet.frame * edge_pose(sheet.strip.positions());
+        let far = Translation3::new(0.0, 0.01, 0.0) * edge;
+        let words = sheet.take(&far, 0.0).unwrap_err();
+        assert!(words.contains("10.0 mm"), "{words}");
+        // Not exactly at the edge: it is held as it was taken.
+        let hand = Translation3::new(1e-3, -2e-3, 5e-4) * edge;
+        sheet.take(&hand, 1.0).unwrap();
+        let first = sheet.strip.positions()[sheet.strip.positions().len() - 1];
+        for step in 1..=200 {
+            let height = 5e-5 * f64::from(step);
+            let lifted = Translation3::new(0.0, 0.0, height) * hand;
+            advance(&mut sheet, &lifted, 1.0 + 5e-3 * f64::from(step));
+        }
+        let nodes = sheet.strip.positions();
+        let last = nodes[nodes.len() - 1];
+        assert!(
+            (last - first - Vector3::new(0.0, 0.0, 0.01)).norm() < 1e-6,
+            "{last}"
+        );
+        // What rises is longer than what it rises from: the sheet is pulled along.
+        let held = sheet.last_held().unwrap();
+        assert!((-1.5e-3..-1e-4).contains(&held.sliding), "{held:?}");
+        assert!(sheet.take(&hand, 2.0).is_err(), "it is no longer there");
+        sheet.release().unwrap();
+        for step in 1..=600 {
+            advance(&mut sheet, &hand, 2.0 + 5e-3 * f64::from(step));
+        }
+        let highest = sheet.strip.positions().iter().map(|node| node.z);
+        assert!(highest.fold(0.0, f64::max) < 2e-3);
+        // It is taken again where it lies now.
+        let edge = sheet.frame * edge_pose(sheet.strip.positions());
+        sheet.take(&edge, 6.0).unwrap();
+        assert!(sheet.is_held());
+    }
+
+    #[test]
+    fn a_sheet_stays_in_the_plane_of_its_fold_however_long_it_rests() {
+        let mut sheet = sheet();
+        let edge = sheet.frame * edge_pose(sheet.strip.positions());
+        sheet.take(&edge, 0.0).unwrap();
+        // Lifted and turned over along a circle, as far as a loop that would tip over by itself.
+        let (steps, radius) = (600, 0.07);
+        let mut hand = edge;
+        for step in 1..=steps {
+            let angle = 0.8 * std::f64::consts::PI * f64::from(step) / f64::from(steps);
+            let (sine, cosine) = libm::sincos(angle);
+            let moved = Translation3::new(radius * (1.0 - cosine), 0.0, radius * sine);
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
+            let first = sheet.frame.inverse() * edge;
+            let turned = Pose::from_parts(moved * first.translation, turn * first.rotation);
+            hand = sheet.frame * turned;
+            advance(&mut sheet, &hand, 5e-3 * f64::from(step));
+        }
+        let highest = |sheet: &SimulatedSheet| {
+            let nodes = sheet.strip.positions().iter();
+            nodes.map(|node| node.z).fold(0.0, f64::max)
+        };
+        assert!(highest(&sheet) > 0.04);
+        for step in 1..=2000 {
+            advance(&mut sheet, &hand, 3.0 + 5e-3 * f64::from(step));
+        }
+        assert!(sheet.strip.positions().iter().all(|node| node.y == 0.0));
+        sheet.release().unwrap();
+        for step in 1..=2000 {
+            advance(&mut sheet, &hand, 13.0 + 5e-3 * f64::from(step));
+        }
+        assert!(sheet.strip.positions().iter().all(|node| node.y == 0.0));
+    }
+
+    #[test]
+    fn what_lies_under_the_edge_stops_it() {
+        let mut sheet = sheet();
+        let edge = sheet.frame * edge_pose(sheet.strip.positions());
+        sheet.take(&edge, 0.0).unwrap();
+        for step in 1..=40 {
+            let depth = -5e-5 * f64::from(step);
+            advance(
+                &mut sheet,
+                &(Translation3::new(0.0, 0.0, depth) * edge),
+                5e-3 * f64::from(step),
+            );
+        }
+        let [_, height] = sheet.last_held().unwrap().edge;
+        assert!((height - 7e-5).abs() < 1e-6, "{height}");
+        // Over its own middle it is stopped by the layer there.
+        assert!(
+            (sheet.lowest(0.15) - 1.9e-4).abs() < 3e-5,
+            "{}",
+            sheet.lowest(0.15)
+        );
+    }
+}

@@ -1,0 +1,478 @@
+//! Arms, axes, grippers and the rod or the sheet of a virtual cell, on one clock.
+
+use super::arm::{Ended, Refusal, Response, SimulatedArm};
+use super::axis::moving_parts;
+use super::camera::Scenery;
+use super::chuck::{Chuck, ChuckedSupply};
+use super::fault::{Fault, FaultKind};
+use super::rod::RodSupply;
+use super::sheet::SimulatedSheet;
+use super::simulated_rod::{HANDING_OVER, SimulatedRod};
+use crate::cell::Cell;
+use nalgebra::Translation3;
+use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_engine::mechanics::rotation;
+use rodlab_lab::experiment::Jitter;
+use rodlab_robot::{PartTrajectory, Pose};
+
+/// Time step of everything, s.
+pub const STEP: f64 = 5e-3;
+/// Time in which a gripper opens, s.
+const OPENING: f64 = 0.2;
+/// Time between the trembling of one arm and that of the next, which is the same, s: much more than a task takes.
+const APART: f64 = 1e5;
+
+/// What has happened in a step.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// The motion of an arm ended.
+    Arm(usize, Ended),
+    /// The gripper of an arm has done what it was told.
+    Gripper(usize),
+    /// A fault has come that is no business of arms and rods.
+    Fault(FaultKind),
+}
+
+/// A gripper under a command.
+#[derive(Clone, Copy, Debug, Default)]
+struct Gripper {
+    /// When it is done, s.
+    done: Option<f64>,
+}
+
+/// A cell in simulation.
+pub struct SimulatedCell {
+    time: f64,
+    arms: Vec<SimulatedArm>,
+    grippers: Vec<Gripper>,
+    /// Openings at and above which each gripper lets go, m, and to which it was told to go last.
+    opened: Vec<Option<f64>>,
+    told: Vec<Option<f64>>,
+    table: Pose,
+    supply: Option<RodSupply>,
+    /// Rods of another kind, for the arms after the first.
+    second_supply: Option<RodSupply>,
+    /// How the hands tremble, which the joints do not tell.
+    jitter: Option<Jitter>,
+    /// The rod.
+    rod: Option<SimulatedRod>,
+    /// The sheet, and the arm that took it last.
+    sheet: Option<(SimulatedSheet, usize)>,
+    /// The chuck with its rod.
+    chuck: Option<Chuck>,
+    /// Faults to come, and when the first motion began, s.
+    faults: Vec<Fault>,
+    moved: Option<f64>,
+}
+
+impl SimulatedCell {
+    /// The arms of a cell at home, with rods for their grippers or a sheet on the table, if there are any.
+    pub fn new(
+        cell: &Cell,
+        response: Response,
+        [supply, second_supply]: [Option<RodSupply>; 2],
+        sheet: Option<SimulatedSheet>,
+        chucked: Option<ChuckedSupply>,
+        jitter: Option<Jitter>,
+        faults: Vec<Fault>,
+    ) -> Self {
+        let parts = moving_parts(cell);
+        let grippers = parts.iter().map(|arm| arm.gripper.as_ref());
+        // Half open is open.
+        let opened = grippers.map(|known| known.map(|known| 0.5 * (known.open + known.closed)));
+        Self {
+            time: 0.0,
+            arms: parts
+                .iter()
+                .map(|arm| SimulatedArm::new(arm, response))
+                .collect(),
+            grippers: vec![Gripper::default(); parts.len()],
+            opened: opened.collect(),
+            told: parts
+                .iter()
+                .map(|arm| arm.gripper.as_ref().map(|known| known.open))
+                .collect(),
+            table: cell.table.map_or_else(Pose::identity, |table| table.top),
+            supply,
+            second_supply,
+            jitter,
+            rod: None,
+            sheet: sheet.map(|sheet| (sheet, 0)),
+            chuck: chucked.map(Chuck::new),
+            faults,
+            moved: None,
+        }
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The arms, then the axes.
+    pub fn arms(&self) -> &[SimulatedArm] {
+        &self.arms
+    }
+
+    /// What a camera sees.
+    pub fn scenery(&self) -> Scenery {
+        let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.seen());
+        if let Some(chuck) = &self.chuck {
+            return Scenery {
+                second_rod: None,
+                rod: chuck.nodes().map(|nodes| (nodes, chuck.rod().radius)),
+                markers: chuck.rod().marker_places(),
+                sheet,
+                pegs: Vec::new(),
+            };
+        }
+        let rods = self.rod.as_ref().map(SimulatedRod::seen);
+        let mut rods = rods.unwrap_or_default().into_iter();
+        Scenery {
+            rod: rods.next(),
+            second_rod: rods.next(),
+            markers: Vec::new(),
+            sheet,
+            pegs: self.supply.as_ref().map_or(Vec::new(), RodSupply::pegs),
+        }
+    }
+
+    /// How far the fingers of an arm are apart, m: as what they hold is thick, or as they were told; `None` without a gripper.
+    pub fn fingers(&self, arm: usize) -> Option<f64> {
+        let told = self.told[arm]?;
+        let rod = self.rod.as_ref();
+        let is_among = rod.is_some_and(|rod| rod.holders().any(|holder| holder == arm));
+        if !is_among && self.holder() != Some(arm) {
+            return Some(told);
+        }
+        let chucked = self.chuck.as_ref().map(|chuck| 2.0 * chuck.rod().radius);
+        let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.thickness());
+        let thinnest = |rod: &SimulatedRod| {
+            let radii = rod.rods().iter().map(|rod| rod.radius);
+            2.0 * radii.fold(f64::INFINITY, f64::min)
+        };
+        let rod = rod.map(thinnest);
+        Some(told.max(chucked.or(sheet).or(rod).unwrap_or(0.0)))
+    }
+
+    /// The sheet.
+    pub fn sheet(&self) -> Option<&SimulatedSheet> {
+        self.sheet.as_ref().map(|(sheet, _)| sheet)
+    }
+
+    /// Lets an arm follow a trajectory.
+    ///
+    /// # Errors
+    /// See [`SimulatedArm::take`].
+    pub fn follow(&mut self, arm: usize, trajectory: PartTrajectory) -> Result<(), Refusal> {
+        self.arms[arm].take(trajectory, self.time)?;
+        self.moved.get_or_insert(self.time);
+        Ok(())
+    }
+
+    /// Stops an arm.
+    pub fn stop(&mut self, arm: usize) {
+        self.arms[arm].stop();
+    }
+
+    /// Opens or closes the gripper of an arm. One that closes takes the edge of the sheet, or takes hold of the rod where it lies within
+    /// its reach, or is handed the end of a rod, a new one where one lies elsewhere.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn grip(&mut self, arm: usize, opening: f64) -> Result<(), String> {
+        let Some(opened) = self.opened[arm] else {
+            return Err("this arm has no gripper".into());
+        };
+        let takes = match (self.sheet.is_some(), opening >= opened) {
+            (true, opens) => self.grip_sheet(arm, opens).map(|()| OPENING),
+            (false, true) => self.open(arm).map(|()| OPENING),
+            (false, false) if self.chuck.is_some() => self.clamp(arm),
+            (false, false) => self.close(arm),
+        };
+        self.grippers[arm].done = Some(self.time + takes?);
+        self.told[arm] = Some(opening);
+        Ok(())
+    }
+
+    /// Lets go what an arm holds.
+    fn open(&mut self, arm: usize) -> Result<(), String> {
+        let opened = match (&mut self.chuck, &mut self.rod) {
+            (Some(chuck), _) if chuck.holder() == Some(arm) => chuck.let_go(),
+            (None, Some(rod)) => rod.release_by(arm),
+            _ => Ok(()),
+        };
+        opened.map_err(|error| error.to_string())
+    }
+
+    /// Takes hold of a rod, or is handed one; the time that it takes, s.
+    fn close(&mut self, arm: usize) -> Result<f64, String> {
+        let hand = self.hand(arm);
+        let Some(supply) = self.supply_of(arm) else {
+            return Ok(OPENING);
+        };
+        if let Some(rod) = &self.rod {
+            if rod.holders().any(|holder| holder == arm) {
+                return Ok(OPENING);
+            }
+            if let Some(node) = rod.within_reach(&hand) {
+                self.arms[arm].must_stand()?;
+                return self.take(arm, node, &hand);
+            }
+            if let Some(holder) = rod.holders().next() {
+                return Err(format!(
+                    "{} holds the rod, and {} does not reach it: none of it is within 1.5 cm of the hand",
+                    self.arms[holder].name, self.arms[arm].name
+                ));
+            }
+        }
+        self.arms[arm].must_stand()?;
+        // A rod of another kind stays where it lies.
+        let other = self.rod.as_ref().zip(self.second_supply.as_ref());
+        let other = other.and_then(|(rod, _)| {
+            let [only] = rod.rods() else {
+                return None;
+            };
+            let kind = self.supply_of(only.arm)?;
+            (!std::ptr::eq(kind, supply)).then_some((rod, kind))
+        });
+        let handed = match other {
+            Some(lying) => supply.handed_beside(lying, arm, &hand, &self.table, self.time),
+            None => supply.handed(arm, &hand, &self.table, self.time),
+        };
+        self.rod = Some(handed?);
+        Ok(HANDING_OVER)
+    }
+
+    /// Takes hold of a node of the rod; the time that it takes, s.
+    fn take(&mut self, arm: usize, node: usize, hand: &Pose) -> Result<f64, String> {
+        if let Some(rod) = &mut self.rod {
+            let taken = rod.take(arm, node, hand, self.time);
+            taken.map_err(|error| error.to_string())?;
+        }
+        Ok(OPENING)
+    }
+
+    /// The rods for an arm.
+    fn supply_of(&self, arm: usize) -> Option<&RodSupply> {
+        let second = self.second_supply.as_ref().filter(|_| arm > 0);
+        second.or(self.supply.as_ref())
+    }
+
+    /// Takes the edge of the sheet, or lets it go.
+    fn grip_sheet(&mut self, arm: usize, opens: bool) -> Result<(), String> {
+        let holder = self.holder();
+        match (opens, holder) {
+            (true, Some(holder)) if holder == arm => {
+                self.let_go().map_err(|error| error.to_string())
+            }
+            (false, Some(holder)) if holder != arm => {
+                Err(format!("{} holds the sheet", self.arms[holder].name))
+            }
+            (true, _) | (false, Some(_)) => Ok(()),
+            (false, None) => {
+                self.arms[arm].must_stand()?;
+                let (hand, now) = (self.hand(arm), self.time);
+                let Some((sheet, holder)) = &mut self.sheet else {
+                    return Ok(());
+                };
+                sheet.take(&hand, now)?;
+                *holder = arm;
+                Ok(())
+            }
+        }
+    }
+
+    /// The arm whose gripper holds the rod or the sheet.
+    fn holder(&self) -> Option<usize> {
+        if let Some(chuck) = &self.chuck {
+            return chuck.holder();
+        }
+        let sheet = self.sheet.as_ref().filter(|(sheet, _)| sheet.is_held());
+        let rod = self.rod.as_ref().and_then(|rod| rod.holders().next());
+        sheet.map(|(_, holder)| *holder).or(rod)
+    }
+
+    /// Clamps a rod between the chuck and the hand of an arm; the time that it takes, s.
+    fn clamp(&mut self, arm: usize) -> Result<f64, String> {
+        let Some(chuck) = &mut self.chuck else {
+            return Ok(OPENING);
+        };
+        match chuck.holder() {
+            Some(holder) if holder != arm => {
+                return Err(format!("{} holds the rod", self.arms[holder].name));
+            }
+            Some(_) => return Ok(OPENING),
+            None => {}
+        }
+        self.arms[arm].must_stand()?;
+        let angle = self.arms[chuck.part()].joints()[0];
+        let taken = chuck.take(arm, &self.arms[arm].hand(), angle, self.time);
+        taken.map(|()| HANDING_OVER)
+    }
+
+    /// What is held slips; of several grippers that hold one rod, out of that which took hold last.
+    fn let_go(&mut self) -> Result<(), SimulationError> {
+        if let Some(chuck) = &mut self.chuck {
+            chuck.let_go()?;
+        }
+        if let Some((sheet, _)) = &mut self.sheet {
+            sheet.release()?;
+        }
+        let Some(rod) = &mut self.rod else {
+            return Ok(());
+        };
+        let last = rod.holders().next_back();
+        last.map_or(Ok(()), |arm| rod.release_by(arm))
+    }
+
+    /// Moves on by a step, or a rod that takes long to simulate towards the end of the last one.
+    ///
+    /// # Errors
+    /// The rod finds no step.
+    pub fn advance(&mut self) -> Result<Vec<Event>, SimulationError> {
+        if !self.lead()? {
+            return Ok(Vec::new());
+        }
+        let mut events = self.suffer()?;
+        self.time += STEP;
+        for (index, arm) in self.arms.iter_mut().enumerate() {
+            if let Some(ended) = arm.advance(self.time, STEP) {
+                events.push(Event::Arm(index, ended));
+            }
+        }
+        self.lead()?;
+        for (index, gripper) in self.grippers.iter_mut().enumerate() {
+            if gripper.done.take_if(|done| *done <= self.time).is_some() {
+                events.push(Event::Gripper(index));
+            }
+        }
+        Ok(events)
+    }
+
+    /// Where the hand of an arm is, trembling.
+    fn hand(&self, arm: usize) -> Pose {
+        let hand = self.arms[arm].hand();
+        match &self.jitter {
+            Some(jitter) => {
+                let (way, turn) = jitter.at(self.time + APART * arm as f64);
+                let place = Translation3::from(hand.translation.vector + way);
+                Pose::from_parts(place, rotation::from_vector(turn) * hand.rotation)
+            }
+            None => hand,
+        }
+    }
+
+    /// Leads what is held on to now; whether it has come there.
+    fn lead(&mut self) -> Result<bool, SimulationError> {
+        if let Some(chuck) = &mut self.chuck {
+            let angle = self.arms[chuck.part()].joints()[0];
+            return chuck.lead(|arm| self.arms[arm].hand(), angle, self.time);
+        }
+        if let Some(holder) = self.sheet.as_ref().map(|(_, holder)| *holder) {
+            let hand = self.hand(holder);
+            if let Some((sheet, _)) = &mut self.sheet {
+                return sheet.advance(&hand, self.time);
+            }
+        }
+        // Hands are where they are: only the rod moves.
+        let Some(mut rod) = self.rod.take() else {
+            return Ok(true);
+        };
+        let has_come = rod.advance_in(|arm| self.hand(arm), self.time);
+        self.rod = Some(rod);
+        has_come
+    }
+
+    /// Lets the faults come whose time it is.
+    fn suffer(&mut self) -> Result<Vec<Event>, SimulationError> {
+        let Some(moved) = self.moved else {
+            return Ok(Vec::new());
+        };
+        let now = self.time - moved;
+        let moving = self.arms.iter().position(SimulatedArm::is_moving);
+        let holds = self.holder().is_some();
+        // A joint freezes in a motion, and what is held slips.
+        let has_come = |fault: &Fault| {
+            fault.time <= now
+                && match fault.kind {
+                    FaultKind::FreezeJoint => moving.is_some(),
+                    FaultKind::SlipGrasp => holds,
+                    FaultKind::DropLink | FaultKind::LoseCamera => true,
+                }
+        };
+        let (come, rest): (Vec<Fault>, Vec<Fault>) =
+            self.faults.iter().copied().partition(has_come);
+        self.faults = rest;
+        let mut events = Vec::new();
+        for fault in come {
+            match (fault.kind, moving) {
+                (FaultKind::FreezeJoint, Some(arm)) => {
+                    self.arms[arm].freeze();
+                }
+                (FaultKind::SlipGrasp, _) => self.let_go()?,
+                _ => {}
+            }
+            events.push(Event::Fault(fault.kind));
+        }
+        Ok(events)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{cell, short_rod};
+    use super::*;
+
+    /// Moves an arm to joints within so many seconds.
+    fn go(cell: &mut SimulatedCell, arm: usize, joints: [f64; 6], seconds: f64) {
+        let names = cell.arms()[arm].names().into_iter();
+        let trajectory = PartTrajectory {
+            joints: names.map(str::to_owned).collect(),
+            times: vec![0.0, seconds],
+            points: vec![cell.arms()[arm].joints().to_vec(), joints.to_vec()],
+        };
+        cell.follow(arm, trajectory).unwrap();
+        while cell.arms()[arm].is_moving() {
+            cell.advance().unwrap();
+        }
+    }
+
+    fn wait(cell: &mut SimulatedCell, seconds: f64) {
+        let until = cell.time() + seconds;
+        while cell.time() < until {
+            cell.advance().unwrap();
+        }
+    }
+
+    #[test]
+    fn a_gripper_takes_hold_of_a_rod_that_another_one_holds_where_it_reaches_it() {
+        let (_folder, file) = short_rod();
+        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let served = cell("two_gantries");
+        let (response, rods) = (Response::default(), [Some(supply), None]);
+        let mut cell = SimulatedCell::new(&served, response, rods, None, None, None, Vec::new());
+        go(&mut cell, 0, [-0.4, 0.0, 0.27, 0.0, 0.0, 0.0], 2.0);
+        cell.grip(0, 0.0).unwrap();
+        wait(&mut cell, 1.5);
+        let words = cell.grip(1, 0.0).unwrap_err();
+        assert!(words.contains("right does not reach it"), "{words}");
+        let free = cell.scenery().rod.unwrap().0[0];
+        let [x, y, z] = [free.x, free.y, free.z + 5e-3];
+        go(&mut cell, 1, [x, y, z, 0.0, 0.0, 0.0], 4.0);
+        cell.grip(1, 0.0).unwrap();
+        wait(&mut cell, 0.3);
+        go(&mut cell, 1, [x, y, z + 0.03, 0.0, 0.0, 0.0], 1.0);
+        let nodes = cell.scenery().rod.unwrap().0;
+        assert!((nodes[0].z - free.z - 0.03).abs() < 3e-3);
+        assert!((nodes[30].z - 0.27).abs() < 1e-3);
+        // What slips is what was taken last; the other one holds on.
+        cell.let_go().unwrap();
+        wait(&mut cell, 0.5);
+        let nodes = cell.scenery().rod.unwrap().0;
+        assert!((nodes[30].z - 0.27).abs() < 1e-3);
+        assert!(nodes[0].z < free.z + 0.02, "{}", nodes[0]);
+        cell.grip(0, 0.04).unwrap();
+        assert_eq!(cell.holder(), None);
+    }
+}

@@ -1,0 +1,298 @@
+//! A rod in simulation, or two that touch each other: led by the hands of the grippers that hold it, let go.
+
+use super::grip::{Grip, within_reach};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
+use rodlab_engine::mechanics::system::Grasp;
+use rodlab_robot::Pose;
+use std::time::{Duration, Instant};
+
+/// Time in which a rod that is handed over comes into the fingers, s.
+pub const HANDING_OVER: f64 = 1.0;
+/// Speed of every node below which a rod that was let go rests, m/s.
+const REST: f64 = 1e-4;
+/// Longest time of simulation without a look at anything else.
+const AT_A_TIME: Duration = Duration::from_millis(20);
+/// Longest time for the simulation of a fall: a heap of rod is hard, and the rod along the pattern lies already.
+const LONGEST_FALL: Duration = Duration::from_secs(2);
+/// Height of a rod's end at which the table stops the hand that leads it, in radii.
+const FLOOR: f64 = 1.05;
+
+/// Where a rod begins that a gripper holds by its end.
+pub struct Placed {
+    /// The frame of its simulation in the cell.
+    pub frame: Pose,
+    /// Its end in that frame, which clamp 0 of the scene holds.
+    pub end: Pose,
+    /// Its radius, m.
+    pub radius: f64,
+}
+
+/// A rod that was handed to an arm.
+#[derive(Clone, Copy, Debug)]
+pub struct HandedRod {
+    /// The arm.
+    pub arm: usize,
+    /// How many nodes it has.
+    pub nodes: usize,
+    /// Its radius, m.
+    pub radius: f64,
+}
+
+/// A rod in simulation, or two that touch each other.
+pub struct SimulatedRod {
+    simulation: Simulation,
+    /// The frame of the simulation in the cell.
+    frame: Pose,
+    /// The grippers that hold it, in the order in which they took hold.
+    grips: Vec<Grip>,
+    /// Until when their hands lead it, s of the simulation.
+    led_until: f64,
+    /// When the simulation began, s.
+    begin: f64,
+    /// The rods, in the order of their nodes.
+    rods: Vec<HandedRod>,
+    /// When it was let go, s of the simulation, and the time that its fall has taken to simulate.
+    released: f64,
+    falling: Duration,
+    rests: bool,
+}
+
+impl SimulatedRod {
+    /// A rod whose end is held by clamp 0 of its scene, from the time `now`, s, on.
+    pub fn held(simulation: Simulation, placed: Placed, now: f64) -> Self {
+        let rod = HandedRod {
+            arm: 0,
+            nodes: simulation.positions().len(),
+            radius: placed.radius,
+        };
+        Self::held_by(simulation, &placed, &[rod], now)
+    }
+
+    /// Rods on a table, z = 0 in the frame of the simulation, which stops hands. The end of the last one is held by clamp 0 of the
+    /// scene, and handed to its arm at the time `now`, s.
+    pub fn handed(simulation: Simulation, placed: Placed, rods: &[HandedRod], now: f64) -> Self {
+        let floor = FLOOR * placed.radius;
+        let mut handed = Self::held_by(simulation, &placed, rods, now);
+        let grips = handed.grips.into_iter();
+        handed.grips = grips.map(|grip| grip.stopped_at(floor)).collect();
+        handed
+    }
+
+    fn held_by(simulation: Simulation, placed: &Placed, rods: &[HandedRod], now: f64) -> Self {
+        let end = rods.iter().map(|rod| rod.nodes).sum::<usize>() - 1;
+        let arm = rods[rods.len() - 1].arm;
+        let grip = Grip::new(arm, end, 0, placed.end).handed_by(HANDING_OVER);
+        Self {
+            simulation,
+            frame: placed.frame,
+            grips: vec![grip],
+            led_until: 0.0,
+            begin: now,
+            rods: rods.to_vec(),
+            released: 0.0,
+            falling: Duration::ZERO,
+            rests: false,
+        }
+    }
+
+    /// A gripper takes the end again where it is, at `end` in the frame of the simulation, at the time `now`, s.
+    ///
+    /// # Errors
+    /// The simulation refuses.
+    pub fn take_again(&mut self, node: usize, end: Pose, now: f64) -> Result<(), SimulationError> {
+        let clamp = self.clamped(node, now)?;
+        self.grips.push(Grip::new(0, node, clamp, end));
+        Ok(())
+    }
+
+    /// The node that a hand in the cell reaches: the nearest within 1.5 cm seen from above, if the hand is as low as it, and nobody
+    /// holds the rod there.
+    pub fn within_reach(&self, hand: &Pose) -> Option<usize> {
+        let hand = self.frame.inverse() * hand;
+        within_reach(&hand.translation.vector, self.positions(), &self.grips)
+    }
+
+    /// The gripper of an arm, whose hand is somewhere in the cell, takes hold of a node at the time `now`, s. From then on the node
+    /// moves with the hand, which does not press it into what lies under it.
+    ///
+    /// # Errors
+    /// The simulation refuses.
+    pub fn take(
+        &mut self,
+        arm: usize,
+        node: usize,
+        hand: &Pose,
+        now: f64,
+    ) -> Result<(), SimulationError> {
+        let clamp = self.clamped(node, now)?;
+        let hand = self.frame.inverse() * hand;
+        let lowest = hand.translation.z;
+        self.grips
+            .push(Grip::new(arm, node, clamp, hand).stopped_at(lowest));
+        Ok(())
+    }
+
+    /// A new clamp of a node at the time `now`, s. A rod that lay goes on from there.
+    fn clamped(&mut self, node: usize, now: f64) -> Result<usize, SimulationError> {
+        let grasp = Grasp {
+            position: true,
+            frame: true,
+        };
+        let clamp = self.simulation.grasp(node, grasp)?;
+        if self.grips.is_empty() {
+            self.led_until = self.simulation.time();
+            self.begin = now - self.simulation.time();
+            self.falling = Duration::ZERO;
+            self.rests = false;
+        }
+        Ok(clamp)
+    }
+
+    /// Moves on towards the time `now`, s, what is held of it in the hand; whether it has come there. Hard steps take long: then it
+    /// must be called again, with the same hand, so that others need not wait.
+    ///
+    /// # Errors
+    /// No step is found, or the rod is torn, while it is held. One that was let go stays as it is then.
+    pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
+        self.advance_in(|_| *hand, now)
+    }
+
+    /// The same with the hand of each arm that holds it.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn advance_in(
+        &mut self,
+        hand: impl Fn(usize) -> Pose,
+        now: f64,
+    ) -> Result<bool, SimulationError> {
+        let until = now - self.begin;
+        if self.rests {
+            return Ok(true);
+        }
+        if self.is_held() && until > self.led_until {
+            let times = [self.simulation.time(), until];
+            for grip in &mut self.grips {
+                let hand = self.frame.inverse() * hand(grip.holder);
+                let motion = grip.lead(&hand, times);
+                self.simulation.move_clamp(grip.clamp, motion);
+            }
+            self.led_until = until;
+        }
+        let work = Instant::now();
+        while self.simulation.time() < until {
+            if work.elapsed() > AT_A_TIME {
+                self.settled(work);
+                return Ok(self.rests);
+            }
+            if let Err(error) = self.simulation.advance(until) {
+                return self.given_up(error).map(|()| true);
+            }
+        }
+        self.settled(work);
+        Ok(true)
+    }
+
+    /// Notes whether a rod that was let go rests, or falls in a way that takes too long to simulate.
+    fn settled(&mut self, work: Instant) {
+        // One that was held still rests until its first step.
+        if self.is_held() || self.simulation.time() <= self.released {
+            return;
+        }
+        let velocities = self.simulation.velocities().iter();
+        let fastest = velocities.map(|v| v.norm()).fold(0.0, f64::max);
+        self.falling += work.elapsed();
+        self.rests = fastest < REST;
+        if !self.rests && self.falling > LONGEST_FALL {
+            tracing::warn!(
+                "the rod that was let go takes long to simulate: it stays as it is, its fastest node at {fastest:.3} m/s"
+            );
+            self.rests = true;
+        }
+    }
+
+    /// A rod that was let go stays as it is where no step is found.
+    fn given_up(&mut self, error: SimulationError) -> Result<(), SimulationError> {
+        if self.is_held() {
+            return Err(error);
+        }
+        tracing::warn!("the rod that was let go stays as it is: {error}");
+        self.rests = true;
+        Ok(())
+    }
+
+    /// All grippers let go.
+    ///
+    /// # Errors
+    /// The simulation refuses.
+    pub fn release(&mut self) -> Result<(), SimulationError> {
+        self.released = self.simulation.time();
+        for grip in self.grips.drain(..) {
+            self.simulation.release(grip.clamp)?;
+        }
+        Ok(())
+    }
+
+    /// The gripper of an arm lets go, if it holds the rod.
+    ///
+    /// # Errors
+    /// The simulation refuses.
+    pub fn release_by(&mut self, arm: usize) -> Result<(), SimulationError> {
+        for grip in self.grips.extract_if(.., |grip| grip.holder == arm) {
+            self.released = self.simulation.time();
+            self.simulation.release(grip.clamp)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a gripper holds it.
+    pub fn is_held(&self) -> bool {
+        !self.grips.is_empty()
+    }
+
+    /// The arms whose grippers hold it, in the order in which they took hold.
+    pub fn holders(&self) -> impl DoubleEndedIterator<Item = usize> {
+        self.grips.iter().map(|grip| grip.holder)
+    }
+
+    /// Multiplies a load of its scene by a factor, see [`Simulation::set_load_factor`].
+    ///
+    /// # Errors
+    /// There is no such load.
+    pub fn set_load(&mut self, load: usize, factor: f64) -> Result<(), SimulationError> {
+        self.simulation.set_load_factor(load, factor)
+    }
+
+    /// Its nodes in the frame of its simulation, m, without those of pegs.
+    pub fn positions(&self) -> &[Vector3] {
+        let nodes = self.rods.iter().map(|rod| rod.nodes).sum();
+        &self.simulation.positions()[..nodes]
+    }
+
+    /// Its nodes in the cell, m.
+    pub fn nodes(&self) -> Vec<Vector3> {
+        let nodes = self.positions().iter();
+        nodes
+            .map(|node| (self.frame * nalgebra::Point3::from(*node)).coords)
+            .collect()
+    }
+
+    /// Nodes in the cell, m, and radius, m, of each rod.
+    pub fn seen(&self) -> Vec<(Vec<Vector3>, f64)> {
+        let mut nodes = self.nodes();
+        let rods = self.rods.iter();
+        rods.map(|rod| (nodes.drain(..rod.nodes).collect(), rod.radius))
+            .collect()
+    }
+
+    /// The rods, in the order of their nodes.
+    pub fn rods(&self) -> &[HandedRod] {
+        &self.rods
+    }
+
+    /// The frame of its simulation in the cell.
+    pub fn frame(&self) -> Pose {
+        self.frame
+    }
+}

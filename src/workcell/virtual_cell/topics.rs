@@ -1,0 +1,154 @@
+//! What a virtual cell calls its actions and topics: as its cell file does, so that clients find them.
+
+use super::axis::moving_parts;
+use crate::cell::{Cell, Driver};
+use rodlab_robot::RosVersion;
+
+/// Topic of the clock.
+pub const CLOCK: &str = "/clock";
+/// Topic of the camera where the cell file names none.
+const CAMERA: &str = "/camera/image_raw";
+/// Most pixels of the camera.
+const MOST_PIXELS: u64 = 4_000_000;
+
+/// Names of an arm, or of an axis.
+pub struct ArmTopics {
+    /// Its own.
+    pub name: String,
+    /// Which ROS it speaks.
+    pub version: RosVersion,
+    /// The action by which it moves.
+    pub action: String,
+    /// The topic of its joints.
+    pub joint_states: String,
+    /// The action of its gripper.
+    pub gripper: Option<String>,
+    /// The joint of its fingers.
+    pub fingers: Option<String>,
+}
+
+/// Names of all.
+pub struct Topics {
+    /// Those of the arms, then those of the axes.
+    pub arms: Vec<ArmTopics>,
+    /// Which ROS the clock and the camera speak: that of the first arm.
+    pub version: RosVersion,
+    /// The topic of the camera.
+    pub camera: String,
+}
+
+impl Topics {
+    /// Those of a cell.
+    ///
+    /// # Errors
+    /// In words: an arm has another driver, two arms share an action, the camera is too large.
+    pub fn of(cell: &Cell) -> Result<Self, String> {
+        let mut arms: Vec<ArmTopics> = Vec::new();
+        for arm in moving_parts(cell) {
+            let Some(Driver::Rosbridge {
+                ros,
+                action,
+                joint_states,
+                ..
+            }) = &arm.driver
+            else {
+                return Err(format!(
+                    "arm {}: a virtual cell moves arms with a driver of kind \"rosbridge\"",
+                    arm.name
+                ));
+            };
+            if arms.iter().any(|known| known.action == *action) {
+                return Err(format!(
+                    "arm {}: another one has the action {action}",
+                    arm.name
+                ));
+            }
+            arms.push(ArmTopics {
+                name: arm.name.clone(),
+                version: match ros {
+                    1 => RosVersion::One,
+                    _ => RosVersion::Two,
+                },
+                action: action.clone(),
+                joint_states: joint_states.clone(),
+                gripper: arm.gripper.as_ref().map(|gripper| gripper.action.clone()),
+                fingers: arm
+                    .gripper
+                    .as_ref()
+                    .and_then(|gripper| gripper.joint.clone()),
+            });
+        }
+        let version = arms.first().ok_or("a virtual cell needs an arm")?.version;
+        let mut camera = CAMERA.to_owned();
+        if let Some(known) = &cell.camera {
+            let [width, height] = known.size.map(u64::from);
+            if width * height > MOST_PIXELS {
+                return Err(format!(
+                    "the camera has {width} × {height} pixels; a virtual one may have {MOST_PIXELS}"
+                ));
+            }
+            let place = known
+                .source
+                .as_deref()
+                .and_then(|source| source.strip_prefix("rosbridge://"));
+            if let Some((_, topic)) = place.and_then(|place| place.split_once('/')) {
+                camera = format!("/{topic}");
+            }
+        }
+        Ok(Self {
+            arms,
+            version,
+            camera,
+        })
+    }
+
+    /// Whether there is such a topic.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn know(&self, topic: &str) -> Result<(), String> {
+        let of_action = |action: &String| {
+            let rest = topic.strip_prefix(action.as_str());
+            rest.is_some_and(|rest| ["/status", "/feedback", "/result"].contains(&rest))
+        };
+        let is_of_arm = |arm: &ArmTopics| {
+            arm.joint_states == topic
+                || of_action(&arm.action)
+                || arm.gripper.as_ref().is_some_and(of_action)
+        };
+        if topic == CLOCK || topic == self.camera || self.arms.iter().any(is_of_arm) {
+            return Ok(());
+        }
+        let mut names = vec![CLOCK, self.camera.as_str()];
+        names.extend(self.arms.iter().map(|arm| arm.joint_states.as_str()));
+        Err(format!(
+            "there is no topic {topic}; there are {}, and those of actions",
+            names.join(", ")
+        ))
+    }
+
+    /// The arm of an action, and whether it is that of the gripper.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn action(&self, action: &str) -> Result<(usize, bool), String> {
+        let arms = self.arms.iter().enumerate();
+        for (index, arm) in arms {
+            if arm.action == action {
+                return Ok((index, false));
+            }
+            if arm.gripper.as_deref() == Some(action) {
+                return Ok((index, true));
+            }
+        }
+        let mut names: Vec<&str> = Vec::new();
+        for arm in &self.arms {
+            names.push(&arm.action);
+            names.extend(arm.gripper.as_deref());
+        }
+        Err(format!(
+            "there is no action {action}; there are {}",
+            names.join(", ")
+        ))
+    }
+}
