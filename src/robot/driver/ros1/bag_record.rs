@@ -1,6 +1,6 @@
 //! Records of bags of ROS 1: headers of named fields, data, and chunks of records.
 
-use super::lz4::decode_frame;
+use lz4_flex::frame::FrameDecoder;
 use std::io::{ErrorKind, Read};
 
 /// Largest header of a record.
@@ -33,11 +33,21 @@ pub fn decompressed(
     match compression {
         None | Some(b"none") if data.len() == size => Ok(data),
         None | Some(b"none") => Err("a chunk is damaged".into()),
-        Some(b"lz4") => decode_frame(&data, size),
+        Some(b"lz4") => decode_lz4(&data, size),
         Some(other) => Err(format!(
             "its chunks are compressed by {}; allowed: none and lz4 (`rosbag decompress` writes such a bag)",
             String::from_utf8_lossy(other)
         )),
+    }
+}
+
+/// Decodes an LZ4 frame of exactly `size` bytes, and at most one block more.
+fn decode_lz4(frame: &[u8], size: usize) -> Result<Vec<u8>, String> {
+    let mut decoded = Vec::new();
+    let mut bounded = FrameDecoder::new(frame).take(size as u64 + 1);
+    match bounded.read_to_end(&mut decoded) {
+        Ok(read) if read == size => Ok(decoded),
+        _ => Err("its LZ4 data is damaged".into()),
     }
 }
 
@@ -134,6 +144,16 @@ pub fn u32_of(bytes: &[u8]) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    /// An LZ4 frame with independent blocks: twenty letters a, then "bcd".
+    fn frame() -> Vec<u8> {
+        let descriptor = [0x04, 0x22, 0x4d, 0x18, 0x60, 0x40, 0x82];
+        // Token 0x1f: one literal, match of 15 + 0 + 4 at offset 1; then three literals.
+        let block = [0x1f, b'a', 1, 0, 0, 0x30, b'b', b'c', b'd'];
+        let size = (block.len() as u32).to_le_bytes();
+        [&descriptor[..], &size, &block, &[0; 4]].concat()
+    }
 
     #[test]
     fn fields_are_found_by_their_names() {
@@ -169,5 +189,30 @@ mod tests {
         assert!(error.contains("bz2") && error.contains("lz4"), "{error}");
         assert_eq!(decompressed(Some(b"none"), vec![1, 2], 2).unwrap(), [1, 2]);
         assert!(decompressed(None, vec![1, 2], 3).is_err());
+    }
+
+    #[test]
+    fn compressed_chunks_have_the_size_of_their_record() {
+        let expected = [&[b'a'; 20][..], b"bcd"].concat();
+        assert_eq!(decompressed(Some(b"lz4"), frame(), 23).unwrap(), expected);
+        for wrong in [0, 22, 24] {
+            assert!(decompressed(Some(b"lz4"), frame(), wrong).is_err());
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn damage_is_refused_or_decoded_within_its_bounds(
+            places in proptest::collection::vec((0usize..24, any::<u8>()), 1..6),
+            size in 0usize..4096,
+        ) {
+            let mut bytes = frame();
+            for (place, value) in places {
+                bytes[place] = value;
+            }
+            if let Ok(decoded) = decode_lz4(&bytes, size) {
+                prop_assert_eq!(decoded.len(), size);
+            }
+        }
     }
 }

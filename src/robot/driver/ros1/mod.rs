@@ -1,4 +1,4 @@
-//! `control_msgs/FollowJointTrajectory` of ROS 1, natively: no ROS installation, no bridge, no further crate.
+//! `control_msgs/FollowJointTrajectory` of ROS 1, natively: no ROS installation, no bridge.
 //!
 //! A node (`node`) speaks XML-RPC (`xmlrpc`) with the master and TCPROS with the action server: goal and cancellation
 //! out, joint states, feedback, result and the clock of a simulated robot in (`message`). A `gripper` is another action. Pictures come from a `camera` or from a recording (`bag`).
@@ -8,7 +8,6 @@ mod bag_record;
 mod bag_topic;
 mod camera;
 mod gripper;
-mod lz4;
 mod message;
 mod node;
 mod xmlrpc;
