@@ -42,7 +42,9 @@
 //! virtual_cell   ──> cell, experiment
 //! cell           ──> robot, vision, scenario, figure
 //! vision         ──> figure
-//! robot, scenario ──> mesh
+//! linalg         ──> random
+//! scenario       ──> mesh, random
+//! robot          ──> mesh
 //! mesh           ──> finite, input
 //! results, figure ──> finite, input, origin
 //! ```
@@ -54,7 +56,7 @@
 //! rodlab-workcell   cell, virtual_cell, task
 //! rodlab-lab        scenario, experiment, run, sweep, report, cluster
 //! rodlab-planning   knot, learn, plan
-//! rodlab-engine     linalg, mechanics: a library of its own, without files and command line
+//! rodlab-engine     random, linalg, mechanics: a library of its own, without files and command line
 //! rodlab-robot, rodlab-vision    a room each
 //! rodlab-files      results, figure, mesh, finite, input, origin
 //! ```
@@ -73,6 +75,7 @@
 //! | [`plan`] | patterns, optimal grasps, trajectories of a gripper |
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
+//! | [`random`] | repeatable random numbers, evenly spread points |
 //! | [`robot`] | kinematic chains, inverse kinematics, joint paths, time, drivers |
 //! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
 //! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, looked at and scored |
@@ -97,7 +100,7 @@
 // Tests compare with a tolerance, and may ask any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
-pub use rodlab_engine::{linalg, mechanics};
+pub use rodlab_engine::{linalg, mechanics, random};
 pub use rodlab_files::{figure, finite, input, mesh, origin, results};
 pub use rodlab_lab::{cluster, experiment, report, run, scenario, sweep};
 pub use rodlab_planning::{knot, learn, plan};

@@ -38,3 +38,4 @@
 
 pub mod linalg;
 pub mod mechanics;
+pub mod random;

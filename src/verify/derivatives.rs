@@ -4,9 +4,9 @@ use super::rods::{clamp, unit_rod};
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::contact::ContactParameters;
-use rodlab_engine::mechanics::random::uniform_numbers;
 use rodlab_engine::mechanics::scene::{NaturalShape, Plane, RodDescription, Scene};
 use rodlab_engine::mechanics::system::{Stage, System};
+use rodlab_engine::random::uniform_numbers;
 use std::f64::consts::TAU;
 
 const GRADIENT: Expectation = Expectation {

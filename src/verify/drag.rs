@@ -33,7 +33,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
 /// Largest relative error of the closed form over 1000 pairs of point and segment: apart, near, on the
 /// axis, touching.
 fn segment_check() -> Check {
-    let mut numbers = rodlab_engine::mechanics::random::uniform_numbers(2023);
+    let mut numbers = rodlab_engine::random::uniform_numbers(2023);
     let mut vector = || Vector3::from_fn(|_, _| 2.0 * numbers() - 1.0);
     let mut worst = 0.0_f64;
     for pair in 0..1000 {

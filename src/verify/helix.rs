@@ -3,7 +3,7 @@
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_engine::mechanics::kirchhoff::{HeavyLoop, Helix, critical_distance};
-use rodlab_engine::mechanics::random::uniform_numbers;
+use rodlab_engine::random::uniform_numbers;
 use rodlab_lab::experiment::helix::stability::{
     DiscreteRod, HelixSearch, discrete_critical_distance,
 };

@@ -5,7 +5,7 @@ use rodlab_engine::mechanics::dynamics::{
     IntegrationParameters, Simulation, SimulationError, StepSize,
 };
 use rodlab_engine::mechanics::kirchhoff::{Helix, critical_distance};
-use rodlab_engine::mechanics::random::uniform_numbers;
+use rodlab_engine::random::uniform_numbers;
 use rodlab_lab::experiment::helix::manipulation::{
     Buckling, EndPath, Manipulation, Observation, helix_error,
 };

@@ -40,7 +40,7 @@ const ROOMS: Table = &[
     ("cell", &["robot", "vision", "scenario", "figure"]),
     ("robot", &["mesh"]),
     ("vision", &["figure"]),
-    ("scenario", &["mesh"]),
+    ("scenario", &["mesh", "random"]),
     ("mesh", &["finite", "input"]),
     ("results", &["finite", "input", "origin"]),
     ("figure", &["finite", "input", "origin"]),
@@ -49,7 +49,8 @@ const ROOMS: Table = &[
     ("input", &[]),
     ("cluster", &[]),
     ("guide", &[]),
-    ("linalg", &[]),
+    ("linalg", &["random"]),
+    ("random", &[]),
 ];
 
 /// Parts of `experiment`: the kinds do not know each other.
@@ -77,7 +78,6 @@ const MECHANICS: Table = &[
     ("fluid", &[]),
     ("error", &["rod", "fluid"]),
     ("kirchhoff", &[]),
-    ("random", &[]),
     ("rigid_body", &[]),
     ("rotation", &[]),
     ("scene", &["contact", "fluid", "rigid_body", "rotation"]),

@@ -4,6 +4,7 @@ use super::dissection::dissection_order;
 use super::elimination_tree::EliminationTree;
 use super::node_graph::NodeGraph;
 use super::supernodes::Supernodes;
+use crate::random::scrambled;
 use rayon::prelude::*;
 
 /// Products of blocks above which other orders than one by minimum degree are tried: those of some milliseconds.
@@ -45,14 +46,6 @@ fn renumbered_order(graph: &NodeGraph, seed: u64) -> Vec<usize> {
     nodes.sort_by_key(|node| scrambled(seed << 32 | u64::from(*node)));
     let order = graph.renumbered(&nodes).minimum_degree_order();
     order.into_iter().map(|k| nodes[k] as usize).collect()
-}
-
-/// The finaliser of SplitMix64 (Steele, Lea & Flood 2014).
-fn scrambled(number: u64) -> u64 {
-    let number = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let number = (number ^ number >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let number = (number ^ number >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    number ^ number >> 31
 }
 
 #[cfg(test)]

@@ -8,7 +8,6 @@ pub mod dynamics;
 mod error;
 pub mod fluid;
 pub mod kirchhoff;
-pub mod random;
 pub mod rigid_body;
 pub mod rod;
 pub mod rotation;

@@ -2,7 +2,6 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `sobol` | points that fill a cube evenly |
 //! | `samples` | rows of inputs and outputs, from CSV |
 //! | `scaling` | standardisation |
 //! | `network` | the multilayer perceptron |
@@ -24,7 +23,6 @@ mod network;
 mod processor;
 mod samples;
 mod scaling;
-mod sobol;
 #[cfg(test)]
 mod tests;
 mod trainer;
@@ -37,6 +35,5 @@ pub use network::Network;
 pub use processor::Processor;
 pub use samples::{Samples, SamplesError};
 pub use scaling::Scaling;
-pub use sobol::{MOST_DIMENSIONS, MOST_POINTS, sobol};
 pub use trainer::{FEWEST_SAMPLES, Standing, Trainer};
 pub use training::{Decay, Epoch, Method, Phase, Plan, Schedule};

@@ -3,6 +3,7 @@
 use super::*;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
+use rodlab_engine::random::sobol;
 use std::path::Path;
 
 /// A smooth function of two numbers at Sobol' points.

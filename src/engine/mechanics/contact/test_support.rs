@@ -2,27 +2,23 @@
 
 use super::closest_points::{ClosestPoints, FreeRatios};
 use crate::mechanics::Vector3;
+use crate::random::uniform_numbers;
 use num_dual::DualNum;
 
 /// Point–point, point–edge both ways, edge–edge.
 pub const CLASSES: [FreeRatios; 4] = [[false, false], [true, false], [false, true], [true, true]];
 
-/// A reproducible stream of random numbers (SplitMix64, Steele et al. 2014).
-pub struct Random(u64);
+/// A reproducible stream of random numbers.
+pub struct Random(Box<dyn FnMut() -> f64>);
 
 impl Random {
     pub fn new(seed: u64) -> Self {
-        Self(seed)
+        Self(Box::new(uniform_numbers(seed)))
     }
 
     /// Uniform in [−1, 1).
     pub fn symmetric(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        (z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        2.0 * (self.0)() - 1.0
     }
 
     pub fn vector(&mut self) -> Vector3 {

@@ -4,8 +4,8 @@ use super::tests::{clamp, straight_rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::kirchhoff::{Cantilever, CantileverLoad};
-use crate::mechanics::random::uniform_numbers;
 use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene, Stiffness};
+use crate::random::uniform_numbers;
 use std::f64::consts::{PI, TAU};
 
 fn gravity(acceleration: f64) -> Load {

@@ -256,7 +256,7 @@ mod tests {
     fn solutions(ratios: &[f64], inertia: f64) -> (usize, f64) {
         let count = ratios.len();
         let nodes = count / 3;
-        let mut numbers = crate::mechanics::random::uniform_numbers(7);
+        let mut numbers = crate::random::uniform_numbers(7);
         let basis = DMatrix::from_fn(count, count, |_, _| numbers() - 0.5)
             .qr()
             .q();
@@ -320,7 +320,7 @@ mod tests {
     #[test]
     fn a_rod_that_floats_along_with_a_driven_one_is_coupled_within_the_error_of_the_flow() {
         let (nodes, tolerance, inertia) = (8, 1e-6, 1e-9);
-        let mut numbers = crate::mechanics::random::uniform_numbers(3);
+        let mut numbers = crate::random::uniform_numbers(3);
         // Every node moves with the others: R has 1 on its diagonal, less 0.08 everywhere.
         let resistance_times = |v: &[Vector3]| -> Vec<Vector3> {
             let sum: Vector3 = v.iter().sum();

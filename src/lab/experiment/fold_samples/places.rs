@@ -1,7 +1,7 @@
 //! Where the gripper is for the samples.
 
 use super::keys::{FoldSamples, Lengths, Points};
-use rodlab_planning::learn::{MOST_POINTS, sobol};
+use rodlab_engine::random::{MOST_POINTS, sobol};
 use rodlab_planning::plan::fold::Workspace;
 
 /// The places of an experiment in its workspace; none where there is no such workspace.

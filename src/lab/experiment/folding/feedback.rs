@@ -4,7 +4,7 @@ use super::gripper_path::GripperPath;
 use super::keys::{Feedback, Folding};
 use crate::run::Controller;
 use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
-use rodlab_engine::mechanics::random::uniform_numbers;
+use rodlab_engine::random::uniform_numbers;
 use rodlab_planning::plan::fold::{Algorithm, FoldPlanner, FoldPose, Sheet};
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! The trembling of a gripper.
 
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::random::uniform_numbers;
+use rodlab_engine::random::uniform_numbers;
 use std::f64::consts::TAU;
 
 /// Waves that make up the jitter of one direction, and the period of the slowest over that of the fastest.

@@ -6,7 +6,7 @@
 //! | `case` | one case: its values and its id |
 //! | `portable`, `input_files` | the scenario with copies of the files that it reads |
 //! | `axis`, `range` | lists, ranges and zipped lists of values |
-//! | `sample`, `sobol` | samples of ranges |
+//! | `sample` | samples of ranges |
 //! | `points`, `vary` | points from a CSV file and from the command line |
 //! | `search` | the search for one value |
 
@@ -19,7 +19,6 @@ mod portable;
 mod range;
 mod sample;
 mod search;
-mod sobol;
 #[cfg(test)]
 mod tests;
 mod vary;

@@ -1,11 +1,11 @@
 //! Samples of the ranges of a sweep.
 
 use super::axis::{Axis, SampledRange};
-use super::sobol::{self, MOST_DIMENSIONS};
 use crate::scenario::document::Node;
 use crate::scenario::typed::{Sample, SampleMethod};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
+use rodlab_engine::random::{MOST_DIMENSIONS, sobol_coordinate};
 
 /// Most samples.
 const MOST_SAMPLES: i64 = 1_000_000;
@@ -46,7 +46,7 @@ pub fn sample(ranges: &[SampledRange], sample: &Sample) -> Result<Axis, (&'stati
     let points = (0..sample.count as u32).map(|index| {
         let value = |(dimension, range): (usize, &SampledRange)| {
             let bits = match sample.method {
-                SampleMethod::Sobol => sobol::coordinate(index, dimension) ^ shifts[dimension],
+                SampleMethod::Sobol => sobol_coordinate(index, dimension) ^ shifts[dimension],
                 SampleMethod::Random => draw(),
             };
             Node {

@@ -145,7 +145,7 @@ fn sphere_and_tail_act_on_each_other_alike_and_take_energy() {
     let setting = Setting::new(&[(Vector3::zeros(), 4.0 * RADIUS, 33)]);
     let mut fluid = setting.fluid(&STOKESLETS);
     let places = setting.positions.len();
-    let mut numbers = crate::mechanics::random::uniform_numbers(3);
+    let mut numbers = crate::random::uniform_numbers(3);
     // Smooth motions: rough ones differ by what collocation leaves.
     let mut motion = || -> Vec<Vector3> {
         let [a, b, c] = [0; 3].map(|_| Vector3::from_fn(|_, _| numbers() - 0.5));

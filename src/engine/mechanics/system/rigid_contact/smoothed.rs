@@ -146,7 +146,7 @@ fn rest_of_disk(size: f64, width: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::random::uniform_numbers;
+    use crate::random::uniform_numbers;
 
     /// Contacts that press, gape and slide by forces of decades.
     fn contacts() -> Vec<RigidContact> {

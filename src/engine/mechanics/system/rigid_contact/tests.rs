@@ -1,7 +1,7 @@
 //! Signorini's and Coulomb's laws of many contacts at once, on dense problems.
 
 use super::*;
-use crate::mechanics::random::uniform_numbers;
+use crate::random::uniform_numbers;
 use nalgebra::{DMatrix, DVector};
 use std::convert::Infallible;
 

@@ -6,7 +6,7 @@ mod typed;
 pub use resolved::{GraspSamples, Points, Span};
 
 use crate::scenario::keys::{FINITE, OwnTable, Request, Section};
-use rodlab_planning::learn::MOST_POINTS;
+use rodlab_engine::random::MOST_POINTS;
 use rodlab_planning::plan::grasp::GraspProblem;
 use serde::Serialize;
 

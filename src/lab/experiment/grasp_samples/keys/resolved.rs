@@ -1,6 +1,6 @@
 //! Samples of optimal grasps as resolved.
 
-use rodlab_planning::learn::sobol;
+use rodlab_engine::random::sobol;
 use serde::Serialize;
 
 /// Optimal grasps at many points of (l̄_s, κ̄, 1/k̄_s).

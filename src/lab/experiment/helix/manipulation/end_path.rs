@@ -2,9 +2,9 @@
 
 use crate::experiment::helix::stability::DiscreteRod;
 use rodlab_engine::mechanics::kirchhoff::Helix;
-use rodlab_engine::mechanics::random::uniform_numbers;
 use rodlab_engine::mechanics::scene::{Motion, piecewise_linear};
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
+use rodlab_engine::random::uniform_numbers;
 
 /// Distance ‖(κ, τ, ω)‖ between corners of the path. The end turns by a fraction of a radian from one to the next.
 const SPACING: f64 = 0.02;

@@ -25,14 +25,21 @@ const POLYNOMIALS: [(u32, u32, &[u32]); MOST_DIMENSIONS - 1] = [
 /// # Panics
 /// More than [`MOST_DIMENSIONS`], or a number from [`MOST_POINTS`] on.
 pub fn sobol<const DIMENSIONS: usize>(number: u64) -> [f64; DIMENSIONS] {
-    assert!(DIMENSIONS <= MOST_DIMENSIONS && number < MOST_POINTS);
-    let gray = number ^ (number >> 1);
+    let number = u32::try_from(number).expect("a number below MOST_POINTS");
     std::array::from_fn(|dimension| {
-        let directions = directions(dimension);
-        let bits = (0..32).filter(|bit| gray >> bit & 1 == 1);
-        let coordinate = bits.fold(0_u32, |sum, bit| sum ^ directions[bit]);
-        f64::from(coordinate) / MOST_POINTS as f64
+        f64::from(sobol_coordinate(number, dimension)) / MOST_POINTS as f64
     })
+}
+
+/// A coordinate of the point of a number, as 32 bits after the binary point.
+///
+/// # Panics
+/// The dimension is [`MOST_DIMENSIONS`] or more.
+pub fn sobol_coordinate(number: u32, dimension: usize) -> u32 {
+    let gray = number ^ (number >> 1);
+    let directions = directions(dimension);
+    let bits = (0..32).filter(|bit| gray >> bit & 1 == 1);
+    bits.fold(0, |sum, bit| sum ^ directions[bit])
 }
 
 /// Direction numbers of a dimension, as binary fractions.
@@ -84,6 +91,20 @@ mod tests {
                 seen[(point[dimension] * 1024.0) as usize] = true;
             }
             assert!(seen.iter().all(|seen| *seen), "{dimension}");
+        }
+    }
+
+    #[test]
+    fn two_coordinates_fill_every_elementary_rectangle() {
+        for across in 0..=6 {
+            let mut cells: Vec<u32> = (0..64)
+                .map(|number| {
+                    let [x, y] = [0, 1].map(|d| u64::from(sobol_coordinate(number, d)));
+                    ((x >> (32 - across)) << (6 - across) | y >> (26 + across)) as u32
+                })
+                .collect();
+            cells.sort_unstable();
+            assert!(cells.into_iter().eq(0..64), "{across}");
         }
     }
 
