@@ -66,8 +66,9 @@ const EXPERIMENT: Table = &[
     ("helix", &["kind"]),
     ("deployment", &["kind", "prepare"]),
     ("folding", &["kind", "prepare"]),
-    ("grasp_samples", &["kind"]),
-    ("fold_samples", &["kind"]),
+    ("data_set", &["kind"]),
+    ("grasp_samples", &["data_set"]),
+    ("fold_samples", &["data_set"]),
     ("kind", &[]),
 ];
 

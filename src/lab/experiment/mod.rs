@@ -8,11 +8,13 @@
 //! | `kind` | what makes a kind of experiment |
 //! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
 //! | `probes` | what a scenario asks to be measured, in terms of its scene |
+//! | `data_set` | what kinds share whose results are samples for a network |
 //! | `derived` | numbers for `rodlab check` |
 //! | `scene`, `flagella`, `knot`, `helix`, `deployment`, `grasp_samples`, `fold_samples`, `folding` | the kinds |
 
 #[cfg(test)]
 mod contact_tests;
+mod data_set;
 pub mod deployment;
 mod derived;
 mod described;
@@ -76,8 +78,8 @@ pub static KINDS: &[&dyn Kind] = &[
     &knot::InversionKind,
     &helix::stability::HelixStabilityKind,
     &deployment::DeploymentKind,
-    &grasp_samples::GraspSamplesKind,
-    &fold_samples::FoldSamplesKind,
+    &grasp_samples::GRASP_SAMPLES,
+    &fold_samples::FOLD_SAMPLES,
     &folding::FoldingKind,
 ];
 

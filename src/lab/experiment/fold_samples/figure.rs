@@ -1,8 +1,8 @@
 //! The workspace with its samples.
 
-use super::files::SAMPLES;
-use super::keys::{FoldSamples, Lengths};
+use super::keys::FoldSamples;
 use super::row::Sample;
+use crate::experiment::data_set::{SAMPLES, Span};
 use rodlab_files::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
 use rodlab_files::results::{ResultsError, read_whole_rows};
 use rodlab_planning::plan::fold::Workspace;
@@ -42,7 +42,7 @@ pub fn figure(rows: &[Sample], plan: &FoldSamples) -> Figure {
         let points = places.into_iter().map(|[x, z]| (x, Some(z)));
         Curve::new(name, points.collect())
     };
-    let Lengths { from, to } = plan.suspended_length;
+    let Span { from, to } = plan.suspended_length;
     let outline = Workspace::new([from, to]).map(|workspace| {
         let mut places = workspace.outline().to_vec();
         places.extend(places.first().copied());

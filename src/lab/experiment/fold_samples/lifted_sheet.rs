@@ -1,10 +1,9 @@
 //! The scene that stands for all samples: a sheet as it hangs from the gripper.
 
 use super::keys::FoldSamples;
+use crate::experiment::data_set::hanging;
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
-};
+use rodlab_engine::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
 use rodlab_planning::plan::fold::FoldAtlas;
 
 /// Edges of the sheet.
@@ -31,22 +30,5 @@ pub fn lifted_sheet(plan: &FoldSamples) -> Option<Scene> {
         natural_shape: NaturalShape::Centreline(flat.collect()),
         ..RodDescription::uniform("sheet", centreline, stiffness, RADIUS, 0.5)
     };
-    let clamp = |node, holds_frame| Clamp {
-        rod: 0,
-        node,
-        holds_position: true,
-        holds_frame,
-        motion: Motion::default(),
-    };
-    Some(Scene {
-        rods: vec![sheet],
-        clamps: vec![clamp(0, true), clamp(EDGES, false)],
-        loads: vec![Load {
-            kind: LoadKind::Gravity {
-                acceleration: -Vector3::z(),
-            },
-            schedule: Vec::new(),
-        }],
-        ..Scene::default()
-    })
+    Some(hanging(sheet, false))
 }

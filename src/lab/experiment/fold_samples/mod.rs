@@ -19,4 +19,4 @@ mod samples;
 #[cfg(test)]
 mod tests;
 
-pub use kind::FoldSamplesKind;
+pub use kind::FOLD_SAMPLES;

@@ -1,12 +1,13 @@
 //! Where the gripper is for the samples.
 
-use super::keys::{FoldSamples, Lengths, Points};
+use super::keys::{FoldSamples, Points};
+use crate::experiment::data_set::Span;
 use rodlab_engine::random::{MOST_POINTS, sobol};
 use rodlab_planning::plan::fold::Workspace;
 
 /// The places of an experiment in its workspace; none where there is no such workspace.
 pub fn places(plan: &FoldSamples) -> Option<Vec<[f64; 2]>> {
-    let Lengths { from, to } = plan.suspended_length;
+    let Span { from, to } = plan.suspended_length;
     let workspace = Workspace::new([from, to])?;
     let reach = workspace.reach();
     let places = match plan.points {

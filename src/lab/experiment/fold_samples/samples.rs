@@ -1,10 +1,10 @@
 //! All samples of an experiment, each solved on its own.
 
 use super::figure::figure;
-use super::files::{SAMPLES, SAMPLES_FIGURE};
 use super::keys::FoldSamples;
 use super::places::places;
 use super::row::{Outcome, Sample};
+use crate::experiment::data_set::{SAMPLES, SAMPLES_FIGURE};
 use crate::run::TableJob;
 use rodlab_files::figure::Paper;
 use rodlab_files::results::{ResultsError, write_whole};

@@ -1,8 +1,9 @@
 //! What may be asked for, where the places are, and what stands in a row.
 
-use super::keys::{FoldSamples, Lengths, Points};
+use super::keys::{FoldSamples, Points};
 use super::places::places;
 use super::samples::Samples;
+use crate::experiment::data_set::Span;
 use crate::experiment::from_text;
 use crate::run::TableJob;
 use rodlab_planning::plan::fold::FoldAtlas;
@@ -11,7 +12,7 @@ use std::path::Path;
 fn plan(points: Points) -> FoldSamples {
     FoldSamples {
         points,
-        suspended_length: Lengths { from: 0.6, to: 4.0 },
+        suspended_length: Span { from: 0.6, to: 4.0 },
         least_suspended_length: 0.958,
     }
 }

@@ -1,7 +1,7 @@
 //! Where grippers are, over the suspended length.
 
-use super::files::SAMPLES;
 use super::row::Sample;
+use crate::experiment::data_set::SAMPLES;
 use rodlab_files::figure::{Curve, Figure, LinePlot, Look, line_plots};
 use rodlab_files::results::{ResultsError, read_whole_rows};
 use std::path::Path;

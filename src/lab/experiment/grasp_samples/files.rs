@@ -1,13 +1,8 @@
 //! What samples of optimal grasps leave in a results directory, in words.
 
+use crate::experiment::data_set::{SAMPLES, SAMPLES_FIGURE};
 use rodlab_files::columns;
 use rodlab_files::results::{Column, FileDescription, always, file, table};
-
-/// The grasps, a row per point.
-pub const SAMPLES: &str = "samples.csv";
-
-/// The same as a figure.
-pub const SAMPLES_FIGURE: &str = "samples.svg";
 
 /// The files of this experiment.
 pub static FILES: [FileDescription; 2] = [

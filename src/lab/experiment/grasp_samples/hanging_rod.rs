@@ -1,10 +1,9 @@
 //! The scene that stands for all samples: the rod of the first one, as it hangs.
 
 use super::keys::GraspSamples;
+use crate::experiment::data_set::hanging;
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
-};
+use rodlab_engine::mechanics::scene::{NaturalShape, RodDescription, Scene, Stiffness};
 use rodlab_planning::plan::grasp::{GraspError, GraspProblem, GraspSolver, TWIST_STIFFNESS};
 
 /// Edges of the rod.
@@ -32,22 +31,5 @@ pub fn hanging_rod(plan: &GraspSamples) -> Result<Scene, GraspError> {
         natural_shape: NaturalShape::Centreline(straight.collect()),
         ..RodDescription::uniform("hanging", centreline, stiffness, RADIUS, 0.5)
     };
-    let clamp = |node| Clamp {
-        rod: 0,
-        node,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
-    };
-    Ok(Scene {
-        rods: vec![rod],
-        clamps: vec![clamp(0), clamp(EDGES)],
-        loads: vec![Load {
-            kind: LoadKind::Gravity {
-                acceleration: -Vector3::z(),
-            },
-            schedule: Vec::new(),
-        }],
-        ..Scene::default()
-    })
+    Ok(hanging(rod, true))
 }

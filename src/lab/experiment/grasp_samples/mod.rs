@@ -15,4 +15,4 @@ mod kind;
 mod row;
 mod samples;
 
-pub use kind::GraspSamplesKind;
+pub use kind::GRASP_SAMPLES;

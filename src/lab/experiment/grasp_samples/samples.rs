@@ -1,9 +1,9 @@
 //! All samples of an experiment, each solved on its own.
 
 use super::figure::figure;
-use super::files::{SAMPLES, SAMPLES_FIGURE};
 use super::keys::GraspSamples;
 use super::row::{Outcome, Sample};
+use crate::experiment::data_set::{SAMPLES, SAMPLES_FIGURE};
 use crate::run::TableJob;
 use rodlab_engine::mechanics::rotation;
 use rodlab_files::figure::Paper;

@@ -3,8 +3,9 @@
 mod resolved;
 mod typed;
 
-pub use resolved::{FoldSamples, Lengths, Points};
+pub use resolved::{FoldSamples, Points};
 
+use crate::experiment::data_set::Span;
 use crate::scenario::keys::{FINITE, OwnTable, Request, Section};
 use rodlab_planning::plan::fold::Workspace;
 use serde::Serialize;
@@ -85,7 +86,7 @@ fn within(section: &Section<'_>, key: &str, value: f64, [from, to]: [f64; 2]) ->
     allowed.then_some(value)
 }
 
-fn lengths(section: &Section<'_>, typed: Option<&typed::Lengths>) -> Option<Lengths> {
+fn lengths(section: &Section<'_>, typed: Option<&typed::Lengths>) -> Option<Span> {
     let key = "suspended_length";
     let below = section.below(key);
     let none = typed::Lengths::default();
@@ -105,5 +106,5 @@ fn lengths(section: &Section<'_>, typed: Option<&typed::Lengths>) -> Option<Leng
         );
         return None;
     }
-    Some(Lengths { from, to })
+    Some(Span { from, to })
 }

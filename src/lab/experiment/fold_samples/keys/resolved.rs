@@ -1,5 +1,6 @@
 //! Samples of folds as resolved.
 
+use crate::experiment::data_set::Span;
 use serde::Serialize;
 
 /// Folds at many places of the gripper.
@@ -8,18 +9,9 @@ pub struct FoldSamples {
     /// The places.
     pub points: Points,
     /// Suspended lengths, L_gb.
-    pub suspended_length: Lengths,
+    pub suspended_length: Span,
     /// Below it is the penalty region, L_gb.
     pub least_suspended_length: f64,
-}
-
-/// Suspended lengths, L_gb.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Lengths {
-    /// The shortest.
-    pub from: f64,
-    /// The longest.
-    pub to: f64,
 }
 
 /// Where the gripper is.

@@ -3,8 +3,9 @@
 mod resolved;
 mod typed;
 
-pub use resolved::{GraspSamples, Points, Span};
+pub use resolved::{GraspSamples, Points};
 
+use crate::experiment::data_set::Span;
 use crate::scenario::keys::{FINITE, OwnTable, Request, Section};
 use rodlab_engine::random::MOST_POINTS;
 use rodlab_planning::plan::grasp::GraspProblem;

@@ -1,5 +1,6 @@
 //! Samples of optimal grasps as resolved.
 
+use crate::experiment::data_set::Span;
 use rodlab_engine::random::sobol;
 use serde::Serialize;
 
@@ -14,15 +15,6 @@ pub struct GraspSamples {
     pub curvature: Span,
     /// 1/k̄_s.
     pub stretch_compliance: Span,
-}
-
-/// From one number to another.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Span {
-    /// The least.
-    pub from: f64,
-    /// The largest.
-    pub to: f64,
 }
 
 impl Span {
