@@ -2,49 +2,6 @@
 //!
 //! An [`Artifact`] is a set of runs and what is made of them; all stand in [`ARTIFACTS`]. Each run is an ordinary one, with its own
 //! results directory: an interrupted [`reproduce`] continues where it was, and artefacts share their runs.
-//!
-//! | file | what |
-//! |---|---|
-//! | `artifact` | the list of all: name, title, runs, page |
-//! | `bundling` | a run of bundling flagella (thesis 2.4.2) |
-//! | `tightening` | a knot pulled tight (thesis 2.5) |
-//! | `inversion` | a knot pulled until it inverts (thesis 3) |
-//! | `helices` | the search for the boundary of the stable helices (thesis 6.2) |
-//! | `manipulated_helix` | a helical rod manipulated in time (thesis 6.3) |
-//! | `explored_helices` | helical rods explored by the arm of a virtual cell (thesis 6.3, 6.4) |
-//! | `laying` | a rod laid along a pattern (thesis 5.5) |
-//! | `applications` | cables placed in clips, a knot tied on the table (thesis 5.5.5, 5.5.6) |
-//! | `served_cell` | a virtual cell that is served beside what is done in it |
-//! | `cases` | running the runs |
-//! | `page` | CSV, Markdown and manifest of an artefact |
-//! | `table` | that CSV, read again |
-//! | `redraw` | its figures again from its CSV |
-//! | `table_2_1`, `table_2_2`, `figure_2_5` to `figure_2_8` | one artefact each |
-//! | `figure_3_4`, `inversion_factors` | figures 3.4 and 3.5 to 3.7; `inversion_page` and `inversion_pictures` are their parts |
-//! | `figure_3_9`, `simplified_inversion` | the simplified knot: figures 3.9, 3.10 and 3.11 |
-//! | `folds` | a sheet that is folded (thesis 4.6) |
-//! | `figure_4_5` | the force manifold of folding |
-//! | `figure_4_9`, `hanging_strips` | strips that hang down |
-//! | `figure_4_10`, `figure_4_11`, `table_4_1` | folds by several ways, and what planning them takes |
-//! | `figure_4_11_cell`, `folds_in_cell` | the same folds through drivers and camera of the virtual cell |
-//! | `figure_5_4` | where a gripper may be above a straight line |
-//! | `figure_5_5`, `sideways_push` | optimal grasps that are pushed sideways |
-//! | `figure_5_6`, `grasp_grid` | optimal grasps over curvature, length and stiffness |
-//! | `figure_5_8`, `heavy_loops` | rods folded over onto themselves |
-//! | `laid_patterns`, `laid_outlines` | rods laid along patterns, from above |
-//! | `table_5_2`, `measured_deployments` | how well rods are laid along patterns, simulated and measured |
-//! | `table_5_2_cell`, `virtual_laying` | the same through drivers and camera of the virtual cell |
-//! | `table_5_4`, `applications` | how often cables are placed and knots tied |
-//! | `table_5_4_cell`, `virtual_tying` | the same through drivers and camera of the virtual cell |
-//! | `figure_6_2` | figures 6.2 and 6.6 |
-//! | `figure_6_5` | disturbances of a manipulated rod |
-//! | `figure_6_6_robot` | the boundary of the stable helices, explored by an arm |
-//! | `overhand_law` | knots pulled tight against Eq. 2.30, part by part |
-//! | `knot_convergence` | what mesh, pull speed and contact tolerance change |
-//! | `deployment_errors`, `deployment_correction` | what jitter and errors of the rod do to a laid rod, and their correction |
-//! | `cell_correction` | the same in the virtual cell, through drivers and camera |
-//! | `cost`, `drag_steps`, `auto_steps` | what steps cost, and what larger and automatic ones lose |
-//! | `difference` | distance of the nodes between two runs (thesis Eq. 2.28) |
 
 mod applications;
 mod artifact;

@@ -1,13 +1,5 @@
 //! Slurm: job arrays that run the cases of a sweep.
 //!
-//! | file | what |
-//! |---|---|
-//! | `request` | what is asked of Slurm |
-//! | `script` | the batch script |
-//! | `submission` | calls `sbatch` |
-//! | `jobs` | the record of the jobs in the results directory |
-//! | `queue` | how the tasks stand, by `scontrol` |
-//!
 //! The room knows no mechanics and no scenarios: a task is a number, and what it runs is a command.
 
 mod error;

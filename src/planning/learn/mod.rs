@@ -1,18 +1,5 @@
 //! Learning from arrays: samples, networks, training, and models in files.
 //!
-//! | file | what |
-//! |---|---|
-//! | `samples` | rows of inputs and outputs, from CSV |
-//! | `scaling` | standardisation |
-//! | `network` | the multilayer perceptron |
-//! | `processor` | what a network is trained on |
-//! | `training` | how its error is made small |
-//! | `trainer` | a training that can be interrupted |
-//! | `model` | a network with what is needed to use it, and its file |
-//! | `directory` | what a training leaves, and how it goes on |
-//! | `loss_figure` | how the error fell |
-//! | `evaluation` | errors of a model |
-//!
 //! Nothing here knows what the numbers mean.
 
 mod directory;

@@ -1,12 +1,4 @@
 //! Folds of a sheet at many places of the gripper: what a network learns the force manifold from (thesis 4.3.3).
-//!
-//! | file | what |
-//! |---|---|
-//! | `kind`, `keys` | the experiment and its table |
-//! | `places` | where the gripper is |
-//! | `samples`, `row` | a fold for each place |
-//! | `lifted_sheet` | the scene that stands for them |
-//! | `files`, `figure` | what it leaves |
 
 mod figure;
 mod files;

@@ -1,11 +1,4 @@
 //! Optimal grasps at many points of (l̄_s, κ̄, 1/k̄_s): what a network learns from (thesis 5.3.4).
-//!
-//! | file | what |
-//! |---|---|
-//! | `kind`, `keys` | the experiment and its table |
-//! | `samples`, `row` | a grasp for each point |
-//! | `hanging_rod` | the scene that stands for them |
-//! | `files`, `figure` | what it leaves |
 
 mod figure;
 mod files;

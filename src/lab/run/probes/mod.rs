@@ -1,11 +1,4 @@
 //! Probes: what a scenario asks to be measured, at each output, without a line of code.
-//!
-//! | file | what |
-//! |---|---|
-//! | `quantity` | what can be measured, its columns and its values |
-//! | `statistic` | last, largest, smallest and mean value of a column |
-//! | `distance` | least distance of two polylines |
-//! | `gauss` | writhe and linking number by Gauss' integral |
 
 mod distance;
 mod gauss;

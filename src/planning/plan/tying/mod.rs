@@ -6,12 +6,6 @@
 //!
 //! Two rods are laid one after the other, the second over the first. Then their ends are led, that of the second rod first:
 //! under strands of the other rod, or of its own, and over them.
-//!
-//! | file | what |
-//! |---|---|
-//! | `passage` | how patterns come to their crossings again, over or under |
-//! | `schedule` | when the end is where, and when strands are lifted |
-//! | `path` | poses of the grippers |
 
 #[cfg(test)]
 pub mod drawn;

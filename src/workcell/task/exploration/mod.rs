@@ -4,16 +4,6 @@
 //! farther; the camera looks at each step. Where the markers are not where those of the helix would be, the rod has lost its
 //! stability. The arm goes back along the ray until it is a helix again, finds the place by finer steps, and returns to the straight
 //! rod.
-//!
-//! | file | what |
-//! |---|---|
-//! | `directions` | lists of directions, read or spread |
-//! | `ray` | the joints along a ray, and how far it can be followed |
-//! | `walk` | motions along a ray, looks from there, and the search for the instability |
-//! | `explore` | one direction after the other, and what is resumed after an end |
-//! | `row` | a row for each direction, and what all of them come to |
-//! | `record` | manifest and page |
-//! | `figure` | what was found beside theory |
 
 mod directions;
 mod explore;

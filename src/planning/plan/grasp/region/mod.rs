@@ -10,12 +10,6 @@
 //!
 //! What lies on the table bears no moment: the rod of a straight pattern has κ̄ = M(0) = 0. Such grasps form a curve, the inner
 //! boundary as long as that is where M(0) = 0, and beyond; where its F_x vanishes are the grasps of Eq. 5.3.
-//!
-//! | file | what |
-//! |---|---|
-//! | `chebyshev` | collocation at Chebyshev points |
-//! | `planar_rod` | the rod in the plane |
-//! | `ray` | rods along a ray, and where they are grasps |
 
 mod chebyshev;
 mod planar_rod;
