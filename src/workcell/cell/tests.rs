@@ -91,34 +91,21 @@ fn the_sawyer_stands_where_the_samples_of_three_libraries_say() {
     assert_eq!(count, 200);
 }
 
+/// How fast: `cargo bench --bench inverse_kinematics`.
 #[test]
-fn a_thousand_reachable_poses_of_every_arm_are_solved_in_a_millisecond_each() {
-    // Builds without optimisation take longer.
-    const MOST: f64 = if cfg!(debug_assertions) { 10e-3 } else { 1e-3 };
+fn a_thousand_reachable_poses_of_every_arm_are_solved() {
     for name in ["two_sawyers.toml", "seven_joints.toml", "six_joints.toml"] {
         let cell = shipped(name);
         let arm = &cell.arms[0];
         for k in 0..1000 {
             let target = arm.chain.hand(&arm.chain.start(100_000 + k));
-            // The best of a few times: the machine has other things to do.
-            let mut fastest = f64::INFINITY;
-            for _ in 0..20 {
-                let begin = std::time::Instant::now();
-                let joints = arm
-                    .chain
-                    .reach(&target, &arm.home)
-                    .unwrap_or_else(|nearest| {
-                        panic!("{name}, pose {k}: {nearest:?}");
-                    });
-                fastest = fastest.min(begin.elapsed().as_secs_f64());
-                let (distance, angle) = distance_and_angle(&arm.chain.hand(&joints), &target);
-                assert!(distance < 1e-9 && angle < 1e-9);
-                assert!(arm.chain.outside_limits(&joints).is_none());
-                if fastest < MOST {
-                    break;
-                }
-            }
-            assert!(fastest < MOST, "{name}, pose {k}: {fastest} s");
+            let joints = arm
+                .chain
+                .reach(&target, &arm.home)
+                .unwrap_or_else(|nearest| panic!("{name}, pose {k}: {nearest:?}"));
+            let (distance, angle) = distance_and_angle(&arm.chain.hand(&joints), &target);
+            assert!(distance < 1e-9 && angle < 1e-9);
+            assert!(arm.chain.outside_limits(&joints).is_none());
         }
     }
 }
