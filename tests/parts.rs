@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Mutex;
+use std::sync::{Mutex, Once};
 
 /// Set to `0`, nothing is installed: tests whose parts are missing are skipped.
 const VARIABLE: &str = "RODLAB_TESTS_INSTALL";
@@ -17,6 +17,7 @@ pub fn have(
     is_there: impl Fn() -> bool,
     install: impl FnOnce() -> bool,
 ) -> bool {
+    announce();
     if is_there() {
         return true;
     }
@@ -44,6 +45,77 @@ pub fn have(
         skipped(&format!("no {part}, and it could not be installed"));
     }
     done
+}
+
+/// Prints what may be installed, once, before anything is.
+fn announce() {
+    static ANNOUNCED: Once = Once::new();
+    ANNOUNCED.call_once(|| {
+        let declined = std::env::var(VARIABLE).is_ok_and(|value| value == "0");
+        let user = Command::new("id").arg("-u").output();
+        let is_root = user.is_ok_and(|user| user.stdout == b"0\n");
+        if declined || !is_root {
+            return;
+        }
+        let scripts = INSTALLERS.iter().flat_map(|script| packages_of(script));
+        let missing = |package: &String| !is_installed(package);
+        let missing: Vec<String> = scripts.filter(missing).collect();
+        if !missing.is_empty() {
+            say(&format!(
+                "These tests may install the Debian packages {}; {VARIABLE}=0 forbids it",
+                missing.join(" ")
+            ));
+        }
+    });
+}
+
+/// What installs packages.
+const INSTALLERS: [&str; 6] = [
+    include_str!("../scripts/install-chromium"),
+    include_str!("../scripts/install-fast-dds"),
+    include_str!("../scripts/install-mujoco"),
+    include_str!("../scripts/install-simavr"),
+    include_str!("../scripts/ros1"),
+    include_str!("../scripts/slurm"),
+];
+
+/// The Debian packages that a script installs.
+fn packages_of(script: &str) -> Vec<String> {
+    let script = script.replace("\\\n", " ");
+    let lists = script
+        .lines()
+        .filter_map(|line| line.split_once("--no-install-recommends "));
+    let words = |list: &str| -> Vec<String> {
+        let words = list.split_whitespace();
+        words
+            .take_while(|word| *word != ">")
+            .map(str::to_owned)
+            .collect()
+    };
+    lists.flat_map(|(_, list)| words(list)).collect()
+}
+
+fn is_installed(package: &str) -> bool {
+    let mut query = Command::new("dpkg-query");
+    query.args(["--show", "--showformat=${db:Status-Status}", package]);
+    query
+        .output()
+        .is_ok_and(|output| output.stdout == b"installed")
+}
+
+#[test]
+fn every_installer_names_its_packages() {
+    for script in INSTALLERS {
+        let packages = packages_of(script);
+        assert!(!packages.is_empty(), "{script}");
+        let is_name = |name: &String| {
+            name.chars()
+                .all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+        };
+        assert!(packages.iter().all(is_name), "{packages:?}");
+    }
+    let two_lines = "apt-get install --no-install-recommends \\\n    a b > log\n";
+    assert_eq!(packages_of(two_lines), ["a", "b"]);
 }
 
 /// Says that a test is skipped, now and in the list that `scripts/ci` shows at its end.
