@@ -483,9 +483,17 @@ pub(super) trait AnyRecipe: Sync {
         report: &(dyn Fn(&str) + Sync),
     ) -> Result<Vec<PathBuf>, ReproduceError>;
 
-    /// The ids of the runs, each of which is prepared.
+    /// The ids of the runs.
     #[cfg(test)]
     fn ids(&self, quick: bool) -> Vec<String>;
+
+    /// The type of the runs.
+    #[cfg(test)]
+    fn kind(&self) -> &'static str;
+
+    /// Prepares so many of the runs, each of which has a rod.
+    #[cfg(test)]
+    fn check_scenarios(&self, quick: bool, count: usize);
 }
 
 impl<R: Run> Recipe<R> {
@@ -540,11 +548,19 @@ impl<R: Run> AnyRecipe for Recipe<R> {
 
     #[cfg(test)]
     fn ids(&self, quick: bool) -> Vec<String> {
-        let id = |run: &R| {
-            assert!(!run.prepare().scene.rods.is_empty());
-            run.id()
-        };
-        (self.runs)(quick).iter().map(id).collect()
+        (self.runs)(quick).iter().map(Run::id).collect()
+    }
+
+    #[cfg(test)]
+    fn kind(&self) -> &'static str {
+        std::any::type_name::<R>()
+    }
+
+    #[cfg(test)]
+    fn check_scenarios(&self, quick: bool, count: usize) {
+        for run in (self.runs)(quick).iter().take(count) {
+            assert!(!run.prepare().scene.rods.is_empty(), "{}", run.id());
+        }
     }
 }
 
@@ -563,12 +579,28 @@ mod tests {
     }
 
     #[test]
-    fn runs_of_an_artefact_have_different_ids_and_are_scenarios() {
+    fn runs_of_an_artefact_have_different_ids() {
         for artifact in &ARTIFACTS {
             for quick in [false, true] {
                 let ids = artifact.recipe.ids(quick);
                 let different: BTreeSet<&String> = ids.iter().collect();
                 assert_eq!(different.len(), ids.len(), "{artifact:?}");
+            }
+        }
+    }
+
+    /// One of each kind; the test of the pages prepares more.
+    #[test]
+    fn runs_of_an_artefact_are_scenarios() {
+        let is_full = crate::reproduce::tests_are_full();
+        let mut kinds = BTreeSet::new();
+        for artifact in &ARTIFACTS {
+            let is_new = kinds.insert(artifact.recipe.kind());
+            if is_full {
+                artifact.recipe.check_scenarios(false, usize::MAX);
+                artifact.recipe.check_scenarios(true, usize::MAX);
+            } else if is_new {
+                artifact.recipe.check_scenarios(true, 1);
             }
         }
     }

@@ -51,7 +51,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
          evaluate` compares a network with these folds (guide, page `folding`).",
     );
     let atlas = FoldAtlas::new();
-    let manifold = ForceManifold::new(&atlas, ForceManifold::SPACING, ForceManifold::LONGEST);
+    let manifold = ForceManifold::new(&atlas, spacing(), ForceManifold::LONGEST);
     let folds = |every: usize| {
         let [columns, rows] = manifold.size();
         let manifold = &manifold;
@@ -107,6 +107,15 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
         banded(&drawn, &ANGLES, &|fold| fold.angle.to_degrees(), &ways),
     ))?;
     Ok(())
+}
+
+/// Distance of the places of the gripper, L_gb: that of the thesis, four times as far in short tests.
+fn spacing() -> f64 {
+    #[cfg(test)]
+    if !super::tests_are_full() {
+        return 4.0 * ForceManifold::SPACING;
+    }
+    ForceManifold::SPACING
 }
 
 /// Folds in bands of a value, with the outline of the workspace and ways over it.
