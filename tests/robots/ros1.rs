@@ -138,7 +138,7 @@ fn an_interruption_preempts_the_goal_before_its_end() {
     assert!(log(robot.folder.path(), "events.csv").contains("right holds"));
 }
 
-/// The arm itself goes on: it has the goal.
+/// The arm itself still moves: it has the goal.
 #[test]
 fn an_arm_comes_to_rest_within_the_horizon_when_the_program_is_killed() {
     let Some(robot) = Robot::start() else { return };

@@ -131,8 +131,7 @@ pub(super) trait ActionClient {
         let Some(goal) = self.goal() else {
             return Ok(());
         };
-        let ids = goal.former.iter().chain([&goal.id]).cloned();
-        let ids: Vec<String> = ids.collect();
+        let ids: Vec<String> = goal.former.iter().chain([&goal.id]).cloned().collect();
         ids.iter().try_for_each(|id| self.cancel(id))
     }
 }

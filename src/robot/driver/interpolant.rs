@@ -123,7 +123,7 @@ impl Interpolant {
     }
 
     /// What a controller makes of a goal that it takes in motion: from where its joints are to the first point.
-    #[must_use]
+    #[cfg(test)]
     pub fn taken_at(&self, point: Vec<f64>, velocity: Vec<f64>) -> Self {
         let mut taken = self.clone();
         if taken.times[0] > 0.0 {

@@ -49,7 +49,7 @@ pub(super) fn pieces(path: &Interpolant, horizon: Duration) -> Vec<Piece> {
         }
         let stops = sent + until_stop;
         let mut motion = between(path, begin, stops);
-        add_stop(&mut motion, path, stops, horizon - until_stop);
+        add_stop(&mut motion, path, stops, until_stop);
         pieces.push(Piece {
             sent,
             stops,
