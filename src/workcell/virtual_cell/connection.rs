@@ -1,6 +1,8 @@
 //! One client of a virtual cell: a WebSocket that never waits, with bounds on all that comes and goes.
 
+use super::pace::Pace;
 use super::subscription::{Subscription, Wish};
+use super::topics::CLOCK;
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::net::TcpStream;
@@ -70,6 +72,8 @@ pub struct Connection {
     /// When it last sent something.
     heard: Instant,
     topics: BTreeMap<String, Subscription>,
+    /// What a client that has subscribed the clock has seen of it.
+    pace: Option<Pace>,
     /// Whether something of the last message still waits.
     is_full: bool,
 }
@@ -93,6 +97,7 @@ impl Connection {
             since: Instant::now(),
             heard: Instant::now(),
             topics: BTreeMap::new(),
+            pace: None,
             is_full: false,
         };
         connection.shake(begun);
@@ -159,6 +164,9 @@ impl Connection {
                     match read {
                         Ok(Message::Text(text)) => texts.push(text.as_str().to_owned()),
                         Ok(Message::Close(_)) => is_open = false,
+                        Ok(Message::Pong(payload)) => {
+                            self.pace.iter_mut().for_each(|pace| pace.pong(&payload));
+                        }
                         Ok(_) => {}
                         Err(tungstenite::Error::Io(error))
                             if error.kind() == ErrorKind::WouldBlock =>
@@ -193,6 +201,26 @@ impl Connection {
         if let Some(text) = subscription.and_then(|known| known.take(text)) {
             self.send(&text);
         }
+    }
+
+    /// Asks a client that has subscribed the clock to answer once it has read what was sent up to `now`, s of the cell's clock.
+    pub fn ping(&mut self, now: f64) {
+        if !self.topics.contains_key(CLOCK) {
+            self.pace = None;
+            return;
+        }
+        let pace = self.pace.get_or_insert_with(|| Pace::new(now));
+        if let Some(payload) = pace.ping(now)
+            && let Link::Open(socket) = &mut self.link
+        {
+            let sent = socket.send(Message::Ping(payload.to_vec().into()));
+            self.settle(sent);
+        }
+    }
+
+    /// The last time of the cell's clock, s, that the client has seen, where that clock waits for it.
+    pub fn seen(&self) -> Option<f64> {
+        self.pace.as_ref()?.seen()
     }
 
     /// Sends on what waits.

@@ -3,7 +3,7 @@
 //! A client cannot tell the difference: arms follow `control_msgs/FollowJointTrajectory` late and a little behind, grippers
 //! `control_msgs/GripperCommand`; a rod that is handed to a gripper hangs from it, is laid on a table with friction, taken hold of by
 //! other grippers, and let go; a camera shows it. Or a sheet lies there, which a gripper takes by its edge and folds. The clock of the
-//! cell, `/clock`, is real time or faster, and waits where the simulation cannot keep up.
+//! cell, `/clock`, is real time or faster, and waits where the simulation or a client cannot keep up.
 //!
 //! | file | what |
 //! |---|---|
@@ -21,6 +21,7 @@
 //! | `message` | the rosbridge protocol |
 //! | `goal_status` | goals as the status topics list them |
 //! | `subscription` | how often a client receives a topic |
+//! | `pace` | how much of the cell's time a client has seen |
 //! | `connection` | a client, with bounds on all that comes and goes |
 //! | `server` | clients, goals, reports |
 
@@ -35,6 +36,7 @@ mod fault;
 mod goal_status;
 mod grip;
 mod message;
+mod pace;
 mod rod;
 mod server;
 mod sheet;

@@ -30,9 +30,11 @@ const WORK: Duration = Duration::from_millis(5);
 const REST: Duration = Duration::from_millis(1);
 /// How far, s on our clock, the cell may fall behind before its clock waits for it.
 const BEHIND: f64 = 0.05;
+/// How far, s of the cell's clock, it may be ahead of what its clients have seen: a third of the time by which an arm may be late.
+const LEAD: f64 = 0.1;
 /// Time between reports: of the cell's clock, s, of ours at least, and of ours at most.
 const REPORT: (f64, Duration, Duration) =
-    (0.01, Duration::from_millis(4), Duration::from_millis(40));
+    (0.01, Duration::from_millis(2), Duration::from_millis(40));
 /// Time between lists of goals.
 const STATUS: Duration = Duration::from_millis(200);
 /// Time between pictures, s of the cell's clock.
@@ -177,7 +179,9 @@ impl VirtualCell {
         let mut began = self.cell.time();
         while !is_interrupted() {
             self.listen();
-            let target = began + self.rate * since.elapsed().as_secs_f64();
+            let clock = began + self.rate * since.elapsed().as_secs_f64();
+            let seen = self.clients.iter().filter_map(Connection::seen);
+            let target = seen.fold(clock, |target, seen| target.min(seen + LEAD));
             let work = Instant::now();
             let mut is_idle = true;
             while self.cell.time() + STEP <= target && work.elapsed() < WORK {
@@ -187,7 +191,7 @@ impl VirtualCell {
                 }
             }
             // What cannot be caught up with is given up: the clock of the cell is late.
-            if target - self.cell.time() > self.rate * BEHIND {
+            if clock - self.cell.time() > self.rate * BEHIND {
                 (since, began) = (Instant::now(), self.cell.time());
             }
             self.report();
@@ -451,6 +455,7 @@ impl VirtualCell {
             for (topic, text) in &reports {
                 client.publish(topic, text);
             }
+            client.ping(now);
         }
     }
 

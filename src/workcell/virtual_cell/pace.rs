@@ -1,0 +1,95 @@
+//! How much of the cell's time a client has seen.
+//!
+//! A client on a busy machine reads late. Pings carry the time of the cell, and every WebSocket answers them in order with what
+//! came before them, so that the last answer is a time that the client has read. The clock of the cell waits for it.
+
+use std::time::{Duration, Instant};
+
+/// Longest wait for an answer. Who is silent for longer is not waited for until it answers again.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Times, s of the cell's clock, that were sent to a client and that came back.
+pub struct Pace {
+    sent: f64,
+    answered: f64,
+    /// Since when an answer is due, where one is.
+    since: Instant,
+}
+
+impl Pace {
+    /// A client that has seen the time `now`, s.
+    pub fn new(now: f64) -> Self {
+        Self {
+            sent: now,
+            answered: now,
+            since: Instant::now(),
+        }
+    }
+
+    /// What a ping at the time `now`, s, carries; `None` where that time was sent before.
+    pub fn ping(&mut self, now: f64) -> Option<[u8; 8]> {
+        if now <= self.sent {
+            return None;
+        }
+        if self.answered == self.sent {
+            self.since = Instant::now();
+        }
+        self.sent = now;
+        Some(now.to_le_bytes())
+    }
+
+    /// Reads an answer. What was never sent is none.
+    pub fn pong(&mut self, payload: &[u8]) {
+        let time = payload.try_into().map(f64::from_le_bytes);
+        if let Ok(time) = time
+            && time > self.answered
+            && time <= self.sent
+        {
+            self.answered = time;
+            self.since = Instant::now();
+        }
+    }
+
+    /// The last time that the client has seen, s, where the clock waits for it.
+    pub fn seen(&self) -> Option<f64> {
+        let is_late = self.answered < self.sent && self.since.elapsed() > PATIENCE;
+        (!is_late).then_some(self.answered)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_answer_counts_and_what_was_never_sent_does_not() {
+        let mut pace = Pace::new(1.0);
+        assert_eq!(pace.ping(1.0), None);
+        let [first, second] = [2.0, 3.0].map(|now| pace.ping(now).unwrap());
+        assert_eq!(pace.seen(), Some(1.0));
+        pace.pong(&second);
+        pace.pong(&first);
+        assert_eq!(pace.seen(), Some(3.0));
+        for payload in [
+            &4.0_f64.to_le_bytes()[..],
+            &f64::NAN.to_le_bytes(),
+            b"",
+            b"pong",
+        ] {
+            pace.pong(payload);
+            assert_eq!(pace.seen(), Some(3.0));
+        }
+    }
+
+    #[test]
+    fn a_client_that_does_not_answer_is_not_waited_for_until_it_does() {
+        let mut pace = Pace::new(0.0);
+        let ping = pace.ping(1.0).unwrap();
+        pace.since -= 2 * PATIENCE;
+        assert_eq!(pace.seen(), None);
+        pace.ping(2.0);
+        assert_eq!(pace.seen(), None);
+        pace.pong(&ping);
+        assert_eq!(pace.seen(), Some(1.0));
+    }
+}
