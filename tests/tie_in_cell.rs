@@ -70,7 +70,7 @@ fn record(output: &Output) -> Value {
 
 #[test]
 fn a_trefoil_is_tied_by_two_arms_and_seen() {
-    let served = serve(&["--rate", "20"]);
+    let served = serve(&["--rate", "50"]);
     let record = record(&tie(&served, "over,under,over"));
     let score = &record["score"];
     assert_eq!(score["seen"]["determinant"], 3, "{record}");
@@ -122,7 +122,7 @@ fn reef(folder: &str) -> Vec<String> {
 #[test]
 fn a_reef_knot_is_tied_in_two_rods_and_seen() {
     let rod = scenarios("rods/green_vps.toml");
-    let served = serve(&["--rate", "20", "--second-rod", rod.to_str().unwrap()]);
+    let served = serve(&["--rate", "50", "--second-rod", rod.to_str().unwrap()]);
     let arguments = reef("tied");
     let output = served.run(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
     let record = record(&output);
@@ -147,7 +147,7 @@ fn a_reef_knot_is_tied_in_two_rods_and_seen() {
 
 #[test]
 fn a_rod_that_is_led_over_everything_is_not_tied() {
-    let served = serve(&["--rate", "20"]);
+    let served = serve(&["--rate", "50"]);
     let record = record(&tie(&served, "over,over,over"));
     let score = &record["score"];
     assert_eq!(score["tied"], false, "{record}");
@@ -158,14 +158,14 @@ fn a_rod_that_is_led_over_everything_is_not_tied() {
 #[test]
 fn a_rod_that_slips_out_of_the_gripper_is_not_tied() {
     // While its end is led.
-    let served = serve(&["--rate", "20", "--fault", "slip-grasp@65s"]);
+    let served = serve(&["--rate", "50", "--fault", "slip-grasp@65s"]);
     let record = record(&tie(&served, "over,under,over"));
     assert_ne!(record["score"]["tied"], true, "{record}");
 }
 
 #[test]
 fn two_arms_that_are_interrupted_while_both_move_hold() {
-    let served = serve(&["--rate", "20"]);
+    let served = serve(&["--rate", "50"]);
     let arguments = task("over,under,over", "tied");
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let mut task = served
@@ -218,7 +218,7 @@ fn asks_for_a_look(served: &Served) {
 
 #[test]
 fn a_link_that_drops_ends_a_task_of_two_arms() {
-    let served = serve(&["--rate", "20", "--fault", "drop-link@20s"]);
+    let served = serve(&["--rate", "50", "--fault", "drop-link@20s"]);
     let output = tie(&served, "over,under,over");
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
     assert!(said(&output).contains("connection"), "{}", said(&output));

@@ -48,7 +48,7 @@ rod, which hangs from it with its free end on the table, or takes hold of the ro
 holds that; one that opens lets it go. A scene, --scene, has a rod and pegs on the table. A sheet, --paper, lies on the table; a
 gripper that closes at the middle of its edge takes it. The camera shows the table with all of them; where the cell file names no
 other topic, on /camera/image_raw. What runs is printed: the address on which it listens.
-An arm is led by one client at a time. When that is gone, the arm stops. Times of faults count from the first motion of an arm;
+An arm is led by one client at a time. When that is gone, the arm stops. Times of faults count while an arm moves;
 faults are drop-link, freeze-joint, slip-grasp and lose-camera.")]
     Serve(ServeArguments),
 }

@@ -14,7 +14,7 @@ use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, Spare};
 use rodlab_vision::{ColourRule, Point};
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
-    Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, SETTLING, Status, TaskHead,
+    Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, Status, TaskHead,
     TaskRecord, Unfinished, middle_of_table,
 };
 use std::path::{Path, PathBuf};
@@ -126,7 +126,6 @@ impl LayingArguments {
             laying: correction.as_ref().map(|way| way as &dyn LayingMethod),
             fixtures: laying.fixtures,
             unfinished: Some(&unfinished),
-            settling: SETTLING,
             directory: &directory,
         };
         let end = task.run(&|| interrupted.is_raised());

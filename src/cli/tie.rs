@@ -14,8 +14,8 @@ use rodlab_planning::plan::deployment::Spare;
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
-    KnotPlan, SETTLING, Status, TaskHead, TaskRecord, TieMotion, TieMotionRequest, TieRecord,
-    TieTask, Unfinished, middle_of_table,
+    KnotPlan, Status, TaskHead, TaskRecord, TieMotion, TieMotionRequest, TieRecord, TieTask,
+    Unfinished, middle_of_table,
 };
 use std::path::PathBuf;
 
@@ -162,7 +162,6 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         free_speed: arguments.task.approach_speed,
         colour: &colour,
         unfinished: Some([&unfinished[0], &unfinished[1]]),
-        settling: SETTLING,
         directory: &directory,
     };
     let end = task.run(&|| interrupted.is_raised());

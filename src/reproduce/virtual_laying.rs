@@ -15,7 +15,7 @@ use rodlab_robot::Pose;
 use rodlab_vision::{ColourRule, Point, VisionError};
 use rodlab_workcell::cell::{Cell, PlanError};
 use rodlab_workcell::task::{
-    Correction, DeployError, DeployMotion, DeployTask, Laid, LayingMethod, MotionRequest, SETTLING,
+    Correction, DeployError, DeployMotion, DeployTask, Laid, LayingMethod, MotionRequest,
     middle_of_table,
 };
 use rodlab_workcell::virtual_cell::{Response, RodError, RodSupply, ServeError, Settings};
@@ -232,7 +232,6 @@ impl LayingInCell<'_> {
             laying: correction.as_ref().map(|way| way as &dyn LayingMethod),
             fixtures: self.fixtures,
             unfinished: None,
-            settling: SETTLING.div_f64(RATE),
             directory: self.directory,
         };
         Ok(LaidInCell {

@@ -11,7 +11,7 @@ use rodlab_planning::plan::tying::{TiedRod, passages};
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
-    KnotPlan, PlannedRod, SETTLING, TieMotion, TieMotionRequest, TieScore, TieTask, middle_of_table,
+    KnotPlan, PlannedRod, TieMotion, TieMotionRequest, TieScore, TieTask, middle_of_table,
 };
 use rodlab_workcell::virtual_cell::{Response, RodError, RodSupply, Settings};
 use std::path::Path;
@@ -100,7 +100,6 @@ fn tied(
             free_speed: SPEEDS[1],
             colour: &colour,
             unfinished: None,
-            settling: SETTLING.div_f64(RATE),
             directory,
         };
         task.run(&|| false)

@@ -219,6 +219,11 @@ impl Segment {
 }
 
 impl Chain {
+    /// Names of the joints, from base to hand.
+    pub fn joint_names(&self) -> Vec<String> {
+        self.joints.iter().map(|joint| joint.name.clone()).collect()
+    }
+
     /// Narrows the limits of joints to those that keep the limits of the joints that mimic them.
     ///
     /// # Errors

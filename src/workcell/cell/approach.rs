@@ -18,6 +18,8 @@ const WAY_PER_RADIAN: f64 = 0.3;
 const THERE: f64 = 1e-6;
 /// Longest wait for a first report of the joints.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Time between two looks at a driver.
+const LOOK: Duration = Duration::from_millis(2);
 
 impl Cell {
     /// Where the joints of an arm are, by its driver.
@@ -26,8 +28,7 @@ impl Cell {
     /// In words: it has no driver, the driver does not report, or nothing is heard in time.
     pub fn stands(&self, arm: usize) -> Result<Vec<f64>, String> {
         let arm = &self.arms[arm];
-        let joints = arm.chain.joints.iter().map(|joint| joint.name.clone());
-        self.positions(&arm.name, arm.driver.as_ref(), &joints.collect::<Vec<_>>())
+        self.positions(&arm.name, arm.driver.as_ref(), &arm.chain.joint_names())
     }
 
     /// Where an external axis is, rad, by its driver: a motor without a sensor says what it was told.
@@ -39,6 +40,34 @@ impl Cell {
         let joints = [axis.name.clone()];
         let found = self.positions(&axis.name, axis.driver.as_ref(), &joints)?;
         Ok(found[0])
+    }
+
+    /// Waits while what an arm let go of comes to rest, on the clock of its robot where that keeps one, on ours otherwise. Ends early
+    /// where that is asked for.
+    pub fn rest(&self, arm: usize, duration: Duration, is_interrupted: &dyn Fn() -> bool) {
+        let arm = &self.arms[arm];
+        let begin = Instant::now();
+        let heard = self.heard(&arm.name, arm.driver.as_ref(), &arm.chain.joint_names());
+        let mut clock = heard.ok().and_then(|(driver, _)| {
+            let (first, _) = driver.clock()?;
+            Some((driver, first))
+        });
+        while !is_interrupted() {
+            // A clock whose connection is lost is none.
+            let known = clock.as_mut().and_then(|(driver, first)| {
+                driver.state().ok()?;
+                let (now, received) = driver.clock()?;
+                (received.elapsed() < self.streaming.watchdog).then_some(now - *first)
+            });
+            if known.is_none() {
+                clock = None;
+            }
+            let elapsed = known.unwrap_or_else(|| begin.elapsed().as_secs_f64());
+            if elapsed >= duration.as_secs_f64() {
+                return;
+            }
+            std::thread::sleep(LOOK);
+        }
     }
 
     fn positions(
@@ -70,7 +99,7 @@ impl Cell {
             if let Some(state) = driver.state().map_err(in_words)? {
                 return Ok((driver, state.positions));
             }
-            std::thread::sleep(Duration::from_millis(2));
+            std::thread::sleep(LOOK);
         }
         Err(format!(
             "{name}: no report of all of its joints ({}) in {} s; compare the names in the cell file with the robot's",

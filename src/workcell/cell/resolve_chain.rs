@@ -72,8 +72,7 @@ pub(super) fn resolve_arm(
             tool.rpy.as_ref(),
         );
     }
-    let joints = chain.joints.iter().map(|joint| joint.name.clone());
-    let joints: Vec<String> = joints.collect();
+    let joints = chain.joint_names();
     let home = home(resolver, path, typed, &chain);
     shapes(resolver, path, typed, &chain, &mut bodies);
     let may_touch = typed.may_touch.iter().enumerate().map(|(k, pair)| {

@@ -136,7 +136,7 @@ impl Cell {
             let joints = &arm.chain.joints;
             Movable {
                 name: &arm.name,
-                joints: joints.iter().map(|joint| joint.name.clone()).collect(),
+                joints: arm.chain.joint_names(),
                 kinds: joints.iter().map(|joint| joint.kind).collect(),
                 limits: joints.iter().map(|joint| joint.limits).collect(),
                 driver: arm.driver.as_ref(),

@@ -18,10 +18,7 @@ use rodlab_vision::{
     encode_picture, overlay, part_of_curve, pattern_csv, score, score_figure,
 };
 use std::path::Path;
-use std::time::{Duration, Instant};
-
-/// How long a rod that was let go is usually left to itself.
-pub const SETTLING: Duration = Duration::from_secs(3);
+use std::time::Instant;
 
 /// What is laid where.
 pub struct DeployTask<'a> {
@@ -47,8 +44,6 @@ pub struct DeployTask<'a> {
     pub fixtures: Option<&'a Fixtures>,
     /// What says that it was begun, if it is to be said.
     pub unfinished: Option<&'a Unfinished>,
-    /// How long a rod that was let go is left to itself.
-    pub settling: Duration,
     /// Where everything is written.
     pub directory: &'a Path,
 }
@@ -199,7 +194,8 @@ impl DeployTask<'_> {
         stopped(Stage::LetGo)?;
         let opened = arm.grip(Grip::Open);
         opened.map_err(DeployError::of_work(Stage::LetGo))?;
-        std::thread::sleep(self.settling);
+        let settled = arm.settle();
+        settled.map_err(DeployError::of_work(Stage::LetGo))?;
         done(Stage::LetGo);
         stopped(Stage::Retreat)?;
         let gone = arm.go_home("retreat", self.approach_speed);

@@ -33,7 +33,7 @@ mod unfinished;
 mod working_arm;
 
 pub use correction::Correction;
-pub use deploy::{DeployEnd, DeployError, DeployTask, Laid, LayingMethod, SETTLING, Stage};
+pub use deploy::{DeployEnd, DeployError, DeployTask, Laid, LayingMethod, Stage};
 pub use deploy_record::DeployRecord;
 pub use error::{TaskError, TaskStage};
 pub use exploration::{

@@ -10,6 +10,8 @@ use std::time::Duration;
 
 /// Longest wait for a gripper.
 const GRIPPER: Duration = Duration::from_secs(20);
+/// Time in which a rod or a sheet that was let go comes to rest.
+const SETTLING: Duration = Duration::from_secs(3);
 
 /// An arm of a cell that does a task.
 #[derive(Clone, Copy)]
@@ -141,6 +143,26 @@ impl WorkingArm<'_> {
             true => WorkError::Interrupted,
             false => WorkError::Failed(error.to_string()),
         })
+    }
+
+    /// Waits until a rod or a sheet that it let go lies still, as [`Self::rest`].
+    ///
+    /// # Errors
+    /// The user asks for the end.
+    pub fn settle(&self) -> Result<(), WorkError> {
+        self.rest(SETTLING)
+    }
+
+    /// Waits for `duration`, on the clock of the robot where that keeps one.
+    ///
+    /// # Errors
+    /// The user asks for the end.
+    pub fn rest(&self, duration: Duration) -> Result<(), WorkError> {
+        self.cell.rest(self.arm, duration, self.is_interrupted);
+        match (self.is_interrupted)() {
+            true => Err(WorkError::Interrupted),
+            false => Ok(()),
+        }
     }
 
     /// Where its hand is in the cell, by what its driver reports.

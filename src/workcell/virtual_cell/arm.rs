@@ -268,10 +268,9 @@ mod tests {
 
     fn ramp(seconds: f64) -> PartTrajectory {
         let arm = gantry();
-        let joints = arm.arms[0].chain.joints.iter();
         let home = &arm.arms[0].home;
         PartTrajectory {
-            joints: joints.map(|joint| joint.name.clone()).collect(),
+            joints: arm.arms[0].chain.joint_names(),
             times: (0..=100).map(|k| seconds * f64::from(k) / 100.0).collect(),
             points: (0..=100)
                 .map(|k| {

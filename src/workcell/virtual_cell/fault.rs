@@ -29,7 +29,7 @@ const KINDS: [(&str, FaultKind); 4] = [
 pub struct Fault {
     /// What goes wrong.
     pub kind: FaultKind,
-    /// When, s of the cell's time after an arm has begun its first motion.
+    /// When, s of the cell's time in which an arm moves: the time that clients need between motions does not count.
     pub time: f64,
 }
 

@@ -60,7 +60,7 @@ pub struct SimulatedCell {
     sheet: Option<(SimulatedSheet, usize)>,
     /// The chuck with its rod.
     chuck: Option<Chuck>,
-    /// Faults to come, and when the first motion began, s.
+    /// Faults to come, and how long arms have moved, s, once one was commanded to.
     faults: Vec<Fault>,
     moved: Option<f64>,
 }
@@ -166,7 +166,7 @@ impl SimulatedCell {
     /// See [`SimulatedArm::take`].
     pub fn follow(&mut self, arm: usize, trajectory: PartTrajectory) -> Result<(), Refusal> {
         self.arms[arm].take(trajectory, self.time)?;
-        self.moved.get_or_insert(self.time);
+        self.moved.get_or_insert(0.0);
         Ok(())
     }
 
@@ -336,6 +336,9 @@ impl SimulatedCell {
         }
         let mut events = self.suffer()?;
         self.time += STEP;
+        if self.arms.iter().any(SimulatedArm::is_moving) {
+            self.moved = self.moved.map(|moved| moved + STEP);
+        }
         for (index, arm) in self.arms.iter_mut().enumerate() {
             if let Some(ended) = arm.advance(self.time, STEP) {
                 events.push(Event::Arm(index, ended));
@@ -389,12 +392,11 @@ impl SimulatedCell {
         let Some(moved) = self.moved else {
             return Ok(Vec::new());
         };
-        let now = self.time - moved;
         let moving = self.arms.iter().position(SimulatedArm::is_moving);
         let holds = self.holder().is_some();
         // A joint freezes in a motion, and what is held slips.
         let has_come = |fault: &Fault| {
-            fault.time <= now
+            fault.time <= moved
                 && match fault.kind {
                     FaultKind::FreezeJoint => moving.is_some(),
                     FaultKind::SlipGrasp => holds,

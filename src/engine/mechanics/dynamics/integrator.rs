@@ -113,6 +113,11 @@ impl Integrator {
         Ok(())
     }
 
+    /// Whether two times, s, are one but for rounding.
+    pub fn is_same_time(&self, one: f64, other: f64) -> bool {
+        (one - other).abs() <= same_time(&self.setting.parameters.step)
+    }
+
     /// Takes one step that ends no later than `until` (hit exactly when it is within the step), as long as `goes_on`; `None`
     /// where that said no.
     ///

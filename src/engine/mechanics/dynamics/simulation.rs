@@ -70,7 +70,9 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Takes one step that ends no later than `until` (hit exactly when it is within the step).
+    /// Takes one step that ends no later than `until` (hit exactly when it is within the step). Where `until` is now but for the
+    /// rounding of times, only the time becomes `until`: velocities are differences over a step, and over one of the size of
+    /// rounding they would be noise.
     ///
     /// # Errors
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
@@ -90,6 +92,13 @@ impl Simulation {
         until: f64,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<StepReport>, SimulationError> {
+        if self.integrator.is_same_time(self.state.time, until) {
+            self.state.time = self.state.time.max(until);
+            return Ok(Some(StepReport {
+                time: self.state.time,
+                ..StepReport::default()
+            }));
+        }
         let result = self
             .integrator
             .step(&mut self.system, &mut self.state, until, goes_on);

@@ -335,6 +335,36 @@ fn a_short_step_to_an_output_time_converges() {
     }
 }
 
+#[test]
+fn a_time_that_differs_by_rounding_takes_no_step() {
+    for step in [
+        StepSize::Fixed(1e-3),
+        StepSize::Auto {
+            tolerance: 1e-3,
+            maximum: 1e-3,
+        },
+    ] {
+        let parameters = IntegrationParameters {
+            step,
+            ..IntegrationParameters::default()
+        };
+        let mut simulation = Simulation::new(&heavy_cantilever(50), &parameters).unwrap();
+        while simulation.time() < 0.3 {
+            simulation.advance(0.3).unwrap();
+        }
+        let (positions, velocities) = (
+            simulation.positions().to_vec(),
+            simulation.velocities().to_vec(),
+        );
+        let later = 0.3_f64.next_up();
+        assert_eq!(simulation.advance(later).unwrap().time, later);
+        assert_eq!(simulation.time(), later);
+        assert_eq!(simulation.positions(), positions);
+        assert_eq!(simulation.velocities(), velocities);
+        assert_eq!(simulation.advance(0.31).unwrap().retries, 0);
+    }
+}
+
 /// Runs `scene` and returns what was logged at the level of warnings, and the error that ended it early.
 fn warnings(scene: &Scene, parameters: &IntegrationParameters, end: f64) -> Vec<String> {
     let log = Log::default();

@@ -20,9 +20,8 @@ use rodlab_vision::{ColourRule, edges_overlay, encode_picture, sheet_overlay};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// How long a sheet is left to itself before it is looked at, and after it was let go.
+/// How long a sheet is left to itself before it is looked at.
 const REST: Duration = Duration::from_millis(300);
-const SETTLING: Duration = Duration::from_secs(3);
 /// What a camera cannot tell from no sliding, m: less is no reason to plan anew.
 const LEAST_SLIDING: f64 = 3e-4;
 /// How far the free end may turn about the vertical, rad: at its ends a sheet of 21 cm has then slid by 5 mm.
@@ -164,7 +163,7 @@ impl FoldTask<'_> {
             let name = format!("folding_{}", part + 1);
             let followed = arm.carry(&name, &part_motion);
             followed.map_err(work(FoldStage::Fold))?;
-            std::thread::sleep(REST);
+            arm.rest(REST).map_err(work(FoldStage::Fold))?;
             let hand = arm.hand().map_err(work(FoldStage::Fold))?;
             self.look(&lying, part, &hand, end)?;
             if is_interrupted() {
@@ -186,7 +185,7 @@ impl FoldTask<'_> {
 
         let opened = arm.grip(Grip::Open);
         opened.map_err(work(FoldStage::LetGo))?;
-        std::thread::sleep(SETTLING);
+        arm.settle().map_err(work(FoldStage::LetGo))?;
         done(FoldStage::LetGo, &mut end.times)?;
 
         let last = &part_motion.points[part_motion.points.len() - 1];

@@ -18,7 +18,7 @@ use rodlab_vision::{
     ColourRule, Point, VisionError, centrelines_csv, encode_picture, overlay, pattern_csv,
 };
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// What is tied, by whom and how.
 pub struct TieTask<'a> {
@@ -36,8 +36,6 @@ pub struct TieTask<'a> {
     pub colour: &'a ColourRule,
     /// What says of each arm that the task was begun, if it is to be said.
     pub unfinished: Option<[&'a Unfinished; 2]>,
-    /// How long a rod that was let go is left to itself.
-    pub settling: Duration,
     /// Where everything is written.
     pub directory: &'a Path,
 }
@@ -133,7 +131,7 @@ impl TieTask<'_> {
             done(TieStage::Lay)?;
             if let Some(parting) = &laying.parting {
                 layer.grip(Grip::Open).map_err(work(TieStage::LetGo))?;
-                std::thread::sleep(self.settling);
+                layer.settle().map_err(work(TieStage::LetGo))?;
                 done(TieStage::LetGo)?;
                 let gone = self.follow(&arms, &named("parting", number), parting);
                 gone.map_err(work(TieStage::Retreat))?;
@@ -142,9 +140,9 @@ impl TieTask<'_> {
         }
         self.tie(&arms).map_err(work(TieStage::Tie))?;
         done(TieStage::Tie)?;
-        let opened = arms[self.motion.last].grip(Grip::Open);
-        opened.map_err(work(TieStage::LetGo))?;
-        std::thread::sleep(self.settling);
+        let last = &arms[self.motion.last];
+        last.grip(Grip::Open).map_err(work(TieStage::LetGo))?;
+        last.settle().map_err(work(TieStage::LetGo))?;
         done(TieStage::LetGo)?;
         let gone = self.follow(&arms, "retreat", &self.motion.retreat);
         gone.map_err(work(TieStage::Retreat))?;
