@@ -1,11 +1,12 @@
 //! How much of the cell's time a client has seen.
 //!
-//! A client on a busy machine reads late. Pings carry the time of the cell, and every WebSocket answers them in order with what
-//! came before them, so that the last answer is a time that the client has read. The clock of the cell waits for it.
+//! A client on a busy machine reads late. The server sends pings that carry the time of the cell. A WebSocket client answers a
+//! ping after it has read what was sent before it, so that the last answer is a time up to which the client has read. The clock
+//! of the cell waits for it.
 
 use std::time::{Duration, Instant};
 
-/// Longest wait for an answer. Who is silent for longer is not waited for until it answers again.
+/// Longest wait for an answer. The clock does not wait for a client that is silent for longer, until it answers again.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Times, s of the cell's clock, that were sent to a client and that came back.

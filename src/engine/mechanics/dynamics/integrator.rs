@@ -113,7 +113,7 @@ impl Integrator {
         Ok(())
     }
 
-    /// Whether two times, s, are one but for rounding.
+    /// Whether two times, s, differ by no more than rounding.
     pub fn is_same_time(&self, one: f64, other: f64) -> bool {
         (one - other).abs() <= same_time(&self.setting.parameters.step)
     }

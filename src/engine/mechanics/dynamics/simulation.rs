@@ -70,9 +70,10 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Takes one step that ends no later than `until` (hit exactly when it is within the step). Where `until` is now but for the
-    /// rounding of times, only the time becomes `until`: velocities are differences over a step, and over one of the size of
-    /// rounding they would be noise.
+    /// Takes one step that ends no later than `until` (hit exactly when it is within the step).
+    ///
+    /// If `until` differs from the current time by rounding only, no step is taken and the time is set to `until`. A velocity is a
+    /// difference divided by the step; over a step as small as rounding it would be noise.
     ///
     /// # Errors
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
