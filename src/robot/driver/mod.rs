@@ -5,6 +5,7 @@
 
 mod action_client;
 mod camera_name;
+mod clocked_reports;
 mod file;
 mod follow_joint_trajectory;
 mod interpolant;
@@ -39,6 +40,8 @@ use std::time::{Duration, Instant};
 pub struct JointState {
     /// When this was heard.
     pub received: Instant,
+    /// Time at which the joints were there by the clock of the robot, s, where the report bears it.
+    pub stamp: Option<f64>,
     /// Positions in the order of the trajectory's joints, rad or m.
     pub positions: Vec<f64>,
 }
@@ -58,6 +61,7 @@ impl JointState {
         });
         Some(Self {
             received: Instant::now(),
+            stamp: None,
             positions: positions.collect::<Option<_>>()?,
         })
     }

@@ -4,6 +4,7 @@
 //! subscribed. For ROS 2 the server itself is the action client: `send_action_goal`, `cancel_action_goal`.
 
 use super::action_client::{ActionClient, Goal};
+use super::clocked_reports::ClockedReports;
 use super::rosbridge_goal::{ActionName, RosVersion, cancellation, duration, goal, result_of};
 use super::rosbridge_socket::{open_socket, send};
 use super::{Driver, DriverError, Interpolant, JointState, Progress, read_within_bounds};
@@ -32,9 +33,8 @@ pub struct RosbridgeDriver {
     joint_states: String,
     joints: Vec<String>,
     socket: Option<WebSocket<TcpStream>>,
-    state: Option<JointState>,
+    reports: ClockedReports,
     setpoint: Option<JointState>,
-    clock: Option<(f64, Instant)>,
     goal: Option<Goal>,
 }
 
@@ -48,9 +48,8 @@ impl RosbridgeDriver {
             joint_states: joint_states.to_owned(),
             joints: Vec::new(),
             socket: None,
-            state: None,
+            reports: ClockedReports::default(),
             setpoint: None,
-            clock: None,
             goal: None,
         }
     }
@@ -69,7 +68,7 @@ impl RosbridgeDriver {
             }
             (Some("publish"), Some(CLOCK)) => {
                 if let Some(time) = clock_time(&message["msg"]["clock"]) {
-                    self.clock = Some((time, Instant::now()));
+                    self.reports.set_time(time);
                 }
             }
             (Some("publish" | "action_feedback" | "action_result"), _) => {
@@ -98,8 +97,10 @@ impl RosbridgeDriver {
         else {
             return;
         };
-        let heard = JointState::heard(&self.joints, names, |index| positions.get(index)?.as_f64());
-        self.state = heard.or(self.state.take());
+        let position = |index: usize| positions.get(index)?.as_f64();
+        let heard = JointState::heard(&self.joints, names, position);
+        let stamp = clock_time(&message["header"]["stamp"]);
+        self.reports.add(heard, stamp);
     }
 
     /// Reports about the goal.
@@ -197,6 +198,7 @@ impl Driver for RosbridgeDriver {
             .map_err(|reason| self.lost(format_args!("{reason}")))?;
         let prepared = socket.get_ref().set_nonblocking(true);
         self.socket = Some(socket);
+        self.reports.open();
         prepared.map_err(|error| self.lost(format_args!("{error}")))?;
         let one = self.version == RosVersion::One;
         let state_type = if one {
@@ -241,7 +243,7 @@ impl Driver for RosbridgeDriver {
 
     fn state(&mut self) -> Result<Option<JointState>, DriverError> {
         self.listen()?;
-        Ok(self.state.clone())
+        Ok(self.reports.state())
     }
 
     fn setpoint(&self) -> Option<&JointState> {
@@ -249,7 +251,7 @@ impl Driver for RosbridgeDriver {
     }
 
     fn clock(&self) -> Option<(f64, Instant)> {
-        self.clock
+        self.reports.clock()
     }
 
     fn sends_goals(&self) -> bool {

@@ -4,7 +4,9 @@
 //! cannot keep up, and the trajectory counts by it.
 
 use super::Part;
+use super::follow::LATENESS;
 use super::timer::Timer;
+use crate::driver::JointState;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
@@ -96,16 +98,20 @@ impl MotionClock {
         }
     }
 
-    /// Time since the start at which a report that was received then was true, s. What comes with the time of the robot's clock
-    /// is as old as that.
-    pub(super) fn received(&self, received: Instant) -> f64 {
-        match &self.robot {
-            Some(robot) => robot.since_start(received),
-            None => match received.checked_duration_since(self.start) {
+    /// Time since the start at which joints were where a report puts them, s: when it was received, or its stamp on the clock of
+    /// a robot. Reports and times come over different connections and may overtake each other, so that the stamp differs from
+    /// the last time that was heard; a stamp that differs by more than an arm may be late is of another clock.
+    pub(super) fn time_of(&self, report: &JointState) -> f64 {
+        let Some(robot) = &self.robot else {
+            return match report.received.checked_duration_since(self.start) {
                 Some(since) => since.as_secs_f64(),
-                None => -self.start.duration_since(received).as_secs_f64(),
-            },
-        }
+                None => -self.start.duration_since(report.received).as_secs_f64(),
+            };
+        };
+        let heard = robot.since_start(report.received);
+        let stamped = report.stamp.map(|stamp| stamp - robot.began);
+        let is_near = |stamped: &f64| (stamped - heard).abs() <= LATENESS * self.rate();
+        stamped.filter(is_near).unwrap_or(heard)
     }
 
     /// How many times as fast as real time the clock has been of late, at most, and never below 1: what takes us a moment is

@@ -226,6 +226,8 @@ struct Connection {
     setpoint: Option<JointState>,
     clock: Option<(f64, Instant)>,
     has_clock: bool,
+    /// Time between two times of the clock that are heard: reports of the joints overtake them.
+    clock_period: Duration,
     opened: Instant,
 }
 
@@ -268,16 +270,22 @@ impl Connection {
                 positions[arm.joint] = f64::NAN;
             }
             let received = now;
+            let mut time = 1000.0 + since.as_secs_f64();
             self.report = Some(JointState {
                 received,
+                stamp: Some(time),
                 positions,
             });
-            let mut time = 1000.0 + since.as_secs_f64();
             if is_late && arm.fault == Fault::ClockJump {
                 let lasts = arm.joint == 0 || arm.elapsed(now) < arm.moment + 0.05;
                 time += if lasts { 30.0 } else { 0.0 };
             }
-            self.clock = self.has_clock.then_some((time, received));
+            let is_due = self
+                .clock
+                .is_none_or(|(_, last)| received - last >= self.clock_period);
+            if self.has_clock && is_due {
+                self.clock = Some((time, received));
+            }
             if arm.begun.is_some() {
                 let is_off = matches!(arm.fault, Fault::DrivesOff | Fault::FrozenJoint);
                 let time = if is_off {
@@ -288,6 +296,7 @@ impl Connection {
                 let positions = arm.place(time);
                 self.setpoint = Some(JointState {
                     received,
+                    stamp: None,
                     positions,
                 });
             }
@@ -418,6 +427,7 @@ fn run_case(seed: u64) -> Result<(), String> {
     let faulty = arm(fault, random.below(2) as usize);
     let sound = arm(Fault::None, 0);
     let has_clock = fault == Fault::ClockJump || random.below(2) > 0;
+    let clock_period = Duration::from_millis([8, 80][random.below(2) as usize]);
     let part = |name: &str, arm: &Arc<Mutex<Arm>>| Part {
         name: name.into(),
         driver: Box::new(Connection {
@@ -427,6 +437,7 @@ fn run_case(seed: u64) -> Result<(), String> {
             setpoint: None,
             clock: None,
             has_clock,
+            clock_period,
             opened: begin,
         }),
         trajectory: rise(duration),

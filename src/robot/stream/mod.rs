@@ -323,7 +323,7 @@ impl Watch<'_> {
             watched.has_arrived = watched.is_done;
             return Ok(());
         };
-        let time = self.clock.received(state.received);
+        let time = self.clock.time_of(state);
         log.state(part, state, time);
         let has_moved = (watched.follower.as_ref()).is_none_or(Follower::has_moved);
         let is_accepted = part.driver.is_accepted();

@@ -44,6 +44,7 @@ impl Driver for Arm {
         let at = at.map_or(0.0, |known| known.at(heard)[0]);
         Ok(Some(JointState {
             received,
+            stamp: None,
             positions: vec![at + (self.offset)(heard)],
         }))
     }
@@ -207,6 +208,7 @@ impl Driver for Simulated {
         let since = self.time() - 50.0 * Self::HEARS;
         Ok(Some(JointState {
             received: self.now,
+            stamp: None,
             positions: self.trajectory.at(since.max(0.0)),
         }))
     }

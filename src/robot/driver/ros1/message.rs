@@ -188,17 +188,24 @@ impl<'a> Reader<'a> {
         Some(numbers.collect())
     }
 
-    fn header(&mut self) -> Option<()> {
-        self.bytes(12)?;
-        self.text().map(|_| ())
+    fn time(&mut self) -> Option<f64> {
+        let (seconds, nanoseconds) = (self.u32()?, self.u32()?);
+        Some(f64::from(seconds) + 1e-9 * f64::from(nanoseconds))
+    }
+
+    /// The time of a `std_msgs/Header`, s.
+    fn header(&mut self) -> Option<f64> {
+        self.u32()?;
+        let time = self.time()?;
+        self.text().map(|_| time)
     }
 }
 
-/// Names and positions of a joint state; `None` where the message is damaged.
-pub fn joint_state(message: &[u8]) -> Option<(Vec<String>, Vec<f64>)> {
+/// Time, s, names and positions of a joint state; `None` where the message is damaged.
+pub fn joint_state(message: &[u8]) -> Option<(f64, Vec<String>, Vec<f64>)> {
     let mut reader = Reader(message);
-    reader.header()?;
-    Some((reader.texts()?, reader.numbers()?))
+    let time = reader.header()?;
+    Some((time, reader.texts()?, reader.numbers()?))
 }
 
 /// Whose goal it is, and how it stands.
@@ -231,7 +238,7 @@ pub fn status_of(message: &[u8]) -> Option<GoalStatus> {
 pub fn feedback(message: &[u8]) -> Option<(GoalStatus, Vec<String>, Vec<f64>)> {
     let mut reader = Reader(message);
     let status = goal_status(&mut reader)?;
-    let setpoint = reader.header().and_then(|()| {
+    let setpoint = reader.header().and_then(|_| {
         let names = reader.texts()?;
         Some((names, reader.numbers()?))
     });
@@ -259,9 +266,7 @@ pub fn is_stalled(message: &[u8]) -> bool {
 
 /// The time of a simulated robot, s; `None` where the message is damaged.
 pub fn clock(message: &[u8]) -> Option<f64> {
-    let mut reader = Reader(message);
-    let (seconds, nanoseconds) = (reader.u32()?, reader.u32()?);
-    Some(f64::from(seconds) + 1e-9 * f64::from(nanoseconds))
+    Reader(message).time()
 }
 
 /// A picture as its pixels; `None` where the message is damaged.
@@ -299,14 +304,16 @@ mod tests {
     #[test]
     fn a_joint_state_is_read() {
         let mut writer = Writer::default();
-        writer.header();
+        [1, 20, 500_000_000].iter().for_each(|n| writer.u32(*n));
+        writer.text("base");
         writer.u32(2);
         writer.text("a");
         writer.text("bc");
         writer.numbers(&[1.0, -2.5]);
         writer.numbers(&[]);
         writer.numbers(&[]);
-        let (names, positions) = joint_state(&writer.0).unwrap();
+        let (time, names, positions) = joint_state(&writer.0).unwrap();
+        assert_eq!(time, 20.5);
         assert_eq!(names, ["a", "bc"]);
         assert_eq!(positions, [1.0, -2.5]);
         assert!((0..writer.0.len() - 8).all(|end| joint_state(&writer.0[..end]).is_none()));

@@ -17,6 +17,7 @@ pub use camera::Ros1Camera;
 pub use gripper::Ros1Gripper;
 
 use super::action_client::{ActionClient, Goal};
+use super::clocked_reports::ClockedReports;
 use super::follow_joint_trajectory::ros_1_outcome;
 use super::{Driver, DriverError, Interpolant, JointState, Progress, read_within_bounds};
 use node::{Heard, Node, Publication, mailbox};
@@ -42,9 +43,8 @@ pub struct Ros1Driver {
     joint_states: String,
     joints: Vec<String>,
     connection: Option<Connection>,
-    state: Option<JointState>,
+    reports: ClockedReports,
     setpoint: Option<JointState>,
-    clock: Option<(f64, Instant)>,
     goal: Option<Goal>,
 }
 
@@ -65,9 +65,8 @@ impl Ros1Driver {
             joint_states: joint_states.to_owned(),
             joints: Vec::new(),
             connection: None,
-            state: None,
+            reports: ClockedReports::default(),
             setpoint: None,
-            clock: None,
             goal: None,
         }
     }
@@ -114,16 +113,17 @@ impl Ros1Driver {
     fn hear(&mut self, label: &str, bytes: &[u8]) {
         match label {
             STATES => {
-                let Some((names, positions)) = message::joint_state(bytes) else {
+                let Some((stamp, names, positions)) = message::joint_state(bytes) else {
                     return;
                 };
-                let heard =
-                    JointState::heard(&self.joints, &names, |index| positions.get(index).copied());
-                self.state = heard.or(self.state.take());
+                let position = |index: usize| positions.get(index).copied();
+                let heard = JointState::heard(&self.joints, &names, position);
+                self.reports.add(heard, Some(stamp));
             }
             CLOCK => {
-                let heard = message::clock(bytes).map(|time| (time, Instant::now()));
-                self.clock = heard.or(self.clock);
+                if let Some(time) = message::clock(bytes) {
+                    self.reports.set_time(time);
+                }
             }
             FEEDBACK => {
                 let Some((status, names, positions)) = message::feedback(bytes) else {
@@ -205,6 +205,7 @@ impl Driver for Ros1Driver {
             std::thread::sleep(Duration::from_millis(5));
         }
         self.connection = Some(connection);
+        self.reports.open();
         Ok(())
     }
 
@@ -214,7 +215,7 @@ impl Driver for Ros1Driver {
 
     fn state(&mut self) -> Result<Option<JointState>, DriverError> {
         self.listen()?;
-        Ok(self.state.clone())
+        Ok(self.reports.state())
     }
 
     fn setpoint(&self) -> Option<&JointState> {
@@ -222,7 +223,7 @@ impl Driver for Ros1Driver {
     }
 
     fn clock(&self) -> Option<(f64, Instant)> {
-        self.clock
+        self.reports.clock()
     }
 
     fn sends_goals(&self) -> bool {

@@ -92,6 +92,7 @@ impl StepperDriver {
         self.position = i64::from(answer.position);
         self.state = Some(JointState {
             received: self.asked,
+            stamp: None,
             positions: vec![self.zero + f64::from(answer.position) * self.radians_per_step],
         });
         if answer.watchdog {
@@ -169,6 +170,7 @@ impl Driver for StepperDriver {
         self.zero = motion.first()[0] - self.position as f64 * self.radians_per_step;
         self.state = Some(JointState {
             received: self.asked,
+            stamp: None,
             positions: motion.first().to_vec(),
         });
         self.motion = Some(Motion {

@@ -1,0 +1,94 @@
+//! Reports of joints beside the time of a simulated robot, which comes on a topic of its own.
+
+use super::JointState;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+/// Longest wait for the first time of a clock by which reports are stamped.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Difference from the time of this machine from which a stamp is of another clock, s.
+const OTHER_CLOCK: f64 = 60.0;
+
+/// The last report and the last time that were received.
+#[derive(Debug, Default)]
+pub(super) struct ClockedReports {
+    opened: Option<Instant>,
+    state: Option<JointState>,
+    clock: Option<(f64, Instant)>,
+}
+
+impl ClockedReports {
+    /// Begins with a new connection: what was received over an earlier one stays.
+    pub(super) fn open(&mut self) {
+        self.opened = Some(Instant::now());
+    }
+
+    /// Keeps a report, true at `stamp`, s, of the robot's clock where the message bears one. `None` changes nothing.
+    pub(super) fn add(&mut self, state: Option<JointState>, stamp: Option<f64>) {
+        if let Some(state) = state {
+            self.state = Some(JointState { stamp, ..state });
+        }
+    }
+
+    /// Keeps the time of the robot's clock, s.
+    pub(super) fn set_time(&mut self, time: f64) {
+        self.clock = Some((time, Instant::now()));
+    }
+
+    /// The last report. A motion begins once there is one, and counts by the clock of the robot from then on: where its stamp is
+    /// of another clock than that of this machine, it is held back until a time of that clock has come, for [`PATIENCE`] at most.
+    pub(super) fn state(&self) -> Option<JointState> {
+        let state = self.state.clone()?;
+        let may_wait = self.opened.is_some_and(|at| at.elapsed() < PATIENCE);
+        let waits = self.clock.is_none() && may_wait && is_of_another_clock(state.stamp);
+        (!waits).then_some(state)
+    }
+
+    /// The last time of the robot's clock, s, and when it was received.
+    pub(super) fn clock(&self) -> Option<(f64, Instant)> {
+        self.clock
+    }
+}
+
+/// Whether a stamp, s, is of another clock than that of this machine. A stamp of zero is none.
+fn is_of_another_clock(stamp: Option<f64>) -> bool {
+    let ours = SystemTime::now().duration_since(UNIX_EPOCH);
+    let ours = ours.unwrap_or_default().as_secs_f64();
+    stamp.is_some_and(|stamp| stamp > 0.0 && (stamp - ours).abs() > OTHER_CLOCK)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report() -> Option<JointState> {
+        JointState::heard(&["a".into()], &["a".to_owned()], |_| Some(0.5))
+    }
+
+    #[test]
+    fn a_report_of_a_simulated_robot_waits_for_the_clock() {
+        let mut reports = ClockedReports::default();
+        reports.open();
+        reports.add(report(), Some(28.8));
+        assert_eq!(reports.state(), None);
+        reports.set_time(28.9);
+        assert_eq!(reports.state().unwrap().stamp, Some(28.8));
+    }
+
+    #[test]
+    fn other_reports_do_not_wait() {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+        for stamp in [None, Some(0.0), Some(now.as_secs_f64())] {
+            let mut reports = ClockedReports::default();
+            reports.open();
+            reports.add(report(), stamp);
+            assert_eq!(reports.state().unwrap().positions, [0.5]);
+        }
+        // A clock that never comes is waited for in the beginning only.
+        let mut reports = ClockedReports {
+            opened: Instant::now().checked_sub(2 * PATIENCE),
+            ..ClockedReports::default()
+        };
+        reports.add(report(), Some(28.8));
+        assert!(reports.state().is_some());
+    }
+}
