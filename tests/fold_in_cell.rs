@@ -89,10 +89,10 @@ fn a_sheet_that_slides_is_seen_to_and_its_fold_is_corrected() {
 
 /// A fold in a cell with a fault ends with exit code 1, a whole log and an arm that stands; the next task asks for a look.
 fn ends_early(fault: &str, words: &str) {
-    // The arm folds for 72 s.
-    let served = serve(&["--rate", "50", "--fault", &format!("{fault}@45s")]);
-    let slow = ["--approach-speed", "0.5", "--hand-speed", "0.01"];
-    let output = fold(&served, &[&slow[..], &["--feedback", "4"]].concat());
+    // The arm moves for 4 s to the sheet and then folds for 24 s.
+    let served = serve(&["--rate", "50", "--fault", &format!("{fault}@12s")]);
+    let speeds = ["--approach-speed", "1", "--hand-speed", "0.03"];
+    let output = fold(&served, &[&speeds[..], &["--feedback", "4"]].concat());
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
     assert!(served.stands_soon());
     let manifest = manifest(&served);
