@@ -5,9 +5,7 @@
 
 use super::element::{Element, is_free};
 use super::node_block::NODE;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::amd;
+use amd::Control;
 
 /// The coupled pairs of nodes.
 #[derive(Clone, Debug)]
@@ -105,33 +103,25 @@ impl NodeGraph {
     /// The approximate minimum degree order (Amestoy, Davis & Duff 1996): entry k is the node to be
     /// eliminated as k-th.
     pub(super) fn minimum_degree_order(&self) -> Vec<usize> {
-        // The upper triangle by columns is the lower one by rows, so sort the pairs by p first.
+        // The upper triangle by columns is the lower one by rows, so sort the pairs by p first; the diagonal closes each column.
         let mut starts = vec![0; self.nodes + 1];
         for &(p, _) in &self.pairs {
             starts[p as usize + 1] += 1;
         }
         for p in 0..self.nodes {
-            starts[p + 1] += starts[p];
+            starts[p + 1] += starts[p] + 1;
         }
         let mut next = starts.clone();
-        let mut rows = vec![0; self.pairs.len()];
+        let mut rows = vec![0; starts[self.nodes]];
         for &(p, q) in &self.pairs {
             rows[next[p as usize]] = q as usize;
             next[p as usize] += 1;
         }
-        let pattern =
-            SymbolicSparseColMatRef::new_checked(self.nodes, self.nodes, &starts, None, &rows);
-        let mut order = vec![0; self.nodes];
-        let mut inverse = vec![0; self.nodes];
-        let mut buffer = MemBuffer::new(amd::order_scratch::<usize>(self.nodes, rows.len()));
-        amd::order(
-            &mut order,
-            &mut inverse,
-            pattern,
-            amd::Control::default(),
-            MemStack::new(&mut buffer),
-        )
-        .expect("the number of coupled nodes fits an index");
+        for p in 0..self.nodes {
+            rows[next[p]] = p;
+        }
+        let (order, _, _) = amd::order(self.nodes, &starts, &rows, &Control::default())
+            .expect("columns are sorted and name nodes of the graph");
         order
     }
 }
