@@ -145,7 +145,7 @@ struct TableAnswer {
 /// The table `[camera]` of a file.
 fn table(camera: &Camera) -> Result<toml::Value, Failure> {
     let file = camera.to_toml().parse::<toml::Table>();
-    let mut file = file.map_err(|error| Failure::System(error.to_string()))?;
+    let mut file = file.map_err(Failure::system)?;
     Ok(file.remove("camera").unwrap_or_else(|| file.into()))
 }
 

@@ -6,7 +6,7 @@ use super::interruption::watch_for_interruption;
 use super::output::print;
 use super::place::Scene;
 use super::plan::parse_place;
-use super::values::positive_length;
+use super::values::{self, positive_length};
 use clap::{Args, Subcommand};
 use rodlab_lab::experiment::{Crease, Jitter};
 use rodlab_robot::Pose;
@@ -91,10 +91,10 @@ struct ServeArguments {
     #[arg(long, value_name = "X,Y[,TURN]", requires = "paper", value_parser = sheet_place, allow_hyphen_values = true)]
     place: Option<SheetPlace>,
     /// Friction of the table [default: that in the file of the sheet or the scene, otherwise 0.4]
-    #[arg(long, value_name = "FRICTION", value_parser = friction)]
+    #[arg(long, value_name = "FRICTION", value_parser = within(0.0, 10.0))]
     friction: Option<f64>,
     /// How many times as fast as real time; a simulation that cannot keep up is slower
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = rate)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = within(0.01, 100.0))]
     rate: f64,
     /// Address to listen on, host:port, with port 0 on any that is free [default: that of the drivers]. On an address that
     /// others can reach only with --token
@@ -104,10 +104,10 @@ struct ServeArguments {
     #[arg(long, value_name = "TOKEN", env = "RODLAB_CELL_TOKEN", hide_env_values = true, value_parser = token)]
     token: Option<String>,
     /// Time from a command to the first motion, s
-    #[arg(long, value_name = "SECONDS", default_value_t = Response::default().latency, value_parser = delay)]
+    #[arg(long, value_name = "SECONDS", default_value_t = Response::default().latency, value_parser = within(0.0, 0.2))]
     latency: f64,
     /// Time by which joints run behind, s
-    #[arg(long, value_name = "SECONDS", default_value_t = Response::default().lag, value_parser = delay)]
+    #[arg(long, value_name = "SECONDS", default_value_t = Response::default().lag, value_parser = within(0.0, 0.2))]
     lag: f64,
     /// Root mean square by which the hands tremble in each direction, unknown to the arms, with periods from 1 to 5 s
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
@@ -163,7 +163,7 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
     let interrupted = watch_for_interruption()?;
     let mut served = VirtualCell::new(&cell, settings)?;
     let address = served.address();
-    let address = address.map_err(|error| Failure::System(error.to_string()))?;
+    let address = address.map_err(Failure::system)?;
     print(&format!("listening on {address}\n"))?;
     Ok(served.serve(&|| interrupted.is_raised())?)
 }
@@ -233,21 +233,16 @@ fn driver_address(cell: &Cell) -> Option<&str> {
     })
 }
 
-fn number(text: &str, least: f64, most: f64) -> Result<f64, String> {
-    let number = text.trim().trim_end_matches('s').parse::<f64>().ok();
-    let number = number.filter(|number| (least..=most).contains(number));
-    number.ok_or_else(|| format!("a number from {least} to {most} is needed"))
+/// A parser of numbers in a range, of seconds with their unit or without.
+fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| values::within(least, most)(text.trim().trim_end_matches('s'))
 }
 
 fn place(text: &str) -> Result<[f64; 2], String> {
     let fault = || "two numbers from -100 to 100 m are needed, as in 0.2,-0.1".to_owned();
     let (x, y) = text.split_once(',').ok_or_else(fault)?;
-    let number = |text: &str| number(text, -100.0, 100.0).map_err(|_| fault());
+    let number = |text: &str| within(-100.0, 100.0)(text).map_err(|_| fault());
     Ok([number(x)?, number(y)?])
-}
-
-fn friction(text: &str) -> Result<f64, String> {
-    number(text, 0.0, 10.0)
 }
 
 fn sheet_place(text: &str) -> Result<SheetPlace, String> {
@@ -263,14 +258,6 @@ fn sheet_place(text: &str) -> Result<SheetPlace, String> {
         edge: [x, y],
         heading: turn.to_radians(),
     })
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    number(text, 0.01, 100.0)
-}
-
-fn delay(text: &str) -> Result<f64, String> {
-    number(text, 0.0, 0.2)
 }
 
 fn token(text: &str) -> Result<String, String> {

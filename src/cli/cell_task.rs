@@ -2,10 +2,14 @@
 
 use super::exit_code::NOT_SEEN_WHOLE;
 use super::failure::Failure;
+use super::interruption::watch_for_interruption;
+use super::log_directory::log_directory;
 use super::output::print_json;
+use rodlab_files::results::write_whole;
+use rodlab_robot::JointTrajectory;
 use rodlab_workcell::cell::Cell;
-use rodlab_workcell::task::{TaskError, TaskRecord, TaskStage, Unfinished};
-use std::path::Path;
+use rodlab_workcell::task::{Status, TaskError, TaskRecord, TaskStage, Unfinished};
+use std::path::{Path, PathBuf};
 
 /// Refuses to move an arm whose last task did not come to its end, until somebody has looked at it and says so.
 pub fn refuse_unfinished(cell: &Cell, arm: usize) -> Result<(), Failure> {
@@ -19,7 +23,7 @@ pub fn refuse_unfinished(cell: &Cell, arm: usize) -> Result<(), Failure> {
 }
 
 /// What a task with an arm needs and the cell file lacks, in words; `camera` says what the camera is for.
-pub fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
+fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
     let known = &cell.arms[arm];
     let name = &known.name;
     let seen = cell.camera.as_ref();
@@ -37,44 +41,119 @@ pub fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
     None
 }
 
-/// Ends a task: takes over what it came to, writes its record, clears its marks where the arms came to the end of their work, and
-/// prints the record.
+/// Refuses to begin a task that the arms of a cell cannot do, or must not do yet; `camera` says what the camera is for.
 ///
 /// # Errors
-/// It ended early, the rod is not seen whole, or something cannot be written.
-pub fn finish<R: TaskRecord, T, S: TaskStage>(
-    mut record: R,
-    came_to: Result<T, TaskError<S>>,
-    take: impl FnOnce(&mut R, T),
-    unfinished: &[Unfinished],
-    directory: &Path,
+/// An arm left a task unfinished, and nobody has `checked` it, or the cell file lacks something.
+pub fn refuse_unready(
+    cell: &Cell,
+    file: &Path,
+    arms: &[usize],
+    checked: bool,
+    camera: &str,
 ) -> Result<(), Failure> {
-    record.head().ended(came_to.as_ref().err());
-    let clear = || {
-        let cleared = unfinished.iter().try_for_each(Unfinished::clear);
+    for arm in arms {
+        if !checked {
+            refuse_unfinished(cell, *arm)?;
+        }
+        if let Some(what) = missing_part(cell, *arm, camera) {
+            return Err(Failure::Input(format!("{}: {what}", file.display())));
+        }
+    }
+    Ok(())
+}
+
+/// A task with arms of a cell, by its directory.
+pub struct CellTask<'a> {
+    cell: &'a Cell,
+    /// Where everything is written.
+    pub directory: PathBuf,
+    /// The marks of its arms.
+    pub unfinished: Vec<Unfinished>,
+}
+
+impl<'a> CellTask<'a> {
+    /// A task in an empty directory, see [`log_directory`].
+    ///
+    /// # Errors
+    /// The directory is not empty, or cannot be made.
+    pub fn new(
+        name: &str,
+        out: Option<&Path>,
+        cell: &'a Cell,
+        arms: &[usize],
+    ) -> Result<Self, Failure> {
+        let directory = log_directory(name, out)?;
+        let marks = arms
+            .iter()
+            .map(|arm| Unfinished::of(cell, *arm, &directory));
+        Ok(Self {
+            unfinished: marks.collect(),
+            cell,
+            directory,
+        })
+    }
+
+    /// Writes the motion, and a page that shows it in no more than so many frames.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write_motion(&self, joints: &JointTrajectory, frames: usize) -> Result<(), Failure> {
+        let page = self.cell.page(Some(joints), frames);
+        let files = [("joints.csv", joints.to_csv()?), ("cell.html", page)];
+        for (name, text) in files {
+            write_whole(&self.directory.join(name), text.as_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Carries a task out that was planned, or nothing of it where it is a `dry_run`; writes its record, clears the marks where the arms
+    /// came to the end of their work, and prints the record. `run` does the task, and adds what it came to to the record.
+    ///
+    /// # Errors
+    /// It ended early, the rod is not seen whole, or something cannot be written.
+    pub fn carry_out<R: TaskRecord, S: TaskStage>(
+        &self,
+        mut record: R,
+        dry_run: bool,
+        run: impl FnOnce(&mut R, &dyn Fn() -> bool) -> Result<(), TaskError<S>>,
+    ) -> Result<(), Failure> {
+        let directory = &self.directory;
+        if dry_run {
+            record.write(directory)?;
+            return print_json(&record);
+        }
+        record.head().status = Status::Running;
+        record.write(directory)?;
+        let interrupted = watch_for_interruption()?;
+        let came_to = run(&mut record, &|| interrupted.is_raised());
+        record.head().ended(came_to.as_ref().err());
+        let failure = match came_to {
+            Ok(()) => self.clear(),
+            // The arms have done their work and hold nothing.
+            Err(error @ TaskError::NotSeenWhole(_)) => {
+                let unclear = self.clear();
+                unclear.or_else(|| Some(ended_early(&error, None, directory)))
+            }
+            Err(error) => {
+                let next = record.head().stopped.as_ref();
+                let next = next.map(|stopped| stopped.next.clone());
+                Some(ended_early(&error, next.as_deref(), directory))
+            }
+        };
+        record.write(directory)?;
+        match failure {
+            Some(failure) => Err(failure),
+            None => print_json(&record),
+        }
+    }
+
+    /// Clears the marks of the arms; why they cannot be cleared.
+    fn clear(&self) -> Option<Failure> {
+        let cleared = self.unfinished.iter().try_for_each(Unfinished::clear);
         let unclear =
             |error| Failure::System(format!("the end of the task cannot be noted: {error}"));
         cleared.err().map(unclear)
-    };
-    let failure = match came_to {
-        Ok(came_to) => {
-            take(&mut record, came_to);
-            clear()
-        }
-        // The arms have done their work and hold nothing.
-        Err(error @ TaskError::NotSeenWhole(_)) => {
-            clear().or_else(|| Some(ended_early(&error, None, directory)))
-        }
-        Err(error) => {
-            let next = record.head().stopped.as_ref();
-            let next = next.map(|stopped| stopped.next.clone());
-            Some(ended_early(&error, next.as_deref(), directory))
-        }
-    };
-    record.write(directory)?;
-    match failure {
-        Some(failure) => Err(failure),
-        None => print_json(&record),
     }
 }
 
@@ -89,11 +168,11 @@ fn ended_early<S: TaskStage>(
         message += &format!("\nnext: {next}");
     }
     match error {
-        TaskError::Interrupted { .. } => Failure::Cases {
+        TaskError::Interrupted { .. } => Failure::Other {
             exit_code: 130,
             message,
         },
-        TaskError::NotSeenWhole(_) => Failure::Cases {
+        TaskError::NotSeenWhole(_) => Failure::Other {
             exit_code: NOT_SEEN_WHOLE,
             message: format!(
                 "{error}; nothing is scored: look at overlay.png and rod.csv in {}",

@@ -3,19 +3,12 @@
 use super::common::Common;
 use super::failure::Failure;
 use super::laying::{Laying, LayingArguments};
-use super::output::print;
 use super::plan_deployment::DeploymentPlan;
-use super::run::{prepare, summary};
+use super::run::simulate;
 use clap::Args;
-use rodlab_files::results::PAGE;
 use rodlab_lab::experiment::case_set;
-use rodlab_lab::report::write_page;
 use rodlab_lab::run::RunOptions;
 use rodlab_planning::plan::deployment::Spare;
-use std::path::Path;
-
-/// Outputs that the page of a simulation shows at most.
-const OUTPUTS: usize = 2500;
 
 /// Arguments of `rodlab deploy`.
 #[derive(Debug, Args)]
@@ -56,7 +49,10 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
     if arguments.simulate {
         let directory = laying.directory("deploy")?;
         plan.write(&directory.join("plan"), &Spare::HANGS)?;
-        return simulate(&directory, common);
+        let scenario = directory.join("plan").join("landing.toml");
+        let options = RunOptions::new(directory.join("landing"));
+        simulate(&case_set(&scenario, &[], &[])?, options, common)?;
+        return Ok(());
     }
     let what = Laying {
         task: "deploy",
@@ -69,19 +65,4 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
         let plan = plan.write(directory, spare)?;
         Ok((plan.rod, plan.path))
     })
-}
-
-/// Lays it in plain simulation, and writes the page.
-fn simulate(directory: &Path, common: &Common) -> Result<(), Failure> {
-    let scenario = directory.join("plan").join("landing.toml");
-    let prepared = prepare(&case_set(&scenario, &[], &[])?)?;
-    let options = RunOptions {
-        progress: !common.quiet,
-        ..RunOptions::new(directory.join("landing"))
-    };
-    let outcome = rodlab_lab::run::run(&prepared, &options)?;
-    let page = outcome.directory.join(PAGE);
-    write_page(&outcome.directory, &page, OUTPUTS, &|_, _| {})?;
-    print(&summary(&outcome))?;
-    print(&format!("{:<24}{}\n", "page", page.display()))
 }

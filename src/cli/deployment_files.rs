@@ -83,8 +83,7 @@ pub fn trajectory_json(
         gravito_bending_length_m: file.rod.gravito_bending_length,
         poses: poses.collect(),
     };
-    let text =
-        serde_json::to_string_pretty(&whole).map_err(|error| Failure::System(error.to_string()))?;
+    let text = serde_json::to_string_pretty(&whole).map_err(Failure::system)?;
     Ok(text + "\n")
 }
 

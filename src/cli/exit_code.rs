@@ -3,9 +3,10 @@
 use crate::reproduce::ReproduceError;
 use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_files::results::ResultsError;
+use rodlab_lab::cluster::ClusterError;
 use rodlab_lab::report::{PlotError, ViewError};
 use rodlab_lab::run::{RunError, StopRequest};
-use rodlab_lab::sweep::{SweepError, SweepOutcome};
+use rodlab_lab::sweep::SweepOutcome;
 
 /// Exit code where the time limit was reached.
 pub(super) const TIME_LIMIT: u8 = 5;
@@ -17,7 +18,7 @@ pub(super) const NOT_SEEN_WHOLE: u8 = 4;
 pub(super) const PANIC: u8 = 1;
 
 /// What the program returns.
-pub(crate) trait ExitCode {
+pub(super) trait ExitCode {
     /// Its exit code.
     fn exit_code(&self) -> u8;
 }
@@ -62,15 +63,11 @@ impl ExitCode for ResultsError {
     }
 }
 
-impl ExitCode for SweepError {
+impl ExitCode for ClusterError {
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Scenario(_)
-            | Self::RepeatedCase { .. }
-            | Self::NoSweep { .. }
-            | Self::UnknownObjective { .. } => 2,
-            Self::Results(error) => error.exit_code(),
-            Self::Threads(_) => 1,
+            Self::NotOneLine { .. } | Self::NotOneWord { .. } => 2,
+            _ => 1,
         }
     }
 }

@@ -3,8 +3,8 @@
 use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::output::print_json;
-use super::plan::positive;
 use super::solve_arm::arm_named;
+use super::values::{number, positive};
 use clap::Args;
 use rodlab_files::results::{MANIFEST, write_whole};
 use rodlab_lab::experiment::ClampedRod;
@@ -16,6 +16,8 @@ use rodlab_workcell::task::{
 };
 use std::path::{Path, PathBuf};
 
+/// Distances ‖(κ, τ, ω)‖ that are allowed, in words.
+const DISTANCE: &str = "a distance from 0.01 to 100 is needed";
 /// Frames of the page of the arm in motion.
 const FRAMES: usize = 400;
 
@@ -53,13 +55,13 @@ pub struct ExploreArguments {
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
     /// Distance ‖(κ, τ, ω)‖ from look to look on the way out
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.5, value_parser = distance)]
+    #[arg(long, value_name = "DISTANCE", default_value_t = 0.5, value_parser = number(is_distance, DISTANCE))]
     step: f64,
     /// The same for the second approach to an instability
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.05, value_parser = distance)]
+    #[arg(long, value_name = "DISTANCE", default_value_t = 0.05, value_parser = number(is_distance, DISTANCE))]
     precision: f64,
     /// Distance at which a search ends
-    #[arg(long, value_name = "DISTANCE", default_value_t = 14.0, value_parser = distance)]
+    #[arg(long, value_name = "DISTANCE", default_value_t = 14.0, value_parser = number(is_distance, DISTANCE))]
     farthest: f64,
     /// Mean distance of the markers from those of the helix, over the length of the rod, above which it is no helix
     #[arg(long, value_name = "PART", default_value_t = 0.015, value_parser = positive)]
@@ -107,7 +109,7 @@ struct DirectionArguments {
 impl DirectionArguments {
     fn list(&self) -> Result<Vec<[f64; 3]>, Failure> {
         if let Some(file) = &self.directions {
-            return read_directions(file).map_err(|error| Failure::Input(error.to_string()));
+            return read_directions(file).map_err(Failure::input);
         }
         let spread = self.spread.map(|count| quarter_sphere(count as usize));
         let flat = self.section.map(|count| section(count as usize));
@@ -115,10 +117,8 @@ impl DirectionArguments {
     }
 }
 
-fn distance(text: &str) -> Result<f64, String> {
-    let distance = text.trim().parse().ok();
-    let distance = distance.filter(|distance: &f64| (0.01..=100.0).contains(distance));
-    distance.ok_or_else(|| "a distance from 0.01 to 100 is needed".into())
+fn is_distance(distance: f64) -> bool {
+    (0.01..=100.0).contains(&distance)
 }
 
 /// Explores the stability of helical rods.
@@ -254,7 +254,7 @@ fn failed(error: ExploreError, directory: &Path) -> Failure {
     let message = format!("{error}; the log is in {}", directory.display());
     match error {
         ExploreError::Input(words) => Failure::Input(words),
-        ExploreError::Interrupted => Failure::Cases {
+        ExploreError::Interrupted => Failure::Other {
             exit_code: 130,
             message,
         },

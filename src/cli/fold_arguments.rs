@@ -1,8 +1,8 @@
 //! Arguments of `rodlab fold`.
 
-use super::plan::{parse_place, positive};
-use super::plan_fold::{crease, friction};
-use super::values::positive_length;
+use super::plan::parse_place;
+use super::plan_fold::crease;
+use super::values::{friction, positive, positive_length};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use rodlab_lab::experiment::{AlgorithmName, Crease};

@@ -1,21 +1,16 @@
 //! `rodlab fold` in a robot cell.
 
-use super::cell_task::{finish, missing_part, refuse_unfinished};
+use super::cell_task::{CellTask, refuse_unready};
 use super::failure::Failure;
 use super::fold_arguments::FoldArguments;
 use super::folded_sheet::PaperFile;
-use super::interruption::watch_for_interruption;
-use super::log_directory::log_directory;
-use super::output::print_json;
 use super::solve_arm::arm_named;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
-use rodlab_files::results::write_whole;
 use rodlab_robot::Pose;
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::{Cell, Place};
 use rodlab_workcell::task::{
-    FoldMotionRequest, FoldRecord, FoldRequest, FoldTask, FoldWay, Status, TaskHead, TaskRecord,
-    Unfinished, heading,
+    FoldMotionRequest, FoldRecord, FoldRequest, FoldTask, FoldWay, TaskHead, heading,
 };
 
 /// Parts of a way that is not planned anew: after each the camera looks.
@@ -40,18 +35,8 @@ pub fn fold_in_cell(
     let cell = Cell::read(&arguments.cell)?;
     let arm = arm_named(&cell, arguments.arm.as_deref(), &arguments.cell)?;
     if !arguments.dry_run {
-        if !arguments.checked {
-            refuse_unfinished(&cell, arm)?;
-        }
-        let missing = missing_part(
-            &cell,
-            arm,
-            "it looks where the sheet lies and how far it slides",
-        );
-        if let Some(what) = missing {
-            let message = format!("{}: {what}", arguments.cell.display());
-            return Err(Failure::Input(message));
-        }
+        let camera = "it looks where the sheet lies and how far it slides";
+        refuse_unready(&cell, &arguments.cell, &[arm], arguments.checked, camera)?;
     }
     let colour = ColourRule::parse(&arguments.colour)?;
     let request = FoldRequest {
@@ -74,13 +59,9 @@ pub fn fold_in_cell(
         margin: arguments.margin,
     };
     let motion = planned.plan(&way)?;
-    let directory = log_directory("fold", arguments.out.as_deref())?;
-    let unfinished = Unfinished::of(&cell, arm, &directory);
-    let whole = motion.whole();
-    write_whole(&directory.join("joints.csv"), whole.to_csv()?.as_bytes())?;
-    let page = cell.page(Some(&whole), FRAMES);
-    write_whole(&directory.join("cell.html"), page.as_bytes())?;
-    let mut record = FoldRecord {
+    let task = CellTask::new("fold", arguments.out.as_deref(), &cell, &[arm])?;
+    task.write_motion(&motion.whole(), FRAMES)?;
+    let record = FoldRecord {
         head: TaskHead::planned(std::env::args().collect()),
         cell: cell.title.clone(),
         arm: cell.arms[arm].name.clone(),
@@ -95,14 +76,7 @@ pub fn fold_in_cell(
         looks: Vec::new(),
         score: None,
     };
-    if arguments.dry_run {
-        record.write(&directory)?;
-        return print_json(&record);
-    }
-    record.head.status = Status::Running;
-    record.write(&directory)?;
-    let interrupted = watch_for_interruption()?;
-    let task = FoldTask {
+    let folding = FoldTask {
         cell: &cell,
         arm,
         paper: file.paper,
@@ -114,24 +88,21 @@ pub fn fold_in_cell(
         speed: arguments.hand_speed,
         approach_speed: arguments.approach_speed,
         margin: arguments.margin,
-        unfinished: Some(&unfinished),
-        directory: &directory,
+        unfinished: task.unfinished.first(),
+        directory: &task.directory,
     };
-    let end = task.run(&|| interrupted.is_raised());
-    record.times_s = end.times;
-    record.head.stopped = end.stopped;
-    record.looks = end.looks;
-    record.sheet_place = end.frame.map(|frame| {
-        let place = frame.translation.vector;
-        [place.x, place.y, heading(&frame).to_degrees()]
-    });
-    finish(
-        record,
-        end.score,
-        |record, score| record.score = Some(score),
-        &[unfinished],
-        &directory,
-    )
+    task.carry_out(record, arguments.dry_run, |record, is_interrupted| {
+        let end = folding.run(is_interrupted);
+        record.times_s = end.times;
+        record.head.stopped = end.stopped;
+        record.looks = end.looks;
+        record.sheet_place = end.frame.map(|frame| {
+            let place = frame.translation.vector;
+            [place.x, place.y, heading(&frame).to_degrees()]
+        });
+        record.score = Some(end.score?);
+        Ok(())
+    })
 }
 
 /// Where the sheet is expected: its middle in that of the table where nobody says.

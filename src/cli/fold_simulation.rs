@@ -3,19 +3,14 @@
 use super::common::Common;
 use super::failure::Failure;
 use super::fold_arguments::FoldArguments;
-use super::output::print;
-use super::run::{prepare, summary};
+use super::run::simulate;
 use super::view::show;
 use super::watchdog;
-use rodlab_files::results::PAGE;
 use rodlab_lab::experiment::{Crease, case_set_from_text};
-use rodlab_lab::report::write_page;
 use rodlab_lab::run::RunOptions;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Outputs that the page shows at most.
-const OUTPUTS: usize = 2500;
 /// Time of a fold, s.
 const TIME: f64 = 15.0;
 
@@ -31,26 +26,20 @@ pub fn fold_in_simulation(
     let name = format!("fold_{}", stem.to_string_lossy());
     let text = scenario(arguments, title, friction)?;
     let cases = case_set_from_text(&name, &text, Path::new(""))?;
-    let prepared = prepare(&cases)?;
     let directory = arguments.out.clone();
     let directory = directory.unwrap_or_else(|| Path::new("results").join(&name));
     let options = RunOptions {
         force: arguments.force,
-        progress: !common.quiet,
         ..RunOptions::new(directory)
     };
-    let outcome = rodlab_lab::run::run(&prepared, &options)?;
-    let page = outcome.directory.join(PAGE);
-    write_page(&outcome.directory, &page, OUTPUTS, &|_, _| {})?;
-    print(&summary(&outcome))?;
-    print(&format!("{:<24}{}\n", "page", page.display()))?;
+    let page = simulate(&cases, options, common)?;
     if arguments.open { show(&page) } else { Ok(()) }
 }
 
 /// The scenario of a fold.
 fn scenario(arguments: &FoldArguments, title: &str, friction: f64) -> Result<String, Failure> {
     let paper = std::path::absolute(&arguments.paper);
-    let paper = paper.map_err(|error| Failure::System(error.to_string()))?;
+    let paper = paper.map_err(Failure::system)?;
     let quoted = |text: &str| toml::Value::from(text).to_string();
     let crease = match arguments.crease {
         Crease::Half => quoted("half"),

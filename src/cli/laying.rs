@@ -1,21 +1,17 @@
 //! How an arm of a cell lays a rod: what `rodlab deploy` and `rodlab place` have in common.
 
-use super::cell_task::{finish, refuse_unfinished};
+use super::cell_task::{CellTask, refuse_unfinished};
 use super::failure::Failure;
-use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
-use super::output::print_json;
 use super::solve_arm::arm_named;
 use super::task_arguments::TaskArguments;
 use clap::Args;
-use rodlab_files::results::write_whole;
 use rodlab_lab::experiment::Fixtures;
 use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, Spare};
 use rodlab_vision::{ColourRule, Point};
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
-    Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, Status, TaskHead,
-    TaskRecord, Unfinished, middle_of_table,
+    Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, TaskHead,
 };
 use std::path::{Path, PathBuf};
 
@@ -71,29 +67,18 @@ impl LayingArguments {
         if !(self.task.dry_run || self.task.checked) {
             refuse_unfinished(&cell, arm)?;
         }
-        let directory = self.directory(laying.task)?;
-        let unfinished = Unfinished::of(&cell, arm, &directory);
-        let place = self
-            .task
-            .place
-            .or_else(|| middle_of_table(&cell, laying.outline));
-        let place = place
-            .ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))?;
+        let out = self.task.out.as_deref();
+        let task = CellTask::new(laying.task, out, &cell, &[arm])?;
         let motion = MotionRequest {
             cell: &cell,
             arm,
-            place,
+            place: self.task.place(&cell, laying.outline)?,
             speed: self.task.hand_speed,
             margin: self.task.margin,
         };
-        let (rod, path, motion) = motion.plan(|spare| plan(spare, &directory.join("plan")))?;
-        write_whole(
-            &directory.join("joints.csv"),
-            motion.laying.to_csv()?.as_bytes(),
-        )?;
-        let page = cell.page(Some(&motion.laying), FRAMES);
-        write_whole(&directory.join("cell.html"), page.as_bytes())?;
-        let mut record = DeployRecord {
+        let (rod, path, motion) = motion.plan(|spare| plan(spare, &task.directory.join("plan")))?;
+        task.write_motion(&motion.laying, FRAMES)?;
+        let record = DeployRecord {
             head: TaskHead::planned(std::env::args().collect()),
             cell: cell.title.clone(),
             arm: cell.arms[arm].name.clone(),
@@ -104,17 +89,10 @@ impl LayingArguments {
             score: None,
             pegs: None,
         };
-        if self.task.dry_run {
-            record.write(&directory)?;
-            return print_json(&record);
-        }
-        record.head.status = Status::Running;
-        record.write(&directory)?;
-        let interrupted = watch_for_interruption()?;
         let correction = laying
             .is_corrected
             .then(|| Correction::usual(rod.gravito_bending_length, self.task.hand_speed));
-        let task = DeployTask {
+        let deploying = DeployTask {
             cell: &cell,
             arm,
             motion: &motion,
@@ -125,19 +103,15 @@ impl LayingArguments {
             colour: &colour,
             laying: correction.as_ref().map(|way| way as &dyn LayingMethod),
             fixtures: laying.fixtures,
-            unfinished: Some(&unfinished),
-            directory: &directory,
+            unfinished: task.unfinished.first(),
+            directory: &task.directory,
         };
-        let end = task.run(&|| interrupted.is_raised());
-        record.times_s = end.times;
-        record.head.stopped = end.stopped;
-        record.seen_length = end.seen_length;
-        finish(
-            record,
-            end.laid,
-            |record, laid| record.take(&laid),
-            &[unfinished],
-            &directory,
-        )
+        task.carry_out(record, self.task.dry_run, |record, is_interrupted| {
+            let end = deploying.run(is_interrupted);
+            record.times_s = end.times;
+            record.head.stopped = end.stopped;
+            record.seen_length = end.seen_length;
+            end.laid.map(|laid| record.take(&laid))
+        })
     }
 }

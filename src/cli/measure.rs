@@ -87,8 +87,7 @@ pub fn measure(arguments: &MeasureArguments) -> Result<(), Failure> {
             drop,
             uncertainty,
         } => {
-            let strip = HangingStrip::of_drop(drop / length)
-                .map_err(|error| Failure::Input(error.to_string()))?;
+            let strip = HangingStrip::of_drop(drop / length).map_err(Failure::input)?;
             // With ε = drop/length, L_gb = length/ℓ(ε): |dL_gb/d drop| = ℓ'(ε)/ℓ².
             let by_drop = strip.length_by_drop / strip.length.powi(2);
             print_json(&Answer {

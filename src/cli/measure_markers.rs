@@ -4,7 +4,7 @@ use super::failure::Failure;
 use super::helix_file::HelixFile;
 use super::output::{print, print_json, write_file, write_files};
 use super::picture_source::{RecordingArguments, SourcePicture, is_series, pictures};
-use super::values::positive_length;
+use super::values::{is_positive, number, positive_length};
 use clap::Args;
 use nalgebra::Vector3;
 use rodlab_vision::{
@@ -54,7 +54,7 @@ pub struct MarkerArguments {
     #[arg(long, value_name = "PIXELS", default_value_t = 2000)]
     largest_area: usize,
     /// How far from its place, in pixels, a marker is looked for; one that is not found counts as that far away
-    #[arg(long, value_name = "PIXELS", default_value_t = 40.0, value_parser = pixels)]
+    #[arg(long, value_name = "PIXELS", default_value_t = 40.0, value_parser = number(is_positive, "expected a number of pixels above 0"))]
     gate: f64,
     /// Error above which the rod is no longer that helix
     #[arg(long, value_name = "LENGTH", default_value = "10 mm", value_parser = positive_length)]
@@ -71,13 +71,6 @@ pub struct MarkerArguments {
     /// Print what was found as JSON
     #[arg(long)]
     json: bool,
-}
-
-fn pixels(text: &str) -> Result<f64, String> {
-    let pixels = text.trim().parse().ok();
-    pixels
-        .filter(|pixels: &f64| *pixels > 0.0 && pixels.is_finite())
-        .ok_or_else(|| "expected a number of pixels above 0".into())
 }
 
 #[derive(Serialize)]

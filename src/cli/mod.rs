@@ -89,7 +89,6 @@ mod watchdog;
 
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
-pub(crate) use exit_code::ExitCode;
 use failure::Failure;
 use std::process;
 

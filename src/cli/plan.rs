@@ -6,6 +6,7 @@ use super::plan_deployment::DeploymentArguments;
 use super::plan_fold::FoldPlanArguments;
 use super::plan_grippers::GripperPlanArguments;
 use super::solve_arm::ArmChoice;
+use super::values::positive;
 use clap::{Args, Subcommand};
 use rodlab_workcell::cell::{Place, PlanError, PlanRequest, read_poses};
 use std::path::PathBuf;
@@ -105,8 +106,7 @@ pub fn plan(arguments: &PlanArguments) -> Result<(), Failure> {
 
 fn joints(arguments: &JointsArguments) -> Result<(), Failure> {
     let (cell, arm) = arguments.arm.read()?;
-    let path =
-        read_poses(&arguments.trajectory).map_err(|error| Failure::Input(error.to_string()))?;
+    let path = read_poses(&arguments.trajectory).map_err(Failure::input)?;
     let plan = cell.plan(&PlanRequest {
         arm,
         path,
@@ -130,7 +130,7 @@ impl From<PlanError> for Failure {
         match error {
             PlanError::Input(message) => Self::Input(message),
             PlanError::Path(message) => Self::Unreachable(message),
-            PlanError::Timing(error) => Self::Input(error.to_string()),
+            PlanError::Timing(error) => Self::input(error),
         }
     }
 }
@@ -147,12 +147,5 @@ pub(super) fn parse_place(text: &str) -> Result<Place, String> {
         Ok([x, y, z]) => Ok(Place::At([*x, *y, *z, 0.0])),
         Ok([x, y, z, turn]) => Ok(Place::At([*x, *y, *z, turn.to_radians()])),
         _ => Err("`auto` or x,y,z or x,y,z,degrees is needed".into()),
-    }
-}
-
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
-        _ => Err("a number above 0 is needed".into()),
     }
 }

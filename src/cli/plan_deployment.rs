@@ -7,7 +7,7 @@ use super::deployment_files::{
 use super::failure::Failure;
 use super::output::{print_json, write_file};
 use super::pattern_source::PatternArguments;
-use super::values::positive_length;
+use super::values::{positive_length, speed};
 use clap::{Args, ValueEnum};
 use rodlab_files::finite::NotFinite;
 use rodlab_planning::plan::deployment::{
@@ -459,7 +459,7 @@ impl DeploymentPlan {
                 "{}: the pose of the gripper at {s_m:.4} m",
                 self.source.name()
             );
-            return Failure::NotFinite(NotFinite { what });
+            return NotFinite { what }.into();
         }
         Failure::Input(format!("{}: {error}", self.source.name()))
     }
@@ -502,7 +502,7 @@ impl DeploymentPlan {
             (SolverName::Neural, _, None) => Ok(Some(Cow::Borrowed(NeuralGrasps::built_in()))),
             (SolverName::Neural, _, Some(path)) => {
                 let network = NeuralGrasps::read(path);
-                let network = network.map_err(|error| Failure::Input(error.to_string()))?;
+                let network = network.map_err(Failure::input)?;
                 Ok(Some(Cow::Owned(network)))
             }
         }
@@ -561,12 +561,5 @@ fn lead(text: &str) -> Result<LeadLength, String> {
         text => positive_length(text)
             .map(LeadLength::Given)
             .map_err(|error| format!("{error}; or `auto`, or `none`")),
-    }
-}
-
-fn speed(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(speed) if speed > 0.0 && speed.is_finite() => Ok(speed),
-        _ => Err("a speed above 0 is needed, m/s".into()),
     }
 }

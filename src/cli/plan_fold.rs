@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::fold_figures::{fold_figure, friction_figure};
 use super::folded_sheet::PaperFile;
 use super::output::{print_json, write_files};
-use super::values::positive_length;
+use super::values::{friction, positive_length, speed};
 use clap::{Args, ValueEnum};
 use rodlab_files::figure::Paper;
 use rodlab_lab::experiment::Crease;
@@ -294,9 +294,7 @@ impl FoldPlanArguments {
             ),
             (SolverName::Neural, _, Some(path)) => {
                 let network = NeuralFolds::read(path);
-                network
-                    .map(Some)
-                    .map_err(|error| Failure::Input(error.to_string()))
+                network.map(Some).map_err(Failure::input)
             }
         }
     }
@@ -384,21 +382,6 @@ pub(super) fn crease(text: &str) -> Result<Crease, String> {
         text => positive_length(text)
             .map(Crease::At)
             .map_err(|error| format!("{error}; or `half`, or `{}`", Crease::DIAGONAL_STRIP)),
-    }
-}
-
-/// A coefficient of friction, as typed.
-pub(super) fn friction(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(friction) if friction >= 0.0 && friction.is_finite() => Ok(friction),
-        _ => Err("a number from 0 up is needed".into()),
-    }
-}
-
-fn speed(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(speed) if speed > 0.0 && speed.is_finite() => Ok(speed),
-        _ => Err("a speed above 0 is needed, m/s".into()),
     }
 }
 

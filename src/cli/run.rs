@@ -7,7 +7,9 @@ use super::sweep;
 use super::values::{duration, shard};
 use super::watchdog;
 use clap::Args;
+use rodlab_files::results::PAGE;
 use rodlab_lab::experiment::{self, try_scene};
+use rodlab_lab::report::write_page;
 use rodlab_lab::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
 use rodlab_lab::scenario::CaseSet;
 use rodlab_lab::sweep::{Shard, SweepOptions};
@@ -15,6 +17,9 @@ use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+
+/// Outputs that the page of a task in simulation shows at most.
+const OUTPUTS: usize = 2500;
 
 /// Arguments of `rodlab run`.
 #[derive(Debug, Args)]
@@ -150,8 +155,26 @@ pub fn prepare(case_set: &CaseSet) -> Result<PreparedRun, Failure> {
     experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).into())
 }
 
+/// Runs a case of a task in plain simulation, and writes its page; prints what came out, and returns where the page is.
+pub(super) fn simulate(
+    case_set: &CaseSet,
+    options: RunOptions,
+    common: &Common,
+) -> Result<PathBuf, Failure> {
+    let options = RunOptions {
+        progress: !common.quiet,
+        ..options
+    };
+    let outcome = rodlab_lab::run::run(&prepare(case_set)?, &options)?;
+    let page = outcome.directory.join(PAGE);
+    write_page(&outcome.directory, &page, OUTPUTS, &|_, _| {})?;
+    print(&summary(&outcome))?;
+    print(&format!("{:<24}{}\n", "page", page.display()))?;
+    Ok(page)
+}
+
 /// Where the results lie and what came out, a line each.
-pub(super) fn summary(outcome: &RunOutcome) -> String {
+fn summary(outcome: &RunOutcome) -> String {
     let case = &outcome.case;
     let mut text = match outcome.status {
         RunStatus::Finished => "finished\n".to_owned(),

@@ -107,7 +107,7 @@ pub fn score(arguments: &ScoreArguments) -> Result<(), Failure> {
     let pattern = arguments.pattern_points()?;
     let seen_length = (arguments.rod_length).map(|length| SeenLength::of(&whole, length));
     if let Some(length) = seen_length.filter(|length| !length.is_whole()) {
-        return Err(Failure::Cases {
+        return Err(Failure::Other {
             exit_code: NOT_SEEN_WHOLE,
             message: format!("{}: not seen whole: {length}", arguments.result.display()),
         });

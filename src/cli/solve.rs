@@ -6,7 +6,7 @@ use super::solve_arm::{ForwardArguments, InverseArguments};
 use super::solve_fold::FoldArguments;
 use super::solve_grasp::GraspArguments;
 use super::solve_knot::KnotInversionArguments;
-use super::values::positive_length;
+use super::values::{edges, positive_length};
 use clap::{Args, Subcommand, ValueEnum};
 use rodlab_engine::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
 use rodlab_lab::experiment::{HelixStability, estimated_critical_distance};
@@ -122,7 +122,7 @@ struct HelixArguments {
     #[arg(long, default_value = "theory")]
     method: HelixMethod,
     /// Edges of the discrete rod; a rod of twice as many is solved for the error estimate
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = edges)]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = edges(HelixStability::FEWEST_EDGES..=MOST_EDGES))]
     edges: usize,
 }
 
@@ -184,8 +184,8 @@ pub fn solve(arguments: &SolveArguments) -> Result<(), Failure> {
             length,
             gravito_bending_length,
         } => {
-            let strip = HangingStrip::of_length(length / gravito_bending_length)
-                .map_err(|error| Failure::Input(error.to_string()))?;
+            let strip =
+                HangingStrip::of_length(length / gravito_bending_length).map_err(Failure::input)?;
             print_json(&StripAnswer {
                 drop_m: strip.drop * length,
                 reach_m: strip.reach * length,
@@ -206,9 +206,8 @@ fn helix(arguments: &HelixArguments) -> Result<HelixAnswer, Failure> {
     let unit = direction.scaled(1.0 / direction.distance());
     let critical = match method {
         HelixMethod::Theory => critical_distance(&unit),
-        HelixMethod::Der => {
-            estimated_critical_distance(&unit, *edges).map_err(Failure::NoEquilibrium)?
-        }
+        HelixMethod::Der => estimated_critical_distance(&unit, *edges)
+            .map_err(|error| Failure::Unreachable(error.to_string()))?,
     };
     Ok(HelixAnswer {
         critical: critical.map(|critical| critical.distance),
@@ -218,16 +217,6 @@ fn helix(arguments: &HelixArguments) -> Result<HelixAnswer, Failure> {
         method: *method,
         error_estimate: critical.map(|critical| critical.error_estimate),
     })
-}
-
-fn edges(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(edges) if (HelixStability::FEWEST_EDGES..=MOST_EDGES).contains(&edges) => Ok(edges),
-        _ => Err(format!(
-            "a number of edges from {} to {MOST_EDGES} is needed",
-            HelixStability::FEWEST_EDGES
-        )),
-    }
 }
 
 fn direction(text: &str) -> Result<Helix, String> {

@@ -1,6 +1,7 @@
 //! `rodlab solve fk` and `rodlab solve ik`: the kinematics of an arm of a cell.
 
 use super::failure::Failure;
+use super::values::number;
 use clap::Args;
 use rodlab_robot::{Pose, Posture, parts, pose};
 use rodlab_workcell::cell::{Arm, Cell};
@@ -60,7 +61,7 @@ pub struct ForwardArguments {
     #[command(flatten)]
     arm: ArmChoice,
     /// Joint positions, rad or m, from base to hand
-    #[arg(long, value_name = "Q1,Q2,...", value_delimiter = ',', value_parser = finite, allow_hyphen_values = true, required = true)]
+    #[arg(long, value_name = "Q1,Q2,...", value_delimiter = ',', value_parser = number(f64::is_finite, "a number is needed, in rad or m"), allow_hyphen_values = true, required = true)]
     joints: Vec<f64>,
 }
 
@@ -99,7 +100,7 @@ pub struct InverseArguments {
     #[arg(long, value_name = "X,Y,Z,QW,QX,QY,QZ", value_parser = parse_pose, allow_hyphen_values = true)]
     pose: Pose,
     /// Joint positions to begin at [default: those of `home`]
-    #[arg(long, value_name = "Q1,Q2,...", value_delimiter = ',', value_parser = finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "Q1,Q2,...", value_delimiter = ',', value_parser = number(f64::is_finite, "a number is needed, in rad or m"), allow_hyphen_values = true)]
     from: Vec<f64>,
     /// Give every posture; for more than six joints, samples of the curves of postures
     #[arg(long)]
@@ -182,13 +183,6 @@ fn out_of_reach(arm: &Arm, hand: &Pose, distance: f64, angle: f64) -> Failure {
          {x:.6},{y:.6},{z:.6},{qw:.6},{qx:.6},{qy:.6},{qz:.6}, {distance:.3e} m and {angle:.3e} rad away",
         arm.name
     ))
-}
-
-fn finite(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(number) if number.is_finite() => Ok(number),
-        _ => Err("a number is needed, in rad or m".into()),
-    }
 }
 
 /// A pose as `x,y,z,qw,qx,qy,qz`.

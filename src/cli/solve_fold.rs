@@ -1,12 +1,14 @@
 //! `rodlab solve fold`.
 
 use super::failure::Failure;
+use super::values::edges;
 use clap::{Args, ValueEnum};
 use rodlab_planning::plan::fold::{Fold, FoldAtlas, FoldError};
 use serde::Serialize;
+use std::ops::RangeInclusive;
 
 /// Fewest and most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
-const EDGES: [usize; 2] = [10, 5000];
+const EDGES: RangeInclusive<usize> = 10..=5000;
 
 /// Arguments of `rodlab solve fold`.
 #[derive(Debug, Args)]
@@ -21,7 +23,7 @@ pub struct FoldArguments {
     #[arg(long, default_value = "theory")]
     method: Method,
     /// Edges of the discrete rod
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = edges)]
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = edges(EDGES))]
     edges: usize,
     /// All solutions that are found, the gentle one first
     #[arg(long)]
@@ -115,16 +117,6 @@ impl FoldArguments {
 
 impl From<FoldError> for Failure {
     fn from(error: FoldError) -> Self {
-        Self::Input(error.to_string())
-    }
-}
-
-fn edges(text: &str) -> Result<usize, String> {
-    let [fewest, most] = EDGES;
-    match text.parse() {
-        Ok(edges) if (fewest..=most).contains(&edges) => Ok(edges),
-        _ => Err(format!(
-            "a number of edges from {fewest} to {most} is needed"
-        )),
+        Self::input(error)
     }
 }

@@ -1,6 +1,7 @@
 //! `rodlab solve grasp`.
 
 use super::failure::Failure;
+use super::values::edges;
 use clap::{Args, ValueEnum};
 use rodlab_engine::mechanics::rotation;
 use rodlab_planning::plan::grasp::{Grasp, GraspError, GraspMethod, GraspProblem, GraspSolver};
@@ -25,7 +26,7 @@ pub struct GraspArguments {
     #[arg(long, default_value = "theory")]
     method: Method,
     /// Edges of the discrete rod
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = edges)]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = edges(GraspMethod::FEWEST_EDGES..=MOST_EDGES))]
     edges: usize,
     /// All solutions that are found, the gentle one first
     #[arg(long)]
@@ -130,17 +131,7 @@ impl From<GraspError> for Failure {
     fn from(error: GraspError) -> Self {
         match error {
             GraspError::NoConvergence { .. } => Self::Unreachable(error.to_string()),
-            error => Self::Input(error.to_string()),
+            error => Self::input(error),
         }
-    }
-}
-
-fn edges(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(edges) if (GraspMethod::FEWEST_EDGES..=MOST_EDGES).contains(&edges) => Ok(edges),
-        _ => Err(format!(
-            "a number of edges from {} to {MOST_EDGES} is needed",
-            GraspMethod::FEWEST_EDGES
-        )),
     }
 }

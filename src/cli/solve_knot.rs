@@ -1,7 +1,7 @@
 //! `rodlab solve knot-inversion`: the fold of the simplified knot.
 
 use super::failure::Failure;
-use super::values::positive_length;
+use super::values::{positive_length, within};
 use clap::{Args, ValueEnum};
 use rodlab_engine::mechanics::kirchhoff::EndSpin;
 use rodlab_planning::knot::SimplifiedKnot;
@@ -17,16 +17,16 @@ pub struct KnotInversionArguments {
     #[arg(long, default_value = "clamped")]
     end_spin: EndSpinArgument,
     /// Poisson's ratio of the rod; it matters to clamped ends only
-    #[arg(long, value_name = "NU", default_value_t = 0.5, value_parser = poissons_ratio)]
+    #[arg(long, value_name = "NU", default_value_t = 0.5, value_parser = within(-0.9, 0.5))]
     poissons_ratio: f64,
     /// Angle φ between the axis of the braid and the ends of the loop, in degrees from 30 to 90
-    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = tilt)]
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = within(30.0, 90.0))]
     tilt: f64,
     /// Length of the braid over that of the loop, ε, from 0.4 to 0.9
-    #[arg(long, value_name = "EPSILON", default_value_t = 0.7, value_parser = ratio)]
+    #[arg(long, value_name = "EPSILON", default_value_t = 0.7, value_parser = within(0.4, 0.9))]
     ratio: f64,
     /// Distance of the loop's ends from the axis in radii of the rod, from −1 (left-handed strands) to 1
-    #[arg(long, default_value_t = 0.0, value_parser = offset, allow_hyphen_values = true)]
+    #[arg(long, default_value_t = 0.0, value_parser = within(-1.0, 1.0), allow_hyphen_values = true)]
     offset: f64,
     /// Radius of the rod, in metres or with a unit: adds lengths in metres to the answer
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
@@ -91,42 +91,5 @@ impl KnotInversionArguments {
             offset_over_radius: knot.offset,
             length_m: self.radius.map(|radius| fold.length * radius),
         })
-    }
-}
-
-/// A number from `least` to `most`.
-fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
-    match text.trim().parse() {
-        Ok(number) if (least..=most).contains(&number) => Ok(number),
-        _ => Err(format!("a number from {least} to {most} is needed")),
-    }
-}
-
-fn poissons_ratio(text: &str) -> Result<f64, String> {
-    within(text, -0.9, 0.5)
-}
-
-fn tilt(text: &str) -> Result<f64, String> {
-    within(text, 30.0, 90.0)
-}
-
-fn ratio(text: &str) -> Result<f64, String> {
-    within(text, 0.4, 0.9)
-}
-
-fn offset(text: &str) -> Result<f64, String> {
-    within(text, -1.0, 1.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_out_of_range_are_refused() {
-        assert_eq!(tilt("60"), Ok(60.0));
-        for bad in ["29", "91", "NaN", "sixty"] {
-            assert!(tilt(bad).unwrap_err().contains("30 to 90"), "{bad}");
-        }
     }
 }

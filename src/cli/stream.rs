@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
 use super::output::print_json;
+use super::values::within;
 use clap::Args;
 use rodlab_files::results::write_whole;
 use rodlab_robot::{Ending, JointTrajectory, StreamLog, stream as run};
@@ -23,7 +24,7 @@ pub struct StreamArguments {
     #[arg(long, value_name = "FILE")]
     cell: PathBuf,
     /// How many times as fast as the trajectory says
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = factor)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = within(0.01, 10.0))]
     speed: f64,
     /// Check everything, say what would be done, and move nothing
     #[arg(long)]
@@ -73,7 +74,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     };
     let files = &arguments.trajectories;
     let trajectories = files.iter().map(read).collect::<Result<Vec<_>, _>>();
-    let trajectories = trajectories.map_err(|error| Failure::Input(error.to_string()))?;
+    let trajectories = trajectories.map_err(Failure::input)?;
     let (mut parts, report) = cell.prepare_stream(&trajectories).map_err(|message| {
         let names: Vec<String> = files
             .iter()
@@ -138,7 +139,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
             "{reason}\nthe log is in {}",
             directory.display()
         ))),
-        Ending::Interrupted => Err(Failure::Cases {
+        Ending::Interrupted => Err(Failure::Other {
             exit_code: 130,
             message: format!(
                 "interrupted by {}; everything holds; the log is in {}",
@@ -170,11 +171,4 @@ fn write_manifest(directory: &Path, manifest: &Manifest<'_>) -> Result<(), Failu
         .map_err(|error| Failure::System(format!("the manifest cannot be written: {error}")))?;
     text.push(b'\n');
     Ok(write_whole(&directory.join("manifest.json"), &text)?)
-}
-
-fn factor(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(number) if (0.01..=10.0).contains(&number) => Ok(number),
-        _ => Err("a number from 0.01 to 10 is needed".into()),
-    }
 }

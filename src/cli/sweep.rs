@@ -150,7 +150,7 @@ fn report(case_set: &CaseSet, outcome: &SweepOutcome) -> Result<(), Failure> {
 pub fn verdict(outcome: &SweepOutcome) -> Result<(), Failure> {
     match outcome.exit_code() {
         0 => Ok(()),
-        exit_code => Err(Failure::Cases {
+        exit_code => Err(Failure::Other {
             exit_code,
             message: why(outcome),
         }),

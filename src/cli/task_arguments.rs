@@ -1,8 +1,12 @@
 //! How arms of a cell move in a task with rods, and where its results go.
 
-use super::plan::{parse_place, positive};
+use super::failure::Failure;
+use super::plan::parse_place;
+use super::values::positive;
 use clap::Args;
-use rodlab_workcell::cell::Place;
+use rodlab_vision::Point;
+use rodlab_workcell::cell::{Cell, Place};
+use rodlab_workcell::task::middle_of_table;
 use std::path::PathBuf;
 
 /// Place, speeds, colour and results.
@@ -11,7 +15,7 @@ pub struct TaskArguments {
     /// Where the pattern lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on the
     /// table for the arm that lays [default: its middle in that of the table]
     #[arg(long, value_name = "X,Y,Z[,TURN]|auto", value_parser = parse_place, allow_hyphen_values = true)]
-    pub place: Option<Place>,
+    place: Option<Place>,
     /// Greatest speed of a hand that holds the rod, m/s
     #[arg(long, value_name = "SPEED", default_value_t = 0.03, value_parser = positive)]
     pub hand_speed: f64,
@@ -33,4 +37,15 @@ pub struct TaskArguments {
     /// Where everything goes [default: results/TASK-TIME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+impl TaskArguments {
+    /// Where patterns with these points, m, lie in a cell.
+    ///
+    /// # Errors
+    /// No place is given, and the cell has no table.
+    pub fn place(&self, cell: &Cell, outline: &[Point]) -> Result<Place, Failure> {
+        let place = self.place.or_else(|| middle_of_table(cell, outline));
+        place.ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))
+    }
 }

@@ -1,22 +1,15 @@
 //! `rodlab tie`.
 
-use super::cell_task::{finish, missing_part, refuse_unfinished};
+use super::cell_task::{CellTask, refuse_unready};
 use super::failure::Failure;
-use super::interruption::watch_for_interruption;
-use super::log_directory::log_directory;
-use super::output::print_json;
 use super::plan_deployment::DeploymentPlan;
 use super::solve_arm::arm_named;
 use super::task_arguments::TaskArguments;
 use clap::Args;
-use rodlab_files::results::write_whole;
 use rodlab_planning::plan::deployment::Spare;
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
-use rodlab_workcell::task::{
-    KnotPlan, Status, TaskHead, TaskRecord, TieMotion, TieMotionRequest, TieRecord, TieTask,
-    Unfinished, middle_of_table,
-};
+use rodlab_workcell::task::{KnotPlan, TaskHead, TieMotion, TieMotionRequest, TieRecord, TieTask};
 use std::path::PathBuf;
 
 /// Frames of the page of the arms in motion.
@@ -84,38 +77,29 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.cell)?;
     let arms = arguments.arms(&cell)?;
     if !arguments.task.dry_run {
-        for arm in arms {
-            if !arguments.task.checked {
-                refuse_unfinished(&cell, arm)?;
-            }
-            if let Some(what) =
-                missing_part(&cell, arm, "its picture shows whether the knot is tied")
-            {
-                let message = format!("{}: {what}", arguments.cell.display());
-                return Err(Failure::Input(message));
-            }
-        }
+        let camera = "its picture shows whether the knot is tied";
+        refuse_unready(
+            &cell,
+            &arguments.cell,
+            &arms,
+            arguments.task.checked,
+            camera,
+        )?;
     }
     let second = arguments.second()?;
     let mut outline = arguments.plan.outline()?;
     let second_points = second.iter().flat_map(|knot| knot.rods[1].points());
     outline.extend(second_points);
-    let place = arguments
-        .task
-        .place
-        .or_else(|| middle_of_table(&cell, &outline));
-    let place =
-        place.ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))?;
+    let place = arguments.task.place(&cell, &outline)?;
     // Before a directory is made.
     if second.is_none() {
         arguments.plan.check_knot()?;
     }
-    let directory = log_directory("tie", arguments.task.out.as_deref())?;
-    let unfinished = arms.map(|arm| Unfinished::of(&cell, arm, &directory));
+    let task = CellTask::new("tie", arguments.task.out.as_deref(), &cell, &arms)?;
     let knot = match second {
         Some(knot) => knot,
         None => {
-            let plan = directory.join("plan");
+            let plan = task.directory.join("plan");
             let written = arguments.plan.write(&plan, &Spare::HANGS)?;
             written.knot.expect("a plan with --knot")
         }
@@ -130,10 +114,8 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
     };
     let motion = TieMotion::plan(&request, &knot)?;
     let whole = &motion.whole;
-    write_whole(&directory.join("joints.csv"), whole.to_csv()?.as_bytes())?;
-    let page = cell.page(Some(whole), FRAMES);
-    write_whole(&directory.join("cell.html"), page.as_bytes())?;
-    let mut record = TieRecord {
+    task.write_motion(whole, FRAMES)?;
+    let record = TieRecord {
         head: TaskHead::planned(std::env::args().collect()),
         cell: cell.title.clone(),
         arms: arms.map(|arm| cell.arms[arm].name.clone()),
@@ -147,33 +129,23 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         times_s: Vec::new(),
         score: None,
     };
-    if arguments.task.dry_run {
-        record.write(&directory)?;
-        return print_json(&record);
-    }
-    record.head.status = Status::Running;
-    record.write(&directory)?;
-    let interrupted = watch_for_interruption()?;
-    let task = TieTask {
+    let tying = TieTask {
         cell: &cell,
         arms,
         motion: &motion,
         knot: &knot,
         free_speed: arguments.task.approach_speed,
         colour: &colour,
-        unfinished: Some([&unfinished[0], &unfinished[1]]),
-        directory: &directory,
+        unfinished: Some([0, 1].map(|which| &task.unfinished[which])),
+        directory: &task.directory,
     };
-    let end = task.run(&|| interrupted.is_raised());
-    record.times_s = end.times;
-    record.head.stopped = end.stopped;
-    finish(
-        record,
-        end.score,
-        |record, score| record.score = Some(score),
-        &unfinished,
-        &directory,
-    )
+    task.carry_out(record, arguments.task.dry_run, |record, is_interrupted| {
+        let end = tying.run(is_interrupted);
+        record.times_s = end.times;
+        record.head.stopped = end.stopped;
+        record.score = Some(end.score?);
+        Ok(())
+    })
 }
 
 impl TieArguments {

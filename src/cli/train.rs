@@ -4,7 +4,7 @@ use super::common::Common;
 use super::failure::Failure;
 use super::output::{print, print_json};
 use super::samples::SampleFiles;
-use super::values::duration;
+use super::values::{duration, number};
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use rodlab_lab::run::{Interruption, StopRequest};
@@ -54,7 +54,7 @@ pub struct TrainArguments {
     #[arg(long, default_value = "plateau")]
     pub schedule: ScheduleName,
     /// Rate of Adam at first [default: 0.001; with --schedule cosine 0.002]
-    #[arg(long, value_name = "RATE", value_parser = rate)]
+    #[arg(long, value_name = "RATE", value_parser = number(is_rate, "a number above 0 and up to 1 is needed"))]
     pub rate: Option<f64>,
     /// What trains it; a GPU needs a program that was built with `--features cuda`
     #[arg(long, value_name = "PROCESSOR", default_value = "cpu")]
@@ -91,11 +91,8 @@ pub enum DeviceName {
 /// Rate of Adam with the last batch over that with the first.
 const LAST_RATE: f64 = 0.01;
 
-fn rate(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(rate) if rate > 0.0 && rate <= 1.0 => Ok(rate),
-        _ => Err("a number above 0 and up to 1 is needed".into()),
-    }
+fn is_rate(rate: f64) -> bool {
+    rate > 0.0 && rate <= 1.0
 }
 
 /// Trains a network.

@@ -2,12 +2,66 @@
 
 use rodlab_lab::scenario::{metres, seconds};
 use rodlab_lab::sweep::Shard;
+use std::ops::RangeInclusive;
 use std::time::Duration;
+
+/// A parser of numbers that are allowed; others are refused with what is `needed`.
+pub fn number(
+    is_allowed: fn(f64) -> bool,
+    needed: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number = text.trim().parse().ok();
+        let number = number.filter(|number| is_allowed(*number));
+        number.ok_or_else(|| needed.into())
+    }
+}
+
+/// A parser of numbers in a range.
+pub fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| match text.trim().parse() {
+        Ok(number) if (least..=most).contains(&number) => Ok(number),
+        _ => Err(format!("a number from {least} to {most} is needed")),
+    }
+}
+
+/// A parser of numbers of edges.
+pub fn edges(range: RangeInclusive<usize>) -> impl Fn(&str) -> Result<usize, String> + Clone {
+    move |text| match text.parse() {
+        Ok(edges) if range.contains(&edges) => Ok(edges),
+        _ => Err(format!(
+            "a number of edges from {} to {} is needed",
+            range.start(),
+            range.end()
+        )),
+    }
+}
+
+/// Whether a number is above zero and finite.
+pub fn is_positive(number: f64) -> bool {
+    number > 0.0 && number.is_finite()
+}
+
+/// A number above zero.
+pub fn positive(text: &str) -> Result<f64, String> {
+    number(is_positive, "a number above 0 is needed")(text)
+}
+
+/// A speed above zero, m/s.
+pub fn speed(text: &str) -> Result<f64, String> {
+    number(is_positive, "a speed above 0 is needed, m/s")(text)
+}
+
+/// A coefficient of friction.
+pub fn friction(text: &str) -> Result<f64, String> {
+    let is_friction = |number: f64| number >= 0.0 && number.is_finite();
+    number(is_friction, "a number from 0 up is needed")(text)
+}
 
 /// A length above zero, in metres.
 pub fn positive_length(text: &str) -> Result<f64, String> {
     let length = metres(text)?;
-    if length > 0.0 && length.is_finite() {
+    if is_positive(length) {
         Ok(length)
     } else {
         Err("must be a length above 0".into())
@@ -43,6 +97,15 @@ pub fn shard(text: &str) -> Result<Shard, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_out_of_range_are_refused() {
+        let tilt = within(30.0, 90.0);
+        assert_eq!(tilt("60"), Ok(60.0));
+        for bad in ["29", "91", "NaN", "sixty"] {
+            assert!(tilt(bad).unwrap_err().contains("30 to 90"), "{bad}");
+        }
+    }
 
     #[test]
     fn shares_are_counted_from_one() {

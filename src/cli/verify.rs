@@ -61,7 +61,10 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
     if failed == 0 {
         Ok(())
     } else {
-        Err(Failure::Checks { failed })
+        Err(Failure::Other {
+            exit_code: 4,
+            message: format!("{failed} physics checks failed"),
+        })
     }
 }
 

@@ -95,7 +95,7 @@ fn view_cell(arguments: &ViewArguments) -> Result<(), Failure> {
     let trajectory = trajectory
         .map(|path| JointTrajectory::read(path))
         .transpose()
-        .map_err(|error| Failure::Input(error.to_string()))?;
+        .map_err(Failure::input)?;
     let page = cell.page(trajectory.as_ref(), arguments.outputs as usize);
     let to = arguments.out.clone();
     let to = to.unwrap_or_else(|| arguments.directory.with_extension("html"));
