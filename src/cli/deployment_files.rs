@@ -3,8 +3,11 @@
 use super::deployed_rod::RodFile;
 use super::failure::Failure;
 use rodlab_files::finite::{self, NotFinite};
-use rodlab_planning::plan::deployment::{GripperPose, Scheme};
-use rodlab_planning::plan::pattern::{PatternPoint, PatternSource, Point};
+use rodlab_planning::plan::deployment::{
+    LaidPath, OptimalGrasps, Scheme, TimedPose, deployment_figure,
+};
+use rodlab_planning::plan::pattern::{Crossing, PatternSource, Point};
+use rodlab_planning::plan::request::DeploymentRequest;
 use rodlab_planning::plan::tying::Pass;
 use serde::Serialize;
 use std::fmt::Write;
@@ -35,11 +38,11 @@ struct PoseEntry {
 ///
 /// # Errors
 /// A number is not finite: no gripper is to follow it.
-pub fn trajectory_csv(poses: &[GripperPose], times: &[f64]) -> Result<String, NotFinite> {
-    check_finite(poses, times)?;
+pub fn trajectory_csv(poses: &[TimedPose]) -> Result<String, NotFinite> {
+    check_finite(poses)?;
     let mut text = String::from("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n");
-    for (pose, time) in poses.iter().zip(times) {
-        let ([x, y, z], [w, i, j, k]) = parts(pose);
+    for pose in poses {
+        let (time, [x, y, z], [w, i, j, k]) = parts(pose);
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
@@ -50,11 +53,11 @@ pub fn trajectory_csv(poses: &[GripperPose], times: &[f64]) -> Result<String, No
 }
 
 /// Whether all times and poses are finite.
-fn check_finite(poses: &[GripperPose], times: &[f64]) -> Result<(), NotFinite> {
+fn check_finite(poses: &[TimedPose]) -> Result<(), NotFinite> {
     const NAMES: [&str; 8] = ["time_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
-    for (index, (pose, time)) in poses.iter().zip(times).enumerate() {
-        let ([x, y, z], [w, i, j, k]) = parts(pose);
-        finite::check(&[*time, x, y, z, w, i, j, k], |number| {
+    for (index, pose) in poses.iter().enumerate() {
+        let (time, [x, y, z], [w, i, j, k]) = parts(pose);
+        finite::check(&[time, x, y, z, w, i, j, k], |number| {
             format!("`{}` of pose {}", NAMES[number], index + 1)
         })?;
     }
@@ -63,16 +66,15 @@ fn check_finite(poses: &[GripperPose], times: &[f64]) -> Result<(), NotFinite> {
 
 /// The same as JSON, with what it belongs to.
 pub fn trajectory_json(
-    poses: &[GripperPose],
-    times: &[f64],
+    poses: &[TimedPose],
     pattern: &str,
     file: &RodFile,
 ) -> Result<String, Failure> {
-    check_finite(poses, times)?;
-    let poses = poses.iter().zip(times).map(|(pose, time)| {
-        let (position_m, quaternion) = parts(pose);
+    check_finite(poses)?;
+    let poses = poses.iter().map(|pose| {
+        let (time_s, position_m, quaternion) = parts(pose);
         PoseEntry {
-            time_s: *time,
+            time_s,
             position_m,
             quaternion,
         }
@@ -87,8 +89,16 @@ pub fn trajectory_json(
     Ok(text + "\n")
 }
 
-/// Columns s_m, x_m, y_m, curvature_per_m, friction_demand.
-pub fn pattern_csv(points: &[PatternPoint], demands: &[f64]) -> String {
+/// The pattern of a path with columns s_m, x_m, y_m, curvature_per_m, friction_demand, and the figure of it.
+pub fn path_files(
+    title: &str,
+    path: &LaidPath,
+    demands: &[f64],
+    crossings: &[Crossing],
+    friction: Option<f64>,
+) -> [(String, String); 2] {
+    let LaidPath { points, poses, .. } = path;
+    let figure = deployment_figure(title, points, poses, demands, friction, crossings);
     let mut text = String::from("s_m,x_m,y_m,curvature_per_m,friction_demand\n");
     for (point, demand) in points.iter().zip(demands) {
         let _ = writeln!(
@@ -97,7 +107,9 @@ pub fn pattern_csv(points: &[PatternPoint], demands: &[f64]) -> String {
             point.s, point.position.x, point.position.y, point.curvature
         );
     }
-    text
+    let names = ["pattern.csv", "deployment.svg"].map(str::to_owned);
+    let [pattern, drawn] = names;
+    [(pattern, text), (drawn, figure)]
 }
 
 /// Columns x_m, y_m.
@@ -117,16 +129,10 @@ pub struct Landing<'a> {
     pub name: &'a str,
     /// The pattern itself.
     pub source: &'a PatternSource,
+    /// How it is laid.
+    pub request: &'a DeploymentRequest<'a>,
     /// Length of its lead-in, m.
     pub lead_in: f64,
-    /// How the gripper leads the rod.
-    pub scheme: Scheme,
-    /// Whether the network of the program finds the grasps.
-    pub is_neural: bool,
-    /// Friction of the table.
-    pub friction: Option<f64>,
-    /// How it passes its crossings where a knot is tied; empty without.
-    pub knot: Vec<Pass>,
     /// How long it takes, s.
     pub duration: f64,
 }
@@ -155,7 +161,8 @@ pub fn landing(landing: &Landing) -> String {
             format!("file = \"{DRAWING}\", deviation = {deviation:?}")
         }
     };
-    let scheme = match landing.scheme {
+    let request = landing.request;
+    let scheme = match request.scheme {
         Scheme::Optimal => "optimal",
         Scheme::Intuitive => "intuitive",
     };
@@ -181,19 +188,18 @@ pub fn landing(landing: &Landing) -> String {
          end = {duration:.6}\n\n\
          [output]\n\
          interval = \"0.5 s\"\n",
-        solver = if landing.is_neural {
-            "solver = \"neural\"\n"
-        } else {
-            ""
+        solver = match request.grasps {
+            OptimalGrasps::Neural(_) => "solver = \"neural\"\n",
+            OptimalGrasps::Exact => "",
         },
-        knot = knot_keys(&landing.knot),
+        knot = knot_keys(&request.knot),
         lead_in = landing.lead_in,
         unit = rod.gravito_bending_length,
         radius = rod.radius,
         length = rod.length,
-        friction = landing.friction.unwrap_or(FRICTION),
+        friction = request.friction.unwrap_or(FRICTION),
         duration = landing.duration
-            + if landing.knot.is_empty() {
+            + if request.knot.is_empty() {
                 0.0
             } else {
                 SETTLING
@@ -214,11 +220,11 @@ fn knot_keys(passes: &[Pass]) -> String {
     format!("knot = {{ crossings = [{words}] }}\nrelease = {SETTLING:?}\n")
 }
 
-/// Position and quaternion w, x, y, z, without negative zeros.
-fn parts(pose: &GripperPose) -> ([f64; 3], [f64; 4]) {
-    let turned = pose.rotation;
-    let position: [f64; 3] = pose.position.into();
+/// Time, position and quaternion w, x, y, z, without negative zeros.
+fn parts(&(time, position, turned): &TimedPose) -> (f64, [f64; 3], [f64; 4]) {
+    let position: [f64; 3] = position.into();
     (
+        time,
         position.map(|part| part + 0.0),
         [turned.w, turned.i, turned.j, turned.k].map(|part| part + 0.0),
     )
@@ -231,17 +237,12 @@ mod tests {
 
     #[test]
     fn a_pose_that_is_not_finite_is_not_written() {
-        let pose = |x: f64| GripperPose {
-            s: 0.0,
-            position: Vector3::new(x, 0.0, 0.1),
-            rotation: UnitQuaternion::identity(),
-            grasp: None,
-            contact_demand: None,
-        };
-        let written = trajectory_csv(&[pose(0.0), pose(0.1)], &[0.0, 1.0]).unwrap();
+        let pose =
+            |time: f64, x: f64| (time, Vector3::new(x, 0.0, 0.1), UnitQuaternion::identity());
+        let written = trajectory_csv(&[pose(0.0, 0.0), pose(1.0, 0.1)]).unwrap();
         assert_eq!(written.lines().count(), 3);
-        let error = trajectory_csv(&[pose(0.0), pose(f64::NAN)], &[0.0, 1.0]).unwrap_err();
+        let error = trajectory_csv(&[pose(0.0, 0.0), pose(1.0, f64::NAN)]).unwrap_err();
         assert_eq!(error.to_string(), "`x_m` of pose 2 is not a finite number");
-        assert!(trajectory_csv(&[pose(0.0)], &[f64::INFINITY]).is_err());
+        assert!(trajectory_csv(&[pose(f64::INFINITY, 0.0)]).is_err());
     }
 }

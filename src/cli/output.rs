@@ -44,6 +44,15 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(replace_own(path, bytes, |head| are_alike(head, bytes))?)
 }
 
+/// Makes a directory that may be there already.
+///
+/// # Errors
+/// It cannot be made.
+pub fn make_directory(path: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(path)
+        .map_err(|error| Failure::System(format!("{} cannot be made: {error}", path.display())))
+}
+
 /// [`write_file`] of some into a directory, which is made where it is not there.
 ///
 /// # Errors

@@ -1,20 +1,16 @@
 //! `rodlab place`: a cable laid between pegs.
 
-use super::deployment_files::{pattern_csv, trajectory_csv};
+use super::deployment_files::{path_files, trajectory_csv};
 use super::failure::Failure;
 use super::laying::{Laying, LayingArguments};
+use super::output::make_directory;
 use clap::Args;
 use rodlab_files::results::{SCENARIO, write_whole};
 use rodlab_lab::experiment::{self, Deployment, DeploymentTables, Fixtures};
-use rodlab_planning::plan::deployment::{
-    LaidPath, Spare, deployment_figure, friction_demands, times,
-};
+use rodlab_planning::plan::deployment::{LaidPath, Spare, friction_demands, timed, times};
 use rodlab_planning::plan::pattern::crossings;
+use rodlab_planning::plan::request::DeploymentRequest;
 use std::path::{Path, PathBuf};
-
-/// Distance of poses along the pattern, m, and speed of laying, m/s, in the files of the plan.
-const STEP: f64 = 3e-3;
-const SPEED: f64 = 0.02;
 
 /// Arguments of `rodlab place`.
 #[derive(Debug, Args)]
@@ -117,32 +113,26 @@ impl Scene {
             |error: &dyn std::fmt::Display| Failure::Input(format!("{}: {error}", self.title));
         let pattern = self.deployment.whole_pattern();
         let pattern = pattern.map_err(|error| refused(&error))?;
+        let step = DeploymentRequest::default().step;
         let way = ((*scheme).into(), (*solver).into());
-        let path = LaidPath::new(pattern, &rod.deployed(), spare, STEP, way);
+        let path = LaidPath::new(pattern, &rod.deployed(), spare, step, way);
         path.map_err(|error| refused(&error))
     }
 
     /// Writes the plan for people and programs.
     fn write(&self, path: &LaidPath, directory: &Path) -> Result<(), Failure> {
-        std::fs::create_dir_all(directory).map_err(|error| {
-            Failure::System(format!("{} cannot be made: {error}", directory.display()))
-        })?;
-        let rod = self.deployment.rod.deployed();
-        let demands = friction_demands(&rod, &path.points, &path.poses);
-        let figure = deployment_figure(
-            &self.title,
-            &path.points,
-            &path.poses,
-            &demands,
-            Some(self.friction),
-            &crossings(&path.points),
-        );
-        let times = times(&path.poses, SPEED);
+        make_directory(directory)?;
+        let demands = friction_demands(&self.deployment.rod.deployed(), &path.points, &path.poses);
+        let crossings = crossings(&path.points);
+        let friction = Some(self.friction);
+        let [pattern, figure] = path_files(&self.title, path, &demands, &crossings, friction);
+        let times = times(&path.poses, DeploymentRequest::default().speed);
+        let trajectory = trajectory_csv(&timed(&path.poses, &times))?;
         let files = [
-            (SCENARIO, self.text.clone()),
-            ("trajectory.csv", trajectory_csv(&path.poses, &times)?),
-            ("pattern.csv", pattern_csv(&path.points, &demands)),
-            ("deployment.svg", figure),
+            (SCENARIO.to_owned(), self.text.clone()),
+            ("trajectory.csv".to_owned(), trajectory),
+            pattern,
+            figure,
         ];
         for (name, text) in files {
             write_whole(&directory.join(name), text.as_bytes())?;

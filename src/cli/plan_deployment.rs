@@ -2,22 +2,22 @@
 
 use super::deployed_rod::RodFile;
 use super::deployment_files::{
-    DRAWING, Landing, drawing_csv, landing, pattern_csv, trajectory_csv, trajectory_json,
+    DRAWING, Landing, drawing_csv, landing, path_files, trajectory_csv, trajectory_json,
 };
 use super::failure::Failure;
-use super::output::{print_json, write_file};
+use super::output::{make_directory, print_json, write_file};
 use super::pattern_source::PatternArguments;
 use super::values::{positive_length, speed};
 use clap::{Args, ValueEnum};
 use rodlab_files::finite::NotFinite;
 use rodlab_planning::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, LaidPath, MOST_POSES, OptimalGrasps,
-    Scheme, Spare, Trajectory, checked_points, checked_trajectory, deployment_figure,
-    friction_demands, lead_length, long_enough, times, trajectory, when_laid, with_spare_laid,
+    Scheme, Spare, timed, when_laid,
 };
 use rodlab_planning::plan::grasp::NeuralGrasps;
-use rodlab_planning::plan::pattern::{Crossing, Pattern, PatternSource, Point, crossings};
-use rodlab_planning::plan::tying::{Pass, Passage, TiedRod, laid_length, passages};
+use rodlab_planning::plan::pattern::{Crossing, PatternSource, Point};
+use rodlab_planning::plan::request::{DeploymentRequest, LeadLength, RequestError};
+use rodlab_planning::plan::tying::Pass;
 use rodlab_workcell::task::{KnotPlan, PlannedRod};
 use serde::Serialize;
 use std::borrow::Cow;
@@ -100,12 +100,6 @@ enum SolverName {
     Neural,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum LeadLength {
-    Auto,
-    Given(f64),
-}
-
 /// Numbers of a plan, and its files.
 #[derive(Serialize)]
 pub struct Report {
@@ -118,15 +112,8 @@ pub struct Report {
     lead_out_m: f64,
     rod_length_m: f64,
     deviation_m: f64,
-    least_radius_m: Option<f64>,
-    least_radius_at_m: f64,
-    /// Of the lying rod or at the contact node.
-    largest_friction_demand: f64,
-    largest_friction_demand_at_m: f64,
-    /// Of the lying rod alone (thesis Eq. 5.2).
-    largest_lying_friction_demand: f64,
-    friction: Option<f64>,
-    share_above_friction: Option<f64>,
+    #[serde(flatten)]
+    feasibility: Feasibility,
     crossings: Vec<CrossingReport>,
     poses: usize,
     /// Poses out of the range of the network.
@@ -184,166 +171,120 @@ impl DeploymentPlan {
     pub fn write(&self, out: &Path, spare: &Spare<'_>) -> Result<WrittenPlan, Failure> {
         let file = RodFile::read(&self.rod)?;
         let rod = file.rod;
-        let friction = self.friction(&file)?;
         let source = self.source.source()?;
-        let pattern = self.pattern(&source, &rod)?;
-        let passages = self.passages(&pattern, &rod)?;
-        let bent = pattern.lead_in();
-        let pattern = match passages {
-            Some(_) => pattern.shortened(laid_length(&rod)),
-            None => self.with_lead_out(pattern, &rod, spare),
-        };
-        let (lead_in, end) = (pattern.lead_in(), pattern.length() - pattern.lead_out());
-        // Before anything is sampled: it may be very long.
-        long_enough(&rod, &pattern).map_err(|error| self.refused(&error))?;
-        if pattern.length() / self.step > MOST_POSES {
-            return Err(Failure::Input(format!(
-                "--step {} m cuts {:.4} m into more than {MOST_POSES} poses",
-                self.step,
-                pattern.length()
-            )));
-        }
-        let points = pattern.sampled(self.step);
-        let checked =
-            checked_points(&pattern, self.step, &rod).map_err(|error| self.refused(&error))?;
-        let scheme = match self.scheme {
-            SchemeName::Optimal => Scheme::Optimal,
-            SchemeName::Intuitive => Scheme::Intuitive,
-        };
         let network = self.network()?;
-        let grasps = network.as_ref().map_or(OptimalGrasps::Exact, |network| {
-            OptimalGrasps::Neural(network)
-        });
-        let Trajectory { poses, rejected } = checked_trajectory(&points, &rod, scheme, grasps)
-            .map_err(|error| self.refused(&error))?;
-        let checks = Feasibility::of(&checked, &rod, friction, &poses);
-        let crossings = crossings(&points);
-        let demands = friction_demands(&rod, &points, &poses);
-        let title = format!("{} along {}", file.title, self.source.name());
-        let figure = deployment_figure(&title, &points, &poses, &demands, friction, &crossings);
-        let times = times(&poses, self.speed);
-        let laid_by = times.last().copied().unwrap_or(0.0);
-        let when = |s: f64| when_laid(&poses, &times, s);
-        let tied = passages.map(|passages| {
-            let whole = self.pattern(&source, &rod)?;
-            let planned = PlannedRod {
-                rod,
-                pattern: whole,
-                laying: poses.clone(),
-            };
-            Ok::<_, Failure>(KnotPlan::new(vec![planned], passages))
-        });
-        let knot = tied.transpose()?;
-        let tying = knot.as_ref().map_or(0.0, KnotPlan::duration);
-        let leads = || knot.iter().flat_map(|knot| &knot.leads);
-        let duration = laid_by + tying;
-        let mut followed = poses.clone();
-        let mut followed_times = times.clone();
-        for (time, position, rotation) in leads().flat_map(|lead| lead.end.iter().skip(1)) {
-            followed.push(GripperPose {
-                s: rod.length,
-                position: *position,
-                rotation: *rotation,
-                grasp: None,
-                contact_demand: None,
-            });
-            followed_times.push(laid_by + time);
+        let mut request = self.request();
+        request.friction = self.friction(&file)?;
+        if let Some(network) = &network {
+            request.grasps = OptimalGrasps::Neural(network);
         }
-        let simulated = Landing {
-            file: &file,
-            name: self.source.name(),
-            source: &source,
-            lead_in: bent,
-            scheme,
-            is_neural: network.is_some(),
-            friction,
-            knot: self.knot.iter().map(|pass| Pass::from(*pass)).collect(),
-            duration: when(end) - when(lead_in - bent) + (duration - laid_by),
-        };
+        let planned = request.plan(&source, &rod, spare);
+        let planned = planned.map_err(|error| self.refused(error))?;
+        let (path, pattern) = (planned.path, planned.pattern);
+        let knot = planned.knot.map(|(pattern, passages)| {
+            let laying = path.poses.clone();
+            let rods = vec![PlannedRod {
+                rod,
+                pattern,
+                laying,
+            }];
+            KnotPlan::new(rods, passages)
+        });
+        let laid_by = planned.times.last().copied().unwrap_or(0.0);
+        let duration = laid_by + knot.as_ref().map_or(0.0, KnotPlan::duration);
+        let leads = || knot.iter().flat_map(|knot| &knot.leads);
+        let later = |&(time, position, rotation)| (laid_by + time, position, rotation);
+        let mut followed = timed(&path.poses, &planned.times);
+        let led = leads().flat_map(|lead| lead.end.iter().skip(1));
+        followed.extend(led.map(later));
+        let when = |s: f64| when_laid(&path.poses, &planned.times, s);
+        let end = pattern.length() - pattern.lead_out();
+        let name = self.source.name();
+        let title = format!("{} along {name}", file.title);
+        let [pattern_file, figure] = path_files(
+            &title,
+            &path,
+            &planned.demands,
+            &planned.crossings,
+            request.friction,
+        );
         let mut named = vec![
-            (
-                "trajectory.csv".to_owned(),
-                trajectory_csv(&followed, &followed_times)?,
-            ),
+            ("trajectory.csv".to_owned(), trajectory_csv(&followed)?),
             (
                 "trajectory.json".to_owned(),
-                trajectory_json(&followed, &followed_times, self.source.name(), &file)?,
+                trajectory_json(&followed, name, &file)?,
             ),
-            ("pattern.csv".to_owned(), pattern_csv(&points, &demands)),
-            ("deployment.svg".to_owned(), figure),
+            pattern_file,
+            figure,
         ];
-        for (index, lift) in leads().flat_map(|lead| &lead.lifts).enumerate() {
-            let poses = lift.poses.iter();
-            let (times, poses): (Vec<f64>, Vec<GripperPose>) = poses
-                .map(|&(time, position, rotation)| {
-                    let pose = GripperPose {
-                        s: rod.length,
-                        position,
-                        rotation,
-                        grasp: None,
-                        contact_demand: None,
-                    };
-                    (laid_by + time, pose)
-                })
-                .unzip();
-            let name = format!("lift_{}.csv", index + 1);
-            named.push((name, trajectory_csv(&poses, &times)?));
+        for (lift, number) in leads().flat_map(|lead| &lead.lifts).zip(1..) {
+            let poses: Vec<_> = lift.poses.iter().map(later).collect();
+            named.push((format!("lift_{number}.csv"), trajectory_csv(&poses)?));
         }
         // A scenario knows the network of the program only.
         if self.model.is_none() {
-            named.push(("landing.toml".to_owned(), landing(&simulated)));
+            let simulated = landing(&Landing {
+                file: &file,
+                name,
+                source: &source,
+                request: &request,
+                lead_in: planned.bent,
+                duration: when(end) - when(path.lead_in - planned.bent) + (duration - laid_by),
+            });
+            named.push(("landing.toml".to_owned(), simulated));
         }
         if let PatternSource::Drawn { points, .. } = &source {
             named.push((DRAWING.to_owned(), drawing_csv(points)));
         }
-        std::fs::create_dir_all(out).map_err(|error| {
-            Failure::System(format!("{} cannot be made: {error}", out.display()))
-        })?;
+        make_directory(out)?;
         let mut files = Vec::new();
         for (name, text) in named {
             let path = out.join(name);
             write_file(&path, text.as_bytes())?;
             files.push(path);
         }
+        let exact = path.poses.iter().filter(|pose| pose.grasp.is_some());
         let report = Report {
-            pattern: self.source.name().to_owned(),
+            pattern: name.to_owned(),
             rod: file.title,
             scheme: self.scheme,
             solver: self.solver,
             length_m: end,
-            lead_in_m: lead_in,
+            lead_in_m: path.lead_in,
             lead_out_m: pattern.lead_out(),
             rod_length_m: rod.length,
             deviation_m: pattern.deviation,
-            least_radius_m: Some(checks.least_radius_m).filter(|radius| radius.is_finite()),
-            least_radius_at_m: checks.least_radius_at_m,
-            largest_friction_demand: checks.largest_demand,
-            largest_friction_demand_at_m: checks.largest_demand_at_m,
-            largest_lying_friction_demand: checks.largest_lying_demand,
-            friction,
-            share_above_friction: checks.share_above_friction,
-            crossings: crossings.iter().map(CrossingReport::of).collect(),
-            unstable_poses: poses.iter().filter(|pose| is_unstable(pose)).count(),
-            poses: poses.len(),
-            solved_exactly: network.as_ref().map(|_| {
-                let exact = poses.iter().filter(|pose| pose.grasp.is_some()).count();
-                exact - rejected
-            }),
-            rejected_answers: network.map(|_| rejected),
+            feasibility: planned.feasibility,
+            crossings: planned.crossings.iter().map(CrossingReport::of).collect(),
+            unstable_poses: path.poses.iter().filter(|pose| is_unstable(pose)).count(),
+            poses: path.poses.len(),
+            solved_exactly: network.as_ref().map(|_| exact.count() - path.rejected),
+            rejected_answers: network.as_ref().map(|_| path.rejected),
             duration_s: duration,
             files,
         };
         Ok(WrittenPlan {
             report,
             rod,
-            path: LaidPath {
-                lays_spare: lead_in > bent || pattern.lead_out() > 0.0,
-                lead_in,
-                poses,
-                points,
-            },
+            path,
             knot,
         })
+    }
+
+    /// What is asked for, as far as the arguments alone say it.
+    fn request(&self) -> DeploymentRequest<'_> {
+        DeploymentRequest {
+            lead_in: self.lead_in,
+            lead_out: self.lead_out.unwrap_or_default(),
+            step: self.step,
+            speed: self.speed,
+            scheme: match self.scheme {
+                SchemeName::Optimal => Scheme::Optimal,
+                SchemeName::Intuitive => Scheme::Intuitive,
+            },
+            knot: self.knot.iter().map(|pass| Pass::from(*pass)).collect(),
+            ..DeploymentRequest::default()
+        }
     }
 
     /// The plan of a knot of this rod and of a second one, by its file, along another pattern.
@@ -353,38 +294,20 @@ impl DeploymentPlan {
     pub fn knot_with(&self, second: &Path, source: &PatternSource) -> Result<KnotPlan, Failure> {
         let rods = [RodFile::read(&self.rod)?.rod, RodFile::read(second)?.rod];
         let first = self.source.source()?;
-        let sources = [&first, source];
-        let scheme = match self.scheme {
-            SchemeName::Optimal => Scheme::Optimal,
-            SchemeName::Intuitive => Scheme::Intuitive,
-        };
+        let request = self.request();
         let mut planned = Vec::new();
-        for (rod, source) in rods.into_iter().zip(sources) {
-            let laid = self.pattern(source, &rod)?.shortened(laid_length(&rod));
-            long_enough(&rod, &laid).map_err(|error| self.refused(&error))?;
-            if laid.length() / self.step > MOST_POSES {
-                return Err(Failure::Input(format!(
-                    "--step {} m cuts {:.4} m into more than {MOST_POSES} poses",
-                    self.step,
-                    laid.length()
-                )));
-            }
-            let points = laid.sampled(self.step);
-            let laying = trajectory(&points, &rod, scheme, OptimalGrasps::Exact);
+        for (rod, source) in rods.into_iter().zip([&first, source]) {
+            let tied = request.tied(source, &rod);
+            let (pattern, path) = tied.map_err(|error| self.refused(error))?;
             planned.push(PlannedRod {
                 rod,
-                pattern: self.pattern(source, &rod)?,
-                laying: laying.map_err(|error| self.refused(&error))?,
+                pattern,
+                laying: path.poses,
             });
         }
-        let tied = planned.iter().map(|planned| TiedRod {
-            rod: &planned.rod,
-            curve: &planned.pattern,
-        });
-        let words: Vec<Pass> = self.knot.iter().map(|pass| Pass::from(*pass)).collect();
-        let passages = passages(&tied.collect::<Vec<_>>(), &words);
-        let passages = passages
-            .map_err(|error| Failure::Input(format!("--knot: {}: {error}", self.source.name())))?;
+        let tied = planned.iter().map(|rod| (&rod.rod, &rod.pattern));
+        let passages = request.passages(&tied.collect::<Vec<_>>());
+        let passages = passages.map_err(|error| self.refused(error.into()))?;
         Ok(KnotPlan::new(planned, passages))
     }
 
@@ -394,8 +317,11 @@ impl DeploymentPlan {
     /// The rod, the pattern or an argument is faulty, or they do not go together.
     pub fn check_knot(&self) -> Result<(), Failure> {
         let rod = RodFile::read(&self.rod)?.rod;
-        let pattern = self.pattern(&self.source.source()?, &rod)?;
-        self.passages(&pattern, &rod).map(|_| ())
+        let (request, source) = (self.request(), self.source.source()?);
+        let pattern = request.pattern(&source, &rod).map_err(RequestError::from);
+        let passages = pattern.and_then(|pattern| Ok(request.passages(&[(&rod, &pattern)])?));
+        passages.map_err(|error| self.refused(error))?;
+        Ok(())
     }
 
     /// The pattern without lead-in and lead-out, m.
@@ -433,35 +359,17 @@ impl DeploymentPlan {
         self.source.name()
     }
 
-    /// The crossings of a knot; `None` where none is tied.
-    fn passages(
-        &self,
-        pattern: &Pattern,
-        rod: &DeployedRod,
-    ) -> Result<Option<Vec<Passage>>, Failure> {
-        if self.knot.is_empty() {
-            return Ok(None);
+    fn refused(&self, error: RequestError) -> Failure {
+        let name = self.source.name();
+        match error {
+            RequestError::Deployment(DeploymentError::NotFinite { s_m }) => {
+                let what = format!("{name}: the pose of the gripper at {s_m:.4} m");
+                NotFinite { what }.into()
+            }
+            RequestError::Tying(error) => Failure::Input(format!("--knot: {name}: {error}")),
+            RequestError::TooManyPoses { .. } => Failure::input(error),
+            error => Failure::Input(format!("{name}: {error}")),
         }
-        let words: Vec<Pass> = self.knot.iter().map(|pass| Pass::from(*pass)).collect();
-        let tied = TiedRod {
-            rod,
-            curve: pattern,
-        };
-        let passages = passages(&[tied], &words);
-        passages
-            .map(Some)
-            .map_err(|error| Failure::Input(format!("--knot: {}: {error}", self.source.name())))
-    }
-
-    fn refused(&self, error: &DeploymentError) -> Failure {
-        if let DeploymentError::NotFinite { s_m } = error {
-            let what = format!(
-                "{}: the pose of the gripper at {s_m:.4} m",
-                self.source.name()
-            );
-            return NotFinite { what }.into();
-        }
-        Failure::Input(format!("{}: {error}", self.source.name()))
     }
 
     fn friction(&self, file: &RodFile) -> Result<Option<f64>, Failure> {
@@ -506,27 +414,6 @@ impl DeploymentPlan {
                 Ok(Some(Cow::Owned(network)))
             }
         }
-    }
-
-    /// The pattern with its lead-in.
-    fn pattern(&self, source: &PatternSource, rod: &DeployedRod) -> Result<Pattern, Failure> {
-        let pattern = source
-            .pattern()
-            .map_err(|error| self.source.no_pattern(&error))?;
-        let length = match self.lead_in {
-            LeadLength::Given(length) => length,
-            LeadLength::Auto => lead_length(rod, &pattern.at(0.0)),
-        };
-        Ok(pattern.with_lead_in(length))
-    }
-
-    /// The pattern and, where it is wanted, what the rod is longer than it.
-    fn with_lead_out(&self, pattern: Pattern, rod: &DeployedRod, spare: &Spare<'_>) -> Pattern {
-        if let Some(LeadLength::Given(length)) = self.lead_out {
-            let last = pattern.at(pattern.length());
-            return pattern.with_lead_out(lead_length(rod, &last.turned_round()), length);
-        }
-        with_spare_laid(pattern, rod, spare)
     }
 }
 

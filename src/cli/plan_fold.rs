@@ -9,7 +9,7 @@ use super::values::{friction, positive_length, speed};
 use clap::{Args, ValueEnum};
 use rodlab_files::figure::Paper;
 use rodlab_lab::experiment::Crease;
-use rodlab_planning::plan::deployment::GripperPose;
+use rodlab_planning::plan::deployment::{GripperPose, timed};
 use rodlab_planning::plan::fold::{
     FoldAtlas, FoldPath, FoldedSheet, ForceManifold, NetworkCheck, NeuralFolds, Objective,
     PART_OF_FRICTION, Sheet, fold_path, held_path, sliding,
@@ -221,7 +221,7 @@ impl FoldPlanArguments {
         let named = vec![
             (
                 "trajectory.csv",
-                trajectory_csv(&poses, &times)?.into_bytes(),
+                trajectory_csv(&timed(&poses, &times))?.into_bytes(),
             ),
             ("folds.csv", folds_csv(&path, &sheet).into_bytes()),
             (

@@ -2,10 +2,9 @@
 
 use super::deployment_files::trajectory_csv;
 use super::failure::Failure;
-use super::output::{print_json, write_file};
+use super::output::{make_directory, print_json, write_file};
 use clap::Args;
 use rodlab_lab::experiment::{DeploymentTables, GripperTask, GripperWork, load};
-use rodlab_planning::plan::deployment::GripperPose;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -53,9 +52,7 @@ impl GripperPlanArguments {
             .ok_or_else(|| refused("`experiment`: grippers are planned for \"deployment\" only"))?;
         let paths = tables.paths(&scenario);
         let paths = paths.map_err(|error| refused(&format!("`deployment.pattern`: {error}")))?;
-        std::fs::create_dir_all(&self.out).map_err(|error| {
-            Failure::System(format!("{} cannot be made: {error}", self.out.display()))
-        })?;
+        make_directory(&self.out)?;
         let mut tasks = Vec::new();
         for (index, task) in paths.tasks().iter().enumerate() {
             tasks.push(self.written(index + 1, task)?);
@@ -67,19 +64,6 @@ impl GripperPlanArguments {
     }
 
     fn written(&self, number: usize, task: &GripperTask) -> Result<TaskReport, Failure> {
-        let poses = task.poses.iter();
-        let (times, poses): (Vec<f64>, Vec<GripperPose>) = poses
-            .map(|&(time, position, rotation)| {
-                let pose = GripperPose {
-                    s: 0.0,
-                    position,
-                    rotation,
-                    grasp: None,
-                    contact_demand: None,
-                };
-                (time, pose)
-            })
-            .unzip();
         let work = match task.work {
             GripperWork::Lay => "lays",
             GripperWork::Lift => "lifts",
@@ -89,13 +73,13 @@ impl GripperPlanArguments {
         let file = self
             .out
             .join(format!("{number}_gripper_{gripper}_{work}_rod_{rod}.csv"));
-        write_file(&file, trajectory_csv(&poses, &times)?.as_bytes())?;
+        write_file(&file, trajectory_csv(&task.poses)?.as_bytes())?;
         Ok(TaskReport {
             gripper,
             rod,
             work: task.work,
-            begin_s: times.first().copied().unwrap_or(0.0),
-            end_s: times.last().copied().unwrap_or(0.0),
+            begin_s: task.poses.first().map_or(0.0, |pose| pose.0),
+            end_s: task.poses.last().map_or(0.0, |pose| pose.0),
             file,
         })
     }

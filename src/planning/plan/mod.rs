@@ -4,4 +4,5 @@ pub mod deployment;
 pub mod fold;
 pub mod grasp;
 pub mod pattern;
+pub mod request;
 pub mod tying;

@@ -3,6 +3,7 @@
 use super::{DeployedRod, DeploymentError, GripperPose, Lead};
 use crate::plan::grasp::GraspProblem;
 use crate::plan::pattern::{LeadBend, Pattern, PatternPoint};
+use serde::Serialize;
 
 /// Friction that a lead-in may ask for.
 const LEAD_IN_DEMAND: f64 = 0.1;
@@ -110,18 +111,23 @@ pub fn long_enough(rod: &DeployedRod, pattern: &Pattern) -> Result<(), Deploymen
 }
 
 /// What a pattern asks for, at worst.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Feasibility {
     /// Least radius of curvature, m; infinite for a straight line.
     pub least_radius_m: f64,
     /// Where, m from the start.
     pub least_radius_at_m: f64,
     /// Largest friction demand, of the lying rod or at the contact node.
+    #[serde(rename = "largest_friction_demand")]
     pub largest_demand: f64,
     /// Where, m from the start.
+    #[serde(rename = "largest_friction_demand_at_m")]
     pub largest_demand_at_m: f64,
     /// Largest friction demand of the lying rod alone (thesis Eq. 5.2).
+    #[serde(rename = "largest_lying_friction_demand")]
     pub largest_lying_demand: f64,
+    /// Friction of the table, where it is known.
+    pub friction: Option<f64>,
     /// Part of the length whose demand is above a coefficient of friction, if there was one.
     pub share_above_friction: Option<f64>,
 }
@@ -216,6 +222,7 @@ impl Feasibility {
             largest_demand,
             largest_demand_at_m,
             largest_lying_demand: worst(points, &lying).0,
+            friction,
             share_above_friction: friction.map(|friction| {
                 let above = points.iter().filter(|point| demand(point) > friction);
                 above.count() as f64 / points.len().max(1) as f64

@@ -1,8 +1,8 @@
 //! The path along which a rod is laid, and the gripper's poses for it.
 
 use super::{
-    DeployedRod, DeploymentError, GripperPose, OptimalGrasps, Scheme, Spare, trajectory,
-    with_spare_laid,
+    DeployedRod, DeploymentError, GripperPose, OptimalGrasps, Scheme, Spare, Trajectory,
+    checked_trajectory, with_spare_laid,
 };
 use crate::plan::pattern::{Pattern, PatternPoint};
 
@@ -17,6 +17,8 @@ pub struct LaidPath {
     pub lead_in: f64,
     /// Whether more is laid than the pattern and its lead-in.
     pub lays_spare: bool,
+    /// How many answers of a network were replaced.
+    pub rejected: usize,
 }
 
 impl LaidPath {
@@ -34,13 +36,28 @@ impl LaidPath {
     ) -> Result<Self, DeploymentError> {
         let length = pattern.length();
         let pattern = with_spare_laid(pattern, rod, spare);
+        Self::along(&pattern, length, rod, step, way)
+    }
+
+    /// The same along a pattern with all that is laid, of which `length`, m, is the pattern and its lead-in.
+    ///
+    /// # Errors
+    /// There is no grasp at some point.
+    pub fn along(
+        pattern: &Pattern,
+        length: f64,
+        rod: &DeployedRod,
+        step: f64,
+        (scheme, grasps): (Scheme, OptimalGrasps<'_>),
+    ) -> Result<Self, DeploymentError> {
         let points = pattern.sampled(step);
-        let poses = trajectory(&points, rod, way.0, way.1)?;
+        let Trajectory { poses, rejected } = checked_trajectory(&points, rod, scheme, grasps)?;
         Ok(Self {
             lead_in: pattern.lead_in(),
             lays_spare: pattern.length() > length,
             points,
             poses,
+            rejected,
         })
     }
 }

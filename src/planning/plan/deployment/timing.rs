@@ -1,6 +1,7 @@
 //! When the gripper is where.
 
 use super::GripperPose;
+use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 
 /// Most that the gripper moves for each length that is laid, of what sets the pace: above it, laying is slower. Along a
 /// straight line it moves √2 times as far, with the optimal scheme around a bend of 1/L_gb about four times, and a rod that
@@ -40,6 +41,17 @@ pub fn laid_after(poses: &[GripperPose], times: &[f64], time: f64) -> f64 {
     }
 }
 
+/// Time, s, place, m, and orientation of a gripper.
+pub type TimedPose = (f64, Vector3, UnitQuaternion);
+
+/// Poses with the times at which the gripper passes them, s.
+pub fn timed(poses: &[GripperPose], times: &[f64]) -> Vec<TimedPose> {
+    let pairs = poses.iter().zip(times);
+    pairs
+        .map(|(pose, time)| (*time, pose.position, pose.rotation))
+        .collect()
+}
+
 /// When an arc length is laid (m), s: the inverse of [`laid_after`].
 pub fn when_laid(poses: &[GripperPose], times: &[f64], s: f64) -> f64 {
     let after = poses.partition_point(|pose| pose.s < s);
@@ -57,7 +69,6 @@ pub fn when_laid(poses: &[GripperPose], times: &[f64], s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 
     fn pose(s: f64, x: f64) -> GripperPose {
         GripperPose {

@@ -1,7 +1,7 @@
 //! Poses of the gripper that leads the end of a rod, and of the one that lifts strands.
 
 use super::{Handling, Pass, Passage, Place, Schedule};
-use crate::plan::deployment::DeployedRod;
+use crate::plan::deployment::{DeployedRod, TimedPose};
 use crate::plan::pattern::{PatternPoint, Point};
 use rodlab_engine::mechanics::scene::piecewise_linear;
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
@@ -22,7 +22,7 @@ const TRANSITION: f64 = 1.0;
 const PUT_DOWN: f64 = 2.5;
 
 /// Times (s), places (m) and orientations, as a clamp follows them.
-pub type GripperPoses = Vec<(f64, Vector3, UnitQuaternion)>;
+pub type GripperPoses = Vec<TimedPose>;
 
 /// A gripper that lifts a strand, and puts it down again.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,0 +1,193 @@
+//! A deployment as it is asked for, planned from the source of its pattern to the path of the gripper and what that asks for.
+
+use super::deployment::{
+    DeployedRod, DeploymentError, Feasibility, LaidPath, MOST_POSES, OptimalGrasps, Scheme, Spare,
+    checked_points, friction_demands, lead_length, long_enough, times, with_spare_laid,
+};
+use super::pattern::{Crossing, Pattern, PatternError, PatternSource, crossings};
+use super::tying::{Pass, Passage, TiedRod, TyingError, laid_length, passages};
+use thiserror::Error;
+
+/// Length of a lead-in or a lead-out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum LeadLength {
+    /// As long as it should be.
+    #[default]
+    Auto,
+    /// So long, m.
+    Given(f64),
+}
+
+/// How a rod is laid along a pattern.
+#[derive(Clone, Debug)]
+pub struct DeploymentRequest<'a> {
+    /// The start in front of the pattern.
+    pub lead_in: LeadLength,
+    /// What is laid behind it; of a rod that is longer than its pattern as much as there is room for, where no length is given.
+    pub lead_out: LeadLength,
+    /// Distance of neighbouring poses along the pattern, at most, m.
+    pub step: f64,
+    /// Speed of laying, m/s.
+    pub speed: f64,
+    /// How the gripper leads the rod.
+    pub scheme: Scheme,
+    /// Who finds the optimal grasps.
+    pub grasps: OptimalGrasps<'a>,
+    /// Friction of the table, where it is known.
+    pub friction: Option<f64>,
+    /// How the rod passes its crossings where a knot is tied; empty without.
+    pub knot: Vec<Pass>,
+}
+
+impl Default for DeploymentRequest<'_> {
+    fn default() -> Self {
+        Self {
+            lead_in: LeadLength::Auto,
+            lead_out: LeadLength::Auto,
+            step: 3e-3,
+            speed: 0.02,
+            scheme: Scheme::Optimal,
+            grasps: OptimalGrasps::Exact,
+            friction: None,
+            knot: Vec::new(),
+        }
+    }
+}
+
+/// Why there is no plan.
+#[derive(Debug, Error)]
+pub enum RequestError {
+    /// The pattern is none.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
+    /// It cannot be laid.
+    #[error(transparent)]
+    Deployment(#[from] DeploymentError),
+    /// No knot can be tied along it.
+    #[error(transparent)]
+    Tying(#[from] TyingError),
+    /// It takes too many poses.
+    #[error("--step {step} m cuts {length:.4} m into more than {MOST_POSES} poses")]
+    TooManyPoses {
+        /// Distance of poses, m.
+        step: f64,
+        /// Length of the path, m.
+        length: f64,
+    },
+}
+
+/// A planned deployment.
+pub struct PlannedDeployment {
+    /// The path of the gripper.
+    pub path: LaidPath,
+    /// The pattern along which the rod is laid, with lead-in and lead-out.
+    pub pattern: Pattern,
+    /// Length of the lead-in over which the curvature grows, m.
+    pub bent: f64,
+    /// When the gripper passes its poses, s.
+    pub times: Vec<f64>,
+    /// What the pattern asks for, at worst.
+    pub feasibility: Feasibility,
+    /// The friction that it asks for at each point.
+    pub demands: Vec<f64>,
+    /// Where it crosses itself.
+    pub crossings: Vec<Crossing>,
+    /// Of a knot the whole pattern, the path of the rod's end included, and its crossings.
+    pub knot: Option<(Pattern, Vec<Passage>)>,
+}
+
+impl DeploymentRequest<'_> {
+    /// Plans all of it; `spare` says what is done with a rod that is longer than its pattern.
+    ///
+    /// # Errors
+    /// The pattern is none, or the rod cannot be laid or tied along it.
+    pub fn plan(
+        &self,
+        source: &PatternSource,
+        rod: &DeployedRod,
+        spare: &Spare<'_>,
+    ) -> Result<PlannedDeployment, RequestError> {
+        let pattern = self.pattern(source, rod)?;
+        let (bent, length) = (pattern.lead_in(), pattern.length());
+        let knot = match self.knot[..] {
+            [] => None,
+            _ => Some((
+                self.pattern(source, rod)?,
+                self.passages(&[(rod, &pattern)])?,
+            )),
+        };
+        let pattern = match (&knot, self.lead_out) {
+            (Some(_), _) => pattern.shortened(laid_length(rod)),
+            (None, LeadLength::Auto) => with_spare_laid(pattern, rod, spare),
+            (None, LeadLength::Given(lead_out)) => {
+                let last = pattern.at(length);
+                pattern.with_lead_out(lead_length(rod, &last.turned_round()), lead_out)
+            }
+        };
+        self.refuse_long(&pattern, rod)?;
+        let checked = checked_points(&pattern, self.step, rod)?;
+        let path = LaidPath::along(&pattern, length, rod, self.step, (self.scheme, self.grasps))?;
+        Ok(PlannedDeployment {
+            bent,
+            times: times(&path.poses, self.speed),
+            feasibility: Feasibility::of(&checked, rod, self.friction, &path.poses),
+            demands: friction_demands(rod, &path.points, &path.poses),
+            crossings: crossings(&path.points),
+            pattern,
+            path,
+            knot,
+        })
+    }
+
+    /// The pattern with its lead-in.
+    ///
+    /// # Errors
+    /// It is none.
+    pub fn pattern(
+        &self,
+        source: &PatternSource,
+        rod: &DeployedRod,
+    ) -> Result<Pattern, PatternError> {
+        let pattern = source.pattern()?;
+        let length = match self.lead_in {
+            LeadLength::Given(length) => length,
+            LeadLength::Auto => lead_length(rod, &pattern.at(0.0)),
+        };
+        Ok(pattern.with_lead_in(length))
+    }
+
+    /// One of the rods of a knot of several: its whole pattern, and the path along which it is laid before its end is led.
+    ///
+    /// # Errors
+    /// The pattern is none, or the rod cannot be laid along it.
+    pub fn tied(
+        &self,
+        source: &PatternSource,
+        rod: &DeployedRod,
+    ) -> Result<(Pattern, LaidPath), RequestError> {
+        let laid = self.pattern(source, rod)?.shortened(laid_length(rod));
+        self.refuse_long(&laid, rod)?;
+        let way = (self.scheme, OptimalGrasps::Exact);
+        let path = LaidPath::along(&laid, laid.length(), rod, self.step, way)?;
+        Ok((self.pattern(source, rod)?, path))
+    }
+
+    /// The crossings of a knot of rods that are laid along whole patterns.
+    ///
+    /// # Errors
+    /// It cannot be tied.
+    pub fn passages(&self, rods: &[(&DeployedRod, &Pattern)]) -> Result<Vec<Passage>, TyingError> {
+        let tied = rods.iter().map(|(rod, curve)| TiedRod { rod, curve });
+        passages(&tied.collect::<Vec<_>>(), &self.knot)
+    }
+
+    /// Before anything is sampled: it may be very long.
+    fn refuse_long(&self, pattern: &Pattern, rod: &DeployedRod) -> Result<(), RequestError> {
+        long_enough(rod, pattern)?;
+        let (step, length) = (self.step, pattern.length());
+        match length / step > MOST_POSES {
+            true => Err(RequestError::TooManyPoses { step, length }),
+            false => Ok(()),
+        }
+    }
+}
