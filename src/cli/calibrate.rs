@@ -6,11 +6,11 @@ use super::values::positive_length;
 use clap::{Args, Subcommand};
 use nalgebra::Isometry3;
 use rodlab_vision::{
-    Calibration, Camera, Checkerboard, LensMisfit, Point, RejectedPair, VisionError, board_pose,
+    Camera, Checkerboard, LensMisfit, Point, RejectedPair, VisionError, board_pose,
     calibrate as calibrate_lens, hand_eye, pictures_in, read_picture, read_poses,
 };
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `rodlab calibrate`.
 #[derive(Debug, Args)]
@@ -240,10 +240,15 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
         write_file(out, calibrated.to_toml().as_bytes())?;
     }
     let [fx, fy, cx, cy, ..] = found.lens_deviations;
+    let views = used.into_iter().zip(&found.view_rms);
+    let views = views.map(|(image, rms)| ViewAnswer {
+        image,
+        reprojection_rms_px: *rms,
+    });
     let answer = CameraAnswer {
-        images: used.len(),
+        images: found.view_rms.len(),
         reprojection_rms_px: found.reprojection_rms,
-        views: view_answers(used, &found),
+        views: views.collect(),
         fx_deviation_px: fx,
         fy_deviation_px: fy,
         cx_deviation_px: cx,
@@ -288,15 +293,6 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
 /// Text in a comment of TOML, which a line break in the name of a file must not end.
 fn in_comment(text: &str) -> String {
     text.replace(|character: char| character.is_control(), " ")
-}
-
-fn view_answers(used: Vec<PathBuf>, found: &Calibration) -> Vec<ViewAnswer> {
-    let views = used.into_iter().zip(&found.view_rms);
-    let answers = views.map(|(image, rms)| ViewAnswer {
-        image,
-        reprojection_rms_px: *rms,
-    });
-    answers.collect()
 }
 
 fn pose(arguments: &PoseArguments) -> Result<(), Failure> {
@@ -344,9 +340,8 @@ struct HandEyeAnswer {
 }
 
 fn mount(arguments: &HandEyeArguments) -> Result<(), Failure> {
-    let poses = |path: &Path| read_poses(path).map_err(Failure::from);
-    let mut hands = poses(&arguments.hand)?;
-    let targets = poses(&arguments.target)?;
+    let mut hands = read_poses(&arguments.hand)?;
+    let targets = read_poses(&arguments.target)?;
     if arguments.fixed_camera {
         for hand in &mut hands {
             hand.inverse_mut();

@@ -6,6 +6,7 @@ use super::interruption::watch_for_interruption;
 use super::output::print;
 use super::place::Scene;
 use super::plan::parse_place;
+use super::task_arguments::GANTRY;
 use super::values::{self, positive_length};
 use clap::{Args, Subcommand};
 use rodlab_lab::experiment::{Crease, Jitter};
@@ -56,11 +57,7 @@ faults are drop-link, freeze-joint, slip-grasp and lose-camera.")]
 #[derive(Debug, Args)]
 struct ServeArguments {
     /// The cell file; its arms have drivers of kind \"rosbridge\"
-    #[arg(
-        long,
-        value_name = "FILE",
-        default_value = "scenarios/cells/gantry.toml"
-    )]
+    #[arg(long, value_name = "FILE", default_value = GANTRY)]
     cell: PathBuf,
     /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod], or where the cell has a [chuck] with
     /// youngs_modulus, poissons_ratio and density in [material] and radius and length in [rod]; without one, grippers hold nothing

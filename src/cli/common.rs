@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use clap::{ArgAction, Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 
 /// Options that every subcommand has.
@@ -63,6 +64,15 @@ impl Common {
                 is_terminal && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
             }
         }
+    }
+
+    /// A bar that shows progress, unless that is not wanted.
+    pub fn progress(&self, bar: ProgressBar, template: &str) -> ProgressBar {
+        if self.quiet {
+            return ProgressBar::hidden();
+        }
+        let style = ProgressStyle::with_template(template);
+        bar.with_style(style.expect("the template is in order"))
     }
 
     /// Sets the number of threads.

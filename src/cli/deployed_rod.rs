@@ -1,6 +1,7 @@
 //! Files of rods that are laid on a table.
 
 use super::failure::Failure;
+use super::values::is_positive;
 use rodlab_lab::scenario::dimension::{Density, Length};
 use rodlab_lab::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
 use rodlab_planning::plan::deployment::DeployedRod;
@@ -57,37 +58,24 @@ impl RodFile {
         let typed = &file.typed.deployment.rod;
         let root = KeyPath::from("deployment.rod");
         let mut issues = Issues::default();
-        let mut length = |key: &str, quantity: &Quantity<Length>| {
-            let metres = quantity.si().and_then(|metres| {
-                if metres > 0.0 && metres.is_finite() {
-                    Ok(metres)
-                } else {
-                    Err(format!("{metres} m must be above 0"))
-                }
+        let mut positive = |key: &str, value: Result<f64, String>, unit: &str| {
+            let value = value.and_then(|value| match is_positive(value) {
+                true => Ok(value),
+                false => Err(format!("{value} {unit} must be above 0")),
             });
-            metres.unwrap_or_else(|message| {
+            value.unwrap_or_else(|message| {
                 issues.push(Issue::new(root.key(key), message));
                 1.0
             })
         };
+        let unit = typed.gravito_bending_length.si();
         let rod = DeployedRod {
-            gravito_bending_length: length("gravito_bending_length", &typed.gravito_bending_length),
-            radius: length("radius", &typed.radius),
-            length: length("length", &typed.length),
+            gravito_bending_length: positive("gravito_bending_length", unit, "m"),
+            radius: positive("radius", typed.radius.si(), "m"),
+            length: positive("length", typed.length.si(), "m"),
         };
-        let density = typed.density.as_ref().map_or(Ok(DENSITY), |density| {
-            density.si().and_then(|density| {
-                if density > 0.0 && density.is_finite() {
-                    Ok(density)
-                } else {
-                    Err(format!("{density} kg/m³ must be above 0"))
-                }
-            })
-        });
-        let density = density.unwrap_or_else(|message| {
-            issues.push(Issue::new(root.key("density"), message));
-            DENSITY
-        });
+        let density = typed.density.as_ref().map_or(Ok(DENSITY), Quantity::si);
+        let density = positive("density", density, "kg/m³");
         for (name, friction) in &typed.friction {
             if !(*friction >= 0.0 && friction.is_finite()) {
                 let key = root.key("friction").key(name);

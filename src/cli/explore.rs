@@ -2,14 +2,14 @@
 
 use super::failure::Failure;
 use super::interruption::watch_for_interruption;
+use super::log_directory::results_directory;
 use super::output::print_json;
-use super::solve_arm::arm_named;
+use super::solve_arm::read_arm;
 use super::values::{number, positive};
 use clap::Args;
 use rodlab_files::results::{MANIFEST, write_whole};
 use rodlab_lab::experiment::ClampedRod;
 use rodlab_vision::ColourRule;
-use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationSummary, ExploreError, HandPlace,
     SearchSteps, Status, Stopped, quarter_sphere, read_directions, section, write_exploration,
@@ -132,15 +132,13 @@ pub fn explore(arguments: &ExploreArguments) -> Result<(), Failure> {
     let directions = arguments.directions.list()?;
     let colour = ColourRule::parse(&arguments.colour)?;
     let rod = ClampedRod::read(&arguments.rod)?;
-    let cell = Cell::read(&arguments.cell)?;
-    let arm = arm_named(&cell, arguments.arm.as_deref(), &arguments.cell)?;
+    let (cell, arm) = read_arm(&arguments.cell, arguments.arm.as_deref())?;
     let stem = arguments
         .rod
         .file_stem()
         .unwrap_or_default()
         .to_string_lossy();
-    let out = arguments.out.clone();
-    let directory = out.unwrap_or_else(|| Path::new("results").join(format!("explore-{stem}")));
+    let directory = results_directory(arguments.out.as_deref(), &format!("explore-{stem}"));
     let exploration = Exploration {
         cell: &cell,
         arm,

@@ -1,33 +1,30 @@
 //! Options of the commands that draw figures.
 
 use super::failure::Failure;
-use clap::{Args, ValueEnum};
+use super::values::{Named, named};
+use clap::Args;
 use rodlab_files::figure::{FigureOptions, Format, Paper};
 use rodlab_lab::scenario::metres;
+
+/// Formats of figures.
+const FORMATS: [Named<Format>; 3] = [
+    ("svg", Format::Svg, "Scalable vector graphics"),
+    ("png", Format::Png, "Pixels, 300 per inch"),
+    ("pdf", Format::Pdf, "Vectors for LaTeX"),
+];
 
 /// How figures are drawn and kept.
 #[derive(Clone, Debug, Default, Args)]
 pub struct FigureArguments {
     /// Formats of the figures, separated by commas [default: svg,png; of reproduced pages svg]
-    #[arg(long, value_name = "FORMATS", value_delimiter = ',')]
-    pub format: Vec<FigureFormat>,
+    #[arg(long, value_name = "FORMATS", value_delimiter = ',', value_parser = named(&FORMATS))]
+    pub format: Vec<Format>,
     /// Width of the figures, such as 85mm for a column of a journal [default: 211.7mm]
     #[arg(long, value_name = "LENGTH", value_parser = metres)]
     pub width: Option<f64>,
     /// Size of the letters in points; lines and marks follow it [default: 10]
     #[arg(long, value_name = "POINTS")]
     pub font_size: Option<f64>,
-}
-
-/// Formats of figures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FigureFormat {
-    /// Scalable vector graphics
-    Svg,
-    /// Pixels, 300 per inch
-    Png,
-    /// Vectors for LaTeX
-    Pdf,
 }
 
 impl FigureArguments {
@@ -50,25 +47,15 @@ impl FigureArguments {
             ))
         })?;
         let mut formats: Vec<Format> = Vec::new();
-        for format in self.format.iter().map(|format| format.of_figure()) {
-            if !formats.contains(&format) {
-                formats.push(format);
+        for format in &self.format {
+            if !formats.contains(format) {
+                formats.push(*format);
             }
         }
         if formats.is_empty() {
             formats = usual.to_vec();
         }
         Ok(FigureOptions { paper, formats })
-    }
-}
-
-impl FigureFormat {
-    fn of_figure(self) -> Format {
-        match self {
-            Self::Svg => Format::Svg,
-            Self::Png => Format::Png,
-            Self::Pdf => Format::Pdf,
-        }
     }
 }
 
@@ -79,7 +66,7 @@ mod tests {
     #[test]
     fn sizes_that_cannot_be_drawn_are_refused_with_what_can() {
         let arguments = |width, font_size| FigureArguments {
-            format: vec![FigureFormat::Pdf, FigureFormat::Svg, FigureFormat::Pdf],
+            format: vec![Format::Pdf, Format::Svg, Format::Pdf],
             width: Some(width),
             font_size: Some(font_size),
         };

@@ -12,8 +12,7 @@ pub fn fold(arguments: &FoldArguments, common: &Common) -> Result<(), Failure> {
     let file = PaperFile::read(&arguments.paper)?;
     let target = file.paper.target(arguments.crease);
     let target = target.map_err(|error| Failure::Input(format!("--crease: {error}")))?;
-    let is_planned = !["circle", "step-by-step"].contains(&arguments.algorithm.as_str());
-    if arguments.feedback.is_some() && !is_planned {
+    if arguments.feedback.is_some() && !arguments.algorithm().is_planned_anew() {
         let message = "--feedback: this way of folding is not planned anew: use `held`, `optimal` or `least-friction`";
         return Err(Failure::Input(message.into()));
     }

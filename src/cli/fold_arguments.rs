@@ -2,6 +2,7 @@
 
 use super::plan::parse_place;
 use super::plan_fold::crease;
+use super::task_arguments::TaskArm;
 use super::values::{friction, positive, positive_length};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -35,7 +36,7 @@ pub struct FoldArguments {
     #[arg(long, value_name = "half|diagonal-strip|LENGTH", value_parser = crease, default_value = "half")]
     pub crease: Crease,
     /// How the way of the gripper is planned; `held` holds the edge with as little moment as the friction needs
-    #[arg(long, default_value = "held", value_parser = PossibleValuesParser::new(ALGORITHMS))]
+    #[arg(long, default_value = "held", value_parser = PossibleValuesParser::new(ALGORITHMS.map(|(name, _)| name)))]
     pub algorithm: String,
     /// Plan each of N parts of the way but the first anew from how far the sheet is seen to have slid; at most 20 in a cell
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=1000))]
@@ -43,16 +44,8 @@ pub struct FoldArguments {
     /// Friction of the table [default: that in the sheet's file]
     #[arg(long, value_name = "FRICTION", value_parser = friction)]
     pub friction: Option<f64>,
-    /// The cell file
-    #[arg(
-        long,
-        value_name = "FILE",
-        default_value = "scenarios/cells/gantry.toml"
-    )]
-    pub cell: PathBuf,
-    /// Name of the arm; not needed where the cell has only one
-    #[arg(long, value_name = "NAME")]
-    pub arm: Option<String>,
+    #[command(flatten)]
+    pub arm: TaskArm,
     /// Where the middle of the edge lies in the cell: x,y,z in metres, and the direction over the sheet, degrees about z. The
     /// camera sees it more exactly; of the directions of the sheet that it sees the nearest is taken [default: the sheet in the
     /// middle of the table, along x]
@@ -96,24 +89,19 @@ pub struct FoldArguments {
     pub open: bool,
 }
 
-/// Names of algorithms in scenario files.
-const ALGORITHMS: [&str; 5] = [
-    "held",
-    "optimal",
-    "least-friction",
-    "circle",
-    "step-by-step",
+/// Ways of folding by their names in scenario files.
+const ALGORITHMS: [(&str, AlgorithmName); 5] = [
+    ("held", AlgorithmName::Held),
+    ("optimal", AlgorithmName::Optimal),
+    ("least-friction", AlgorithmName::LeastFriction),
+    ("circle", AlgorithmName::Circle),
+    ("step-by-step", AlgorithmName::StepByStep),
 ];
 
 impl FoldArguments {
     /// The way of folding by its name.
     pub fn algorithm(&self) -> AlgorithmName {
-        match self.algorithm.as_str() {
-            "optimal" => AlgorithmName::Optimal,
-            "least-friction" => AlgorithmName::LeastFriction,
-            "circle" => AlgorithmName::Circle,
-            "step-by-step" => AlgorithmName::StepByStep,
-            _ => AlgorithmName::Held,
-        }
+        let named = ALGORITHMS.iter().find(|(name, _)| *name == self.algorithm);
+        named.map_or(AlgorithmName::Held, |(_, algorithm)| *algorithm)
     }
 }

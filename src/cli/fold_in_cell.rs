@@ -4,7 +4,7 @@ use super::cell_task::{CellTask, refuse_unready};
 use super::failure::Failure;
 use super::fold_arguments::FoldArguments;
 use super::folded_sheet::PaperFile;
-use super::solve_arm::arm_named;
+use super::solve_arm::read_arm;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use rodlab_robot::Pose;
 use rodlab_vision::ColourRule;
@@ -32,11 +32,11 @@ pub fn fold_in_cell(
         let message = format!("--feedback: {parts}; allowed in a cell: 2 to {MOST_PARTS}");
         return Err(Failure::Input(message));
     }
-    let cell = Cell::read(&arguments.cell)?;
-    let arm = arm_named(&cell, arguments.arm.as_deref(), &arguments.cell)?;
+    let cell_file = &arguments.arm.cell;
+    let (cell, arm) = read_arm(cell_file, arguments.arm.name.as_deref())?;
     if !arguments.dry_run {
         let camera = "it looks where the sheet lies and how far it slides";
-        refuse_unready(&cell, &arguments.cell, &[arm], arguments.checked, camera)?;
+        refuse_unready(&cell, cell_file, &[arm], arguments.checked, camera)?;
     }
     let colour = ColourRule::parse(&arguments.colour)?;
     let request = FoldRequest {

@@ -3,6 +3,7 @@
 use super::common::Common;
 use super::failure::Failure;
 use super::fold_arguments::FoldArguments;
+use super::log_directory::results_directory;
 use super::run::simulate;
 use super::view::show;
 use super::watchdog;
@@ -26,8 +27,7 @@ pub fn fold_in_simulation(
     let name = format!("fold_{}", stem.to_string_lossy());
     let text = scenario(arguments, title, friction)?;
     let cases = case_set_from_text(&name, &text, Path::new(""))?;
-    let directory = arguments.out.clone();
-    let directory = directory.unwrap_or_else(|| Path::new("results").join(&name));
+    let directory = results_directory(arguments.out.as_deref(), &name);
     let options = RunOptions {
         force: arguments.force,
         ..RunOptions::new(directory)

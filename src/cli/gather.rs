@@ -1,7 +1,7 @@
 //! `rodlab gather`.
 
 use super::failure::Failure;
-use super::output::print;
+use super::output::{print, print_paths};
 use super::sweep::verdict;
 use clap::Args;
 use rodlab_files::figure::FigureOptions;
@@ -25,10 +25,8 @@ pub struct GatherArguments {
 /// Makes the tables and figures of a sweep from its cases.
 pub fn gather(arguments: &GatherArguments) -> Result<(), Failure> {
     let outcome = sweep::gather(&arguments.directory)?;
-    let figures: String = plot_results(&arguments.directory, &FigureOptions::default())?
-        .iter()
-        .map(|path| format!("{}\n", path.display()))
-        .collect();
-    print(&format!("{}\n{figures}", outcome.counts))?;
+    let figures = plot_results(&arguments.directory, &FigureOptions::default())?;
+    print(&format!("{}\n", outcome.counts))?;
+    print_paths(&figures)?;
     verdict(&outcome)
 }

@@ -3,13 +3,12 @@
 use super::cell_task::{CellTask, refuse_unfinished};
 use super::failure::Failure;
 use super::log_directory::log_directory;
-use super::solve_arm::arm_named;
-use super::task_arguments::TaskArguments;
+use super::solve_arm::read_arm;
+use super::task_arguments::{TaskArguments, TaskArm};
 use clap::Args;
 use rodlab_lab::experiment::Fixtures;
 use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, Spare};
 use rodlab_vision::{ColourRule, Point};
-use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
     Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, TaskHead,
 };
@@ -21,16 +20,8 @@ const FRAMES: usize = 400;
 /// Cell, arm, and how it moves.
 #[derive(Debug, Args)]
 pub struct LayingArguments {
-    /// The cell file
-    #[arg(
-        long,
-        value_name = "FILE",
-        default_value = "scenarios/cells/gantry.toml"
-    )]
-    cell: PathBuf,
-    /// Name of the arm; not needed where the cell has only one
-    #[arg(long, value_name = "NAME")]
-    arm: Option<String>,
+    #[command(flatten)]
+    arm: TaskArm,
     #[command(flatten)]
     task: TaskArguments,
 }
@@ -62,8 +53,7 @@ impl LayingArguments {
         plan: impl Fn(&Spare<'_>, &Path) -> Result<(DeployedRod, LaidPath), Failure>,
     ) -> Result<(), Failure> {
         let colour = ColourRule::parse(&self.task.colour)?;
-        let cell = Cell::read(&self.cell)?;
-        let arm = arm_named(&cell, self.arm.as_deref(), &self.cell)?;
+        let (cell, arm) = read_arm(&self.arm.cell, self.arm.name.as_deref())?;
         if !(self.task.dry_run || self.task.checked) {
             refuse_unfinished(&cell, arm)?;
         }

@@ -3,17 +3,15 @@
 use super::failure::Failure;
 use std::path::{Path, PathBuf};
 
+/// Where results go: as given, or in `results` by a name.
+pub fn results_directory(given: Option<&Path>, name: &str) -> PathBuf {
+    given.map_or_else(|| Path::new("results").join(name), Path::to_owned)
+}
+
 /// An empty directory, given or named after `what` and the time: everything that moves an arm has its own.
 pub fn log_directory(what: &str, given: Option<&Path>) -> Result<PathBuf, Failure> {
-    let directory = given.map_or_else(
-        || {
-            let now = jiff::Timestamp::now()
-                .strftime("%Y%m%dT%H%M%S%.3fZ")
-                .to_string();
-            Path::new("results").join(format!("{what}-{now}"))
-        },
-        Path::to_owned,
-    );
+    let now = jiff::Timestamp::now().strftime("%Y%m%dT%H%M%S%.3fZ");
+    let directory = results_directory(given, &format!("{what}-{now}"));
     let made = std::fs::create_dir_all(&directory).and_then(|()| std::fs::read_dir(&directory));
     match made.map(|mut entries| entries.next().is_some()) {
         Ok(false) => Ok(directory),

@@ -13,6 +13,7 @@
 //! | 5 | time limit reached, resumable |
 //! | 130 | interrupted, with a checkpoint written |
 
+mod answers;
 mod arguments;
 mod calibrate;
 mod cell;

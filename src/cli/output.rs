@@ -7,7 +7,7 @@ use rodlab_files::results::replace_own;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes text to standard output, to a terminal without control characters, see [`printable`]. A reader that has gone
 /// away, as `head` does, is no fault.
@@ -26,6 +26,12 @@ pub fn print(text: &str) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Writes where files are to standard output, a line each.
+pub fn print_paths(paths: &[PathBuf]) -> Result<(), Failure> {
+    let lines = paths.iter().map(|path| format!("{}\n", path.display()));
+    print(&lines.collect::<String>())
 }
 
 /// Writes a value to standard output as JSON, with a line per key.

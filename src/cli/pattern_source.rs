@@ -2,6 +2,7 @@
 
 use super::drawn_pattern::drawn_points;
 use super::failure::Failure;
+use super::picture_source::has_ending;
 use super::values::positive_length;
 use clap::Args;
 use rodlab_lab::scenario::metres;
@@ -155,7 +156,7 @@ impl PatternArguments {
     /// Points of a file, in its size and direction.
     fn drawn(&self) -> Result<Vec<Point>, Failure> {
         let path = Path::new(&self.pattern);
-        let points = if is_picture(path) {
+        let points = if has_ending(path, &["png", "jpg", "jpeg"]) {
             Some(self.photographed(path)?)
         } else if self.drawing_camera.is_some() {
             return Err(Failure::Input(format!(
@@ -186,20 +187,11 @@ impl PatternArguments {
             colour: ColourRule::parse(&self.drawing_colour)?,
             ..TraceOptions::default()
         };
-        let strands = trace(&picture, &options)
-            .map_err(|error| fault(format!("{error}; --drawing-colour says what its line is")))?
-            .strands;
-        let strand = match self.stroke {
-            Some(number) => number.checked_sub(1).and_then(|index| strands.get(index)),
-            None => strands
-                .iter()
-                .max_by(|a, b| a.length().total_cmp(&b.length())),
-        };
-        let strand = strand.ok_or_else(|| {
-            fault(format!(
-                "--stroke: it has {} lines, counted from 1",
-                strands.len()
-            ))
+        let traced = trace(&picture, &options)
+            .map_err(|error| fault(format!("{error}; --drawing-colour says what its line is")))?;
+        let strand = traced.strand(self.stroke).ok_or_else(|| {
+            let count = traced.strands.len();
+            fault(format!("--stroke: it has {count} lines, counted from 1"))
         })?;
         let camera = self
             .drawing_camera
@@ -225,13 +217,6 @@ impl PatternArguments {
         pattern(strand, metric, self.drawing_smoothing, POINT_STEP)
             .map_err(|error| fault(error.to_string()))
     }
-}
-
-fn is_picture(path: &Path) -> bool {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    ["png", "jpg", "jpeg"]
-        .iter()
-        .any(|known| extension == *known)
 }
 
 /// The longer side of the box around points.

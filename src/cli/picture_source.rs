@@ -89,7 +89,8 @@ pub fn pictures(
     })))
 }
 
-fn has_ending(path: &Path, endings: &[&str]) -> bool {
+/// Whether the name of a file has one of some endings.
+pub fn has_ending(path: &Path, endings: &[&str]) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| {
         endings

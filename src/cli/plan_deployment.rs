@@ -7,7 +7,7 @@ use super::deployment_files::{
 use super::failure::Failure;
 use super::output::{make_directory, print_json, write_file};
 use super::pattern_source::PatternArguments;
-use super::values::{positive_length, speed};
+use super::values::{Named, named, positive_length, speed};
 use clap::{Args, ValueEnum};
 use rodlab_files::finite::NotFinite;
 use rodlab_planning::plan::deployment::{
@@ -22,6 +22,25 @@ use rodlab_workcell::task::{KnotPlan, PlannedRod};
 use serde::Serialize;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+
+/// Ways of leading the rod.
+const SCHEMES: [Named<Scheme>; 2] = [
+    (
+        "optimal",
+        Scheme::Optimal,
+        "The optimal grasp of each point",
+    ),
+    (
+        "intuitive",
+        Scheme::Intuitive,
+        "Upright above the contact node",
+    ),
+];
+/// Ways of passing a crossing.
+const PASSES: [Named<Pass>; 2] = [
+    ("over", Pass::Over, "Over what lies there"),
+    ("under", Pass::Under, "Under it, when it is lifted"),
+];
 
 /// Arguments of `rodlab plan deployment`.
 #[derive(Debug, Args)]
@@ -42,8 +61,8 @@ pub struct DeploymentPlan {
     #[arg(long, value_name = "FILE")]
     rod: PathBuf,
     /// How the gripper leads the rod
-    #[arg(long, default_value = "optimal")]
-    scheme: SchemeName,
+    #[arg(long, default_value = "optimal", value_parser = named(&SCHEMES))]
+    scheme: Scheme,
     /// Who finds the optimal grasps
     #[arg(long, default_value = "exact")]
     solver: SolverName,
@@ -70,25 +89,8 @@ pub struct DeploymentPlan {
     friction: Option<String>,
     /// Tie a knot: `over` or `under` for each crossing, in the order in which the pattern comes there again; what is longer than the
     /// rod is the path of its end
-    #[arg(long, value_name = "PASS,...", value_delimiter = ',')]
-    knot: Vec<PassName>,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum PassName {
-    /// Over what lies there.
-    Over,
-    /// Under it, when it is lifted.
-    Under,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum SchemeName {
-    /// The optimal grasp of each point.
-    Optimal,
-    /// Upright above the contact node.
-    Intuitive,
+    #[arg(long, value_name = "PASS,...", value_delimiter = ',', value_parser = named(&PASSES))]
+    knot: Vec<Pass>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum, Serialize)]
@@ -105,7 +107,7 @@ enum SolverName {
 pub struct Report {
     pattern: String,
     rod: String,
-    scheme: SchemeName,
+    scheme: Scheme,
     solver: SolverName,
     length_m: f64,
     lead_in_m: f64,
@@ -278,11 +280,8 @@ impl DeploymentPlan {
             lead_out: self.lead_out.unwrap_or_default(),
             step: self.step,
             speed: self.speed,
-            scheme: match self.scheme {
-                SchemeName::Optimal => Scheme::Optimal,
-                SchemeName::Intuitive => Scheme::Intuitive,
-            },
-            knot: self.knot.iter().map(|pass| Pass::from(*pass)).collect(),
+            scheme: self.scheme,
+            knot: self.knot.clone(),
             ..DeploymentRequest::default()
         }
     }
@@ -402,7 +401,7 @@ impl DeploymentPlan {
             (SolverName::Exact, _, Some(_)) => {
                 Err(Failure::Input("--model is for --solver neural".into()))
             }
-            (SolverName::Neural, SchemeName::Intuitive, _) => Err(Failure::Input(
+            (SolverName::Neural, Scheme::Intuitive, _) => Err(Failure::Input(
                 "--solver neural is for --scheme optimal: the intuitive scheme asks for no grasps"
                     .into(),
             )),
@@ -413,15 +412,6 @@ impl DeploymentPlan {
                 let network = network.map_err(Failure::input)?;
                 Ok(Some(Cow::Owned(network)))
             }
-        }
-    }
-}
-
-impl From<PassName> for Pass {
-    fn from(name: PassName) -> Self {
-        match name {
-            PassName::Over => Self::Over,
-            PassName::Under => Self::Under,
         }
     }
 }

@@ -11,12 +11,12 @@ use rodlab_files::figure::Paper;
 use rodlab_lab::experiment::Crease;
 use rodlab_planning::plan::deployment::{GripperPose, timed};
 use rodlab_planning::plan::fold::{
-    FoldAtlas, FoldPath, FoldedSheet, ForceManifold, NetworkCheck, NeuralFolds, Objective,
-    PART_OF_FRICTION, Sheet, fold_path, held_path, sliding,
+    Algorithm, FoldPath, FoldPlanner, FoldedSheet, NetworkCheck, NeuralFolds, Objective, Sheet,
+    sliding,
 };
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Fastest turn of the gripper, rad/s.
 const FASTEST_TURN: f64 = 1.0;
@@ -137,13 +137,7 @@ impl FoldPlanArguments {
         let file = PaperFile::read(&self.paper)?;
         let target = file.paper.target(self.crease);
         let target = target.map_err(|error| Failure::Input(format!("--crease: {error}")))?;
-        let whole = file.paper.sheet(self.crease);
-        if self.times == 1 {
-            let planned = self.planned(&file, whole, target, self.out.clone(), network.as_ref())?;
-            write_files(&planned.out, planned.files)?;
-            return print_json(&planned.report);
-        }
-        if self.crease != Crease::Half {
+        if self.times > 1 && self.crease != Crease::Half {
             return Err(Failure::Input(
                 "--times: a sheet is folded again with --crease half".into(),
             ));
@@ -152,12 +146,17 @@ impl FoldPlanArguments {
             LayersName::Loose => 1.0,
             LayersName::Stuck => libm::cbrt(4.0),
         };
-        let mut sheet = whole;
+        let mut sheet = file.paper.sheet(self.crease);
+        let mut target = target;
         let mut plans = vec![];
         for fold in 1..=self.times {
-            let out = self.out.join(format!("fold_{fold}"));
-            plans.push(self.planned(&file, sheet, sheet.length, out, network.as_ref())?);
+            let out = match self.times {
+                1 => self.out.clone(),
+                _ => self.out.join(format!("fold_{fold}")),
+            };
+            plans.push(self.planned(&file, sheet, target, out, network.as_ref())?);
             sheet.length *= 0.5;
+            target *= 0.5;
             sheet.gravito_bending_length *= stiffer;
         }
         let mut reports = vec![];
@@ -165,7 +164,10 @@ impl FoldPlanArguments {
             write_files(&out, files)?;
             reports.push(report);
         }
-        print_json(&reports)
+        match &reports[..] {
+            [report] => print_json(report),
+            reports => print_json(&reports),
+        }
     }
 
     /// The plan of one fold.
@@ -178,31 +180,10 @@ impl FoldPlanArguments {
         network: Option<&NeuralFolds>,
     ) -> Result<Planned, Failure> {
         let unit = sheet.gravito_bending_length;
-        let atlas = FoldAtlas::new();
         let dimensionless = sheet.dimensionless();
         let friction = self.friction.or(file.paper.friction);
-        let (manifold, check) = match (self.objective, friction) {
-            (ObjectiveName::Moment, None) => {
-                let message = "--objective moment: the friction of the table is needed, --friction or `folding.paper.friction`";
-                return Err(Failure::Input(message.into()));
-            }
-            (ObjectiveName::Moment, Some(friction)) => {
-                let part = PART_OF_FRICTION * friction;
-                let manifold = ForceManifold::held(ForceManifold::SPACING, &dimensionless, part);
-                (manifold, None)
-            }
-            _ => self.manifold(network, &atlas, &dimensionless)?,
-        };
-        let optimal =
-            |objective| fold_path(&atlas, &manifold, &dimensionless, target / unit, objective);
-        let path = match self.objective {
-            ObjectiveName::Sum => optimal(Objective::Sum),
-            ObjectiveName::Friction => optimal(Objective::Largest),
-            ObjectiveName::Moment => {
-                let part = PART_OF_FRICTION * friction.unwrap_or(0.0);
-                held_path(&manifold, &dimensionless, target / unit, part)
-            }
-        };
+        let (planner, check) = self.planner(dimensionless, friction, network)?;
+        let path = planner.path(target / unit);
         let title = &file.title;
         let path = path.map_err(|error| {
             Failure::Input(format!("{title}, {:.4} m long: {error}", sheet.length))
@@ -226,7 +207,7 @@ impl FoldPlanArguments {
             ("folds.csv", folds_csv(&path, &sheet).into_bytes()),
             (
                 "fold.svg",
-                svg(fold_figure(&path, &manifold, dimensionless.length)),
+                svg(fold_figure(&path, planner.manifold(), dimensionless.length)),
             ),
             (
                 "friction.svg",
@@ -299,39 +280,38 @@ impl FoldPlanArguments {
         }
     }
 
-    /// Folds without a moment, exact or by a network whose folds were compared with exact ones.
-    fn manifold(
+    /// What plans, and how folds of a network compare with exact ones.
+    fn planner(
         &self,
+        sheet: Sheet,
+        friction: Option<f64>,
         network: Option<&NeuralFolds>,
-        atlas: &FoldAtlas,
-        sheet: &Sheet,
-    ) -> Result<(ForceManifold, Option<NetworkCheck>), Failure> {
-        let longest = sheet.length.min(ForceManifold::LONGEST);
-        let exact = || ForceManifold::new(atlas, ForceManifold::SPACING, longest);
-        let Some(network) = network else {
-            return Ok((exact(), None));
+    ) -> Result<(FoldPlanner, Option<NetworkCheck>), Failure> {
+        let algorithm = match (self.objective, friction) {
+            (ObjectiveName::Sum, _) => Algorithm::Optimal(Objective::Sum),
+            (ObjectiveName::Friction, _) => Algorithm::Optimal(Objective::Largest),
+            (ObjectiveName::Moment, Some(friction)) => Algorithm::Held { friction },
+            (ObjectiveName::Moment, None) => {
+                let message = "--objective moment: the friction of the table is needed, --friction or `folding.paper.friction`";
+                return Err(Failure::Input(message.into()));
+            }
         };
-        let lengths = [sheet.least_suspended, longest];
-        let manifold = network.manifold(atlas, ForceManifold::SPACING, lengths);
-        let manifold =
-            manifold.map_err(|error| Failure::Input(format!("{}: {error}", self.model_name())))?;
-        let check = NeuralFolds::check(atlas, &manifold);
-        if check.is_passed() {
-            return Ok((manifold, Some(check)));
+        let Some(network) = network else {
+            return Ok((FoldPlanner::new(sheet, algorithm), None));
+        };
+        let model = self.model.as_deref().unwrap_or(Path::new("")).display();
+        let planned = FoldPlanner::by_network(sheet, network);
+        let (planner, check) =
+            planned.map_err(|error| Failure::Input(format!("{model}: {error}")))?;
+        if !check.is_passed() {
+            tracing::warn!(
+                "{model}: {} of {} folds that were compared with exact ones are wrong, and {} are not finite; the way is searched over exact folds",
+                check.wrong,
+                check.compared,
+                check.not_finite
+            );
         }
-        tracing::warn!(
-            "{}: {} of {} folds that were compared with exact ones are wrong, and {} are not finite; the way is searched over exact folds",
-            self.model_name(),
-            check.wrong,
-            check.compared,
-            check.not_finite
-        );
-        Ok((exact(), Some(check)))
-    }
-
-    fn model_name(&self) -> String {
-        let path = self.model.as_deref();
-        path.map_or_else(String::new, |path| path.display().to_string())
+        Ok((planner, Some(check)))
     }
 
     /// When the gripper passes its poses, s, from 0.

@@ -2,11 +2,21 @@
 
 use super::failure::Failure;
 use super::figure_arguments::FigureArguments;
-use super::output::print;
-use clap::{Args, ValueEnum};
-use rodlab_files::figure::{AxisScale, Format};
+use super::output::print_paths;
+use super::values::{Named, named};
+use clap::Args;
+use rodlab_files::figure::AxisScale::{self, Linear, Logarithmic};
+use rodlab_files::figure::Format;
 use rodlab_lab::report::{CustomFigure, custom_figure, plot_results, write_figure};
 use std::path::PathBuf;
+
+/// Which axes are logarithmic: the horizontal one, and the vertical ones.
+const LOG_AXES: [Named<[AxisScale; 2]>; 4] = [
+    ("x", [Logarithmic, Linear], "The horizontal axis"),
+    ("y", [Linear, Logarithmic], "The vertical axes"),
+    ("xy", [Logarithmic; 2], "All axes"),
+    ("none", [Linear; 2], "No axis"),
+];
 
 /// Arguments of `rodlab plot`.
 #[derive(Debug, Args)]
@@ -24,8 +34,8 @@ pub struct PlotArguments {
     #[arg(long, value_name = "COLUMN", requires = "y")]
     pub group: Option<String>,
     /// Logarithmic axes [default: where numbers are positive and range over a decade]
-    #[arg(long, value_name = "AXES", requires = "y")]
-    pub log_axes: Option<LogAxes>,
+    #[arg(long, value_name = "AXES", requires = "y", value_parser = named(&LOG_AXES))]
+    pub log_axes: Option<[AxisScale; 2]>,
     /// Where to write a figure of your own; the ending .pdf writes that format alone [default: own in the directory]
     #[arg(long, value_name = "FILE", requires = "y")]
     pub out: Option<PathBuf>,
@@ -44,31 +54,6 @@ Examples:
 
 Figures are written as SVG and as PNG unless --format says otherwise. Their text is outlines of letters, so that they
 look the same everywhere.";
-
-/// Which axes are logarithmic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LogAxes {
-    /// The horizontal axis.
-    X,
-    /// The vertical axes.
-    Y,
-    /// All axes.
-    Xy,
-    /// No axis.
-    None,
-}
-
-impl LogAxes {
-    fn scales(self) -> [AxisScale; 2] {
-        let (linear, logarithmic) = (AxisScale::Linear, AxisScale::Logarithmic);
-        match self {
-            Self::X => [logarithmic, linear],
-            Self::Y => [linear, logarithmic],
-            Self::Xy => [logarithmic; 2],
-            Self::None => [linear; 2],
-        }
-    }
-}
 
 /// Draws the figures of a results directory, or one of the user's own, and prints where they are.
 pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
@@ -89,16 +74,12 @@ pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
             x: arguments.x.clone(),
             y: arguments.y.clone(),
             group: arguments.group.clone(),
-            scales: arguments.log_axes.map(LogAxes::scales),
+            scales: arguments.log_axes,
         };
         let figure = custom_figure(&arguments.directory, &figure)?;
         let own = || arguments.directory.join("own.svg");
         let path = arguments.out.clone().unwrap_or_else(own);
         write_figure(&path, &figure, &options)?
     };
-    let lines: String = written
-        .iter()
-        .map(|path| format!("{}\n", path.display()))
-        .collect();
-    print(&lines)
+    print_paths(&written)
 }

@@ -3,7 +3,7 @@
 use super::common::Common;
 use super::failure::Failure;
 use super::figure_arguments::FigureArguments;
-use super::output::print;
+use super::output::{print, print_paths};
 use super::{standard_error, watchdog};
 use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
 use clap::Args;
@@ -90,11 +90,7 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
     } else {
         reproduce::reproduce(artifact, &options, &report)?
     };
-    let lines: String = written
-        .iter()
-        .map(|path| format!("{}\n", path.display()))
-        .collect();
-    print(&lines)
+    print_paths(&written)
 }
 
 /// A line per artefact: name, title, cost on one core.

@@ -2,6 +2,7 @@
 
 use super::common::{Common, refuse_too_many_threads};
 use super::failure::Failure;
+use super::log_directory::results_directory;
 use super::output::{print, print_json};
 use super::sweep;
 use super::values::{duration, shard};
@@ -15,7 +16,7 @@ use rodlab_lab::scenario::CaseSet;
 use rodlab_lab::sweep::{Shard, SweepOptions};
 use std::fmt::Write;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Outputs that the page of a task in simulation shows at most.
@@ -100,10 +101,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
     watchdog::watch(deadline);
     let case_set =
         experiment::case_set(&arguments.scenario, &arguments.overrides, &arguments.vary)?;
-    let directory = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("results").join(case_set.name()));
+    let directory = results_directory(arguments.out.as_deref(), case_set.name());
     let options = RunOptions {
         force: arguments.force,
         progress: !common.quiet,

@@ -25,17 +25,30 @@ impl ArmChoice {
     /// # Errors
     /// If the file is faulty, or the arm is not named where it must be, or not there.
     pub fn read(&self) -> Result<(Cell, usize), Failure> {
-        let cell = Cell::read(&self.cell)?;
-        let index = arm_named(&cell, self.arm.as_deref(), &self.cell)?;
-        Ok((cell, index))
+        read_arm(&self.cell, self.arm.as_deref())
     }
 }
 
-/// The index of an arm of a cell by its name, which may be left out where there is only one.
+/// Reads a cell; returns it with the index of the arm of a name.
+///
+/// # Errors
+/// As [`ArmChoice::read`].
+pub(super) fn read_arm(file: &Path, arm: Option<&str>) -> Result<(Cell, usize), Failure> {
+    let cell = Cell::read(file)?;
+    let index = arm_named(&cell, "--arm", arm, file)?;
+    Ok((cell, index))
+}
+
+/// The index of an arm of a cell by its name, as given by a flag, which may be left out where there is only one.
 ///
 /// # Errors
 /// There is no such arm, or it must be named.
-pub(super) fn arm_named(cell: &Cell, name: Option<&str>, file: &Path) -> Result<usize, Failure> {
+pub(super) fn arm_named(
+    cell: &Cell,
+    flag: &str,
+    name: Option<&str>,
+    file: &Path,
+) -> Result<usize, Failure> {
     let names: Vec<&str> = cell.arms.iter().map(|arm| arm.name.as_str()).collect();
     let index = match name {
         None if names.len() == 1 => Some(0),
@@ -44,8 +57,8 @@ pub(super) fn arm_named(cell: &Cell, name: Option<&str>, file: &Path) -> Result<
     };
     index.ok_or_else(|| {
         let what = match name {
-            Some(name) => format!("--arm: there is no arm {name:?}"),
-            None => "--arm must say which".to_owned(),
+            Some(name) => format!("{flag}: there is no arm {name:?}"),
+            None => format!("{flag} must say which"),
         };
         Failure::Input(format!(
             "{what}; arms of {}: {}",

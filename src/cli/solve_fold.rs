@@ -1,5 +1,6 @@
 //! `rodlab solve fold`.
 
+use super::answers::Answers;
 use super::failure::Failure;
 use super::values::edges;
 use clap::{Args, ValueEnum};
@@ -39,19 +40,6 @@ enum Method {
     Der,
 }
 
-/// What is printed.
-#[derive(Serialize)]
-#[serde(untagged)]
-pub enum FoldAnswer {
-    /// Without `--all`.
-    One(Answer),
-    /// With `--all`.
-    All {
-        /// The gentle one first, the others by growing suspended length.
-        solutions: Vec<Answer>,
-    },
-}
-
 /// A fold, dimensionless.
 #[derive(Serialize)]
 pub struct Answer {
@@ -69,7 +57,7 @@ pub struct Answer {
 
 impl FoldArguments {
     /// Finds the fold, or all.
-    pub fn solve(&self) -> Result<FoldAnswer, Failure> {
+    pub fn solve(&self) -> Result<Answers<Answer>, Failure> {
         for (flag, value) in [("--x", self.x), ("--z", self.z)] {
             if !value.is_finite() {
                 return Err(Failure::Input(format!(
@@ -91,8 +79,8 @@ impl FoldArguments {
         };
         let mut answers: Vec<Answer> = folds.iter().map(|fold| self.answer(fold)).collect();
         Ok(match (self.all, answers.pop()) {
-            (false, Some(answer)) => FoldAnswer::One(answer),
-            (_, last) => FoldAnswer::All {
+            (false, Some(answer)) => Answers::One(answer),
+            (_, last) => Answers::All {
                 solutions: answers.into_iter().chain(last).collect(),
             },
         })

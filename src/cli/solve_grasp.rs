@@ -1,5 +1,6 @@
 //! `rodlab solve grasp`.
 
+use super::answers::Answers;
 use super::failure::Failure;
 use super::values::edges;
 use clap::{Args, ValueEnum};
@@ -42,19 +43,6 @@ enum Method {
     Der,
 }
 
-/// What is printed.
-#[derive(Serialize)]
-#[serde(untagged)]
-pub enum GraspAnswer {
-    /// Without `--all`.
-    One(Answer),
-    /// With `--all`.
-    All {
-        /// The gentle one first, the others by growing contact force.
-        solutions: Vec<Answer>,
-    },
-}
-
 /// A grasp, dimensionless.
 #[derive(Serialize)]
 pub struct Answer {
@@ -77,7 +65,7 @@ pub struct Answer {
 
 impl GraspArguments {
     /// Finds the grasp, or all.
-    pub fn solve(&self) -> Result<GraspAnswer, Failure> {
+    pub fn solve(&self) -> Result<Answers<Answer>, Failure> {
         let stiffness = self.stretch.unwrap_or(f64::INFINITY);
         let problem = GraspProblem::new(self.suspended_length, self.curvature, stiffness)?;
         let method = match self.method {
@@ -89,12 +77,12 @@ impl GraspArguments {
             let found = solver.solve_all(&problem, method)?;
             let numbered = found.iter().zip(1..);
             let solutions = numbered.map(|(grasp, branch)| self.answer(grasp, branch));
-            Ok(GraspAnswer::All {
+            Ok(Answers::All {
                 solutions: solutions.collect(),
             })
         } else {
             let grasp = solver.solve(&problem, method)?;
-            Ok(GraspAnswer::One(self.answer(&grasp, 1)))
+            Ok(Answers::One(self.answer(&grasp, 1)))
         }
     }
 

@@ -1,7 +1,7 @@
 //! `rodlab status`.
 
 use super::failure::Failure;
-use super::output::print;
+use super::output::{print, print_json};
 use clap::Args;
 use rodlab_files::results::{CaseRecord, CaseStatus};
 use rodlab_lab::cluster::{self, ClusterError, Jobs, Task};
@@ -69,8 +69,7 @@ pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     };
     let status = status_of(&records, jobs.map_or(0, |jobs| jobs.tasks), queue);
     if arguments.json {
-        let text = serde_json::to_string_pretty(&status).expect("a status has string keys only");
-        return print(&format!("{text}\n"));
+        return print_json(&status);
     }
     print(&in_words(&status))
 }

@@ -9,6 +9,7 @@ use clap::Args;
 use rodlab_files::results::write_whole;
 use rodlab_robot::{Ending, JointTrajectory, StreamLog, stream as run};
 use rodlab_workcell::cell::{Cell, Driver, StreamReport};
+use rodlab_workcell::task::write_manifest;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -110,7 +111,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         interrupted_by: None,
         report,
     };
-    write_manifest(&directory, &manifest)?;
+    write_manifest(&manifest, &directory)?;
     let unwritable = |error: std::io::Error| {
         Failure::System(format!(
             "{} cannot be written: {error}",
@@ -133,7 +134,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         Ending::Interrupted => ("interrupted", None),
         Ending::Failed(reason) => ("failed", Some(reason.clone())),
     };
-    write_manifest(&directory, &manifest)?;
+    write_manifest(&manifest, &directory)?;
     match ending {
         Ending::Failed(reason) => Err(Failure::System(format!(
             "{reason}\nthe log is in {}",
@@ -164,11 +165,4 @@ fn drives_standard_output(cell: &Cell) -> bool {
     let axes = cell.axes.iter().map(|axis| &axis.driver);
     arms.chain(axes)
         .any(|driver| matches!(driver, Some(Driver::File { path: None, .. })))
-}
-
-fn write_manifest(directory: &Path, manifest: &Manifest<'_>) -> Result<(), Failure> {
-    let mut text = serde_json::to_vec_pretty(manifest)
-        .map_err(|error| Failure::System(format!("the manifest cannot be written: {error}")))?;
-    text.push(b'\n');
-    Ok(write_whole(&directory.join("manifest.json"), &text)?)
 }

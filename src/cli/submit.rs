@@ -1,6 +1,7 @@
 //! `rodlab submit`.
 
 use super::failure::Failure;
+use super::log_directory::results_directory;
 use super::output::print;
 use super::sweep::refuse_too_many;
 use clap::Args;
@@ -10,7 +11,7 @@ use rodlab_lab::experiment::case_set;
 use rodlab_lab::run::RunOptions;
 use rodlab_lab::scenario::{Case, CaseSet};
 use rodlab_lab::sweep::{self, Shard};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Tasks of a job array unless the user says otherwise.
 const TASKS: usize = 64;
@@ -90,10 +91,7 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
             "a search runs its cases one after the other: use `rodlab run`".to_owned(),
         ));
     }
-    let directory = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("results").join(case_set.name()));
+    let directory = results_directory(arguments.out.as_deref(), case_set.name());
     let directory = std::path::absolute(&directory)
         .map_err(|error| Failure::System(format!("{}: {error}", directory.display())))?;
     let known = Jobs::read(&directory)?;

@@ -9,6 +9,20 @@ use rodlab_workcell::cell::{Cell, Place};
 use rodlab_workcell::task::middle_of_table;
 use std::path::PathBuf;
 
+/// The cell of tasks with one arm.
+pub const GANTRY: &str = "scenarios/cells/gantry.toml";
+
+/// The cell, and the arm that does a task.
+#[derive(Debug, Args)]
+pub struct TaskArm {
+    /// The cell file
+    #[arg(long, value_name = "FILE", default_value = GANTRY)]
+    pub cell: PathBuf,
+    /// Name of the arm; not needed where the cell has only one
+    #[arg(long = "arm", id = "arm", value_name = "NAME")]
+    pub name: Option<String>,
+}
+
 /// Place, speeds, colour and results.
 #[derive(Debug, Args)]
 pub struct TaskArguments {

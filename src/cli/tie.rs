@@ -188,24 +188,13 @@ impl TieArguments {
                 }
             )));
         }
-        let named = |flag: &str, name: &str| {
-            let found = arm_named(cell, Some(name), file);
-            found.map_err(|_| {
-                Failure::Input(format!(
-                    "{flag}: there is no arm {name:?}; arms of {}: {}",
-                    file.display(),
-                    names.join(", ")
-                ))
-            })
+        let named = |flag: &str, name: &Option<String>| {
+            let name = name.as_deref();
+            name.map(|name| arm_named(cell, flag, Some(name), file))
+                .transpose()
         };
-        let given = [
-            self.arm.as_deref().map(|name| named("--arm", name)),
-            self.second_arm
-                .as_deref()
-                .map(|name| named("--second-arm", name)),
-        ];
-        let [layer, lifter] = given.map(Option::transpose);
-        let (layer, lifter) = (layer?, lifter?);
+        let layer = named("--arm", &self.arm)?;
+        let lifter = named("--second-arm", &self.second_arm)?;
         let other = |known: Option<usize>| usize::from(known == Some(0));
         let layer = layer.unwrap_or_else(|| other(lifter));
         let lifter = lifter.unwrap_or_else(|| other(Some(layer)));

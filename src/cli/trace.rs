@@ -207,21 +207,9 @@ fn write_pattern(
             ));
         }
     };
-    let count = traced.strands.len();
-    let strand = match arguments.strand {
-        Some(number) => number
-            .checked_sub(1)
-            .and_then(|index| traced.strands.get(index)),
-        None => traced
-            .strands
-            .iter()
-            .max_by(|a, b| a.length().total_cmp(&b.length())),
-    };
-    let strand = strand.ok_or_else(|| {
-        Failure::Input(format!(
-            "--strand: there are {}, counted from 1",
-            counted(count, "strand")
-        ))
+    let strand = traced.strand(arguments.strand).ok_or_else(|| {
+        let count = counted(traced.strands.len(), "strand");
+        Failure::Input(format!("--strand: there are {count}, counted from 1"))
     })?;
     let points = pattern(strand, metric, arguments.smoothing, PATTERN_STEP)?;
     write_file(path, pattern_csv(&points).as_bytes())

@@ -4,13 +4,36 @@ use super::common::Common;
 use super::failure::Failure;
 use super::output::{print, print_json};
 use super::samples::SampleFiles;
-use super::values::{duration, number};
-use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
+use super::values::{Named, duration, named, number};
+use clap::Args;
+use indicatif::ProgressBar;
 use rodlab_lab::run::{Interruption, StopRequest};
 use rodlab_planning::learn::{self, Plan, Processor, Schedule, Status, Task, Trainer};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+
+/// How steps get smaller.
+const SCHEDULES: [Named<Schedule>; 2] = [
+    (
+        "plateau",
+        Schedule::Plateau,
+        "Adam and gradient descent in turns, each until the error no longer falls",
+    ),
+    (
+        "cosine",
+        Schedule::Cosine,
+        "Adam with a rate that falls to zero along half a wave of a cosine",
+    ),
+];
+/// What trains a network.
+const DEVICES: [Named<Processor>; 2] = [
+    (
+        "cpu",
+        Processor::Cpu,
+        "The processor: the same network on every machine of a kind",
+    ),
+    ("gpu", Processor::Gpu, "The first GPU, by CUDA"),
+];
 
 /// Arguments of `rodlab train`.
 #[derive(Debug, Args)]
@@ -51,14 +74,14 @@ pub struct TrainArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub most_epochs: Option<u32>,
     /// How the steps get smaller
-    #[arg(long, default_value = "plateau")]
-    pub schedule: ScheduleName,
+    #[arg(long, default_value = "plateau", value_parser = named(&SCHEDULES))]
+    pub schedule: Schedule,
     /// Rate of Adam at first [default: 0.001; with --schedule cosine 0.002]
     #[arg(long, value_name = "RATE", value_parser = number(is_rate, "a number above 0 and up to 1 is needed"))]
     pub rate: Option<f64>,
     /// What trains it; a GPU needs a program that was built with `--features cuda`
-    #[arg(long, value_name = "PROCESSOR", default_value = "cpu")]
-    pub device: DeviceName,
+    #[arg(long, value_name = "PROCESSOR", default_value = "cpu", value_parser = named(&DEVICES))]
+    pub device: Processor,
     /// Start over and discard an earlier training
     #[arg(long)]
     pub force: bool,
@@ -68,24 +91,6 @@ pub struct TrainArguments {
     /// Stop this long after the start, such as \"10 min\"; the same command goes on
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub timeout: Option<Duration>,
-}
-
-/// How steps get smaller.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum ScheduleName {
-    /// Adam and gradient descent in turns, each until the error no longer falls.
-    Plateau,
-    /// Adam with a rate that falls to zero along half a wave of a cosine.
-    Cosine,
-}
-
-/// What trains a network.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum DeviceName {
-    /// The processor: the same network on every machine of a kind.
-    Cpu,
-    /// The first GPU, by CUDA.
-    Gpu,
 }
 
 /// Rate of Adam with the last batch over that with the first.
@@ -107,9 +112,9 @@ pub fn train(arguments: &TrainArguments, common: &Common) -> Result<(), Failure>
             arguments.last_batch, arguments.batch
         )));
     }
-    let (schedule, rounds, rate) = match arguments.schedule {
-        ScheduleName::Plateau => (Schedule::Plateau, 2000, 1e-3),
-        ScheduleName::Cosine => (Schedule::Cosine, 250, 2e-3),
+    let (rounds, rate) = match arguments.schedule {
+        Schedule::Plateau => (2000, 1e-3),
+        Schedule::Cosine => (250, 2e-3),
     };
     let rate = arguments.rate.unwrap_or(rate);
     let task = Task {
@@ -128,19 +133,19 @@ pub fn train(arguments: &TrainArguments, common: &Common) -> Result<(), Failure>
             batch: [arguments.batch, arguments.last_batch].map(|batch| batch as usize),
             patience: arguments.patience as usize,
             most_epochs: arguments.most_epochs.unwrap_or(rounds) as usize,
-            schedule,
+            schedule: arguments.schedule,
             rates: [rate, LAST_RATE * rate],
         },
-        processor: match arguments.device {
-            DeviceName::Cpu => Processor::Cpu,
-            DeviceName::Gpu => Processor::Gpu,
-        },
+        processor: arguments.device,
         directory: &arguments.out,
         force: arguments.force,
     };
     let interruption = Interruption::watch();
     let mut stopped = None;
-    let bar = bar(common);
+    let bar = common.progress(
+        ProgressBar::new_spinner(),
+        "{spinner} {msg} [{elapsed_precise}]",
+    );
     let mut goes_on = |trainer: &Trainer| {
         show(&bar, trainer);
         let up = deadline.is_some_and(|deadline| Instant::now() >= deadline);
@@ -177,15 +182,6 @@ pub fn train(arguments: &TrainArguments, common: &Common) -> Result<(), Failure>
         (Status::Stopped, Some(request)) => Err(Failure::Stopped(request)),
         _ => Ok(()),
     }
-}
-
-fn bar(common: &Common) -> ProgressBar {
-    if common.quiet {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{spinner} {msg} [{elapsed_precise}]");
-    ProgressBar::new_spinner()
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
 }
 
 fn show(bar: &ProgressBar, trainer: &Trainer) {

@@ -1,9 +1,25 @@
 //! Values of arguments that several subcommands read, or that take more than a number.
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rodlab_lab::scenario::{metres, seconds};
 use rodlab_lab::sweep::Shard;
 use std::ops::RangeInclusive;
 use std::time::Duration;
+
+/// A name, what it stands for, and what the help says of it.
+pub type Named<T> = (&'static str, T, &'static str);
+
+/// A parser of names.
+pub fn named<T: Copy + Send + Sync + 'static>(
+    names: &'static [Named<T>],
+) -> impl TypedValueParser<Value = T> {
+    let values = names.iter();
+    let values = values.map(|(name, _, help)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(values).map(|given| {
+        let found = names.iter().find(|(name, ..)| *name == given);
+        found.expect("a possible value").1
+    })
+}
 
 /// A parser of numbers that are allowed; others are refused with what is `needed`.
 pub fn number(

@@ -1,7 +1,7 @@
 //! `rodlab verify`.
 
 use super::failure::Failure;
-use super::output::print;
+use super::output::{print, print_json};
 use crate::verify::{self, Check, GroupResult, Verdict};
 use clap::Args;
 use serde::Serialize;
@@ -48,9 +48,7 @@ pub fn verify(arguments: &VerifyArguments) -> Result<(), Failure> {
     if arguments.markdown {
         print(&verify::markdown(&groups))?;
     } else if arguments.json {
-        let text = serde_json::to_string_pretty(&rows)
-            .map_err(|error| Failure::System(format!("the table cannot be written: {error}")))?;
-        print(&format!("{text}\n"))?;
+        print_json(&rows)?;
     } else {
         print(&verify::table(&checks))?;
     }

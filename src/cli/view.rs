@@ -4,7 +4,7 @@ use super::common::Common;
 use super::failure::Failure;
 use super::output::{print, write_file};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use rodlab_files::results::PAGE;
 use rodlab_lab::report::write_page;
 use rodlab_robot::JointTrajectory;
@@ -54,13 +54,8 @@ pub fn view(arguments: &ViewArguments, common: &Common) -> Result<(), Failure> {
     }
     let to = arguments.out.clone();
     let to = to.unwrap_or_else(|| arguments.directory.join(PAGE));
-    let progress = if common.quiet {
-        ProgressBar::hidden()
-    } else {
-        ProgressBar::no_length()
-    };
-    let style = ProgressStyle::with_template("{bar:30} {pos} of {len} cases");
-    progress.set_style(style.expect("the template is in order"));
+    let bar = ProgressBar::no_length();
+    let progress = common.progress(bar, "{bar:30} {pos} of {len} cases");
     let written = write_page(
         &arguments.directory,
         &to,

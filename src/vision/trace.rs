@@ -57,6 +57,17 @@ pub struct Trace {
     pub rejected: Vec<(Point, f64, f64)>,
 }
 
+impl Trace {
+    /// A strand by its number from 1; the longest one without a number.
+    pub fn strand(&self, number: Option<usize>) -> Option<&Strand> {
+        let strands = self.strands.iter();
+        match number {
+            Some(number) => self.strands.get(number.checked_sub(1)?),
+            None => strands.max_by(|a, b| a.length().total_cmp(&b.length())),
+        }
+    }
+}
+
 /// Largest part of a picture that lines may cover.
 const LARGEST_COVERAGE_PERCENT: usize = 50;
 

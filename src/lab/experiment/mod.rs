@@ -47,7 +47,7 @@ mod tests;
 pub use deployment::{
     Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables, Fixtures, GripperTask,
     GripperWork, LaidOutlines, Outline, PassedPegs, TiedKnot, knot_of_patterns, knot_on_table,
-    laid_outlines,
+    laid_outlines, stroke_of_svg,
 };
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use described::{Described, describe, described_files, files_with_column};

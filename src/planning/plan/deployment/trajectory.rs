@@ -8,10 +8,12 @@ use crate::plan::grasp::{
 };
 use crate::plan::pattern::PatternPoint;
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
+use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 
 /// How the gripper leads the rod.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// By the optimal grasp of each point.
     Optimal,

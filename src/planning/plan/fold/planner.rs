@@ -7,7 +7,8 @@ use super::equilibrium::Fold;
 use super::graph_search::{Objective, uniform_cost_search};
 use super::held::{held_cost, held_path};
 use super::manifold::ForceManifold;
-use super::path::{Sheet, fold_path, path_cost};
+use super::neural::{NetworkCheck, NeuralFoldError, NeuralFolds};
+use super::path::{FoldPath, Sheet, fold_path, path_cost};
 use super::pose::FoldPose;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,6 +19,11 @@ pub const PART_OF_FRICTION: f64 = 0.85;
 const SHORTER: f64 = 0.95;
 /// Planners that are kept.
 const KEPT: usize = 8;
+
+/// Longest suspended length of a sheet that is looked at, L_gb.
+fn longest(sheet: &Sheet) -> f64 {
+    sheet.length.min(ForceManifold::LONGEST)
+}
 
 /// A way of folding.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,7 +59,7 @@ impl FoldPlanner {
             Algorithm::Held { friction } => {
                 ForceManifold::held(spacing, &sheet, PART_OF_FRICTION * friction)
             }
-            _ => ForceManifold::new(&atlas, spacing, sheet.length.min(ForceManifold::LONGEST)),
+            _ => ForceManifold::new(&atlas, spacing, longest(&sheet)),
         };
         Self {
             sheet,
@@ -61,6 +67,36 @@ impl FoldPlanner {
             atlas,
             manifold,
         }
+    }
+
+    /// With the folds of a network, for [`Objective::Sum`]; where too many of them differ from exact ones, with exact folds.
+    ///
+    /// # Errors
+    /// As of [`NeuralFolds::manifold`].
+    pub fn by_network(
+        sheet: Sheet,
+        network: &NeuralFolds,
+    ) -> Result<(Self, NetworkCheck), NeuralFoldError> {
+        let atlas = FoldAtlas::new();
+        let lengths = [sheet.least_suspended, longest(&sheet)];
+        let manifold = network.manifold(&atlas, ForceManifold::SPACING, lengths)?;
+        let check = NeuralFolds::check(&atlas, &manifold);
+        let algorithm = Algorithm::Optimal(Objective::Sum);
+        let planner = match check.is_passed() {
+            false => Self::new(sheet, algorithm),
+            true => Self {
+                sheet,
+                algorithm,
+                atlas,
+                manifold,
+            },
+        };
+        Ok((planner, check))
+    }
+
+    /// The folds over which ways are searched.
+    pub fn manifold(&self) -> &ForceManifold {
+        &self.manifold
     }
 
     /// The same, of those that were made last: trials of one fold plan the same sheet again and again.
@@ -85,9 +121,20 @@ impl FoldPlanner {
     /// # Errors
     /// The target cannot be reached.
     pub fn poses(&self, target: f64) -> Result<Vec<FoldPose>, FoldError> {
-        let folds = match self.algorithm {
-            Algorithm::Circle => return Ok(circle(target)),
-            Algorithm::StepByStep => return step_by_step(&self.manifold, &self.sheet, target),
+        match self.algorithm {
+            Algorithm::Circle => Ok(circle(target)),
+            Algorithm::StepByStep => step_by_step(&self.manifold, &self.sheet, target),
+            _ => Ok(self.path(target)?.folds.iter().map(FoldPose::of).collect()),
+        }
+    }
+
+    /// The way to the edge at (C̄, 0) with its folds.
+    ///
+    /// # Errors
+    /// The target cannot be reached, or this way of folding has poses only.
+    pub fn path(&self, target: f64) -> Result<FoldPath, FoldError> {
+        match self.algorithm {
+            Algorithm::Circle | Algorithm::StepByStep => Err(FoldError::NoPath(target)),
             Algorithm::Optimal(objective) => {
                 fold_path(&self.atlas, &self.manifold, &self.sheet, target, objective)
             }
@@ -95,8 +142,7 @@ impl FoldPlanner {
                 let part = PART_OF_FRICTION * friction;
                 held_path(&self.manifold, &self.sheet, target, part)
             }
-        };
-        Ok(folds?.folds.iter().map(FoldPose::of).collect())
+        }
     }
 
     /// The next part of a way, of a sheet that has slid (thesis Algorithm 5): the gripper is at a planned pose; on the sheet, which has

@@ -7,6 +7,7 @@ mod resolved;
 mod second;
 mod typed;
 
+pub use pattern::stroke_of_svg;
 #[cfg(test)]
 pub use resolved::Second;
 pub use resolved::{Correction, Deployment, Knot, Pattern, Peg, Rod, Scheme, Solver};

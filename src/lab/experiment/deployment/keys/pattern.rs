@@ -143,15 +143,24 @@ fn drawn(request: &Request<'_>, section: &Section<'_>, typed: &typed::Pattern) -
     }
 }
 
+/// A stroke of an SVG file by its number from 1; the only one without a number.
+///
+/// # Errors
+/// In words, with the name of the file.
+pub fn stroke_of_svg(path: &Path, stroke: Option<usize>) -> Result<Vec<Point>, String> {
+    let place = path.display();
+    let text = String::from_utf8(read_text_file(path)?)
+        .map_err(|_| format!("{place} is no text in UTF-8"))?;
+    let points = read_svg(&text).and_then(|strokes| chosen_stroke(strokes, stroke));
+    points.map_err(|error| format!("{place}: {error}"))
+}
+
 /// The points of an SVG or CSV file.
 fn read(path: &Path, stroke: Option<usize>) -> Result<Vec<Point>, String> {
     let place = path.display();
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     if extension == "svg" {
-        let text = String::from_utf8(read_text_file(path)?)
-            .map_err(|_| format!("{place} is no text in UTF-8"))?;
-        let points = read_svg(&text).and_then(|strokes| chosen_stroke(strokes, stroke));
-        return points.map_err(|error| format!("{place}: {error}"));
+        return stroke_of_svg(path, stroke);
     }
     if extension != "csv" {
         return Err(format!("{place}: an .svg or a .csv file is needed"));

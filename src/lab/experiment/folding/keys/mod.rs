@@ -82,8 +82,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
         None => None,
     };
     let algorithm = typed.algorithm.unwrap_or(AlgorithmName::Optimal);
-    let is_planned = !matches!(algorithm, AlgorithmName::Circle | AlgorithmName::StepByStep);
-    if feedback.is_some() && !is_planned {
+    if feedback.is_some() && !algorithm.is_planned_anew() {
         let message = "this way of folding is not planned anew: use \"optimal\", \"least-friction\" or \"held\"";
         section.fault("feedback", message);
         return None;

@@ -84,6 +84,11 @@ pub enum AlgorithmName {
 }
 
 impl AlgorithmName {
+    /// Whether the rest of such a way can be planned anew.
+    pub fn is_planned_anew(self) -> bool {
+        !matches!(self, Self::Circle | Self::StepByStep)
+    }
+
     /// The same for those who plan, on a table of friction μ.
     pub fn on(self, friction: f64) -> Algorithm {
         match self {
