@@ -207,7 +207,8 @@ mod tests {
             _ if tests_are_full() => usize::MAX,
             "tab2.1" | "tab2.2" => 4,
             "fig4.9" | "fig4.10" | "fig4.11" | "fig2.7" | "fig2.8" | "fig3.4" | "fig3.5"
-            | "fig3.6" | "fig3.7" | "fig3.10" | "fig3.11" | "tab4.1" | "tab5.4-cell" => 2,
+            | "fig3.6" | "fig3.7" | "fig3.10" | "fig3.11" | "fig4.11-cell" | "tab4.1"
+            | "tab5.4-cell" | "cell-correction" => 2,
             _ => usize::MAX,
         }
     }
