@@ -14,6 +14,8 @@ pub mod rotation;
 pub mod scene;
 pub mod statics;
 pub mod system;
+#[cfg(test)]
+mod test_support;
 
 pub use error::{JointError, LoadError, Overlap, RodError, SceneError};
 

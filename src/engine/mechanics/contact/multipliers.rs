@@ -247,6 +247,7 @@ fn are_alike(first: f64, second: f64, ratio: f64) -> bool {
 mod tests {
     use super::super::parameters::{ContactModel, ContactParameters};
     use super::*;
+    use crate::mechanics::test_support::{SOFT_MODELS, contact};
 
     fn pair(i: usize, j: usize) -> CandidatePair {
         CandidatePair {
@@ -286,20 +287,14 @@ mod tests {
     const TOLERANCE: f64 = 1e-5;
 
     fn laws() -> [NormalLaw; 2] {
-        [
-            ContactModel::ImplicitContact,
-            ContactModel::IncrementalPotential,
-        ]
-        .map(|model| {
+        SOFT_MODELS.map(|model| {
             let parameters = ContactParameters {
-                model,
-                distance_tolerance: TOLERANCE,
                 stiffness_factor: if model == ContactModel::ImplicitContact {
                     1e5
                 } else {
                     1.0
                 },
-                ..ContactParameters::default()
+                ..contact(model, TOLERANCE)
             };
             NormalLaw::new(&parameters, 1e-3, parameters.stiffness_per_force(1e-3))
         })

@@ -4,6 +4,7 @@ use super::test_support::{Random, relative_error};
 use super::*;
 use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::rotation::{self, Pose};
+use crate::mechanics::test_support::{SOFT_MODELS, contact};
 use crate::mechanics::{UnitQuaternion, Vector3};
 
 const RADIUS: f64 = 1e-2;
@@ -56,10 +57,8 @@ fn system(kind: usize, model: ContactModel, positions: &[Vector3]) -> ContactSys
     surface.add_rod(0, positions, false, RADIUS, false);
     surface.add_obstacle(body(kind), 0.4);
     let parameters = ContactParameters {
-        model,
-        distance_tolerance: GAP,
         slip_tolerance: 1e-3,
-        ..ContactParameters::default()
+        ..contact(model, GAP)
     };
     ContactSystem::new(parameters, surface, Vec::new(), 1.0)
 }
@@ -149,10 +148,7 @@ fn dense(contact: &ContactSystem) -> Vec<f64> {
 
 #[test]
 fn forces_and_jacobians_are_derivatives() {
-    for model in [
-        ContactModel::ImplicitContact,
-        ContactModel::IncrementalPotential,
-    ] {
+    for model in SOFT_MODELS {
         for kind in 0..KINDS {
             let mut random = Random::new(20 + kind as u64);
             let (mut tested, mut tries) = (0, 0);

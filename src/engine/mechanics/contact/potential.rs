@@ -94,6 +94,7 @@ pub(super) fn reach(tolerance: f64) -> f64 {
 mod tests {
     use super::super::test_support::Dual;
     use super::*;
+    use crate::mechanics::test_support::assert_close_in;
     use num_dual::second_derivative;
 
     /// The logarithmic branch of Eq. 2.15 as printed.
@@ -135,10 +136,7 @@ mod tests {
             let force = 10f64.powf(0.25 * f64::from(exponent));
             let gap = gap_of_force(force, radius, tolerance, stiffness);
             let found = normal_response(gap, radius, tolerance, stiffness).force;
-            assert!(
-                (found / force - 1.0).abs() < 1e-10,
-                "{force:e} N: gap {gap:e}, {found:e} N"
-            );
+            assert_close_in(gap, found, force, 1e-10);
         }
     }
 

@@ -34,17 +34,16 @@ impl ContactSystem {
 mod tests {
     use super::super::normal_law::NormalLaw;
     use super::super::parameters::{ContactModel, ContactParameters};
+    use crate::mechanics::test_support::contact;
 
     /// Gap over δ at the part `load` of the largest force F on a node, at the adaptive stiffness.
     fn gap(model: ContactModel, radius: f64, tolerance: f64, load: f64) -> f64 {
         let parameters = ContactParameters {
-            model,
-            distance_tolerance: tolerance,
             stiffness_factor: match model {
                 ContactModel::IncrementalPotential => 1.0,
                 _ => 1e5,
             },
-            ..ContactParameters::default()
+            ..contact(model, tolerance)
         };
         // Nothing but the ratio of the forces counts.
         let largest = 0.037;

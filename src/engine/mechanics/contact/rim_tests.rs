@@ -3,6 +3,7 @@
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::rigid_body::RigidBody;
+use crate::mechanics::test_support::{SOFT_MODELS, contact};
 
 const RADIUS: f64 = 1e-2;
 const GAP: f64 = 1e-4;
@@ -32,18 +33,11 @@ fn system(model: ContactModel, friction: f64, positions: &[Vector3]) -> ContactS
     let tube = RigidBody::tube([-Vector3::x(), Vector3::zeros()], TUBE);
     surface.add_obstacle(tube, friction);
     let parameters = ContactParameters {
-        model,
-        distance_tolerance: GAP,
         slip_tolerance: 1e-3,
-        ..ContactParameters::default()
+        ..contact(model, GAP)
     };
     ContactSystem::new(parameters, surface, Vec::new(), 1.0)
 }
-
-const MODELS: [ContactModel; 2] = [
-    ContactModel::ImplicitContact,
-    ContactModel::IncrementalPotential,
-];
 
 /// Force on the nodes, and the change of it for a motion of all nodes by the Jacobian.
 fn force_and_change(contact: &ContactSystem, motion: &[Vector3]) -> [Vec<Vector3>; 2] {
@@ -68,7 +62,7 @@ fn force_and_change(contact: &ContactSystem, motion: &[Vector3]) -> [Vec<Vector3
 
 #[test]
 fn a_rod_that_slides_around_the_rim_meets_the_same_force_everywhere() {
-    for model in MODELS {
+    for model in SOFT_MODELS {
         for turn in [0.01, 0.04] {
             let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
             for sample in 0..=200 {
@@ -95,7 +89,7 @@ fn a_rod_that_slides_around_the_rim_meets_the_same_force_everywhere() {
 
 #[test]
 fn energy_force_and_jacobian_agree_all_the_way_through_the_mouth() {
-    for model in MODELS {
+    for model in SOFT_MODELS {
         for turn in [0.01, 0.04] {
             for sample in 0..200 {
                 let phase = (f64::from(sample) + 0.3) / 200.0;
@@ -205,11 +199,7 @@ fn a_rod_on_the_axis_of_a_tube_meets_wall_and_rim_on_its_way() {
     surface.add_rod(0, &on_axis, false, 0.99 * TUBE, false);
     let tube = RigidBody::tube([-Vector3::x(), Vector3::zeros()], TUBE);
     surface.add_obstacle(tube, 0.0);
-    let parameters = ContactParameters {
-        model: ContactModel::IncrementalPotential,
-        distance_tolerance: GAP,
-        ..ContactParameters::default()
-    };
+    let parameters = contact(ContactModel::IncrementalPotential, GAP);
     let mut contact = ContactSystem::new(parameters, surface, Vec::new(), 1.0);
     contact.update_candidates(&on_axis);
     let nearest = contact.nearest(&on_axis).unwrap();

@@ -2,21 +2,18 @@
 
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{
-    ActuatedStrain, Actuation, Clamp, Course, Motion, NaturalShape, RodDescription, Scene,
-    Stiffness, Wave,
-};
+use crate::mechanics::scene::{ActuatedStrain, Actuation, Course, RodDescription, Scene, Wave};
 use crate::mechanics::system::Grasp;
+use crate::mechanics::test_support::{
+    SCHEMES, advance_to, at_rest, clamp, curved, fixed_steps, point_force, run_with, section,
+    simulation_of,
+};
 
 const LENGTH: f64 = 0.3;
 
 fn rod(edges: usize) -> RodDescription {
     let node = |k: usize| Vector3::x() * (LENGTH * k as f64 / edges as f64);
-    let stiffness = Stiffness {
-        stretching: 1e3,
-        bending: [1e-3, 4e-3],
-        twisting: 2e-3,
-    };
+    let stiffness = section(1e3, [1e-3, 4e-3], 2e-3);
     RodDescription {
         first_director: Some(Vector3::y()),
         ..RodDescription::uniform(
@@ -26,16 +23,6 @@ fn rod(edges: usize) -> RodDescription {
             2e-3,
             0.01,
         )
-    }
-}
-
-fn clamp(node: usize) -> Clamp {
-    Clamp {
-        rod: 0,
-        node,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
     }
 }
 
@@ -51,28 +38,20 @@ fn actuation(strain: ActuatedStrain, value: f64) -> Actuation {
 fn scene(actuations: Vec<Actuation>) -> Scene {
     Scene {
         rods: vec![rod(30)],
-        clamps: vec![clamp(0)],
+        clamps: vec![clamp(0, 0)],
         actuations,
         ..Scene::default()
     }
 }
 
-fn run(simulation: &mut Simulation, until: f64) {
-    while simulation.time() < until {
-        simulation.advance(until).unwrap();
-    }
-}
-
 /// At rest with the natural strains that the actuations end with.
-fn at_rest(mut scene: Scene) -> Simulation {
+fn settled(mut scene: Scene) -> Simulation {
     for actuation in &mut scene.actuations {
         if let Course::Uniform(values) = &mut actuation.course {
             values.remove(0);
         }
     }
-    let mut simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
-    simulation.find_equilibrium().unwrap();
-    simulation
+    at_rest(&scene)
 }
 
 #[test]
@@ -81,7 +60,7 @@ fn a_cantilever_bends_about_the_director_that_is_named() {
         (ActuatedStrain::FirstCurvature, -Vector3::z()),
         (ActuatedStrain::SecondCurvature, Vector3::y()),
     ] {
-        let simulation = at_rest(scene(vec![actuation(strain, 5.0)]));
+        let simulation = settled(scene(vec![actuation(strain, 5.0)]));
         let arc = (1.0 - (5.0 * LENGTH).cos()) / 5.0;
         let end = simulation.positions()[30];
         assert!((end.dot(&towards) / arc - 1.0).abs() < 1e-3, "{end}");
@@ -96,16 +75,10 @@ fn actuations_add_up_and_to_the_natural_shape() {
         actuation(ActuatedStrain::FirstCurvature, 1.5),
         actuation(ActuatedStrain::Twist, 4.0),
     ]);
-    bent.rods[0].natural_shape = NaturalShape::Curved {
-        curvature: [1.0, 0.0],
-        twist: -1.0,
-    };
+    bent.rods[0].natural_shape = curved([1.0, 0.0], -1.0);
     let mut expected = scene(Vec::new());
-    expected.rods[0].natural_shape = NaturalShape::Curved {
-        curvature: [4.5, 0.0],
-        twist: 3.0,
-    };
-    let [got, expected] = [at_rest(bent), at_rest(expected)];
+    expected.rods[0].natural_shape = curved([4.5, 0.0], 3.0);
+    let [got, expected] = [settled(bent), settled(expected)];
     for (one, other) in got.positions().iter().zip(expected.positions()) {
         assert!((one - other).norm() < 1e-9);
     }
@@ -116,7 +89,7 @@ fn a_part_bends_and_the_rest_goes_straight_on() {
     let mut part = actuation(ActuatedStrain::SecondCurvature, 8.0);
     // From a place inside of an edge on, so that a vertex gets a part.
     part.part = [0.1042, 0.2];
-    let simulation = at_rest(scene(vec![part]));
+    let simulation = settled(scene(vec![part]));
     let positions = simulation.positions();
     let angle = |from: usize| {
         let along = positions[from + 1] - positions[from];
@@ -131,26 +104,15 @@ fn a_part_bends_and_the_rest_goes_straight_on() {
 fn a_rod_that_lengthens_keeps_curvature_and_stiffness_per_length() {
     // Clamped, curved by nature and half as long again: the arc of the same curvature, and a rod of that length under load.
     let lengthen = actuation(ActuatedStrain::Length, 0.5);
-    let mut curved = scene(vec![lengthen.clone()]);
-    curved.rods[0].natural_shape = NaturalShape::Curved {
-        curvature: [0.0, 3.0],
-        twist: 0.0,
-    };
-    let end = at_rest(curved).positions()[30];
+    let mut bent = scene(vec![lengthen.clone()]);
+    bent.rods[0].natural_shape = curved([0.0, 3.0], 0.0);
+    let end = settled(bent).positions()[30];
     let arc = (1.0 - (3.0 * 1.5 * LENGTH).cos()) / 3.0;
     assert!((end.y / arc - 1.0).abs() < 1e-3, "{end}");
-    use crate::mechanics::scene::{Load, LoadKind};
-    let force = Load {
-        kind: LoadKind::Force {
-            rod: 0,
-            node: 30,
-            force: Vector3::z() * 1e-4,
-        },
-        schedule: Vec::new(),
-    };
+    let force = point_force(0, 30, Vector3::z() * 1e-4);
     let mut loaded = scene(vec![lengthen]);
     loaded.loads = vec![force];
-    let end = at_rest(loaded).positions()[30];
+    let end = settled(loaded).positions()[30];
     let deflection = 1e-4 * (1.5 * LENGTH).powi(3) / (3.0 * 1e-3);
     assert!((end.z / deflection - 1.0).abs() < 2e-3, "{end}");
 }
@@ -169,24 +131,15 @@ fn every_scheme_follows_a_wave_and_a_checkpoint_is_exact() {
             schedule: vec![(0.0, 0.0), (0.1, 1.0)],
         }),
     };
-    for scheme in [
-        Scheme::ImplicitEuler,
-        Scheme::ImplicitMidpoint,
-        Scheme::BackwardDifferences,
-    ] {
-        let parameters = IntegrationParameters {
-            scheme,
-            step: StepSize::Fixed(2e-3),
-            ..IntegrationParameters::default()
-        };
+    for scheme in SCHEMES {
+        let parameters = fixed_steps(scheme, 2e-3);
         let waving = scene(vec![wave.clone()]);
-        let mut whole = Simulation::new(&waving, &parameters).unwrap();
-        run(&mut whole, 0.2);
+        let mut whole = run_with(&waving, &parameters, 0.2);
         let state = whole.state();
-        run(&mut whole, 0.3);
+        advance_to(&mut whole, 0.3);
         let mut again = Simulation::new(&waving, &parameters).unwrap();
         again.restore(state).unwrap();
-        run(&mut again, 0.3);
+        advance_to(&mut again, 0.3);
         assert_eq!(again.positions(), whole.positions());
         let largest = whole.positions().iter().map(|x| x.y.abs());
         assert!(largest.fold(0.0, f64::max) > 1e-3);
@@ -201,13 +154,13 @@ fn every_scheme_follows_a_wave_and_a_checkpoint_is_exact() {
             )
             .unwrap();
         let state = whole.state();
-        run(&mut whole, 0.4);
+        advance_to(&mut whole, 0.4);
         let mut again = Simulation::new(&waving, &parameters).unwrap();
         again.restore(state).unwrap();
-        run(&mut again, 0.4);
+        advance_to(&mut again, 0.4);
         assert_eq!(again.positions(), whole.positions());
         whole.release(1).unwrap();
-        run(&mut whole, 0.45);
+        advance_to(&mut whole, 0.45);
         assert!(
             whole
                 .positions()
@@ -234,7 +187,7 @@ fn a_path_of_equilibria_takes_its_parameter_for_the_time() {
         switch_branches: false,
         most_points: 100,
     };
-    let mut simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+    let mut simulation = simulation_of(&scene);
     let mut tracer = simulation.path(plan).unwrap();
     let mut points = 0;
     while simulation.next_point(&mut tracer).unwrap().is_some() {
@@ -243,7 +196,7 @@ fn a_path_of_equilibria_takes_its_parameter_for_the_time() {
         assert!(simulation.energies().elastic() < 1e-12);
     }
     assert!(points > 4 && simulation.time() == 0.5);
-    let expected = at_rest(scene);
+    let expected = settled(scene);
     for (one, other) in simulation.positions().iter().zip(expected.positions()) {
         assert!((one - other).norm() < 1e-7, "{one} {other}");
     }

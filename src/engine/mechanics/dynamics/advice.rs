@@ -121,11 +121,12 @@ impl Failure {
 
 #[cfg(test)]
 mod tests {
-    use super::super::barrier_tests::{crossing, fixed};
+    use super::super::barrier_tests::crossing;
     use super::super::tests::heavy_cantilever;
     use super::*;
     use crate::mechanics::scene::{Plane, Scene};
     use crate::mechanics::system::{Divergence, Turn};
+    use crate::mechanics::test_support::fixed;
     use crate::mechanics::{Overlap, Vector3};
 
     /// A failure of every kind that can happen in a scene with such means.

@@ -1,21 +1,12 @@
 //! Forces count as balanced rod by rod, at every scale of stiffness, length, density and gravity.
 
-use super::tests::{clamp, straight_rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::kirchhoff::{Cantilever, CantileverLoad};
-use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene, Stiffness};
+use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+use crate::mechanics::test_support::{at_rest, clamp, fixed, gravity, run_with, straight_rod};
 use crate::random::uniform_numbers;
 use std::f64::consts::{PI, TAU};
-
-fn gravity(acceleration: f64) -> Load {
-    Load {
-        kind: LoadKind::Gravity {
-            acceleration: -acceleration * Vector3::z(),
-        },
-        schedule: Vec::new(),
-    }
-}
 
 /// A round, straight rod along x.
 #[derive(Clone, Copy, Debug)]
@@ -51,11 +42,7 @@ impl Round {
     fn described(&self, start: Vector3) -> RodDescription {
         let edge = self.length / self.edges as f64;
         let nodes = (0..=self.edges).map(|k| start + edge * k as f64 * Vector3::x());
-        let stiffness = Stiffness {
-            stretching: self.youngs_modulus * self.area(),
-            bending: [self.bending(); 2],
-            twisting: self.bending() / 1.5,
-        };
+        let stiffness = Stiffness::circular(self.youngs_modulus, 0.5, self.radius);
         RodDescription::uniform(
             "rod",
             nodes.collect(),
@@ -69,7 +56,7 @@ impl Round {
     fn scene(&self, held: bool, acceleration: f64) -> Scene {
         Scene {
             rods: vec![self.described(Vector3::zeros())],
-            clamps: if held { vec![clamp(0)] } else { Vec::new() },
+            clamps: if held { vec![clamp(0, 0)] } else { Vec::new() },
             loads: vec![gravity(acceleration)],
             ..Scene::default()
         }
@@ -86,16 +73,8 @@ impl Round {
     }
 }
 
-fn fixed(step: f64) -> IntegrationParameters {
-    IntegrationParameters {
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
-    }
-}
-
 fn static_drop(scene: &Scene) -> f64 {
-    let mut simulation = Simulation::new(scene, &IntegrationParameters::default()).unwrap();
-    simulation.find_equilibrium().unwrap();
+    let simulation = at_rest(scene);
     -simulation.positions().last().unwrap().z
 }
 
@@ -144,7 +123,7 @@ fn beside_a_post() -> Scene {
     };
     Scene {
         rods: vec![post.described(2.0 * Vector3::y()), straight_rod(50, 1.0)],
-        clamps: vec![clamp(0), Clamp { rod: 1, ..clamp(0) }],
+        clamps: vec![clamp(0, 0), clamp(1, 0)],
         loads: vec![gravity(9.81)],
         ..Scene::default()
     }
@@ -153,7 +132,7 @@ fn beside_a_post() -> Scene {
 fn alone() -> Scene {
     let mut scene = beside_a_post();
     scene.rods.remove(0);
-    scene.clamps = vec![clamp(0)];
+    scene.clamps = vec![clamp(0, 0)];
     scene
 }
 
@@ -167,10 +146,7 @@ fn a_stiff_rod_does_not_freeze_a_soft_one_at_rest() {
 #[test]
 fn a_stiff_rod_does_not_freeze_a_soft_one_in_motion() {
     let drop = |scene: &Scene| {
-        let mut simulation = Simulation::new(scene, &fixed(1e-2)).unwrap();
-        while simulation.time() < 0.5 {
-            simulation.advance(0.5).unwrap();
-        }
+        let simulation = run_with(scene, &fixed(1e-2), 0.5);
         -simulation.positions().last().unwrap().z
     };
     let (beside, alone) = (drop(&beside_a_post()), drop(&alone()));

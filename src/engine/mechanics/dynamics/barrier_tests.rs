@@ -1,11 +1,13 @@
 //! Incremental potential contact in motion: nothing ever crosses, and the rest is as with the implicit
 //! contact model.
 
-use super::tests::{clamp, straight_rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
-use crate::mechanics::scene::{Load, LoadKind, NaturalShape, Plane, RodDescription, Scene};
+use crate::mechanics::scene::{NaturalShape, RodDescription, Scene};
+use crate::mechanics::test_support::{
+    clamp, contact, drag, fixed, gravity, ground, resumed, run_with, straight_rod,
+};
 
 pub(super) const RADIUS: f64 = 5e-3;
 pub(super) const DIAMETER: f64 = 2.0 * RADIUS;
@@ -15,12 +17,10 @@ const PENALTY: ContactModel = ContactModel::ImplicitContact;
 
 fn parameters(model: ContactModel, friction: f64) -> ContactParameters {
     ContactParameters {
-        model,
-        distance_tolerance: TOLERANCE,
         friction,
         slip_tolerance: 1e-5,
         stiffness_factor: if model == BARRIER { 1.0 } else { 1e5 },
-        ..ContactParameters::default()
+        ..contact(model, TOLERANCE)
     }
 }
 
@@ -47,16 +47,9 @@ pub(super) fn crossing(model: ContactModel, gap: f64, friction: f64) -> Scene {
             rod("lower", Vector3::zeros(), Vector3::x()),
             rod("upper", middle, across),
         ],
-        clamps: vec![clamp(0), clamp(10)],
+        clamps: vec![clamp(0, 0), clamp(0, 10)],
         contact: Some(parameters(model, friction)),
         ..Scene::default()
-    }
-}
-
-pub(super) fn fixed(step: f64) -> IntegrationParameters {
-    IntegrationParameters {
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
     }
 }
 
@@ -84,27 +77,15 @@ fn a_rod_shot_at_another_never_passes_through() {
 pub(super) fn pressed(model: ContactModel, friction: f64) -> Simulation {
     let mut scene = crossing(model, 0.5 * TOLERANCE, friction);
     for node in [0, 10] {
-        let mut end = clamp(node);
-        end.rod = 1;
+        let mut end = clamp(1, node);
         end.motion.translation = vec![
             (0.0, Vector3::zeros()),
             (0.5, Vector3::new(1e-3, 0.0, -3e-3)),
         ];
         scene.clamps.push(end);
     }
-    scene.loads.push(Load {
-        kind: LoadKind::Drag {
-            rod: None,
-            translation: 5.0,
-            rotation: 1e-3,
-        },
-        schedule: Vec::new(),
-    });
-    let mut simulation = Simulation::new(&scene, &fixed(1e-2)).unwrap();
-    while simulation.time() < 1.0 {
-        simulation.advance(1.0).unwrap();
-    }
-    simulation
+    scene.loads.push(drag(None, 5.0, 1e-3));
+    run_with(&scene, &fixed(1e-2), 1.0)
 }
 
 #[test]
@@ -136,8 +117,7 @@ fn contacts_continue_bit_for_bit() {
         };
         let mut through = Simulation::new(&scene, &fixed(5e-4)).unwrap();
         assert!(steps(&mut through, 5) > 0, "they touch before the restart");
-        let mut restored = Simulation::new(&scene, &fixed(5e-4)).unwrap();
-        restored.restore(through.state()).unwrap();
+        let mut restored = resumed(&scene, &fixed(5e-4), &through);
         steps(&mut through, 20);
         steps(&mut restored, 20);
         assert_eq!(through.positions(), restored.positions());
@@ -155,17 +135,8 @@ fn heap(model: ContactModel) -> Scene {
     });
     Scene {
         rods: rods.collect(),
-        planes: vec![Plane {
-            point: Vector3::zeros(),
-            normal: Vector3::z(),
-            friction: None,
-        }],
-        loads: vec![Load {
-            kind: LoadKind::Gravity {
-                acceleration: -9.81 * Vector3::z(),
-            },
-            schedule: Vec::new(),
-        }],
+        planes: vec![ground()],
+        loads: vec![gravity(9.81)],
         contact: Some(parameters(model, 0.3)),
         ..Scene::default()
     }
@@ -216,8 +187,7 @@ fn a_clamp_driven_through_a_held_rod_ends_the_run() {
     scene.rods[0].held = true;
     scene.clamps = (0..=10)
         .map(|node| {
-            let mut clamp = clamp(node);
-            clamp.rod = 1;
+            let mut clamp = clamp(1, node);
             clamp.motion.translation = vec![(0.0, Vector3::zeros()), (1.0, Vector3::z() * -0.1)];
             clamp
         })
@@ -259,17 +229,8 @@ fn a_rod_falls_on_a_floor_and_stays_above_it() {
     for scheme in [Scheme::ImplicitEuler, Scheme::ImplicitMidpoint] {
         let scene = Scene {
             rods: vec![rod("rod", Vector3::z() * 0.02, Vector3::x())],
-            planes: vec![Plane {
-                point: Vector3::zeros(),
-                normal: Vector3::z(),
-                friction: None,
-            }],
-            loads: vec![Load {
-                kind: LoadKind::Gravity {
-                    acceleration: Vector3::z() * -9.81,
-                },
-                schedule: Vec::new(),
-            }],
+            planes: vec![ground()],
+            loads: vec![gravity(9.81)],
             contact: Some(parameters(BARRIER, 0.2)),
             ..Scene::default()
         };

@@ -1,19 +1,21 @@
 //! Joints that break in motion.
 
-use super::spring_tests::{MASS, STIFFNESS, parameters, rod};
-use super::tests::run;
+use super::spring_tests::{MASS, STIFFNESS, rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{
-    Body, Clamp, Joint, JointKind, Load, LoadKind, Motion, RodNode, Scene, Spring, Strength,
-    TurningStiffness,
+    Joint, JointKind, Load, LoadKind, RodNode, Scene, Spring, Strength, TurningStiffness,
+};
+use crate::mechanics::test_support::{
+    advance_to, assert_close_in, at, body, clamp, fixed_steps, hinge, joint, point_force, run,
+    spring,
 };
 use std::f64::consts::PI;
 
 const SPEED: f64 = 0.4;
 
 fn nodes() -> [RodNode; 2] {
-    [RodNode { rod: 0, node: 4 }, RodNode { rod: 1, node: 0 }]
+    [at(0, 4), at(1, 0)]
 }
 
 /// Angular frequency of two such rods that a spring ties, rad/s, and the largest force on it when they part at [`SPEED`], N.
@@ -31,12 +33,8 @@ fn parting() -> Scene {
     Scene {
         rods,
         springs: vec![Spring {
-            name: "thread".into(),
-            nodes: nodes(),
-            stiffness: STIFFNESS,
-            turning: None,
-            rest_length: None,
             strength: Strength::of_force(0.5 * swing().1),
+            ..spring("thread", nodes(), STIFFNESS)
         }],
         ..Scene::default()
     }
@@ -50,18 +48,12 @@ fn hanging() -> Scene {
     Scene {
         rods: vec![beam, rod("rod", Vector3::zeros(), -z)],
         joints: vec![Joint {
-            name: "hook".into(),
-            nodes: nodes(),
-            kind: JointKind::Ball,
             strength: Strength::of_force(0.1),
+            ..joint("hook", nodes(), JointKind::Ball)
         }],
         loads: vec![Load {
-            kind: LoadKind::Force {
-                rod: 1,
-                node: 4,
-                force: -z,
-            },
             schedule: vec![(0.0, 0.0), (1.0, 1.0)],
+            ..point_force(1, 4, -z)
         }],
         ..Scene::default()
     }
@@ -72,23 +64,9 @@ fn hanging_by(kind: JointKind) -> Scene {
     let mut scene = hanging();
     scene.rods[0].held = false;
     scene.rods[0].stiffness.bending = [10.0; 2];
-    scene.clamps = vec![clamp(0)];
+    scene.clamps = vec![clamp(0, 0)];
     scene.joints[0].kind = kind;
     scene
-}
-
-fn hinge(axis: Vector3) -> JointKind {
-    JointKind::Hinge { axis, spring: None }
-}
-
-fn clamp(rod: usize) -> Clamp {
-    Clamp {
-        rod,
-        node: 0,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
-    }
 }
 
 /// A clamped rod of two pieces, whose end is pushed aside by a force that grows by 1 N/s.
@@ -99,20 +77,14 @@ fn pushed_aside(kind: JointKind, moment: f64) -> Scene {
         .for_each(|rod| rod.stiffness.bending = [100.0; 2]);
     Scene {
         rods,
-        clamps: vec![clamp(0)],
+        clamps: vec![clamp(0, 0)],
         joints: vec![Joint {
-            name: "weld".into(),
-            nodes: nodes(),
-            kind,
             strength: Strength::of_moment(moment),
+            ..joint("weld", nodes(), kind)
         }],
         loads: vec![Load {
-            kind: LoadKind::Force {
-                rod: 1,
-                node: 4,
-                force: z,
-            },
             schedule: vec![(0.0, 0.0), (1.0, 1.0)],
+            ..point_force(1, 4, z)
         }],
         ..Scene::default()
     }
@@ -135,7 +107,7 @@ fn flail() -> Scene {
     let centripetal = MASS * SPIN * SPIN * 0.05;
     Scene {
         rods,
-        clamps: vec![clamp(0)],
+        clamps: vec![clamp(0, 0)],
         joints: vec![Joint {
             name: "hinge".into(),
             nodes: nodes(),
@@ -143,14 +115,7 @@ fn flail() -> Scene {
             // Twice as much acts at first, as the arm swings in its length.
             strength: Strength::of_force(3.0 * centripetal),
         }],
-        bodies: vec![Body {
-            name: "hub".into(),
-            at: nodes()[1],
-            mass: MASS,
-            offset: Vector3::zeros(),
-            inertia: Some([2e-6, 3e-6, 4e-6]),
-            ball: None,
-        }],
+        bodies: vec![body("hub", nodes()[1], MASS, Some([2e-6, 3e-6, 4e-6]))],
         loads: vec![Load {
             // On arm and body alike: it turns nothing that is free.
             kind: LoadKind::Gravity {
@@ -160,6 +125,14 @@ fn flail() -> Scene {
         }],
         ..Scene::default()
     }
+}
+
+/// When and how the only joint or spring of a scene broke.
+fn only_break(simulation: &Simulation) -> Break {
+    let [Some(found)] = simulation.breaks()[..] else {
+        panic!("{:?}", simulation.breaks());
+    };
+    found
 }
 
 #[test]
@@ -174,9 +147,7 @@ fn a_spring_breaks_when_its_force_is_passed_and_lets_go() {
         (Scheme::ImplicitEuler, 1e-2),
     ] {
         let simulation = run(&parting(), scheme, step, 2.0 * expected);
-        let [Some(Break { time, force, .. })] = simulation.breaks()[..] else {
-            panic!("{:?}", simulation.breaks());
-        };
+        let Break { time, force, .. } = only_break(&simulation);
         assert!(
             (time - expected).abs() < 1.5 * step + bound * expected,
             "{scheme:?}: {time} {expected}"
@@ -209,20 +180,15 @@ fn a_turning_spring_breaks_at_its_moment() {
     let mut scene = pushed_aside(JointKind::Ball, 0.0);
     scene.joints[0].strength = Strength::default();
     scene.springs = vec![Spring {
-        name: "coil".into(),
-        nodes: nodes(),
-        stiffness: 0.0,
         turning: Some(TurningStiffness {
             stiffness: 10.0,
             rest_rotation: Vector3::zeros(),
         }),
-        rest_length: None,
         strength: Strength::of_moment(2e-3),
+        ..spring("coil", nodes(), 0.0)
     }];
     let simulation = run(&scene, Scheme::BackwardDifferences, 2e-5, 0.024);
-    let [Some(Break { time, moment, .. })] = simulation.breaks()[..] else {
-        panic!("{:?}", simulation.breaks());
-    };
+    let Break { time, moment, .. } = only_break(&simulation);
     assert!((time - 0.02).abs() < 1e-3, "{time}");
     assert!(moment > 2e-3 && moment < 2.02e-3, "{moment}");
     let start = simulation.energies();
@@ -237,9 +203,7 @@ fn welds_and_hinges_break_at_the_force_that_holds_the_rod_and_let_it_fall() {
         for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
             let scene = hanging_by(kind);
             let simulation = run(&scene, scheme, 2e-4, expected + 0.02);
-            let [Some(Break { time, force, .. })] = simulation.breaks()[..] else {
-                panic!("{:?}", simulation.breaks());
-            };
+            let Break { time, force, .. } = only_break(&simulation);
             assert!((time - expected).abs() < 0.01 * expected, "{time}");
             assert!(force > 0.1 && force < 0.102, "{kind:?} {scheme:?}: {force}");
             let positions = simulation.positions();
@@ -247,10 +211,7 @@ fn welds_and_hinges_break_at_the_force_that_holds_the_rod_and_let_it_fall() {
             let fallen = -(positions[5].z + 3.0 * positions[7].z + positions[9].z) / 5.0 - 0.05;
             let free = simulation.time() - time;
             let expected = 0.5 * (time + free / 3.0) / MASS * free * free;
-            assert!(
-                (fallen / expected - 1.0).abs() < 0.02,
-                "{kind:?} {scheme:?}: {fallen} of {expected}"
-            );
+            assert_close_in((kind, scheme), fallen, expected, 0.02);
         }
     }
 }
@@ -260,16 +221,11 @@ fn welds_and_hinges_break_at_the_moment_that_bends_the_rod() {
     for kind in [JointKind::Rigid, hinge(Vector3::z())] {
         let scene = pushed_aside(kind, 2e-3);
         let simulation = run(&scene, Scheme::BackwardDifferences, 2e-5, 0.024);
-        let [
-            Some(Break {
-                time,
-                force,
-                moment,
-            }),
-        ] = simulation.breaks()[..]
-        else {
-            panic!("{:?}", simulation.breaks());
-        };
+        let Break {
+            time,
+            force,
+            moment,
+        } = only_break(&simulation);
         assert!((time - 0.02).abs() < 4e-4, "{kind:?}: {time}");
         assert!(moment > 2e-3 && moment < 2.02e-3, "{kind:?}: {moment}");
         assert!((force / 0.02 - 1.0).abs() < 0.1, "{kind:?}: {force}");
@@ -290,7 +246,7 @@ fn welds_and_hinges_break_at_the_moment_that_bends_the_rod() {
 fn a_rod_leaves_its_hinge_as_it_moves_and_turns() {
     const STEP: f64 = 2e-4;
     let scene = flail();
-    let parameters = parameters(Scheme::BackwardDifferences, STEP);
+    let parameters = fixed_steps(Scheme::BackwardDifferences, STEP);
     let end = PUSHED + 0.05;
     let mut whole = Simulation::new(&scene, &parameters).unwrap();
     let mut states = Vec::new();
@@ -303,9 +259,7 @@ fn a_rod_leaves_its_hinge_as_it_moves_and_turns() {
         }
     }
     assert_eq!(states.len(), 2);
-    let [Some(Break { time, .. })] = whole.breaks()[..] else {
-        panic!("{:?}", whole.breaks());
-    };
+    let Break { time, .. } = only_break(&whole);
     assert!(time > PUSHED && time < PUSHED + 1e-3, "{time}");
     let [hub, tip] = [5, 9].map(|node| whole.velocities()[node]);
     let arm = whole.positions()[9] - whole.positions()[5];
@@ -323,9 +277,7 @@ fn a_rod_leaves_its_hinge_as_it_moves_and_turns() {
     for state in states {
         let mut resumed = Simulation::new(&scene, &parameters).unwrap();
         resumed.restore(state).unwrap();
-        while resumed.time() < end {
-            resumed.advance(end).unwrap();
-        }
+        advance_to(&mut resumed, end);
         assert_eq!(whole.positions(), resumed.positions());
         assert_eq!(whole.breaks(), resumed.breaks());
     }
@@ -351,9 +303,7 @@ fn a_ball_joint_breaks_at_the_force_that_holds_the_rod_and_lets_it_fall() {
     ] {
         let step = 2e-4;
         let simulation = run(&hanging(), scheme, step, expected + 0.02);
-        let [Some(Break { time, force, .. })] = simulation.breaks()[..] else {
-            panic!("{:?}", simulation.breaks());
-        };
+        let Break { time, force, .. } = only_break(&simulation);
         assert!(
             (time - expected).abs() < 0.01 * expected,
             "{scheme:?}: {time}"
@@ -368,10 +318,7 @@ fn a_ball_joint_breaks_at_the_force_that_holds_the_rod_and_lets_it_fall() {
         let free = simulation.time() - time;
         let acceleration = (time + free / 3.0) / MASS;
         let expected = 0.5 * acceleration * free * free;
-        assert!(
-            (fallen / expected - 1.0).abs() < 0.02,
-            "{scheme:?}: {fallen} of {expected}"
-        );
+        assert_close_in(scheme, fallen, expected, 0.02);
     }
 }
 
@@ -384,7 +331,7 @@ fn what_broke_is_broken_after_a_checkpoint_and_goes_on_bit_for_bit() {
             scenes.push((hanging_by(hinge(Vector3::y())), 0.12));
         }
         for (scene, end) in scenes {
-            let parameters = parameters(scheme, 2e-4);
+            let parameters = fixed_steps(scheme, 2e-4);
             let mut whole = Simulation::new(&scene, &parameters).unwrap();
             let mut states = vec![whole.state()];
             while whole.time() < end {
@@ -398,9 +345,7 @@ fn what_broke_is_broken_after_a_checkpoint_and_goes_on_bit_for_bit() {
             for state in states {
                 let mut resumed = Simulation::new(&scene, &parameters).unwrap();
                 resumed.restore(state).unwrap();
-                while resumed.time() < end {
-                    resumed.advance(end).unwrap();
-                }
+                advance_to(&mut resumed, end);
                 assert_eq!(whole.positions(), resumed.positions());
                 assert_eq!(whole.breaks(), resumed.breaks());
                 assert_eq!(whole.remarks(), resumed.remarks());

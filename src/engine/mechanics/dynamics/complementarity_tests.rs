@@ -1,11 +1,12 @@
 //! Rigid contact by complementarity: exact sticking and sliding, agreement with the implicit contact model,
 //! balance of forces.
 
-use super::barrier_tests::{BARRIER, DIAMETER, RADIUS, TOLERANCE, crossing, fixed, pressed, rod};
+use super::barrier_tests::{BARRIER, DIAMETER, RADIUS, TOLERANCE, crossing, pressed, rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
-use crate::mechanics::scene::{Load, LoadKind, Plane, RodDescription, Scene};
+use crate::mechanics::scene::{RodDescription, Scene};
+use crate::mechanics::test_support::{contact, fixed, ground, run_with, weight};
 
 const RIGID: ContactModel = ContactModel::Complementarity;
 
@@ -24,29 +25,17 @@ fn slide_on(angle: f64, friction: f64, time: f64, velocity: Vector3) -> f64 {
     };
     let scene = Scene {
         rods: vec![lying],
-        planes: vec![Plane {
-            point: Vector3::zeros(),
-            normal: Vector3::z(),
-            friction: None,
-        }],
-        loads: vec![Load {
-            kind: LoadKind::Gravity {
-                acceleration: Vector3::new(angle.sin(), 0.0, -angle.cos()) * gravity,
-            },
-            schedule: Vec::new(),
-        }],
+        planes: vec![ground()],
+        loads: vec![weight(
+            Vector3::new(angle.sin(), 0.0, -angle.cos()) * gravity,
+        )],
         contact: Some(ContactParameters {
-            model: RIGID,
-            distance_tolerance: TOLERANCE,
             friction,
-            ..ContactParameters::default()
+            ..contact(RIGID, TOLERANCE)
         }),
         ..Scene::default()
     };
-    let mut simulation = Simulation::new(&scene, &fixed(1e-3)).unwrap();
-    while simulation.time() < time {
-        simulation.advance(time).unwrap();
-    }
+    let simulation = run_with(&scene, &fixed(1e-3), time);
     let lowest = simulation.positions().iter().map(|x| x.z);
     assert!(lowest.fold(f64::INFINITY, f64::min) > RADIUS - 1e-3 * TOLERANCE);
     simulation.velocities()[5].x

@@ -3,10 +3,11 @@
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{
-    Clamp, Load, LoadKind, Motion, NaturalShape, Relaxation, RodDescription, Scene, Stiffness,
-};
+use crate::mechanics::scene::{NaturalShape, Relaxation, RodDescription, Scene};
 use crate::mechanics::system::{Stage, System};
+use crate::mechanics::test_support::{
+    advance_to, assert_close_in, clamp, curved, fixed_steps, section, weight,
+};
 
 const LENGTH: f64 = 0.4;
 
@@ -20,52 +21,26 @@ fn rod(closed: bool) -> RodDescription {
             false => Vector3::new(s, 0.2 * (3.0 * s).sin(), 0.1 * s * s) * LENGTH,
         }
     };
-    let stiffness = Stiffness {
-        stretching: 30.0,
-        bending: [0.02, 0.05],
-        twisting: 0.03,
-    };
+    let stiffness = section(30.0, [0.02, 0.05], 0.03);
     RodDescription {
         closed,
         retardation_time: 0.05,
-        natural_shape: NaturalShape::Curved {
-            curvature: [0.7, -0.4],
-            twist: 0.5,
-        },
+        natural_shape: curved([0.7, -0.4], 0.5),
         ..RodDescription::uniform("rod", (0..nodes).map(node).collect(), stiffness, 4e-3, 0.02)
-    }
-}
-
-fn clamp(node: usize) -> Clamp {
-    Clamp {
-        rod: 0,
-        node,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
     }
 }
 
 fn scene() -> Scene {
     Scene {
         rods: vec![rod(false)],
-        clamps: vec![clamp(0)],
-        loads: vec![Load {
-            kind: LoadKind::Gravity {
-                acceleration: Vector3::new(0.0, 1.0, -9.81),
-            },
-            schedule: Vec::new(),
-        }],
+        clamps: vec![clamp(0, 0)],
+        loads: vec![weight(Vector3::new(0.0, 1.0, -9.81))],
         ..Scene::default()
     }
 }
 
 fn parameters(scheme: Scheme) -> IntegrationParameters {
-    IntegrationParameters {
-        scheme,
-        step: StepSize::Fixed(2e-3),
-        ..IntegrationParameters::default()
-    }
+    fixed_steps(scheme, 2e-3)
 }
 
 /// Unknowns that are moved by some thousandths, differently with every `seed`.
@@ -223,7 +198,7 @@ fn stretched() -> Scene {
         rotational_inertia_per_length: 1e-14,
         ..relaxing(false)
     };
-    let mut end = clamp(10);
+    let mut end = clamp(0, 10);
     let way = Vector3::x() * (0.01 * LENGTH);
     end.motion.translation = vec![(0.0, Vector3::zeros()), (0.1, way), (1.0, way)];
     scene.clamps.push(end);
@@ -305,10 +280,7 @@ fn energy_falls_by_what_dashpots_take_and_the_scheme_damps() {
         (relaxing(false), Scheme::BackwardDifferences),
     ] {
         let [fallen, lost] = losses(rod, scheme, 2e-4);
-        assert!(
-            (lost / fallen - 1.0).abs() < 1e-2,
-            "{scheme:?}: {lost} of {fallen}"
-        );
+        assert_close_in(scheme, lost, fallen, 1e-2);
     }
     // Fast modes, which relax little, are damped by implicit Euler: of slow ones in proportion to the step, of the fastest less.
     let [coarse, fine] = [2e-4, 1e-4].map(|step| {
@@ -330,18 +302,13 @@ fn a_checkpoint_of_a_damped_motion_is_exact() {
             rods: vec![rod],
             ..scene()
         };
-        let run = |simulation: &mut Simulation, until: f64| {
-            while simulation.time() < until {
-                simulation.advance(until).unwrap();
-            }
-        };
         let mut whole = Simulation::new(&scene, &parameters(scheme)).unwrap();
-        run(&mut whole, 0.1);
+        advance_to(&mut whole, 0.1);
         let state = whole.state();
-        run(&mut whole, 0.2);
+        advance_to(&mut whole, 0.2);
         let mut again = Simulation::new(&scene, &parameters(scheme)).unwrap();
         again.restore(state).unwrap();
-        run(&mut again, 0.2);
+        advance_to(&mut again, 0.2);
         assert_eq!(again.positions(), whole.positions());
         assert_eq!(again.resultants(), whole.resultants());
     }

@@ -1,10 +1,12 @@
 //! Equilibria with closed forms.
 
-use super::tests::clamp;
-use super::{IntegrationParameters, Simulation};
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactModel, ContactParameters};
-use crate::mechanics::scene::{Load, LoadKind, Plane, RodDescription, Scene, Stiffness};
+use crate::mechanics::contact::ContactParameters;
+use crate::mechanics::scene::{Load, LoadKind, Plane, RodDescription, Scene};
+use crate::mechanics::test_support::{
+    SOFT_MODELS, assert_close, clamp, contact, gravity, moment_on, point_force, section,
+    simulation_of, steady,
+};
 use std::cell::Cell;
 use std::f64::consts::PI;
 
@@ -16,47 +18,26 @@ fn rod() -> RodDescription {
     let centreline = (0..=EDGES)
         .map(|k| k as f64 / EDGES as f64 * Vector3::x())
         .collect();
-    let stiffness = Stiffness {
-        stretching: 4.0 / (RADIUS * RADIUS),
-        bending: [1.0; 2],
-        twisting: 2.0 / 3.0,
-    };
+    let stiffness = section(4.0 / (RADIUS * RADIUS), [1.0; 2], 2.0 / 3.0);
     RodDescription {
         first_director: Some(Vector3::z()),
         ..RodDescription::uniform("rod", centreline, stiffness, RADIUS, 1.0)
     }
 }
 
-fn steady(kind: LoadKind) -> Load {
-    Load {
-        kind,
-        schedule: Vec::new(),
-    }
-}
-
-fn gravity(acceleration: f64) -> Load {
-    steady(LoadKind::Gravity {
-        acceleration: -acceleration * Vector3::z(),
-    })
-}
-
 fn cantilever(load: Load) -> Scene {
     Scene {
         rods: vec![rod()],
-        clamps: vec![clamp(0)],
+        clamps: vec![clamp(0, 0)],
         loads: vec![load],
         ..Scene::default()
     }
 }
 
-fn simulation(scene: &Scene) -> Simulation {
-    Simulation::new(scene, &IntegrationParameters::default()).unwrap()
-}
-
 #[test]
 fn a_heavy_cantilever_comes_to_rest_in_a_few_iterations() {
     for weight in [1.0, 15.0, 100.0, 1000.0] {
-        let mut simulation = simulation(&cantilever(gravity(weight)));
+        let mut simulation = simulation_of(&cantilever(gravity(weight)));
         let report = simulation.find_equilibrium().unwrap();
         println!("{weight}: {}", report.newton_iterations);
         assert!(report.newton_iterations <= 20);
@@ -68,11 +49,8 @@ fn a_heavy_cantilever_comes_to_rest_in_a_few_iterations() {
 fn an_end_moment_rolls_the_rod_up() {
     // A moment of fixed direction has no potential; this one makes nearly a whole turn.
     let moment = 6.0;
-    let mut simulation = simulation(&cantilever(steady(LoadKind::Moment {
-        rod: 0,
-        edge: EDGES - 1,
-        moment: -moment * Vector3::y(),
-    })));
+    let mut simulation =
+        simulation_of(&cantilever(moment_on(0, EDGES - 1, -moment * Vector3::y())));
     let report = simulation.find_equilibrium().unwrap();
     println!("{}", report.newton_iterations);
     // The energy ½ EI (2 tan φ/2)²/l of a vertex makes its turn φ; that at the clamp is half as long.
@@ -99,11 +77,7 @@ fn a_strip_turned_at_its_end_about_any_axis_comes_to_rest() {
             let strip = RodDescription {
                 centreline: nodes.collect(),
                 first_director: Some(Vector3::new(0.0, 0.8, 0.6)),
-                stiffness: Stiffness {
-                    stretching: 7.5e5,
-                    bending: [1.0, 9.0],
-                    twisting: 1.05,
-                },
+                stiffness: section(7.5e5, [1.0, 9.0], 1.05),
                 ..rod()
             };
             let wind = LoadKind::Distributed {
@@ -120,7 +94,7 @@ fn a_strip_turned_at_its_end_about_any_axis_comes_to_rest() {
                 loads: vec![steady(wind), steady(turned)],
                 ..cantilever(gravity(0.0))
             };
-            let result = simulation(&scene).find_equilibrium();
+            let result = simulation_of(&scene).find_equilibrium();
             found.extend(result.map(|report| report.newton_iterations));
             count += 1;
         }
@@ -136,14 +110,10 @@ fn a_strip_turned_at_its_end_about_any_axis_comes_to_rest() {
 #[test]
 fn a_straight_column_leaves_its_unstable_equilibrium_and_bends_over() {
     for (load, rests) in [(0.9, true), (1.1, false), (2.0, false)] {
-        let mut scene = cantilever(steady(LoadKind::Force {
-            rod: 0,
-            node: EDGES,
-            force: -load * 0.25 * PI * PI * Vector3::x(),
-        }));
+        let mut scene = cantilever(point_force(0, EDGES, -load * 0.25 * PI * PI * Vector3::x()));
         // Soft in one plane, so that it is known where to.
         scene.rods[0].stiffness.bending = [1.0, 20.0];
-        let mut simulation = simulation(&scene);
+        let mut simulation = simulation_of(&scene);
         let report = simulation.find_equilibrium().unwrap();
         println!("{load}: {}", report.newton_iterations);
         let tip = simulation.positions()[EDGES];
@@ -168,24 +138,19 @@ fn a_rod_that_lies_on_a_plane_or_on_a_post_is_borne_by_it() {
         normal: Vector3::z(),
         friction: None,
     };
-    for model in [
-        ContactModel::ImplicitContact,
-        ContactModel::IncrementalPotential,
-    ] {
+    for model in SOFT_MODELS {
         for on_plane in [true, false] {
             let mut scene = cantilever(gravity(20.0));
             scene.contact = Some(ContactParameters {
-                model,
                 friction: 0.0,
-                distance_tolerance: 0.02 * RADIUS,
-                ..ContactParameters::default()
+                ..contact(model, 0.02 * RADIUS)
             });
             if on_plane {
                 scene.planes.push(plane.clone());
             } else {
                 scene.rods.push(post.clone());
             }
-            let mut simulation = simulation(&scene);
+            let mut simulation = simulation_of(&scene);
             let report = simulation.find_equilibrium().unwrap();
             println!(
                 "{model:?} {on_plane}: {} {:?}",
@@ -206,17 +171,14 @@ fn a_rod_that_lies_on_a_plane_or_on_a_post_is_borne_by_it() {
                 .map(|f| f.z)
                 .sum();
             let reaction = simulation.reaction(0).z;
-            assert!(
-                ((contacts + reaction) / 20.0 - 1.0).abs() < 1e-5,
-                "{contacts} {reaction}"
-            );
+            assert_close(contacts + reaction, 20.0, 1e-5);
         }
     }
 }
 
 #[test]
 fn a_search_that_is_stopped_leaves_the_rods_where_they_were() {
-    let mut simulation = simulation(&cantilever(gravity(15.0)));
+    let mut simulation = simulation_of(&cantilever(gravity(15.0)));
     let before = simulation.positions().to_vec();
     let asked = Cell::new(0);
     let goes_on = || asked.replace(asked.get() + 1) < 5;
@@ -227,11 +189,7 @@ fn a_search_that_is_stopped_leaves_the_rods_where_they_were() {
             .is_none()
     );
     assert_eq!(simulation.positions(), before);
-    let mut untouched = Simulation::new(
-        &cantilever(gravity(15.0)),
-        &IntegrationParameters::default(),
-    )
-    .unwrap();
+    let mut untouched = simulation_of(&cantilever(gravity(15.0)));
     simulation.find_equilibrium().unwrap();
     untouched.find_equilibrium().unwrap();
     assert_eq!(simulation.positions(), untouched.positions());

@@ -1,22 +1,16 @@
 //! Events: corners of schedules and motions are hit exactly, and what begins there is resolved; error control.
 
-use super::tests::{clamp, straight_rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, Scene};
+use crate::mechanics::test_support::{SCHEMES, assert_close_in, clamp, run_with, straight_rod};
 use std::f64::consts::TAU;
 
 const EDGES: usize = 20;
-const SCHEMES: [Scheme; 3] = [
-    Scheme::ImplicitEuler,
-    Scheme::ImplicitMidpoint,
-    Scheme::BackwardDifferences,
-];
-
 fn cantilever() -> Scene {
     Scene {
         rods: vec![straight_rod(EDGES, 1.0)],
-        clamps: vec![clamp(0)],
+        clamps: vec![clamp(0, 0)],
         ..Scene::default()
     }
 }
@@ -44,7 +38,10 @@ fn jerked() -> Scene {
         ..Motion::default()
     };
     Scene {
-        clamps: vec![Clamp { motion, ..clamp(0) }],
+        clamps: vec![Clamp {
+            motion,
+            ..clamp(0, 0)
+        }],
         ..cantilever()
     }
 }
@@ -165,10 +162,7 @@ fn a_force_that_nothing_announces_makes_steps_repeat() {
             simulation.set_external_forces(&forces, &[0.0; EDGES + 1]);
         };
         let end = |size: StepSize| {
-            let mut simulation = Simulation::new(&cantilever(), &parameters(scheme, size)).unwrap();
-            while simulation.time() < 1.0 {
-                simulation.advance(1.0).unwrap();
-            }
+            let mut simulation = run_with(&cantilever(), &parameters(scheme, size), 1.0);
             push(&mut simulation);
             let (mut retries, mut smallest) = (0, f64::INFINITY);
             while simulation.time() < 1.3 {
@@ -183,10 +177,7 @@ fn a_force_that_nothing_announces_makes_steps_repeat() {
         println!("{scheme:?}: {coarse} of {fine} m, {retries} retries, {smallest} s");
         assert!(fine < -0.05, "{fine}");
         assert!((1..20).contains(&retries), "{scheme:?}: {retries}");
-        assert!(
-            (coarse / fine - 1.0).abs() < 0.1,
-            "{scheme:?}: {coarse} of {fine}"
-        );
+        assert_close_in(scheme, coarse, fine, 0.1);
     }
 }
 

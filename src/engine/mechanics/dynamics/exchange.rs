@@ -93,11 +93,13 @@ impl AcceptedStep<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{clamp, straight_rod};
     use super::super::*;
     use crate::mechanics::Vector3;
     use crate::mechanics::contact::ContactParameters;
-    use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, Plane, RodDescription, Scene};
+    use crate::mechanics::scene::{Clamp, Motion, RodDescription, Scene};
+    use crate::mechanics::test_support::{
+        clamp, drag, fixed, gravity, ground, run_with, straight_rod,
+    };
 
     fn energy(simulation: &Simulation) -> f64 {
         let energies = simulation.energies();
@@ -111,14 +113,8 @@ mod tests {
 
     /// Gain of energy from `start` (s) to `end` (s), and what was exchanged meanwhile.
     fn budget(scene: &Scene, step: f64, start: f64, end: f64) -> (f64, Exchange) {
-        let parameters = IntegrationParameters {
-            step: StepSize::Fixed(step),
-            ..IntegrationParameters::default()
-        };
-        let mut simulation = Simulation::new(scene, &parameters).unwrap();
-        while simulation.time() < start {
-            simulation.advance(start).unwrap();
-        }
+        let parameters = fixed(step);
+        let mut simulation = run_with(scene, &parameters, start);
         let before = energy(&simulation);
         let mut sum = Exchange::default();
         while simulation.time() < end {
@@ -139,17 +135,8 @@ mod tests {
         let kinetic = 0.5 * rod.mass_per_length * 0.2 * 0.25;
         let scene = Scene {
             rods: vec![rod],
-            loads: vec![Load {
-                kind: LoadKind::Gravity {
-                    acceleration: Vector3::z() * -9.81,
-                },
-                schedule: Vec::new(),
-            }],
-            planes: vec![Plane {
-                point: Vector3::zeros(),
-                normal: Vector3::z(),
-                friction: None,
-            }],
+            loads: vec![gravity(9.81)],
+            planes: vec![ground()],
             contact: Some(ContactParameters {
                 friction: 0.5,
                 ..ContactParameters::default()
@@ -171,15 +158,11 @@ mod tests {
         };
         let scene = Scene {
             rods: vec![straight_rod(10, 0.2)],
-            clamps: vec![Clamp { motion, ..clamp(0) }],
-            loads: vec![Load {
-                kind: LoadKind::Drag {
-                    rod: None,
-                    translation: 2.0,
-                    rotation: 0.0,
-                },
-                schedule: Vec::new(),
+            clamps: vec![Clamp {
+                motion,
+                ..clamp(0, 0)
             }],
+            loads: vec![drag(None, 2.0, 0.0)],
             ..Scene::default()
         };
         let (gain, exchange) = budget(&scene, 1e-3, 0.5, 1.0);

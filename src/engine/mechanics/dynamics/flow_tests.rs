@@ -3,8 +3,11 @@
 use super::*;
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{
-    Body, Clamp, HingeSpring, Joint, JointKind, Load, LoadKind, Motion, RodDescription, RodNode,
-    Scene, Spring, Stiffness, Strength,
+    HingeSpring, JointKind, Load, RodDescription, Scene, Spring, Stiffness, Strength,
+};
+use crate::mechanics::test_support::{
+    assert_close_in, at, at_rest, body, clamp, distributed, fixed_steps, hinge, joint, line,
+    point_force, run, spring,
 };
 use crate::mechanics::{SceneError, Vector3};
 use std::f64::consts::PI;
@@ -18,63 +21,24 @@ const STOKESLETS: FluidModel = FluidModel::RegularizedStokeslets {
 
 /// A stiff rod of a modulus of 1 GPa, without much inertia.
 fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
-    let node = |k: usize| from.lerp(&to, k as f64 / edges as f64);
-    let (area, modulus) = (PI * RADIUS * RADIUS, 1e9);
-    let bending = modulus * area * RADIUS * RADIUS / 4.0;
-    let stiffness = Stiffness {
-        stretching: modulus * area,
-        bending: [bending; 2],
-        twisting: bending * 2.0 / 3.0,
-    };
-    let nodes = (0..=edges).map(node).collect();
-    RodDescription::uniform(name, nodes, stiffness, RADIUS, 1000.0 * area)
-}
-
-fn at(rod: usize, node: usize) -> RodNode {
-    RodNode { rod, node }
-}
-
-fn joint(kind: JointKind, one: RodNode, other: RodNode) -> Joint {
-    Joint {
-        name: "joint".into(),
-        nodes: [one, other],
-        kind,
-        strength: Strength::default(),
-    }
-}
-
-fn clamp(rod: usize, node: usize) -> Clamp {
-    Clamp {
-        rod,
-        node,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
-    }
+    let area = PI * RADIUS * RADIUS;
+    let stiffness = Stiffness::circular(1e9, 0.5, RADIUS);
+    RodDescription::uniform(
+        name,
+        line(from, to, edges),
+        stiffness,
+        RADIUS,
+        1000.0 * area,
+    )
 }
 
 fn pull(force_per_length: Vector3) -> Load {
-    Load {
-        kind: LoadKind::Distributed {
-            rod: None,
-            force_per_length,
-        },
-        schedule: Vec::new(),
-    }
+    distributed(None, force_per_length)
 }
 
-fn run(scene: &Scene, step: f64, steps: usize) -> Simulation {
-    let parameters = IntegrationParameters {
-        scheme: Scheme::ImplicitEuler,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
-    };
-    let mut simulation = Simulation::new(scene, &parameters).unwrap();
-    let end = step * steps as f64;
-    while simulation.time() < end {
-        simulation.advance(end).unwrap();
-    }
-    simulation
+/// After so many steps of implicit Euler.
+fn after(scene: &Scene, step: f64, steps: usize) -> Simulation {
+    run(scene, Scheme::ImplicitEuler, step, step * steps as f64)
 }
 
 /// A filament 10 mm long, whole or of pieces with so many edges, 20 in all.
@@ -89,7 +53,7 @@ fn filament(pieces: &[usize], kind: JointKind, force: Vector3) -> Scene {
             *edges,
         ));
         if k > 0 {
-            joints.push(joint(kind, at(k - 1, pieces[k - 1]), at(k, 0)));
+            joints.push(joint("joint", [at(k - 1, pieces[k - 1]), at(k, 0)], kind));
         }
         done += edges;
     }
@@ -104,7 +68,7 @@ fn filament(pieces: &[usize], kind: JointKind, force: Vector3) -> Scene {
 
 /// Mean velocity after forty steps of 1 ms.
 fn glide(scene: &Scene) -> Vector3 {
-    let simulation = run(scene, 1e-3, 40);
+    let simulation = after(scene, 1e-3, 40);
     let velocities = simulation.velocities();
     velocities.iter().sum::<Vector3>() / velocities.len() as f64
 }
@@ -114,10 +78,7 @@ fn joined_pieces_glide_as_one_filament() {
     let along = Vector3::x() * 1e-3;
     let whole = glide(&filament(&[20], JointKind::Rigid, along));
     assert!(whole.x > 0.0);
-    let hinge = JointKind::Hinge {
-        axis: Vector3::z(),
-        spring: None,
-    };
+    let hinge = hinge(Vector3::z());
     let sprung = JointKind::Hinge {
         axis: Vector3::y(),
         spring: Some(HingeSpring {
@@ -145,24 +106,15 @@ fn pieces_tied_by_springs_or_a_body_glide_as_one_filament() {
     let mut tied = filament(&[10, 10], JointKind::Ball, along);
     tied.joints.clear();
     tied.springs.push(Spring {
-        name: "tie".into(),
-        nodes: [at(0, 10), at(1, 0)],
-        stiffness: 100.0,
-        turning: None,
         rest_length: Some(0.0),
-        strength: Strength::default(),
+        ..spring("tie", [at(0, 10), at(1, 0)], 100.0)
     });
     let speed = glide(&tied).x;
     assert!((speed / whole.x - 1.0).abs() < 1e-3, "{speed} {}", whole.x);
     let mut borne = filament(&[10, 10], JointKind::Rigid, along);
-    borne.bodies.push(Body {
-        name: "bead".into(),
-        at: at(0, 10),
-        mass: 1e-9,
-        offset: Vector3::zeros(),
-        inertia: Some([1e-17; 3]),
-        ball: None,
-    });
+    borne
+        .bodies
+        .push(body("bead", at(0, 10), 1e-9, Some([1e-17; 3])));
     let speed = glide(&borne).x;
     assert!((speed / whole.x - 1.0).abs() < 1e-3, "{speed} {}", whole.x);
 }
@@ -177,10 +129,7 @@ fn density_hardly_matters_where_viscosity_rules() {
             rod.mass_per_length = density * 1000.0 * PI * RADIUS * RADIUS;
         }
         let other = glide(&scene).x;
-        assert!(
-            (other / speed - 1.0).abs() < 2e-2,
-            "{density}: {other} {speed}"
-        );
+        assert_close_in(density, other, speed, 2e-2);
     }
 }
 
@@ -194,33 +143,21 @@ fn a_loaded_y_comes_to_rest_where_statics_has_it() {
             .map(|(k, arm)| rod(&format!("arm {k}"), Vector3::zeros(), *arm, 5))
             .collect(),
         joints: vec![
-            joint(JointKind::Rigid, at(0, 0), at(1, 0)),
-            joint(JointKind::Rigid, at(0, 0), at(2, 0)),
+            joint("joint", [at(0, 0), at(1, 0)], JointKind::Rigid),
+            joint("joint", [at(0, 0), at(2, 0)], JointKind::Rigid),
         ],
         clamps: vec![clamp(0, 5)],
-        loads: vec![Load {
-            kind: LoadKind::Force {
-                rod: 1,
-                node: 5,
-                force: Vector3::new(1e-4, 5e-5, 0.0),
-            },
-            schedule: Vec::new(),
-        }],
+        loads: vec![point_force(1, 5, Vector3::new(1e-4, 5e-5, 0.0))],
         fluid: Some(STOKESLETS),
         ..Scene::default()
     };
     let tip = |simulation: &Simulation| simulation.positions()[11] - arms[1];
-    let mut equilibrium = Simulation::new(
-        &Scene {
-            fluid: None,
-            ..scene.clone()
-        },
-        &IntegrationParameters::default(),
-    )
-    .unwrap();
-    equilibrium.find_equilibrium().unwrap();
+    let equilibrium = at_rest(&Scene {
+        fluid: None,
+        ..scene.clone()
+    });
     let expected = tip(&equilibrium);
-    let rests = tip(&run(&scene, 5e-2, 60));
+    let rests = tip(&after(&scene, 5e-2, 60));
     assert!(expected.norm() > RADIUS);
     assert!(
         (rests - expected).norm() < 1e-3 * expected.norm(),
@@ -235,20 +172,14 @@ fn beside(fix: impl Fn(&mut Scene)) -> Scene {
     scene
         .rods
         .push(rod("wall", side, side + Vector3::x() * 0.01, 20));
-    scene.loads = vec![Load {
-        kind: LoadKind::Distributed {
-            rod: Some(0),
-            force_per_length: Vector3::x() * 1e-3,
-        },
-        schedule: Vec::new(),
-    }];
+    scene.loads = vec![distributed(Some(0), Vector3::x() * 1e-3)];
     fix(&mut scene);
     scene
 }
 
 #[test]
 fn a_held_rod_stands_in_the_way_of_the_flow_as_a_clamped_one_does() {
-    let speed = |scene: &Scene| run(scene, 1e-3, 40).velocities()[10].x;
+    let speed = |scene: &Scene| after(scene, 1e-3, 40).velocities()[10].x;
     let alone = speed(&filament(&[20], JointKind::Rigid, Vector3::x() * 1e-3));
     let clamped = speed(&beside(|scene| {
         scene.clamps = (0..=20).map(|node| clamp(1, node)).collect();
@@ -265,15 +196,8 @@ fn bead(pulled: f64) -> Scene {
     let foot = Vector3::x() * 4e-3;
     Scene {
         rods: vec![wire, rod("tail", foot, foot + Vector3::z() * 2e-3, 4)],
-        joints: vec![joint(JointKind::Slide, at(1, 0), at(0, 8))],
-        loads: vec![Load {
-            kind: LoadKind::Force {
-                rod: 1,
-                node: 0,
-                force: Vector3::x() * pulled,
-            },
-            schedule: Vec::new(),
-        }],
+        joints: vec![joint("joint", [at(1, 0), at(0, 8)], JointKind::Slide)],
+        loads: vec![point_force(1, 0, Vector3::x() * pulled)],
         fluid: Some(STOKESLETS),
         ..Scene::default()
     }
@@ -283,11 +207,7 @@ fn bead(pulled: f64) -> Scene {
 fn a_tail_slides_along_a_wire_at_a_steady_pace() {
     // It passes three nodes of the wire, 0.5 mm apart.
     let scene = bead(1e-5);
-    let parameters = IntegrationParameters {
-        scheme: Scheme::ImplicitEuler,
-        step: StepSize::Fixed(1e-2),
-        ..IntegrationParameters::default()
-    };
+    let parameters = fixed_steps(Scheme::ImplicitEuler, 1e-2);
     let mut simulation = Simulation::new(&scene, &parameters).unwrap();
     let mut paces = Vec::new();
     while simulation.positions()[21].x < 6e-3 {
@@ -305,15 +225,8 @@ fn a_tail_slides_along_a_wire_at_a_steady_pace() {
 fn pieces_part_in_the_fluid_where_their_weld_breaks() {
     let mut scene = filament(&[10, 10], JointKind::Ball, Vector3::x() * 1e-3);
     scene.joints[0].strength = Strength::of_force(1e-6);
-    scene.loads = vec![Load {
-        kind: LoadKind::Force {
-            rod: 1,
-            node: 5,
-            force: Vector3::x() * 1e-5,
-        },
-        schedule: Vec::new(),
-    }];
-    let simulation = run(&scene, 1e-2, 100);
+    scene.loads = vec![point_force(1, 5, Vector3::x() * 1e-5)];
+    let simulation = after(&scene, 1e-2, 100);
     let [behind, before] = [10, 11].map(|node| simulation.positions()[node].x);
     // Farther apart than the tie of the flow lasts.
     assert!(before - behind > 2.0 * RADIUS, "{behind} {before}");

@@ -1,12 +1,10 @@
 //! Balls that rods carry in a fluid, and rods that spin there.
 
-use super::tests::run;
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::fluid::FluidModel;
-use crate::mechanics::scene::{
-    Body, Clamp, Load, LoadKind, Motion, RodDescription, RodNode, Scene, Stiffness,
-};
+use crate::mechanics::scene::{Body, Clamp, LoadKind, Motion, RodDescription, Scene, Stiffness};
+use crate::mechanics::test_support::{assert_close_in, at, clamp, run, steady};
 use std::f64::consts::PI;
 
 const BALL: f64 = 5e-3;
@@ -35,11 +33,8 @@ fn rod(edges: usize, length: f64, radius: f64) -> RodDescription {
 fn scene(rod: RodDescription, load: LoadKind) -> Scene {
     Scene {
         rods: vec![rod],
-        bodies: vec![Body::uniform_ball(RodNode { rod: 0, node: 0 }, MASS, BALL)],
-        loads: vec![Load {
-            kind: load,
-            schedule: Vec::new(),
-        }],
+        bodies: vec![Body::uniform_ball(at(0, 0), MASS, BALL)],
+        loads: vec![steady(load)],
         fluid: Some(STOKESLETS),
         spin_drag: true,
         ..Scene::default()
@@ -60,10 +55,7 @@ fn a_ball_turns_in_a_fluid_at_the_rate_of_the_moment_on_it() {
         let turned = run(&scene, scheme, 1e-3, 0.1);
         let expected = moment / (8.0 * PI * VISCOSITY * BALL.powi(3));
         let spin = turned.as_start().spins[0];
-        assert!(
-            (spin / expected - 1.0).abs() < 1e-4,
-            "{scheme:?}: {spin} {expected}"
-        );
+        assert_close_in(scheme, spin, expected, 1e-4);
     }
 }
 
@@ -80,10 +72,7 @@ fn a_ball_with_a_tail_sinks_alike_with_all_schemes_and_steps() {
         (Scheme::BackwardDifferences, 2e-3),
     ] {
         let found = speed(scheme, step);
-        assert!(
-            (found / fine - 1.0).abs() < 1e-3,
-            "{scheme:?} {step}: {found} {fine}"
-        );
+        assert_close_in((scheme, step), found, fine, 1e-3);
     }
     // Slower than the ball by itself.
     let alone = MASS * 9.81 / (6.0 * PI * VISCOSITY * BALL);
@@ -106,15 +95,12 @@ fn a_rod_that_spins_drags_its_neighbour_around() {
     let scene = Scene {
         rods: vec![stiff(), neighbour],
         clamps: vec![Clamp {
-            rod: 0,
-            node: 0,
-            holds_position: true,
-            holds_frame: true,
             motion: Motion {
                 axis: Some(Vector3::z()),
                 angular_velocity: speed,
                 ..Motion::default()
             },
+            ..clamp(0, 0)
         }],
         fluid: Some(STOKESLETS),
         spin_drag: true,

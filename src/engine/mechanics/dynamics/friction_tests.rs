@@ -1,13 +1,13 @@
 //! Rods that rub at high friction: few iterations, short steps that do no harm, Coulomb's law in each step.
 
-use super::barrier_tests::{RADIUS, crossing, fixed, rod};
-use super::tests::clamp;
+use super::barrier_tests::{RADIUS, crossing, rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{Load, LoadKind, Plane, Scene};
+use crate::mechanics::scene::Scene;
 use crate::mechanics::system::{Imbalance, Stage};
+use crate::mechanics::test_support::{clamp, drag, fixed, ground, run_with, weight};
 
 const MODEL: ContactModel = ContactModel::ImplicitContact;
 
@@ -15,8 +15,7 @@ const MODEL: ContactModel = ContactModel::ImplicitContact;
 fn rubbing(friction: f64) -> Simulation {
     let mut scene = crossing(MODEL, 1e-6, friction);
     for node in [0, 10] {
-        let mut end = clamp(node);
-        end.rod = 1;
+        let mut end = clamp(1, node);
         let at = |x: f64| Vector3::new(x, 0.0, -3e-3);
         end.motion.translation = vec![
             (0.0, Vector3::zeros()),
@@ -26,14 +25,7 @@ fn rubbing(friction: f64) -> Simulation {
         ];
         scene.clamps.push(end);
     }
-    scene.loads.push(Load {
-        kind: LoadKind::Drag {
-            rod: None,
-            translation: 0.5,
-            rotation: 1e-4,
-        },
-        schedule: Vec::new(),
-    });
+    scene.loads.push(drag(None, 0.5, 1e-4));
     Simulation::new(&scene, &fixed(1e-3)).unwrap()
 }
 
@@ -89,21 +81,9 @@ fn no_step_asks_friction_for_a_residual_below_rounding() {
         }),
         ..Scene::default()
     };
-    scene.loads.push(Load {
-        kind: LoadKind::Gravity {
-            acceleration: Vector3::new(3.0, 1.0, -9.81),
-        },
-        schedule: Vec::new(),
-    });
-    scene.planes.push(Plane {
-        point: Vector3::zeros(),
-        normal: Vector3::z(),
-        friction: None,
-    });
-    let mut simulation = Simulation::new(&scene, &fixed(5e-3)).unwrap();
-    while simulation.time() < 0.2 {
-        simulation.advance(0.2).unwrap();
-    }
+    scene.loads.push(weight(Vector3::new(3.0, 1.0, -9.81)));
+    scene.planes.push(ground());
+    let simulation = run_with(&scene, &fixed(5e-3), 0.2);
     // Every digit counts: the next number along x is another residual.
     let positions = simulation.positions().to_vec();
     let mut system = simulation.system;

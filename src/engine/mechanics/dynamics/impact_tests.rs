@@ -1,19 +1,12 @@
 //! Impacts, and energy that nothing gave: restitution never exceeds 1, and a run whose energy grows beyond all measure ends.
 
-use super::tests::{clamp, straight_rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
-use crate::mechanics::scene::{Clamp, Load, LoadKind, Plane, RodDescription, Scene, Stiffness};
-
-fn gravity() -> Vec<Load> {
-    vec![Load {
-        kind: LoadKind::Gravity {
-            acceleration: Vector3::z() * -9.81,
-        },
-        schedule: Vec::new(),
-    }]
-}
+use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+use crate::mechanics::test_support::{
+    SOFT_MODELS, advance_to, contact, fixed_steps, gravity, ground, pin, section, straight_rod,
+};
 
 /// A soft rod, tilted, that falls by about 5 cm on a smooth plane.
 fn falling(model: ContactModel) -> Scene {
@@ -26,21 +19,15 @@ fn falling(model: ContactModel) -> Scene {
     };
     Scene {
         rods: vec![rod],
-        loads: gravity(),
-        planes: vec![Plane {
-            point: Vector3::zeros(),
-            normal: Vector3::z(),
-            friction: None,
-        }],
+        loads: vec![gravity(9.81)],
+        planes: vec![ground()],
         contact: Some(ContactParameters {
-            model,
-            distance_tolerance: 2e-4,
             stiffness_factor: if model == ContactModel::ImplicitContact {
                 1e5
             } else {
                 1.0
             },
-            ..ContactParameters::default()
+            ..contact(model, 2e-4)
         }),
         ..Scene::default()
     }
@@ -48,16 +35,9 @@ fn falling(model: ContactModel) -> Scene {
 
 #[test]
 fn a_rod_that_bounces_never_has_more_energy_than_it_fell_with() {
-    for model in [
-        ContactModel::ImplicitContact,
-        ContactModel::IncrementalPotential,
-    ] {
+    for model in SOFT_MODELS {
         for step in [2e-4, 1e-3, 2e-3] {
-            let parameters = IntegrationParameters {
-                scheme: Scheme::ImplicitMidpoint,
-                step: StepSize::Fixed(step),
-                ..IntegrationParameters::default()
-            };
+            let parameters = fixed_steps(Scheme::ImplicitMidpoint, step);
             let mut simulation = Simulation::new(&falling(model), &parameters).unwrap();
             let start = simulation.energies().total();
             let (mut fastest, mut least) = (0.0_f64, f64::INFINITY);
@@ -87,16 +67,10 @@ fn a_rod_that_bounces_never_has_more_energy_than_it_fell_with() {
 fn a_free_flight_of_the_midpoint_rule_keeps_its_energy_beside_a_plane() {
     let mut scene = falling(ContactModel::ImplicitContact);
     scene.planes[0].point = Vector3::z() * -10.0;
-    let parameters = IntegrationParameters {
-        scheme: Scheme::ImplicitMidpoint,
-        step: StepSize::Fixed(1e-3),
-        ..IntegrationParameters::default()
-    };
+    let parameters = fixed_steps(Scheme::ImplicitMidpoint, 1e-3);
     let mut simulation = Simulation::new(&scene, &parameters).unwrap();
     let start = simulation.energies().total();
-    while simulation.time() < 0.3 {
-        simulation.advance(0.3).unwrap();
-    }
+    advance_to(&mut simulation, 0.3);
     let now = simulation.energies();
     assert!((now.total() - start).abs() < 1e-9 * now.kinetic);
 }
@@ -110,30 +84,19 @@ fn a_run_that_gains_more_energy_than_it_had_ends() {
     });
     let rod = RodDescription {
         centreline: centreline.collect(),
-        stiffness: Stiffness {
-            stretching: 3000.0,
-            bending: [8e-4; 2],
-            twisting: 6e-4,
-        },
+        stiffness: section(3000.0, [8e-4; 2], 6e-4),
         radius: 1e-3,
         mass_per_length: 3e-3,
         ..straight_rod(20, 0.2)
     };
     let scene = Scene {
         rods: vec![rod],
-        clamps: vec![Clamp {
-            holds_frame: false,
-            ..clamp(0)
-        }],
-        loads: gravity(),
+        clamps: vec![pin(0, 0)],
+        loads: vec![gravity(9.81)],
         ..Scene::default()
     };
     let run = |scheme| {
-        let parameters = IntegrationParameters {
-            scheme,
-            step: StepSize::Fixed(5e-3),
-            ..IntegrationParameters::default()
-        };
+        let parameters = fixed_steps(scheme, 5e-3);
         let mut simulation = Simulation::new(&scene, &parameters).unwrap();
         while simulation.time() < 2.0 {
             simulation.advance(2.0)?;
@@ -190,11 +153,7 @@ fn surfaces_reported_after_an_impact_overlap_by_no_more_than_is_allowed() {
         }),
         ..Scene::default()
     };
-    let parameters = IntegrationParameters {
-        scheme: Scheme::BackwardDifferences,
-        step: StepSize::Fixed(1e-3),
-        ..IntegrationParameters::default()
-    };
+    let parameters = fixed_steps(Scheme::BackwardDifferences, 1e-3);
     let mut simulation = Simulation::new(&scene, &parameters).unwrap();
     while simulation.time() < 5e-3 {
         let report = simulation.advance(5e-3).unwrap();

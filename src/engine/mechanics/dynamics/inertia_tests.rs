@@ -1,25 +1,18 @@
 //! Rods with consistent inertia: what a swing gains, what is conserved, contact, clamps that move and let go.
 
-use super::barrier_tests::{DIAMETER, crossing, fixed};
-use super::tests::{clamp, straight_rod};
+use super::barrier_tests::{DIAMETER, crossing};
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::ContactModel;
-use crate::mechanics::scene::{Inertia, Load, LoadKind, RodDescription, Scene};
+use crate::mechanics::scene::{Inertia, RodDescription, Scene};
+use crate::mechanics::test_support::{
+    MODELS, advance_to, assert_close, assert_close_in, clamp, fixed, free_rods, gravity, run_with,
+    straight_rod,
+};
 
 fn consistent(rod: RodDescription) -> RodDescription {
     RodDescription {
         inertia: Inertia::Consistent,
         ..rod
-    }
-}
-
-fn weight() -> Load {
-    Load {
-        kind: LoadKind::Gravity {
-            acceleration: Vector3::z() * -9.81,
-        },
-        schedule: Vec::new(),
     }
 }
 
@@ -30,8 +23,8 @@ fn swinging(edges: usize, inertia: Inertia) -> Scene {
             inertia,
             ..straight_rod(edges, 1.0)
         }],
-        clamps: vec![clamp(0)],
-        loads: vec![weight()],
+        clamps: vec![clamp(0, 0)],
+        loads: vec![gravity(9.81)],
         ..Scene::default()
     }
 }
@@ -46,9 +39,7 @@ fn a_heavy_cantilever_swings_ten_times_nearer_to_its_converged_motion() {
         let mut simulation = Simulation::new(&swinging(edges, inertia), &parameters).unwrap();
         let mut tips = Vec::new();
         for tenth in 1..=10 {
-            while simulation.time() < 0.1 * f64::from(tenth) {
-                simulation.advance(0.1 * f64::from(tenth)).unwrap();
-            }
+            advance_to(&mut simulation, 0.1 * f64::from(tenth));
             tips.push(simulation.positions()[edges]);
         }
         tips
@@ -85,10 +76,7 @@ fn the_midpoint_rule_keeps_energy_and_both_momenta() {
         velocity: Vector3::new(0.1, -0.2, 0.05),
         ..consistent(straight_rod(20, 1.0))
     };
-    let scene = Scene {
-        rods: vec![rod],
-        ..Scene::default()
-    };
+    let scene = free_rods(vec![rod]);
     let parameters = IntegrationParameters {
         scheme: Scheme::ImplicitMidpoint,
         force_tolerance: 1e-9,
@@ -101,12 +89,12 @@ fn the_midpoint_rule_keeps_energy_and_both_momenta() {
         energies.kinetic + energies.elastic()
     };
     let (start, momenta) = (energy(&simulation), simulation.momenta());
-    assert!(
-        (simulation.energies_of(0).kinetic / simulation.energies().kinetic - 1.0).abs() < 1e-14
+    assert_close(
+        simulation.energies_of(0).kinetic,
+        simulation.energies().kinetic,
+        1e-14,
     );
-    while simulation.time() < 0.5 {
-        simulation.advance(0.5).unwrap();
-    }
+    advance_to(&mut simulation, 0.5);
     assert!((energy(&simulation) / start - 1.0).abs() < 1e-4);
     for (now, before) in simulation.momenta().iter().zip(momenta) {
         assert!((now - before).norm() < 1e-8 * before.norm());
@@ -115,11 +103,7 @@ fn the_midpoint_rule_keeps_energy_and_both_momenta() {
 
 #[test]
 fn contact_of_every_model_takes_no_momentum() {
-    for model in [
-        ContactModel::ImplicitContact,
-        ContactModel::IncrementalPotential,
-        ContactModel::Complementarity,
-    ] {
+    for model in MODELS {
         let mut scene = crossing(model, 0.002, 0.3);
         scene.clamps.clear();
         scene.rods = scene.rods.into_iter().map(consistent).collect();
@@ -172,18 +156,12 @@ fn a_short_rod_of_steel_falls() {
     rod.stiffness.twisting *= factor;
     let scene = Scene {
         rods: vec![rod],
-        loads: vec![weight()],
+        loads: vec![gravity(9.81)],
         ..Scene::default()
     };
-    let mut simulation = Simulation::new(&scene, &fixed(1e-3)).unwrap();
-    while simulation.time() < 0.1 {
-        simulation.advance(0.1).unwrap();
-    }
+    let simulation = run_with(&scene, &fixed(1e-3), 0.1);
     for (node, velocity) in simulation.velocities().iter().enumerate() {
-        assert!(
-            (velocity.z / -0.981 - 1.0).abs() < 1e-4,
-            "{node}: {velocity}"
-        );
+        assert_close_in(node, velocity.z, -0.981, 1e-4);
     }
 }
 

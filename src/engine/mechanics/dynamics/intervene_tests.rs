@@ -1,9 +1,11 @@
 //! Nodes that are grasped and released, against clamps of the scene and rods that nobody touched.
 
-use super::tests::{clamp, straight_rod};
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Load, LoadKind, NaturalShape, RodDescription, Scene};
+use crate::mechanics::scene::{LoadKind, RodDescription, Scene};
+use crate::mechanics::test_support::{
+    advance_to, at_rest, clamp, curved, farthest, gravity, pin, simulation_of, straight_rod,
+};
 
 const WHOLE: Grasp = Grasp {
     position: true,
@@ -13,18 +15,9 @@ const WHOLE: Grasp = Grasp {
 fn heavy(rods: Vec<RodDescription>) -> Scene {
     Scene {
         rods,
-        loads: vec![Load {
-            kind: LoadKind::Gravity {
-                acceleration: Vector3::z() * -9.81,
-            },
-            schedule: Vec::new(),
-        }],
+        loads: vec![gravity(9.81)],
         ..Scene::default()
     }
-}
-
-fn simulation(scene: &Scene) -> Simulation {
-    Simulation::new(scene, &IntegrationParameters::default()).unwrap()
 }
 
 fn elastic(simulation: &Simulation) -> f64 {
@@ -32,22 +25,20 @@ fn elastic(simulation: &Simulation) -> f64 {
     energies.stretching + energies.bending + energies.twisting
 }
 
-fn farthest(one: &Simulation, other: &Simulation) -> f64 {
-    let pairs = one.positions().iter().zip(other.positions());
-    pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+fn apart(one: &Simulation, other: &Simulation) -> f64 {
+    farthest(one.positions(), other.positions())
 }
 
 #[test]
 fn a_straight_rod_grasped_anywhere_hangs_as_one_clamped_there() {
     for node in [0, 1, 7, 19, 20] {
         let mut clamped = heavy(vec![straight_rod(20, 0.5)]);
-        let mut grasped = simulation(&clamped);
+        let mut grasped = simulation_of(&clamped);
         grasped.grasp(node, WHOLE).unwrap();
-        clamped.clamps.push(clamp(node));
-        let mut clamped = simulation(&clamped);
-        clamped.find_equilibrium().unwrap();
+        clamped.clamps.push(clamp(0, node));
+        let clamped = at_rest(&clamped);
         grasped.find_equilibrium().unwrap();
-        assert!(farthest(&clamped, &grasped) < 1e-9, "{node}");
+        assert!(apart(&clamped, &grasped) < 1e-9, "{node}");
         assert!((elastic(&clamped) / elastic(&grasped) - 1.0).abs() < 1e-9);
     }
 }
@@ -55,41 +46,33 @@ fn a_straight_rod_grasped_anywhere_hangs_as_one_clamped_there() {
 #[test]
 fn a_position_that_is_grasped_is_a_hinge() {
     let mut scene = heavy(vec![straight_rod(20, 0.5)]);
-    scene.clamps.push(clamp(0));
-    let mut grasped = simulation(&scene);
+    scene.clamps.push(clamp(0, 0));
+    let mut grasped = simulation_of(&scene);
     let hinge = Grasp {
         position: true,
         frame: false,
     };
     grasped.grasp(20, hinge).unwrap();
-    scene.clamps.push(crate::mechanics::scene::Clamp {
-        holds_frame: false,
-        ..clamp(20)
-    });
-    let mut clamped = simulation(&scene);
-    clamped.find_equilibrium().unwrap();
+    scene.clamps.push(pin(0, 20));
+    let clamped = at_rest(&scene);
     grasped.find_equilibrium().unwrap();
-    assert!(farthest(&clamped, &grasped) < 1e-9);
+    assert!(apart(&clamped, &grasped) < 1e-9);
 }
 
 /// A rod that is naturally curved and twisted, hangs from a clamp, and is twisted further.
-fn curved() -> Scene {
+fn hanging() -> Scene {
     let mut scene = heavy(vec![RodDescription {
-        natural_shape: NaturalShape::Curved {
-            curvature: [1.5, 0.4],
-            twist: 2.0,
-        },
+        natural_shape: curved([1.5, 0.4], 2.0),
         ..straight_rod(40, 0.5)
     }]);
-    scene.clamps.push(clamp(0));
+    scene.clamps.push(clamp(0, 0));
     scene
 }
 
 #[test]
 fn taking_hold_and_letting_go_leaves_the_rod_as_it_was() {
-    let scene = curved();
-    let mut touched = simulation(&scene);
-    touched.find_equilibrium().unwrap();
+    let scene = hanging();
+    let mut touched = at_rest(&scene);
     let before = elastic(&touched);
     let mut clamps = Vec::new();
     for node in [12, 25, 40] {
@@ -98,47 +81,44 @@ fn taking_hold_and_letting_go_leaves_the_rod_as_it_was() {
         assert!(part.abs() < 1e-3, "{node}: {part}");
     }
     // Nothing pulls at a node that is held where it was.
-    let mut untouched = simulation(&scene);
-    untouched.find_equilibrium().unwrap();
+    let untouched = at_rest(&scene);
     touched.find_equilibrium().unwrap();
     assert!(
-        farthest(&touched, &untouched) < 2e-5,
+        apart(&touched, &untouched) < 2e-5,
         "{}",
-        farthest(&touched, &untouched)
+        apart(&touched, &untouched)
     );
     for clamp in [clamps[1], clamps[0], clamps[2]] {
         touched.release(clamp).unwrap();
     }
     touched.find_equilibrium().unwrap();
-    assert!(farthest(&touched, &untouched) < 1e-9);
+    assert!(apart(&touched, &untouched) < 1e-9);
     assert!((elastic(&touched) / before - 1.0).abs() < 1e-9);
 }
 
 #[test]
 fn a_clamp_of_the_scene_can_let_go() {
-    let mut falling = simulation(&heavy(vec![straight_rod(20, 0.5)]));
+    let mut falling = simulation_of(&heavy(vec![straight_rod(20, 0.5)]));
     let mut scene = heavy(vec![straight_rod(20, 0.5)]);
-    scene.clamps.push(clamp(7));
-    let mut released = simulation(&scene);
+    scene.clamps.push(clamp(0, 7));
+    let mut released = simulation_of(&scene);
     released.release(0).unwrap();
     for simulation in [&mut falling, &mut released] {
-        while simulation.time() < 0.05 {
-            simulation.advance(0.05).unwrap();
-        }
+        advance_to(simulation, 0.05);
     }
-    assert!(farthest(&falling, &released) < 1e-9);
+    assert!(apart(&falling, &released) < 1e-9);
     assert!(falling.positions()[0].z < -0.01);
 }
 
 #[test]
 fn what_cannot_be_grasped_or_released_is_refused_with_the_reason() {
-    let mut scene = curved();
+    let mut scene = hanging();
     scene.rods.push(RodDescription {
         held: true,
         name: "post".into(),
         ..straight_rod(3, 0.1)
     });
-    let mut simulation = simulation(&scene);
+    let mut simulation = simulation_of(&scene);
     let clamp = simulation.grasp(5, WHOLE).unwrap();
     let mut refusals = Vec::new();
     for node in [0, 5, 41, 1000] {
@@ -161,17 +141,17 @@ fn what_cannot_be_grasped_or_released_is_refused_with_the_reason() {
 
 #[test]
 fn a_factor_scales_a_load_and_its_potential() {
-    let mut whole = simulation(&curved());
-    let mut scene = curved();
+    let mut whole = simulation_of(&hanging());
+    let mut scene = hanging();
     scene.loads[0].kind = LoadKind::Gravity {
         acceleration: Vector3::z() * -9.81 * 4.0,
     };
-    let mut scaled = simulation(&scene);
+    let mut scaled = simulation_of(&scene);
     scaled.set_load_factor(0, 0.25).unwrap();
     assert!(scaled.set_load_factor(1, 0.25).is_err());
     whole.find_equilibrium().unwrap();
     scaled.find_equilibrium().unwrap();
-    assert!(farthest(&whole, &scaled) < 1e-9);
+    assert!(apart(&whole, &scaled) < 1e-9);
     let ratio = scaled.energies().gravitational / whole.energies().gravitational;
     assert!((ratio - 1.0).abs() < 1e-9);
 }

@@ -2,53 +2,22 @@
 
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{
-    Body, Clamp, Joint, JointKind, Load, LoadKind, Motion, RodDescription, RodNode, Scene,
-    Stiffness, Strength,
+use crate::mechanics::scene::{Joint, JointKind, Load, RodDescription, RodNode, Scene};
+use crate::mechanics::test_support::{
+    advance_to, at, at_rest, body, clamp, fixed_steps, hinge, joint, line, point_force, section,
 };
 
 fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
-    let node = |k: usize| from + (to - from) * (k as f64 / edges as f64);
-    let stiffness = Stiffness {
-        stretching: 1e3,
-        bending: [1e-3, 2e-3],
-        twisting: 1e-3,
-    };
-    RodDescription::uniform(name, (0..=edges).map(node).collect(), stiffness, 2e-3, 0.01)
-}
-
-fn at(rod: usize, node: usize) -> RodNode {
-    RodNode { rod, node }
+    let stiffness = section(1e3, [1e-3, 2e-3], 1e-3);
+    RodDescription::uniform(name, line(from, to, edges), stiffness, 2e-3, 0.01)
 }
 
 fn weld(one: RodNode, other: RodNode) -> Joint {
-    Joint {
-        name: "weld".into(),
-        nodes: [one, other],
-        kind: JointKind::Rigid,
-        strength: Strength::default(),
-    }
-}
-
-fn clamp(rod: usize) -> Clamp {
-    Clamp {
-        rod,
-        node: 0,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
-    }
+    joint("weld", [one, other], JointKind::Rigid)
 }
 
 fn tip_load(rod: usize, node: usize) -> Load {
-    Load {
-        kind: LoadKind::Force {
-            rod,
-            node,
-            force: Vector3::new(0.0, 1e-4, 2e-4),
-        },
-        schedule: Vec::new(),
-    }
+    point_force(rod, node, Vector3::new(0.0, 1e-4, 2e-4))
 }
 
 #[test]
@@ -56,14 +25,14 @@ fn a_rod_welded_of_two_pieces_bends_and_twists_as_one() {
     let [a, b, c] = [0.0, 0.2, 0.3].map(|x| Vector3::x() * x);
     let whole = Scene {
         rods: vec![rod("whole", a, c, 30)],
-        clamps: vec![clamp(0)],
+        clamps: vec![clamp(0, 0)],
         loads: vec![tip_load(0, 30)],
         ..Scene::default()
     };
     let pieces = Scene {
         // The second piece runs the other way.
         rods: vec![rod("first", a, b, 20), rod("second", c, b, 10)],
-        clamps: vec![clamp(0)],
+        clamps: vec![clamp(0, 0)],
         joints: vec![weld(at(0, 20), at(1, 10))],
         loads: vec![tip_load(1, 0)],
         ..Scene::default()
@@ -75,9 +44,7 @@ fn a_rod_welded_of_two_pieces_bends_and_twists_as_one() {
         scene
     };
     let tip = |scene: Scene, node: usize| {
-        let mut simulation =
-            Simulation::new(&directed(scene), &IntegrationParameters::default()).unwrap();
-        simulation.find_equilibrium().unwrap();
+        let simulation = at_rest(&directed(scene));
         simulation.positions()[node] - c
     };
     let (one, two) = (tip(whole, 30), tip(pieces, 21));
@@ -105,23 +72,8 @@ fn tumbling() -> Scene {
     Scene {
         rods,
         joints: vec![weld(at(0, 0), at(1, 5))],
-        bodies: vec![Body {
-            name: "hub".into(),
-            at: at(0, 0),
-            mass: 0.02,
-            offset: Vector3::zeros(),
-            inertia: Some([4e-6, 5e-6, 6e-6]),
-            ball: None,
-        }],
+        bodies: vec![body("hub", at(0, 0), 0.02, Some([4e-6, 5e-6, 6e-6]))],
         ..Scene::default()
-    }
-}
-
-fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
-    IntegrationParameters {
-        scheme,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
     }
 }
 
@@ -140,17 +92,10 @@ fn a_body_turns_about_each_of_its_axes_with_its_own_moment_of_inertia() {
             };
             let scene = Scene {
                 rods: vec![bar],
-                bodies: vec![Body {
-                    name: "hub".into(),
-                    at: at(0, 2),
-                    mass: 0.02,
-                    offset: Vector3::zeros(),
-                    inertia,
-                    ball: None,
-                }],
+                bodies: vec![body("hub", at(0, 2), 0.02, inertia)],
                 ..Scene::default()
             };
-            let parameters = parameters(Scheme::ImplicitEuler, 1e-3);
+            let parameters = fixed_steps(Scheme::ImplicitEuler, 1e-3);
             Simulation::new(&scene, &parameters).unwrap().momenta()[1]
         };
         let of_body = angular_momentum(Some(moments)) - angular_momentum(None);
@@ -164,12 +109,10 @@ fn a_body_that_tumbles_keeps_its_angular_momentum() {
     let lost = |scheme: Scheme, step: f64, offset: Vector3| {
         let mut scene = tumbling();
         scene.bodies[0].offset = offset;
-        let mut simulation = Simulation::new(&scene, &parameters(scheme, step)).unwrap();
+        let mut simulation = Simulation::new(&scene, &fixed_steps(scheme, step)).unwrap();
         let [momentum, angular] = simulation.momenta();
         // More than a turn: rotation vectors begin anew several times.
-        while simulation.time() < 1.0 {
-            simulation.advance(1.0).unwrap();
-        }
+        advance_to(&mut simulation, 1.0);
         let [momentum_after, angular_after] = simulation.momenta();
         assert!((momentum_after - momentum).norm() < 1e-9 * momentum.norm());
         (angular_after - angular).norm() / angular.norm()
@@ -186,7 +129,7 @@ fn a_body_that_tumbles_keeps_its_angular_momentum() {
 
 #[test]
 fn tumbling_goes_on_from_a_checkpoint_bit_for_bit() {
-    let parameters = parameters(Scheme::BackwardDifferences, 1e-3);
+    let parameters = fixed_steps(Scheme::BackwardDifferences, 1e-3);
     let mut whole = Simulation::new(&tumbling(), &parameters).unwrap();
     let mut state = None;
     while whole.time() < 0.5 {
@@ -197,20 +140,16 @@ fn tumbling_goes_on_from_a_checkpoint_bit_for_bit() {
     }
     let mut resumed = Simulation::new(&tumbling(), &parameters).unwrap();
     resumed.restore(state.unwrap()).unwrap();
-    while resumed.time() < 0.5 {
-        resumed.advance(0.5).unwrap();
-    }
+    advance_to(&mut resumed, 0.5);
     assert_eq!(whole.positions(), resumed.positions());
 }
 
 #[test]
 fn joined_nodes_stay_one_point() {
     let mut scene = tumbling();
-    scene.joints[0].kind = JointKind::Hinge {
-        axis: Vector3::z(),
-        spring: None,
-    };
-    let mut simulation = Simulation::new(&scene, &parameters(Scheme::ImplicitEuler, 1e-3)).unwrap();
+    scene.joints[0].kind = hinge(Vector3::z());
+    let mut simulation =
+        Simulation::new(&scene, &fixed_steps(Scheme::ImplicitEuler, 1e-3)).unwrap();
     while simulation.time() < 0.1 {
         simulation.advance(0.1).unwrap();
         assert_eq!(simulation.positions()[0], simulation.positions()[11]);

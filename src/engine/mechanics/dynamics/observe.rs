@@ -289,7 +289,8 @@ mod tests {
     use super::*;
     use crate::mechanics::contact::ContactParameters;
     use crate::mechanics::dynamics::IntegrationParameters;
-    use crate::mechanics::scene::{Plane, RodDescription, Scene, Stiffness};
+    use crate::mechanics::scene::{Plane, RodDescription, Scene};
+    use crate::mechanics::test_support::{clamp, ground, run_with, section, steady};
 
     /// A straight rod of 25 edges of 8 mm along an axis through `middle`.
     fn rod(name: &str, radius: f64, axis: usize, middle: [f64; 3]) -> RodDescription {
@@ -298,11 +299,7 @@ mod tests {
             node[axis] += 8e-3 * (f64::from(k) - 12.5);
             node
         };
-        let stiffness = Stiffness {
-            stretching: 10.0,
-            bending: [1e-5; 2],
-            twisting: 1e-5,
-        };
+        let stiffness = section(10.0, [1e-5; 2], 1e-5);
         RodDescription::uniform(name, (0..26).map(node).collect(), stiffness, radius, 0.01)
     }
 
@@ -331,36 +328,27 @@ mod tests {
 
     #[test]
     fn a_start_is_the_state_that_was_left() {
-        use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion};
+        use crate::mechanics::scene::{Clamp, LoadKind, Motion};
         let mut beam = rod("beam", 2e-3, 0, [0.0; 3]);
         beam.twist = 9.0;
-        let clamp = |node: usize| Clamp {
-            rod: 0,
-            node,
-            holds_position: true,
-            holds_frame: true,
+        let turned = |node: usize| Clamp {
             motion: Motion {
                 angle: vec![(0.0, 0.0), (0.2, if node == 0 { 2.0 } else { 0.0 })],
                 ..Motion::default()
             },
+            ..clamp(0, node)
         };
         let gravity = LoadKind::Gravity {
             acceleration: Vector3::new(0.0, -1.0, -9.81),
         };
         let mut scene = Scene {
             rods: vec![beam],
-            clamps: vec![clamp(0), clamp(25)],
-            loads: vec![Load {
-                kind: gravity,
-                schedule: Vec::new(),
-            }],
+            clamps: vec![turned(0), turned(25)],
+            loads: vec![steady(gravity)],
             ..Scene::default()
         };
         let parameters = IntegrationParameters::default();
-        let mut first = Simulation::new(&scene, &parameters).unwrap();
-        while first.time() < 0.3 {
-            first.advance(0.3).unwrap();
-        }
+        let first = run_with(&scene, &parameters, 0.3);
         let start = first.as_start();
         scene
             .clamps
@@ -387,11 +375,7 @@ mod tests {
 
     #[test]
     fn planes_are_bodies_that_may_be_near() {
-        let ground = Plane {
-            point: Vector3::zeros(),
-            normal: Vector3::z(),
-            friction: None,
-        };
+        let ground = ground();
         let nearest = nearest(vec![rod("thin", 2e-3, 0, [0.0, 0.0, 2.5e-3])], vec![ground]);
         assert!((nearest.distance - 2.5e-3).abs() < 1e-15, "{nearest:?}");
         assert!((nearest.ratio() - 1.25).abs() < 1e-12, "{nearest:?}");

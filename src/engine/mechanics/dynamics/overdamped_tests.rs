@@ -1,19 +1,14 @@
 //! Rods in a flow beside whose drag their inertia is nothing.
 
-use super::tests::{clamp, run, straight_rod};
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::fluid::{Filament, FlowOperator, FluidModel};
-use crate::mechanics::scene::{
-    Load, LoadKind, RodDescription, RodNode, Scene, Spring, Stiffness, Strength,
+use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+use crate::mechanics::test_support::{
+    SCHEMES, at, clamp, distributed, fixed_steps, line, run, section, spring, straight_rod,
 };
 use std::f64::consts::PI;
 
-const SCHEMES: [Scheme; 3] = [
-    Scheme::ImplicitEuler,
-    Scheme::ImplicitMidpoint,
-    Scheme::BackwardDifferences,
-];
 const LENGTH: f64 = 0.02;
 const RADIUS: f64 = 1e-4;
 const VISCOSITY: f64 = 1.0;
@@ -30,13 +25,7 @@ fn filament(edges: usize, direction: Vector3) -> Scene {
     rod.stiffness = Stiffness::circular(1e9, 0.5, RADIUS);
     Scene {
         rods: vec![rod],
-        loads: vec![Load {
-            kind: LoadKind::Distributed {
-                rod: None,
-                force_per_length: LOAD * direction,
-            },
-            schedule: Vec::new(),
-        }],
+        loads: vec![distributed(None, LOAD * direction)],
         fluid: Some(FluidModel::RegularizedStokeslets {
             viscosity: VISCOSITY,
             regularization: 1.02,
@@ -97,7 +86,7 @@ fn filaments_glide_at_the_speed_of_the_dense_solution_with_every_scheme_and_step
 fn a_clamped_filament_relaxes_as_with_small_steps_of_implicit_euler() {
     let edges = 20;
     let mut scene = filament(edges, Vector3::z());
-    scene.clamps.push(clamp(0));
+    scene.clamps.push(clamp(0, 0));
     let end = 0.04;
     let reference = run(&scene, Scheme::ImplicitEuler, 5e-5, end);
     let tip = reference.positions()[edges].z;
@@ -161,13 +150,8 @@ fn rod_between(
 ) -> RodDescription {
     let area = PI * radius * radius;
     let bending = modulus * 0.25 * area * radius * radius;
-    let stiffness = Stiffness {
-        stretching: modulus * area,
-        bending: [bending; 2],
-        twisting: bending / 1.5,
-    };
-    let node = |k: usize| start.lerp(&end, k as f64 / edges as f64);
-    let nodes = (0..=edges).map(node).collect();
+    let stiffness = section(modulus * area, [bending; 2], bending / 1.5);
+    let nodes = line(start, end, edges);
     RodDescription::uniform(name, nodes, stiffness, radius, density * area)
 }
 
@@ -175,13 +159,7 @@ fn rod_between(
 fn pair(rods: Vec<RodDescription>, loaded: usize, load: Vector3, viscosity: f64) -> Scene {
     Scene {
         rods,
-        loads: vec![Load {
-            kind: LoadKind::Distributed {
-                rod: Some(loaded),
-                force_per_length: load,
-            },
-            schedule: Vec::new(),
-        }],
+        loads: vec![distributed(Some(loaded), load)],
         fluid: Some(FluidModel::RegularizedStokeslets {
             viscosity,
             regularization: 1.02,
@@ -227,21 +205,16 @@ fn overlapping_rods_end_a_run_instead_of_leaping_apart() {
     ];
     let load = Vector3::new(-4.905_599_66e-6, 5.358_673_07e-5, 6.286_189_42e-5);
     let mut scene = pair(rods, 1, load, 1.738_397_645e-2);
-    scene.clamps.push(clamp(0));
-    scene.springs.push(Spring {
-        name: "spring".into(),
-        nodes: [[0, edges], [1, 0]].map(|[rod, node]| RodNode { rod, node }),
-        stiffness: 8.274_793_265e-4,
-        turning: None,
-        rest_length: None,
-        strength: Strength::default(),
-    });
+    scene.clamps.push(clamp(0, 0));
+    scene.springs.push(spring(
+        "spring",
+        [[0, edges], [1, 0]].map(|[rod, node]| at(rod, node)),
+        8.274_793_265e-4,
+    ));
     let step = 3.105_050_228e-3;
     let parameters = IntegrationParameters {
-        scheme: Scheme::BackwardDifferences,
-        step: StepSize::Fixed(step),
         minimum_step: 1e-6 * step,
-        ..IntegrationParameters::default()
+        ..fixed_steps(Scheme::BackwardDifferences, step)
     };
     let mut simulation = Simulation::new(&scene, &parameters).unwrap();
     while simulation.time() < 16.0 * step {

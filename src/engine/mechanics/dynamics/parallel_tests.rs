@@ -1,10 +1,10 @@
 //! Rods that come to lie along each other: contact points run along edges that are nearly parallel.
 
-use super::barrier_tests::fixed;
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
-use crate::mechanics::scene::{Load, LoadKind, RodDescription, Scene, Stiffness};
+use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+use crate::mechanics::test_support::{fixed, gravity};
 use std::f64::consts::PI;
 
 /// What thirty steps of a millisecond asked for.
@@ -34,12 +34,7 @@ fn fallen(model: ContactModel, rods: usize, angle: f64, fall: f64) -> Effort {
     };
     let scene = Scene {
         rods: (0..rods).map(rod).collect(),
-        loads: vec![Load {
-            kind: LoadKind::Gravity {
-                acceleration: Vector3::z() * -9.81,
-            },
-            schedule: Vec::new(),
-        }],
+        loads: vec![gravity(9.81)],
         contact: Some(ContactParameters {
             model,
             friction: 0.3,

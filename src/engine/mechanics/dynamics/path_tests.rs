@@ -1,21 +1,16 @@
 //! Paths of equilibria with known critical points and branches.
 
-use super::tests::clamp;
-use super::{IntegrationParameters, Simulation};
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Load, LoadKind, NaturalShape, RodDescription, Scene, Stiffness};
+use crate::mechanics::scene::{Load, LoadKind, NaturalShape, RodDescription, Scene};
 use crate::mechanics::statics::{PathMethod, PathPlan, PathPoint, PointKind};
+use crate::mechanics::test_support::{assert_close, clamp, point_force, section, simulation_of};
 use std::f64::consts::{PI, TAU};
 
 const EDGES: usize = 40;
 
 fn rod(centreline: Vec<Vector3>) -> RodDescription {
     // Soft about the first director alone: it bends in the plane of x and y.
-    let stiffness = Stiffness {
-        stretching: 1e5,
-        bending: [1.0, 50.0],
-        twisting: 10.0,
-    };
+    let stiffness = section(1e5, [1.0, 50.0], 10.0);
     RodDescription {
         first_director: Some(Vector3::z()),
         natural_shape: NaturalShape::AsPlaced,
@@ -27,12 +22,8 @@ fn rod(centreline: Vec<Vector3>) -> RodDescription {
 /// A force that is the parameter times `force`.
 fn growing(node: usize, force: Vector3) -> Load {
     Load {
-        kind: LoadKind::Force {
-            rod: 0,
-            node,
-            force,
-        },
         schedule: vec![(-1e3, -1e3), (1e3, 1e3)],
+        ..point_force(0, node, force)
     }
 }
 
@@ -40,7 +31,7 @@ fn column() -> Scene {
     let node = |k: usize| k as f64 / EDGES as f64 * Vector3::x();
     Scene {
         rods: vec![rod((0..=EDGES).map(node).collect())],
-        clamps: vec![clamp(0)],
+        clamps: vec![clamp(0, 0)],
         loads: vec![growing(EDGES, -Vector3::x())],
         ..Scene::default()
     }
@@ -54,7 +45,7 @@ fn arch() -> Scene {
     };
     Scene {
         rods: vec![rod((0..=EDGES).map(node).collect())],
-        clamps: vec![clamp(0), clamp(EDGES)],
+        clamps: vec![clamp(0, 0), clamp(0, EDGES)],
         loads: vec![growing(EDGES / 2, -Vector3::y())],
         ..Scene::default()
     }
@@ -73,8 +64,7 @@ fn plan(to: f64, method: PathMethod) -> PathPlan {
 }
 
 fn follow(scene: &Scene, plan: PathPlan) -> (Vec<PathPoint>, bool) {
-    let parameters = IntegrationParameters::default();
-    let mut simulation = Simulation::new(scene, &parameters).unwrap();
+    let mut simulation = simulation_of(scene);
     let mut path = simulation.path(plan).unwrap();
     let mut points = Vec::new();
     loop {
@@ -86,13 +76,18 @@ fn follow(scene: &Scene, plan: PathPlan) -> (Vec<PathPoint>, bool) {
     }
 }
 
+/// The first point of a path that is not regular.
+fn first_critical(points: &[PathPoint]) -> &PathPoint {
+    let critical = points.iter().find(|point| point.kind != PointKind::Regular);
+    critical.unwrap()
+}
+
 #[test]
 fn a_column_buckles_at_eulers_load_into_two_mirrored_branches() {
     for method in [PathMethod::Natural, PathMethod::Arclength] {
         let (points, finished) = follow(&column(), plan(4.0, method));
         assert!(finished);
-        let critical = points.iter().find(|point| point.kind != PointKind::Regular);
-        let critical = critical.unwrap();
+        let critical = first_critical(&points);
         assert_eq!(critical.kind, PointKind::Bifurcation);
         assert!((critical.parameter / (0.25 * PI * PI) - 1.0).abs() < 5e-4);
         for point in points
@@ -173,7 +168,7 @@ fn the_path_of_an_arch_turns_back_at_a_fold_where_it_loses_stability() {
 
 #[test]
 fn the_lowest_eigenvalue_is_that_of_the_dense_matrix() {
-    let mut simulation = Simulation::new(&column(), &IntegrationParameters::default()).unwrap();
+    let mut simulation = simulation_of(&column());
     let mut path = simulation.path(plan(4.0, PathMethod::Natural)).unwrap();
     while let Some(point) = simulation.next_point(&mut path).unwrap() {
         let weight = |unknown: &usize| if unknown % 4 == 3 { EDGES as f64 } else { 1.0 };
@@ -240,15 +235,10 @@ fn a_column_under_a_force_that_turns_with_its_end_flutters_at_becks_load() {
     for method in [PathMethod::Natural, PathMethod::Arclength] {
         let (points, finished) = follow(&followed_column(1.0), plan(24.0, method));
         assert!(finished);
-        let critical = points.iter().find(|point| point.kind != PointKind::Regular);
-        let critical = critical.unwrap();
+        let critical = first_critical(&points);
         assert_eq!(critical.kind, PointKind::Flutter);
         // Beck 1952; second order in the edge length.
-        assert!(
-            (critical.parameter / 20.0509 - 1.0).abs() < 5e-3,
-            "{}",
-            critical.parameter
-        );
+        assert_close(critical.parameter, 20.0509, 5e-3);
         for point in points.iter().filter(|p| p.kind == PointKind::Regular) {
             let motions = point.motions.unwrap();
             let stable = point.parameter < critical.parameter;
@@ -265,17 +255,12 @@ fn a_column_under_a_force_that_turns_only_a_little_diverges() {
     let following = 0.2_f64;
     let exact = (-following / (1.0 - following)).acos().powi(2);
     let (points, _) = follow(&followed_column(following), plan(4.0, PathMethod::Natural));
-    let critical = points.iter().find(|point| point.kind != PointKind::Regular);
-    let critical = critical.unwrap();
+    let critical = first_critical(&points);
     assert_eq!(
         (critical.kind, critical.negative),
         (PointKind::Bifurcation, 1)
     );
-    assert!(
-        (critical.parameter / exact - 1.0).abs() < 2e-3,
-        "{} {exact}",
-        critical.parameter
-    );
+    assert_close(critical.parameter, exact, 2e-3);
 }
 
 #[test]
@@ -318,8 +303,7 @@ fn a_round_column_buckles_in_two_directions_at_once_and_turns_without_resistance
     scene.rods[0].stiffness.bending = [1.0; 2];
     let (points, finished) = follow(&scene, plan(4.0, PathMethod::Arclength));
     assert!(finished);
-    let critical = points.iter().find(|point| point.kind != PointKind::Regular);
-    let critical = critical.unwrap();
+    let critical = first_critical(&points);
     assert_eq!(
         (critical.kind, critical.negative),
         (PointKind::Bifurcation, 2)
@@ -345,7 +329,7 @@ fn turns_of_a_clamp_count_along_a_path() {
     let turns = 1000.0;
     let mut scene = column();
     scene.loads.clear();
-    let mut head = clamp(EDGES);
+    let mut head = clamp(0, EDGES);
     head.motion.angle = vec![(0.0, 0.0), (1.0, turns * TAU)];
     scene.clamps.push(head);
     let plan = PathPlan {
@@ -354,7 +338,7 @@ fn turns_of_a_clamp_count_along_a_path() {
         switch_branches: false,
         ..plan(1.0, PathMethod::Natural)
     };
-    let mut simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+    let mut simulation = simulation_of(&scene);
     let mut path = simulation.path(plan).unwrap();
     while simulation.next_point(&mut path).unwrap().is_some() {
         let angle = simulation.time() * turns * TAU;

@@ -1,51 +1,30 @@
 //! Nodes that slide along rods, in motion and at rest.
 
-use super::tests::run;
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::scene::{
-    Clamp, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, Obstacle, RodDescription,
-    RodNode, Scene, Stiffness, Strength,
+    Joint, JointKind, Load, NaturalShape, RodDescription, Scene, Strength,
+};
+use crate::mechanics::test_support::{
+    SOFT_MODELS, advance_to, at, at_rest, contact, drag, fixed_steps, gravity, joint, obstacle,
+    pin, point_force, run, section, simulation_of,
 };
 use std::f64::consts::PI;
 
 const GRAVITY: f64 = 9.81;
 
 fn rod(name: &str, nodes: Vec<Vector3>) -> RodDescription {
-    let stiffness = Stiffness {
-        stretching: 1e3,
-        bending: [1e-3; 2],
-        twisting: 1e-3,
-    };
+    let stiffness = section(1e3, [1e-3; 2], 1e-3);
     RodDescription::uniform(name, nodes, stiffness, 2e-3, 0.01)
 }
 
 fn slide(nodes: [[usize; 2]; 2]) -> Joint {
-    Joint {
-        name: format!("slide {}", nodes[0][1]),
-        nodes: nodes.map(|[rod, node]| RodNode { rod, node }),
-        kind: JointKind::Slide,
-        strength: Strength::default(),
-    }
-}
-
-fn gravity() -> Load {
-    Load {
-        kind: LoadKind::Gravity {
-            acceleration: Vector3::z() * -GRAVITY,
-        },
-        schedule: Vec::new(),
-    }
-}
-
-fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
-    IntegrationParameters {
-        scheme,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
-    }
+    joint(
+        &format!("slide {}", nodes[0][1]),
+        nodes.map(|[rod, node]| at(rod, node)),
+        JointKind::Slide,
+    )
 }
 
 const SLOPE: f64 = 0.5;
@@ -62,7 +41,7 @@ fn incline() -> Scene {
     Scene {
         rods: vec![wire, shuttle],
         joints: vec![slide([[1, 0], [0, 2]]), slide([[1, 1], [0, 4]])],
-        loads: vec![gravity()],
+        loads: vec![gravity(GRAVITY)],
         ..Scene::default()
     }
 }
@@ -106,14 +85,14 @@ fn bowl() -> Scene {
     Scene {
         rods: vec![wire, rod("shuttle", vec![from, to])],
         joints: vec![slide([[1, 0], [0, 4]]), slide([[1, 1], [0, 5]])],
-        loads: vec![gravity()],
+        loads: vec![gravity(GRAVITY)],
         ..Scene::default()
     }
 }
 
 /// Largest deviation of the energy of a scene from that at its start over some time, J.
 fn deviation(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> (f64, f64) {
-    let mut simulation = Simulation::new(scene, &parameters(scheme, step)).unwrap();
+    let mut simulation = Simulation::new(scene, &fixed_steps(scheme, step)).unwrap();
     let start = simulation.energies().total();
     let (mut worst, mut kinetic) = (0.0_f64, 0.0_f64);
     while simulation.time() < end {
@@ -148,12 +127,8 @@ fn free_rail() -> Scene {
     let mut shuttle = rod("shuttle", vec![Vector3::x() * 0.03, Vector3::x() * 0.04]);
     shuttle.velocity = Vector3::new(0.5, 0.0, 0.0);
     let push = |force: f64, end: f64| Load {
-        kind: LoadKind::Force {
-            rod: 0,
-            node: 20,
-            force: Vector3::new(0.0, force, 0.5 * force),
-        },
         schedule: vec![(0.0, 1.0), (end, 1.0), (end + 1e-6, 0.0)],
+        ..point_force(0, 20, Vector3::new(0.0, force, 0.5 * force))
     };
     Scene {
         rods: vec![rail, shuttle],
@@ -171,18 +146,14 @@ fn momentum_is_kept_along_a_rod_that_bends() {
         (Scheme::ImplicitEuler, 1e-2),
         (Scheme::BackwardDifferences, 1e-2),
     ] {
-        let mut simulation = Simulation::new(&free_rail(), &parameters(scheme, 5e-4)).unwrap();
+        let mut simulation = Simulation::new(&free_rail(), &fixed_steps(scheme, 5e-4)).unwrap();
         while simulation.time() < pushed {
             simulation.advance(0.021).unwrap();
         }
-        while simulation.time() < 0.03 {
-            simulation.advance(0.03).unwrap();
-        }
+        advance_to(&mut simulation, 0.03);
         let [before, turning_before] = simulation.momenta();
         let placed = simulation.positions()[21];
-        while simulation.time() < 0.2 {
-            simulation.advance(0.2).unwrap();
-        }
+        advance_to(&mut simulation, 0.2);
         let [after, turning_after] = simulation.momenta();
         let travelled = (simulation.positions()[21] - placed).norm();
         assert!(travelled > 0.05, "{travelled}");
@@ -202,7 +173,7 @@ fn stops_hold_it_at_the_end() {
     assert!((length / 0.05 - 1.0).abs() < 1e-3, "{length}");
     // With less damping the edge, which is elastic, leaps back, and comes again.
     for scheme in [Scheme::BackwardDifferences, Scheme::ImplicitMidpoint] {
-        let mut simulation = Simulation::new(&incline(), &parameters(scheme, 2e-3)).unwrap();
+        let mut simulation = Simulation::new(&incline(), &fixed_steps(scheme, 2e-3)).unwrap();
         let start = simulation.energies().total();
         let mut farthest = 0.0_f64;
         while simulation.time() < 1.2 {
@@ -229,7 +200,7 @@ fn it_goes_on_from_a_checkpoint_bit_for_bit_and_breaks() {
             .joints
             .iter_mut()
             .for_each(|joint| joint.strength = Strength::of_force(pressed));
-        let parameters = parameters(scheme, 1e-3);
+        let parameters = fixed_steps(scheme, 1e-3);
         let mut whole = Simulation::new(&scene, &parameters).unwrap();
         let (mut states, end) = (Vec::new(), 0.3);
         while whole.time() < end {
@@ -254,9 +225,7 @@ fn it_goes_on_from_a_checkpoint_bit_for_bit_and_breaks() {
         for state in states {
             let mut resumed = Simulation::new(&scene, &parameters).unwrap();
             resumed.restore(state).unwrap();
-            while resumed.time() < end {
-                resumed.advance(end).unwrap();
-            }
+            advance_to(&mut resumed, end);
             assert_eq!(whole.positions(), resumed.positions());
             assert_eq!(whole.breaks(), resumed.breaks());
         }
@@ -286,11 +255,7 @@ fn ring_on_rope(edges: usize, part: f64) -> (Scene, usize) {
             apex + (across - apex) * ((at - one) / other)
         }
     };
-    let stiffness = Stiffness {
-        stretching: 1e3,
-        bending: [BENDING; 2],
-        twisting: BENDING,
-    };
+    let stiffness = section(1e3, [BENDING; 2], BENDING);
     let rope = RodDescription {
         natural_shape: NaturalShape::Straight,
         ..RodDescription::uniform(
@@ -310,25 +275,11 @@ fn ring_on_rope(edges: usize, part: f64) -> (Scene, usize) {
         2e-4,
         1e-4,
     );
-    let clamp = |node: usize| Clamp {
-        rod: 0,
-        node,
-        holds_position: true,
-        holds_frame: false,
-        motion: Motion::default(),
-    };
     let scene = Scene {
         rods: vec![rope, ring],
         joints: vec![slide([[1, 0], [0, start]])],
-        clamps: vec![clamp(0), clamp(edges)],
-        loads: vec![Load {
-            kind: LoadKind::Force {
-                rod: 1,
-                node: 1,
-                force: Vector3::z() * -WEIGHT,
-            },
-            schedule: Vec::new(),
-        }],
+        clamps: vec![pin(0, 0), pin(0, edges)],
+        loads: vec![point_force(1, 1, Vector3::z() * -WEIGHT)],
         ..Scene::default()
     };
     (scene, edges + 1)
@@ -370,8 +321,7 @@ fn a_ring_on_a_slack_rope_rests_where_both_halves_make_the_same_angle() {
     let expected = ring_at_rest();
     let off = |edges: usize, part: f64| {
         let (scene, ring) = ring_on_rope(edges, part);
-        let mut simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
-        simulation.find_equilibrium().unwrap();
+        let simulation = at_rest(&scene);
         simulation.positions()[ring] - expected
     };
     let errors = [40, 80].map(|edges| off(edges, 0.5));
@@ -401,8 +351,7 @@ fn a_ring_comes_to_rest_on_ropes_of_any_stiffness_and_number_of_edges() {
                 stiffness.bending = stiffness.bending.map(|bending| bending * factor);
                 stiffness.twisting *= factor;
             }
-            let parameters = IntegrationParameters::default();
-            let mut simulation = Simulation::new(&scene, &parameters).unwrap();
+            let mut simulation = simulation_of(&scene);
             let report = simulation.find_equilibrium().unwrap();
             println!("{edges} {factor}: {}", report.newton_iterations);
             // What is stiffer bends as a beam does, and takes up to 1,300.
@@ -422,9 +371,7 @@ fn edges_too_long_for_what_slides_along_them_are_remarked() {
     let remarks = |edges: usize| {
         let (mut scene, _) = ring_on_rope(edges, 0.5);
         scene.rods[0].stiffness.bending = [4e-6; 2];
-        let parameters = IntegrationParameters::default();
-        let mut simulation = Simulation::new(&scene, &parameters).unwrap();
-        simulation.find_equilibrium().unwrap();
+        let simulation = at_rest(&scene);
         simulation.remarks()
     };
     // 0.1 F h²/EI: 0.31 and 0.02.
@@ -444,31 +391,16 @@ const BALL_RADIUS: f64 = 0.02;
 fn a_bead_that_runs_against_an_obstacle_rests_on_it() {
     let down = Vector3::new(SLOPE.cos(), 0.0, -SLOPE.sin());
     let tolerance = 2e-5;
-    for model in [
-        ContactModel::ImplicitContact,
-        ContactModel::IncrementalPotential,
-    ] {
+    for model in SOFT_MODELS {
         for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
             let mut scene = incline();
-            scene.obstacles.push(Obstacle {
-                name: "ball".into(),
-                body: RigidBody::sphere(down * BALL, BALL_RADIUS),
-                ..Obstacle::default()
-            });
-            scene.contact = Some(ContactParameters {
-                model,
-                distance_tolerance: tolerance,
-                ..ContactParameters::default()
-            });
-            scene.loads.push(Load {
-                kind: LoadKind::Drag {
-                    rod: Some(1),
-                    translation: 0.1,
-                    rotation: 0.0,
-                },
-                schedule: Vec::new(),
-            });
-            let mut simulation = Simulation::new(&scene, &parameters(scheme, 2e-3)).unwrap();
+            scene.obstacles.push(obstacle(
+                "ball",
+                RigidBody::sphere(down * BALL, BALL_RADIUS),
+            ));
+            scene.contact = Some(contact(model, tolerance));
+            scene.loads.push(drag(Some(1), 0.1, 0.0));
+            let mut simulation = Simulation::new(&scene, &fixed_steps(scheme, 2e-3)).unwrap();
             let gap = |simulation: &Simulation| {
                 let lead = simulation.positions()[42];
                 (lead - down * BALL).norm() - BALL_RADIUS - 2e-3

@@ -2,10 +2,13 @@
 
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::contact::ContactModel;
 use crate::mechanics::scene::{
-    HingeSpring, Joint, JointKind, Load, LoadKind, Plane, RodDescription, RodNode, Scene, Spring,
-    Stiffness, Strength, TurningStiffness,
+    HingeSpring, JointKind, RodDescription, Scene, Spring, TurningStiffness,
+};
+use crate::mechanics::test_support::{
+    MODELS, assert_close_in, at, contact, drag, fixed_steps, gravity, ground, joint, run, section,
+    spring,
 };
 use std::f64::consts::TAU;
 
@@ -14,31 +17,15 @@ pub(super) const STIFFNESS: f64 = 2.0;
 
 /// A rod of 1 g and four edges, 10 cm long.
 pub(super) fn rod(name: &str, start: Vector3, along: Vector3) -> RodDescription {
-    let stiffness = Stiffness {
-        stretching: 1e4,
-        bending: [1e-2; 2],
-        twisting: 1e-2,
-    };
+    let stiffness = section(1e4, [1e-2; 2], 1e-2);
     let node = |k: i32| start + along * (0.025 * f64::from(k));
     RodDescription::uniform(name, (0..=4).map(node).collect(), stiffness, 2e-3, 1e-2)
 }
 
-fn spring(nodes: [[usize; 2]; 2], rest_length: Option<f64>) -> Spring {
+fn tie(nodes: [[usize; 2]; 2], rest_length: Option<f64>) -> Spring {
     Spring {
-        name: "spring".into(),
-        nodes: nodes.map(|[rod, node]| RodNode { rod, node }),
-        stiffness: STIFFNESS,
-        turning: None,
         rest_length,
-        strength: Strength::default(),
-    }
-}
-
-pub(super) fn parameters(scheme: Scheme, step: f64) -> IntegrationParameters {
-    IntegrationParameters {
-        scheme,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
+        ..spring("spring", nodes.map(|[rod, node]| at(rod, node)), STIFFNESS)
     }
 }
 
@@ -47,7 +34,7 @@ fn pair() -> Scene {
     let x = Vector3::x();
     Scene {
         rods: vec![rod("left", -0.11 * x, x), rod("right", 0.01 * x, x)],
-        springs: vec![spring([[0, 4], [1, 0]], Some(0.015))],
+        springs: vec![tie([[0, 4], [1, 0]], Some(0.015))],
         ..Scene::default()
     }
 }
@@ -56,7 +43,7 @@ fn pair() -> Scene {
 fn error_of_gap(scheme: Scheme, step: f64) -> f64 {
     let frequency = (2.0 * STIFFNESS / MASS).sqrt();
     let end = 2.0 * TAU / frequency;
-    let mut simulation = Simulation::new(&pair(), &parameters(scheme, step)).unwrap();
+    let mut simulation = Simulation::new(&pair(), &fixed_steps(scheme, step)).unwrap();
     let mut worst = 0.0_f64;
     while simulation.time() < end {
         simulation.advance(end).unwrap();
@@ -88,7 +75,7 @@ fn two_rods_swing_against_each_other_as_theory_says() {
 #[test]
 fn the_energy_of_springs_is_in_the_balance() {
     let mut simulation =
-        Simulation::new(&pair(), &parameters(Scheme::ImplicitMidpoint, 1e-4)).unwrap();
+        Simulation::new(&pair(), &fixed_steps(Scheme::ImplicitMidpoint, 1e-4)).unwrap();
     let start = simulation.energies();
     assert!((start.stretching / (0.5 * STIFFNESS * 25e-6) - 1.0).abs() < 1e-9);
     let mut kinetic = 0.0_f64;
@@ -114,21 +101,20 @@ fn a_sprung_hinge_keeps_angular_momentum_and_its_energy() {
     };
     let scene = Scene {
         rods: vec![stiff(rod("one", origin, x)), stiff(rod("other", origin, y))],
-        joints: vec![Joint {
-            name: "hinge".into(),
-            nodes: [RodNode { rod: 0, node: 0 }, RodNode { rod: 1, node: 0 }],
-            kind: JointKind::Hinge {
+        joints: vec![joint(
+            "hinge",
+            [at(0, 0), at(1, 0)],
+            JointKind::Hinge {
                 axis: Vector3::z(),
                 spring: Some(HingeSpring {
                     stiffness,
                     rest_angle: 0.3,
                 }),
             },
-            strength: Strength::default(),
-        }],
+        )],
         ..Scene::default()
     };
-    let parameters = parameters(Scheme::BackwardDifferences, 5e-5);
+    let parameters = fixed_steps(Scheme::BackwardDifferences, 5e-5);
     let mut simulation = Simulation::new(&scene, &parameters).unwrap();
     let start = simulation.energies();
     assert!((start.bending / (0.5 * stiffness * 0.09) - 1.0).abs() < 1e-9);
@@ -177,11 +163,11 @@ fn two_rods_that_a_spring_turns_keep_momenta_and_energy() {
                     stiffness,
                     rest_rotation,
                 }),
-                ..spring([[0, 1], [1, 4]], None)
+                ..tie([[0, 1], [1, 4]], None)
             }],
             ..Scene::default()
         };
-        let parameters = parameters(Scheme::BackwardDifferences, 5e-5);
+        let parameters = fixed_steps(Scheme::BackwardDifferences, 5e-5);
         let mut simulation = Simulation::new(&scene, &parameters).unwrap();
         let start = simulation.energies().total();
         let energy = 0.5 * stiffness * rest_rotation.norm_squared();
@@ -208,50 +194,23 @@ fn two_rods_that_a_spring_turns_keep_momenta_and_energy() {
 /// A rod that lies on the ground under its weight, half of which two springs to a beam above carry.
 #[test]
 fn springs_carry_what_the_ground_does_not() {
-    let (radius, gravity) = (2e-3, 9.81);
+    let (radius, acceleration) = (2e-3, 9.81);
     let (x, z) = (Vector3::x(), Vector3::z());
-    let weight = MASS * gravity;
+    let weight = MASS * acceleration;
     let length = 0.25 * weight / STIFFNESS;
     let mut beam = rod("beam", z * 0.05, x);
     beam.held = true;
     let rest_length = Some(0.05 - radius - length);
-    for model in [
-        ContactModel::ImplicitContact,
-        ContactModel::IncrementalPotential,
-        ContactModel::Complementarity,
-    ] {
+    for model in MODELS {
         let scene = Scene {
             rods: vec![rod("rod", z * radius, x), beam.clone()],
             springs: vec![
-                spring([[0, 0], [1, 0]], rest_length),
-                spring([[1, 4], [0, 4]], rest_length),
+                tie([[0, 0], [1, 0]], rest_length),
+                tie([[1, 4], [0, 4]], rest_length),
             ],
-            loads: vec![
-                Load {
-                    kind: LoadKind::Gravity {
-                        acceleration: -gravity * z,
-                    },
-                    schedule: Vec::new(),
-                },
-                Load {
-                    kind: LoadKind::Drag {
-                        rod: Some(0),
-                        translation: 0.5,
-                        rotation: 0.0,
-                    },
-                    schedule: Vec::new(),
-                },
-            ],
-            planes: vec![Plane {
-                point: Vector3::zeros(),
-                normal: z,
-                friction: None,
-            }],
-            contact: Some(ContactParameters {
-                model,
-                distance_tolerance: 1e-5,
-                ..ContactParameters::default()
-            }),
+            loads: vec![gravity(acceleration), drag(Some(0), 0.5, 0.0)],
+            planes: vec![ground()],
+            contact: Some(contact(model, 1e-5)),
             ..Scene::default()
         };
         // A barrier begins where nothing touches.
@@ -263,20 +222,13 @@ fn springs_carry_what_the_ground_does_not() {
         } else {
             scene
         };
-        let mut simulation =
-            Simulation::new(&scene, &parameters(Scheme::ImplicitEuler, 1e-3)).unwrap();
-        while simulation.time() < 0.5 {
-            simulation.advance(0.5).unwrap();
-        }
+        let simulation = run(&scene, Scheme::ImplicitEuler, 1e-3, 0.5);
         let touches = simulation.plane_contacts().iter();
         let pressed: f64 = touches.map(|touch| touch.force[2]).sum();
         let positions = simulation.positions();
         let pulls = [0, 4].map(|node| 0.05 - positions[node].z - (0.05 - radius - length));
         let expected = weight - STIFFNESS * pulls.iter().sum::<f64>();
         assert!((expected / weight - 0.5).abs() < 0.02, "{expected}");
-        assert!(
-            (pressed / expected - 1.0).abs() < 1e-3,
-            "{model:?}: {pressed} of {expected}"
-        );
+        assert_close_in(model, pressed, expected, 1e-3);
     }
 }

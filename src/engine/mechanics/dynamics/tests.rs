@@ -3,52 +3,13 @@
 use super::test_log::Log;
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Scene, Stiffness};
+use crate::mechanics::scene::{Clamp, Motion, RodDescription, Scene};
 use crate::mechanics::system::System;
+use crate::mechanics::test_support::{
+    advance_to, assert_close_in, clamp, fixed, fixed_steps, free_rods, gravity, pin, resumed,
+    run_with, simulation_of, straight_rod,
+};
 use std::f64::consts::TAU;
-
-/// A rod of `edges` edges along x from the origin, E = 100 MPa, radius 5 mm, density 1000.
-pub(crate) fn straight_rod(edges: usize, length: f64) -> RodDescription {
-    let (young, radius, density) = (1e8, 5e-3, 1000.0);
-    let area = std::f64::consts::PI * radius * radius;
-    let second_moment = 0.25 * area * radius * radius;
-    let centreline = (0..=edges)
-        .map(|k| Vector3::x() * (length * k as f64 / edges as f64))
-        .collect();
-    let stiffness = Stiffness {
-        stretching: young * area,
-        bending: [young * second_moment; 2],
-        twisting: young / 3.0 * 2.0 * second_moment,
-    };
-    RodDescription {
-        first_director: Some(Vector3::y()),
-        ..RodDescription::uniform("rod", centreline, stiffness, radius, density * area)
-    }
-}
-
-pub(crate) fn clamp(node: usize) -> Clamp {
-    Clamp {
-        rod: 0,
-        node,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
-    }
-}
-
-/// The simulation of a scene with steps of a size (s) up to a time (s).
-pub(super) fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
-    let parameters = IntegrationParameters {
-        scheme,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
-    };
-    let mut simulation = Simulation::new(scene, &parameters).unwrap();
-    while simulation.time() < end {
-        simulation.advance(end).unwrap();
-    }
-    simulation
-}
 
 #[test]
 fn a_rod_begins_with_the_velocities_of_a_rigid_body() {
@@ -57,11 +18,8 @@ fn a_rod_begins_with_the_velocities_of_a_rigid_body() {
         angular_velocity: Vector3::new(0.0, 4.0, 3.0),
         ..straight_rod(8, 2.0)
     };
-    let scene = Scene {
-        rods: vec![rod],
-        ..Scene::default()
-    };
-    let simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+    let scene = free_rods(vec![rod]);
+    let simulation = simulation_of(&scene);
     // A metre from its middle along x, turned about y and z.
     let velocities = simulation.velocities();
     assert!((velocities[8] - Vector3::new(0.1, 3.2, -3.7)).norm() < 1e-14);
@@ -71,13 +29,8 @@ fn a_rod_begins_with_the_velocities_of_a_rigid_body() {
 pub(super) fn heavy_cantilever(edges: usize) -> Scene {
     Scene {
         rods: vec![straight_rod(edges, 1.0)],
-        clamps: vec![clamp(0)],
-        loads: vec![Load {
-            kind: LoadKind::Gravity {
-                acceleration: Vector3::new(0.0, 0.0, -9.81),
-            },
-            schedule: Vec::new(),
-        }],
+        clamps: vec![clamp(0, 0)],
+        loads: vec![gravity(9.81)],
         ..Scene::default()
     }
 }
@@ -88,8 +41,7 @@ fn heavy_cantilever_converges_to_the_elastica_with_second_order() {
     let exact = Vector3::new(0.515_778_977_743_64, 0.0, -0.793_829_887_966_485);
     let mut errors = Vec::new();
     for edges in [25, 50, 100] {
-        let mut simulation =
-            Simulation::new(&heavy_cantilever(edges), &IntegrationParameters::default()).unwrap();
+        let mut simulation = simulation_of(&heavy_cantilever(edges));
         let report = simulation.find_equilibrium().unwrap();
         let error = (simulation.positions()[edges] - exact).norm();
         println!(
@@ -110,22 +62,15 @@ fn a_free_rod_conserves_energy_and_momentum_with_the_midpoint_rule() {
     let mut rod = straight_rod(20, 1.0);
     rod.angular_velocity = Vector3::new(0.3, 1.0, 2.0);
     rod.velocity = Vector3::new(0.1, -0.2, 0.05);
-    let scene = Scene {
-        rods: vec![rod],
-        ..Scene::default()
-    };
+    let scene = free_rods(vec![rod]);
     let parameters = IntegrationParameters {
-        scheme: Scheme::ImplicitMidpoint,
-        step: StepSize::Fixed(2e-3),
         force_tolerance: 1e-9,
-        ..IntegrationParameters::default()
+        ..fixed_steps(Scheme::ImplicitMidpoint, 2e-3)
     };
     let mut simulation = Simulation::new(&scene, &parameters).unwrap();
     let start = simulation.energies();
     let total = |e: &Energies| e.kinetic + e.elastic();
-    while simulation.time() < 1.0 {
-        simulation.advance(1.0).unwrap();
-    }
+    advance_to(&mut simulation, 1.0);
     let end = simulation.energies();
     assert_eq!(simulation.time(), 1.0);
     let drift = (total(&end) / total(&start) - 1.0).abs();
@@ -135,10 +80,7 @@ fn a_free_rod_conserves_energy_and_momentum_with_the_midpoint_rule() {
 
 #[test]
 fn a_restored_simulation_continues_bit_for_bit() {
-    let parameters = IntegrationParameters {
-        step: StepSize::Fixed(1e-2),
-        ..IntegrationParameters::default()
-    };
+    let parameters = fixed(1e-2);
     let scene = heavy_cantilever(20);
     let mut through = Simulation::new(&scene, &parameters).unwrap();
     let mut first = Simulation::new(&scene, &parameters).unwrap();
@@ -146,8 +88,7 @@ fn a_restored_simulation_continues_bit_for_bit() {
         through.advance(1.0).unwrap();
         first.advance(1.0).unwrap();
     }
-    let mut second = Simulation::new(&scene, &parameters).unwrap();
-    second.restore(first.state()).unwrap();
+    let mut second = resumed(&scene, &parameters, &first);
     for _ in 0..20 {
         through.advance(1.0).unwrap();
         second.advance(1.0).unwrap();
@@ -171,24 +112,15 @@ fn a_clamp_that_holds_a_whole_edge_turns_its_frame() {
             clamps: vec![
                 Clamp {
                     motion,
-                    ..clamp(head)
+                    ..clamp(0, head)
                 },
-                Clamp {
-                    holds_frame: false,
-                    ..clamp(neighbour)
-                },
-                clamp(tail),
+                pin(0, neighbour),
+                clamp(0, tail),
             ],
             ..Scene::default()
         };
-        let parameters = IntegrationParameters {
-            step: StepSize::Fixed(0.1),
-            ..IntegrationParameters::default()
-        };
-        let mut simulation = Simulation::new(&scene, &parameters).unwrap();
-        while simulation.time() < 1.0 {
-            simulation.advance(1.0).unwrap();
-        }
+        let parameters = fixed(0.1);
+        let mut simulation = run_with(&scene, &parameters, 1.0);
         simulation.find_equilibrium().unwrap();
         let twisting = scene.rods[0].stiffness.twisting;
         let expected = 0.5 * twisting * turned * turned / (1.0 - 0.5 / edges as f64);
@@ -208,12 +140,15 @@ fn turned(turns: f64, holds_whole_edge: bool) -> Scene {
         angle: vec![(0.0, 0.0), (1.0, turns * TAU)],
         ..Motion::default()
     };
-    let mut clamps = vec![Clamp { motion, ..clamp(0) }, clamp(10)];
+    let mut clamps = vec![
+        Clamp {
+            motion,
+            ..clamp(0, 0)
+        },
+        clamp(0, 10),
+    ];
     if holds_whole_edge {
-        clamps.push(Clamp {
-            holds_frame: false,
-            ..clamp(1)
-        });
+        clamps.push(pin(0, 1));
     }
     Scene {
         rods: vec![straight_rod(10, 1.0)],
@@ -227,22 +162,13 @@ fn turns_of_a_clamp_count_however_long_the_steps_are() {
     for holds_whole_edge in [false, true] {
         for step in [0.25, 0.1, 1e-2] {
             let scene = turned(100.0, holds_whole_edge);
-            let parameters = IntegrationParameters {
-                step: StepSize::Fixed(step),
-                ..IntegrationParameters::default()
-            };
-            let mut simulation = Simulation::new(&scene, &parameters).unwrap();
-            while simulation.time() < 2.0 {
-                simulation.advance(2.0).unwrap();
-            }
+            let parameters = fixed(step);
+            let simulation = run_with(&scene, &parameters, 2.0);
             let length = if holds_whole_edge { 0.95 } else { 1.0 };
             let angle = 100.0 * TAU;
             let expected = 0.5 * scene.rods[0].stiffness.twisting * angle * angle / length;
             let got = simulation.energies().twisting;
-            assert!(
-                (got / expected - 1.0).abs() < 1e-6,
-                "{step} s: {got} {expected}"
-            );
+            assert_close_in(step, got, expected, 1e-6);
         }
     }
 }
@@ -253,10 +179,7 @@ fn turns_about_an_axis_across_the_rod_count_as_in_small_steps() {
     let twist = |step: f64| {
         let mut scene = turned(3.0, false);
         scene.clamps[0].motion.axis = Some(Vector3::new(2.0, 0.5, 0.3).normalize());
-        let parameters = IntegrationParameters {
-            step: StepSize::Fixed(step),
-            ..IntegrationParameters::default()
-        };
+        let parameters = fixed(step);
         let mut system = System::new(&scene).unwrap();
         let mut unknowns = system.assembly.unknowns.clone();
         let mut time = 0.0;
@@ -318,8 +241,7 @@ fn a_clamp_that_cannot_be_is_named() {
 fn a_short_step_to_an_output_time_converges() {
     // At 0.1 µs the last digit of a position is 4e-5 N of inertia, a thousand times the tolerance without it.
     for remainder in [6e-5, 1e-6, 1e-7] {
-        let mut simulation =
-            Simulation::new(&heavy_cantilever(50), &IntegrationParameters::default()).unwrap();
+        let mut simulation = simulation_of(&heavy_cantilever(50));
         for until in [10e-3 + remainder, 20e-3 + remainder] {
             while simulation.time() < until {
                 let report = simulation.advance(until).unwrap();
@@ -328,10 +250,7 @@ fn a_short_step_to_an_output_time_converges() {
         }
         let drop = -simulation.positions()[50].z;
         let free_fall = 0.5 * 9.81 * simulation.time().powi(2);
-        assert!(
-            (drop / free_fall - 1.0).abs() < 0.1,
-            "{remainder} s: {drop} m"
-        );
+        assert_close_in(remainder, drop, free_fall, 0.1);
     }
 }
 
@@ -348,10 +267,7 @@ fn a_time_that_differs_by_rounding_takes_no_step() {
             step,
             ..IntegrationParameters::default()
         };
-        let mut simulation = Simulation::new(&heavy_cantilever(50), &parameters).unwrap();
-        while simulation.time() < 0.3 {
-            simulation.advance(0.3).unwrap();
-        }
+        let mut simulation = run_with(&heavy_cantilever(50), &parameters, 0.3);
         let (positions, velocities) = (
             simulation.positions().to_vec(),
             simulation.velocities().to_vec(),
@@ -384,13 +300,10 @@ fn warnings(scene: &Scene, parameters: &IntegrationParameters, end: f64) -> Vec<
 fn a_sixfold_stretch_draws_a_warning() {
     let mut scene = Scene {
         rods: vec![straight_rod(10, 0.2)],
-        clamps: vec![clamp(0), clamp(10)],
+        clamps: vec![clamp(0, 0), clamp(0, 10)],
         ..Scene::default()
     };
-    let fixed = IntegrationParameters {
-        step: StepSize::Fixed(0.01),
-        ..IntegrationParameters::default()
-    };
+    let fixed = fixed(0.01);
     assert!(warnings(&scene, &fixed, 1.0).is_empty());
     let way = vec![(0.0, Vector3::zeros()), (0.5, Vector3::x())];
     scene.clamps[1].motion.translation = way;
@@ -404,11 +317,7 @@ fn a_sixfold_stretch_draws_a_warning() {
 #[test]
 fn the_midpoint_rule_says_so_where_large_steps_create_energy() {
     let scene = heavy_cantilever(20);
-    let with = |step: f64| IntegrationParameters {
-        scheme: Scheme::ImplicitMidpoint,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
-    };
+    let with = |step: f64| fixed_steps(Scheme::ImplicitMidpoint, step);
     assert!(warnings(&scene, &with(1e-3), 1.0).is_empty());
     let said = warnings(&scene, &with(10.0), 1000.0);
     assert!(said.iter().any(|line| line.contains("gained")), "{said:?}");

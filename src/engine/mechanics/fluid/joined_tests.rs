@@ -1,6 +1,7 @@
 //! Tests of the flow around filaments that meet.
 
 use super::*;
+use crate::mechanics::test_support::{assert_close_in, line};
 use crate::mechanics::{Matrix3, Vector3};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
@@ -29,12 +30,6 @@ fn filaments(shapes: &[Vec<Vector3>]) -> (Vec<Filament>, Vec<Vector3>) {
         }
     });
     (filaments.collect(), shapes.concat())
-}
-
-fn straight(from: Vector3, to: Vector3, edges: usize) -> Vec<Vector3> {
-    (0..=edges)
-        .map(|k| from.lerp(&to, k as f64 / edges as f64))
-        .collect()
 }
 
 /// A fluid around filaments whose nodes at one place are joined.
@@ -146,10 +141,10 @@ fn star() -> Vec<Vec<Vector3>> {
     let o = Vector3::zeros();
     let end = |x: f64, y: f64, z: f64| Vector3::new(x, y, z) * 0.02;
     vec![
-        straight(o, end(1.0, 0.0, 0.0), 8),
-        straight(end(-0.5, 0.9, 0.0), o, 7),
-        straight(end(-0.5, -0.9, 0.1), end(0.5, 0.9, -0.1), 10),
-        straight(o, end(0.1, 0.2, 1.0), 9),
+        line(o, end(1.0, 0.0, 0.0), 8),
+        line(end(-0.5, 0.9, 0.0), o, 7),
+        line(end(-0.5, -0.9, 0.1), end(0.5, 0.9, -0.1), 10),
+        line(o, end(0.1, 0.2, 1.0), 9),
     ]
 }
 
@@ -210,8 +205,8 @@ fn a_star_has_the_drag_of_a_dense_solution() {
 fn nodes_at_one_place_without_a_joint_resist_that_they_part() {
     // Two rods that begin at one place, one of which moves off; the tie holds for a while and then parts.
     let shapes = [
-        straight(Vector3::zeros(), Vector3::x() * 0.02, 8),
-        straight(Vector3::zeros(), Vector3::y() * 0.02, 8),
+        line(Vector3::zeros(), Vector3::x() * 0.02, 8),
+        line(Vector3::zeros(), Vector3::y() * 0.02, 8),
     ];
     let (filaments, mut positions) = filaments(&shapes);
     let mut fluid = Fluid::new(&model(0.0), &filaments).unwrap();
@@ -238,8 +233,8 @@ fn nodes_at_one_place_without_a_joint_resist_that_they_part() {
 fn tail_on_a_wire(x: f64) -> (Vec<Filament>, Vec<Vector3>, Connections) {
     let foot = Vector3::x() * x;
     let (filaments, positions) = filaments(&[
-        straight(Vector3::zeros(), Vector3::x() * 0.04, 20),
-        straight(foot, foot + Vector3::z() * 0.01, 5),
+        line(Vector3::zeros(), Vector3::x() * 0.04, 20),
+        line(foot, foot + Vector3::z() * 0.01, 5),
     ]);
     let sliding = Sliding {
         node: 21,
@@ -294,10 +289,7 @@ fn a_tail_on_its_rail_drags_like_one_that_touches_it() {
     };
     let on_it = drag_of(0.0, true);
     let [touching, above] = [2.0, 3.0].map(|radii| drag_of(radii * RADIUS, false));
-    assert!(
-        (on_it / touching - 1.0).abs() < 0.3,
-        "{on_it:e} {touching:e} {above:e}"
-    );
+    assert_close_in(above, on_it, touching, 0.3);
 }
 
 #[test]
@@ -368,7 +360,7 @@ fn pieces_have_the_resistive_drag_of_the_whole() {
     let resistive = FluidModel::Resistive {
         viscosity: VISCOSITY,
     };
-    let whole = straight(Vector3::zeros(), Vector3::x() * 0.05, 20);
+    let whole = line(Vector3::zeros(), Vector3::x() * 0.05, 20);
     let (mut one, _) = joined(&resistive, std::slice::from_ref(&whole));
     let (mut two, positions) = joined(&resistive, &cut(&whole, 12));
     for (motion, in_pieces) in motions(&whole).iter().zip(&motions(&positions)) {

@@ -186,6 +186,7 @@ fn exponential(matrix: &StateMatrix) -> StateMatrix {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::test_support::assert_close;
     use std::f64::consts::TAU;
 
     fn critical(curvature: f64, torsion: f64, twisting_moment: f64) -> Option<f64> {
@@ -258,10 +259,7 @@ mod tests {
             if row[3].is_nan() {
                 assert!(found.is_none_or(|distance| distance > 40.0), "{row:?}");
             } else {
-                assert!(
-                    (found.unwrap() / row[3] - 1.0).abs() < 1e-8,
-                    "{row:?}: {found:?}"
-                );
+                assert_close(found.unwrap(), row[3], 1e-8);
                 count += 1;
             }
         }

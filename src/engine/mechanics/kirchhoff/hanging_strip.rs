@@ -112,6 +112,7 @@ fn tip(length: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::test_support::assert_close;
 
     #[test]
     fn drop_and_length_are_inverse() {
@@ -155,10 +156,7 @@ mod tests {
         {
             let row: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
             let strip = HangingStrip::of_drop(row[0]).unwrap();
-            assert!(
-                (strip.length / row[1] - 1.0).abs() < 1e-8,
-                "{row:?} {strip:?}"
-            );
+            assert_close(strip.length, row[1], 1e-8);
             assert!((strip.reach - row[3]).abs() < 1e-8, "{row:?} {strip:?}");
             count += 1;
         }

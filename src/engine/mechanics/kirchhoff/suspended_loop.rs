@@ -244,6 +244,7 @@ fn residual(ends: &LoopEnds, unknowns: &SVector<f64, 6>) -> SVector<f64, 6> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::test_support::assert_close;
     use std::f64::consts::FRAC_PI_3;
 
     const CLAMPED: EndSpin = EndSpin::Clamped {
@@ -278,10 +279,7 @@ mod tests {
                 let step = 1e-3;
                 let difference = (energy(rotation + step) - energy(rotation - step)) / (2.0 * step);
                 let moment = at.turning_moment();
-                assert!(
-                    (moment / difference - 1.0).abs() < 1e-5,
-                    "{moment} {difference}"
-                );
+                assert_close(moment, difference, 1e-5);
             }
         }
     }

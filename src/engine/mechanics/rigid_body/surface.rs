@@ -102,6 +102,7 @@ fn clipped([start, end]: [Vector3; 2], point: &Vector3, reach: f64) -> [Vector3;
 mod tests {
     use super::*;
     use crate::mechanics::UnitQuaternion;
+    use crate::mechanics::test_support::assert_close;
 
     fn area(triangles: &[[Vector3; 3]]) -> f64 {
         let of_one = |[a, b, c]: &[Vector3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
@@ -111,10 +112,7 @@ mod tests {
     #[test]
     fn surfaces_have_their_areas() {
         let near = |found: f64, expected: f64| {
-            assert!(
-                (found / expected - 1.0).abs() < 1e-2,
-                "{found} of {expected}"
-            );
+            assert_close(found, expected, 1e-2);
         };
         let sphere = RigidBody::sphere(Vector3::x(), 0.5);
         near(area(&sphere.surface(&Vector3::zeros(), 9.0)), TAU * 0.5);

@@ -96,8 +96,9 @@ pub(super) fn find_neutral_modes(
 mod tests {
     use super::*;
     use crate::mechanics::Vector3;
-    use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+    use crate::mechanics::scene::{RodDescription, Scene};
     use crate::mechanics::statics::find_equilibrium;
+    use crate::mechanics::test_support::{free_rods, section};
     use std::f64::consts::TAU;
 
     const EDGES: usize = 24;
@@ -109,19 +110,12 @@ mod tests {
             Vector3::new(angle.cos(), angle.sin(), 0.0)
         };
         let centreline = (0..EDGES).map(node).collect();
-        let stiffness = Stiffness {
-            stretching: 1e4,
-            bending,
-            twisting: 1.0,
-        };
-        Scene {
-            rods: vec![RodDescription {
-                closed: true,
-                first_director: Some(Vector3::z()),
-                ..RodDescription::uniform("ring", centreline, stiffness, 1e-2, 1.0)
-            }],
-            ..Scene::default()
-        }
+        let stiffness = section(1e4, bending, 1.0);
+        free_rods(vec![RodDescription {
+            closed: true,
+            first_director: Some(Vector3::z()),
+            ..RodDescription::uniform("ring", centreline, stiffness, 1e-2, 1.0)
+        }])
     }
 
     #[test]

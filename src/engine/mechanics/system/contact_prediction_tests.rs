@@ -3,8 +3,9 @@
 use super::*;
 use crate::mechanics::contact::{ContactModel, ContactParameters};
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{Plane, RodDescription, Scene, Stiffness};
+use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
 use crate::mechanics::system::copy_positions;
+use crate::mechanics::test_support::{SOFT_MODELS, ground};
 use std::f64::consts::PI;
 
 const RADIUS: f64 = 1e-3;
@@ -16,11 +17,7 @@ const FRICTION: f64 = 0.3;
 fn raft(model: ContactModel) -> Scene {
     let (modulus, density) = (1e7, 1000.0);
     let area = PI * RADIUS * RADIUS;
-    let stiffness = Stiffness {
-        stretching: modulus * area,
-        bending: [0.25 * modulus * area * RADIUS * RADIUS; 2],
-        twisting: modulus / 6.0 * area * RADIUS * RADIUS,
-    };
+    let stiffness = Stiffness::circular(modulus, 0.5, RADIUS);
     let rods = (0..18).map(|rod| {
         let node = |k: usize| Vector3::new(0.01 * rod as f64, 5e-3 * k as f64, RADIUS + GAP);
         let nodes = (0..3).map(node).collect();
@@ -29,11 +26,7 @@ fn raft(model: ContactModel) -> Scene {
     });
     Scene {
         rods: rods.collect(),
-        planes: vec![Plane {
-            point: Vector3::zeros(),
-            normal: Vector3::z(),
-            friction: None,
-        }],
+        planes: vec![ground()],
         contact: Some(ContactParameters {
             model,
             friction: FRICTION,
@@ -81,10 +74,7 @@ fn moves(scene: &Scene, velocity: Vector3) -> Option<Vec<Vector3>> {
 
 #[test]
 fn rods_that_land_keep_of_their_speed_what_friction_leaves() {
-    for model in [
-        ContactModel::ImplicitContact,
-        ContactModel::IncrementalPotential,
-    ] {
+    for model in SOFT_MODELS {
         let scene = raft(model);
         // The floor takes all of the fall, and friction of the slide what it can bear.
         let fall = 0.5;

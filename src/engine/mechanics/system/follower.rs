@@ -72,10 +72,9 @@ pub fn element_of_edge(start: usize, end: usize) -> [usize; 12] {
 mod tests {
     use crate::mechanics::Vector3;
     use crate::mechanics::rod::STRIDE;
-    use crate::mechanics::scene::{
-        Clamp, Load, LoadKind, Motion, RodDescription, Scene, Stiffness,
-    };
+    use crate::mechanics::scene::{LoadKind, RodDescription, Scene};
     use crate::mechanics::system::System;
+    use crate::mechanics::test_support::{clamp, section, steady};
 
     /// A twisted arc, clamped at its start, under every kind of load that turns with it.
     fn scene() -> Scene {
@@ -83,11 +82,7 @@ mod tests {
             let angle = 0.3 * f64::from(k);
             Vector3::new(libm::sin(angle), 1.0 - libm::cos(angle), 0.1 * f64::from(k))
         };
-        let stiffness = Stiffness {
-            stretching: 30.0,
-            bending: [1.0, 2.0],
-            twisting: 1.5,
-        };
+        let stiffness = section(30.0, [1.0, 2.0], 1.5);
         let kinds = [
             LoadKind::FollowerForce {
                 rod: 0,
@@ -114,22 +109,12 @@ mod tests {
                 moment: Vector3::new(0.1, 0.3, -0.2),
             },
         ];
-        let steady = |kind| Load {
-            kind,
-            schedule: Vec::new(),
-        };
         Scene {
             rods: vec![RodDescription {
                 twist: 0.8,
                 ..RodDescription::uniform("arc", (0..5).map(node).collect(), stiffness, 0.01, 1.0)
             }],
-            clamps: vec![Clamp {
-                rod: 0,
-                node: 0,
-                holds_position: true,
-                holds_frame: true,
-                motion: Motion::default(),
-            }],
+            clamps: vec![clamp(0, 0)],
             loads: kinds.into_iter().map(steady).collect(),
             ..Scene::default()
         }

@@ -4,7 +4,8 @@ use super::super::Stage;
 use super::*;
 use crate::linalg::BandedSymmetric;
 use crate::mechanics::scene::RodDescription;
-use crate::mechanics::scene::{Clamp, Inertia, Motion, Scene, Stiffness};
+use crate::mechanics::scene::{Inertia, Scene};
+use crate::mechanics::test_support::{clamp, section};
 
 const MASS_PER_LENGTH: f64 = 0.7;
 const INERTIA_PER_LENGTH: f64 = 0.3;
@@ -12,11 +13,7 @@ const INERTIA_PER_LENGTH: f64 = 0.3;
 const CONSISTENT: Range<usize> = 0..10;
 
 fn scene() -> Scene {
-    let stiffness = Stiffness {
-        stretching: 30.0,
-        bending: [0.02, 0.05],
-        twisting: 0.03,
-    };
+    let stiffness = section(30.0, [0.02, 0.05], 0.03);
     let rod = |name: &str, centreline: &[Vector3], closed, inertia| RodDescription {
         closed,
         inertia,
@@ -28,13 +25,7 @@ fn scene() -> Scene {
         let turn = std::f64::consts::TAU * f64::from(k) / 5.0;
         Vector3::new(turn.cos(), turn.sin(), 1.0)
     });
-    let clamp = Clamp {
-        rod: 0,
-        node: 0,
-        holds_position: true,
-        holds_frame: true,
-        motion: Motion::default(),
-    };
+    let clamp = clamp(0, 0);
     Scene {
         rods: vec![
             rod("uneven", &uneven, false, Inertia::Consistent),

@@ -100,7 +100,8 @@ mod tests {
     use crate::mechanics::contact::{ContactModel, ContactParameters};
     use crate::mechanics::rigid_body::RigidBody;
     use crate::mechanics::rod::STRIDE;
-    use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+    use crate::mechanics::scene::{RodDescription, Scene};
+    use crate::mechanics::test_support::{SOFT_MODELS, contact, obstacle, section};
 
     const RADIUS: f64 = 1e-2;
     const TOLERANCE: f64 = 1e-4;
@@ -111,25 +112,15 @@ mod tests {
             let x = 0.05 * k as f64 - 0.125;
             Vector3::new(x, 0.3 * x * x, 0.8 * x * x)
         };
-        let stiffness = Stiffness {
-            stretching: 1.0,
-            bending: [1e-4; 2],
-            twisting: 1e-4,
-        };
+        let stiffness = section(1.0, [1e-4; 2], 1e-4);
         let nodes = (0..6).map(node).collect();
         let rod = RodDescription::uniform("rod", nodes, stiffness, RADIUS, 0.1);
         System::new(&Scene {
             rods: vec![rod],
-            obstacles: vec![Obstacle {
-                name: "body".into(),
-                body,
-                ..Obstacle::default()
-            }],
+            obstacles: vec![obstacle("body", body)],
             contact: Some(ContactParameters {
-                model,
                 friction,
-                distance_tolerance: TOLERANCE,
-                ..ContactParameters::default()
+                ..contact(model, TOLERANCE)
             }),
             ..Scene::default()
         })
@@ -151,10 +142,7 @@ mod tests {
             RigidBody::tube([axis - Vector3::x(), axis + Vector3::x()], 0.3),
         ];
         for body in bodies {
-            for model in [
-                ContactModel::ImplicitContact,
-                ContactModel::IncrementalPotential,
-            ] {
+            for model in SOFT_MODELS {
                 // Without friction in the band, with friction in elements; at rest nothing rubs.
                 for friction in [0.0, 0.5] {
                     let mut system = system(body.clone(), model, friction);

@@ -4,23 +4,17 @@
 use super::*;
 use crate::mechanics::contact::ContactParameters;
 use crate::mechanics::scene::{
-    Clamp, Inertia, Load, LoadKind, Motion, NaturalShape, Plane, RodDescription, Scene, Stiffness,
+    Clamp, Inertia, Load, LoadKind, Motion, NaturalShape, Plane, RodDescription, Scene,
 };
+use crate::mechanics::test_support::{curved, drag, section};
 use std::f64::consts::TAU;
 
 fn rod(name: &str, centreline: Vec<Vector3>, closed: bool) -> RodDescription {
-    let stiffness = Stiffness {
-        stretching: 30.0,
-        bending: [0.02, 0.05],
-        twisting: 0.03,
-    };
+    let stiffness = section(30.0, [0.02, 0.05], 0.03);
     RodDescription {
         closed,
         twist: 0.7,
-        natural_shape: NaturalShape::Curved {
-            curvature: [1.0, -2.0],
-            twist: 0.5,
-        },
+        natural_shape: curved([1.0, -2.0], 0.5),
         rotational_inertia_per_length: 0.01,
         ..RodDescription::uniform(name, centreline, stiffness, 0.05, 0.8)
     }
@@ -177,14 +171,7 @@ fn the_residual_is_the_gradient_of_the_energy() {
 #[test]
 fn the_jacobian_of_elasticity_inertia_and_drag_is_exact() {
     for mut scene in elastic_scenes() {
-        scene.loads.push(Load {
-            kind: LoadKind::Drag {
-                rod: None,
-                translation: 0.3,
-                rotation: 0.2,
-            },
-            schedule: Vec::new(),
-        });
+        scene.loads.push(drag(None, 0.3, 0.2));
         let mut system = System::new(&scene).unwrap();
         let unknowns = perturbed(&system, 0.02);
         let stage = stage_at(&system, system.assembly.unknowns.clone());
@@ -199,12 +186,8 @@ fn the_jacobian_of_elasticity_inertia_and_drag_is_exact() {
 fn drag_follows_its_schedule() {
     let mut scene = elastic_scene();
     scene.loads.push(Load {
-        kind: LoadKind::Drag {
-            rod: None,
-            translation: 0.3,
-            rotation: 0.2,
-        },
         schedule: vec![(0.0, 1.0), (2.0, 0.5)],
+        ..drag(None, 0.3, 0.2)
     });
     let mut system = System::new(&scene).unwrap();
     let at_start = system.loads.damping.clone();
@@ -339,11 +322,7 @@ fn twisted_ring(contact: Option<ContactParameters>) -> Scene {
         rods: vec![RodDescription {
             twist: 4.0 * TAU,
             natural_shape: NaturalShape::Straight,
-            stiffness: Stiffness {
-                stretching: 4.0 / (radius * radius),
-                bending: [1.0, 1.0],
-                twisting: 2.0 / 3.0,
-            },
+            stiffness: section(4.0 / (radius * radius), [1.0, 1.0], 2.0 / 3.0),
             radius,
             ..rod("ring", (0..edges).map(corner).collect(), true)
         }],

@@ -54,22 +54,13 @@ impl System {
 mod tests {
     use super::*;
     use crate::mechanics::Vector3;
-    use crate::mechanics::scene::{Clamp, Motion, RodDescription, Scene, Stiffness};
+    use crate::mechanics::scene::{RodDescription, Scene};
+    use crate::mechanics::test_support::{clamp, section};
 
     fn scene(held: &[usize]) -> Scene {
-        let stiffness = Stiffness {
-            stretching: 30.0,
-            bending: [0.02; 2],
-            twisting: 0.03,
-        };
+        let stiffness = section(30.0, [0.02; 2], 0.03);
         let nodes = (0..4).map(|k| Vector3::x() * f64::from(k)).collect();
-        let clamps = held.iter().map(|&node| Clamp {
-            rod: 0,
-            node,
-            holds_position: true,
-            holds_frame: true,
-            motion: Motion::default(),
-        });
+        let clamps = held.iter().map(|&node| clamp(0, node));
         Scene {
             rods: vec![RodDescription::uniform("rod", nodes, stiffness, 4e-3, 0.02)],
             clamps: clamps.collect(),

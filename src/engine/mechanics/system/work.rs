@@ -185,8 +185,9 @@ impl System {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
+    use crate::mechanics::scene::RodDescription;
     use crate::mechanics::system::copy_positions;
+    use crate::mechanics::test_support::{free_rods, section};
 
     const STRETCHING: f64 = 30.0;
     const LENGTH: f64 = 0.2;
@@ -200,17 +201,12 @@ mod tests {
 
     /// What elastic forces bring into a step that turns the rod and in which inertia loses nothing.
     fn brought(strain: f64, angle: f64) -> Option<f64> {
-        let stiffness = Stiffness {
-            stretching: STRETCHING,
-            bending: [0.02; 2],
-            twisting: 0.03,
-        };
+        let stiffness = section(STRETCHING, [0.02; 2], 0.03);
         let places = [-0.5, -0.25, 0.0, 0.25, 0.5];
         let nodes = places.map(turned(0.0, 0.0)).to_vec();
-        let scene = Scene {
-            rods: vec![RodDescription::uniform("rod", nodes, stiffness, 1e-3, 1e-3)],
-            ..Scene::default()
-        };
+        let scene = free_rods(vec![RodDescription::uniform(
+            "rod", nodes, stiffness, 1e-3, 1e-3,
+        )]);
         let mut system = System::new(&scene).unwrap();
         let unknowns_at = |angle: f64| {
             let mut unknowns = system.assembly.unknowns.clone();

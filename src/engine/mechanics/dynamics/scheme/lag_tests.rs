@@ -4,6 +4,7 @@ use super::super::history::History;
 use super::super::state::State;
 use super::*;
 use crate::mechanics::Vector3;
+use crate::mechanics::test_support::SCHEMES;
 
 /// The largest velocity of a body without springs after many steps, one at first: of mass `inertia` hₐ D, with the drag
 /// −D v of the step and (D − R) v₀ of the motion before it or of the predicted one, D = 1 N s/m.
@@ -63,11 +64,7 @@ fn velocity_after(scheme: Scheme, inertia: f64, resistance: f64) -> f64 {
 
 #[test]
 fn lagging_drag_decays_up_to_the_largest_ratio_and_grows_beyond() {
-    for scheme in [
-        Scheme::ImplicitEuler,
-        Scheme::ImplicitMidpoint,
-        Scheme::BackwardDifferences,
-    ] {
+    for scheme in SCHEMES {
         for inertia in [0.0, 0.05, 0.3, 0.5, 1.0, 3.0, 10.0] {
             let largest = scheme.rules().largest_lagged_ratio(inertia);
             for part in [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98] {

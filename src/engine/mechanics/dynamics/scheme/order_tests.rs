@@ -1,32 +1,21 @@
 //! The order in time of each scheme: how the error at a given time falls with the step.
 
-use super::super::tests::{clamp, straight_rod};
 use super::super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::fluid::FluidModel;
-use crate::mechanics::scene::{Load, LoadKind, Scene, Stiffness};
-
-fn gravity(acceleration: f64) -> Load {
-    Load {
-        kind: LoadKind::Gravity {
-            acceleration: -acceleration * Vector3::z(),
-        },
-        schedule: Vec::new(),
-    }
-}
+use crate::mechanics::scene::Scene;
+use crate::mechanics::test_support::{
+    clamp, fixed_steps, gravity, run_with, section, straight_rod,
+};
 
 /// A clamped rod of three soft edges, whose fastest mode of 160 rad/s all steps resolve, falls from the horizontal.
 fn soft_cantilever() -> Scene {
     let mut rod = straight_rod(3, 0.3);
-    rod.stiffness = Stiffness {
-        stretching: 5.0,
-        bending: [1e-3, 2e-3],
-        twisting: 1e-3,
-    };
+    rod.stiffness = section(5.0, [1e-3, 2e-3], 1e-3);
     rod.angular_velocity = Vector3::new(0.0, 1.0, 2.0);
     Scene {
         rods: vec![rod],
-        clamps: vec![clamp(0)],
+        clamps: vec![clamp(0, 0)],
         loads: vec![gravity(9.81)],
         ..Scene::default()
     }
@@ -37,7 +26,7 @@ fn cantilever_in_honey() -> Scene {
     let mut rod = straight_rod(10, 1.0);
     rod.mass_per_length *= 1e-3;
     rod.rotational_inertia_per_length *= 1e-3;
-    let mut turning = clamp(0);
+    let mut turning = clamp(0, 0);
     turning.motion.angular_velocity = 2.0;
     Scene {
         rods: vec![rod],
@@ -51,16 +40,11 @@ fn cantilever_in_honey() -> Scene {
 /// Where all nodes are at `end` (s).
 fn positions(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Vec<Vector3> {
     let parameters = IntegrationParameters {
-        scheme,
-        step: StepSize::Fixed(step),
         force_tolerance: 1e-11,
         displacement_tolerance: 1e-9,
-        ..IntegrationParameters::default()
+        ..fixed_steps(scheme, step)
     };
-    let mut simulation = Simulation::new(scene, &parameters).unwrap();
-    while simulation.time() < end {
-        simulation.advance(end).unwrap();
-    }
+    let simulation = run_with(scene, &parameters, end);
     simulation.positions().to_vec()
 }
 

@@ -2,27 +2,14 @@
 
 use super::tests::{compare_jacobian, compare_residual, own, perturbed, stage_at};
 use super::*;
-use crate::mechanics::scene::{
-    Body, Clamp, Joint, JointKind, Motion, NaturalShape, RodDescription, RodNode, Scene, Spring,
-    Stiffness, Strength,
-};
+use crate::mechanics::scene::{Clamp, Joint, JointKind, RodDescription, RodNode, Scene, Spring};
+use crate::mechanics::test_support::{at, body, clamp, curved, joint, section, spring};
 use crate::mechanics::{JointError, SceneError};
 
-fn at(rod: usize, node: usize) -> RodNode {
-    RodNode { rod, node }
-}
-
 fn rod(name: &str, nodes: Vec<Vector3>, closed: bool) -> RodDescription {
-    let stiffness = Stiffness {
-        stretching: 30.0,
-        bending: [0.02, 0.05],
-        twisting: 0.03,
-    };
+    let stiffness = section(30.0, [0.02, 0.05], 0.03);
     RodDescription {
-        natural_shape: NaturalShape::Curved {
-            curvature: [1.0, -2.0],
-            twist: 0.0,
-        },
+        natural_shape: curved([1.0, -2.0], 0.0),
         closed,
         rotational_inertia_per_length: 0.01,
         ..RodDescription::uniform(name, nodes, stiffness, 0.01, 0.8)
@@ -30,12 +17,7 @@ fn rod(name: &str, nodes: Vec<Vector3>, closed: bool) -> RodDescription {
 }
 
 fn slide(name: &str, nodes: [RodNode; 2]) -> Joint {
-    Joint {
-        name: name.into(),
-        nodes,
-        kind: JointKind::Slide,
-        strength: Strength::default(),
-    }
+    joint(name, nodes, JointKind::Slide)
 }
 
 /// A clamped arc along which the end of a strut slides, to which the last rod is joined; the other end of the strut slides on a
@@ -67,12 +49,8 @@ fn frame() -> Scene {
     let caught = noose[2];
     noose.push(caught);
     let spring = |name: &str, nodes, rest_length| Spring {
-        name: name.into(),
-        nodes,
-        stiffness: 0.4,
-        turning: None,
         rest_length: Some(rest_length),
-        strength: Strength::default(),
+        ..spring(name, nodes, 0.4)
     };
     Scene {
         rods: vec![
@@ -96,21 +74,8 @@ fn frame() -> Scene {
             spring("two", [at(2, 8), at(3, 0)], 0.1),
             spring("three", [at(2, 1), at(4, 0)], 0.2),
         ],
-        bodies: vec![Body {
-            name: "payload".into(),
-            at: at(0, 4),
-            mass: 0.3,
-            offset: Vector3::zeros(),
-            inertia: None,
-            ball: None,
-        }],
-        clamps: vec![Clamp {
-            rod: 0,
-            node: 0,
-            holds_position: true,
-            holds_frame: true,
-            motion: Motion::default(),
-        }],
+        bodies: vec![body("payload", at(0, 4), 0.3, None)],
+        clamps: vec![clamp(0, 0)],
         ..Scene::default()
     }
 }

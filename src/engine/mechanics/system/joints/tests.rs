@@ -1,43 +1,25 @@
 //! Residual and Jacobian of joined rods against finite differences, and the plan of joints.
 
 use super::*;
-use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::contact::ContactModel;
 use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::scene::{
-    Body, Clamp, HingeSpring, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, Obstacle,
-    RodDescription, RodNode, Scene, Spring, Stiffness, Strength, TurningStiffness,
+    Body, Clamp, HingeSpring, Joint, JointKind, RodDescription, RodNode, Scene, Spring, Strength,
+    TurningStiffness,
 };
 use crate::mechanics::system::{Stage, copy_positions};
+use crate::mechanics::test_support::{
+    SOFT_MODELS, at, body, clamp, contact, curved, joint, line, obstacle, section, spring, weight,
+};
 use crate::mechanics::{JointError, Matrix3, SceneError};
 
 fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
-    let stiffness = Stiffness {
-        stretching: 30.0,
-        bending: [0.02, 0.05],
-        twisting: 0.03,
-    };
-    let node = |k: usize| from + (to - from) * (k as f64 / edges as f64);
+    let stiffness = section(30.0, [0.02, 0.05], 0.03);
     RodDescription {
-        natural_shape: NaturalShape::Curved {
-            curvature: [1.0, -2.0],
-            twist: 0.5,
-        },
+        natural_shape: curved([1.0, -2.0], 0.5),
         twist: 0.3,
         rotational_inertia_per_length: 0.01,
-        ..RodDescription::uniform(name, (0..=edges).map(node).collect(), stiffness, 0.01, 0.8)
-    }
-}
-
-fn at(rod: usize, node: usize) -> RodNode {
-    RodNode { rod, node }
-}
-
-fn joint(name: &str, nodes: [RodNode; 2], kind: JointKind) -> Joint {
-    Joint {
-        name: name.into(),
-        nodes,
-        kind,
-        strength: Strength::default(),
+        ..RodDescription::uniform(name, line(from, to, edges), stiffness, 0.01, 0.8)
     }
 }
 
@@ -83,10 +65,10 @@ fn star() -> Scene {
             joint("end", [at(5, 0), at(0, 3)], JointKind::Ball),
         ],
         springs: vec![
-            spring("bungee", [at(1, 0), at(5, 2)], Some(0.5)),
-            spring("strut", [at(5, 0), at(2, 3)], Some(4.0)),
-            spring("point", [at(4, 0), at(3, 4)], Some(0.0)),
-            spring("placed", [at(4, 2), at(2, 2)], None),
+            tie("bungee", [at(1, 0), at(5, 2)], Some(0.5)),
+            tie("strut", [at(5, 0), at(2, 3)], Some(4.0)),
+            tie("point", [at(4, 0), at(3, 4)], Some(0.0)),
+            tie("placed", [at(4, 2), at(2, 2)], None),
             turning_spring("ends", [at(4, 1), at(5, 2)], Vector3::new(0.4, -0.3, 1.2)),
             turning_spring(
                 "about the hinge",
@@ -100,30 +82,20 @@ fn star() -> Scene {
             ),
         ],
         bodies: vec![
-            body("disk", at(2, 0), Some([0.02, 0.03, 0.04])),
-            body("hub", at(1, 3), Some([0.05, 0.03, 0.04])),
-            body("payload", at(5, 2), None),
-            body("flag", at(4, 2), Some([0.01, 0.02, 0.025])),
+            carried("disk", at(2, 0), Some([0.02, 0.03, 0.04])),
+            carried("hub", at(1, 3), Some([0.05, 0.03, 0.04])),
+            carried("payload", at(5, 2), None),
+            carried("flag", at(4, 2), Some([0.01, 0.02, 0.025])),
         ],
-        clamps: vec![Clamp {
-            rod: 1,
-            node: 0,
-            holds_position: true,
-            holds_frame: true,
-            motion: Motion::default(),
-        }],
+        clamps: vec![clamp(1, 0)],
         ..Scene::default()
     }
 }
 
-fn spring(name: &str, nodes: [RodNode; 2], rest_length: Option<f64>) -> Spring {
+fn tie(name: &str, nodes: [RodNode; 2], rest_length: Option<f64>) -> Spring {
     Spring {
-        name: name.into(),
-        nodes,
-        stiffness: 0.4,
-        turning: None,
         rest_length,
-        strength: Strength::default(),
+        ..spring(name, nodes, 0.4)
     }
 }
 
@@ -136,19 +108,12 @@ fn turning_spring(name: &str, nodes: [RodNode; 2], rest_rotation: Vector3) -> Sp
     Spring {
         stiffness: 0.0,
         turning: Some(turning),
-        ..spring(name, nodes, None)
+        ..tie(name, nodes, None)
     }
 }
 
-fn body(name: &str, at: RodNode, inertia: Option<[f64; 3]>) -> Body {
-    Body {
-        name: name.into(),
-        at,
-        mass: 0.3,
-        offset: Vector3::zeros(),
-        inertia,
-        ball: None,
-    }
+fn carried(name: &str, at: RodNode, inertia: Option<[f64; 3]>) -> Body {
+    body(name, at, 0.3, inertia)
 }
 
 /// The unknowns that Newton's method moves.
@@ -305,10 +270,10 @@ fn star_with_breakable_weld() -> Scene {
     });
     scene
         .bodies
-        .push(body("one", at(6, 0), Some([0.02, 0.03, 0.04])));
+        .push(carried("one", at(6, 0), Some([0.02, 0.03, 0.04])));
     scene
         .bodies
-        .push(body("other", at(2, 3), Some([0.01, 0.02, 0.015])));
+        .push(carried("other", at(2, 3), Some([0.01, 0.02, 0.015])));
     scene
 }
 
@@ -328,12 +293,7 @@ fn the_jacobian_of_bodies_whose_centre_is_off_their_node_is_exact_in_motion_and_
             body.offset = Vector3::new(0.2, -0.1 * k as f64, 0.15);
         }
     }
-    scene.loads = vec![Load {
-        kind: LoadKind::Gravity {
-            acceleration: Vector3::new(0.3, -0.2, -0.9),
-        },
-        schedule: Vec::new(),
-    }];
+    scene.loads = vec![weight(Vector3::new(0.3, -0.2, -0.9))];
     let cases = [(0.0, false), (0.2, false), (0.0, true), (0.2, true)];
     compare_jacobian(&scene, &cases, 1e-8);
 }
@@ -349,7 +309,7 @@ fn touching_ball(model: ContactModel) -> Scene {
     let above = z * apart(own + others);
     let ball = |name: &str, rod: usize, radius: f64| Body {
         ball: Some(radius),
-        ..body(name, at(rod, 0), Some([0.02, 0.03, 0.04]))
+        ..carried(name, at(rod, 0), Some([0.02, 0.03, 0.04]))
     };
     Scene {
         rods: vec![
@@ -359,26 +319,18 @@ fn touching_ball(model: ContactModel) -> Scene {
             rod("above", above, above + Vector3::new(0.1, 0.3, 0.9), 3),
         ],
         bodies: vec![ball("ball", 0, own), ball("other", 2, others)],
-        obstacles: vec![Obstacle {
-            name: "sphere".into(),
-            body: RigidBody::sphere(Vector3::new(0.6, -0.8, 0.0) * apart(own + 0.25), 0.25),
-            ..Obstacle::default()
-        }],
-        contact: Some(ContactParameters {
-            model,
-            distance_tolerance: tolerance,
-            ..ContactParameters::default()
-        }),
+        obstacles: vec![obstacle(
+            "sphere",
+            RigidBody::sphere(Vector3::new(0.6, -0.8, 0.0) * apart(own + 0.25), 0.25),
+        )],
+        contact: Some(contact(model, tolerance)),
         ..Scene::default()
     }
 }
 
 #[test]
 fn the_jacobian_of_a_ball_that_touches_is_exact_and_symmetric() {
-    for model in [
-        ContactModel::ImplicitContact,
-        ContactModel::IncrementalPotential,
-    ] {
+    for model in SOFT_MODELS {
         let scene = touching_ball(model);
         let mut system = System::new(&scene).unwrap();
         let unknowns = system.assembly.unknowns.clone();

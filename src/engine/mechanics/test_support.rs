@@ -1,0 +1,293 @@
+//! What tests of mechanics share: small parts of scenes, simulations of them, and comparisons of numbers.
+//!
+//! Parts are the plainest of their kind and are varied by the syntax of struct updates.
+
+use super::Vector3;
+use super::contact::{ContactModel, ContactParameters};
+use super::dynamics::{IntegrationParameters, Scheme, Simulation, StepSize};
+use super::rigid_body::RigidBody;
+use super::scene::{
+    Body, Clamp, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, Obstacle, Plane,
+    RodDescription, RodNode, Scene, Spring, Stiffness, Strength,
+};
+use std::f64::consts::PI;
+use std::fmt::Debug;
+
+/// Every scheme.
+pub const SCHEMES: [Scheme; 3] = [
+    Scheme::ImplicitEuler,
+    Scheme::ImplicitMidpoint,
+    Scheme::BackwardDifferences,
+];
+
+/// The contact models that press by a law of the gap.
+pub const SOFT_MODELS: [ContactModel; 2] = [
+    ContactModel::ImplicitContact,
+    ContactModel::IncrementalPotential,
+];
+
+/// Every contact model.
+pub const MODELS: [ContactModel; 3] = [
+    ContactModel::ImplicitContact,
+    ContactModel::IncrementalPotential,
+    ContactModel::Complementarity,
+];
+
+/// Stiffness of a cross-section: EA (N), EI₁ and EI₂, GJ (N m²).
+pub fn section(stretching: f64, bending: [f64; 2], twisting: f64) -> Stiffness {
+    Stiffness {
+        stretching,
+        bending,
+        twisting,
+    }
+}
+
+/// A shape without stress of constant curvatures (1/m) and twist (rad/m).
+pub fn curved(curvature: [f64; 2], twist: f64) -> NaturalShape {
+    NaturalShape::Curved { curvature, twist }
+}
+
+/// The nodes of so many equal edges between two places.
+pub fn line(from: Vector3, to: Vector3, edges: usize) -> Vec<Vector3> {
+    let node = |k: usize| from + (to - from) * (k as f64 / edges as f64);
+    (0..=edges).map(node).collect()
+}
+
+/// A rod of `edges` edges along x from the origin, E = 100 MPa, radius 5 mm, density 1000.
+pub fn straight_rod(edges: usize, length: f64) -> RodDescription {
+    let (young, radius, density) = (1e8, 5e-3, 1000.0);
+    let area = PI * radius * radius;
+    let centreline = (0..=edges)
+        .map(|k| Vector3::x() * (length * k as f64 / edges as f64))
+        .collect();
+    RodDescription {
+        first_director: Some(Vector3::y()),
+        ..RodDescription::uniform(
+            "rod",
+            centreline,
+            Stiffness::circular(young, 0.5, radius),
+            radius,
+            density * area,
+        )
+    }
+}
+
+/// Rods that nothing holds or loads.
+pub fn free_rods(rods: Vec<RodDescription>) -> Scene {
+    Scene {
+        rods,
+        ..Scene::default()
+    }
+}
+
+/// A node of a rod.
+pub fn at(rod: usize, node: usize) -> RodNode {
+    RodNode { rod, node }
+}
+
+/// A clamp at rest that holds position and frame of a node.
+pub fn clamp(rod: usize, node: usize) -> Clamp {
+    Clamp {
+        rod,
+        node,
+        holds_position: true,
+        holds_frame: true,
+        motion: Motion::default(),
+    }
+}
+
+/// A clamp at rest that holds the position of a node alone.
+pub fn pin(rod: usize, node: usize) -> Clamp {
+    Clamp {
+        holds_frame: false,
+        ..clamp(rod, node)
+    }
+}
+
+/// A joint that does not break.
+pub fn joint(name: &str, nodes: [RodNode; 2], kind: JointKind) -> Joint {
+    Joint {
+        name: name.into(),
+        nodes,
+        kind,
+        strength: Strength::default(),
+    }
+}
+
+/// A hinge without a spring.
+pub fn hinge(axis: Vector3) -> JointKind {
+    JointKind::Hinge { axis, spring: None }
+}
+
+/// A spring of a stiffness (N/m) as long as placed that turns nothing and does not break.
+pub fn spring(name: &str, nodes: [RodNode; 2], stiffness: f64) -> Spring {
+    Spring {
+        name: name.into(),
+        nodes,
+        stiffness,
+        turning: None,
+        rest_length: None,
+        strength: Strength::default(),
+    }
+}
+
+/// A body of a mass (kg) whose centre is at its node, and which touches nothing.
+pub fn body(name: &str, at: RodNode, mass: f64, inertia: Option<[f64; 3]>) -> Body {
+    Body {
+        name: name.into(),
+        at,
+        mass,
+        offset: Vector3::zeros(),
+        inertia,
+        ball: None,
+    }
+}
+
+/// A load that does not change.
+pub fn steady(kind: LoadKind) -> Load {
+    Load {
+        kind,
+        schedule: Vec::new(),
+    }
+}
+
+/// Weight by an acceleration of free fall, m/s².
+pub fn weight(acceleration: Vector3) -> Load {
+    steady(LoadKind::Gravity { acceleration })
+}
+
+/// Weight along −z by an acceleration of free fall, m/s².
+pub fn gravity(acceleration: f64) -> Load {
+    weight(Vector3::z() * -acceleration)
+}
+
+/// A dead force on a node, N.
+pub fn point_force(rod: usize, node: usize, force: Vector3) -> Load {
+    steady(LoadKind::Force { rod, node, force })
+}
+
+/// A moment of fixed direction on an edge, N m.
+pub fn moment_on(rod: usize, edge: usize, moment: Vector3) -> Load {
+    steady(LoadKind::Moment { rod, edge, moment })
+}
+
+/// A dead force per length on one rod or on all, N/m.
+pub fn distributed(rod: Option<usize>, force_per_length: Vector3) -> Load {
+    steady(LoadKind::Distributed {
+        rod,
+        force_per_length,
+    })
+}
+
+/// Linear drag on one rod or on all by coefficients of velocity (N s/m²) and spin (N s).
+pub fn drag(rod: Option<usize>, translation: f64, rotation: f64) -> Load {
+    steady(LoadKind::Drag {
+        rod,
+        translation,
+        rotation,
+    })
+}
+
+/// The half space below z = 0, with the friction of the contact model.
+pub fn ground() -> Plane {
+    Plane {
+        point: Vector3::zeros(),
+        normal: Vector3::z(),
+        friction: None,
+    }
+}
+
+/// A body at rest in the way of rods, with the friction of the contact model.
+pub fn obstacle(name: &str, body: RigidBody) -> Obstacle {
+    Obstacle {
+        name: name.into(),
+        body,
+        ..Obstacle::default()
+    }
+}
+
+/// Contact by a model with a tolerance of distances, m.
+pub fn contact(model: ContactModel, distance_tolerance: f64) -> ContactParameters {
+    ContactParameters {
+        model,
+        distance_tolerance,
+        ..ContactParameters::default()
+    }
+}
+
+/// Steps of one size (s) with a scheme.
+pub fn fixed_steps(scheme: Scheme, step: f64) -> IntegrationParameters {
+    IntegrationParameters {
+        scheme,
+        ..fixed(step)
+    }
+}
+
+/// Steps of one size (s) with the scheme that is the default.
+pub fn fixed(step: f64) -> IntegrationParameters {
+    IntegrationParameters {
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    }
+}
+
+/// The simulation of a scene at its start, with default parameters.
+pub fn simulation_of(scene: &Scene) -> Simulation {
+    Simulation::new(scene, &IntegrationParameters::default()).unwrap()
+}
+
+/// The simulation of a scene in its equilibrium.
+pub fn at_rest(scene: &Scene) -> Simulation {
+    let mut simulation = simulation_of(scene);
+    simulation.find_equilibrium().unwrap();
+    simulation
+}
+
+/// Steps until a time, s.
+pub fn advance_to(simulation: &mut Simulation, end: f64) {
+    while simulation.time() < end {
+        simulation.advance(end).unwrap();
+    }
+}
+
+/// The simulation of a scene at a time (s), with some parameters.
+pub fn run_with(scene: &Scene, parameters: &IntegrationParameters, end: f64) -> Simulation {
+    let mut simulation = Simulation::new(scene, parameters).unwrap();
+    advance_to(&mut simulation, end);
+    simulation
+}
+
+/// The simulation of a scene with steps of a size (s) at a time (s).
+pub fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
+    run_with(scene, &fixed_steps(scheme, step), end)
+}
+
+/// Another simulation of a scene that begins with the state of one.
+pub fn resumed(scene: &Scene, parameters: &IntegrationParameters, from: &Simulation) -> Simulation {
+    let mut simulation = Simulation::new(scene, parameters).unwrap();
+    simulation.restore(from.state()).unwrap();
+    simulation
+}
+
+/// Largest distance between nodes of the same number, m.
+pub fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
+    distances.fold(0.0, f64::max)
+}
+
+/// A number lies within `tolerance` of what is expected, relative to that.
+#[track_caller]
+pub fn assert_close(found: f64, expected: f64, tolerance: f64) {
+    assert_close_in((), found, expected, tolerance);
+}
+
+/// The same, where a message needs the case.
+#[track_caller]
+pub fn assert_close_in(case: impl Debug, found: f64, expected: f64, tolerance: f64) {
+    let error = found / expected - 1.0;
+    assert!(
+        error.abs() < tolerance,
+        "{case:?}: {found} is off {expected} by {error:.2e} of it"
+    );
+}
