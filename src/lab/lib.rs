@@ -18,3 +18,5 @@ pub mod report;
 pub mod run;
 pub mod scenario;
 pub mod sweep;
+#[cfg(test)]
+mod test_support;

@@ -1,19 +1,12 @@
 //! Contact that held up a run once, from the scenario file to its end.
 
-use super::{from_text, prepare};
-use crate::run::{RunError, RunOptions, RunOutcome, run_until};
+use crate::run::{RunError, RunOutcome};
+use crate::test_support::{self, prepared};
 use rodlab_engine::mechanics::dynamics::SimulationError;
-use std::path::Path;
 
 fn ran(text: &str) -> Result<RunOutcome, RunError> {
-    let loaded = from_text("contact", text, Path::new(""), &[]).unwrap();
-    let prepared = prepare(&loaded.scenario).unwrap();
-    let directory = tempfile::tempdir().unwrap();
-    let options = RunOptions {
-        progress: false,
-        ..RunOptions::new(directory.path())
-    };
-    run_until(&prepared, &options, &|| None)
+    let prepared = prepared("contact", text).unwrap();
+    test_support::ran(&prepared).map(|(outcome, _)| outcome)
 }
 
 /// A soft rope falls onto a held post, hangs over it and swings, with much friction, at steps of 1 ms.

@@ -1,9 +1,9 @@
 //! Walls of the flow from scenario files: which plane it is, what is refused, and what is reported as left out.
 
-use super::{derived_numbers, from_text, prepare};
-use crate::run::{PreparedRun, RunOptions, run_until};
+use super::derived_numbers;
+use crate::run::PreparedRun;
+use crate::test_support::{self, ran};
 use rodlab_engine::mechanics::dynamics::Simulation;
-use std::path::Path;
 
 /// A filament three radii over the plane z = 0, pulled along itself.
 const GLIDING: &str = r#"
@@ -22,14 +22,11 @@ const GLIDING: &str = r#"
 const FLUID: &str = "[fluid]\nmodel = \"rss\"\nviscosity = \"1 Pa s\"\n";
 
 fn prepared(rest: &str) -> Result<PreparedRun, String> {
-    let text = format!("{GLIDING}{rest}");
-    let loaded = from_text("flow", &text, Path::new(""), &[]).map_err(|error| error.to_string())?;
-    prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).to_string())
+    test_support::prepared("flow", &format!("{GLIDING}{rest}"))
 }
 
 fn simulation(rest: &str) -> Result<Simulation, String> {
-    let prepared = prepared(rest)?;
-    Simulation::new(&prepared.scene, &prepared.integration).map_err(|error| error.to_string())
+    test_support::simulation("flow", &format!("{GLIDING}{rest}"))
 }
 
 /// Speed of the filament after a millisecond.
@@ -42,12 +39,7 @@ fn speed(rest: &str) -> f64 {
 }
 
 fn remarks(rest: &str) -> Vec<String> {
-    let directory = tempfile::tempdir().unwrap();
-    let options = RunOptions {
-        progress: false,
-        ..RunOptions::new(directory.path())
-    };
-    let outcome = run_until(&prepared(rest).unwrap(), &options, &|| None).unwrap();
+    let (outcome, _) = ran(&prepared(rest).unwrap()).unwrap();
     outcome.case.remarks
 }
 
@@ -150,9 +142,7 @@ fn a_rod_that_stands_on_the_wall_moves_as_if_set_into_it() {
             force_per_length = ["1e-4 N/m", 0, 0]
             {FLUID}"#
         );
-        let loaded = from_text("cilium", &text, Path::new(""), &[]).unwrap();
-        let prepared = prepare(&loaded.scenario).unwrap();
-        let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();
+        let mut simulation = test_support::simulation("cilium", &text).unwrap();
         for _ in 0..20 {
             simulation.advance(f64::INFINITY).unwrap();
         }

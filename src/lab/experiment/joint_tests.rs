@@ -1,9 +1,7 @@
 //! Joints, bodies and networks from scenario files: what is refused and in which words, and what becomes of them.
 
-use super::from_text;
 use crate::scenario::{JointKind, Place, Scenario, Shape};
-use rodlab_engine::mechanics::dynamics::Simulation;
-use std::path::Path;
+use crate::test_support::{assert_reads_back, cases, loaded, simulation};
 
 const RODS: &str = "experiment = \"scene\"\n[material]\nyoungs_modulus = 1e6\npoissons_ratio = 0.5\ndensity = 1000.0\n\
     [[rods]]\nname = \"post\"\nradius = 0.005\nedges = 10\nshape = { kind = \"straight\", start = [0, 0, 0], end = [0, 0, 0.5] }\n\
@@ -13,12 +11,14 @@ const BALL: &str = "[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\nsh
 const NET: &str = "[[networks]]\nrod = { radius = \"1 mm\", edges = 2 }\n";
 
 fn scenario(rest: &str) -> Result<Scenario, String> {
-    let text = format!("{RODS}{rest}\n[time]\nend = 0.01\n");
-    let loaded = from_text("rods", &text, Path::new(""), &[]).map_err(|error| error.to_string())?;
-    let prepared = super::prepare(&loaded.scenario);
-    let prepared = prepared.map_err(|issues| loaded.locate(issues).to_string())?;
-    Simulation::new(&prepared.scene, &prepared.integration).map_err(|error| error.to_string())?;
-    Ok(loaded.scenario)
+    let text = format!(
+        "{RODS}{rest}
+[time]
+end = 0.01
+"
+    );
+    simulation("rods", &text)?;
+    Ok(loaded("rods", &text)?.scenario)
 }
 
 fn joint(kind: &str, at: &str) -> String {
@@ -40,178 +40,52 @@ fn clamps_may_hold_the_frame_of_a_rigid_joint() {
 
 #[test]
 fn faults_name_the_joint_and_what_is_allowed() {
-    let cases = [
-        (joint("glue", "[\"end\", \"start\"]"), "ball"),
-        (joint("ball", "[\"end\", 11]"), "allowed: 0 to 10"),
-        (joint("ball", "[\"end\", \"end\"]"), "5.000000e-1 m apart"),
-        (joint("hinge", "[\"end\", \"start\"]"), "missing key `axis`"),
-        (
-            joint("hinge", "[\"end\", \"start\"]") + "axis = [0, 1, 0]\nrest_angle = 1\n",
-            "missing key `stiffness`",
-        ),
-        (
-            joint("hinge", "[\"end\", \"start\"]") + "axis = [0, 1, 0]\nstiffness = \"1 N m\"\n",
-            "but this key takes a turning stiffness",
-        ),
-        (joint("spring", "[\"end\", 4]"), "missing key `stiffness`"),
-        (
-            joint("spring", "[\"end\", 4]") + "stiffness = 0\n",
-            "allowed: greater than 0",
-        ),
-        (
-            joint("spring", "[\"end\", 4]") + "stiffness = 1\nrest_length = -1\n",
-            "allowed: at least 0",
-        ),
-        (
-            joint("spring", "[\"end\", 4]") + "turning_stiffness = 1\nrest_length = 1\n",
-            "missing key `stiffness`",
-        ),
-        (
-            joint("spring", "[\"end\", 4]") + "turning_stiffness = 1\nbreak_at = 1\n",
-            "missing key `stiffness`",
-        ),
-        (
-            joint("spring", "[\"end\", 4]") + "turning_stiffness = \"1 N/m\"\n",
-            "but this key takes a turning stiffness",
-        ),
-        (
-            joint("spring", "[\"end\", 4]") + "stiffness = 1\nrest_rotation = [1, 0, 0]\n",
-            "missing key `turning_stiffness`",
-        ),
-        (
-            joint("spring", "[\"end\", 4]")
-                + "turning_stiffness = 1\nrest_rotation = [\"200 deg\", 0, 0]\n",
-            "allowed: up to π",
-        ),
-        (
-            joint("rigid", "[\"end\", \"start\"]")
+    let table = r#"
+        glue ["end", "start"] => ball
+        ball ["end", 11] => allowed: 0 to 10
+        ball ["end", "end"] => 5.000000e-1 m apart
+        hinge ["end", "start"] => missing key `axis`
+        hinge ["end", "start"]; axis = [0, 1, 0]; rest_angle = 1 => missing key `stiffness`
+        hinge ["end", "start"]; axis = [0, 1, 0]; stiffness = "1 N m" => but this key takes a turning stiffness
+        spring ["end", 4] => missing key `stiffness`
+        spring ["end", 4]; stiffness = 0 => allowed: greater than 0
+        spring ["end", 4]; stiffness = 1; rest_length = -1 => allowed: at least 0
+        spring ["end", 4]; turning_stiffness = 1; rest_length = 1 => missing key `stiffness`
+        spring ["end", 4]; turning_stiffness = 1; break_at = 1 => missing key `stiffness`
+        spring ["end", 4]; turning_stiffness = "1 N/m" => but this key takes a turning stiffness
+        spring ["end", 4]; stiffness = 1; rest_rotation = [1, 0, 0] => missing key `turning_stiffness`
+        spring ["end", 4]; turning_stiffness = 1; rest_rotation = ["200 deg", 0, 0] => allowed: up to π
+        spring ["end", 4]; stiffness = 1; axis = [0, 1, 0] => unknown key
+        spring ["end", 4]; stiffness = 1; break_at = 0 => allowed: greater than 0
+        rigid ["end", "start"]; break_at_moment = "1 N" => but this key takes a moment
+        ball ["end", "start"]; break_at_moment = 1 => unknown key
+        spring ["end", 4]; stiffness = 1; break_at_moment = 1 => missing key `turning_stiffness`
+        slide ["start", 4] => m apart, they must lie at one point
+        slide ["end", 11] => allowed: 0 to 10
+        slide ["end", "start"]; stiffness = 1 => unknown key
+        slide ["end", "start"]; break_at = -1 => allowed: greater than 0
+        slide ["end", "start"]; [[clamps]]; rod = "post"; at = "end" => holds the node of rod `post` that should slide
+        spring ["end", "start"]; stiffness = 1; rest_length = "1 cm" => let the rest length be 0
+        hinge ["end", "start"]; axis = [0, 1, 0]; [[clamps]]; rod = "boom"; at = "start" => let the clamp hold the position alone
+        ball ["end", "start"]; [contact]; model = "complementarity" => `imc` or `ipc`
+    "#;
+    let of_one_joint = cases(table).map(|(text, expected)| {
+        let (head, keys) = text.split_once('\n').unwrap_or((&text, ""));
+        let (kind, at) = head.split_once(' ').unwrap();
+        (joint(kind, at) + keys + "\n", expected)
+    });
+    let others = [(joint("rigid", "[\"end\", \"start\"]")
                 + &joint("spring", "[\"end\", \"start\"]").replace("knee", "tie")
-                + "turning_stiffness = 1\n",
-            "`tie`: its nodes turn as one",
-        ),
-        (
-            joint("spring", "[\"end\", 4]") + "stiffness = 1\naxis = [0, 1, 0]\n",
-            "unknown key",
-        ),
-        (
-            joint("spring", "[\"end\", 4]") + "stiffness = 1\nbreak_at = 0\n",
-            "allowed: greater than 0",
-        ),
-        (
-            joint("rigid", "[\"end\", \"start\"]") + "break_at_moment = \"1 N\"\n",
-            "but this key takes a moment",
-        ),
-        (
-            joint("ball", "[\"end\", \"start\"]") + "break_at_moment = 1\n",
-            "unknown key",
-        ),
-        (
-            joint("spring", "[\"end\", 4]") + "stiffness = 1\nbreak_at_moment = 1\n",
-            "missing key `turning_stiffness`",
-        ),
-        (joint("slide", "[\"start\", 4]"), "m apart, they must lie at one point"),
-        (joint("slide", "[\"end\", 11]"), "allowed: 0 to 10"),
-        (joint("slide", "[4, 5]").replace("boom", "post"), "5.000000e-2 m apart"),
-        (
-            joint("slide", "[\"end\", \"start\"]") + "stiffness = 1\n",
-            "unknown key",
-        ),
-        (
-            joint("slide", "[\"end\", \"start\"]") + "break_at = -1\n",
-            "allowed: greater than 0",
-        ),
-        (
-            joint("slide", "[\"end\", \"start\"]")
-                + &joint("rigid", "[\"end\", \"start\"]").replace("knee", "weld"),
-            "`knee`: its first node is joined to the rod along which it should slide",
-        ),
-        (
-            joint("slide", "[\"end\", \"start\"]")
-                + &joint("slide", "[\"end\", \"start\"]").replace("knee", "again"),
-            "`again`: its first node slides along another rod already",
-        ),
-        (
-            joint("slide", "[\"end\", \"start\"]") + "[[clamps]]\nrod = \"post\"\nat = \"end\"\n",
-            "holds the node of rod `post` that should slide",
-        ),
-        (
-            joint("ball", "[\"end\", \"start\"]")
+                + "turning_stiffness = 1\n", "`tie`: its nodes turn as one"), (joint("slide", "[4, 5]").replace("boom", "post"), "5.000000e-2 m apart"), (joint("slide", "[\"end\", \"start\"]")
+                + &joint("rigid", "[\"end\", \"start\"]").replace("knee", "weld"), "`knee`: its first node is joined to the rod along which it should slide"), (joint("slide", "[\"end\", \"start\"]")
+                + &joint("slide", "[\"end\", \"start\"]").replace("knee", "again"), "`again`: its first node slides along another rod already"), (joint("ball", "[\"end\", \"start\"]")
                 + "break_at = 1\n"
-                + &joint("rigid", "[\"end\", \"start\"]"),
-            "`joints.0.break_at`: `knee`: breaks at a force that is not known",
-        ),
-        (
-            joint("hinge", "[\"end\", \"start\"]")
+                + &joint("rigid", "[\"end\", \"start\"]"), "`joints.0.break_at`: `knee`: breaks at a force that is not known"), (joint("hinge", "[\"end\", \"start\"]")
                 + "axis = [0, 1, 0]\nbreak_at_moment = 1\n"
-                + &joint("ball", "[\"end\", \"start\"]").replace("knee", "ball"),
-            "`joints.0.break_at_moment`: `knee`: breaks at a force that is not known",
-        ),
-        (
-            joint("spring", "[\"end\", \"start\"]") + "stiffness = 1\nrest_length = \"1 cm\"\n",
-            "let the rest length be 0",
-        ),
-        (
-            joint("ball", "[\"end\", \"start\"]")
+                + &joint("ball", "[\"end\", \"start\"]").replace("knee", "ball"), "`joints.0.break_at_moment`: `knee`: breaks at a force that is not known"), (joint("ball", "[\"end\", \"start\"]")
                 + &joint("spring", "[\"end\", \"start\"]").replace("knee", "tie")
-                + "stiffness = 1\n",
-            "`tie`: its nodes are one point",
-        ),
-        (
-            joint("spring", "[4, 4]").replace("boom", "post") + "stiffness = 1\n",
-            "joins a node to itself",
-        ),
-        (
-            joint("rigid", "[\"end\", \"start\"]").replace("boom", "bom"),
-            "boom",
-        ),
-        (
-            joint("rigid", "[\"end\", \"start\"]") + &joint("rigid", "[\"end\", \"start\"]"),
-            "already hold",
-        ),
-        (
-            joint("hinge", "[\"end\", \"start\"]")
-                + "axis = [0, 1, 0]\n[[clamps]]\nrod = \"boom\"\nat = \"start\"\n",
-            "let the clamp hold the position alone",
-        ),
-        (
-            joint("ball", "[\"end\", \"start\"]") + "[contact]\nmodel = \"complementarity\"\n",
-            "`imc` or `ipc`",
-        ),
-        (
-            "[[bodies]]\nrod = \"boom\"\nat = \"end\"\n".to_owned(),
-            "missing key `mass`",
-        ),
-        (
-            "[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\ninertia = [1, 1, 3]\n".to_owned(),
-            "no body is like that",
-        ),
-        (
-            "[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\nshape = { kind = \"disk\" }\n".to_owned(),
-            "missing key `radius`",
-        ),
-        (
-            format!("{BALL}[contact]\nmodel = \"imc\"\n"),
-            "the ball at node 10 of rod `boom`",
-        ),
-        (NET.to_owned(), "missing key `shape`"),
-        (
-            format!("{NET}shape = {{ kind = \"grid\", sides = [[1, 0, 0], [2, 0, 0]], rods = [3, 3] }}\n"),
-            "parallel",
-        ),
-        (
-            format!("{NET}shape = {{ kind = \"grid\", sides = [[1, 0, 0], [0, 1, 0]], rods = [1, 3] }}\n"),
-            "allowed: 2 to 1000",
-        ),
-        (
-            format!("{NET}shape = {{ kind = \"table\", points = [[0, 0, 0], [1, 0, 0]], rods = [[0, 2]] }}\n"),
-            "no point 2; allowed: 0 to 1",
-        ),
-        (
-            format!("{NET}shape = {{ kind = \"table\", points = [[0, 0, 0], [1, 0, 0]], rods = [[0, 0]] }}\n"),
-            "same point twice",
-        ),
-    ];
-    for (text, expected) in cases {
+                + "stiffness = 1\n", "`tie`: its nodes are one point"), (joint("spring", "[4, 4]").replace("boom", "post") + "stiffness = 1\n", "joins a node to itself"), (joint("rigid", "[\"end\", \"start\"]").replace("boom", "bom"), "boom"), (joint("rigid", "[\"end\", \"start\"]") + &joint("rigid", "[\"end\", \"start\"]"), "already hold"), ("[[bodies]]\nrod = \"boom\"\nat = \"end\"\n".to_owned(), "missing key `mass`"), ("[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\ninertia = [1, 1, 3]\n".to_owned(), "no body is like that"), ("[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\nshape = { kind = \"disk\" }\n".to_owned(), "missing key `radius`"), (format!("{BALL}[contact]\nmodel = \"imc\"\n"), "the ball at node 10 of rod `boom`"), (NET.to_owned(), "missing key `shape`"), (format!("{NET}shape = {{ kind = \"grid\", sides = [[1, 0, 0], [2, 0, 0]], rods = [3, 3] }}\n"), "parallel"), (format!("{NET}shape = {{ kind = \"grid\", sides = [[1, 0, 0], [0, 1, 0]], rods = [1, 3] }}\n"), "allowed: 2 to 1000"), (format!("{NET}shape = {{ kind = \"table\", points = [[0, 0, 0], [1, 0, 0]], rods = [[0, 2]] }}\n"), "no point 2; allowed: 0 to 1"), (format!("{NET}shape = {{ kind = \"table\", points = [[0, 0, 0], [1, 0, 0]], rods = [[0, 0]] }}\n"), "same point twice")];
+    for (text, expected) in of_one_joint.chain(others) {
         let message = match scenario(&text) {
             Err(message) => message,
             Ok(_) => panic!("{text} is accepted"),
@@ -226,14 +100,13 @@ fn a_scheme_that_goes_on_from_the_middle_is_refused_beside_frames() {
         "{RODS}{}[time]\nscheme = \"implicit-midpoint\"\nend = 1.0\n",
         joint("rigid", "[\"end\", \"start\"]")
     );
-    let loaded = |text: &str| from_text("rods", text, Path::new(""), &[]).map(drop);
-    let error = loaded(&text).unwrap_err().to_string();
+    let error = loaded("rods", &text).err().unwrap();
     assert!(error.contains("backward-differences"), "{error}");
     let spring = text.replace("\"rigid\"", "\"spring\"\nturning_stiffness = 1");
-    let error = loaded(&spring).unwrap_err().to_string();
+    let error = loaded("rods", &spring).err().unwrap();
     assert!(error.contains("springs that turn rods"), "{error}");
     for kind in ["\"ball\"", "\"slide\"", "\"spring\"\nstiffness = 1"] {
-        loaded(&text.replace("\"rigid\"", kind)).unwrap();
+        loaded("rods", &text.replace("\"rigid\"", kind)).unwrap();
     }
 }
 
@@ -243,16 +116,14 @@ fn bodies_off_their_node_touch_nothing() {
     let text = format!("{weld}{BALL}offset = [0, 0, \"2 cm\"]\n[contact]\nmodel = \"imc\"\n");
     let scenario = scenario(&text).unwrap();
     assert_eq!(scenario.bodies[0].offset, Some([0.0, 0.0, 0.02]));
-    let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
-    assert_eq!(again.scenario, scenario);
+    assert_reads_back("rods", &scenario);
 }
 
 #[test]
 fn what_breaks_needs_time() {
     let text = joint("ball", "[\"end\", \"start\"]") + "break_at = \"1 N\"\n";
     let text = format!("{RODS}{text}[time]\nmode = \"static\"\n");
-    let loaded = from_text("rods", &text, Path::new(""), &[]).map(drop);
-    let error = loaded.unwrap_err().to_string();
+    let error = loaded("rods", &text).err().unwrap();
     assert!(
         error.contains("`joints.0.break_at`") && error.contains("\"dynamic\""),
         "{error}"
@@ -297,8 +168,7 @@ fn springs_read_back_to_themselves() {
     );
     let strengths = scenario.joints.iter().map(|joint| joint.break_at);
     assert!(strengths.eq([Some(3e-3), None, None, None]));
-    let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
-    assert_eq!(again.scenario, scenario);
+    assert_reads_back("rods", &scenario);
 }
 
 #[test]
@@ -307,8 +177,7 @@ fn slides_read_back_to_themselves() {
     let scenario = scenario(&text).unwrap();
     let joint = &scenario.joints[0];
     assert_eq!((joint.kind, joint.break_at), (JointKind::Slide, Some(3e-3)));
-    let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
-    assert_eq!(again.scenario, scenario);
+    assert_reads_back("rods", &scenario);
 }
 
 #[test]
@@ -327,7 +196,7 @@ fn a_network_is_its_rods_joints_and_clamps() {
     let moved = scenario.clamps[0].movement.translation[1].1;
     assert!((moved[0] - 0.075).abs() < 1e-15 && (moved[1] - 0.05).abs() < 1e-15);
     // The resolved scenario is a scenario, and the same one.
-    let again = from_text("rods", &scenario.to_toml(), Path::new(""), &[]).unwrap();
+    let again = loaded("rods", &scenario.to_toml()).unwrap();
     assert_eq!(again.scenario.joints, scenario.joints);
     assert_eq!(again.scenario.rods, scenario.rods);
     assert_eq!(again.scenario.to_toml(), scenario.to_toml());
@@ -379,9 +248,7 @@ fn a_static_frame_of_many_edges_comes_to_rest_under_any_force() {
             strip("r1", "5.4 mm", "[-0.096, -0.0125, 0.1196]"),
             strip("r2", "5.6 mm", "[-0.1626, -0.1232, -0.1431]"),
         );
-        let loaded = from_text("frame", &text, Path::new(""), &[]).unwrap();
-        let prepared = super::prepare(&loaded.scenario).unwrap();
-        let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();
+        let mut simulation = simulation("frame", &text).unwrap();
         let report = simulation.find_equilibrium();
         let report = report.unwrap_or_else(|error| panic!("{edges} edges, {size}: {error}"));
         assert!(

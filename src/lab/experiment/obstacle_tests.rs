@@ -1,20 +1,20 @@
 //! Obstacles from scenario files: what is refused and in which words, and that every shape bears a rod.
 
-use super::from_text;
+use crate::test_support::{self, advance_to, cases};
 use rodlab_engine::mechanics::dynamics::Simulation;
-use std::path::Path;
 
 const ROD: &str = "experiment = \"scene\"\n[material]\nyoungs_modulus = 1e6\npoissons_ratio = 0.5\ndensity = 1000.0\n\
     [[rods]]\nname = \"rod\"\nradius = 0.005\nedges = 20\nshape = { kind = \"straight\", start = [-0.5, 0, 0.1], end = [0.5, 0, 0.1] }\n";
 
 fn simulation(rest: &str) -> Result<Simulation, String> {
-    let text = format!("{ROD}{rest}\n[time]\nstep = 0.001\nend = 0.1\n");
-    let loaded = from_text("rod", &text, Path::new(""), &[]).map_err(|error| error.to_string())?;
-    let prepared = super::prepare(&loaded.scenario).map_err(|issues| {
-        let located = loaded.locate(issues);
-        located.to_string()
-    })?;
-    Simulation::new(&prepared.scene, &prepared.integration).map_err(|error| error.to_string())
+    let text = format!(
+        "{ROD}{rest}
+[time]
+step = 0.001
+end = 0.1
+"
+    );
+    test_support::simulation("rod", &text)
 }
 
 fn fault(rest: &str) -> String {
@@ -32,77 +32,29 @@ const TETRAHEDRON: &str = "vertices = [[0,0,0],[0.1,0,0],[0,0.1,0],[0,0,0.05]]";
 
 #[test]
 fn faults_name_the_obstacle_and_what_is_allowed() {
-    let cases = [
-        (with("{ kind = \"ball\", radius = 1 }"), "sphere"),
-        (
-            with("{ kind = \"sphere\", radius = 0.05 }"),
-            "missing key `centre`",
-        ),
-        (
-            with("{ kind = \"sphere\", centre = [0,0,0], radius = -1 }"),
-            "greater than 0",
-        ),
-        (
-            with("{ kind = \"box\", centre = [0,0,0], size = [1,0,1] }"),
-            "obstacles.0.shape.size.1",
-        ),
-        (
-            with("{ kind = \"box\", centre = [0,0,0], size = [1,1,0.1], rounding = 0.05 }"),
-            "half of the shortest side",
-        ),
-        (
-            with("{ kind = \"tube\", start = [0,0,0], end = [0,0,0], radius = 1 }"),
-            "no axis",
-        ),
-        (with("{ kind = \"mesh\" }"), "an STL or OBJ file"),
-        (
-            with("{ kind = \"mesh\", file = \"nowhere.stl\" }"),
-            "nowhere.stl",
-        ),
-        (
-            with(&format!(
-                "{{ kind = \"mesh\", {TETRAHEDRON}, triangles = [[0,2,1],[0,1,3],[0,3,2]] }}"
-            )),
-            "holes",
-        ),
-        (
-            with(&format!(
-                "{{ kind = \"mesh\", {TETRAHEDRON}, triangles = [[0,1,2],[0,1,3],[0,3,2],[1,2,3]] }}"
-            )),
-            "flipped",
-        ),
-        (
-            with(&format!(
-                "{{ kind = \"mesh\", {TETRAHEDRON}, triangles = [[0,1,2],[0,3,1],[0,2,3],[1,3,2]] }}"
-            )),
-            "inwards",
-        ),
-        (
-            with(&format!(
-                "{{ kind = \"mesh\", {TETRAHEDRON}, triangles = [[0,1,1]] }}"
-            )),
-            "no area",
-        ),
-        (
-            with(&format!(
-                "{{ kind = \"mesh\", {TETRAHEDRON}, triangles = [[0,1,7]] }}"
-            )),
-            "allowed: 0 to 3",
-        ),
-        (
-            with(&format!(
-                "{{ kind = \"mesh\", unit = 1e4, {TETRAHEDRON}, triangles = [[0,2,1],[0,1,3],[0,3,2],[1,2,3]] }}"
-            )),
-            "of another unit",
-        ),
-        (
-            with("{ kind = \"heights\", spacing = 0.1, heights = [[0, 0], [0]] }"),
-            "the first row has 2",
-        ),
-        (
-            with("{ kind = \"heights\", spacing = 0.1, heights = [[0, 0]] }"),
-            "2 by 1",
-        ),
+    let shapes = r#"
+        { kind = "ball", radius = 1 } => sphere
+        { kind = "sphere", radius = 0.05 } => missing key `centre`
+        { kind = "sphere", centre = [0,0,0], radius = -1 } => greater than 0
+        { kind = "box", centre = [0,0,0], size = [1,0,1] } => obstacles.0.shape.size.1
+        { kind = "box", centre = [0,0,0], size = [1,1,0.1], rounding = 0.05 } => half of the shortest side
+        { kind = "tube", start = [0,0,0], end = [0,0,0], radius = 1 } => no axis
+        { kind = "mesh" } => an STL or OBJ file
+        { kind = "mesh", file = "nowhere.stl" } => nowhere.stl
+        { kind = "mesh", TETRAHEDRON, triangles = [[0,2,1],[0,1,3],[0,3,2]] } => holes
+        { kind = "mesh", TETRAHEDRON, triangles = [[0,1,2],[0,1,3],[0,3,2],[1,2,3]] } => flipped
+        { kind = "mesh", TETRAHEDRON, triangles = [[0,1,2],[0,3,1],[0,2,3],[1,3,2]] } => inwards
+        { kind = "mesh", TETRAHEDRON, triangles = [[0,1,1]] } => no area
+        { kind = "mesh", TETRAHEDRON, triangles = [[0,1,7]] } => allowed: 0 to 3
+        { kind = "mesh", unit = 1e4, TETRAHEDRON, triangles = [[0,2,1],[0,1,3],[0,3,2],[1,2,3]] } => of another unit
+        { kind = "heights", spacing = 0.1, heights = [[0, 0], [0]] } => the first row has 2
+        { kind = "heights", spacing = 0.1, heights = [[0, 0]] } => 2 by 1
+    "#;
+    let of_shapes = cases(shapes).map(|(shape, expected)| {
+        let shape = shape.replace("TETRAHEDRON", TETRAHEDRON);
+        (with(&shape), expected)
+    });
+    let others = [
         (
             "[[obstacles]]\nshape = { kind = \"sphere\", centre = [0,0,0], radius = 0.05 }\n"
                 .to_owned(),
@@ -116,7 +68,7 @@ fn faults_name_the_obstacle_and_what_is_allowed() {
             "there are: body",
         ),
     ];
-    for (text, expected) in cases {
+    for (text, expected) in of_shapes.chain(others) {
         let message = fault(&text);
         assert!(message.contains(expected), "{text}\n{message}");
     }
@@ -159,9 +111,7 @@ fn every_shape_bears_a_rod_with_every_model() {
                 with(shape).replace("friction", &format!("model = \"{model}\"\nfriction"))
             );
             let mut simulation = simulation(&text).unwrap();
-            while simulation.time() < 0.1 {
-                simulation.advance(0.1).unwrap();
-            }
+            advance_to(&mut simulation, 0.1);
             let middle = simulation.positions()[10].z;
             assert!(
                 (0.0987..0.105).contains(&middle),
@@ -185,9 +135,7 @@ fn an_obstacle_that_rises_lifts_the_rod() {
              move = [[0, [0, 0, 0]], [0.1, [0, 0, 0.02]]]\nangular_velocity = 2.0\n"
         );
         let mut simulation = simulation(&text).unwrap();
-        while simulation.time() < 0.1 {
-            simulation.advance(0.1).unwrap();
-        }
+        advance_to(&mut simulation, 0.1);
         // Its top has risen to 0.11 m.
         let middle = simulation.positions()[10].z;
         assert!((0.1149..0.13).contains(&middle), "{model}: {middle}");
@@ -226,9 +174,7 @@ fn a_rod_shot_at_an_obstacle_at_ten_diameters_a_step_does_not_pass() {
                 .replace("youngs_modulus = 1e6", "youngs_modulus = 1e9")
                 .replace("edges = 20", "edges = 20\nvelocity = [0, 0, -100]");
             let text = format!("{shot}{text}\n[time]\nstep = 0.001\nend = 0.004\n");
-            let loaded = from_text("rod", &text, Path::new(""), &[]).unwrap();
-            let prepared = super::prepare(&loaded.scenario).unwrap();
-            let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();
+            let mut simulation = test_support::simulation("rod", &text).unwrap();
             while simulation.time() < 0.004 && simulation.advance(0.004).is_ok() {
                 let middle = simulation.positions()[10].z;
                 assert!(

@@ -1,30 +1,21 @@
 //! What is remarked at the end of a run, from the scenario file to the tables.
 
-use super::{from_text, prepare};
-use crate::run::{RunOptions, run_until};
+use crate::run::run_until;
+use crate::test_support::{prepared, quiet, ran};
 use rodlab_files::results::{MAIN_CASE, Manifest, SUMMARY, Table};
-use std::path::Path;
 
 /// What a run remarks, and its summary and manifest do too.
 fn remarks(text: &str) -> Vec<String> {
-    let loaded = from_text("remarks", text, Path::new(""), &[]).unwrap();
-    let prepared = prepare(&loaded.scenario).unwrap();
-    let directory = tempfile::tempdir().unwrap();
-    let options = RunOptions {
-        progress: false,
-        ..RunOptions::new(directory.path())
-    };
-    let remarks = run_until(&prepared, &options, &|| None)
-        .unwrap()
-        .case
-        .remarks;
+    let prepared = prepared("remarks", text).unwrap();
+    let (outcome, directory) = ran(&prepared).unwrap();
+    let remarks = outcome.case.remarks;
     let summary = Table::read(&directory.path().join(SUMMARY)).unwrap();
     let told: Vec<&str> = summary.column("remarks").unwrap().collect();
     assert_eq!(told, [remarks.join("; ")]);
     let manifest = Manifest::read(directory.path()).unwrap().unwrap();
     assert_eq!(manifest.cases[MAIN_CASE].outcome.remarks, remarks);
     // A finished run is left alone and tells the same.
-    let again = run_until(&prepared, &options, &|| None).unwrap();
+    let again = run_until(&prepared, &quiet(directory.path()), &|| None).unwrap();
     assert_eq!(again.case.remarks, remarks);
     remarks
 }

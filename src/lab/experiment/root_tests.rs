@@ -1,21 +1,7 @@
 //! Rods that are clamped where they overlap or touch: in a floor, on a scalp, in a tube wall, beside each other.
 
-use super::{from_text, prepare};
-use rodlab_engine::mechanics::dynamics::Simulation;
+use crate::test_support::{advance_to, simulation};
 use std::f64::consts::PI;
-use std::path::Path;
-
-fn simulation(text: &str) -> Result<Simulation, String> {
-    let loaded = from_text("roots", text, Path::new(""), &[]).map_err(|error| error.to_string())?;
-    let prepared = prepare(&loaded.scenario).map_err(|error| error.to_string())?;
-    Simulation::new(&prepared.scene, &prepared.integration).map_err(|error| error.to_string())
-}
-
-fn advance(simulation: &mut Simulation, end: f64) {
-    while simulation.time() < end {
-        simulation.advance(end).unwrap();
-    }
-}
 
 /// A stalk of 10 MPa, 20 cm long and 3 mm thick, clamped upright at the origin and pushed aside at its tip by 0.1 mN.
 fn stalk(body: &str, model: &str) -> String {
@@ -78,14 +64,14 @@ fn a_stalk_set_in_a_body_bends_as_a_cantilever_and_bears_nothing() {
         (POST, "rod `post`", "imc"),
         (WALL, "obstacle `wall`", "imc"),
     ] {
-        let mut simulation = simulation(&stalk(body, model)).unwrap();
+        let mut simulation = simulation("roots", &stalk(body, model)).unwrap();
         let notes = simulation.remarks();
         assert_eq!(notes.len(), 1, "{notes:?}");
         assert!(
             notes[0].contains(named) && notes[0].contains("`stalk`"),
             "{notes:?}"
         );
-        advance(&mut simulation, 6.0);
+        advance_to(&mut simulation, 6.0);
         let tip = simulation.positions()[40].x;
         assert!(
             (tip / expected - 1.0).abs() < 5e-3,
@@ -103,18 +89,18 @@ fn a_stalk_set_in_a_body_bends_as_a_cantilever_and_bears_nothing() {
 fn what_lies_farther_than_a_root_reaches_is_refused_and_touches() {
     // It lies in the floor along all of its length.
     let flat = stalk(FLOOR, "imc").replace("end = [0, 0, 0.2]", "end = [0.2, 0, 0]");
-    let error = simulation(&flat).err().unwrap();
+    let error = simulation("roots", &flat).err().unwrap();
     assert!(error.contains("interpenetrate"), "{error}");
     // A clamp that moves on its own is not set in the floor.
     let moving = stalk(FLOOR, "imc").replace(
         "at = \"start\"",
         "at = \"start\"\nmove = [[0, [0, 0, 0]], [1, [0.1, 0, 0]]]",
     );
-    assert!(simulation(&moving).is_err());
+    assert!(simulation("roots", &moving).is_err());
     // Pushed over, it comes to lie on the floor beyond its root, and not in it.
     let bent = stalk(FLOOR, "imc").replace("[\"0.1 mN\", 0, 0]", "[\"30 mN\", 0, \"-150 mN\"]");
-    let mut simulation = simulation(&bent).unwrap();
-    advance(&mut simulation, 3.0);
+    let mut simulation = simulation("roots", &bent).unwrap();
+    advance_to(&mut simulation, 3.0);
     let lowest = simulation.positions()[3..].iter().map(|x| x.z);
     let lowest = lowest.fold(f64::INFINITY, f64::min);
     assert!(lowest > 0.95 * 0.003, "{lowest}");
@@ -164,8 +150,8 @@ fn held_nodes_that_touch_bear_no_force() {
         ("ipc", "6.001 mm"),
         ("complementarity", "6 mm"),
     ] {
-        let mut simulation = simulation(&chuck(model, apart)).unwrap();
-        advance(&mut simulation, 4.0);
+        let mut simulation = simulation("roots", &chuck(model, apart)).unwrap();
+        advance_to(&mut simulation, 4.0);
         let forces = simulation.contact_forces();
         let largest = forces.iter().map(|force| force.norm()).fold(0.0, f64::max);
         // What keeps the second nodes apart by less than δ = 30 µm: at most 3 EI δ/(2 h³) with the edges h = 10 mm.
@@ -212,10 +198,10 @@ fn hairs_from_one_root_are_held_alike_by_clamps_and_by_a_rigid_joint() {
                  rods = [\"a\", \"b\"]\nat = [\"start\", \"start\"]\n";
     let mut tips = Vec::new();
     for clamps in [two, rigid] {
-        let mut simulation = simulation(&tuft(clamps)).unwrap();
+        let mut simulation = simulation("roots", &tuft(clamps)).unwrap();
         let remarks = simulation.remarks();
         assert_eq!(remarks.len(), usize::from(clamps == two), "{remarks:?}");
-        advance(&mut simulation, 0.2);
+        advance_to(&mut simulation, 0.2);
         tips.push([40, 81].map(|node| simulation.positions()[node]));
         // The first edges keep their directions: the root does not turn.
         for (node, end) in [(1, [0.04, 0.0, 0.04]), (42, [0.04, 0.014, 0.04])] {
@@ -231,6 +217,6 @@ fn hairs_from_one_root_are_held_alike_by_clamps_and_by_a_rigid_joint() {
     let both = format!(
         "{two}[[joints]]\nkind = \"ball\"\nrods = [\"a\", \"b\"]\nat = [\"start\", \"start\"]\n"
     );
-    let error = simulation(&tuft(&both)).err().unwrap();
+    let error = simulation("roots", &tuft(&both)).err().unwrap();
     assert!(error.contains("hold = \"frame\""), "{error}");
 }

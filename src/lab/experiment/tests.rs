@@ -2,7 +2,8 @@
 
 use super::{KINDS, Kind, explain, from_text, json_schema, prepare};
 use crate::report::plot_results;
-use crate::run::{Mode, PreparedRun, RunOptions, run};
+use crate::run::{Mode, PreparedRun, run};
+use crate::test_support::quiet;
 use rodlab_engine::mechanics::dynamics::Simulation;
 use rodlab_files::figure::{FigureOptions, Paper};
 use rodlab_files::results::{SERIES, SUMMARY, Table};
@@ -82,11 +83,8 @@ fn each_kind_runs_has_figures_and_says_what_its_files_hold() {
         };
         let run_ = prepared(*kind, kind.template(), &short);
         let directory = tempfile::tempdir().unwrap();
-        let options = RunOptions {
-            progress: false,
-            ..RunOptions::new(directory.path())
-        };
-        run(&run_, &options).unwrap_or_else(|error| panic!("{kind:?}: {error}"));
+
+        run(&run_, &quiet(directory.path())).unwrap_or_else(|error| panic!("{kind:?}: {error}"));
         let figures = plot_results(directory.path(), &FigureOptions::default()).unwrap();
         assert!(!figures.is_empty(), "{kind:?}");
         let own = kind.figures(directory.path()).unwrap();

@@ -1,6 +1,7 @@
 //! Observers and controllers in real runs: what they add to the results, and that restarts are bit for bit.
 
 use super::*;
+use crate::test_support::{quiet, run_of_scene};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{
     Grasp, IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
@@ -11,7 +12,6 @@ use rodlab_engine::mechanics::scene::{
 use rodlab_files::results::{Ending, NODES, NamedValues, SERIES, SUMMARY, SeriesRow, Table, Value};
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Nodes of the rod.
@@ -147,74 +147,49 @@ fn cantilever(integration: IntegrationParameters) -> PreparedRun {
     let (young, radius, density) = (1e7, 3e-3, 1000.0);
     let area = std::f64::consts::PI * radius * radius;
     let second_moment = 0.25 * area * radius * radius;
+    let stiffness = Stiffness {
+        stretching: young * area,
+        bending: [young * second_moment; 2],
+        twisting: young / 3.0 * 2.0 * second_moment,
+    };
+    let nodes = (0..NODES_OF_ROD)
+        .map(|k| Vector3::x() * (0.3 * k as f64 / 12.0))
+        .collect();
     let rod = RodDescription {
-        name: "rod".into(),
-        centreline: (0..NODES_OF_ROD)
-            .map(|k| Vector3::x() * (0.3 * k as f64 / 12.0))
-            .collect(),
-        closed: false,
-        end_tangents: [None; 2],
-        first_director: None,
         twist: 0.4,
         natural_shape: NaturalShape::Curved {
             curvature: [0.5, 0.0],
             twist: 0.3,
         },
-        pretension: 0.0,
-        stiffness: Stiffness {
-            stretching: young * area,
-            bending: [young * second_moment; 2],
-            twisting: young / 3.0 * 2.0 * second_moment,
-        },
-        radius,
-        mass_per_length: density * area,
         rotational_inertia_per_length: 2.0 * density * second_moment,
         inertia: Inertia::Consistent,
-        retardation_time: 0.0,
-        relaxation: None,
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
+        ..RodDescription::uniform("rod", nodes, stiffness, radius, density * area)
+    };
+    let scene = Scene {
+        rods: vec![rod],
+        clamps: vec![Clamp {
+            rod: 0,
+            node: 0,
+            holds_position: true,
+            holds_frame: true,
+            motion: Motion::default(),
+        }],
+        loads: vec![Load {
+            kind: LoadKind::Gravity {
+                acceleration: Vector3::z() * -9.81,
+            },
+            schedule: Vec::new(),
+        }],
+        ..Scene::default()
     };
     PreparedRun {
-        name: "cantilever".into(),
-        experiment: "scene".into(),
-        title: "Cantilever".into(),
-        scenario_toml: "experiment = \"scene\"\n".into(),
-        scene: Scene {
-            rods: vec![rod],
-            clamps: vec![Clamp {
-                rod: 0,
-                node: 0,
-                holds_position: true,
-                holds_frame: true,
-                motion: Motion::default(),
-            }],
-            loads: vec![Load {
-                kind: LoadKind::Gravity {
-                    acceleration: Vector3::z() * -9.81,
-                },
-                schedule: Vec::new(),
-            }],
-            ..Scene::default()
-        },
-        mode: Mode::Dynamic { end: 0.5 },
         integration,
-        output: OutputPlan {
-            interval: 0.05,
-            nodes: true,
-            forces: false,
-            vtk: false,
-        },
         observers: vec![Box::new(Lowest::FREE)],
-        warnings: Vec::new(),
         controllers: vec![Box::new(Gripper {
             clamp: None,
             released: false,
         })],
-        own_files: Vec::new(),
-        table: None,
-        start: None,
+        ..run_of_scene("cantilever", scene, Mode::Dynamic { end: 0.5 }, 0.05)
     }
 }
 
@@ -235,24 +210,17 @@ fn schemes() -> [IntegrationParameters; 3] {
     ]
 }
 
-fn options(directory: &Path) -> RunOptions {
-    RunOptions {
-        progress: false,
-        ..RunOptions::new(directory)
-    }
-}
-
 #[test]
 fn a_run_with_a_gripper_that_is_killed_again_and_again_ends_with_the_same_bytes() {
     for integration in schemes() {
         let prepared = cantilever(integration);
         let (whole, pieces) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-        let outcome = run_until(&prepared, &options(whole.path()), &|| None).unwrap();
+        let outcome = run_until(&prepared, &quiet(whole.path()), &|| None).unwrap();
         let mut interruptions = 0;
         let continued = loop {
             let steps = AtomicUsize::new(0);
             let stop = || (steps.fetch_add(1, Relaxed) == 9).then_some(StopRequest::Interrupt);
-            match run_until(&prepared, &options(pieces.path()), &stop) {
+            match run_until(&prepared, &quiet(pieces.path()), &stop) {
                 Ok(outcome) => break outcome,
                 Err(RunError::Interrupted { .. }) => interruptions += 1,
                 Err(error) => panic!("{error}"),
@@ -270,7 +238,7 @@ fn a_run_with_a_gripper_that_is_killed_again_and_again_ends_with_the_same_bytes(
                 integration.scheme
             );
         }
-        let again = run_until(&prepared, &options(pieces.path()), &|| None).unwrap();
+        let again = run_until(&prepared, &quiet(pieces.path()), &|| None).unwrap();
         assert_eq!(again.status, RunStatus::AlreadyFinished);
         assert_eq!(again.highlights, outcome.highlights);
         assert_eq!(again.highlights[0].0, "lowest");
@@ -281,12 +249,7 @@ fn a_run_with_a_gripper_that_is_killed_again_and_again_ends_with_the_same_bytes(
 fn a_grasped_node_is_where_the_gripper_is_until_it_is_let_go() {
     for integration in schemes() {
         let directory = tempfile::tempdir().unwrap();
-        run_until(
-            &cantilever(integration),
-            &options(directory.path()),
-            &|| None,
-        )
-        .unwrap();
+        run_until(&cantilever(integration), &quiet(directory.path()), &|| None).unwrap();
         let nodes = rodlab_files::results::read_nodes(directory.path(), NODES_OF_ROD).unwrap();
         let height = |output: usize| nodes[output].positions[GRASPED].z;
         // Outputs every 0.05 s: it takes hold at output 2, has lifted at output 5, lets go at output 6.
@@ -301,7 +264,7 @@ fn a_grasped_node_is_where_the_gripper_is_until_it_is_let_go() {
 fn columns_and_outcomes_of_observers_are_in_the_tables() {
     let directory = tempfile::tempdir().unwrap();
     let prepared = cantilever(schemes()[0]);
-    let outcome = run_until(&prepared, &options(directory.path()), &|| None).unwrap();
+    let outcome = run_until(&prepared, &quiet(directory.path()), &|| None).unwrap();
     let series = Table::read(&directory.path().join(SERIES)).unwrap();
     let nodes = rodlab_files::results::read_nodes(directory.path(), NODES_OF_ROD).unwrap();
     let heights = nodes
@@ -328,7 +291,7 @@ fn an_observer_that_has_seen_enough_ends_the_run_with_the_next_output() {
         ends_below: -0.01,
         ..Lowest::FREE
     })];
-    let outcome = run_until(&prepared, &options(directory.path()), &|| None).unwrap();
+    let outcome = run_until(&prepared, &quiet(directory.path()), &|| None).unwrap();
     assert_eq!(outcome.case.ending.unwrap().word, "low");
     let series = Table::read(&directory.path().join(SERIES)).unwrap();
     assert!(series.len() < 11, "{}", series.len());
@@ -344,7 +307,7 @@ fn an_observer_whose_check_fails_ends_the_run_with_exit_code_4_after_the_row() {
         fails_below: -0.01,
         ..Lowest::FREE
     })];
-    let error = run_until(&prepared, &options(directory.path()), &|| None).unwrap_err();
+    let error = run_until(&prepared, &quiet(directory.path()), &|| None).unwrap_err();
     assert!(matches!(
         &error,
         RunError::Simulation {
@@ -365,8 +328,8 @@ fn checkpoints_of_other_observers_are_not_used() {
     let mut prepared = cantilever(schemes()[0]);
     let steps = AtomicUsize::new(0);
     let stop = || (steps.fetch_add(1, Relaxed) == 9).then_some(StopRequest::Interrupt);
-    run_until(&prepared, &options(directory.path()), &stop).unwrap_err();
+    run_until(&prepared, &quiet(directory.path()), &stop).unwrap_err();
     prepared.controllers.clear();
-    let outcome = run_until(&prepared, &options(directory.path()), &|| None).unwrap();
+    let outcome = run_until(&prepared, &quiet(directory.path()), &|| None).unwrap();
     assert_eq!(outcome.status, RunStatus::Finished);
 }

@@ -176,8 +176,8 @@ fn described(pattern: &str, numbers: &DerivedDeployment) -> Vec<(String, String)
 mod tests {
     use super::*;
     use crate::experiment::deployment::DeploymentOutcome;
-    use crate::experiment::{from_text, prepare};
-    use crate::run::{RunOptions, run};
+    use crate::experiment::prepare;
+    use crate::test_support::{assert_reads_back, loaded, ran};
 
     fn scenario(deployment: &str, rest: &str) -> Result<Scenario, String> {
         let text = format!(
@@ -186,16 +186,13 @@ mod tests {
              [deployment.rod]\ngravito_bending_length = 0.018\nradius = 0.0016\nlength = 0.5\n\
              [contact]\nfriction = 0.4\ndistance_tolerance = 5e-5\nslip_tolerance = 1e-5\n{rest}"
         );
-        from_text("laid", &text, Path::new(""), &[])
-            .map(|loaded| loaded.scenario)
-            .map_err(|error| error.to_string())
+        loaded("laid", &text).map(|loaded| loaded.scenario)
     }
 
     fn laid(deployment: &str, end: f64) -> DeploymentOutcome {
         let time = format!("[time]\nstep = 0.005\nend = {end:?}\n[output]\nnodes = false\n");
         let prepared = prepare(&scenario(deployment, &time).unwrap()).unwrap();
-        let directory = tempfile::tempdir().unwrap();
-        let finished = run(&prepared, &RunOptions::new(directory.path())).unwrap();
+        let (finished, _) = ran(&prepared).unwrap();
         DeploymentOutcome::of(&finished.case).unwrap()
     }
 
@@ -299,8 +296,7 @@ mod tests {
             "pattern = { kind = \"line\", length = 0.1 }\npegs = [{ position = [0.05, \"1 cm\"], radius = 0.004, height = 0.01 }]",
         ] {
             let scenario = scenario(text, "").unwrap();
-            let again = from_text("laid", &scenario.to_toml(), Path::new(""), &[]).unwrap();
-            assert_eq!(again.scenario, scenario, "{text}");
+            assert_reads_back("laid", &scenario);
         }
     }
 

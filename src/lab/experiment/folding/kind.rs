@@ -230,8 +230,8 @@ fn watched(folding: &Folding, path: &GripperPath) -> Watched {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::{FoldingOutcome, from_text, prepare};
-    use crate::run::{RunOptions, run};
+    use crate::experiment::{FoldingOutcome, prepare};
+    use crate::test_support::{assert_reads_back, loaded, ran};
     use rodlab_planning::plan::fold::{FoldAtlas, ForceManifold, Objective, fold_path, sliding};
 
     const A4: &str =
@@ -242,17 +242,14 @@ mod tests {
             "experiment = \"folding\"\n[folding]\n{folding}\n[folding.paper]\n{paper}\n\
              [contact]\nfriction = 0.12\ndistance_tolerance = 2e-5\nslip_tolerance = 2e-5\n{rest}"
         );
-        from_text("fold", &text, Path::new(""), &[])
-            .map(|loaded| loaded.scenario)
-            .map_err(|error| error.to_string())
+        loaded("fold", &text).map(|loaded| loaded.scenario)
     }
 
     fn folded(folding: &str) -> FoldingOutcome {
         let paper = format!("{A4}edges = 80");
         let time = "[time]\nstep = 0.01\nend = 12.0\n[output]\ninterval = 1.0\nnodes = false\n";
         let prepared = prepare(&scenario(folding, &paper, time).unwrap()).unwrap();
-        let directory = tempfile::tempdir().unwrap();
-        let finished = run(&prepared, &RunOptions::new(directory.path())).unwrap();
+        let (finished, _) = ran(&prepared).unwrap();
         FoldingOutcome::of(&finished.case).unwrap()
     }
 
@@ -317,8 +314,7 @@ mod tests {
             ),
         ] {
             let scenario = scenario(folding, paper, "").unwrap();
-            let again = from_text("fold", &scenario.to_toml(), Path::new(""), &[]).unwrap();
-            assert_eq!(again.scenario, scenario, "{folding}");
+            assert_reads_back("fold", &scenario);
         }
     }
 

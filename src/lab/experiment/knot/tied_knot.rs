@@ -139,6 +139,7 @@ mod tests {
     use crate::experiment::knot::{KnotMonitor, KnotRow};
     use crate::experiment::{from_text, prepare};
     use crate::run::PreparedRun;
+    use crate::test_support::advance_to;
     use rodlab_engine::mechanics::dynamics::Simulation;
     use std::fmt::Write;
     use std::path::Path;
@@ -176,9 +177,7 @@ mod tests {
     /// The knot after it has settled for a while and its ends have been pulled for half as long.
     fn pulled(run: &PreparedRun) -> KnotRow {
         let mut simulation = Simulation::new(&run.scene, &run.integration).unwrap();
-        while simulation.time() < 0.3 {
-            simulation.advance(0.3).unwrap();
-        }
+        advance_to(&mut simulation, 0.3);
         let observer = run.observer::<KnotMonitor>().unwrap().observer;
         let row = observer.measure(&simulation);
         assert!(observer.recognises(&row), "{row:?}");

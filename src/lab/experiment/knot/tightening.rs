@@ -126,6 +126,7 @@ mod tests {
     };
     use crate::experiment::{from_text, prepare};
     use crate::run::{RunOptions, run};
+    use crate::test_support::advance_to;
     use rodlab_engine::mechanics::dynamics::Simulation;
     use std::path::Path;
 
@@ -163,9 +164,7 @@ mod tests {
         ];
         let run = prepared(&settings).unwrap();
         let mut simulation = Simulation::new(&run.scene, &run.integration).unwrap();
-        while simulation.time() < 0.25 {
-            simulation.advance(0.25).unwrap();
-        }
+        advance_to(&mut simulation, 0.25);
         let observer = run.observer::<KnotMonitor>().unwrap().observer;
         let row = observer.measure(&simulation);
         assert!(observer.recognises(&row));

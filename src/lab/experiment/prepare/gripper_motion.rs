@@ -30,9 +30,8 @@ fn orientation([w, x, y, z]: [f64; 4]) -> UnitQuaternion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::from_text;
-    use rodlab_engine::mechanics::dynamics::Simulation;
-    use std::path::Path;
+
+    use crate::test_support::{advance_to, simulation};
 
     /// A beam whose end a gripper holds by way of an offset, and moves and turns about z, from an orientation to another.
     fn follow(from: [f64; 4], to: [f64; 4]) {
@@ -45,16 +44,12 @@ mod tests {
             poses = [[0, [0, 0.1, 0], {from:?}], [1, [0.2, 0.1, 0], {to:?}]]\n\
             [time]\nstep = 0.01\nend = 1.0\n"
         );
-        let loaded = from_text("beam", &text, Path::new(""), &[]).unwrap();
-        let prepared = crate::experiment::prepare(&loaded.scenario).unwrap();
-        let mut simulation = Simulation::new(&prepared.scene, &prepared.integration).unwrap();
+        let mut simulation = simulation("beam", &text).unwrap();
         for (until, angle) in [
             (0.5, std::f64::consts::FRAC_PI_4),
             (1.0, std::f64::consts::FRAC_PI_2),
         ] {
-            while simulation.time() < until {
-                simulation.advance(until).unwrap();
-            }
+            advance_to(&mut simulation, until);
             // The node hangs 0.1 m below the gripper, which turns about z.
             let gripper = Vector3::new(0.2 * until, 0.1, 0.0);
             let expected = gripper + 0.1 * Vector3::new(angle.sin(), -angle.cos(), 0.0);

@@ -35,7 +35,7 @@ moment = [1, 0, 0]
 "#;
 
 fn loaded(text: &str) -> Loaded {
-    from_text("two", text, Path::new(""), &[]).unwrap_or_else(|error| panic!("{error}"))
+    crate::test_support::loaded("two", text).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn fault(from: &str, to: &str) -> String {

@@ -126,17 +126,15 @@ fn is_straight(nodes: &[Vector3], closed: bool) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use crate::experiment::{derived_numbers, from_text, prepare};
-    use std::path::Path;
+    use crate::experiment::derived_numbers;
+    use crate::test_support::prepared;
 
     const MATERIAL: &str = "experiment = \"scene\"\nmaterial = { youngs_modulus = \"1 GPa\", poissons_ratio = 0.3, density = 1000.0 }\n";
     const GRAVITY: &str = "[[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, -9.81]\n";
 
     fn warnings(rest: &str) -> Vec<String> {
         let text = format!("{MATERIAL}time = {{ end = 1.0 }}\n{rest}");
-        let loaded = from_text("scene", &text, Path::new(""), &[]).unwrap();
-        let prepared = prepare(&loaded.scenario).unwrap();
-        let numbers = derived_numbers(&prepared);
+        let numbers = derived_numbers(&prepared("scene", &text).unwrap());
         let words = numbers.to_string();
         let shown = numbers
             .warnings

@@ -6,24 +6,13 @@ mod geometry;
 mod keys;
 mod run;
 
-use super::{from_text, prepare};
-use crate::run::{PreparedRun, RunOptions, RunOutcome, run_until};
+use crate::run::{PreparedRun, RunOutcome};
+use crate::test_support;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_files::results::{SERIES, SUMMARY, Table};
-use std::path::Path;
 
 fn prepared(text: &str) -> Result<PreparedRun, String> {
-    let loaded =
-        from_text("probes", text, Path::new(""), &[]).map_err(|error| error.to_string())?;
-    let prepared = prepare(&loaded.scenario);
-    prepared.map_err(|issues| loaded.locate(issues).to_string())
-}
-
-fn options(directory: &Path) -> RunOptions {
-    RunOptions {
-        progress: false,
-        ..RunOptions::new(directory)
-    }
+    test_support::prepared("probes", text)
 }
 
 /// The tables of a run.
@@ -36,8 +25,7 @@ struct Ran {
 
 fn ran(text: &str) -> Ran {
     let prepared = prepared(text).unwrap_or_else(|error| panic!("{error}"));
-    let directory = tempfile::tempdir().unwrap();
-    let outcome = run_until(&prepared, &options(directory.path()), &|| None).unwrap();
+    let (outcome, directory) = test_support::ran(&prepared).unwrap();
     Ran {
         series: Table::read(&directory.path().join(SERIES)).unwrap(),
         summary: Table::read(&directory.path().join(SUMMARY)).unwrap(),

@@ -1,7 +1,8 @@
 //! Probes while a run goes on: what ends it, and what survives an interruption.
 
-use super::{CANTILEVER, Ran, options, prepared, ran};
+use super::{CANTILEVER, Ran, prepared, ran};
 use crate::run::{PreparedRun, RunError, StopRequest, run_until};
+use crate::test_support::quiet;
 use rodlab_files::results::{BRANCH, NODES, SERIES, SUMMARY};
 use std::fs;
 use std::path::Path;
@@ -55,7 +56,7 @@ fn interrupted_every(calls: usize, prepared: &PreparedRun, directory: &Path) -> 
     loop {
         let asked = AtomicUsize::new(0);
         let stop = || (asked.fetch_add(1, Relaxed) == calls).then_some(StopRequest::Interrupt);
-        match run_until(prepared, &options(directory), &stop) {
+        match run_until(prepared, &quiet(directory), &stop) {
             Ok(_) => return interruptions,
             Err(RunError::Interrupted { .. }) => interruptions += 1,
             Err(error) => panic!("{error}"),

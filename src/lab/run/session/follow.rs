@@ -62,7 +62,8 @@ fn root_mean_square(from: &[Vector3], to: &[Vector3]) -> f64 {
 mod tests {
     use crate::experiment;
     use crate::run::PreparedRun;
-    use crate::run::{Reached, RunError, RunOptions, StopRequest, run_until};
+    use crate::run::{Reached, RunError, StopRequest, run_until};
+    use crate::test_support::quiet;
     use rodlab_files::results::{BRANCH, NODES, SERIES, SUMMARY};
     use std::fs;
     use std::path::Path;
@@ -77,23 +78,16 @@ mod tests {
         experiment::prepare(&loaded.scenario).unwrap()
     }
 
-    fn options(directory: &Path) -> RunOptions {
-        RunOptions {
-            progress: false,
-            ..RunOptions::new(directory)
-        }
-    }
-
     #[test]
     fn a_path_that_is_interrupted_again_and_again_ends_with_the_same_bytes() {
         let (whole, pieces) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let prepared = column(1000);
-        run_until(&prepared, &options(whole.path()), &|| None).unwrap();
+        run_until(&prepared, &quiet(whole.path()), &|| None).unwrap();
         let mut interruptions = 0;
         let outcome = loop {
             let points = AtomicUsize::new(0);
             let stop = || (points.fetch_add(1, Relaxed) == 6).then_some(StopRequest::Interrupt);
-            match run_until(&prepared, &options(pieces.path()), &stop) {
+            match run_until(&prepared, &quiet(pieces.path()), &stop) {
                 Ok(outcome) => break outcome,
                 Err(RunError::Interrupted { reached, .. }) => {
                     assert!(
@@ -115,7 +109,7 @@ mod tests {
     #[test]
     fn branches_that_end_for_want_of_points_are_told() {
         let directory = tempfile::tempdir().unwrap();
-        let outcome = run_until(&column(5), &options(directory.path()), &|| None).unwrap();
+        let outcome = run_until(&column(5), &quiet(directory.path()), &|| None).unwrap();
         assert!(
             outcome.case.remarks[0].contains("most_points"),
             "{:?}",
@@ -131,13 +125,13 @@ mod tests {
         let prepared = experiment::prepare(&loaded.scenario).unwrap();
         let asked = AtomicUsize::new(0);
         let stop = || (asked.fetch_add(1, Relaxed) >= 3).then_some(StopRequest::Interrupt);
-        let error = run_until(&prepared, &options(directory.path()), &stop).unwrap_err();
+        let error = run_until(&prepared, &quiet(directory.path()), &stop).unwrap_err();
         assert!(matches!(error, RunError::Interrupted { .. }));
         assert!(
             error.to_string().contains("interrupted at the start"),
             "{error}"
         );
-        let outcome = run_until(&prepared, &options(directory.path()), &|| None).unwrap();
+        let outcome = run_until(&prepared, &quiet(directory.path()), &|| None).unwrap();
         assert!(outcome.case.newton_iterations > 5);
     }
 }

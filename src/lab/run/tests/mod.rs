@@ -6,16 +6,13 @@ mod pendulum;
 use super::advance::Advance;
 use super::*;
 use crate::run::{Mode, OutputPlan};
+use crate::test_support::{quiet, run_of_scene};
 use pendulum::Pendulum;
 use proptest::prelude::*;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::contact::{ContactPair, Proximity};
-use rodlab_engine::mechanics::dynamics::{
-    Energies, IntegrationParameters, Simulation, SimulationError, StepReport,
-};
-use rodlab_engine::mechanics::scene::{
-    Inertia, NaturalShape, RodDescription, Scene, Start, Stiffness,
-};
+use rodlab_engine::mechanics::dynamics::{Energies, Simulation, SimulationError, StepReport};
+use rodlab_engine::mechanics::scene::{RodDescription, Scene, Start, Stiffness};
 use rodlab_engine::mechanics::statics::{PathPlan, PathPoint, Tracer};
 use rodlab_files::results::{
     CaseStatus, Frame, MANIFEST, Manifest, NODE_FORCES, NODES, SCENARIO, SERIES, SUMMARY, TIMINGS,
@@ -27,64 +24,33 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 fn prepared(mode: Mode) -> PreparedRun {
+    let stiffness = Stiffness {
+        stretching: 1.0,
+        bending: [1.0; 2],
+        twisting: 1.0,
+    };
+    let nodes = vec![Vector3::zeros(), Vector3::x()];
     let rod = RodDescription {
-        name: "pendulum".into(),
-        centreline: vec![Vector3::zeros(), Vector3::x()],
-        closed: false,
-        end_tangents: [None; 2],
-        first_director: None,
-        twist: 0.0,
-        natural_shape: NaturalShape::Straight,
-        pretension: 0.0,
-        stiffness: Stiffness {
-            stretching: 1.0,
-            bending: [1.0; 2],
-            twisting: 1.0,
-        },
-        radius: 0.5,
-        mass_per_length: 1.0,
         rotational_inertia_per_length: 1.0,
-        inertia: Inertia::Lumped,
-        retardation_time: 0.0,
-        relaxation: None,
-        velocity: Vector3::zeros(),
-        angular_velocity: Vector3::zeros(),
-        held: false,
+        ..RodDescription::uniform("pendulum", nodes, stiffness, 0.5, 1.0)
+    };
+    let scene = Scene {
+        rods: vec![rod],
+        ..Scene::default()
     };
     PreparedRun {
-        name: "pendulum".into(),
-        experiment: "scene".into(),
         title: "Driven pendulum".into(),
-        scenario_toml: "experiment = \"scene\"\n".into(),
-        scene: Scene {
-            rods: vec![rod],
-            ..Scene::default()
-        },
-        mode,
-        integration: IntegrationParameters::default(),
         output: OutputPlan {
             interval: 0.1,
             nodes: true,
             forces: true,
             vtk: true,
         },
-        observers: Vec::new(),
-        warnings: Vec::new(),
-        controllers: Vec::new(),
-        own_files: Vec::new(),
-        table: None,
-        start: None,
+        ..run_of_scene("pendulum", scene, mode, 0.1)
     }
 }
 
 const DYNAMIC: Mode = Mode::Dynamic { end: 1.0 };
-
-fn quiet(directory: &Path) -> RunOptions {
-    RunOptions {
-        progress: false,
-        ..RunOptions::new(directory)
-    }
-}
 
 fn go_on(directory: &Path) -> Result<RunOutcome, RunError> {
     run_simulation(

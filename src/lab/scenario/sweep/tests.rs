@@ -3,6 +3,7 @@
 use super::{CaseSet, INPUTS};
 use crate::scenario::Scenario;
 use crate::scenario::tests::EXPERIMENTS;
+use crate::test_support::cases;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::fs;
@@ -313,53 +314,22 @@ fn a_search_adds_its_key_to_the_cases() {
 
 #[test]
 fn faults_name_their_place_and_say_what_is_allowed() {
-    for (sweep, words) in [
-        (
-            "[sweep]\ncontact.friction = []",
-            "rope.toml:14:20: `sweep.contact.friction`: the list is empty",
-        ),
-        (
-            "[sweep]\ncontact.friction = 0.3",
-            "expected a list of values or a range",
-        ),
-        (
-            "[sweep]\ncontact.friction = { from = 0, to = 1 }",
-            "needs a `count`",
-        ),
-        (
-            "[sweep]\ncontact.friction = { from = 0, to = 1, count = 0 }",
-            "allowed: 1 to",
-        ),
-        (
-            "[sweep]\ncontact.friction = { from = 0, to = 1, count = 2, scale = \"log\" }",
-            "greater than 0",
-        ),
-        (
-            "[sweep]\ncontact.friction = { from = 0, to = \"1 mm\", count = 2 }",
-            "same unit",
-        ),
-        (
-            "[[sweep.zip]]\ncontact.friction = [1, 2]\nrods.rope.edges = [3]",
-            "1 values, but `contact.friction` has 2",
-        ),
-        (
-            "[sweep]\ncontact.friction = [0.1]\nzip = [{ contact.friction = [0.2] }]",
-            "varied twice",
-        ),
-        (
-            "[sweep]\npoints = \"nowhere.csv\"",
-            "nowhere.csv cannot be read",
-        ),
-        (
-            "[sweep]\nsample = { method = \"sobol\", count = 3 }",
-            "range without `count`",
-        ),
-        (
-            "[sweep.search]\nmethod = \"bisekt\"",
-            "did you mean `bisect`?",
-        ),
-    ] {
-        let message = fault(sweep).replace("rope.toml:15", "rope.toml:14");
+    for (sweep, words) in cases(
+        r#"
+        [sweep]; contact.friction = [] => rope.toml:14:20: `sweep.contact.friction`: the list is empty
+        [sweep]; contact.friction = 0.3 => expected a list of values or a range
+        [sweep]; contact.friction = { from = 0, to = 1 } => needs a `count`
+        [sweep]; contact.friction = { from = 0, to = 1, count = 0 } => allowed: 1 to
+        [sweep]; contact.friction = { from = 0, to = 1, count = 2, scale = "log" } => greater than 0
+        [sweep]; contact.friction = { from = 0, to = "1 mm", count = 2 } => same unit
+        [[sweep.zip]]; contact.friction = [1, 2]; rods.rope.edges = [3] => 1 values, but `contact.friction` has 2
+        [sweep]; contact.friction = [0.1]; zip = [{ contact.friction = [0.2] }] => varied twice
+        [sweep]; points = "nowhere.csv" => nowhere.csv cannot be read
+        [sweep]; sample = { method = "sobol", count = 3 } => range without `count`
+        [sweep.search]; method = "bisekt" => did you mean `bisect`?
+    "#,
+    ) {
+        let message = fault(&sweep).replace("rope.toml:15", "rope.toml:14");
         assert!(message.contains(words), "{words} in {message}");
     }
 }

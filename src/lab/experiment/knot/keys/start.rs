@@ -133,10 +133,9 @@ fn length(points: &[[f64; 3]]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::experiment::from_text;
     use crate::experiment::knot::{Knot, KnotKind, KnotStart, KnotTables};
     use crate::scenario::Scenario;
-    use std::path::Path;
+    use crate::test_support::{assert_reads_back, loaded};
 
     fn read(experiment: &str, knot: &str) -> Result<Scenario, String> {
         let text = format!(
@@ -146,9 +145,7 @@ mod tests {
              [rod]\nradius = 1e-3\nnodes = 101\n\
              [contact]\n[time]\nend = 3.0\n"
         );
-        from_text("knot", &text, Path::new(""), &[])
-            .map(|loaded| loaded.scenario)
-            .map_err(|error| error.to_string())
+        loaded("knot", &text).map(|loaded| loaded.scenario)
     }
 
     fn knot(text: &str) -> Knot {
@@ -186,8 +183,7 @@ mod tests {
             "kind = \"granny\"\nlength = 0.6\nend_to_end = 0.3".to_owned(),
         ] {
             let scenario = read("knot-tightening", &text).unwrap();
-            let again = from_text("knot", &scenario.to_toml(), Path::new(""), &[]).unwrap();
-            assert_eq!(again.scenario, scenario, "{text}");
+            assert_reads_back("knot", &scenario);
         }
     }
 
