@@ -44,7 +44,7 @@ fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
 /// Refuses to begin a task that the arms of a cell cannot do, or must not do yet; `camera` says what the camera is for.
 ///
 /// # Errors
-/// An arm left a task unfinished, and nobody has `checked` it, or the cell file lacks something.
+/// An arm left a task unfinished and was not `checked`, or the cell file lacks something.
 pub fn refuse_unready(
     cell: &Cell,
     file: &Path,

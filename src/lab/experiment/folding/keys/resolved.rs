@@ -84,7 +84,7 @@ pub enum AlgorithmName {
 }
 
 impl AlgorithmName {
-    /// Whether the rest of such a way can be planned anew.
+    /// Whether the rest of such a way can be planned again.
     pub fn is_planned_anew(self) -> bool {
         !matches!(self, Self::Circle | Self::StepByStep)
     }
