@@ -366,7 +366,9 @@ impl DeploymentPlan {
                 NotFinite { what }.into()
             }
             RequestError::Tying(error) => Failure::Input(format!("--knot: {name}: {error}")),
-            RequestError::TooManyPoses { .. } => Failure::input(error),
+            RequestError::TooManyPoses { step, length } => Failure::Input(format!(
+                "--step {step} m cuts {length:.4} m into more than {MOST_POSES} poses"
+            )),
             error => Failure::Input(format!("{name}: {error}")),
         }
     }

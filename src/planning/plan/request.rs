@@ -67,7 +67,7 @@ pub enum RequestError {
     #[error(transparent)]
     Tying(#[from] TyingError),
     /// It takes too many poses.
-    #[error("--step {step} m cuts {length:.4} m into more than {MOST_POSES} poses")]
+    #[error("a distance of {step} m cuts {length:.4} m into more than {MOST_POSES} poses")]
     TooManyPoses {
         /// Distance of poses, m.
         step: f64,
