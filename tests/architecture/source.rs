@@ -36,7 +36,6 @@ pub struct Source {
 pub fn sources(folder: &Path) -> Vec<Source> {
     let mut files = Vec::new();
     collect(folder, &mut files);
-    files.retain(|file| !module_of(file, folder).is_empty());
     let texts: Vec<(PathBuf, String)> = files
         .into_iter()
         .map(|file| {
@@ -56,9 +55,10 @@ pub fn sources(folder: &Path) -> Vec<Source> {
         .into_iter()
         .filter_map(|(file, code)| {
             let module = module_of(&file, folder);
+            let is_root = module.is_empty();
             let is_test = tests.iter().any(|test| module.starts_with(test));
             let code = test_items(&code).0;
-            (!is_test).then(|| Source {
+            (!is_root && !is_test).then(|| Source {
                 file,
                 imports: imports(&code, &module),
                 exports: exports(&code, &module),
