@@ -1,12 +1,15 @@
 //! Automatic steps over the whole simulated time of the thesis, beside what a small difference at the start grows to.
 
-use super::ReproduceError;
 use super::bundling::{Bundling, STEP_VARIANTS};
-use super::cases::Case;
 use super::difference::{Difference, curve, differences, figure, nodes_of};
-use super::page::{Page, number};
+use super::prelude::*;
 use rodlab_files::results::{SeriesRow, read_series};
-use serde::Serialize;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "auto-steps",
+    title: "Automatic steps over 250 s, two and ten flagella",
+    recipe: &Free::new(Bundling::of_auto_steps, write),
+};
 
 /// Difference in radii that automatic steps should keep below.
 const BOUND: f64 = 0.5;
@@ -36,7 +39,7 @@ struct Row {
 }
 
 /// Writes the table and ē over time.
-pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<()> {
     let (mut rows, mut curves) = (Vec::new(), Vec::new());
     for variants in cases.chunks(STEP_VARIANTS.len()) {
         let measure = nodes_of(&variants[0])?;
@@ -59,22 +62,20 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
          Means are over the last four fifths of the simulated time: where ē has grown, they tell whether the motion is of \
          the same kind.",
     );
-    let header = [
-        "Flagella",
-        "Step in s",
-        "Helices wider by",
-        "Steps",
-        "Repeated",
-        "Iterations per step",
-        "Wall time in s",
-        "Processor time in s",
-        "Largest ē",
-        "ē above 0.5 from, s",
-        "Mean bending energy in mJ",
-        "Mean contacts",
-    ];
-    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
-    page.table(&header, &lines);
+    page.table(columns! { row in &rows;
+        "Flagella" => row.flagella.to_string(),
+        "Step in s" => row.step.clone(),
+        "Helices wider by" => if row.helix_widening == 0.0 { "0".into() } else { format!("{:e}", row.helix_widening) },
+        "Steps" => row.steps.to_string(),
+        "Repeated" => row.retries.to_string(),
+        "Iterations per step" => number(row.iterations_per_step, 2),
+        "Wall time in s" => number(row.wall_time_s, 0),
+        "Processor time in s" => number(row.cpu_time_s, 0),
+        "Largest ē" => number(row.difference_radii, 4),
+        "ē above 0.5 from, s" => number(row.bound_exceeded_s, 1),
+        "Mean bending energy in mJ" => number(1e3 * row.mean_bending_energy_j, 4),
+        "Mean contacts" => number(row.mean_contacts, 1),
+    });
     page.csv(&rows)?;
     figure(
         page,
@@ -84,15 +85,14 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
     )
 }
 
-fn row(case: &Case<Bundling>, differences: &[Difference]) -> Result<Row, ReproduceError> {
+fn row(case: &Case<Bundling>, differences: &[Difference]) -> Result<Row> {
     let outcome = &case.record.outcome;
     let series = read_series(&case.directory)?;
     let bundled: Vec<&SeriesRow> = (series.iter())
         .filter(|row| row.time_s >= BUNDLED * case.run.end)
         .collect();
-    let mean = |of: fn(&SeriesRow) -> f64| {
-        bundled.iter().map(|row| of(row)).sum::<f64>() / bundled.len() as f64
-    };
+    let mean =
+        |of: fn(&SeriesRow) -> f64| mean(bundled.iter().map(|row| of(row))).unwrap_or(f64::NAN);
     let radii = differences.iter().map(|row| row.mean_difference_radii);
     Ok(Row {
         flagella: case.run.flagella,
@@ -112,26 +112,6 @@ fn row(case: &Case<Bundling>, differences: &[Difference]) -> Result<Row, Reprodu
         mean_bending_energy_j: mean(|row| row.bending_energy_j),
         mean_contacts: mean(|row| row.contacts.unwrap_or(0) as f64),
     })
-}
-
-fn line(row: &Row) -> Vec<String> {
-    vec![
-        row.flagella.to_string(),
-        row.step.clone(),
-        match row.helix_widening {
-            0.0 => "0".into(),
-            widening => format!("{widening:e}"),
-        },
-        row.steps.to_string(),
-        row.retries.to_string(),
-        number(Some(row.iterations_per_step), 2),
-        number(Some(row.wall_time_s), 0),
-        number(row.cpu_time_s, 0),
-        number(row.difference_radii, 4),
-        number(row.bound_exceeded_s, 1),
-        number(Some(1e3 * row.mean_bending_energy_j), 4),
-        number(Some(row.mean_contacts), 1),
-    ]
 }
 
 /// What a curve shows.

@@ -334,53 +334,35 @@ mod tests {
             flagella: 3,
             model: ContactModel::Ipc,
             friction: 0.7,
-            distance_tolerance: DISTANCE_TOLERANCE,
-            scheme: Scheme::ImplicitEuler,
-            step: STEP,
-            widening: 0.0,
-            end: 20.0,
+            ..Bundling::free(2, [20.0; 2], false)
         };
         assert_eq!(bundling.id(), "m3_ipc_mu0.7_20s");
-        let prepared = bundling.prepare();
-        assert_eq!(prepared.name, bundling.id());
-        assert_eq!(prepared.mode, Mode::Dynamic { end: 20.0 });
-        assert_eq!(prepared.scene.contact.unwrap().friction, 0.7);
-        let tighter = Bundling {
-            distance_tolerance: 2e-6,
-            ..bundling
+        let plain = bundling.prepare();
+        assert_eq!(plain.name, bundling.id());
+        assert_eq!(plain.mode, Mode::Dynamic { end: 20.0 });
+        assert_eq!(plain.scene.contact.unwrap().friction, 0.7);
+        let changed = |change: fn(&mut Bundling), behind: &str| {
+            let mut run = bundling;
+            change(&mut run);
+            assert_eq!(run.id(), format!("m3_ipc_mu0.7_20s{behind}"));
+            run.prepare()
         };
-        assert_eq!(tighter.id(), "m3_ipc_mu0.7_20s_delta2e-6");
-        let contact = tighter.prepare().scene.contact.unwrap();
-        assert_eq!(contact.distance_tolerance, 2e-6);
-        let coarser = Bundling {
-            step: Step::Fixed(5e-3),
-            ..bundling
-        };
-        assert_eq!(coarser.id(), "m3_ipc_mu0.7_20s_step0.005");
-        assert_eq!(coarser.prepare().integration.step, StepSize::Fixed(5e-3));
-        let finer = Bundling {
-            scheme: Scheme::BackwardDifferences,
-            ..bundling
-        };
-        assert_eq!(finer.id(), "m3_ipc_mu0.7_20s_backward-differences");
-        let scheme = finer.prepare().integration.scheme;
+        let tighter = changed(|run| run.distance_tolerance = 2e-6, "_delta2e-6");
+        assert_eq!(tighter.scene.contact.unwrap().distance_tolerance, 2e-6);
+        let coarser = changed(|run| run.step = Step::Fixed(5e-3), "_step0.005");
+        assert_eq!(coarser.integration.step, StepSize::Fixed(5e-3));
+        let finer = changed(
+            |run| run.scheme = Scheme::BackwardDifferences,
+            "_backward-differences",
+        );
+        let scheme = finer.integration.scheme;
         assert_eq!(scheme, dynamics::Scheme::BackwardDifferences);
-        let wider = Bundling {
-            widening: 1e-8,
-            ..bundling
-        };
-        assert_eq!(wider.id(), "m3_ipc_mu0.7_20s_wider1e-8");
-        let difference = |node: usize| {
-            let [a, b] = [wider, bundling].map(|run| run.prepare().scene.rods[0].centreline[node]);
-            (a - b).norm()
-        };
-        assert!((difference(60) - 1e-10).abs() < 2e-13, "{}", difference(60));
-        let automatic = Bundling {
-            step: Step::Auto,
-            ..bundling
-        };
-        assert_eq!(automatic.id(), "m3_ipc_mu0.7_20s_auto");
-        let step = automatic.prepare().integration.step;
+        let wider = changed(|run| run.widening = 1e-8, "_wider1e-8");
+        let automatic = changed(|run| run.step = Step::Auto, "_auto");
+        let step = automatic.integration.step;
         assert!(matches!(step, StepSize::Auto { .. }));
+        let place = |run: &PreparedRun| run.scene.rods[0].centreline[60];
+        let difference = (place(&wider) - place(&plain)).norm();
+        assert!((difference - 1e-10).abs() < 2e-13, "{difference}");
     }
 }

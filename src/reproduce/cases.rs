@@ -1,6 +1,6 @@
 //! Runs, some at a time, each in its own results directory.
 
-use super::{ReproduceError, ReproduceOptions};
+use super::{ReproduceError, ReproduceOptions, Result};
 use rodlab_files::results::{CaseRecord, MAIN_CASE, Manifest};
 use rodlab_lab::experiment::{from_text, prepare};
 use rodlab_lab::run::{PreparedRun, RunError, RunOptions, RunStatus, run, thread_pools};
@@ -19,8 +19,10 @@ pub(super) trait Run: Clone + Sync + Send {
     fn id(&self) -> String;
     /// The run, ready to start.
     fn prepare(&self) -> PreparedRun;
-    /// Simulated time, s.
-    fn end(&self) -> f64;
+    /// Simulated time, s; none of what is solved for, not simulated in time.
+    fn end(&self) -> f64 {
+        0.0
+    }
     /// Rough cost on one core, s.
     fn cost(&self) -> f64;
     /// A few steps of it.
@@ -58,14 +60,14 @@ pub(super) struct Case<R> {
 }
 
 /// How a run came to an end.
-type Ended<R> = Result<Case<R>, ReproduceError>;
+type Ended<R> = Result<Case<R>>;
 
 /// Runs whatever has not been run yet, `options.jobs` at a time, in order.
 pub(super) fn run_all<R: Run>(
     runs: &[R],
     options: &ReproduceOptions,
     report: &(dyn Fn(&str) + Sync),
-) -> Result<Vec<Case<R>>, ReproduceError> {
+) -> Result<Vec<Case<R>>> {
     let results: Vec<OnceLock<Ended<R>>> = runs.iter().map(|_| OnceLock::new()).collect();
     thread_pools::for_each(runs.len(), options.jobs, |index| {
         let result = run_one(&runs[index], options);
@@ -88,7 +90,7 @@ pub(super) fn run_all<R: Run>(
         .collect()
 }
 
-fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>, ReproduceError> {
+fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>> {
     let prepared = asked.prepare();
     // Another version of the program may resolve the scenario to something else: that is another run.
     let hash = blake3::hash(prepared.scenario_toml.as_bytes()).to_hex();

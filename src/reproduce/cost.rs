@@ -1,14 +1,15 @@
 //! What a time step costs over the number of flagella, of rods in a heap, and of edges of one rod.
 
-use super::ReproduceError;
 use super::bundling::Bundling;
-use super::cases::{Case, Run, prepared};
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
-use rodlab_files::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use super::cases::{Run, prepared};
+use super::prelude::*;
 use rodlab_lab::run::PreparedRun;
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "cost",
+    title: "Cost of a step over the number of flagella, of rods in a heap, of edges",
+    recipe: &Tabled::new(Costly::all, Rows::Row(row), write, figures),
+};
 
 /// What is run.
 #[derive(Clone, Copy, Debug)]
@@ -169,64 +170,48 @@ struct Row {
 }
 
 /// Writes the table and the figure.
-pub(super) fn write(page: &mut Page, cases: &[Case<Costly>]) -> Result<(), ReproduceError> {
-    let rows: Vec<Row> = cases.iter().map(row).collect();
+fn write(page: &mut Page, _: &[Case<Costly>], rows: &[Row]) -> Result<()> {
     page.text(
         "Steps of 1 ms. Flagella turn in a fluid from rest, with the search for contacts but before they meet. Rods of 20 \
          edges fall on a floor and in on each other, with friction 0.3 (the first steps of `scenarios/pile.toml`). One rod \
          swings from a clamp. The table says how many steps had contacts. Times are those of a whole run over its steps: \
          processor time of all threads, the set-up and the first preconditioner of the fluid included.",
     );
-    let header = [
-        "Number",
-        "of",
-        "Nodes",
-        "Steps",
-        "with contact",
-        "Iterations per step",
-        "Processor time per step in ms",
-        "Wall time per step in ms",
-    ];
-    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
-    page.table(&header, &lines);
-    page.csv(&rows)?;
-    Ok(page.figure(&figure(&rows))?)
+    page.table(columns! { row in rows;
+        "Number" => row.count.to_string(),
+        "of" => row.kind.clone(),
+        "Nodes" => row.nodes.to_string(),
+        "Steps" => row.steps.to_string(),
+        "with contact" => row.steps_with_contact.to_string(),
+        "Iterations per step" => number(row.iterations_per_step, 2),
+        "Processor time per step in ms" => number(row.cpu_time_per_step_s.map(|time| 1e3 * time), 2),
+        "Wall time per step in ms" => number(1e3 * row.wall_time_per_step_s, 2),
+    });
+    Ok(())
 }
 
-/// The figure from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(vec![figure(&rows_of::<Row>(table)?)])
-}
-
-fn figure(rows: &[Row]) -> PageFigure {
-    let curve = |(kind, name): (&str, &str)| {
-        let rows = rows.iter().filter(|row| row.kind == kind);
-        let points = rows.map(|row| {
-            let milliseconds = row.cpu_time_per_step_s.map(|time| 1e3 * time);
-            (row.nodes as f64, milliseconds)
-        });
-        Curve::new(name, points.collect()).looking(Look::Marked)
-    };
-    let curves = [
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let families = [
         (FLAGELLA, "flagella in a fluid"),
         (HEAPS, "rods that fall in on each other"),
         (ONE_ROD, "one rod"),
     ];
-    let plot = LinePlot {
-        label: "Processor time of a step in ms".into(),
-        curves: curves.map(curve).to_vec(),
-    };
+    let curves = families.map(|(kind, name)| {
+        let rows = rows.iter().filter(|row| row.kind == kind);
+        let time = |row: &Row| row.cpu_time_per_step_s.map(|time| 1e3 * time);
+        curve(name, rows, |row| (row.nodes as f64, time(row))).looking(Look::Marked)
+    });
+    let plot = plot("Processor time of a step in ms", curves);
     let style = PlotStyle {
         horizontal: AxisScale::Logarithmic,
         vertical: vec![AxisScale::Logarithmic],
         ..PlotStyle::default()
     };
-    let figure = styled_line_plots([plot], "Number of nodes", style);
-    PageFigure::new(
+    vec![PageFigure::new(
         "cost",
         "Processor time of a step of 1 ms over the number of nodes",
-        figure,
-    )
+        styled_line_plots([plot], "Number of nodes", style),
+    )]
 }
 
 fn row(case: &Case<Costly>) -> Row {
@@ -243,17 +228,4 @@ fn row(case: &Case<Costly>) -> Row {
         cpu_time_per_step_s: case.record.cpu_time.map(|time| time / steps),
         wall_time_per_step_s: case.record.wall_time / steps,
     }
-}
-
-fn line(row: &Row) -> Vec<String> {
-    vec![
-        row.count.to_string(),
-        row.kind.clone(),
-        row.nodes.to_string(),
-        row.steps.to_string(),
-        row.steps_with_contact.to_string(),
-        number(Some(row.iterations_per_step), 2),
-        number(row.cpu_time_per_step_s.map(|time| 1e3 * time), 2),
-        number(Some(1e3 * row.wall_time_per_step_s), 2),
-    ]
 }

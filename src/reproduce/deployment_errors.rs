@@ -1,13 +1,13 @@
 //! What errors of gripper, rod and camera do to a laid rod.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::laying::{Disturbance, Laying, PATTERNS};
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+use super::prelude::*;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "deployment-errors",
+    title: "Laid rods: jitter of the gripper and errors of the gravito-bending length",
+    recipe: &Tabled::new(Laying::of_errors, Rows::Row(row), write, figures),
+};
 
 /// A row of the CSV file.
 #[derive(Serialize, Deserialize)]
@@ -23,33 +23,25 @@ struct Row {
 }
 
 /// Writes table and figures.
-pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), ReproduceError> {
-    let rows: Vec<Row> = cases.iter().map(row).collect();
+fn write(page: &mut Page, _: &[Case<Laying>], rows: &[Row]) -> Result<()> {
     page.text(
         "The green rod of thesis Tab. 5.1 on a table of friction 0.4, laid by the optimal scheme: mean distance from the pattern \
          where the gripper moves about its path at random (root mean square in each direction, periods from 1 to 5 s), and \
          where the path is planned for a gravito-bending length that is too large or too small.",
     );
-    let header = [
-        "pattern",
-        "jitter in mm",
-        "seed",
-        "error of L_gb",
-        "distance in cm",
-        "slid in cm",
-    ];
-    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
-    page.table(&header, &lines);
-    page.csv(&rows)?;
-    for figure in figures(&rows) {
-        page.figure(&figure)?;
-    }
+    page.table(columns! { row in rows;
+        "pattern" => row.pattern.clone(),
+        "jitter in mm" => number(row.jitter_mm, 1),
+        "seed" => row.seed.to_string(),
+        "error of L_gb" => format!("{:+.0} %", 1e2 * row.length_error),
+        "distance in cm" => format!(
+        "{} ± {}",
+        number(row.mean_cm, 3),
+        number(row.deviation_cm, 3)
+        ),
+        "slid in cm" => number(row.largest_sliding_cm, 3),
+    });
     Ok(())
-}
-
-/// The figures from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(figures(&rows_of::<Row>(table)?))
 }
 
 fn row(case: &Case<Laying>) -> Row {
@@ -75,39 +67,20 @@ fn row(case: &Case<Laying>) -> Row {
     }
 }
 
-fn line(row: &Row) -> Vec<String> {
-    vec![
-        row.pattern.clone(),
-        number(Some(row.jitter_mm), 1),
-        row.seed.to_string(),
-        format!("{:+.0} %", 1e2 * row.length_error),
-        format!(
-            "{} ± {}",
-            number(row.mean_cm, 3),
-            number(row.deviation_cm, 3)
-        ),
-        number(row.largest_sliding_cm, 3),
-    ]
-}
-
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
-    let of = |wanted: &dyn Fn(&Row) -> bool, place: &dyn Fn(&Row) -> f64| -> LinePlot {
-        let curves = PATTERNS.iter().filter_map(|pattern| {
+    let of = |wanted: fn(&&Row) -> bool, place: fn(&Row) -> f64| {
+        let curves = PATTERNS.iter().map(|pattern| {
             let chosen = rows.iter().filter(|row| row.pattern == pattern.name);
-            let points: Vec<(f64, Option<f64>)> = chosen
-                .filter(|row| wanted(row))
-                .map(|row| (place(row), row.mean_cm))
-                .collect();
-            let has_any = !points.is_empty();
-            has_any.then(|| Curve::new(pattern.name, points).looking(Look::Marks))
+            let chosen = chosen.filter(wanted);
+            curve(pattern.name, chosen, |row| (place(row), row.mean_cm)).looking(Look::Marks)
         });
-        LinePlot {
-            label: "mean distance in cm".into(),
-            curves: curves.collect(),
-        }
+        plot(
+            "mean distance in cm",
+            curves.filter(|curve| !curve.points.is_empty()),
+        )
     };
-    let jitter = of(&|row| row.length_error == 0.0, &|row| row.jitter_mm);
-    let length = of(&|row| row.jitter_mm == 0.0, &|row| 1e2 * row.length_error);
+    let jitter = of(|row| row.length_error == 0.0, |row| row.jitter_mm);
+    let length = of(|row| row.jitter_mm == 0.0, |row| 1e2 * row.length_error);
     vec![
         PageFigure::new(
             "deployment-errors_jitter",

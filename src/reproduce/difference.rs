@@ -1,12 +1,9 @@
 //! The normalised difference ē of two runs (thesis Eq. 2.28).
 
-use super::ReproduceError;
 use super::bundling::Bundling;
-use super::cases::Case;
-use super::page::{Page, PageFigure};
-use rodlab_files::figure::{AxisScale, Curve, LinePlot, PlotStyle, styled_line_plots};
+use super::prelude::*;
+use super::table;
 use rodlab_files::results::{NodePositions, ResultsError, RodRecord, read_nodes};
-use serde::{Deserialize, Serialize};
 
 /// Height of the figure over the size of its letters.
 const HEIGHT: f64 = 24.0;
@@ -52,22 +49,14 @@ pub(super) fn differences(
 
 /// ē over time as a curve of a plot.
 pub(super) fn curve(name: String, differences: &[Difference]) -> Curve {
-    let points = differences.iter();
-    let points = points.map(|row| (row.time_s, Some(row.mean_difference_radii)));
-    Curve::new(name, points.collect())
+    table::curve(name, differences, |row| {
+        (row.time_s, row.mean_difference_radii)
+    })
 }
 
 /// Adds a figure of such curves over time, ē on a logarithmic axis.
-pub(super) fn figure(
-    page: &mut Page,
-    name: &str,
-    caption: &str,
-    curves: Vec<Curve>,
-) -> Result<(), ReproduceError> {
-    let plot = LinePlot {
-        label: "ē in radii".into(),
-        curves,
-    };
+pub(super) fn figure(page: &mut Page, name: &str, caption: &str, curves: Vec<Curve>) -> Result<()> {
+    let plot = plot("ē in radii", curves);
     let style = PlotStyle {
         vertical: vec![AxisScale::Logarithmic],
         height: HEIGHT,

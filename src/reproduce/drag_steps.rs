@@ -1,12 +1,14 @@
 //! What time steps lose against a fine solution.
 
-use super::ReproduceError;
 use super::bundling::{Bundling, Scheme, Step};
-use super::cases::Case;
 use super::difference::{Difference, curve, differences, figure, nodes_of};
-use super::page::{Page, number};
-use rodlab_files::figure::{Curve, Look};
-use serde::Serialize;
+use super::prelude::*;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "drag-steps",
+    title: "Error of larger and automatic steps, two flagella",
+    recipe: &Free::new(Bundling::of_drag_steps, write),
+};
 
 /// A row of the CSV file; differences are ē of thesis Eq. 2.28.
 #[derive(Serialize)]
@@ -25,7 +27,7 @@ struct Row {
 }
 
 /// Writes the table and ē over time.
-pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<()> {
     let fine = nodes_of(&cases[0])?;
     let radius = cases[0].manifest.rods[0].radius;
     let contact = cases[0].record.outcome.first_contact;
@@ -43,18 +45,16 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), Rep
          other nodes' motion does to it is, for implicit Euler, that of the start of the step and, for backward \
          differences, that of the motion that is predicted for its end.",
     );
-    let header = [
-        "Scheme",
-        "Step in s",
-        "Steps",
-        "Iterations per step",
-        "Processor time in s",
-        "First contact in s",
-        "Largest ē before contact",
-        "Largest ē",
-    ];
-    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
-    page.table(&header, &lines);
+    page.table(columns! { row in &rows;
+        "Scheme" => row.scheme.to_owned(),
+        "Step in s" => row.step.clone(),
+        "Steps" => row.steps.to_string(),
+        "Iterations per step" => number(row.iterations_per_step, 2),
+        "Processor time in s" => number(row.cpu_time_s, 1),
+        "First contact in s" => number(row.first_contact_s, 3),
+        "Largest ē before contact" => number(row.difference_before_contact_radii, 3),
+        "Largest ē" => number(row.difference_radii, 3),
+    });
     page.csv(&rows)?;
     figure(
         page,
@@ -106,19 +106,6 @@ fn row(case: &Case<Bundling>, differences: &[Difference], contact: Option<f64>) 
         difference_before_contact_radii: contact.and_then(largest_until),
         difference_radii: largest_until(f64::INFINITY),
     }
-}
-
-fn line(row: &Row) -> Vec<String> {
-    vec![
-        row.scheme.to_owned(),
-        row.step.clone(),
-        row.steps.to_string(),
-        number(Some(row.iterations_per_step), 2),
-        number(row.cpu_time_s, 1),
-        number(row.first_contact_s, 3),
-        number(row.difference_before_contact_radii, 3),
-        number(row.difference_radii, 3),
-    ]
 }
 
 #[cfg(test)]

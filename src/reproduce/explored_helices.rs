@@ -8,7 +8,7 @@ use rodlab_lab::run::{PreparedRun, TableJob};
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{Exploration, ExplorationRow, SearchSteps, quarter_sphere};
-use rodlab_workcell::virtual_cell::{ChuckedSupply, Response, Settings};
+use rodlab_workcell::virtual_cell::{ChuckedSupply, Settings};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -74,10 +74,6 @@ impl Run for Explored {
         run.scenario_toml += &format!("# {self:?} {SEARCH:?}\n");
         run.table = Some(Arc::new(*self));
         run
-    }
-
-    fn end(&self) -> f64 {
-        0.0
     }
 
     fn extent(&self) -> String {
@@ -187,16 +183,8 @@ fn with_cell<T>(
     let rod = ClampedRod::read(&file).map_err(|error| in_words(&error))?;
     let chucked = ChuckedSupply::new(&file, &cell).map_err(|error| in_words(&error))?;
     let settings = Settings {
-        address: served_cell::ANY_PORT.into(),
-        token: None,
-        rate: RATE,
-        response: Response::default(),
-        supply: None,
-        second_supply: None,
-        sheet: None,
         chucked,
-        jitter: None,
-        faults: Vec::new(),
+        ..served_cell::empty(RATE)
     };
     let directory = folder.path().join("explored");
     std::fs::create_dir_all(&directory).map_err(|error| in_words(&error))?;

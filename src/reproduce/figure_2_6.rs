@@ -1,11 +1,14 @@
 //! Figure 2.6: friction in pictures.
 
-use super::ReproduceError;
 use super::bundling::Bundling;
-use super::cases::Case;
-use super::page::{Page, PageFigure};
+use super::prelude::*;
 use rodlab_lab::report::rods_figure;
-use serde::Serialize;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig2.6",
+    title: "Figure 2.6: two flagella with growing friction, snapshots",
+    recipe: &Free::new(Bundling::of_figure_2_6, write),
+};
 
 /// A row of the CSV file.
 #[derive(Serialize)]
@@ -19,7 +22,7 @@ struct Row {
 }
 
 /// Writes a row of snapshots for each friction coefficient.
-pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<()> {
     let rows: Vec<Row> = cases.iter().map(row).collect();
     page.csv(&rows)?;
     for case in cases {

@@ -1,16 +1,22 @@
 //! Figure 2.7: traction of a trefoil, and the limit of a loose one.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::overhand_law;
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
+use super::prelude::*;
 use super::tightening::{FRICTIONS, Tightening, density_in_words, pulled_rows};
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
+use rodlab_files::figure::LinePlot;
 use rodlab_lab::experiment::{KnotOutcome, KnotRow};
 use rodlab_planning::knot::{TREFOIL_FRICTION, audoly_traction};
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig2.7",
+    title: "Figure 2.7: a trefoil pulled tight, traction and theory",
+    recipe: &Tabled::new(
+        Tightening::of_figure_2_7,
+        Rows::Series(measured),
+        write,
+        figures,
+    ),
+};
 
 /// A row of the CSV file.
 #[derive(Clone, Serialize, Deserialize)]
@@ -33,31 +39,22 @@ struct Loose {
 }
 
 /// Writes traction over tightness, and what becomes of it as ε → 0.
-pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), ReproduceError> {
-    let mut rows = Vec::new();
-    let (mut loose, mut balances, mut by_law) = (Vec::new(), Vec::new(), Vec::new());
-    for (index, case) in cases.iter().enumerate() {
-        let measured = measured(case)?;
-        if index < FRICTIONS.len() {
-            if case.run.friction > 0.0 {
-                let friction = vec![case.run.friction.to_string()];
-                by_law.push([friction, overhand_law::line(case)?].concat());
-            }
-            let knot = KnotOutcome::of(&case.record.outcome);
-            let balance = knot.and_then(|knot| knot.energy_balance);
-            balances.push(vec![
-                case.run.friction.to_string(),
-                number(balance, 4),
-                number(slip_work(case)?, 3),
-            ]);
-        } else {
-            loose.extend(mean(&measured));
+fn write(page: &mut Page, cases: &[Case<Tightening>], rows: &[Row]) -> Result<()> {
+    let (mut balances, mut by_law) = (Vec::new(), Vec::new());
+    for case in cases.iter().take(FRICTIONS.len()) {
+        let friction = case.run.friction;
+        if friction > 0.0 {
+            by_law.push([vec![friction.to_string()], overhand_law::line(case)?].concat());
         }
-        rows.extend(measured);
+        let knot = KnotOutcome::of(&case.record.outcome);
+        balances.push(vec![
+            friction.to_string(),
+            number(knot.and_then(|knot| knot.energy_balance), 4),
+            number(slip_work(case)?, 3),
+        ]);
     }
-    page.csv(&rows)?;
     page.text(&density_in_words());
-    page.figure(&traction(&rows))?;
+    page.next_figure()?;
     page.text(
         "The energy balance, and the work of friction, were all strands to slip by as much as the ends move:",
     );
@@ -66,16 +63,17 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
         "gain of energy and losses over the work of the ends",
         "μ ∫ P de over the loss to friction",
     ];
-    page.table(&header, &balances);
+    page.lines(&header, &balances);
     page.text(
         "Eq. 2.30, which has friction only and a braid of many turns, is not for a trefoil (figure 2.8): it has nearly \
          three times the friction, and comes near the traction only where what it leaves out happens to make up for it.",
     );
-    page.table(&[["μ"].as_slice(), &overhand_law::HEADER].concat(), &by_law);
-    limit(page, &loose)
+    page.lines(&[["μ"].as_slice(), &overhand_law::HEADER].concat(), &by_law);
+    limit(page, &loose(rows));
+    Ok(())
 }
 
-fn measured(case: &Case<Tightening>) -> Result<Vec<Row>, ReproduceError> {
+fn measured(case: &Case<Tightening>) -> Result<Vec<Row>> {
     let unit = case.run.traction_unit();
     let row = |knot: &KnotRow| {
         let epsilon = knot.epsilon?;
@@ -92,7 +90,7 @@ fn measured(case: &Case<Tightening>) -> Result<Vec<Row>, ReproduceError> {
 }
 
 /// μ ∫ P de over the energy lost to friction while the ends move; `None` without friction.
-fn slip_work(case: &Case<Tightening>) -> Result<Option<f64>, ReproduceError> {
+fn slip_work(case: &Case<Tightening>) -> Result<Option<f64>> {
     let rows = pulled_rows(case)?;
     let slip = |pair: &[KnotRow]| {
         let moved = pair[1].end_to_end_m - pair[0].end_to_end_m;
@@ -106,17 +104,28 @@ fn slip_work(case: &Case<Tightening>) -> Result<Option<f64>, ReproduceError> {
     Ok(slides.then(|| rows.windows(2).map(slip).sum::<f64>() / loss))
 }
 
-fn mean(rows: &[Row]) -> Option<Loose> {
-    let over =
-        |value: &dyn Fn(&Row) -> f64| rows.iter().map(value).sum::<f64>() / rows.len() as f64;
-    (!rows.is_empty()).then(|| Loose {
-        epsilon: over(&|row| row.epsilon),
-        frictionless: over(&|row| {
-            let elastic = row.force_normalized - row.friction * row.contact_force_normalized;
-            2.0 * elastic / row.epsilon.powi(4)
-        }),
-        sigma: over(&|row| row.contact_force_normalized / row.epsilon.powi(3)),
-    })
+/// The loose knots: the runs after those of [`FRICTIONS`].
+fn loose(rows: &[Row]) -> Vec<Loose> {
+    runs(rows).skip(FRICTIONS.len()).map(Loose::of).collect()
+}
+
+/// The rows of each run.
+fn runs(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
+    rows.chunk_by(|a, b| (a.friction, a.radius_m) == (b.friction, b.radius_m))
+}
+
+impl Loose {
+    fn of(rows: &[Row]) -> Self {
+        let over = |value: fn(&Row) -> f64| mean(rows.iter().map(value)).unwrap_or(f64::NAN);
+        Self {
+            epsilon: over(|row| row.epsilon),
+            frictionless: over(|row| {
+                let elastic = row.force_normalized - row.friction * row.contact_force_normalized;
+                2.0 * elastic / row.epsilon.powi(4)
+            }),
+            sigma: over(|row| row.contact_force_normalized / row.epsilon.powi(3)),
+        }
+    }
 }
 
 /// Value at x of the polynomial through points, by Lagrange's formula.
@@ -134,17 +143,17 @@ fn interpolated(points: &[(f64, f64)], at: f64) -> f64 {
         .sum()
 }
 
-fn limit(page: &mut Page, loose: &[Loose]) -> Result<(), ReproduceError> {
+fn limit(page: &mut Page, loose: &[Loose]) {
     page.text(
         "Friction does the work μ P per length by which the ends move apart, P being the sum of all contact forces: \
          the strands slip on each other by just that length. So F̄ = F̄(μ → 0) + μ P h²/EI, and σ of Eq. 2.29 is \
          P h²/(EI ε³). Means over runs of ever thinner rods, R ≈ 0.11 m:",
     );
-    let cells = |knot: &Loose| {
-        [knot.epsilon, knot.frictionless, knot.sigma].map(|value| number(Some(value), 4))
-    };
-    let table: Vec<Vec<String>> = loose.iter().map(|knot| cells(knot).to_vec()).collect();
-    page.table(&["ε", "(F̄ − μ P h²/EI)/(ε⁴/2)", "σ = P h²/(EI ε³)"], &table);
+    page.table(columns! { knot in loose;
+        "ε" => number(knot.epsilon, 4),
+        "(F̄ − μ P h²/EI)/(ε⁴/2)" => number(knot.frictionless, 4),
+        "σ = P h²/(EI ε³)" => number(knot.sigma, 4),
+    });
     if loose.len() >= 3 {
         let limit = |value: Measure| {
             let points = by_tightness(loose, value);
@@ -164,34 +173,17 @@ fn limit(page: &mut Page, loose: &[Loose]) -> Result<(), ReproduceError> {
          has σ = 0.975 at n = 1 and ε → 0, twice too much, for its braid is a uniform double helix; that this is near what \
          knots of usual thickness have is chance.",
     );
-    Ok(page.figure(&loose_limit(loose))?)
-}
-
-/// The figures from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    let rows = rows_of::<Row>(table)?;
-    let runs = rows.chunk_by(|a, b| (a.friction, a.radius_m) == (b.friction, b.radius_m));
-    let loose: Vec<Loose> = runs.skip(FRICTIONS.len()).filter_map(mean).collect();
-    Ok(vec![traction(&rows), loose_limit(&loose)])
 }
 
 /// Traction over tightness, a plot for each friction coefficient.
 fn traction(rows: &[Row]) -> PageFigure {
-    let runs = rows.chunk_by(|a, b| (a.friction, a.radius_m) == (b.friction, b.radius_m));
-    let plots: Vec<LinePlot> = runs
+    let plots: Vec<LinePlot> = runs(rows)
         .take(FRICTIONS.len())
         .map(|rows| {
-            let points = |value: fn(&Row) -> f64| {
-                let points = rows.iter().map(|row| (row.epsilon, Some(value(row))));
-                points.collect()
-            };
-            LinePlot {
-                label: format!("F̄, μ = {}", rows[0].friction),
-                curves: vec![
-                    Curve::new("rodlab", points(|row| row.force_normalized)),
-                    Curve::new("Eq. 2.29", points(|row| row.audoly_2007)).looking(Look::Dashed),
-                ],
-            }
+            let ours = curve("rodlab", rows, |row| (row.epsilon, row.force_normalized));
+            let law = curve("Eq. 2.29", rows, |row| (row.epsilon, row.audoly_2007));
+            let label = format!("F̄, μ = {}", rows[0].friction);
+            plot(label, [ours, law.looking(Look::Dashed)])
         })
         .collect();
     PageFigure::new(
@@ -214,39 +206,30 @@ fn by_tightness(loose: &[Loose], value: Measure) -> Vec<(f64, f64)> {
 
 /// The loose limit: what was measured, the line and the parabola by which it is extrapolated, and Eq. 2.29.
 fn loose_limit(loose: &[Loose]) -> PageFigure {
-    let plot = |label: &str, value: Measure, theory: f64| {
+    let over_tightness = |label: &str, value: Measure, theory: f64| {
         let points = by_tightness(loose, value);
         let farthest = points.last().map_or(0.0, |point| point.0);
-        let drawn = |points: &[(f64, f64)]| points.iter().map(|(x, y)| (*x, Some(*y))).collect();
-        let through = |count: usize| -> Vec<(f64, f64)> {
+        let through = |name: &str, count: usize, kin: usize| {
             let on = points.get(..count).unwrap_or_default();
             let places = (0..=40).map(|k| farthest * f64::from(k) / 40.0);
-            let curve = places.map(|x| (x, interpolated(on, x)));
-            if on.is_empty() {
-                Vec::new()
-            } else {
-                curve.collect()
-            }
+            let drawn = places.filter(|_| !on.is_empty());
+            let extrapolated = curve(name, drawn, |x| (x, interpolated(on, x)));
+            extrapolated.looking(Look::Dashed).like(kin)
         };
-        LinePlot {
-            label: label.into(),
-            curves: vec![
-                Curve::new("rodlab", drawn(&points)).looking(Look::Marks),
-                Curve::new("parabola through the three thinnest", drawn(&through(3)))
-                    .looking(Look::Dashed)
-                    .like(0),
-                Curve::new("line through the two thinnest", drawn(&through(2)))
-                    .looking(Look::Dashed)
-                    .like(6),
-                Curve::new("Eq. 2.29", vec![(0.0, Some(theory))])
-                    .looking(Look::OpenMarks)
-                    .like(1),
+        let theory = curve("Eq. 2.29", [theory], |theory| (0.0, theory));
+        plot(
+            label,
+            [
+                curve("rodlab", &points, |point| *point).looking(Look::Marks),
+                through("parabola through the three thinnest", 3, 0),
+                through("line through the two thinnest", 2, 6),
+                theory.looking(Look::OpenMarks).like(1),
             ],
-        }
+        )
     };
     let plots = [
-        plot("(F̄ − μ P h²/EI)/(ε⁴/2)", |knot| knot.frictionless, 1.0),
-        plot("σ = P h²/(EI ε³)", |knot| knot.sigma, TREFOIL_FRICTION),
+        over_tightness("(F̄ − μ P h²/EI)/(ε⁴/2)", |knot| knot.frictionless, 1.0),
+        over_tightness("σ = P h²/(EI ε³)", |knot| knot.sigma, TREFOIL_FRICTION),
     ];
     PageFigure::new(
         "fig2.7_limit",
@@ -254,6 +237,11 @@ fn loose_limit(loose: &[Loose]) -> PageFigure {
          the limit by Eq. 2.29",
         line_plots(plots, "ε = √(h/R)"),
     )
+}
+
+/// Traction, and the loose limit.
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    vec![traction(rows), loose_limit(&loose(rows))]
 }
 
 #[cfg(test)]

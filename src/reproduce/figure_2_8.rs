@@ -1,15 +1,20 @@
 //! Figure 2.8: traction of overhand knots of unknotting number 1 to 4.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::overhand_law::{HEADER, line};
-use super::page::{Page, PageFigure};
-use super::table::rows_of;
+use super::prelude::*;
 use super::tightening::{FRICTION_OF_FIGURE_2_8, Tightening, density_in_words, pulled_rows};
-use rodlab_files::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
 use rodlab_planning::knot::jawed_shortening;
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig2.8",
+    title: "Figure 2.8: overhand knots pulled tight, traction and theory",
+    recipe: &Tabled::new(
+        Tightening::of_figure_2_8,
+        Rows::Series(measured),
+        write,
+        figures,
+    ),
+};
 
 /// A row of the CSV file.
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -24,19 +29,15 @@ struct Row {
 }
 
 /// Writes traction over shortening, both scaled with n².
-pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), ReproduceError> {
-    let mut all = Vec::new();
-    let mut table = Vec::new();
+fn write(page: &mut Page, cases: &[Case<Tightening>], _: &[Row]) -> Result<()> {
+    let mut lines = Vec::new();
     for case in cases {
-        let rows = measured(case)?;
         let n = case.run.unknotting_number;
-        table.push([vec![n.to_string()], line(case)?].concat());
-        all.extend(rows);
+        lines.push([vec![n.to_string()], line(case)?].concat());
     }
-    page.csv(&all)?;
     page.text(&density_in_words());
     page.text("A knot leaves the law where it inverts. Before that, over tenths of the way:");
-    page.table(&[["n"].as_slice(), &HEADER].concat(), &table);
+    page.lines(&[["n"].as_slice(), &HEADER].concat(), &lines);
     page.text(
         "Why the trefoil is the farthest from the law: Eq. 2.30 has too much friction and nothing else. Its braid is a \
          uniform double helix of n turns, whose strands press on each other from end to end; here two thirds to \
@@ -46,61 +47,42 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
          ε ≪ 2 μ σ, or n is large; at n = 1 it is the larger part. That both errors have opposite signs keeps the \
          trefoil near the law at this friction; with more friction it is farther from it (figure 2.7).",
     );
-    Ok(page.figure(&figure(&all))?)
+    Ok(())
 }
 
-/// The figure from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(vec![figure(&rows_of::<Row>(table)?)])
-}
-
-fn figure(rows: &[Row]) -> PageFigure {
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let knots = rows.chunk_by(|a, b| a.unknotting_number == b.unknotting_number);
-    let mut curves: Vec<Curve> = knots
-        .map(|rows| {
-            let points = rows.iter();
-            let points = points.map(|row| (row.scaled_shortening, Some(row.scaled_force)));
-            let name = format!("n = {}", rows[0].unknotting_number);
-            Curve::new(name, points.collect())
-        })
-        .collect();
-    let pulled = || {
-        rows.iter()
-            .map(|row| row.scaled_force)
-            .filter(|force| *force > 0.0)
-    };
-    let (least, largest) = (
-        pulled().fold(f64::INFINITY, f64::min),
-        pulled().fold(0.0, f64::max),
-    );
+    let knots = knots.map(|rows| {
+        let name = format!("n = {}", rows[0].unknotting_number);
+        curve(name, rows, |row| (row.scaled_shortening, row.scaled_force))
+    });
+    let mut curves: Vec<Curve> = knots.collect();
+    let forces = rows.iter().map(|row| row.scaled_force);
+    let pulled = forces.filter(|force| *force > 0.0);
+    let least = pulled.clone().fold(f64::INFINITY, f64::min);
+    let largest = largest(pulled);
     if least < largest {
-        let law = (0..=200)
-            .map(|k| least * libm::pow(largest / least, f64::from(k) / 200.0))
-            .map(|force| (jawed_shortening(force, FRICTION_OF_FIGURE_2_8), Some(force)));
-        curves.push(
-            Curve::new("Eq. 2.30", law.collect())
-                .looking(Look::Dashed)
-                .like(6),
-        );
+        let forces = (0..=200).map(|k| least * libm::pow(largest / least, f64::from(k) / 200.0));
+        let law = curve("Eq. 2.30", forces, |force| {
+            (jawed_shortening(force, FRICTION_OF_FIGURE_2_8), force)
+        });
+        curves.push(law.looking(Look::Dashed).like(6));
     }
-    let plot = LinePlot {
-        label: "n² F̄ = n² F h²/EI".into(),
-        curves,
-    };
+    let plot = plot("n² F̄ = n² F h²/EI", curves);
     let style = PlotStyle {
         horizontal: AxisScale::Logarithmic,
         vertical: vec![AxisScale::Logarithmic],
         height: 26.0,
         ..PlotStyle::default()
     };
-    PageFigure::new(
+    vec![PageFigure::new(
         "fig2.8",
         "Traction over shortening of overhand knots; dashed, the law of Eq. 2.30. Where a curve falls, its knot inverts",
         styled_line_plots([plot], "n² h/e", style),
-    )
+    )]
 }
 
-fn measured(case: &Case<Tightening>) -> Result<Vec<Row>, ReproduceError> {
+fn measured(case: &Case<Tightening>) -> Result<Vec<Row>> {
     let n = case.run.unknotting_number;
     let squared = (n * n) as f64;
     let rows = pulled_rows(case)?;

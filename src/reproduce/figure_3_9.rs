@@ -1,15 +1,9 @@
 //! Figure 3.9: the simplified knot, its energy over the rotation of its ends and its equilibria.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::inversion::Inversion;
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
+use super::prelude::*;
 use rodlab_engine::mechanics::kirchhoff::EndSpin;
-use rodlab_files::figure::{Curve, LinePlot, line_plots};
 use rodlab_planning::knot::SimplifiedKnot;
-use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// A row of the CSV file: a knot held at a rotation, or one in equilibrium, which has no columns for energy and moment.
 #[derive(Serialize, Deserialize)]
@@ -25,6 +19,17 @@ struct Row {
 pub(super) const CLAMPED: EndSpin = EndSpin::Clamped {
     stiffness_ratio: 2.0 / 3.0,
 };
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig3.9",
+    title: "Figure 3.9: energy and equilibria of the simplified knot",
+    recipe: &Tabled::new(
+        |quick| vec![Inversion::of_figure_3_5(quick)[0]],
+        Rows::All(rows),
+        write,
+        figures,
+    ),
+};
 /// The two ways to hold the loop's ends, and their names.
 pub(super) const SPINS: [(&str, EndSpin); 2] =
     [("clamped", CLAMPED), ("free to spin", EndSpin::Free)];
@@ -38,8 +43,8 @@ const LARGEST_LENGTH: f64 = 250.0;
 /// Equilibria whose rotations differ by more are of different pieces, rad.
 const GAP: f64 = 0.3;
 
-/// Writes energies, moments, equilibria, and how the fold moves with the conditions at the ends of the loop.
-pub(super) fn write(page: &mut Page, cases: &[Case<Inversion>]) -> Result<(), ReproduceError> {
+/// Energies and moments of knots held, and the equilibria.
+fn rows(_: &[Case<Inversion>]) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for (name, spin) in SPINS {
         let knot = SimplifiedKnot::of_thesis(NUMBER, spin);
@@ -62,15 +67,17 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Inversion>]) -> Result<(), Re
             moment_normalized: None,
         }));
     }
-    page.csv(&rows)?;
+    Ok(rows)
+}
+
+/// Writes energies, moments, equilibria, and how the fold moves with the conditions at the ends of the loop.
+fn write(page: &mut Page, cases: &[Case<Inversion>], _: &[Row]) -> Result<()> {
     page.text(
         "Braid of two helices (Eq. 3.8) and a loop between its ends, solved as a Kirchhoff rod by shooting; φ = π/3, \
          ε = 0.7, n = 3. The ends of the loop lie on the axis of the braid and are either clamped, GJ/EI = 2/3, or free \
          to spin about their tangents; then the loop snaps over by itself near θ = π/2, where its curve ends.",
     );
-    for figure in figures(&rows) {
-        page.figure(&figure)?;
-    }
+    page.figures()?;
     let simulated = cases
         .first()
         .and_then(|case| Inversion::outcome(case).inversion_by_height);
@@ -86,17 +93,12 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Inversion>]) -> Result<(), Re
         "θ, rad",
         "over the simulation",
     ];
-    page.table(&header, &end_conditions(simulated));
+    page.lines(&header, &end_conditions(simulated));
     Ok(())
 }
 
-/// The figures from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(figures(&rows_of::<Row>(table)?).into())
-}
-
 /// Energy and moment over the rotation, and the equilibria.
-fn figures(rows: &[Row]) -> [PageFigure; 2] {
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let held = rows.chunk_by(|a, b| {
         let is_same = a.end_spin == b.end_spin && a.length_normalized == b.length_normalized;
         is_same && a.energy_normalized.is_some() == b.energy_normalized.is_some()
@@ -104,21 +106,17 @@ fn figures(rows: &[Row]) -> [PageFigure; 2] {
     let held: Vec<&[Row]> = held
         .filter(|rows| rows[0].energy_normalized.is_some())
         .collect();
-    let over_rotation = |label: &str, value: fn(&Row) -> Option<f64>| LinePlot {
-        label: label.into(),
-        curves: held
-            .iter()
-            .map(|rows| {
-                let Row {
-                    end_spin,
-                    length_normalized,
-                    ..
-                } = &rows[0];
-                let name = format!("{end_spin}, l̄_{{k}} = {length_normalized}");
-                let points = rows.iter().map(|row| (row.rotation_rad, value(row)));
-                Curve::new(name, points.collect())
-            })
-            .collect(),
+    let over_rotation = |label: &str, value: fn(&Row) -> Option<f64>| {
+        let curve = |rows: &&[Row]| {
+            let Row {
+                end_spin,
+                length_normalized,
+                ..
+            } = &rows[0];
+            let name = format!("{end_spin}, l̄_{{k}} = {length_normalized}");
+            curve(name, *rows, |row| (row.rotation_rad, value(row)))
+        };
+        plot(label, held.iter().map(curve))
     };
     let plots = [
         over_rotation("Ē", |row| row.energy_normalized),
@@ -129,11 +127,8 @@ fn figures(rows: &[Row]) -> [PageFigure; 2] {
         let rows = rows.filter(|row| row.end_spin == *name && row.energy_normalized.is_none());
         Curve::new(*name, equilibria(&rows.collect::<Vec<_>>()))
     });
-    let equilibria = LinePlot {
-        label: "θ in rad".into(),
-        curves: equilibria.collect(),
-    };
-    [
+    let equilibria = plot("θ in rad", equilibria);
+    vec![
         PageFigure::new(
             "fig3.9",
             "Energy of the simplified knot and its derivative over the rotation of the ends of the loop",

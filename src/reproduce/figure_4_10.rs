@@ -1,15 +1,18 @@
 //! Figure 4.10: ways of the gripper for US letter paper and C = 0.27 m.
 
-use super::ReproduceError;
-use super::cases::Case;
-use super::figure_4_11::{line, row};
+use super::figure_4_11::{HEADER, line, row};
 use super::folds::{Folded, SCENARIOS, WAYS};
-use super::page::{Page, PageFigure};
-use rodlab_files::figure::{Curve, LinePlot, plot_to_scale};
+use super::prelude::*;
 use rodlab_lab::experiment::{FigureError, folded_outlines};
 
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig4.10",
+    title: "Figure 4.10: ways of the gripper that folds US letter paper",
+    recipe: &Free::new(Folded::of_figure_4_10, write),
+};
+
 /// Writes table and figure.
-pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     page.text(
         "The edge of a sheet of US letter paper (L_gb = 6.0 cm) goes to C = 0.27 m on a table of friction 0.12, without jitter, by each of the \
          ways of fig4.11. A gripper on half a circle holds the sheet too low at first and too high later; step by step the whole sheet is \
@@ -17,19 +20,11 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
          (without a moment) or high (with one).",
     );
     let rows: Vec<_> = cases.iter().map(row).collect();
-    let header = [
-        "scenario",
-        "way",
-        "folds",
-        "error of the fold, mm",
-        "slid at most, mm",
-        "fastest node, m/s",
-    ];
     let lines = cases.iter().zip(&rows).map(|(case, row)| {
         let run = &case.run;
         line(SCENARIOS[run.scenario].name, WAYS[run.way].name, &[row])
     });
-    page.table(&header, &lines.collect::<Vec<_>>());
+    page.lines(&HEADER, &lines.collect::<Vec<_>>());
     page.csv(&rows)?;
     let mut curves = vec![];
     for case in cases {
@@ -43,15 +38,10 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
             curves.push(Curve::new(WAYS[case.run.way].name, outlines.gripper));
         }
     }
-    let plot = LinePlot {
-        label: "z in m".into(),
-        curves,
-    };
-    let figure = plot_to_scale(plot, "x in m");
     page.figure(&PageFigure::new(
         "fig4.10_ways",
         "Ways of the gripper by the ways of planning, US letter paper, C = 0.27 m",
-        figure,
+        plot_to_scale(plot("z in m", curves), "x in m"),
     ))?;
     Ok(())
 }

@@ -1,13 +1,13 @@
 //! Figure 4.11: seven folds by several ways: how far sheets slide, and where their creases come to be.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::folds::{Folded, SCENARIOS, TRIALS, WAYS};
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+use super::prelude::*;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig4.11",
+    title: "Figure 4.11: seven folds by several ways, simulated",
+    recipe: &Tabled::new(Folded::of_figure_4_11, Rows::Row(row), write, figures),
+};
 
 /// A row of the CSV file; lengths in mm.
 #[derive(Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub(super) struct Row {
 const OURS: [&str; 3] = ["open", "closed", "held"];
 
 /// Writes table and figures.
-pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, _: &[Case<Folded>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
         "The seven scenarios of thesis sec. 4.6.3, folded in simulation on a table of friction 0.12: a planar strip of the sheet, which \
          sticks and slips on the table and on itself, and a gripper that holds its edge at the planned angle. The gripper moves about its \
@@ -40,26 +40,14 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
          the least sum of λ (Algorithm 4) in open loop, and in closed loop with five parts (Algorithm 5); and ours, which holds the edge by \
          as little moment as keeps the friction demand below 0.85 of the friction.",
     );
-    let rows: Vec<Row> = cases.iter().map(row).collect();
-    let header = [
-        "scenario",
-        "way",
-        "folds",
-        "error of the fold, mm",
-        "slid at most, mm",
-        "fastest node, m/s",
-    ];
     let lines = SCENARIOS.iter().flat_map(|scenario| {
-        let rows = &rows;
         WAYS.iter().filter_map(move |way| {
-            let of: Vec<&Row> = rows
-                .iter()
-                .filter(|row| row.scenario == scenario.id && row.way == way.id)
-                .collect();
+            let of = rows.iter().filter(|row| row.scenario == scenario.id);
+            let of: Vec<&Row> = of.filter(|row| row.way == way.id).collect();
             (!of.is_empty()).then(|| line(scenario.name, way.name, &of))
         })
     });
-    page.table(&header, &lines.collect::<Vec<_>>());
+    page.lines(&HEADER, &lines.collect::<Vec<_>>());
     page.text(
         "Without a moment at the gripper a sheet of paper cannot come over the ridge of the force manifold without sliding by 7 to 9 mm at \
          this friction, even without jitter (guide, page `folding`); the thesis reports near-perfect folds. In closed loop the crease comes to be where it should, \
@@ -68,16 +56,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
          0.43 even with the best moments, because a tight fold springs open: as an elastic sheet none of the ways closes them here. Paper and \
          cardboard that have been bent so sharply stay bent, which the simulated sheet does not.",
     );
-    page.csv(&rows)?;
-    for figure in figures(&rows) {
-        page.figure(&figure)?;
-    }
     Ok(())
-}
-
-/// The figures from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(figures(&rows_of::<Row>(table)?))
 }
 
 /// The row of a case.
@@ -100,6 +79,16 @@ pub(super) fn row(case: &Case<Folded>) -> Row {
     }
 }
 
+/// Head of the table of trials.
+pub(super) const HEADER: [&str; 6] = [
+    "scenario",
+    "way",
+    "folds",
+    "error of the fold, mm",
+    "slid at most, mm",
+    "fastest node, m/s",
+];
+
 /// A line of the table of trials.
 pub(super) fn line(scenario: &str, way: &str, rows: &[&Row]) -> Vec<String> {
     let range = |value: &dyn Fn(&Row) -> Option<f64>, digits: usize| {
@@ -107,11 +96,9 @@ pub(super) fn line(scenario: &str, way: &str, rows: &[&Row]) -> Vec<String> {
         let least = values.iter().copied().reduce(f64::min);
         let largest = values.iter().copied().reduce(f64::max);
         match (least, largest) {
-            (Some(least), Some(largest)) if values.len() > 1 => format!(
-                "{} to {}",
-                number(Some(least), digits),
-                number(Some(largest), digits)
-            ),
+            (Some(least), Some(largest)) if values.len() > 1 => {
+                format!("{} to {}", number(least, digits), number(largest, digits))
+            }
             (least, _) => number(least, digits),
         }
     };
@@ -134,27 +121,24 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         let index = SCENARIOS.iter().position(|known| known.id == row.scenario);
         index.map(|index| index as f64 + 1.0 + shift)
     };
-    let plot = |label: &str, ways: &[&str], value: &dyn Fn(&Row) -> Option<f64>| {
-        let curves = WAYS.iter().filter(|way| ways.contains(&way.id));
-        let curves = curves.enumerate().map(|(index, way)| {
+    let by_scenario = |label: &str, ways: &[&str], value: &dyn Fn(&Row) -> Option<f64>| {
+        let shown = WAYS.iter().filter(|way| ways.contains(&way.id));
+        let curves = shown.enumerate().map(|(index, way)| {
             let shift = 0.12 * (index as f64 - 0.5 * (ways.len() - 1) as f64);
             let of = rows.iter().filter(|row| row.way == way.id);
             let points = of.filter_map(|row| Some((place(row, shift)?, value(row))));
             Curve::new(way.name, points.collect()).looking(Look::Marks)
         });
-        LinePlot {
-            label: label.into(),
-            curves: curves.collect(),
-        }
+        plot(label, curves)
     };
     let all: Vec<&str> = WAYS.iter().map(|way| way.id).collect();
     let paper = |row: &Row| !["us_20", "ca_20", "ca_half"].contains(&row.scenario.as_str());
-    let slid = plot("slid at most in mm", &all, &|row| row.largest_sliding_mm);
+    let slid = by_scenario("slid at most in mm", &all, &|row| row.largest_sliding_mm);
     let ours = [
-        plot("slid at most in mm", &OURS, &|row| {
+        by_scenario("slid at most in mm", &OURS, &|row| {
             row.largest_sliding_mm.filter(|_| paper(row))
         }),
-        plot("error of the fold in mm", &OURS, &|row| {
+        by_scenario("error of the fold in mm", &OURS, &|row| {
             row.fold_length_error_mm.filter(|_| paper(row))
         }),
     ];

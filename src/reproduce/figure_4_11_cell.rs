@@ -1,14 +1,14 @@
 //! Figure 4.11 in the virtual cell: seven folds through drivers and camera, beside the plain simulation.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::folds::{Folded, SCENARIOS, WAYS};
-use super::folds_in_cell::{FRICTION, FoldedInCell, FoldingError, PARTS, fold_in_cell};
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+use super::folds_in_cell::{FRICTION, FoldedInCell, PARTS, fold_in_cell};
+use super::prelude::*;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig4.11-cell",
+    title: "Figure 4.11 in the virtual cell: seven folds through drivers and camera",
+    recipe: &Tabled::new(Folded::of_cell, Rows::Series(rows), write, figures),
+};
 
 /// What a sheet is to slide by at most, mm.
 const BOUND: f64 = 2.0;
@@ -37,11 +37,7 @@ pub(super) struct Row {
 }
 
 /// Folds all sheets in the cell, and writes table and figure.
-pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), ReproduceError> {
-    let mut rows = Vec::new();
-    for case in cases {
-        rows.push(row(case, &fold_in_cell(case)?));
-    }
+fn write(page: &mut Page, _: &[Case<Folded>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
         "The seven scenarios of thesis sec. 4.6.3, each folded by the gantry of the virtual cell (`rodlab cell serve --paper`) through its \
          drivers, as `rodlab fold --feedback {PARTS}` does: the camera looks where the sheet lies, the arm takes its edge, and after each of \
@@ -56,33 +52,26 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
          arm and camera. Where at the end the edge lies over the free end, the camera cannot see how far this has slid, nor how long the fold \
          is: such entries are `not seen`, and the last column says when it was seen last.",
     );
-    let header = [
-        "scenario",
-        "way",
-        "slid at most, mm",
-        "slid at the end, mm",
-        "as seen, mm",
-        "plain simulation, at most, mm",
-        "error of the fold, mm",
-        "as seen, mm",
-        "plain simulation, mm",
-        "parts planned anew",
-        "what came of it",
-    ];
-    page.table(&header, &rows.iter().map(Row::line).collect::<Vec<_>>());
-    page.csv(&rows)?;
-    for figure in figures(&rows) {
-        page.figure(&figure)?;
-    }
+    let scenario = |row: &Row| SCENARIOS.iter().find(|known| known.id == row.scenario);
+    let way = |row: &Row| WAYS.iter().find(|known| known.id == row.way);
+    page.table(columns! { row in rows;
+        "scenario" => scenario(row).map_or("", |known| known.name),
+        "way" => way(row).map_or("", |known| known.name),
+        "slid at most, mm" => number(row.largest_sliding_mm, 2),
+        "slid at the end, mm" => number(row.final_sliding_mm, 2),
+        "as seen, mm" => row.seen(row.seen_sliding_mm),
+        "plain simulation, at most, mm" => number(row.simulated_sliding_mm, 2),
+        "error of the fold, mm" => number(row.fold_length_error_mm, 2),
+        "as seen, mm" => row.seen(row.seen_fold_length_error_mm),
+        "plain simulation, mm" => number(row.simulated_fold_length_error_mm, 2),
+        "parts planned anew" => row.planned_anew.to_string(),
+        "what came of it" => row.status.replace('|', " "),
+    });
     Ok(())
 }
 
-/// The figure from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(figures(&rows_of::<Row>(table)?))
-}
-
-fn row(case: &Case<Folded>, folded: &Result<FoldedInCell, FoldingError>) -> Row {
+fn rows(case: &Case<Folded>) -> Result<Vec<Row>> {
+    let folded = fold_in_cell(case)?;
     let mm = |metres: f64| 1e3 * metres;
     let known = folded.as_ref().ok();
     let score = known.and_then(|folded| folded.end.score.as_ref().ok());
@@ -90,10 +79,10 @@ fn row(case: &Case<Folded>, folded: &Result<FoldedInCell, FoldingError>) -> Row 
     let seen = looks.last().and_then(|look| look.slid_m);
     let simulated = case.outcome();
     let error = |folded: &FoldedInCell| folded.held.edge[0] - folded.target - folded.held.sliding;
-    Row {
+    Ok(vec![Row {
         scenario: SCENARIOS[case.run.scenario].id.into(),
         way: WAYS[case.run.way].id.into(),
-        status: match folded {
+        status: match &folded {
             Ok(folded) => match &folded.end.score {
                 Ok(score) if score.is_end_hidden => format!(
                     "folded; the free end was seen last after part {} of {PARTS}, when it had slid by {:.2} mm",
@@ -117,30 +106,16 @@ fn row(case: &Case<Folded>, folded: &Result<FoldedInCell, FoldingError>) -> Row 
         simulated_fold_length_error_mm: simulated
             .and_then(|folded| folded.fold_length_error_m)
             .map(mm),
-    }
+    }])
 }
 
 impl Row {
-    fn line(&self) -> Vec<String> {
-        let scenario = SCENARIOS.iter().find(|known| known.id == self.scenario);
-        let way = WAYS.iter().find(|known| known.id == self.way);
-        let seen = |value: Option<f64>| match value {
+    /// What the camera saw of a folded sheet, in mm.
+    fn seen(&self, value: Option<f64>) -> String {
+        match value {
             None if self.status.starts_with("folded") => "not seen".to_owned(),
             value => number(value, 2),
-        };
-        vec![
-            scenario.map_or_else(String::new, |known| known.name.to_owned()),
-            way.map_or_else(String::new, |known| known.name.to_owned()),
-            number(self.largest_sliding_mm, 2),
-            number(self.final_sliding_mm, 2),
-            seen(self.seen_sliding_mm),
-            number(self.simulated_sliding_mm, 2),
-            number(self.fold_length_error_mm, 2),
-            seen(self.seen_fold_length_error_mm),
-            number(self.simulated_fold_length_error_mm, 2),
-            self.planned_anew.to_string(),
-            self.status.replace('|', " "),
-        ]
+        }
     }
 }
 
@@ -157,14 +132,14 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     };
     let last = rows.iter().filter_map(place).fold(1.0, f64::max);
     let bound = vec![(1.0, Some(BOUND)), (last.max(2.0), Some(BOUND))];
-    let plot = LinePlot {
-        label: "slid in mm".into(),
-        curves: vec![
+    let plot = plot(
+        "slid in mm",
+        [
             marks("at most", &|row| row.largest_sliding_mm),
             marks("at the end, as seen", &|row| row.seen_sliding_mm),
             Curve::new("2 mm", bound).looking(Look::Dashed),
         ],
-    };
+    );
     vec![PageFigure::new(
         "fig4.11-cell_sliding",
         "How far sheets slide that an arm folds in the virtual cell, where a moment can hold them",

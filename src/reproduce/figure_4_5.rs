@@ -1,15 +1,18 @@
 //! Figure 4.5: the force manifold, and the ways of the gripper over it.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::folds::{Folded, SCENARIOS};
-use super::page::{Page, PageFigure, number};
-use rodlab_files::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
+use super::prelude::*;
+use rodlab_files::figure::Figure;
 use rodlab_lab::experiment::planned_fold;
 use rodlab_planning::plan::fold::{
     Algorithm, Fold, FoldAtlas, FoldPlanner, ForceManifold, Objective, Workspace,
 };
-use serde::Serialize;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig4.5",
+    title: "Figure 4.5: the force manifold of folding",
+    recipe: &Free::new(Folded::of_figure_4_5, write),
+};
 
 /// Bands of λ, and of α in degrees, that have a colour each: their upper ends and names.
 const RATIOS: [(f64, &str); 4] = [
@@ -41,7 +44,7 @@ struct Row {
 }
 
 /// Writes table and figures.
-pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     page.text(
         "λ and α over the places of the gripper, for suspended lengths up to 6.84 L_gb: the exact folds of the thesis' grid of 0.0548 L_gb, of \
          which every fourth in each direction is drawn. λ vanishes along two canyons, the lift of the flat sheet on the left and a \
@@ -71,20 +74,18 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
             continue;
         };
         let name = SCENARIOS[case.run.scenario].name;
-        let highest = poses.iter().map(|pose| pose.gripper[1]).fold(0.0, f64::max);
+        let highest = largest(poses.iter().map(|pose| pose.gripper[1]));
         lines.push(vec![
             name.to_owned(),
-            number(Some(target), 3),
+            number(target, 3),
             poses.len().to_string(),
-            number(Some(highest), 2),
+            number(highest, 2),
         ]);
-        let way = poses
-            .iter()
-            .map(|pose| (pose.gripper[0], Some(pose.gripper[1])));
-        ways.push(Curve::new(name, way.collect()).looking(Look::Line));
+        let way = curve(name, &poses, |pose| (pose.gripper[0], pose.gripper[1]));
+        ways.push(way.looking(Look::Line));
     }
     let header = ["scenario", "crease target, L_gb", "poses", "highest, L_gb"];
-    page.table(&header, &lines);
+    page.lines(&header, &lines);
     let rows: Vec<Row> = folds(LISTED)
         .map(|fold| Row {
             x: fold.gripper[0],
@@ -132,16 +133,11 @@ fn banded(
     };
     let marks = bands.iter().enumerate().map(|(index, (_, name))| {
         let of = folds.iter().filter(|fold| band(fold) == Some(index));
-        let points = of.map(|fold| (fold.gripper[0], Some(fold.gripper[1])));
-        Curve::new(*name, points.collect()).looking(Look::Marks)
+        curve(*name, of, |fold| (fold.gripper[0], fold.gripper[1])).looking(Look::Marks)
     });
     let outline = Workspace::new([SHORTEST, ForceManifold::LONGEST]).map(|workspace| {
-        let places = workspace.outline().iter().map(|[x, z]| (*x, Some(*z)));
-        Curve::new("workspace", places.collect()).looking(Look::Dashed)
+        curve("workspace", workspace.outline(), |[x, z]| (*x, *z)).looking(Look::Dashed)
     });
-    let plot = LinePlot {
-        label: "z/L_{gb}".into(),
-        curves: marks.chain(ways.iter().cloned()).chain(outline).collect(),
-    };
+    let plot = plot("z/L_{gb}", marks.chain(ways.iter().cloned()).chain(outline));
     plot_to_scale(plot, "x/L_{gb}")
 }

@@ -1,15 +1,15 @@
 //! Figure 4.9: the gravito-bending length of a sheet from how far a strip of it hangs down.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::hanging_strips::{Hanging, LENGTHS, UNIT};
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
+use super::prelude::*;
 use rodlab_engine::mechanics::kirchhoff::HangingStrip;
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
 use rodlab_files::results::read_nodes;
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig4.9",
+    title: "Figure 4.9: the gravito-bending length from a strip that hangs down",
+    recipe: &Tabled::new(Hanging::of_figure_4_9, Rows::Series(rows), write, figures),
+};
 
 /// Points of the drawn relation, and its last length, L_gb.
 const POINTS: usize = 120;
@@ -25,57 +25,35 @@ struct Row {
 }
 
 /// Writes table and figure.
-pub(super) fn write(page: &mut Page, cases: &[Case<Hanging>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, _: &[Case<Hanging>], rows: &[Row]) -> Result<()> {
     page.text(
         "A strip is held horizontally, and a length l of it hangs down by l_h. The drop ε = l_h/l tells the length in gravito-bending \
          lengths, l̄ = 𝓛(ε) (thesis Eq. 4.16), and with it L_gb = l/l̄. Drops of simulated strips of 100 edges, static equilibria of the discrete \
          rod, beside those of the heavy cantilever; the last column is the length that the simulated drop would be taken for. `rodlab solve \
          hanging-plate` gives either number, `rodlab measure` L_gb from a photograph.",
     );
-    let rows: Vec<Row> = cases.iter().map(row).collect::<Result<_, _>>()?;
-    let header = [
-        "l/L_gb",
-        "ε, simulated",
-        "ε, in theory",
-        "l/L_gb of the simulated drop",
-    ];
-    let lines: Vec<Vec<String>> = rows
-        .iter()
-        .map(|row| {
-            vec![
-                number(Some(row.length_over_unit), 1),
-                number(row.drop_over_length, 5),
-                number(Some(row.theory), 5),
-                number(row.measured_length_over_unit, 4),
-            ]
-        })
-        .collect();
-    page.table(&header, &lines);
-    page.csv(&rows)?;
-    for figure in figures(&rows) {
-        page.figure(&figure)?;
-    }
+    page.table(columns! { row in rows;
+        "l/L_gb" => number(row.length_over_unit, 1),
+        "ε, simulated" => number(row.drop_over_length, 5),
+        "ε, in theory" => number(row.theory, 5),
+        "l/L_gb of the simulated drop" => number(row.measured_length_over_unit, 4),
+    });
     Ok(())
 }
 
-/// The figures from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(figures(&rows_of::<Row>(table)?))
-}
-
-fn row(case: &Case<Hanging>) -> Result<Row, ReproduceError> {
+fn rows(case: &Case<Hanging>) -> Result<Vec<Row>> {
     let length = LENGTHS[case.run.strip];
     let outputs = read_nodes(&case.directory, case.run.nodes())?;
     let last = outputs.last().and_then(|output| output.positions.last());
     let drop = last.map(|node| -node.z / (length * UNIT));
     let theory = HangingStrip::of_length(length);
     let found = drop.and_then(|drop| HangingStrip::of_drop(drop).ok());
-    Ok(Row {
+    Ok(vec![Row {
         length_over_unit: length,
         drop_over_length: drop,
         theory: theory.map_or(f64::NAN, |strip| strip.drop),
         measured_length_over_unit: found.map(|strip| strip.length),
-    })
+    }])
 }
 
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
@@ -87,13 +65,11 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let simulated = rows
         .iter()
         .filter_map(|row| Some((row.drop_over_length?, Some(row.length_over_unit))));
-    let plot = LinePlot {
-        label: "l/L_{gb}".into(),
-        curves: vec![
-            Curve::new("theory", theory.collect()),
-            Curve::new("simulated", simulated.collect()).looking(Look::Marks),
-        ],
-    };
+    let curves = [
+        Curve::new("theory", theory.collect()),
+        Curve::new("simulated", simulated.collect()).looking(Look::Marks),
+    ];
+    let plot = plot("l/L_{gb}", curves);
     vec![PageFigure::new(
         "fig4.9_drop",
         "Free length of a hanging strip over its drop",

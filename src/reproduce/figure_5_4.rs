@@ -1,18 +1,19 @@
 //! Figure 5.4: where a gripper may be above a straight line.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::figure_5_5::largest_sideways_at;
-use super::page::{Page, PageFigure, number};
+use super::prelude::*;
 use super::sideways_push::{SUSPENDED, SidewaysPush, stretch_stiffness};
-use super::table::rows_of;
-use rodlab_files::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
+use rodlab_files::figure::Figure;
 use rodlab_planning::plan::grasp::{
     FreeGrasp, Grasp, GraspBound, GraspProblem, GraspSolver, PlanarGrasp, SidewaysAnswer,
     free_grasps, grasp_region, rod_along_ray,
 };
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig5.4",
+    title: "Figure 5.4: where a gripper may be above a straight line",
+    recipe: &Tabled::new(SidewaysPush::of_figure_5_5, Rows::All(rows), write, figures),
+};
 
 /// Rays, degrees above the table, and grasps along each.
 const RAY_STEP: usize = 3;
@@ -69,8 +70,7 @@ impl Row {
 }
 
 /// Writes table and figures.
-pub(super) fn write(page: &mut Page, cases: &[Case<SidewaysPush>]) -> Result<(), ReproduceError> {
-    let rows = rows();
+fn write(page: &mut Page, cases: &[Case<SidewaysPush>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
         "Places of the gripper above a straight line (thesis 5.3.2, Algorithm 6) for l̄_s = {SUSPENDED} and k̄_s = {:.0}, the green rod of \
          Tab. 5.1, by the equations of the suspended rod. Lengths are in L_gb, forces in EI/L_gb²; the thesis' F̄ = F h²/EI is (h/L_gb)² = \
@@ -91,39 +91,40 @@ pub(super) fn write(page: &mut Page, cases: &[Case<SidewaysPush>]) -> Result<(),
         let case = cases.iter().find(|case| case.run.minimum == minimum);
         case.map_or(Ok(None), |case| largest_sideways_at(case, PUSH))
     };
-    let mut lines = Vec::new();
-    for (index, grasp) in minima.iter().enumerate() {
-        let free = free(&[grasp.contact_force.z]);
-        let found = free.first().map(|free| free.grasp);
-        let of =
-            |value: fn(&PlanarGrasp) -> f64, decimals| number(found.as_ref().map(value), decimals);
-        let sideways = simulated(index + 1)?;
-        lines.push(vec![
-            format!("local minimum {}", index + 1),
+    let line = |name: String, grasp: Option<PlanarGrasp>, ways: String, sideways: String| {
+        let of = |value: fn(PlanarGrasp) -> f64, decimals| number(grasp.map(value), decimals);
+        vec![
+            name,
             of(|grasp| grasp.gripper[0], 4),
             of(|grasp| grasp.gripper[1], 4),
             of(|grasp| grasp.angle.to_degrees(), 2),
             of(|grasp| grasp.contact_force[0].abs(), 4),
             of(|grasp| grasp.contact_force[1], 4),
             of(|grasp| grasp.contact_moment.abs(), 4),
+            ways,
+            sideways,
+        ]
+    };
+    let mut lines = Vec::new();
+    for (index, grasp) in minima.iter().enumerate() {
+        let found = free(&[grasp.contact_force.z])
+            .first()
+            .map(|free| free.grasp);
+        let name = format!("local minimum {}", index + 1);
+        let sideways = number(simulated(index + 1)?, 2);
+        lines.push(line(
+            name,
+            found,
             grasp.unstable_modes.to_string(),
-            number(sideways, 2),
-        ]);
+            sideways,
+        ));
     }
-    if let Some(grasp) = without_force() {
-        lines.push(vec![
-            "F = 0 with a moment".into(),
-            number(Some(grasp.gripper[0]), 4),
-            number(Some(grasp.gripper[1]), 4),
-            number(Some(grasp.angle.to_degrees()), 2),
-            number(Some(grasp.contact_force[0].abs()), 4),
-            number(Some(grasp.contact_force[1].abs()), 4),
-            number(Some(grasp.contact_moment), 4),
-            "–".into(),
-            "–".into(),
-        ]);
+    if let Some(mut grasp) = without_force() {
+        grasp.contact_force[1] = grasp.contact_force[1].abs();
+        let name = "F = 0 with a moment".into();
+        lines.push(line(name, Some(grasp), "–".into(), "–".into()));
     }
-    page.table(
+    page.lines(
         &[
             "grasp",
             "x̄",
@@ -137,17 +138,8 @@ pub(super) fn write(page: &mut Page, cases: &[Case<SidewaysPush>]) -> Result<(),
         ],
         &lines,
     );
-    page.text(&verdict(&rows));
-    page.csv(&rows)?;
-    for figure in figures(&rows) {
-        page.figure(&figure)?;
-    }
+    page.text(&verdict(rows));
     Ok(())
-}
-
-/// The figures from the table alone; rods are solved for again.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(figures(&rows_of::<Row>(table)?))
 }
 
 fn free(forces: &[f64]) -> Vec<FreeGrasp> {
@@ -155,7 +147,7 @@ fn free(forces: &[f64]) -> Vec<FreeGrasp> {
     found.expect("a length and a stiffness in range")
 }
 
-fn rows() -> Vec<Row> {
+fn rows(_: &[Case<SidewaysPush>]) -> Result<Vec<Row>> {
     let rays: Vec<f64> = (1..180 / RAY_STEP)
         .map(|ray| ((RAY_STEP * ray) as f64).to_radians())
         .collect();
@@ -185,7 +177,7 @@ fn rows() -> Vec<Row> {
         free.iter()
             .map(|free| Row::new("free", &free.grasp, &free.answer, None)),
     );
-    rows
+    Ok(rows)
 }
 
 /// Local minima 1 and 2: the gentle grasp, and the other one that gives way in the fewest directions.
@@ -225,7 +217,7 @@ fn verdict(rows: &[Row]) -> String {
     let stable = rows
         .iter()
         .filter(|row| row.of == "free" && row.unstable_modes == 0);
-    let last = stable.map(|row| row.force_z).fold(0.0, f64::max);
+    let last = largest(stable.map(|row| row.force_z));
     format!(
         "Of the grasps without a contact moment those with F_z up to {last:.2} are stable, so that local minimum 1 is and local minimum 2 \
          is not: by linear theory a rod there gives way without a push. How far a rod goes sideways when the gripper is pushed by a \
@@ -269,8 +261,8 @@ fn region(
     is_unstable: fn(&Row) -> bool,
 ) -> Figure {
     let rays = || rows.iter().filter(|row| row.of == "ray");
-    let points = |rows: &mut dyn Iterator<Item = &Row>| -> Vec<(f64, Option<f64>)> {
-        rows.map(|row| (row.x, Some(row.z))).collect()
+    let places = |name: String, rows: Vec<&Row>, look: Look| {
+        curve(name, rows, |row| (row.x, row.z)).looking(look)
     };
     let mut curves = Vec::new();
     for class in 0..=bounds.len() {
@@ -281,21 +273,18 @@ fn region(
             _ if high.is_finite() => format!("{low} to {high}"),
             _ => format!("above {low}"),
         };
-        let mut chosen =
-            rays().filter(|row| !is_unstable(row) && (low..high).contains(&value(row)));
-        let found = points(&mut chosen);
-        if !found.is_empty() {
-            curves.push(Curve::new(label, found).looking(Look::Marks));
-        }
+        let chosen = rays().filter(|row| !is_unstable(row) && (low..high).contains(&value(row)));
+        curves.push(places(label, chosen.collect(), Look::Marks));
     }
-    let unstable = points(&mut rays().filter(|row| is_unstable(row)));
-    if !unstable.is_empty() {
-        curves.push(Curve::new("unstable", unstable).looking(Look::OpenMarks));
-    }
-    let free = points(&mut rows.iter().filter(|row| row.of == "free"));
-    curves.push(Curve::new("M(0) = 0", free).looking(Look::Dashed));
-    let minima = minima().map(|grasp| (grasp.position.x, Some(grasp.position.z)));
-    curves.push(Curve::new("local minima 1 (right) and 2", minima.into()).looking(Look::Marks));
+    let unstable = rays().filter(|row| is_unstable(row)).collect();
+    curves.push(places("unstable".into(), unstable, Look::OpenMarks));
+    curves.retain(|curve| !curve.points.is_empty());
+    let free = rows.iter().filter(|row| row.of == "free").collect();
+    curves.push(places("M(0) = 0".into(), free, Look::Dashed));
+    let minima = curve("local minima 1 (right) and 2", minima(), |grasp| {
+        (grasp.position.x, grasp.position.z)
+    });
+    curves.push(minima.looking(Look::Marks));
     to_scale(curves)
 }
 
@@ -310,11 +299,8 @@ fn rods() -> Figure {
             (grasp.contact_force - minimum.contact_force).norm() < 1e-9
         };
         if let Some((_, nodes)) = found.iter().find(same) {
-            let points = nodes.iter().map(|node| (node.x, Some(node.z)));
-            curves.push(Curve::new(
-                format!("local minimum {}", index + 1),
-                points.collect(),
-            ));
+            let name = format!("local minimum {}", index + 1);
+            curves.push(curve(name, nodes, |node| (node.x, node.z)));
         }
     }
     let direction = 60f64.to_radians();
@@ -331,8 +317,8 @@ fn rods() -> Figure {
         ] {
             let rod = rod_along_ray(SUSPENDED, stretch_stiffness(), [direction, distance], EDGES);
             if let Ok(Some(places)) = rod {
-                let points = places.iter().map(|[x, z]| (*x, Some(*z)));
-                curves.push(Curve::new(name, points.collect()).looking(Look::Dashed));
+                let rod = curve(name, places, |[x, z]| (x, z));
+                curves.push(rod.looking(Look::Dashed));
             }
         }
     }
@@ -340,9 +326,6 @@ fn rods() -> Figure {
 }
 
 fn to_scale(curves: Vec<Curve>) -> Figure {
-    let plot = LinePlot {
-        label: "z/L_{gb}".into(),
-        curves,
-    };
+    let plot = plot("z/L_{gb}", curves);
     plot_to_scale(plot, "x/L_{gb}")
 }

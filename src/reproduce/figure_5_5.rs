@@ -1,14 +1,19 @@
 //! Figure 5.5: two optimal grasps that are pushed sideways.
 
-use super::ReproduceError;
-use super::cases::Case;
-use super::page::{Page, PageFigure, number};
+use super::prelude::*;
 use super::sideways_push::{RADIUS, SidewaysPush, UNIT, bending_stiffness, push_at};
-use super::table::rows_of;
-use rodlab_files::figure::{Curve, LinePlot, line_plots};
 use rodlab_files::results::{read_nodes, read_series_as};
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig5.5",
+    title: "Figure 5.5: two optimal grasps pushed sideways",
+    recipe: &Tabled::new(
+        SidewaysPush::of_figure_5_5,
+        Rows::Series(rows_of_case),
+        write,
+        figures,
+    ),
+};
 
 /// A row of the CSV file; lengths in L_gb.
 #[derive(Clone, Serialize, Deserialize)]
@@ -31,11 +36,7 @@ struct SeriesRow {
 const SNAPPED: f64 = 3.0;
 
 /// Writes table and figure.
-pub(super) fn write(page: &mut Page, cases: &[Case<SidewaysPush>]) -> Result<(), ReproduceError> {
-    let mut rows = Vec::new();
-    for case in cases {
-        rows.extend(rows_of_case(case)?);
-    }
+fn write(page: &mut Page, _: &[Case<SidewaysPush>], rows: &[Row]) -> Result<()> {
     page.text(
         "A suspended rod of length l̄_s = 17.68 in the local minima 1 and 2 of thesis Fig. 5.4, both of which are solutions of \
          Eq. 5.3, held at both ends, while its gripper is slowly pushed sideways by Δȳ: largest sideways displacement of the \
@@ -48,44 +49,23 @@ pub(super) fn write(page: &mut Page, cases: &[Case<SidewaysPush>]) -> Result<(),
             of.filter(|row| row.push > 0.0 && row.largest_sideways > SNAPPED * row.push.max(0.12));
         beyond.next().map(|row| row.push)
     };
-    let lines: Vec<Vec<String>> = [1, 2]
-        .iter()
-        .map(|&minimum| {
-            vec![
-                minimum.to_string(),
-                snapped(minimum).map_or("no".into(), |push| format!("at Δȳ = {push:.3}")),
-                number(last(minimum).map(|row| row.push), 2),
-                number(last(minimum).map(|row| row.largest_sideways), 3),
-            ]
-        })
-        .collect();
-    let header = [
-        "local minimum",
-        "snaps",
-        "last push Δȳ",
-        "largest sideways displacement then",
-    ];
-    page.table(&header, &lines);
-    page.csv(&rows)?;
-    Ok(page.figure(&figure(&rows))?)
-}
-
-/// The figure from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(vec![figure(&rows_of::<Row>(table)?)])
+    page.table(columns! { minimum in [1, 2];
+        "local minimum" => minimum.to_string(),
+        "snaps" => snapped(minimum).map_or("no".into(), |push| format!("at Δȳ = {push:.3}")),
+        "last push Δȳ" => number(last(minimum).map(|row| row.push), 2),
+        "largest sideways displacement then" => number(last(minimum).map(|row| row.largest_sideways), 3),
+    });
+    Ok(())
 }
 
 /// Largest sideways displacement at a push, L_gb; `None` where the run ended before.
-pub(super) fn largest_sideways_at(
-    case: &Case<SidewaysPush>,
-    push: f64,
-) -> Result<Option<f64>, ReproduceError> {
+pub(super) fn largest_sideways_at(case: &Case<SidewaysPush>, push: f64) -> Result<Option<f64>> {
     let rows = rows_of_case(case)?;
     let there = rows.iter().find(|row| row.push >= push * (1.0 - 1e-9));
     Ok(there.map(|row| row.largest_sideways))
 }
 
-fn rows_of_case(case: &Case<SidewaysPush>) -> Result<Vec<Row>, ReproduceError> {
+fn rows_of_case(case: &Case<SidewaysPush>) -> Result<Vec<Row>> {
     let nodes = case.manifest.rods.iter().map(|rod| rod.nodes).sum();
     let outputs = read_nodes(&case.directory, nodes)?;
     let series = read_series_as::<SeriesRow>(&case.directory)?;
@@ -93,36 +73,33 @@ fn rows_of_case(case: &Case<SidewaysPush>) -> Result<Vec<Row>, ReproduceError> {
     let row = |(output, series): (rodlab_files::results::NodePositions, SeriesRow)| Row {
         minimum: case.run.minimum,
         push: push_at(series.time_s),
-        largest_sideways: output
-            .positions
-            .iter()
-            .fold(0.0, |most: f64, node| most.max(node.y.abs()))
-            / UNIT,
+        largest_sideways: largest(output.positions.iter().map(|node| node.y.abs())) / UNIT,
         force: series.gripper_force_y_n.unwrap_or(0.0) * force_unit,
     };
     Ok(outputs.into_iter().zip(series).map(row).collect())
 }
 
-fn figure(rows: &[Row]) -> PageFigure {
-    let plot = |label: &str, value: fn(&Row) -> f64| {
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let over_push = |label: &str, value: fn(&Row) -> f64| {
         let curve = |minimum: usize| {
             let of = rows.iter().filter(|row| row.minimum == minimum);
-            let points = of.map(|row| (row.push, Some(value(row)))).collect();
-            Curve::new(format!("local minimum {minimum}"), points)
+            let name = format!("local minimum {minimum}");
+            curve(name, of, |row| (row.push, value(row)))
         };
-        LinePlot {
-            label: label.into(),
-            curves: vec![curve(1), curve(2)],
-        }
+        plot(label, [1, 2].map(curve))
     };
     let figure = line_plots(
         [
-            plot("largest |y|/L_{gb}", |row| row.largest_sideways),
-            plot("F̄_{y} = F_{y} h²/EI", |row| row.force),
+            over_push("largest |y|/L_{gb}", |row| row.largest_sideways),
+            over_push("F̄_{y} = F_{y} h²/EI", |row| row.force),
         ],
         "Push of the gripper, Δy\u{304} = Δy/L_{gb}",
     );
-    PageFigure::new("fig5.5", "Two optimal grasps pushed sideways", figure)
+    vec![PageFigure::new(
+        "fig5.5",
+        "Two optimal grasps pushed sideways",
+        figure,
+    )]
 }
 
 #[cfg(test)]

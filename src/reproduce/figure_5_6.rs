@@ -1,15 +1,21 @@
 //! Figure 5.6: optimal grasps over curvature, suspended length and stretching stiffness, exact and by the network.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::grasp_grid::{GraspGrid, LENGTH, STIFFNESS};
-use super::page::{Page, PageFigure, number};
+use super::prelude::*;
 use super::table::rows_of;
 use rodlab_engine::mechanics::rotation;
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
 use rodlab_planning::plan::grasp::{GraspProblem, NeuralGrasps};
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig5.6",
+    title: "Figure 5.6: optimal grasps over curvature, length and stiffness",
+    recipe: &Tabled::new(
+        GraspGrid::of_figure_5_6,
+        Rows::Series(rows_of_case),
+        write,
+        figures,
+    ),
+};
 
 /// What is read of `samples.csv`.
 #[derive(Deserialize)]
@@ -60,11 +66,7 @@ const QUANTITIES: [Quantity; 6] = [
 ];
 
 /// Writes table and figures.
-pub(super) fn write(page: &mut Page, cases: &[Case<GraspGrid>]) -> Result<(), ReproduceError> {
-    let mut rows = Vec::new();
-    for case in cases {
-        rows.extend(rows_of_case(case)?);
-    }
+fn write(page: &mut Page, _: &[Case<GraspGrid>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
         "Optimal grasps over the curvature κ̄ of the pattern, for suspended lengths l̄_s at k̄_s = {STIFFNESS:.0} (Fig. 5.6a) and for \
          stretching stiffnesses k̄_s at l̄_s = {LENGTH} (Fig. 5.6b): place of the gripper in L_gb and rotation vector e in rad, in the frame \
@@ -79,21 +81,12 @@ pub(super) fn write(page: &mut Page, cases: &[Case<GraspGrid>]) -> Result<(), Re
         "rotation, mean error in °",
         "largest",
     ];
-    let lines: Vec<Vec<String>> = ["a", "b"].iter().map(|part| line(part, &rows)).collect();
-    page.table(&header, &lines);
-    page.csv(&rows)?;
-    for figure in figures(&rows) {
-        page.figure(&figure)?;
-    }
+    let lines: Vec<Vec<String>> = ["a", "b"].iter().map(|part| line(part, rows)).collect();
+    page.lines(&header, &lines);
     Ok(())
 }
 
-/// The figures from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(figures(&rows_of::<Row>(table)?))
-}
-
-fn rows_of_case(case: &Case<GraspGrid>) -> Result<Vec<Row>, ReproduceError> {
+fn rows_of_case(case: &Case<GraspGrid>) -> Result<Vec<Row>> {
     let samples: Vec<Sample> = rows_of(&case.directory.join("samples.csv"))?;
     let problems = samples.iter().map(|sample| {
         let stiffness = 1.0 / sample.stretch_compliance;
@@ -147,11 +140,9 @@ fn line(part: &str, rows: &[Row]) -> Vec<String> {
         (&QUANTITIES[3..], 1f64.to_degrees()),
     ] {
         let errors = rows.iter().filter_map(|row| error(row, quantities));
-        let errors: Vec<f64> = errors.collect();
-        let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-        let largest = errors.iter().copied().fold(0.0, f64::max);
-        line.push(number(Some(unit * mean), 4));
-        line.push(number(Some(unit * largest), 4));
+        let largest = largest(errors.clone());
+        line.push(number(unit * mean(errors).unwrap_or(0.0), 4));
+        line.push(number(unit * largest, 4));
     }
     line
 }
@@ -167,17 +158,14 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
             let mut marks = Vec::new();
             for &chosen in &values {
                 let of_value = || rows.iter().filter(move |row| value(row) == chosen);
-                let exact = of_value().map(|row| (row.curvature, Some(exact(row))));
-                curves.push(Curve::new(name(chosen), exact.collect()));
+                let exact = |row: &&Row| (row.curvature, exact(row));
+                curves.push(curve(name(chosen), of_value(), exact));
                 // Every fourth, to be told apart.
                 let seen = of_value().step_by(4);
                 marks.extend(seen.map(|row| (row.curvature, network(row))));
             }
             curves.push(Curve::new("network", marks).looking(Look::OpenMarks));
-            LinePlot {
-                label: label.into(),
-                curves,
-            }
+            plot(label, curves)
         });
         line_plots(plots, "curvature κ̄")
     };

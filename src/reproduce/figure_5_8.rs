@@ -1,16 +1,16 @@
 //! Figure 5.8: the gravito-bending length of a rod from the height of its loop.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::heavy_loops::{LoopOfRod, RODS};
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
+use super::prelude::*;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::kirchhoff::HeavyLoop;
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots, plot_to_scale};
 use rodlab_files::results::read_nodes;
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig5.8",
+    title: "Figure 5.8: the gravito-bending length from the height of a loop",
+    recipe: &Tabled::new(LoopOfRod::of_figure_5_8, Rows::Series(rows), write, figures),
+};
 
 /// The factor that the thesis gives.
 const THESIS: f64 = 0.9066;
@@ -30,12 +30,8 @@ struct Row {
 }
 
 /// Writes table and figures.
-pub(super) fn write(page: &mut Page, cases: &[Case<LoopOfRod>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, _: &[Case<LoopOfRod>], rows: &[Row]) -> Result<()> {
     let theory = HeavyLoop::new();
-    let rows: Vec<Row> = cases
-        .iter()
-        .map(|case| row(case, theory.height))
-        .collect::<Result<_, _>>()?;
     page.text(&format!(
         "A rod that lies on a table and is folded over onto itself leaves a loop open, whose height h_f tells its gravito-bending length \
          (thesis 5.5.1). The loop leaves the table flat and without moment, and comes down flat and without moment onto the lying part: its \
@@ -46,50 +42,28 @@ pub(super) fn write(page: &mut Page, cases: &[Case<LoopOfRod>]) -> Result<(), Re
         theory.height,
         theory.height / libm::cbrt(2.0)
     ));
-    let header = [
-        "rod",
-        "L_gb in cm",
-        "height of the loop in cm, simulated",
-        "over L_gb",
-        "in theory",
-    ];
-    let lines: Vec<Vec<String>> = rows
-        .iter()
-        .map(|row| {
-            vec![
-                format!("#{} {}", row.rod, row.rod_name),
-                number(Some(1e2 * row.gravito_bending_length_m), 2),
-                number(row.height_m.map(|height| 1e2 * height), 3),
-                number(row.height_over_length, 5),
-                number(Some(row.theory_over_length), 5),
-            ]
-        })
-        .collect();
-    page.table(&header, &lines);
-    page.csv(&rows)?;
-    for figure in figures(&rows) {
-        page.figure(&figure)?;
-    }
+    page.table(columns! { row in rows;
+        "rod" => format!("#{} {}", row.rod, row.rod_name),
+        "L_gb in cm" => number(1e2 * row.gravito_bending_length_m, 2),
+        "height of the loop in cm, simulated" => number(row.height_m.map(|height| 1e2 * height), 3),
+        "over L_gb" => number(row.height_over_length, 5),
+        "in theory" => number(row.theory_over_length, 5),
+    });
     Ok(())
 }
 
-/// The figures from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(figures(&rows_of::<Row>(table)?))
-}
-
-fn row(case: &Case<LoopOfRod>, theory: f64) -> Result<Row, ReproduceError> {
+fn rows(case: &Case<LoopOfRod>) -> Result<Vec<Row>> {
     let (rod, name, unit) = RODS[case.run.rod];
     let outputs = read_nodes(&case.directory, case.run.nodes())?;
     let height = outputs.last().map(|output| highest(&output.positions));
-    Ok(Row {
+    Ok(vec![Row {
         rod,
         rod_name: name.into(),
         gravito_bending_length_m: unit,
         height_m: height,
         height_over_length: height.map(|height| height / unit),
-        theory_over_length: theory,
-    })
+        theory_over_length: HeavyLoop::new().height,
+    }])
 }
 
 /// Height of the parabola through the highest node and its neighbours.
@@ -114,32 +88,25 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let end = places.last().map_or(0.0, |[x, _]| *x);
     let lying = [[end - TAIL, 0.0]];
     let shape = lying.iter().chain(&places).chain(&lying);
-    let shape: Vec<(f64, Option<f64>)> = shape.map(|[x, z]| (*x, Some(*z))).collect();
-    let plot = LinePlot {
-        label: "z/L_{gb}".into(),
-        curves: vec![Curve::new("loop", shape)],
-    };
-    let shape = plot_to_scale(plot, "x/L_{gb}");
-    let simulated = rows.iter().map(|row| {
-        let height = row.height_m.map(|height| 1e2 * height);
-        (1e2 * row.gravito_bending_length_m, height)
+    let shape = curve("loop", shape, |[x, z]| (*x, *z));
+    let shape = plot_to_scale(plot("z/L_{gb}", [shape]), "x/L_{gb}");
+    let length = |row: &Row| 1e2 * row.gravito_bending_length_m;
+    let simulated = curve("simulated", rows, |row| {
+        (length(row), row.height_m.map(|height| 1e2 * height))
     });
-    let longest = rows
-        .iter()
-        .map(|row| 1e2 * row.gravito_bending_length_m)
-        .fold(0.0, f64::max);
+    let longest = largest(rows.iter().map(length));
     let line = |name: &str, factor: f64| {
-        let points = vec![(0.0, Some(0.0)), (longest, Some(factor * longest))];
-        Curve::new(name, points).looking(Look::Dashed)
+        let ends = [0.0, longest];
+        curve(name, ends, |length| (length, factor * length)).looking(Look::Dashed)
     };
-    let plot = LinePlot {
-        label: "height of the loop in cm".into(),
-        curves: vec![
-            Curve::new("simulated", simulated.collect()).looking(Look::Marks),
+    let heights = plot(
+        "height of the loop in cm",
+        [
+            simulated.looking(Look::Marks),
             line("theory, 1.1422 L_{gb}", theory.height),
             line("thesis, 0.9066 L_{gb}", THESIS),
         ],
-    };
+    );
     vec![
         PageFigure::new(
             "fig5.8_shape",
@@ -149,7 +116,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         PageFigure::new(
             "fig5.8_height",
             "Height of the loop over the gravito-bending length, simulated and in theory",
-            line_plots([plot], "L_{gb} in cm"),
+            line_plots([heights], "L_{gb} in cm"),
         ),
     ]
 }

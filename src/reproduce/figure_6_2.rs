@@ -1,72 +1,67 @@
 //! Figures 6.2 and 6.6: the boundary of the stable helices, its surface and its sections.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::helices::Helices;
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
-use rodlab_files::figure::{Curve, LinePlot, line_plots};
+use super::prelude::*;
 use rodlab_files::results::PAGE;
 use rodlab_lab::experiment::helix::stability::SURFACE;
 use rodlab_lab::experiment::helix::stability::{
     BoundaryRow, Part, compare, read_boundary, sections_of,
 };
-use std::path::Path;
 
-/// Writes the whole boundary: table, surface, sections, comparison with theory.
-pub(super) fn write(page: &mut Page, cases: &[Case<Helices>]) -> Result<(), ReproduceError> {
-    for case in cases {
-        let rows = read_boundary(&case.directory)?;
-        page.csv(&rows)?;
-        for file in [SURFACE, PAGE] {
-            page.copy(&case.directory.join(file), file)?;
-        }
-        page.text(
-            "Distances ‖(κ, τ, ω)‖ at which a rod of length 1 and bending stiffness 1, its ends clamped to those of a \
-             helix, loses stability: of a chain of edges by the first negative pivot of its Hessian, extrapolated \
-             from 100 and 200 edges, and of the smooth rod by conjugate points (Borum and Bretl 2020).",
-        );
-        page.text(&format!(
-            "`{PAGE}` shows the surface in the browser; `{SURFACE}` is for ParaView. Every row is in the CSV file, with \
-             what became of the rod: most buckle, some touch themselves before, near (0, 1, 2) they stay stable."
-        ));
-        comparison(page, &rows);
-        for figure in sections(&rows) {
-            page.figure(&figure)?;
-        }
+pub(super) const FIGURE_6_2: Artifact = Artifact {
+    name: "fig6.2",
+    title: "Figure 6.2: the boundary of the stable helices",
+    recipe: &Tabled::new(
+        |quick| vec![Helices::of_the_thesis(quick)],
+        Rows::Series(|case| Ok(read_boundary(&case.directory)?)),
+        write,
+        sections,
+    ),
+};
+
+pub(super) const FIGURE_6_6: Artifact = Artifact {
+    name: "fig6.6",
+    title: "Figure 6.6: the boundary of the stable helices at ω = 0",
+    recipe: &Tabled::new(
+        |quick| vec![Helices::of_the_thesis(quick)],
+        Rows::Series(section_rows),
+        write_section,
+        section,
+    ),
+};
+
+/// Writes the whole boundary: surface and comparison with theory.
+fn write(page: &mut Page, cases: &[Case<Helices>], rows: &[BoundaryRow]) -> Result<()> {
+    for file in [SURFACE, PAGE] {
+        page.copy(&cases[0].directory.join(file), file)?;
     }
+    page.text(
+        "Distances ‖(κ, τ, ω)‖ at which a rod of length 1 and bending stiffness 1, its ends clamped to those of a \
+         helix, loses stability: of a chain of edges by the first negative pivot of its Hessian, extrapolated \
+         from 100 and 200 edges, and of the smooth rod by conjugate points (Borum and Bretl 2020).",
+    );
+    page.text(&format!(
+        "`{PAGE}` shows the surface in the browser; `{SURFACE}` is for ParaView. Every row is in the CSV file, with \
+         what became of the rod: most buckle, some touch themselves before, near (0, 1, 2) they stay stable."
+    ));
+    comparison(page, rows);
     Ok(())
 }
 
 /// Writes the section ω = 0.
-pub(super) fn write_section(
-    page: &mut Page,
-    cases: &[Case<Helices>],
-) -> Result<(), ReproduceError> {
-    for case in cases {
-        let mut rows = read_boundary(&case.directory)?;
-        rows.retain(|row| row.part == Part::KappaTau);
-        page.csv(&rows)?;
-        page.text(
-            "Helices without twisting moment, ω = 0. The thesis holds the discrete rod against a robot's experiments \
-             in this plane; here it is held against the conjugate points of the smooth rod.",
-        );
-        comparison(page, &rows);
-        for figure in section(&rows) {
-            page.figure(&figure)?;
-        }
-    }
+fn write_section(page: &mut Page, _: &[Case<Helices>], rows: &[BoundaryRow]) -> Result<()> {
+    page.text(
+        "Helices without twisting moment, ω = 0. The thesis holds the discrete rod against a robot's experiments \
+         in this plane; here it is held against the conjugate points of the smooth rod.",
+    );
+    comparison(page, rows);
     Ok(())
 }
 
-/// The figures of the whole boundary from its table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(sections(&rows_of(table)?))
-}
-
-/// The figure of the section ω = 0 from its table alone.
-pub(super) fn figures_of_section(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(section(&rows_of(table)?))
+fn section_rows(case: &Case<Helices>) -> Result<Vec<BoundaryRow>> {
+    let mut rows = read_boundary(&case.directory)?;
+    rows.retain(|row| row.part == Part::KappaTau);
+    Ok(rows)
 }
 
 fn sections(rows: &[BoundaryRow]) -> Vec<PageFigure> {
@@ -88,21 +83,20 @@ fn section(rows: &[BoundaryRow]) -> Vec<PageFigure> {
         return Vec::new();
     };
     let difference = |name: &str, value: fn(&BoundaryRow) -> Option<f64>| {
-        let points = rows.iter().map(|row| {
+        curve(name, rows, |row| {
             let angle = libm::atan2(row.kappa, row.tau).to_degrees();
             (angle, value(row).map(|part| 1e6 * part))
-        });
-        Curve::new(name, points.collect())
+        })
     };
-    let plot = LinePlot {
-        label: "Difference from theory in 10^{-6}".into(),
-        curves: vec![
+    let plot = plot(
+        "Difference from theory in 10^{-6}",
+        [
             difference("200 edges", |row| row.relative_difference),
             difference("extrapolated from 100 and 200 edges", |row| {
                 row.relative_difference_extrapolated
             }),
         ],
-    };
+    );
     vec![
         PageFigure::new(
             "fig6.6",
@@ -120,34 +114,17 @@ fn section(rows: &[BoundaryRow]) -> Vec<PageFigure> {
 
 fn comparison(page: &mut Page, rows: &[BoundaryRow]) {
     let percent = |part: Option<f64>| number(part.map(|part| 100.0 * part), 4);
-    let table: Vec<Vec<String>> = compare(rows)
-        .0
-        .iter()
-        .map(|band| {
-            vec![
-                band.quantity.to_owned(),
-                band.to.map_or_else(
-                    || format!("from {}", band.from),
-                    |to| format!("{} to {to}", band.from),
-                ),
-                band.directions.to_string(),
-                percent(band.mean_difference),
-                percent(band.largest_difference),
-                percent(band.within_2e_4),
-                percent(band.within_1e_3),
-                percent(band.within_5e_3),
-            ]
-        })
-        .collect();
-    let header = [
-        "Distance",
-        "in theory",
-        "Directions",
-        "Mean difference, %",
-        "Largest, %",
-        "within 0.02 %, %",
-        "within 0.1 %, %",
-        "within 0.5 %, %",
-    ];
-    page.table(&header, &table);
+    page.table(columns! { band in compare(rows).0;
+        "Distance" => band.quantity,
+        "in theory" => match band.to {
+            Some(to) => format!("{} to {to}", band.from),
+            None => format!("from {}", band.from),
+        },
+        "Directions" => band.directions.to_string(),
+        "Mean difference, %" => percent(band.mean_difference),
+        "Largest, %" => percent(band.largest_difference),
+        "within 0.02 %, %" => percent(band.within_2e_4),
+        "within 0.1 %, %" => percent(band.within_1e_3),
+        "within 0.5 %, %" => percent(band.within_5e_3),
+    });
 }

@@ -1,15 +1,20 @@
 //! Figure 6.5: what material, gravity, speed and jitter do to the buckling of a helical rod.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::manipulated_helix::{DIRECTION, ManipulatedHelix, UNDISTURBED, observations};
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
+use super::prelude::*;
 use rodlab_engine::mechanics::kirchhoff::critical_distance;
-use rodlab_files::figure::{Curve, LinePlot, Look, PlotStyle, styled_line_plots};
 use rodlab_lab::experiment::helix::manipulation::{Buckling, Observation};
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig6.5",
+    title: "Figure 6.5: disturbances of a manipulated helical rod",
+    recipe: &Tabled::new(
+        ManipulatedHelix::of_figure_6_5,
+        Rows::Series(rows),
+        write,
+        figures,
+    ),
+};
 
 /// A row of the CSV file: a run at an output time.
 #[derive(Serialize, Deserialize)]
@@ -75,20 +80,8 @@ const PARAMETERS: [Parameter; 5] = [
 ];
 
 /// Writes the errors over distance, a figure for each parameter, and how the rods buckle.
-pub(super) fn write(
-    page: &mut Page,
-    cases: &[Case<ManipulatedHelix>],
-) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, _: &[Case<ManipulatedHelix>], rows: &[Row]) -> Result<()> {
     let predicted = critical_distance(&DIRECTION).map(|critical| critical.distance);
-    let mut seen = Vec::with_capacity(cases.len());
-    for case in cases {
-        seen.push((case.run, observations(case)?));
-    }
-    let rows: Vec<Row> = seen
-        .iter()
-        .flat_map(|(run, observations)| observations.iter().map(|at| row(run, at)))
-        .collect();
-    page.csv(&rows)?;
     page.text(&format!(
         "Error e (Eq. 6.1: mean distance of the nodes from the helix over its radius) of a rod of length 1 m whose \
          end is led along (κ, τ, ω) ∝ (1, 1, 1), by implicit Euler steps. Dashed: the loss of stability by conjugate \
@@ -104,29 +97,37 @@ pub(super) fn write(
          away from the helix from the beginning counts by the same rule, so that its first distance is no loss of \
          stability.",
     );
+    let seen = seen(rows);
     for parameter in &PARAMETERS {
-        let of_parameter = varying(parameter, &seen);
-        let table: Vec<Vec<String>> = of_parameter
-            .iter()
-            .map(|(run, observations)| cells(parameter, run, observations, predicted))
-            .collect();
-        page.table(
-            &[
-                parameter.symbol,
-                "Buckling",
-                "e passes 0.1 at",
-                "over prediction",
-                "first seen to snap at",
-            ],
-            &table,
-        );
-        page.figure(&figure(parameter, &of_parameter, predicted))?;
+        page.table(columns! { (run, observations) in varying(parameter, &seen);
+            parameter.symbol => value_in_words((parameter.value)(run)),
+            "Buckling" => Buckling::of(observations).kind(),
+            "e passes 0.1 at" => number(Buckling::of(observations).deviates, 3),
+            "over prediction" => number(over_prediction(observations, predicted), 4),
+            "first seen to snap at" => number(Buckling::of(observations).snaps, 3),
+        });
+        page.next_figure()?;
     }
     Ok(())
 }
 
 /// A run and what was seen of it.
 type Seen = (ManipulatedHelix, Vec<Observation>);
+
+/// The runs of a table.
+fn seen(rows: &[Row]) -> Vec<Seen> {
+    let runs = rows.chunk_by(|a, b| a.run() == b.run());
+    runs.map(|rows| (rows[0].run(), rows.iter().map(Row::observation).collect()))
+        .collect()
+}
+
+/// The figures of all parameters.
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let predicted = critical_distance(&DIRECTION).map(|critical| critical.distance);
+    let seen = seen(rows);
+    let figure = |parameter| figure(parameter, &varying(parameter, &seen), predicted);
+    PARAMETERS.iter().map(figure).collect()
+}
 
 /// The runs that differ in a parameter at most, in its order.
 fn varying<'a>(parameter: &Parameter, seen: &'a [Seen]) -> Vec<&'a Seen> {
@@ -135,18 +136,6 @@ fn varying<'a>(parameter: &Parameter, seen: &'a [Seen]) -> Vec<&'a Seen> {
     let mut of_parameter: Vec<&Seen> = of_parameter.collect();
     of_parameter.sort_by(|(a, _), (b, _)| (parameter.value)(a).total_cmp(&(parameter.value)(b)));
     of_parameter
-}
-
-/// The figures from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    let predicted = critical_distance(&DIRECTION).map(|critical| critical.distance);
-    let rows = rows_of::<Row>(table)?;
-    let runs = rows.chunk_by(|a, b| a.run() == b.run());
-    let seen: Vec<Seen> = runs
-        .map(|rows| (rows[0].run(), rows.iter().map(Row::observation).collect()))
-        .collect();
-    let figure = |parameter| figure(parameter, &varying(parameter, &seen), predicted);
-    Ok(PARAMETERS.iter().map(figure).collect())
 }
 
 impl Row {
@@ -172,9 +161,10 @@ impl Row {
     }
 }
 
-fn row(run: &ManipulatedHelix, at: &Observation) -> Row {
+fn rows(case: &Case<ManipulatedHelix>) -> Result<Vec<Row>> {
+    let run = &case.run;
     let gravito_bending_length = Some(run.gravito_bending_length);
-    Row {
+    let row = |at: &Observation| Row {
         poissons_ratio: run.poissons_ratio,
         youngs_modulus_pa: run.youngs_modulus,
         gravito_bending_length_over_length: gravito_bending_length.filter(|l| l.is_finite()),
@@ -183,7 +173,8 @@ fn row(run: &ManipulatedHelix, at: &Observation) -> Row {
         distance: at.distance,
         error: at.error,
         kinetic_energy_over_that_of_the_end: at.kinetic_energy,
-    }
+    };
+    Ok(observations(case)?.iter().map(row).collect())
 }
 
 /// Whether a run is the undisturbed one but for a parameter.
@@ -207,52 +198,26 @@ fn value_in_words(value: f64) -> String {
     }
 }
 
-fn cells(
-    parameter: &Parameter,
-    run: &ManipulatedHelix,
-    observations: &[Observation],
-    predicted: Option<f64>,
-) -> Vec<String> {
-    let buckling = Buckling::of(observations);
-    let ratio = buckling
-        .deviates
-        .zip(predicted)
-        .map(|(at, predicted)| at / predicted);
-    vec![
-        value_in_words((parameter.value)(run)),
-        buckling.kind().to_owned(),
-        number(buckling.deviates, 3),
-        number(ratio, 4),
-        number(buckling.snaps, 3),
-    ]
+/// Distance at which the rod deviates from the helix over that at which theory has stability lost.
+fn over_prediction(observations: &[Observation], predicted: Option<f64>) -> Option<f64> {
+    Some(Buckling::of(observations).deviates? / predicted?)
 }
 
 fn figure(parameter: &Parameter, runs: &[&Seen], predicted: Option<f64>) -> PageFigure {
-    let points = |observations: &[Observation]| -> Vec<(f64, Option<f64>)> {
-        let point = |at: &Observation| (at.distance, Some(at.error));
-        observations.iter().map(point).collect()
+    let error = |(run, observations): &&Seen| {
+        let [before, behind] = parameter.around;
+        let value = value_in_words((parameter.value)(run));
+        let name = format!("{before}{value}{behind}");
+        curve(name, observations, |at| (at.distance, at.error))
     };
-    let mut curves: Vec<Curve> = runs
-        .iter()
-        .map(|(run, observations)| {
-            let [before, behind] = parameter.around;
-            let value = value_in_words((parameter.value)(run));
-            Curve::new(format!("{before}{value}{behind}"), points(observations))
-        })
-        .collect();
-    let largest = runs
-        .iter()
-        .flat_map(|(_, observations)| observations)
-        .map(|at| at.error)
-        .fold(0.0, f64::max);
+    let mut curves: Vec<Curve> = runs.iter().map(error).collect();
+    let seen = runs.iter().flat_map(|(_, observations)| observations);
+    let largest = largest(seen.map(|at| at.error));
     if let Some(predicted) = predicted {
         let line = vec![(predicted, Some(0.0)), (predicted, Some(largest))];
         curves.push(Curve::new("predicted", line).looking(Look::Dashed).like(6));
     }
-    let plot = LinePlot {
-        label: "Error e".into(),
-        curves,
-    };
+    let plot = plot("Error e", curves);
     let style = PlotStyle {
         height: 22.0,
         ..PlotStyle::default()

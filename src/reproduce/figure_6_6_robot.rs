@@ -1,16 +1,22 @@
 //! Figure 6.6 by a robot: the boundary of the stable helices, explored by the arm of a virtual cell.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::explored_helices::{DIRECTIONS, Explored, SEARCH};
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
+use super::prelude::*;
 use rodlab_workcell::task::{
     ExplorationRow, ExplorationSummary, found_and_theory, read_exploration, section_figure,
 };
 use std::collections::BTreeMap;
-use std::path::Path;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "fig6.6-robot",
+    title: "Figure 6.6: the boundary of the stable helices, explored by the arm of a virtual cell",
+    recipe: &Tabled::new(
+        |quick| vec![Explored::of_the_thesis(quick)],
+        Rows::Series(|case| Ok(read_exploration(&case.directory)?)),
+        write,
+        figures,
+    ),
+};
 
 /// Errors of the thesis' experiment: mean, standard deviation and largest.
 const MEASURED: [f64; 3] = [0.0272, 0.0238, 0.1298];
@@ -18,81 +24,71 @@ const MEASURED: [f64; 3] = [0.0272, 0.0238, 0.1298];
 const NEAR: f64 = 0.15;
 
 /// Writes what was found beside theory and beside what the thesis measured.
-pub(super) fn write(page: &mut Page, cases: &[Case<Explored>]) -> Result<(), ReproduceError> {
-    for case in cases {
-        let rows = read_exploration(&case.directory)?;
-        page.csv(&rows)?;
-        page.text(&format!(
-            "A nitinol wire of 50 cm (E = 67.5 GPa, ν = 0.33, 6,450 kg/m³, diameter 1.5875 mm, that of the thesis) is clamped between the \
-             chuck of a stepper and the hand of a gantry, both simulated, behind the drivers of real ones, with the wire's weight and \
-             inertia, the arm's latency and lag, and a camera with noise. `rodlab explore` leads the clamps along each direction of \
-             (κ, τ, ω), looks at 15 markers every {} of ‖(κ, τ, ω)‖, takes the helix for lost where they are {} % of the wire's length \
-             from their places in the mean, goes back to the straight wire, which the hand takes anew, and finds the place by steps of \
-             {}. Theory is that of the smooth wire without weight (conjugate points).",
-            SEARCH.step,
-            1e2 * SEARCH.deviation,
-            SEARCH.precision
-        ));
-        page.text(&format!(
-            "The thesis explores {DIRECTIONS} directions with τ > 0 and does not say which; these are {DIRECTIONS} evenly spread over κ > 0, \
-             τ > 0, of which {} were explored here. Where the wire touches itself, or the arm, the hand or the chuck would be in the way \
-             before stability is lost, nothing can be found, as in the thesis, whose directions are those in which something was.",
-            rows.len()
-        ));
-        comparison(page, &rows);
-        limits(page, &rows);
-        for figure in figures(&rows) {
-            page.figure(&figure)?;
-        }
-    }
+fn write(page: &mut Page, _: &[Case<Explored>], rows: &[ExplorationRow]) -> Result<()> {
+    page.text(&format!(
+        "A nitinol wire of 50 cm (E = 67.5 GPa, ν = 0.33, 6,450 kg/m³, diameter 1.5875 mm, that of the thesis) is clamped between the \
+         chuck of a stepper and the hand of a gantry, both simulated, behind the drivers of real ones, with the wire's weight and \
+         inertia, the arm's latency and lag, and a camera with noise. `rodlab explore` leads the clamps along each direction of \
+         (κ, τ, ω), looks at 15 markers every {} of ‖(κ, τ, ω)‖, takes the helix for lost where they are {} % of the wire's length \
+         from their places in the mean, goes back to the straight wire, which the hand takes anew, and finds the place by steps of \
+         {}. Theory is that of the smooth wire without weight (conjugate points).",
+        SEARCH.step,
+        1e2 * SEARCH.deviation,
+        SEARCH.precision
+    ));
+    page.text(&format!(
+        "The thesis explores {DIRECTIONS} directions with τ > 0 and does not say which; these are {DIRECTIONS} evenly spread over κ > 0, \
+         τ > 0, of which {} were explored here. Where the wire touches itself, or the arm, the hand or the chuck would be in the way \
+         before stability is lost, nothing can be found, as in the thesis, whose directions are those in which something was.",
+        rows.len()
+    ));
+    comparison(page, rows);
+    limits(page, rows);
     Ok(())
-}
-
-/// The figures from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(figures(&rows_of(table)?))
 }
 
 fn comparison(page: &mut Page, rows: &[ExplorationRow]) {
     let summary = ExplorationSummary::of(rows);
     let percent = |part: Option<f64>| number(part.map(|part| 1e2 * part), 2);
     let [mean, deviation, largest] = MEASURED.map(Some);
-    let line = |what: &str, found: String, measured: String| vec![what.to_owned(), found, measured];
-    page.table(
-        &["", "here", "thesis, measured"],
-        &[
-            line(
-                "directions explored",
-                summary.directions.to_string(),
-                String::new(),
-            ),
-            line(
-                "stability lost in",
-                summary.buckled.to_string(),
-                DIRECTIONS.to_string(),
-            ),
-            line(
-                "lost by theory within reach, not seen",
-                summary.missed.to_string(),
-                String::new(),
-            ),
-            line(
-                "mean error, %",
-                percent(summary.mean_relative_error),
-                percent(mean),
-            ),
-            line(
-                "standard deviation, %",
-                percent(summary.deviation_of_relative_error),
-                percent(deviation),
-            ),
-            line(
-                "largest, %",
-                percent(summary.largest_relative_error),
-                percent(largest),
-            ),
-        ],
-    );
+    let none = String::new();
+    let lines = [
+        (
+            "directions explored",
+            summary.directions.to_string(),
+            none.clone(),
+        ),
+        (
+            "stability lost in",
+            summary.buckled.to_string(),
+            DIRECTIONS.to_string(),
+        ),
+        (
+            "lost by theory within reach, not seen",
+            summary.missed.to_string(),
+            none,
+        ),
+        (
+            "mean error, %",
+            percent(summary.mean_relative_error),
+            percent(mean),
+        ),
+        (
+            "standard deviation, %",
+            percent(summary.deviation_of_relative_error),
+            percent(deviation),
+        ),
+        (
+            "largest, %",
+            percent(summary.largest_relative_error),
+            percent(largest),
+        ),
+    ];
+    page.table(columns! { (what, found, measured) in lines;
+        "" => what,
+        "here" => found,
+        "thesis, measured" => measured,
+    });
 }
 
 /// Why directions could not be led to where stability is lost.
@@ -105,12 +101,11 @@ fn limits(page: &mut Page, rows: &[ExplorationRow]) {
         };
         *reasons.entry(reason).or_default() += 1;
     }
-    let lines = reasons
-        .iter()
-        .map(|(reason, count)| vec![(*reason).to_owned(), count.to_string()]);
-    let lines: Vec<Vec<String>> = lines.collect();
-    if !lines.is_empty() {
-        page.table(&["why nothing was found", "directions"], &lines);
+    if !reasons.is_empty() {
+        page.table(columns! { (reason, count) in reasons;
+            "why nothing was found" => reason,
+            "directions" => count.to_string(),
+        });
     }
 }
 
@@ -129,10 +124,10 @@ fn figures(rows: &[ExplorationRow]) -> Vec<PageFigure> {
     if errors.is_empty() {
         return figures;
     }
-    let plot = LinePlot {
-        label: "Difference from theory in %".into(),
-        curves: vec![Curve::new("directions", errors).looking(Look::Marks)],
-    };
+    let plot = plot(
+        "Difference from theory in %",
+        [Curve::new("directions", errors).looking(Look::Marks)],
+    );
     figures.push(PageFigure::new(
         "fig6.6-robot_found",
         "Distances found over those of theory, all directions",

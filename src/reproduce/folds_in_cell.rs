@@ -1,18 +1,16 @@
 //! A sheet folded in the virtual cell, through drivers and camera, by the task of `rodlab fold`.
 
-use super::ReproduceError;
+use super::Result;
 use super::cases::Case;
 use super::folds::{Folded, SCENARIOS};
-use super::served_cell::{ANY_PORT, with_cell};
+use super::served_cell::{empty, with_cell};
 use rodlab_files::results::{ResultsError, SCENARIO, write_whole};
 use rodlab_lab::experiment::{FoldingTables, from_text};
 use rodlab_planning::plan::fold::{Algorithm, Objective};
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{FoldEnd, FoldRequest, FoldTask};
-use rodlab_workcell::virtual_cell::{
-    HeldSheet, Response, RodError, ServeError, Settings, SimulatedSheet,
-};
+use rodlab_workcell::virtual_cell::{HeldSheet, RodError, ServeError, Settings, SimulatedSheet};
 use std::fs;
 use std::path::Path;
 
@@ -53,9 +51,7 @@ pub(super) struct FoldedInCell {
 }
 
 /// Folds the sheet of a run that was simulated in the virtual cell, in closed loop. Pictures and logs go into a folder beside the run.
-pub(super) fn fold_in_cell(
-    case: &Case<Folded>,
-) -> Result<Result<FoldedInCell, FoldingError>, ReproduceError> {
+pub(super) fn fold_in_cell(case: &Case<Folded>) -> Result<Result<FoldedInCell, FoldingError>> {
     let text = fs::read_to_string(case.directory.join(SCENARIO))
         .map_err(ResultsError::io("read", &case.directory))?;
     let loaded = from_text("scenario", &text, Path::new(""), &[]);
@@ -98,16 +94,8 @@ impl FoldInCell<'_> {
         let file = self.directory.join("paper.toml");
         let sheet = SimulatedSheet::new(&file, FRICTION, self.is_diagonal, None, &table)?;
         let settings = Settings {
-            address: ANY_PORT.into(),
-            token: None,
-            rate: RATE,
-            response: Response::default(),
-            supply: None,
-            second_supply: None,
             sheet: Some(sheet),
-            chucked: None,
-            jitter: None,
-            faults: Vec::new(),
+            ..empty(RATE)
         };
         let (end, served) = with_cell(cell, settings, |cell| self.fold(cell))?;
         let held = served.sheet().and_then(SimulatedSheet::last_held);

@@ -71,10 +71,6 @@ impl Run for GraspGrid {
         prepared(&self.id(), &text, &[])
     }
 
-    fn end(&self) -> f64 {
-        0.0
-    }
-
     fn extent(&self) -> String {
         format!("rods of {} curvatures were solved for", self.grasps)
     }

@@ -65,10 +65,6 @@ impl Run for Hanging {
         prepared(&self.id(), &text, &[])
     }
 
-    fn end(&self) -> f64 {
-        0.0
-    }
-
     fn extent(&self) -> String {
         format!("rods of {} edges were bent", self.edges)
     }

@@ -84,10 +84,6 @@ impl Run for LoopOfRod {
         prepared(&self.id(), &text, &[])
     }
 
-    fn end(&self) -> f64 {
-        0.0
-    }
-
     fn extent(&self) -> String {
         format!("rods of {} edges were bent", self.edges)
     }

@@ -45,10 +45,6 @@ impl Run for Helices {
         prepared(&self.id(), BASE, &overrides)
     }
 
-    fn end(&self) -> f64 {
-        0.0
-    }
-
     fn extent(&self) -> String {
         format!("{} directions were searched", self.directions)
     }

@@ -1,15 +1,17 @@
 //! What mesh, pull speed and contact tolerance change in the traction of overhand knots pulled tight.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::inversion_page::TIGHTNESS;
 use super::overhand_law::force_by_law;
-use super::page::{Page, PageFigure, number};
+use super::prelude::*;
 use super::tightening::{
     Stretch, Tightening, VARIANTS, fluctuation, pulled_rows, range_before_inversion, stretches,
 };
-use rodlab_files::figure::{Curve, LinePlot, line_plots};
-use serde::Serialize;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "knot-convergence",
+    title: "Overhand knots pulled tight: mesh, pull speed and contact tolerance",
+    recipe: &Free::new(Tightening::of_convergence, write),
+};
 
 /// Parts of the way in which tractions are averaged for the figure.
 const PARTS: usize = 20;
@@ -26,7 +28,7 @@ struct Row {
 }
 
 /// Writes tractions over tightness, a plot for each unknotting number, and their means over the whole way.
-pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<()> {
     let mut rows = Vec::new();
     let mut plots = Vec::new();
     let (mut means, mut swings) = (Vec::new(), Vec::new());
@@ -51,10 +53,10 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
             let part = fluctuation(case, range, PARTS)?;
             swing.push(number(part.map(|part| 100.0 * part), 1));
         }
-        plots.push(LinePlot {
-            label: format!("F̄ over Eq. 2.30, n = {unknotting_number}"),
+        plots.push(plot(
+            format!("F̄ over Eq. 2.30, n = {unknotting_number}"),
             curves,
-        });
+        ));
         means.push(differences(unknotting_number, range, &forces));
         swings.push(swing);
     }
@@ -65,7 +67,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
          inverts, and what the change makes of it, in %:",
     );
     let variants = VARIANTS.map(|(variant, _)| variant);
-    page.table(
+    page.lines(
         &[["n", "l̄_k", "F̄"].as_slice(), &variants[1..]].concat(),
         &means,
     );
@@ -73,7 +75,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
         "The corners of the polyline slip over each other, so that the traction swings about that mean. Root mean \
          square of F̄ about its mean over a twentieth of the range, in %:",
     );
-    page.table(&[["n"].as_slice(), &variants].concat(), &swings);
+    page.lines(&[["n"].as_slice(), &variants].concat(), &swings);
     Ok(page.figure(&PageFigure::new(
         "knot-convergence",
         "Means of the traction over a twentieth of the range each, over the law of Jawed et al. 2015",
@@ -82,7 +84,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<(), R
 }
 
 /// The range of l̄_k that all knots pass through before any inverts; an empty one if there is none.
-fn common_range(knots: &[Case<Tightening>]) -> Result<[f64; 2], ReproduceError> {
+fn common_range(knots: &[Case<Tightening>]) -> Result<[f64; 2]> {
     let mut range: Option<[f64; 2]> = None;
     for knot in knots {
         let Some([tight, loose]) = range_before_inversion(knot)? else {

@@ -1,10 +1,8 @@
 //! Laid rods from above, beside their patterns.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS};
-use super::page::PageFigure;
-use rodlab_files::figure::{Curve, LinePlot, Look, plot_to_scale};
+use super::prelude::*;
+use rodlab_files::figure::Figure;
 use rodlab_files::results::{SCENARIO, read_nodes};
 use rodlab_lab::experiment::{DeploymentTables, from_text};
 use std::path::Path;
@@ -21,15 +19,14 @@ pub(super) fn outlines_figure(
     rod: usize,
     friction: usize,
     cases: &[Case<Laying>],
-) -> Result<Option<PageFigure>, ReproduceError> {
-    let mut curves = ["optimal", "intuitive", "pattern"].map(|name| (name, Vec::new()));
-    let mut left = 0.0;
+) -> Result<Option<PageFigure>> {
+    let mut patterns = Vec::new();
     for pattern in 0..PATTERNS.len() {
         let chosen = cases.iter().filter(|case| {
             let run = &case.run;
             (run.rod, run.friction, run.pattern) == (rod, friction, pattern)
         });
-        let mut outlines: Vec<(usize, Vec<[f64; 2]>)> = Vec::new();
+        let mut outlines = Vec::new();
         for case in chosen {
             let Some((laid, drawn)) = outlines_of(case)? else {
                 continue;
@@ -39,39 +36,11 @@ pub(super) fn outlines_figure(
                 outlines.push((2, drawn));
             }
         }
-        let all = || outlines.iter().flat_map(|(_, points)| points);
-        let least = all().map(|[x, _]| *x).fold(f64::INFINITY, f64::min);
-        let most = all().map(|[x, _]| *x).fold(f64::NEG_INFINITY, f64::max);
-        let middle = mean_height(&outlines);
-        for (curve, points) in &outlines {
-            let list: &mut Vec<(f64, Option<f64>)> = &mut curves[*curve].1;
-            let placed = points
-                .iter()
-                .map(|[x, y]| (left + x - least, Some(y - middle)));
-            list.extend(placed);
-            // A gap before the next pattern.
-            list.push((left, None));
-        }
-        if most > least {
-            left += most - least + GAP;
-        }
+        patterns.push(outlines);
     }
-    if curves.iter().all(|(_, points)| points.is_empty()) {
+    let Some(figure) = side_by_side(&["optimal", "intuitive", "pattern"], &patterns) else {
         return Ok(None);
-    }
-    let curves = curves.map(|(name, points)| {
-        let curve = Curve::new(name, points);
-        if name == "pattern" {
-            curve.looking(Look::Dashed)
-        } else {
-            curve
-        }
-    });
-    let plot = LinePlot {
-        label: "y in m".into(),
-        curves: curves.into(),
     };
-    let figure = plot_to_scale(plot, "x in m, patterns side by side");
     let number = RODS[rod].number;
     let friction = FRICTIONS[friction];
     let name = if page == "fig5.11" {
@@ -86,19 +55,43 @@ pub(super) fn outlines_figure(
     Ok(Some(PageFigure::new(&name, &caption, figure)))
 }
 
-/// Mean height of the pattern among outlines, m.
-fn mean_height(outlines: &[(usize, Vec<[f64; 2]>)]) -> f64 {
-    let pattern = outlines.iter().find(|(curve, _)| *curve == 2);
-    pattern.map_or(0.0, |(_, points)| {
-        points.iter().map(|[_, y]| y).sum::<f64>() / points.len().max(1) as f64
-    })
+/// Outlines from above, m, each with the index of its curve.
+pub(super) type NumberedOutlines = Vec<(usize, Vec<[f64; 2]>)>;
+
+/// Patterns side by side; the last of the curves is that of the patterns themselves. `None` where there is nothing.
+pub(super) fn side_by_side(names: &[&str], patterns: &[NumberedOutlines]) -> Option<Figure> {
+    let mut curves: Vec<Curve> = names.iter().map(|name| Curve::new(*name, vec![])).collect();
+    let of_patterns = names.len() - 1;
+    let mut left = 0.0;
+    for outlines in patterns {
+        let all = || outlines.iter().flat_map(|(_, points)| points);
+        let least = all().map(|[x, _]| *x).fold(f64::INFINITY, f64::min);
+        let most = all().map(|[x, _]| *x).fold(f64::NEG_INFINITY, f64::max);
+        let pattern = outlines.iter().find(|(curve, _)| *curve == of_patterns);
+        let heights = pattern.map(|(_, points)| points.iter().map(|[_, y]| *y));
+        let middle = heights.and_then(mean).unwrap_or(0.0);
+        for (curve, points) in outlines {
+            let list = &mut curves[*curve].points;
+            let placed = points.iter();
+            list.extend(placed.map(|[x, y]| (left + x - least, Some(y - middle))));
+            // A gap before the next pattern.
+            list.push((left, None));
+        }
+        if most > least {
+            left += most - least + GAP;
+        }
+    }
+    curves[of_patterns].look = Look::Dashed;
+    let is_empty = curves.iter().all(|curve| curve.points.is_empty());
+    let plot = plot("y in m", curves);
+    (!is_empty).then(|| plot_to_scale(plot, "x in m, patterns side by side"))
 }
 
 /// A rod as it lies along its pattern, and the pattern, from above, m.
 type Outlines = (Vec<[f64; 2]>, Vec<[f64; 2]>);
 
 /// The laid part of a rod from above and its pattern; `None` where the run left no nodes.
-fn outlines_of(case: &Case<Laying>) -> Result<Option<Outlines>, ReproduceError> {
+fn outlines_of(case: &Case<Laying>) -> Result<Option<Outlines>> {
     let scenario = std::fs::read_to_string(case.directory.join(SCENARIO)).unwrap_or_default();
     let Ok(loaded) = from_text("scenario", &scenario, Path::new(""), &[]) else {
         return Ok(None);

@@ -1,17 +1,27 @@
 //! Figures 5.10 and 5.11: rods laid along all patterns, by both schemes.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::laid_outlines::outlines_figure;
-use super::laying::{FRICTIONS, Laying, PATTERNS, RODS, Substrate};
-use super::page::Page;
-use super::table_5_2::{Row, lines, row};
+use super::laying::{FRICTIONS, Laying, RODS, Substrate};
+use super::prelude::*;
+use super::table_5_2::{Row, patterns, row};
+
+pub(super) const FIGURE_5_10: Artifact = Artifact {
+    name: "fig5.10",
+    title: "Figure 5.10: three rods laid along patterns on fabric",
+    recipe: &Free::new(Laying::of_figure_5_10, write_rods),
+};
+
+pub(super) const FIGURE_5_11: Artifact = Artifact {
+    name: "fig5.11",
+    title: "Figure 5.11: a rod laid along patterns on three tables",
+    recipe: &Free::new(Laying::of_figure_5_11, write_tables),
+};
 
 /// Index of the green rod.
 const GREEN: usize = 1;
 
 /// Writes figure 5.10: three rods on fabric.
-pub(super) fn write_rods(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), ReproduceError> {
+fn write_rods(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     page.text(
         "The thesis shows photographs of the three rods of Tab. 5.1 on fabric, laid along the patterns of Tab. 5.2 by both schemes. Here \
          they are simulated: Tab. 5.1 calls the friction of fabric low for the rubber rods (0.2) and medium for the rope (0.4). Mean \
@@ -30,7 +40,7 @@ pub(super) fn write_rods(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), 
 }
 
 /// Writes figure 5.11: the green rod on three tables.
-pub(super) fn write_tables(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), ReproduceError> {
+fn write_tables(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     page.text(
         "The thesis shows photographs of the green rod on fabric, steel and foam, laid along the patterns of Tab. 5.2 by both schemes. \
          Here it is simulated: Tab. 5.1 calls their friction low, medium and high, 0.2, 0.4 and 0.8. Mean distance and standard \
@@ -41,18 +51,9 @@ pub(super) fn write_tables(page: &mut Page, cases: &[Case<Laying>]) -> Result<()
     write(page, cases, &shown)
 }
 
-fn write(
-    page: &mut Page,
-    cases: &[Case<Laying>],
-    shown: &[(usize, usize)],
-) -> Result<(), ReproduceError> {
-    let names = PATTERNS.iter().map(|pattern| pattern.name);
-    let header: Vec<&str> = ["rod", "table", "scheme"]
-        .into_iter()
-        .chain(names)
-        .collect();
+fn write(page: &mut Page, cases: &[Case<Laying>], shown: &[(usize, usize)]) -> Result<()> {
     let rows: Vec<Row> = cases.iter().map(row).collect();
-    page.table(&header, &lines(&rows));
+    page.table(patterns(&rows));
     page.csv(&rows)?;
     let name = page.name();
     for &(rod, friction) in shown {

@@ -150,6 +150,30 @@ const CAMERA_NOISE: f64 = 0.5e-3;
 /// The patterns that are laid with errors: circle, U and L.
 const DISTURBED: [usize; 3] = [1, 3, 5];
 
+/// None, then jitters of all seeds, then errors of the gravito-bending length.
+fn disturbances(jitters: &[f64], length_errors: &[f64]) -> Vec<Disturbance> {
+    let none = Disturbance::default();
+    let mut disturbances = vec![none];
+    for &jitter in jitters {
+        disturbances.extend(SEEDS.map(|seed| Disturbance {
+            jitter,
+            seed,
+            ..none
+        }));
+    }
+    let wrong = length_errors.iter();
+    disturbances.extend(wrong.map(|&length_error| Disturbance {
+        length_error,
+        ..none
+    }));
+    disturbances
+}
+
+/// The patterns that are laid with errors; a quick look has one.
+fn patterns_of_errors(quick: bool) -> &'static [usize] {
+    if quick { &DISTURBED[..1] } else { &DISTURBED }
+}
+
 impl LaidRod {
     /// Its file.
     pub fn file(&self) -> &'static str {
@@ -158,23 +182,29 @@ impl LaidRod {
 }
 
 impl Laying {
+    /// The optimal scheme by exact grasps, undisturbed.
+    fn optimal(rod: usize, friction: usize, pattern: usize) -> Self {
+        Self {
+            rod,
+            friction,
+            is_optimal: true,
+            is_neural: false,
+            pattern,
+            end: END,
+            disturbance: Disturbance::default(),
+        }
+    }
+
     /// All of Tab. 5.2; a quick look has the green rod at the medium friction.
     pub fn of_table_5_2(quick: bool) -> Vec<Self> {
         let mut runs = Vec::new();
         for rod in 0..RODS.len() {
             for friction in 0..FRICTIONS.len() {
                 for is_optimal in [false, true] {
-                    for pattern in 0..PATTERNS.len() {
-                        runs.push(Self {
-                            rod,
-                            friction,
-                            is_optimal,
-                            is_neural: false,
-                            pattern,
-                            end: END,
-                            disturbance: Disturbance::default(),
-                        });
-                    }
+                    runs.extend((0..PATTERNS.len()).map(|pattern| Self {
+                        is_optimal,
+                        ..Self::optimal(rod, friction, pattern)
+                    }));
                 }
             }
         }
@@ -226,68 +256,35 @@ impl Laying {
 
     /// The green rod at the medium friction with errors; a quick look has one pattern.
     pub fn of_errors(quick: bool) -> Vec<Self> {
-        let mut disturbances = vec![Disturbance::default()];
-        for jitter in JITTERS {
-            disturbances.extend(SEEDS.map(|seed| Disturbance {
-                jitter,
-                seed,
-                ..Disturbance::default()
-            }));
-        }
-        disturbances.extend(LENGTH_ERRORS.map(|length_error| Disturbance {
-            length_error,
-            ..Disturbance::default()
-        }));
-        let patterns = if quick { &DISTURBED[..1] } else { &DISTURBED };
+        let disturbances = disturbances(&JITTERS, &LENGTH_ERRORS);
         let of = |&pattern: &usize| {
             disturbances.iter().map(move |&disturbance| Self {
-                rod: 1,
-                friction: 1,
-                is_optimal: true,
-                is_neural: false,
-                pattern,
-                end: END,
                 disturbance,
+                ..Self::optimal(1, 1, pattern)
             })
         };
-        patterns.iter().flat_map(of).collect()
+        patterns_of_errors(quick).iter().flat_map(of).collect()
     }
 
     /// The green rod at the medium friction with errors, as planned before and corrected online; a quick look has one pattern.
     pub fn of_correction(quick: bool) -> Vec<Self> {
-        let mut disturbances = vec![Disturbance::default()];
-        disturbances.extend(SEEDS.map(|seed| Disturbance {
-            jitter: CORRECTED_JITTER,
-            seed,
-            ..Disturbance::default()
-        }));
-        disturbances.extend([-0.1, 0.1].map(|length_error| Disturbance {
-            length_error,
-            ..Disturbance::default()
-        }));
-        let patterns = if quick { &DISTURBED[..1] } else { &DISTURBED };
-        let of = |&pattern: &usize| {
+        let mut runs = Vec::new();
+        for &pattern in patterns_of_errors(quick) {
             // Noise of the camera on the first pattern only.
             let noise = (pattern == DISTURBED[0]).then_some(Some(CAMERA_NOISE));
-            let corrections = [None, Some(0.0)].into_iter().chain(noise);
-            let disturbances = disturbances.clone();
-            corrections.flat_map(move |correction| {
-                let disturbances = disturbances.clone().into_iter();
-                disturbances.map(move |disturbance| Self {
-                    rod: 1,
-                    friction: 1,
-                    is_optimal: true,
-                    is_neural: false,
-                    pattern,
-                    end: END,
-                    disturbance: Disturbance {
-                        correction,
-                        ..disturbance
-                    },
-                })
-            })
-        };
-        patterns.iter().flat_map(of).collect()
+            for correction in [None, Some(0.0)].into_iter().chain(noise) {
+                for disturbance in disturbances(&[CORRECTED_JITTER], &[-0.1, 0.1]) {
+                    runs.push(Self {
+                        disturbance: Disturbance {
+                            correction,
+                            ..disturbance
+                        },
+                        ..Self::optimal(1, 1, pattern)
+                    });
+                }
+            }
+        }
+        runs
     }
 
     /// The same without noise of the camera; a quick look has one pattern with one jitter.
@@ -299,6 +296,31 @@ impl Laying {
                 && (disturbance.seed == 1 || !quick)
         });
         runs
+    }
+
+    /// Whether the path is corrected while the rod is laid.
+    pub fn is_corrected(&self) -> bool {
+        self.disturbance.correction.is_some()
+    }
+
+    /// Whether this is another run but for its correction, by a camera of such a noise.
+    pub fn corrects(&self, other: &Self, is_seen: fn(f64) -> bool) -> bool {
+        let without = Disturbance {
+            correction: None,
+            ..self.disturbance
+        };
+        self.disturbance.correction.is_some_and(is_seen)
+            && self.pattern == other.pattern
+            && without == other.disturbance
+    }
+
+    /// The scheme by its name.
+    pub fn scheme(&self) -> &'static str {
+        if self.is_optimal {
+            "optimal"
+        } else {
+            "intuitive"
+        }
     }
 
     fn keys_of_the_pattern(&self) -> String {
@@ -362,10 +384,10 @@ impl Run for Laying {
             PATTERNS[self.pattern].name,
             RODS[self.rod].name.replace(' ', "_"),
             FRICTIONS[self.friction],
-            match (self.is_optimal, self.is_neural) {
-                (true, false) => "optimal",
-                (true, true) => "neural",
-                (false, _) => "intuitive",
+            if self.is_optimal && self.is_neural {
+                "neural"
+            } else {
+                self.scheme()
             }
         )
     }
@@ -373,11 +395,7 @@ impl Run for Laying {
     fn prepare(&self) -> PreparedRun {
         let rod = RODS[self.rod].scenario;
         let rod = &rod[rod.find("[deployment.rod]").expect("a table of the rod")..];
-        let scheme = if self.is_optimal {
-            "optimal"
-        } else {
-            "intuitive"
-        };
+        let scheme = self.scheme();
         let Disturbance {
             jitter,
             seed,

@@ -51,6 +51,7 @@ mod manipulated_helix;
 mod measured_deployments;
 mod overhand_law;
 mod page;
+mod prelude;
 mod redraw;
 mod served_cell;
 mod sideways_push;
@@ -90,6 +91,9 @@ pub struct ReproduceOptions {
     /// How figures are drawn.
     pub figures: FigureOptions,
 }
+
+/// What making an artefact comes to.
+type Result<T, E = ReproduceError> = std::result::Result<T, E>;
 
 /// Why an artefact was not made.
 #[derive(Debug, thiserror::Error)]
@@ -143,11 +147,7 @@ pub fn reproduce(
     if options.quick && page::is_whole(&page) {
         return Err(ReproduceError::WouldReplace { page });
     }
-    let heading = page::Heading {
-        name: artifact.name(),
-        title: artifact.title(),
-    };
-    page::check_place(&page, &heading)?;
+    page::check_place(&page, &artifact.heading())?;
     artifact.recipe.make(artifact, options, report)
 }
 
@@ -169,10 +169,6 @@ mod tests {
         let artifact = Artifact::named("tab2.1").unwrap();
         let page = directory.path().join(artifact.name());
         fs::create_dir_all(&page).unwrap();
-        let heading = page::Heading {
-            name: artifact.name(),
-            title: artifact.title(),
-        };
         for (name, own) in [
             ("README.md", format!("# {}\n\nMade by", artifact.title())),
             (
@@ -184,7 +180,7 @@ mod tests {
             let error = reproduce(artifact, &options(directory.path(), 1), &|_| {}).unwrap_err();
             assert!(error.to_string().contains(name), "{error}");
             fs::write(page.join(name), own).unwrap();
-            assert!(page::check_place(&page, &heading).is_ok());
+            assert!(page::check_place(&page, &artifact.heading()).is_ok());
         }
     }
 

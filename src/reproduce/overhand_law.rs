@@ -4,9 +4,7 @@
 //! leaves out shows where the traction is split into the part that friction takes and the rest, by which the ends
 //! change the energy of the rod.
 
-use super::ReproduceError;
-use super::cases::Case;
-use super::page::number;
+use super::prelude::*;
 use super::tightening::{Stretch, Tightening, range_before_inversion, stretches};
 use rodlab_planning::knot::{jawed_shortening, jawed_traction};
 
@@ -52,17 +50,14 @@ pub(super) const HEADER: [&str; 6] = [
 ];
 
 /// Means and range over tenths of the way before the inversion.
-pub(super) fn line(case: &Case<Tightening>) -> Result<Vec<String>, ReproduceError> {
+pub(super) fn line(case: &Case<Tightening>) -> Result<Vec<String>> {
     let range = range_before_inversion(case)?.unwrap_or_default();
     let parts = stretches(case, range, PARTS)?;
     let parts: Vec<OverLaw> = parts
         .iter()
         .map(|part| OverLaw::of(&case.run, part))
         .collect();
-    let mean = |of: fn(&OverLaw) -> f64| {
-        let sum: f64 = parts.iter().map(of).sum();
-        (!parts.is_empty()).then(|| sum / parts.len() as f64)
-    };
+    let mean = |of: fn(&OverLaw) -> f64| mean(parts.iter().map(of));
     let extreme = |pick: fn(f64, f64) -> f64| parts.iter().map(|p| p.shortening).reduce(pick);
     let friction = mean(|part| part.friction);
     let lost = friction.map(|part| case.run.unknotting_number as f64 * (1.0 - part));

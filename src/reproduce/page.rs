@@ -8,6 +8,7 @@ use rodlab_files::results::{CaseStatus, MANIFEST, ResultsError, check_own, write
 use rodlab_lab::report::write_figure;
 use rodlab_lab::run::thread_pools::threads_of_a_job;
 use serde::Serialize;
+use std::collections::VecDeque;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -67,6 +68,27 @@ pub(super) struct Page {
     markdown: String,
     written: Vec<PathBuf>,
     figures: FigureOptions,
+    /// Figures that have not been placed yet.
+    held: VecDeque<PageFigure>,
+}
+
+/// A table with a line for each row: the head of each column, and what stands below it.
+macro_rules! columns {
+    ($row:pat in $rows:expr; $($head:expr => $cell:expr,)+) => {
+        $crate::reproduce::page::MarkdownTable {
+            header: vec![$($head),+],
+            lines: $rows.into_iter().map(|$row| vec![$(String::from($cell)),+]).collect(),
+        }
+    };
+}
+pub(super) use columns;
+
+/// A table as it stands on a page.
+pub(super) struct MarkdownTable<'a> {
+    /// Heads of the columns.
+    pub header: Vec<&'a str>,
+    /// Cells of the lines.
+    pub lines: Vec<Vec<String>>,
 }
 
 /// How an artefact was made.
@@ -167,6 +189,7 @@ impl Page {
             directory,
             written: Vec::new(),
             figures: options.figures.clone(),
+            held: VecDeque::new(),
         })
     }
 
@@ -195,6 +218,25 @@ impl Page {
         Ok(())
     }
 
+    /// Holds figures for [`Self::next_figure`].
+    pub fn hold(&mut self, figures: Vec<PageFigure>) {
+        self.held = figures.into();
+    }
+
+    /// Places the first figure that has not been placed yet.
+    pub fn next_figure(&mut self) -> Result<(), ResultsError> {
+        let figure = self.held.pop_front();
+        figure.map_or(Ok(()), |figure| self.figure(&figure))
+    }
+
+    /// Places all figures that have not been placed yet.
+    pub fn figures(&mut self) -> Result<(), ResultsError> {
+        while !self.held.is_empty() {
+            self.next_figure()?;
+        }
+        Ok(())
+    }
+
     /// Copies a file of a run beside the page, if there is one.
     pub fn copy(&mut self, from: &Path, name: &str) -> Result<(), ResultsError> {
         if !from.exists() {
@@ -215,7 +257,12 @@ impl Page {
     }
 
     /// Adds a table to the page.
-    pub fn table(&mut self, header: &[&str], rows: &[Vec<String>]) {
+    pub fn table(&mut self, table: MarkdownTable<'_>) {
+        self.lines(&table.header, &table.lines);
+    }
+
+    /// Adds a table of a header and lines to the page.
+    pub fn lines(&mut self, header: &[&str], rows: &[Vec<String>]) {
         let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
         let header: Vec<String> = header.iter().map(|&cell| cell.to_owned()).collect();
         let rule = vec!["---".to_owned(); header.len()];
@@ -298,7 +345,8 @@ fn wall_time_over_cpu_time<R: Run>(cases: &[Case<R>]) -> Option<f64> {
 }
 
 /// A number of the page, or a dash.
-pub(super) fn number(value: Option<f64>, decimals: usize) -> String {
+pub(super) fn number(value: impl Into<Option<f64>>, decimals: usize) -> String {
+    let value = value.into();
     value.map_or("–".to_owned(), |value| format!("{value:.decimals$}"))
 }
 

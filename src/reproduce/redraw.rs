@@ -17,17 +17,18 @@ pub fn redraw(
     options: &ReproduceOptions,
 ) -> Result<Vec<PathBuf>, ReproduceError> {
     let name = artifact.name();
-    let figures_of_table = artifact.recipe.figures_of_table();
-    let figures_of_table = figures_of_table.ok_or(ReproduceError::NotRedrawn { artifact: name })?;
     let directory = options.directory.join(name);
     let table = directory.join(format!("{name}.csv"));
-    if !table.exists() {
-        return Err(ReproduceError::NoTable {
-            artifact: name,
-            table,
-        });
-    }
-    let figures = figures_of_table(&table)?;
+    let figures = match artifact.recipe.redrawn(&table) {
+        None => return Err(ReproduceError::NotRedrawn { artifact: name }),
+        Some(_) if !table.exists() => {
+            return Err(ReproduceError::NoTable {
+                artifact: name,
+                table,
+            });
+        }
+        Some(figures) => figures?,
+    };
     let mut written = Vec::new();
     for figure in &figures {
         written.extend(write_figures(&directory, figure, &options.figures)?);

@@ -1,15 +1,31 @@
 //! Figures 3.10 and 3.11: inversion points of the simplified knot and of the full simulation.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::figure_3_9::SPINS;
 use super::inversion::Inversion;
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
+use super::prelude::*;
 use rodlab_planning::knot::SimplifiedKnot;
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+
+pub(super) const FIGURE_3_10: Artifact = Artifact {
+    name: "fig3.10",
+    title: "Figure 3.10: the simplified knot over the radius",
+    recipe: &Tabled::new(
+        Inversion::of_figure_3_5,
+        Rows::Row(row),
+        |page, _, rows| RADIUS.write(page, rows),
+        |rows| RADIUS.figures(rows),
+    ),
+};
+
+pub(super) const FIGURE_3_11: Artifact = Artifact {
+    name: "fig3.11",
+    title: "Figure 3.11: the simplified knot over the unknotting number",
+    recipe: &Tabled::new(
+        Inversion::of_figure_3_6,
+        Rows::Row(row),
+        |page, _, rows| UNKNOTTING_NUMBER.write(page, rows),
+        |rows| UNKNOTTING_NUMBER.figures(rows),
+    ),
+};
 
 /// A row of the CSV file: inversion points l̄_k.
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -22,113 +38,74 @@ struct Row {
 }
 
 /// Over what the inversion points are drawn.
-#[derive(Clone, Copy)]
-pub(super) enum Factor {
-    /// The radius of the rod.
-    Radius,
-    /// The unknotting number.
-    UnknottingNumber,
+struct Factor {
+    /// Name of the figure.
+    name: &'static str,
+    /// Its head in the table and its axis in the figure.
+    head: &'static str,
+    axis: &'static str,
+    /// The place of a row along the axis.
+    place: fn(&Row) -> f64,
+    /// How the model is drawn: it has every radius, but only whole numbers n.
+    look: Look,
 }
 
-/// Writes inversion points over the radius (3.10) or the unknotting number (3.11).
-pub(super) fn write(
-    page: &mut Page,
-    factor: Factor,
-    cases: &[Case<Inversion>],
-) -> Result<(), ReproduceError> {
-    let rows: Vec<Row> = cases.iter().map(row).collect();
-    page.csv(&rows)?;
-    let head = match factor {
-        Factor::Radius => "h, mm",
-        Factor::UnknottingNumber => "n",
-    };
-    page.text(
-        "The simplified knot (φ = π/3, ε = 0.7, ends of the loop on the axis, no friction, see fig3.9) has no other \
-         length than l_k, so that its l̄_k is the same for every radius. φ and ε are those of knots of n = 3 near their \
-         inversion, taken for every n. A trefoil has no fold, and does not invert.",
-    );
-    let header = [
-        head,
-        "full simulation",
-        "clamped",
-        "its ratio",
-        "free to spin",
-        "its ratio",
-    ];
-    let ratio = |model: Option<f64>, row: &Row| model.zip(row.simulated).map(|(a, b)| a / b);
-    let table: Vec<Vec<String>> = rows
-        .iter()
-        .map(|row| {
-            vec![
-                format!("{}", (1e6 * factor.place(row)).round() / 1e6),
-                number(row.simulated, 1),
-                number(row.clamped, 1),
-                number(ratio(row.clamped, row), 3),
-                number(row.free_to_spin, 1),
-                number(ratio(row.free_to_spin, row), 3),
-            ]
-        })
-        .collect();
-    page.table(&header, &table);
-    Ok(page.figure(&figure(page.name(), factor, &rows))?)
-}
+const RADIUS: Factor = Factor {
+    name: "fig3.10",
+    head: "h, mm",
+    axis: "Radius h in mm",
+    place: |row| 1e3 * row.radius_m,
+    look: Look::Dashed,
+};
 
-/// The figure from the table alone.
-pub(super) fn figures_of_table(
-    name: &str,
-    factor: Factor,
-    table: &Path,
-) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(vec![figure(name, factor, &rows_of::<Row>(table)?)])
-}
-
-fn figure(name: &str, factor: Factor, rows: &[Row]) -> PageFigure {
-    let curve = |name: &str, look: Look, value: fn(&Row) -> Option<f64>| {
-        let points = rows.iter().map(|row| (factor.place(row), value(row)));
-        Curve::new(name, points.collect()).looking(look)
-    };
-    let plot = LinePlot {
-        label: "l̄_{k} at the inversion".into(),
-        curves: vec![
-            curve("full simulation, μ = 0.1", Look::Marks, |row| {
-                row.simulated
-            }),
-            curve(
-                "simplified, ends of the loop clamped",
-                factor.look(),
-                |row| row.clamped,
-            ),
-            curve("simplified, free to spin", factor.look(), |row| {
-                row.free_to_spin
-            }),
-        ],
-    };
-    let label = match factor {
-        Factor::Radius => "Radius h in mm",
-        Factor::UnknottingNumber => "Unknotting number n",
-    };
-    PageFigure::new(
-        name,
-        "Inversion points of the full simulation and of the simplified knot",
-        line_plots([plot], label),
-    )
-}
+const UNKNOTTING_NUMBER: Factor = Factor {
+    name: "fig3.11",
+    head: "n",
+    axis: "Unknotting number n",
+    place: |row| row.unknotting_number as f64,
+    look: Look::OpenMarks,
+};
 
 impl Factor {
-    /// The place of a row along the axis.
-    fn place(self, row: &Row) -> f64 {
-        match self {
-            Self::Radius => 1e3 * row.radius_m,
-            Self::UnknottingNumber => row.unknotting_number as f64,
-        }
+    /// Writes the inversion points.
+    fn write(&self, page: &mut Page, rows: &[Row]) -> Result<()> {
+        page.text(
+            "The simplified knot (φ = π/3, ε = 0.7, ends of the loop on the axis, no friction, see fig3.9) has no other \
+             length than l_k, so that its l̄_k is the same for every radius. φ and ε are those of knots of n = 3 near their \
+             inversion, taken for every n. A trefoil has no fold, and does not invert.",
+        );
+        let ratio = |model: Option<f64>, row: &Row| Some(model? / row.simulated?);
+        page.table(columns! { row in rows;
+            self.head => ((1e6 * (self.place)(row)).round() / 1e6).to_string(),
+            "full simulation" => number(row.simulated, 1),
+            "clamped" => number(row.clamped, 1),
+            "its ratio" => number(ratio(row.clamped, row), 3),
+            "free to spin" => number(row.free_to_spin, 1),
+            "its ratio" => number(ratio(row.free_to_spin, row), 3),
+        });
+        Ok(())
     }
 
-    /// The model has every radius, but only whole numbers n.
-    fn look(self) -> Look {
-        match self {
-            Self::Radius => Look::Dashed,
-            Self::UnknottingNumber => Look::OpenMarks,
-        }
+    fn figures(&self, rows: &[Row]) -> Vec<PageFigure> {
+        let over = |name: &str, look: Look, value: fn(&Row) -> Option<f64>| {
+            curve(name, rows, |row| ((self.place)(row), value(row))).looking(look)
+        };
+        let curves = [
+            over("full simulation, μ = 0.1", Look::Marks, |row| {
+                row.simulated
+            }),
+            over("simplified, ends of the loop clamped", self.look, |row| {
+                row.clamped
+            }),
+            over("simplified, free to spin", self.look, |row| {
+                row.free_to_spin
+            }),
+        ];
+        vec![PageFigure::new(
+            self.name,
+            "Inversion points of the full simulation and of the simplified knot",
+            line_plots([plot("l̄_{k} at the inversion", curves)], self.axis),
+        )]
     }
 }
 

@@ -1,15 +1,111 @@
-//! The table that lies beside a page, and the figures that come of it.
+//! Pages whose figures come of their table alone, and what pages compute from rows.
 
-use super::ReproduceError;
-use super::page::PageFigure;
+use super::Result;
+use super::artifact::Recipe;
+use super::cases::{Case, Run};
+use super::page::{Page, PageFigure};
+use rodlab_files::figure::{Curve, LinePlot};
 use rodlab_files::results::read_whole_rows;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// The figures of a page from its table.
-pub(super) type FiguresOfTable = fn(&Path) -> Result<Vec<PageFigure>, ReproduceError>;
+/// A page with a table whose rows are all that its figures show.
+pub(super) struct Tabled<R, Row> {
+    runs: fn(quick: bool) -> Vec<R>,
+    rows: Rows<R, Row>,
+    /// Writes what stands above the figures; those that stand between are placed by [`Page::next_figure`].
+    write: Write<R, Row>,
+    figures: fn(&[Row]) -> Vec<PageFigure>,
+}
+
+/// What writes a page of runs and rows.
+type Write<R, Row> = fn(&mut Page, &[Case<R>], &[Row]) -> Result<()>;
+
+/// How rows are made of runs that came to an end.
+pub(super) enum Rows<R, Row> {
+    /// A row of each.
+    Row(fn(&Case<R>) -> Row),
+    /// Several rows of each.
+    Series(fn(&Case<R>) -> Result<Vec<Row>>),
+    /// Rows of all together.
+    All(fn(&[Case<R>]) -> Result<Vec<Row>>),
+}
+
+impl<R, Row> Tabled<R, Row> {
+    /// Runs, the rows that are made of them, the text of the page and its figures.
+    pub const fn new(
+        runs: fn(quick: bool) -> Vec<R>,
+        rows: Rows<R, Row>,
+        write: Write<R, Row>,
+        figures: fn(&[Row]) -> Vec<PageFigure>,
+    ) -> Self {
+        Self {
+            runs,
+            rows,
+            write,
+            figures,
+        }
+    }
+}
+
+impl<R: Run, Row: Serialize + DeserializeOwned> Recipe for Tabled<R, Row> {
+    type Run = R;
+
+    fn runs(&self, quick: bool) -> Vec<R> {
+        (self.runs)(quick)
+    }
+
+    fn write(&self, page: &mut Page, cases: &[Case<R>]) -> Result<()> {
+        let rows: Vec<Row> = match self.rows {
+            Rows::Row(row) => cases.iter().map(row).collect(),
+            Rows::Series(rows) => {
+                let series: Result<Vec<Vec<Row>>, _> = cases.iter().map(rows).collect();
+                series?.into_iter().flatten().collect()
+            }
+            Rows::All(rows) => rows(cases)?,
+        };
+        page.csv(&rows)?;
+        page.hold((self.figures)(&rows));
+        (self.write)(page, cases, &rows)?;
+        Ok(page.figures()?)
+    }
+
+    fn figures_of_table(&self, table: &Path) -> Option<Result<Vec<PageFigure>>> {
+        Some(rows_of(table).map(|rows| (self.figures)(&rows)))
+    }
+}
 
 /// The rows of a table.
-pub(super) fn rows_of<Row: DeserializeOwned>(table: &Path) -> Result<Vec<Row>, ReproduceError> {
+pub(super) fn rows_of<Row: DeserializeOwned>(table: &Path) -> Result<Vec<Row>> {
     Ok(read_whole_rows(table)?.rows)
+}
+
+/// The mean of values; `None` where there are none.
+pub(super) fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let values: Vec<f64> = values.into_iter().collect();
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// The largest of values that are not negative; 0 where there are none.
+pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, f64::max)
+}
+
+/// A curve through the points of rows.
+pub(super) fn curve<Row, Value: Into<Option<f64>>>(
+    name: impl Into<String>,
+    rows: impl IntoIterator<Item = Row>,
+    point: impl Fn(Row) -> (f64, Value),
+) -> Curve {
+    let points = rows.into_iter().map(point);
+    Curve::new(name, points.map(|(x, y)| (x, y.into())).collect())
+}
+
+/// A plot with the name of its vertical axis.
+pub(super) fn plot(label: impl Into<String>, curves: impl IntoIterator<Item = Curve>) -> LinePlot {
+    LinePlot {
+        label: label.into(),
+        curves: curves.into_iter().collect(),
+    }
 }

@@ -1,13 +1,14 @@
 //! Table 2.2: friction.
 
-use super::ReproduceError;
 use super::bundling::Bundling;
-use super::cases::Case;
-use super::page::{Page, PageFigure, count, number};
-use super::table::rows_of;
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+use super::page::count;
+use super::prelude::*;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "tab2.2",
+    title: "Table 2.2: two flagella with growing friction, convergence",
+    recipe: &Tabled::new(Bundling::of_table_2_2, Rows::All(rows), write, figures),
+};
 
 /// Iterations per step with contact, their total and the simulated end in s for μ = 0.1, 0.2, ..., 1.0, as
 /// the thesis prints them.
@@ -46,50 +47,46 @@ struct Row {
 }
 
 /// Writes table and figure.
-pub(super) fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<(), ReproduceError> {
-    let rows: Vec<Row> = cases.iter().zip(&THESIS).map(row).collect();
+fn write(page: &mut Page, _: &[Case<Bundling>], rows: &[Row]) -> Result<()> {
     page.text(
         "Iterations and times are means and totals over the steps with contact, as in the thesis, whose \
          simulations end early where the flagella tangle. How often a step failed and was halved is in the CSV file \
          (`retries`).",
     );
-    let header = [
-        "μ",
-        "Iterations per step",
-        "thesis",
-        "Total iterations",
-        "thesis",
-        "Simulated end in s",
-        "thesis",
-        "Status",
-        "Time per step in ms",
-        "Least distance / 2h",
-    ];
-    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
-    page.table(&header, &lines);
-    page.csv(&rows)?;
-    Ok(page.figure(&figure(&rows))?)
+    page.table(columns! { row in rows;
+        "μ" => number(row.friction, 1),
+        "Iterations per step" => number(row.iterations_per_step, 2),
+        "thesis" => number(row.thesis_iterations_per_step, 2),
+        "Total iterations" => count(row.total_iterations as f64),
+        "thesis" => count(row.thesis_total_iterations),
+        "Simulated end in s" => number(row.simulated_end_s, 2),
+        "thesis" => number(row.thesis_simulated_end_s, 2),
+        "Status" => row.status.clone(),
+        "Time per step in ms" => number(row.time_per_step_s.map(|time| 1e3 * time), 3),
+        "Least distance / 2h" => number(row.min_distance_ratio, 4),
+    });
+    Ok(())
 }
 
-/// The figure from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(vec![figure(&rows_of::<Row>(table)?)])
-}
-
-fn figure(rows: &[Row]) -> PageFigure {
-    let curve = |name: &str, value: fn(&Row) -> Option<f64>| {
-        let points = rows.iter().map(|row| (row.friction, value(row)));
-        Curve::new(name, points.collect())
-    };
-    let plot = LinePlot {
-        label: "Iterations per step".into(),
-        curves: vec![
-            curve("rodlab", |row| row.iterations_per_step).looking(Look::Marks),
-            curve("thesis", |row| Some(row.thesis_iterations_per_step)).looking(Look::OpenMarks),
-        ],
-    };
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let ours = curve("rodlab", rows, |row| {
+        (row.friction, row.iterations_per_step)
+    });
+    let thesis = curve("thesis", rows, |row| {
+        (row.friction, row.thesis_iterations_per_step)
+    });
+    let curves = [ours.looking(Look::Marks), thesis.looking(Look::OpenMarks)];
+    let plot = plot("Iterations per step", curves);
     let figure = line_plots([plot], "Friction coefficient μ");
-    PageFigure::new("tab2.2", "Newton iterations per step with contact", figure)
+    vec![PageFigure::new(
+        "tab2.2",
+        "Newton iterations per step with contact",
+        figure,
+    )]
+}
+
+fn rows(cases: &[Case<Bundling>]) -> Result<Vec<Row>> {
+    Ok(cases.iter().zip(&THESIS).map(row).collect())
 }
 
 fn row((case, thesis): (&Case<Bundling>, &(f64, f64, f64))) -> Row {
@@ -113,19 +110,4 @@ fn row((case, thesis): (&Case<Bundling>, &(f64, f64, f64))) -> Row {
         thesis_total_iterations,
         thesis_simulated_end_s,
     }
-}
-
-fn line(row: &Row) -> Vec<String> {
-    vec![
-        number(Some(row.friction), 1),
-        number(row.iterations_per_step, 2),
-        number(Some(row.thesis_iterations_per_step), 2),
-        count(row.total_iterations as f64),
-        count(row.thesis_total_iterations),
-        number(Some(row.simulated_end_s), 2),
-        number(Some(row.thesis_simulated_end_s), 2),
-        row.status.clone(),
-        number(row.time_per_step_s.map(|time| 1e3 * time), 3),
-        number(row.min_distance_ratio, 4),
-    ]
 }

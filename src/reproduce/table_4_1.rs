@@ -1,14 +1,16 @@
 //! Table 4.1: how long plans of folds take.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::folds::{Folded, SCENARIOS};
-use super::page::{Page, PageFigure, number};
-use rodlab_files::figure::{AxisScale, Curve, LinePlot, Look, PlotStyle, styled_line_plots};
+use super::prelude::*;
 use rodlab_lab::experiment::planned_fold;
 use rodlab_planning::plan::fold::{Algorithm, FoldPlanner, Objective};
-use serde::Serialize;
 use std::time::Instant;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "tab4.1",
+    title: "Table 4.1: how long plans of folds take",
+    recipe: &Free::new(Folded::of_table_4_1, write),
+};
 
 /// Times of the thesis, s: of its own method, two of which are missing in the printed table, and of that which it compares with.
 const THESIS: [(Option<f64>, f64); 7] = [
@@ -36,7 +38,7 @@ struct Row {
 }
 
 /// Writes the table.
-pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     page.text(
         "Wall time of plans, on the machine and with the threads of the manifest, beside those of the thesis (one Intel i9-9900KF). The exact \
          manifold of a sheet is made once; from it each plan is the grid search, the continuous refinement and the exact solution of \
@@ -44,27 +46,15 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
          method are missing there.",
     );
     let rows: Vec<Row> = cases.iter().filter_map(row).collect();
-    let header = [
-        "scenario",
-        "manifold, ms",
-        "plan, ms",
-        "manifold with moments, ms",
-        "plan, ms",
-        "thesis, s",
-        "Petrík et al. in the thesis, s",
-    ];
-    let lines = rows.iter().zip(THESIS).map(|(row, (own, other))| {
-        vec![
-            row.scenario.to_owned(),
-            number(Some(row.manifold_ms), 0),
-            number(Some(row.plan_ms), 1),
-            number(row.held_manifold_ms, 0),
-            number(row.held_plan_ms, 1),
-            number(own, 2),
-            number(Some(other), 2),
-        ]
+    page.table(columns! { (row, (own, other)) in rows.iter().zip(THESIS);
+        "scenario" => row.scenario,
+        "manifold, ms" => number(row.manifold_ms, 0),
+        "plan, ms" => number(row.plan_ms, 1),
+        "manifold with moments, ms" => number(row.held_manifold_ms, 0),
+        "plan, ms" => number(row.held_plan_ms, 1),
+        "thesis, s" => number(own, 2),
+        "Petrík et al. in the thesis, s" => number(other, 2),
     });
-    page.table(&header, &lines.collect::<Vec<_>>());
     page.csv(&rows)?;
     page.figure(&figure(&rows))?;
     Ok(())
@@ -72,27 +62,25 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<(), Repro
 
 /// Times of all plans, s.
 fn figure(rows: &[Row]) -> PageFigure {
-    let curve = |name: &str, time: &dyn Fn(usize, &Row) -> Option<f64>| {
-        let points = rows.iter().enumerate();
-        let points = points.map(|(index, row)| ((index + 1) as f64, time(index, row)));
-        Curve::new(name, points.collect()).looking(Look::Marks)
+    let marks = |name: &str, time: fn(usize, &Row) -> Option<f64>| {
+        let numbered = rows.iter().enumerate();
+        let point = |(index, row): (usize, &Row)| ((index + 1) as f64, time(index, row));
+        curve(name, numbered, point).looking(Look::Marks)
     };
-    let plot = LinePlot {
-        label: "time of a plan in s".into(),
-        curves: vec![
-            curve("plan", &|_, row| Some(1e-3 * row.plan_ms)),
-            curve("with its manifold", &|_, row| {
-                Some(1e-3 * (row.manifold_ms + row.plan_ms))
-            }),
-            curve("with moments, manifold and plan", &|_, row| {
-                Some(1e-3 * (row.held_manifold_ms? + row.held_plan_ms?))
-            }),
-            curve("thesis", &|index, _| THESIS.get(index)?.0),
-            curve("Petrík et al. in the thesis", &|index, _| {
-                Some(THESIS.get(index)?.1)
-            }),
-        ],
-    };
+    let curves = [
+        marks("plan", |_, row| Some(1e-3 * row.plan_ms)),
+        marks("with its manifold", |_, row| {
+            Some(1e-3 * (row.manifold_ms + row.plan_ms))
+        }),
+        marks("with moments, manifold and plan", |_, row| {
+            Some(1e-3 * (row.held_manifold_ms? + row.held_plan_ms?))
+        }),
+        marks("thesis", |index, _| THESIS.get(index)?.0),
+        marks("Petrík et al. in the thesis", |index, _| {
+            Some(THESIS.get(index)?.1)
+        }),
+    ];
+    let plot = plot("time of a plan in s", curves);
     let style = PlotStyle {
         vertical: vec![AxisScale::Logarithmic],
         ..PlotStyle::default()

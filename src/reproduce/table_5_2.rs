@@ -1,12 +1,16 @@
 //! Table 5.2: how well rods are laid along patterns, simulated beside measured.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::laid_outlines::outlines_figure;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS, Substrate};
 use super::measured_deployments::measured;
-use super::page::{Page, number};
-use serde::{Deserialize, Serialize};
+use super::page::MarkdownTable;
+use super::prelude::*;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "tab5.2",
+    title: "Table 5.2: rods laid along patterns, simulated and measured",
+    recipe: &Free::new(Laying::of_table_5_2, write),
+};
 
 /// Index of the medium friction, 0.4.
 const MEDIUM: usize = 1;
@@ -44,13 +48,29 @@ impl Row {
         self.share_above_friction.is_some_and(|share| share > 0.0)
     }
 
+    /// Distances simulated and measured.
+    fn cell(&self) -> String {
+        let mark = if self.is_marked() && self.is_optimal() {
+            "*"
+        } else {
+            ""
+        };
+        format!(
+            "{} ± {}{mark}<br>{:.2} ± {:.2}",
+            number(self.mean_cm, 2),
+            number(self.deviation_cm, 2),
+            self.thesis_mean_cm,
+            self.thesis_deviation_cm
+        )
+    }
+
     fn is_worse(&self) -> bool {
         self.mean_cm.is_none_or(|mean| mean > self.thesis_mean_cm)
     }
 }
 
 /// Writes table and figures.
-pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     let rows: Vec<Row> = cases.iter().map(row).collect();
     page.text(
         "Mean distance and standard deviation in cm between the laid rod and its pattern at equal arc lengths, over 50 \
@@ -59,12 +79,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), Repro
          and as wide as those of the thesis, letters are drawn anew. A star marks patterns that ask for more friction somewhere \
          than the table has (thesis Eq. 5.2), so that the rod must slide there.",
     );
-    let names = PATTERNS.iter().map(|pattern| pattern.name);
-    let header: Vec<&str> = ["rod", "table", "scheme"]
-        .into_iter()
-        .chain(names)
-        .collect();
-    page.table(&header, &lines(&rows));
+    page.table(patterns(&rows));
     page.text(&verdict(&rows));
     page.csv(&rows)?;
     for rod in 0..RODS.len() {
@@ -88,12 +103,7 @@ pub(super) fn row(case: &Case<Laying>) -> Row {
         rod_name: rod.name.into(),
         substrate: in_words(substrate).into(),
         friction: FRICTIONS[run.friction],
-        scheme: if run.is_optimal {
-            "optimal"
-        } else {
-            "intuitive"
-        }
-        .into(),
+        scheme: run.scheme().into(),
         pattern: PATTERNS[run.pattern].name.into(),
         status: case.status().into(),
         mean_cm: ended.and_then(|laid| laid.mean_error_m).map(cm),
@@ -118,63 +128,52 @@ fn in_words(substrate: Substrate) -> &'static str {
     }
 }
 
-/// A line for each rod, table and scheme.
-pub(super) fn lines(rows: &[Row]) -> Vec<Vec<String>> {
+/// A line for each rod, table and scheme, a column for each pattern.
+pub(super) fn patterns(rows: &[Row]) -> MarkdownTable<'static> {
+    let names = PATTERNS.iter().map(|pattern| pattern.name);
     let heads_of = |row: &Row| (row.rod, row.friction, row.is_optimal());
-    let mut lines: Vec<Vec<String>> = Vec::new();
-    let mut last = None;
-    for row in rows {
-        if last != Some(heads_of(row)) {
-            last = Some(heads_of(row));
-            lines.push(vec![
-                format!("#{} {}", row.rod, row.rod_name),
-                format!("{}, {}", row.substrate, row.friction),
-                row.scheme.clone(),
-            ]);
-        }
-        let mark = if row.is_marked() && row.is_optimal() {
-            "*"
-        } else {
-            ""
-        };
-        let cell = format!(
-            "{} ± {}{mark}<br>{:.2} ± {:.2}",
-            number(row.mean_cm, 2),
-            number(row.deviation_cm, 2),
-            row.thesis_mean_cm,
-            row.thesis_deviation_cm
-        );
-        if let Some(line) = lines.last_mut() {
-            line.push(cell);
-        }
+    let line = |rows: &[Row]| {
+        let first = &rows[0];
+        let heads = [
+            format!("#{} {}", first.rod, first.rod_name),
+            format!("{}, {}", first.substrate, first.friction),
+            first.scheme.clone(),
+        ];
+        heads
+            .into_iter()
+            .chain(rows.iter().map(Row::cell))
+            .collect()
+    };
+    MarkdownTable {
+        header: ["rod", "table", "scheme"]
+            .into_iter()
+            .chain(names)
+            .collect(),
+        lines: rows
+            .chunk_by(|a, b| heads_of(a) == heads_of(b))
+            .map(line)
+            .collect(),
     }
-    lines
 }
 
 /// What comes of it all, in words.
 fn verdict(rows: &[Row]) -> String {
-    let mean = |wanted: &dyn Fn(&Row) -> bool, value: &dyn Fn(&Row) -> Option<f64>| {
-        let values: Vec<f64> = rows
-            .iter()
-            .filter(|row| wanted(row))
-            .filter_map(value)
-            .collect();
-        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    let mean = |wanted: fn(&&Row) -> bool, value: fn(&Row) -> Option<f64>| {
+        mean(rows.iter().filter(wanted).filter_map(value))
     };
-    let simulated = |row: &Row| row.mean_cm;
-    let measured = |row: &Row| Some(row.thesis_mean_cm);
-    let optimal = mean(&|row| row.is_optimal(), &simulated);
-    let intuitive = mean(&|row| !row.is_optimal(), &simulated);
-    let held = mean(&|row| row.is_optimal() && !row.is_marked(), &simulated);
+    let simulated: fn(&Row) -> _ = |row| row.mean_cm;
+    let measured: fn(&Row) -> _ = |row| Some(row.thesis_mean_cm);
+    let optimal = mean(|row| row.is_optimal(), simulated);
+    let intuitive = mean(|row| !row.is_optimal(), simulated);
+    let held = mean(|row| row.is_optimal() && !row.is_marked(), simulated);
     let ratio = intuitive.zip(optimal).map(|(i, o)| i / o);
     let of_optimal = || rows.iter().filter(|row| row.is_optimal());
     let worse: Vec<&Row> = of_optimal().filter(|row| row.is_worse()).collect();
     let marked = worse.iter().filter(|row| row.is_marked()).count();
     let open = rows.iter().filter(|row| row.mean_cm.is_none()).count();
-    let slowest = rows
-        .iter()
-        .filter_map(|row| Some(row.cpu_time_s? / row.simulated_s));
-    let slowest = slowest.fold(0.0, f64::max);
+    let times = rows.iter();
+    let times = times.filter_map(|row| Some(row.cpu_time_s? / row.simulated_s));
+    let slowest = largest(times);
     let total: f64 = rows.iter().map(|row| row.wall_time_s).sum();
     let mut text = format!(
         "On average the optimal scheme lies {} cm from the pattern ({} cm where there is friction enough), the intuitive one \
@@ -184,8 +183,8 @@ fn verdict(rows: &[Row]) -> String {
         number(held, 3),
         number(intuitive, 2),
         number(ratio, 1),
-        number(mean(&|row| row.is_optimal(), &measured), 2),
-        number(mean(&|row| !row.is_optimal(), &measured), 2),
+        number(mean(|row| row.is_optimal(), measured), 2),
+        number(mean(|row| !row.is_optimal(), measured), 2),
         of_optimal().count(),
         worse.len(),
     );

@@ -1,17 +1,18 @@
 //! Table 5.2 in the virtual cell: how well an arm lays a rod, through drivers and camera, beside the plain simulation.
 
-use super::ReproduceError;
-use super::cases::Case;
+use super::laid_outlines::side_by_side;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS, Substrate};
 use super::measured_deployments::measured;
-use super::page::{Page, PageFigure, number};
+use super::prelude::*;
 use super::virtual_laying::{LaidInCell, LayingError, lay_in_cell};
-use rodlab_files::figure::{Curve, LinePlot, Look, plot_to_scale};
+use rodlab_files::figure::Figure;
 use rodlab_vision::Point;
-use serde::Serialize;
 
-/// Gap between patterns in the figure, m.
-const GAP: f64 = 0.05;
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "tab5.2-cell",
+    title: "Table 5.2 in the virtual cell: through drivers and camera",
+    recipe: &Free::new(Laying::of_cell, write),
+};
 
 /// A row of the CSV file; lengths in cm, as in the thesis.
 #[derive(Serialize)]
@@ -31,7 +32,7 @@ struct Row {
 }
 
 /// Lays the rod along all patterns, and writes table and figure.
-pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     let laid = cases.iter().map(lay_in_cell);
     let laid: Vec<Result<LaidInCell, LayingError>> = laid.collect::<Result<_, _>>()?;
     let rows: Vec<Row> = cases
@@ -49,18 +50,16 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), Repro
          measured. What the rod is longer than its pattern is laid behind it or in front of it. All are laid anew for this page.",
         RODS[rod].number, RODS[rod].name, FRICTIONS[friction]
     ));
-    let lines: Vec<Vec<String>> = rows.iter().map(Row::line).collect();
-    let header = [
-        "pattern",
-        "cell",
-        "nearest point",
-        "plain simulation",
-        "thesis",
-        "laid in, s",
-    ];
-    page.table(&header, &lines);
+    page.table(columns! { row in &rows;
+        "pattern" => row.pattern,
+        "cell" => row.cell(),
+        "nearest point" => number(row.nearest_mean_cm, 2),
+        "plain simulation" => number(row.simulated_mean_cm, 2),
+        "thesis" => format!("{:.2} ± {:.2}", row.thesis_mean_cm, row.thesis_deviation_cm),
+        "laid in, s" => number(row.laying_s, 0),
+    });
     page.csv(&rows)?;
-    if let Some(figure) = figure(cases, &laid) {
+    if let Some(figure) = figure(&laid) {
         page.figure(&PageFigure::new(
             &format!("{}_laid", page.name()),
             "The rod in the pictures of the camera, beside its patterns",
@@ -91,73 +90,22 @@ fn row(case: &Case<Laying>, laid: &Result<LaidInCell, LayingError>) -> Row {
 }
 
 impl Row {
-    fn line(&self) -> Vec<String> {
-        let cell = match self.mean_cm {
-            Some(_) => format!(
-                "{} ± {}",
-                number(self.mean_cm, 2),
-                number(self.deviation_cm, 2)
-            ),
+    /// Distance by the camera, or why there is none.
+    fn cell(&self) -> String {
+        match self.mean_cm {
+            Some(mean) => format!("{mean:.2} ± {}", number(self.deviation_cm, 2)),
             None => self.status.replace('|', " "),
-        };
-        vec![
-            self.pattern.into(),
-            cell,
-            number(self.nearest_mean_cm, 2),
-            number(self.simulated_mean_cm, 2),
-            format!(
-                "{:.2} ± {:.2}",
-                self.thesis_mean_cm, self.thesis_deviation_cm
-            ),
-            number(self.laying_s, 0),
-        ]
+        }
     }
 }
 
 /// The rods beside their patterns, from above.
-fn figure(
-    cases: &[Case<Laying>],
-    laid: &[Result<LaidInCell, LayingError>],
-) -> Option<rodlab_files::figure::Figure> {
-    let mut curves = ["rod", "pattern"].map(|name| (name, Vec::new()));
-    let mut left = 0.0;
-    for (_, laid) in cases.iter().zip(laid) {
-        let Ok(laid) = laid else { continue };
-        let outlines: [&[Point]; 2] = [&laid.laid.score.result, &laid.laid.score.pattern];
-        let all = || outlines.iter().flat_map(|outline| outline.iter());
-        let least = all().map(|point| point.x).fold(f64::INFINITY, f64::min);
-        let most = all().map(|point| point.x).fold(f64::NEG_INFINITY, f64::max);
-        let count = laid.laid.score.pattern.len() as f64;
-        let middle = laid
-            .laid
-            .score
-            .pattern
-            .iter()
-            .map(|point| point.y)
-            .sum::<f64>()
-            / count;
-        for ((_, list), outline) in curves.iter_mut().zip(outlines) {
-            let placed = outline.iter();
-            list.extend(placed.map(|point| (left + point.x - least, Some(point.y - middle))));
-            // A gap before the next pattern.
-            list.push((left, None));
-        }
-        left += most - least + GAP;
-    }
-    if curves[0].1.is_empty() {
-        return None;
-    }
-    let curves = curves.map(|(name, points)| {
-        let curve = Curve::new(name, points);
-        if name == "pattern" {
-            curve.looking(Look::Dashed)
-        } else {
-            curve
-        }
-    });
-    let plot = LinePlot {
-        label: "y in m".into(),
-        curves: curves.into(),
+fn figure(laid: &[Result<LaidInCell, LayingError>]) -> Option<Figure> {
+    let places = |points: &[Point]| points.iter().map(|point| [point.x, point.y]).collect();
+    let outlines = |laid: &LaidInCell| {
+        let score = &laid.laid.score;
+        vec![(0, places(&score.result)), (1, places(&score.pattern))]
     };
-    Some(plot_to_scale(plot, "x in m, patterns side by side"))
+    let laid = laid.iter().flatten().map(outlines);
+    side_by_side(&["rod", "pattern"], &laid.collect::<Vec<_>>())
 }

@@ -1,11 +1,7 @@
 //! Table 5.3: trajectories by exact grasps and by the network, times and errors.
 
-use super::ReproduceError;
-use super::cases::Case;
 use super::laying::{Laying, PATTERNS, RODS};
-use super::page::{Page, PageFigure, number};
-use super::table::rows_of;
-use rodlab_files::figure::{Curve, LinePlot, Look, line_plots};
+use super::prelude::*;
 use rodlab_files::results::SCENARIO;
 use rodlab_lab::experiment::{DeploymentTables, from_text};
 use rodlab_planning::plan::deployment::{
@@ -14,9 +10,13 @@ use rodlab_planning::plan::deployment::{
 };
 use rodlab_planning::plan::grasp::NeuralGrasps;
 use rodlab_planning::plan::pattern::PatternPoint;
-use serde::{Deserialize, Serialize};
-use std::path::Path;
 use std::time::Instant;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "tab5.3",
+    title: "Table 5.3: trajectories by exact grasps and by the network",
+    recipe: &Tabled::new(Laying::of_table_5_3, Rows::All(rows), write, figures),
+};
 
 /// Poses along a letter, as in the thesis.
 const POSES: usize = 190;
@@ -46,16 +46,7 @@ struct Row {
 }
 
 /// Writes table and figure.
-pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), ReproduceError> {
-    let mut rows = Vec::new();
-    for case in cases.iter().filter(|case| !case.run.is_neural) {
-        let twin = |other: &&Case<Laying>| {
-            other.run.is_neural
-                && (other.run.rod, other.run.pattern) == (case.run.rod, case.run.pattern)
-        };
-        let laid = cases.iter().find(twin).and_then(Case::mean_error_cm);
-        rows.push(row(case, laid)?);
-    }
+fn write(page: &mut Page, _: &[Case<Laying>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
         "Trajectories of {POSES} poses along the patterns of Tab. 5.2, by exact grasps (collocation) and by the network of this \
          program, which has seen none of them: times of whole trajectories on one thread, the fastest of {REPEATS}, and the \
@@ -65,32 +56,37 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<(), Repro
          {} to {} s, with mean position errors of 0.0007 to 0.0021 m.",
         THESIS_EXACT_S[0], THESIS_EXACT_S[1], THESIS_NEURAL_S[0], THESIS_NEURAL_S[1],
     ));
-    let header = [
-        "rod",
-        "pattern",
-        "out of range",
-        "exact, ms",
-        "network, ms",
-        "position, mean in L_gb",
-        "largest",
-        "rotation, mean in °",
-        "largest",
-        "laid exactly, cm",
-        "by the network, cm",
-    ];
-    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
-    page.table(&header, &lines);
-    page.text(&verdict(&rows));
-    page.csv(&rows)?;
-    Ok(page.figure(&figure(&rows))?)
+    page.table(columns! { row in rows;
+        "rod" => format!("{} {}", row.rod, row.rod_name),
+        "pattern" => row.pattern.clone(),
+        "out of range" => row.out_of_range.to_string(),
+        "exact, ms" => number(row.exact_ms, 1),
+        "network, ms" => number(row.neural_ms, 1),
+        "position, mean in L_gb" => number(row.mean_position_error, 4),
+        "largest" => number(row.largest_position_error, 4),
+        "rotation, mean in °" => number(row.mean_angle_degrees, 3),
+        "largest" => number(row.largest_angle_degrees, 3),
+        "laid exactly, cm" => number(row.laid_exact_cm, 3),
+        "by the network, cm" => number(row.laid_neural_cm, 3),
+    });
+    page.text(&verdict(rows));
+    Ok(())
 }
 
-/// The figure from the table alone.
-pub(super) fn figures_of_table(table: &Path) -> Result<Vec<PageFigure>, ReproduceError> {
-    Ok(vec![figure(&rows_of::<Row>(table)?)])
+fn rows(cases: &[Case<Laying>]) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    for case in cases.iter().filter(|case| !case.run.is_neural) {
+        let twin = |other: &&Case<Laying>| {
+            other.run.is_neural
+                && (other.run.rod, other.run.pattern) == (case.run.rod, case.run.pattern)
+        };
+        let laid = cases.iter().find(twin).and_then(Case::mean_error_cm);
+        rows.push(row(case, laid)?);
+    }
+    Ok(rows)
 }
 
-fn row(case: &Case<Laying>, laid_neural_cm: Option<f64>) -> Result<Row, ReproduceError> {
+fn row(case: &Case<Laying>, laid_neural_cm: Option<f64>) -> Result<Row> {
     let (points, rod) = planned(case);
     let (exact, exact_ms) =
         timed(|| trajectory(&points, &rod, Scheme::Optimal, OptimalGrasps::Exact));
@@ -108,9 +104,9 @@ fn row(case: &Case<Laying>, laid_neural_cm: Option<f64>) -> Result<Row, Reproduc
             [distance, angle]
         })
         .collect();
-    let mean =
-        |part: usize| errors.iter().map(|error| error[part]).sum::<f64>() / errors.len() as f64;
-    let largest = |part: usize| errors.iter().map(|error| error[part]).fold(0.0, f64::max);
+    let parts = |part: usize| errors.iter().map(move |error| error[part]);
+    let mean = |part: usize| mean(parts(part)).unwrap_or(f64::NAN);
+    let largest = |part: usize| largest(parts(part));
     Ok(Row {
         rod: RODS[case.run.rod].number,
         rod_name: RODS[case.run.rod].name.into(),
@@ -165,26 +161,10 @@ fn timed(
     (poses, shortest)
 }
 
-fn line(row: &Row) -> Vec<String> {
-    vec![
-        format!("{} {}", row.rod, row.rod_name),
-        row.pattern.clone(),
-        row.out_of_range.to_string(),
-        number(Some(row.exact_ms), 1),
-        number(Some(row.neural_ms), 1),
-        number(Some(row.mean_position_error), 4),
-        number(Some(row.largest_position_error), 4),
-        number(Some(row.mean_angle_degrees), 3),
-        number(Some(row.largest_angle_degrees), 3),
-        number(row.laid_exact_cm, 3),
-        number(row.laid_neural_cm, 3),
-    ]
-}
-
 /// Means over all trajectories, and the worst.
 fn verdict(rows: &[Row]) -> String {
-    let mean = |value: fn(&Row) -> f64| rows.iter().map(value).sum::<f64>() / rows.len() as f64;
-    let largest = |value: fn(&Row) -> f64| rows.iter().map(value).fold(0.0, f64::max);
+    let mean = |value: fn(&Row) -> f64| mean(rows.iter().map(value)).unwrap_or(f64::NAN);
+    let largest = |value: fn(&Row) -> f64| largest(rows.iter().map(value));
     format!(
         "On average over all trajectories the network is {:.4} L_gb and {:.3}° off, at worst {:.4} L_gb and {:.2}°; it takes {:.1} ms, \
          the exact solver {:.1} ms.",
@@ -197,24 +177,21 @@ fn verdict(rows: &[Row]) -> String {
     )
 }
 
-fn figure(rows: &[Row]) -> PageFigure {
-    let curve = |rod: usize, value: fn(&Row) -> f64| {
-        let rows = rows.iter().filter(|row| row.rod == rod).enumerate();
-        rows.map(|(index, row)| (index as f64 + 1.0, Some(value(row))))
-            .collect::<Vec<_>>()
-    };
-    let plot = |label: &str, value: fn(&Row) -> f64| LinePlot {
-        label: label.into(),
-        curves: RODS
-            .iter()
-            .map(|rod| Curve::new(rod.name, curve(rod.number, value)).looking(Look::Marks))
-            .collect(),
+fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let over_patterns = |label: &str, value: fn(&Row) -> f64| {
+        let curves = RODS.iter().map(|rod| {
+            let rows = rows.iter().filter(|row| row.rod == rod.number).enumerate();
+            curve(rod.name, rows, |(index, row)| {
+                (index as f64 + 1.0, value(row))
+            })
+        });
+        plot(label, curves.map(|curve| curve.looking(Look::Marks)))
     };
     let plots = [
-        plot("mean position error in L_{gb}", |row| {
+        over_patterns("mean position error in L_{gb}", |row| {
             row.mean_position_error
         }),
-        plot("mean rotation error in degrees", |row| {
+        over_patterns("mean rotation error in degrees", |row| {
             row.mean_angle_degrees
         }),
     ];
@@ -222,12 +199,12 @@ fn figure(rows: &[Row]) -> PageFigure {
     let numbered = names.iter().enumerate();
     let numbered = numbered.map(|(index, name)| format!("{} {name}", index + 1));
     let numbered = format!("pattern: {}", numbered.collect::<Vec<_>>().join(", "));
-    PageFigure::new(
+    vec![PageFigure::new(
         "tab5.3",
         &format!(
             "Mean errors of the network's trajectories along the patterns {}",
             names.join(", ")
         ),
         line_plots(plots, &numbered),
-    )
+    )]
 }

@@ -1,14 +1,16 @@
 //! Table 5.4: how often cables are placed in clips and knots are tied, simulated beside measured.
 
-use super::ReproduceError;
 use super::applications::{Application, TASKS, TRIALS, Task};
-use super::cases::Case;
-use super::page::{Page, PageFigure, number};
-use rodlab_files::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
+use super::prelude::*;
+use rodlab_files::figure::Figure;
 use rodlab_lab::experiment::{FigureError, LaidOutlines, Outline, laid_outlines};
-use rodlab_planning::knot::KnotInvariants;
-use serde::Serialize;
 use std::collections::BTreeMap;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "tab5.4",
+    title: "Table 5.4: cables placed in clips, and knots tied on the table",
+    recipe: &Free::new(Application::of_table_5_4, write),
+};
 
 /// A row of the CSV file; lengths in cm.
 #[derive(Serialize)]
@@ -32,7 +34,7 @@ struct Row {
 }
 
 /// Writes table and figures.
-pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<()> {
     page.text(
         "A gripper lays a USB cable (rod #5 of thesis Tab. 5.1: L_gb = 8.01 cm, 3.6 mm thick) along a U of 70 cm and an S of 74 cm, on \
          steel of friction 0.2, which cannot hold it in its bends: the U asks for 2.1 and the S for 2.9. Clips hold it, 11 along the U and 12 \
@@ -76,7 +78,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), 
         "pegs passed, least to most; determinants and signatures",
         "off the pattern, cm",
     ];
-    page.table(&header, &lines.collect::<Vec<_>>());
+    page.lines(&header, &lines.collect::<Vec<_>>());
     let wall: f64 = rows.iter().map(|row| row.wall_time_s).sum();
     page.text(&format!(
         "All {} trials took {wall:.0} s of wall time. Run one by itself with `rodlab run scenarios/cable_placement_s.toml`, `scenarios/tied_trefoil.toml` or \
@@ -137,13 +139,12 @@ fn line(task: usize, is_optimal: bool, cases: &[Case<Application>]) -> Vec<Strin
     let passed = || pegs().map(|pegs| pegs.passed);
     let found = match (passed().min(), passed().max(), pegs().next()) {
         (Some(least), Some(most), Some(pegs)) => format!("{least} to {most} of {}", pegs.count),
-        _ => knots(of()),
+        _ => {
+            let knots_of = of().filter_map(|case| case.outcome()?.knot);
+            knots(knots_of.map(|knot| Some((knot.rod?.determinant, knot.rod?.signature))))
+        }
     };
-    let errors: Vec<f64> = of()
-        .filter_map(|case| case.outcome()?.mean_error_m)
-        .map(|mean| 1e2 * mean)
-        .collect();
-    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+    let errors = of().filter_map(|case| Some(1e2 * case.outcome()?.mean_error_m?));
     vec![
         TASKS[task].name.to_owned(),
         if is_optimal { "optimal" } else { "intuitive" }.to_owned(),
@@ -153,27 +154,25 @@ fn line(task: usize, is_optimal: bool, cases: &[Case<Application>]) -> Vec<Strin
             TASKS[task].measured[usize::from(is_optimal)]
         ),
         found,
-        number(Some(mean).filter(|mean| mean.is_finite()), 2),
+        number(mean(errors), 2),
     ]
 }
 
-/// The knots of rods by their determinant and signature, and how often each was found.
-fn knots<'a>(cases: impl Iterator<Item = &'a Case<Application>>) -> String {
-    let mut counts: BTreeMap<Option<KnotInvariants>, usize> = BTreeMap::new();
-    for case in cases {
-        if let Some(knot) = case.outcome().and_then(|laid| laid.knot) {
-            *counts.entry(knot.rod).or_default() += 1;
-        }
+/// Knots of rods by determinant and signature, and how often each was found.
+pub(super) fn knots(found: impl Iterator<Item = Option<(u64, i64)>>) -> String {
+    let mut counts: BTreeMap<Option<(u64, i64)>, usize> = BTreeMap::new();
+    for knot in found {
+        *counts.entry(knot).or_default() += 1;
     }
     let words = counts.iter().map(|(knot, count)| match knot {
-        Some(knot) => format!("{}, {} in {count}", knot.determinant, knot.signature),
+        Some((determinant, signature)) => format!("{determinant}, {signature} in {count}"),
         None => format!("undecided in {count}"),
     });
     words.collect::<Vec<_>>().join("; ")
 }
 
 /// A task from above: pegs, pattern and what lies there after all trials, or, of knots, after the first one.
-fn figures(task: usize, cases: &[Case<Application>]) -> Result<Vec<PageFigure>, ReproduceError> {
+fn figures(task: usize, cases: &[Case<Application>]) -> Result<Vec<PageFigure>> {
     let mut laid = Vec::new();
     for (is_optimal, name) in [(true, "optimal"), (false, "intuitive")] {
         for case in trials(task, is_optimal, cases) {
@@ -239,14 +238,11 @@ fn picture(rods: [(&str, Outline); 2], trial: Option<&LaidOutlines>) -> Option<F
     if !trial.pegs.is_empty() {
         curves.push(Curve::new("pegs", trial.pegs.clone()).looking(Look::Bare));
     }
-    let plot = LinePlot {
-        label: "y in m".into(),
-        curves,
-    };
+    let plot = plot("y in m", curves);
     Some(plot_to_scale(plot, "x in m"))
 }
 
-fn outlines(case: &Case<Application>) -> Result<Option<LaidOutlines>, ReproduceError> {
+fn outlines(case: &Case<Application>) -> Result<Option<LaidOutlines>> {
     match laid_outlines(&case.directory) {
         Ok(outlines) => Ok(outlines),
         Err(FigureError::Results(error)) => Err(error.into()),

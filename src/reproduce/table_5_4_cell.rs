@@ -1,17 +1,19 @@
 //! Table 5.4 in the virtual cell: how often cables are placed in clips, and knots tied, through drivers and camera, beside the plain
 //! simulation.
 
-use super::ReproduceError;
 use super::applications::{Application, TASKS, TRIALS};
-use super::cases::Case;
-use super::page::{Page, PageFigure, number};
+use super::prelude::*;
+use super::table_5_4::knots;
 use super::virtual_laying::{LaidInCell, place_in_cell};
 use super::virtual_tying::tie_in_cell;
-use rodlab_files::figure::{Curve, LinePlot, Look, plot_to_scale};
 use rodlab_lab::experiment::laid_outlines;
 use rodlab_workcell::task::TieScore;
-use serde::Serialize;
-use std::collections::BTreeMap;
+
+pub(super) const ARTIFACT: Artifact = Artifact {
+    name: "tab5.4-cell",
+    title: "Table 5.4 in the virtual cell: cables placed and knots tied through drivers and camera",
+    recipe: &Free::new(Application::of_table_5_4_in_cell, write),
+};
 
 /// Status of a trial that came to its end and was seen.
 const DONE: &str = "done and seen";
@@ -45,7 +47,7 @@ enum Trial {
 }
 
 impl Trial {
-    fn of(case: &Case<Application>) -> Result<Self, ReproduceError> {
+    fn of(case: &Case<Application>) -> Result<Self> {
         let is_knot = case.outcome().is_some_and(|laid| laid.knot.is_some());
         Ok(match is_knot {
             true => tie_in_cell(case)?.map_or_else(Self::Failed, Self::Tied),
@@ -58,7 +60,7 @@ impl Trial {
 }
 
 /// Places the cable in all trials, and writes table and figures.
-pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), ReproduceError> {
+fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<()> {
     let done = cases.iter().map(Trial::of);
     let done: Vec<Trial> = done.collect::<Result<_, _>>()?;
     let trials = || cases.iter().zip(&done);
@@ -90,7 +92,7 @@ pub(super) fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<(), 
         "off the pattern, cm",
         "plain simulation, cm",
     ];
-    page.table(&header, &lines.flatten().collect::<Vec<_>>());
+    page.lines(&header, &lines.flatten().collect::<Vec<_>>());
     for row in rows.iter().filter(|row| row.status != DONE) {
         page.text(&format!(
             "{}, {}, seed {}: {}.",
@@ -155,13 +157,12 @@ fn line(task: usize, is_optimal: bool, rows: &[&Row]) -> Option<Vec<String>> {
             let pegs = rows.iter().find_map(|row| row.pegs).unwrap_or(0);
             format!("{least} to {most} of {pegs}")
         }
-        _ => knots(rows),
+        _ => knots(
+            rows.iter()
+                .map(|row| row.rod_determinant.zip(row.rod_signature)),
+        ),
     };
-    let mean = |error: fn(&Row) -> Option<f64>| {
-        let errors: Vec<f64> = rows.iter().filter_map(|row| error(row)).collect();
-        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-        number(Some(mean).filter(|mean| mean.is_finite()), 2)
-    };
+    let mean = |error: fn(&&Row) -> Option<f64>| number(mean(rows.iter().filter_map(error)), 2);
     Some(vec![
         TASKS[task].name.to_owned(),
         first.scheme.to_owned(),
@@ -177,25 +178,8 @@ fn line(task: usize, is_optimal: bool, rows: &[&Row]) -> Option<Vec<String>> {
     ])
 }
 
-/// Knots by determinant and signature, and how often each was seen.
-fn knots(rows: &[&Row]) -> String {
-    let mut counts: BTreeMap<Option<(u64, i64)>, usize> = BTreeMap::new();
-    for row in rows {
-        let knot = row.rod_determinant.zip(row.rod_signature);
-        *counts.entry(knot).or_default() += 1;
-    }
-    let words = counts.iter().map(|(knot, count)| match knot {
-        Some((determinant, signature)) => format!("{determinant}, {signature} in {count}"),
-        None => format!("undecided in {count}"),
-    });
-    words.collect::<Vec<_>>().join("; ")
-}
-
 /// What the camera saw of all trials of a task, from above.
-fn figure(
-    task: usize,
-    trials: &[(&Case<Application>, &Trial)],
-) -> Result<Option<PageFigure>, ReproduceError> {
+fn figure(task: usize, trials: &[(&Case<Application>, &Trial)]) -> Result<Option<PageFigure>> {
     let mut curves = ["optimal", "intuitive"].map(|name| (name, Vec::new()));
     for (case, trial) in trials {
         let Trial::Placed(placed) = trial else {
@@ -222,10 +206,7 @@ fn figure(
         .collect();
     curves.push(Curve::new("pattern", outlines.pattern).looking(Look::Dashed));
     curves.push(Curve::new("pegs", outlines.pegs).looking(Look::Bare));
-    let plot = LinePlot {
-        label: "y in m".into(),
-        curves,
-    };
+    let plot = plot("y in m", curves);
     let (name, id) = (TASKS[task].name, TASKS[task].id);
     Ok(Some(PageFigure::new(
         &format!("tab5.4-cell_{id}"),

@@ -1,10 +1,10 @@
 //! A rod laid along a pattern in the virtual cell, through drivers and camera, by the task of `rodlab deploy`.
 
-use super::ReproduceError;
+use super::Result;
 use super::applications::Application;
 use super::cases::Case;
 use super::laying::{FRICTIONS, Laying, RODS};
-use super::served_cell::{ANY_PORT, with_cell};
+use super::served_cell::{empty, with_cell};
 use rodlab_files::results::{ResultsError, SCENARIO, write_whole};
 use rodlab_lab::experiment::{Deployment, DeploymentTables, Fixtures, Jitter, from_text};
 use rodlab_planning::plan::deployment::{
@@ -18,7 +18,7 @@ use rodlab_workcell::task::{
     Correction, DeployError, DeployMotion, DeployTask, Laid, LayingMethod, MotionRequest,
     middle_of_table,
 };
-use rodlab_workcell::virtual_cell::{Response, RodError, RodSupply, ServeError, Settings};
+use rodlab_workcell::virtual_cell::{RodError, RodSupply, ServeError, Settings};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -70,9 +70,7 @@ pub(super) struct LaidInCell {
 
 /// Lays the rod of a run that was simulated, along the same pattern and with the same disturbances, in the virtual cell. Pictures and
 /// logs go into a folder beside the run.
-pub(super) fn lay_in_cell(
-    case: &Case<Laying>,
-) -> Result<Result<LaidInCell, LayingError>, ReproduceError> {
+pub(super) fn lay_in_cell(case: &Case<Laying>) -> Result<Result<LaidInCell, LayingError>> {
     let disturbance = case.run.disturbance;
     let (deployment, _) = deployment_of(&case.directory)?;
     let files = [("rod.toml", RODS[case.run.rod].file())];
@@ -99,9 +97,7 @@ pub(super) fn lay_in_cell(
 }
 
 /// Lays the cable of a run that was simulated between its pegs, with the trembling of its seed, in the virtual cell.
-pub(super) fn place_in_cell(
-    case: &Case<Application>,
-) -> Result<Result<LaidInCell, LayingError>, ReproduceError> {
+pub(super) fn place_in_cell(case: &Case<Application>) -> Result<Result<LaidInCell, LayingError>> {
     let (deployment, friction) = deployment_of(&case.directory)?;
     let (cell, directory) = cell_beside(&case.directory, CELL, &[])?;
     let fixtures = Fixtures::of(&deployment).expect("a pattern that was laid");
@@ -125,7 +121,7 @@ pub(super) fn place_in_cell(
 }
 
 /// What a run that was simulated laid, and the friction of its table.
-pub(super) fn deployment_of(run: &Path) -> Result<(Deployment, f64), ReproduceError> {
+pub(super) fn deployment_of(run: &Path) -> Result<(Deployment, f64)> {
     let scenario = fs::read_to_string(run.join(SCENARIO)).map_err(ResultsError::io("read", run))?;
     let loaded = from_text("scenario", &scenario, Path::new(""), &[]);
     let loaded = loaded.expect("the scenario of a run");
@@ -139,7 +135,7 @@ pub(super) fn cell_beside(
     run: &Path,
     file: &str,
     files: &[(&str, &str)],
-) -> Result<(Cell, PathBuf), ReproduceError> {
+) -> Result<(Cell, PathBuf)> {
     let mut name = run.file_name().unwrap_or_default().to_owned();
     name.push("-cell");
     let directory = run.with_file_name(name);
@@ -177,17 +173,10 @@ impl LayingInCell<'_> {
         let start = planned.motion.frame * nalgebra::Point3::new(start.x, start.y, 0.0);
         let supply = supply(&planned.motion.frame)?;
         let settings = Settings {
-            address: ANY_PORT.into(),
-            token: None,
-            rate: RATE,
-            response: Response::default(),
             // As in the laboratory: a person lays the free end where the rod is to begin.
             supply: Some(supply.with_free_end([start.x, start.y])),
-            second_supply: None,
-            sheet: None,
-            chucked: None,
             jitter,
-            faults: Vec::new(),
+            ..empty(RATE)
         };
         let (laid, _) = with_cell(cell, settings, |cell| self.lay(cell, &planned))?;
         laid

@@ -1,9 +1,9 @@
 //! A knot tied in the virtual cell, through drivers and camera, by the task of `rodlab tie`.
 
-use super::ReproduceError;
+use super::Result;
 use super::applications::Application;
 use super::cases::Case;
-use super::served_cell::{ANY_PORT, with_cell};
+use super::served_cell::{empty, with_cell};
 use super::virtual_laying::{MARGIN, RATE, SPEEDS, STEP, cell_beside, deployment_of};
 use rodlab_lab::experiment::{Deployment, Jitter};
 use rodlab_planning::plan::deployment::{LaidPath, Spare};
@@ -13,16 +13,14 @@ use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
     KnotPlan, PlannedRod, TieMotion, TieMotionRequest, TieScore, TieTask, middle_of_table,
 };
-use rodlab_workcell::virtual_cell::{Response, RodError, RodSupply, Settings};
+use rodlab_workcell::virtual_cell::{RodError, RodSupply, Settings};
 use std::path::Path;
 
 /// The cell.
 const CELL: &str = include_str!("../../scenarios/cells/two_gantries.toml");
 
 /// Ties the knot of a run that was simulated, with the trembling of its seed, in the virtual cell; why it came to nothing is in words.
-pub(super) fn tie_in_cell(
-    case: &Case<Application>,
-) -> Result<Result<TieScore, String>, ReproduceError> {
+pub(super) fn tie_in_cell(case: &Case<Application>) -> Result<Result<TieScore, String>> {
     let (deployment, friction) = deployment_of(&case.directory)?;
     let (cell, directory) = cell_beside(&case.directory, CELL, &[])?;
     let tied = tied(&deployment, friction, &cell, &directory);
@@ -79,16 +77,10 @@ fn tied(
         deployment.seed,
     );
     let settings = Settings {
-        address: ANY_PORT.into(),
-        token: None,
-        rate: RATE,
-        response: Response::default(),
         supply: Some(supply(0)?),
         second_supply: second.transpose()?,
-        sheet: None,
-        chucked: None,
         jitter: Some(jitter),
-        faults: Vec::new(),
+        ..empty(RATE)
     };
     let colour = ColourRule::parse("auto")?;
     let (end, _) = with_cell(cell, settings, |cell| {
