@@ -6,6 +6,7 @@
 //! |---|---|
 //! | `surface` | edges as capsules, planes, obstacles, which pairs are neighbours |
 //! | `placed_obstacles`, `foot` | rigid obstacles: where they are, what of them is near a rod, and where a node is over a face |
+//! | `box_tree` | boxes around the parts of an obstacle, and which of them are near |
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
 //! | `inside` | what lies within a closed obstacle |
@@ -33,6 +34,7 @@
 //! | `memory` | what a restart needs |
 
 mod barrier;
+mod box_tree;
 mod broad_phase;
 mod candidates;
 mod certificate;

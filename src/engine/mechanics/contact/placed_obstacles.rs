@@ -4,6 +4,7 @@
 //! are carried into it by the pose of the obstacle. So a search costs the logarithm of the size of a mesh for every edge of a
 //! rod, whether the mesh moves or not.
 
+use super::box_tree::{AlignedBox, BoxTree};
 use super::closest_points::{ClosestPoints, edge_distance};
 use super::contacts::{CandidatePair, EDGE, RIM_NODE, TUBE};
 use super::foot::{Foot, Points};
@@ -11,9 +12,6 @@ use super::rim::{RimPoint, RodPiece, pieces_of};
 use super::surface::{ContactFace, ContactNode, ContactSurface};
 use crate::mechanics::Vector3;
 use crate::mechanics::rotation::Pose;
-use parry3d_f64::bounding_volume::Aabb;
-use parry3d_f64::math::Vec3;
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
 
 /// The obstacles at the end of the step that is made, and at its start.
 #[derive(Clone, Default)]
@@ -36,7 +34,7 @@ struct Placed {
     first_edge: usize,
     first_face: usize,
     /// Boxes around its segments, then around its faces, in its own frame.
-    tree: Bvh,
+    tree: BoxTree,
 }
 
 impl std::fmt::Debug for PlacedObstacles {
@@ -57,18 +55,17 @@ impl PlacedObstacles {
         for obstacle in surface.obstacles() {
             let box_of = |corners: &[usize]| {
                 let corners = corners.iter().map(|&corner| obstacle.vertices[corner]);
-                around(corners, obstacle.radius)
+                AlignedBox::around(corners, obstacle.radius)
             };
             let segments = obstacle.segments.iter().map(|segment| box_of(segment));
             let faces = obstacle.faces.iter().map(|face| box_of(face));
-            let boxes: Vec<Aabb> = segments.chain(faces).collect();
             all.placed.push(Placed {
                 pose: Pose::default(),
                 pose_at_start: Pose::default(),
                 first_vertex: all.vertices.len(),
                 first_edge,
                 first_face,
-                tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
+                tree: BoxTree::new(segments.chain(faces)),
             });
             all.vertices.extend(&obstacle.vertices);
             first_edge += obstacle.segments.len();
@@ -96,10 +93,8 @@ impl PlacedObstacles {
     /// Whether a point is within the box around an obstacle.
     pub fn is_near(&self, index: usize, point: &Vector3) -> bool {
         let placed = &self.placed[index];
-        let (at, around) = (placed.pose.back_of(point), placed.tree.root_aabb());
-        let lower: [f64; 3] = around.mins.into();
-        let upper: [f64; 3] = around.maxs.into();
-        (0..3).all(|axis| (lower[axis]..=upper[axis]).contains(&at[axis]))
+        let around = placed.tree.whole();
+        around.contains(&placed.pose.back_of(point))
     }
 
     /// Makes the present poses those where the next step starts.
@@ -159,14 +154,13 @@ impl PlacedObstacles {
             let segments = obstacle.segments.len();
             let near = |ends: &[usize], radius: f64| {
                 let ends = ends.iter().map(|&end| placed.pose.back_of(&nodes[end]));
-                around(ends, radius + clearance)
+                AlignedBox::around(ends, radius + clearance)
             };
             for (index, edge) in surface.rod_edges().iter().enumerate() {
                 if edge.held || obstacle.hollow || roots.free_edge(index, number) {
                     continue;
                 }
-                for part in placed.tree.intersect_aabb(&near(&edge.nodes, edge.radius)) {
-                    let part = part as usize;
+                for part in placed.tree.meeting(near(&edge.nodes, edge.radius)) {
                     if part >= segments {
                         continue;
                     }
@@ -189,8 +183,8 @@ impl PlacedObstacles {
                     continue;
                 }
                 let box_of_node = near(&[end.node], end.radius);
-                for part in placed.tree.intersect_aabb(&box_of_node) {
-                    let Some(part) = (part as usize).checked_sub(segments) else {
+                for part in placed.tree.meeting(box_of_node) {
+                    let Some(part) = part.checked_sub(segments) else {
                         continue;
                     };
                     let face = placed.first_face + part;
@@ -228,14 +222,14 @@ impl PlacedObstacles {
                     .iter()
                     .map(|&node| placed.pose_at_start.back_of(&start[node]));
                 let after = nodes.iter().map(|&node| placed.pose.back_of(&end[node]));
-                around(before.chain(after), radius)
+                AlignedBox::around(before.chain(after), radius)
             };
             for (index, edge) in surface.rod_edges().iter().enumerate() {
                 if edge.held || obstacle.hollow || roots.free_edge(index, number) {
                     continue;
                 }
                 let parts = swept(&edge.nodes, edge.radius);
-                let parts = placed.tree.intersect_aabb(&parts).map(|part| part as usize);
+                let parts = placed.tree.meeting(parts);
                 let pairs = parts.filter(|part| *part < segments);
                 found.extend(pairs.map(|part| placed.pair_of_edges(surface, index, part)));
             }
@@ -254,8 +248,8 @@ impl PlacedObstacles {
                     continue;
                 }
                 let parts = swept(&[node.node], node.radius);
-                let parts = placed.tree.intersect_aabb(&parts);
-                let faces = parts.filter_map(|part| (part as usize).checked_sub(segments));
+                let parts = placed.tree.meeting(parts);
+                let faces = parts.filter_map(|part| part.checked_sub(segments));
                 found.extend(faces.map(|face| {
                     let face = placed.first_face + face;
                     pair_with_face(surface, [node.edge, face], node.node, 1)
@@ -383,17 +377,4 @@ fn distance_from_face([node, a, b, c]: &[Vector3; 4], foot: &Foot) -> f64 {
         (node - from - side * along.clamp(0.0, 1.0)).norm()
     });
     sides.into_iter().fold(f64::INFINITY, f64::min)
-}
-
-/// The box around points, with all that is within a distance of them.
-fn around(points: impl Iterator<Item = Vector3>, distance: f64) -> Aabb {
-    let (mut lower, mut upper) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for point in points {
-        for axis in 0..3 {
-            lower[axis] = lower[axis].min(point[axis] - distance);
-            upper[axis] = upper[axis].max(point[axis] + distance);
-        }
-    }
-    let corner = |[x, y, z]: [f64; 3]| Vec3::new(x, y, z);
-    Aabb::new(corner(lower), corner(upper))
 }
