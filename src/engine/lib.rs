@@ -33,6 +33,8 @@
 //! The crate reads and writes no files and has no command line; loops over many pairs run on the global pool of `rayon`, and results do
 //! not depend on its size. Scenario files, results directories and everything else of the program `rodlab` are in the crates beside it.
 
+// What is public is for users of the library.
+#![warn(unreachable_pub)]
 // Tests compare with a tolerance, and may ask any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 

@@ -28,7 +28,7 @@ impl BandedSymmetric {
     }
 
     /// Number of rows.
-    pub fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         self.columns.len()
     }
 
@@ -45,7 +45,7 @@ impl BandedSymmetric {
     }
 
     /// Entry (i, j) of either triangle; zero outside the band.
-    pub fn get(&self, i: usize, j: usize) -> f64 {
+    pub(crate) fn get(&self, i: usize, j: usize) -> f64 {
         let (row, column) = (i.max(j), i.min(j));
         self.columns[column]
             .get(row - column)
@@ -55,13 +55,13 @@ impl BandedSymmetric {
 
     /// The columns of the lower band.
     #[inline]
-    pub fn columns(&self) -> &[[f64; HALF_BANDWIDTH + 1]] {
+    pub(crate) fn columns(&self) -> &[[f64; HALF_BANDWIDTH + 1]] {
         &self.columns
     }
 
     /// The columns of the lower band, to scatter into. Entries below the last row must stay zero.
     #[inline]
-    pub fn columns_mut(&mut self) -> &mut [[f64; HALF_BANDWIDTH + 1]] {
+    pub(crate) fn columns_mut(&mut self) -> &mut [[f64; HALF_BANDWIDTH + 1]] {
         &mut self.columns
     }
 
@@ -75,7 +75,8 @@ impl BandedSymmetric {
     }
 
     /// y = A x.
-    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+    #[cfg(test)]
+    pub(crate) fn multiply(&self, x: &[f64], y: &mut [f64]) {
         let n = self.dimension();
         assert!(x.len() == n && y.len() == n);
         y.fill(0.0);
@@ -112,7 +113,7 @@ impl BandedFactor {
     /// Factors `matrix` and reports the signs of the pivots.
     ///
     /// # Errors
-    /// A pivot that is zero or not finite. Small pivots are not errors: [`Inertia`] tells their size.
+    /// A pivot that is zero or not finite. Small pivots are not errors: `Inertia` tells their size.
     pub fn factor(&mut self, matrix: &BandedSymmetric) -> Result<Inertia, SingularMatrix> {
         assert_eq!(matrix.dimension(), self.dimension);
         self.columns[..self.dimension].copy_from_slice(&matrix.columns);
@@ -168,7 +169,7 @@ impl BandedFactor {
 
     /// Solves A X = B in place for the unknowns from `first` on alone, which couple to none before nor after those of the
     /// rows given; four right-hand sides at once, of which some may be zero.
-    pub fn solve_part(&self, first: usize, rows: &mut [[f64; 4]]) {
+    pub(crate) fn solve_part(&self, first: usize, rows: &mut [[f64; 4]]) {
         let columns = &self.columns[first..first + rows.len()];
         for i in 0..rows.len() {
             let known = rows[i];

@@ -29,7 +29,7 @@ pub(crate) enum Kind {
 
 impl InstructionSet {
     /// All sets that this processor has, the best one last.
-    pub fn available() -> impl DoubleEndedIterator<Item = Self> {
+    pub(crate) fn available() -> impl DoubleEndedIterator<Item = Self> {
         let kinds: &[Kind] = &[
             Kind::Portable,
             #[cfg(target_arch = "x86_64")]
@@ -45,7 +45,7 @@ impl InstructionSet {
     }
 
     /// The best set that this processor has.
-    pub fn best() -> Self {
+    pub(crate) fn best() -> Self {
         Self::available()
             .next_back()
             .expect("the portable set is always there")
@@ -53,14 +53,14 @@ impl InstructionSet {
 
     /// The best set whose registers hold no more than `lanes` numbers. Wider ones cost kernels over shorter
     /// arrays more in shuffles than they save.
-    pub fn best_of_width(lanes: usize) -> Self {
+    pub(crate) fn best_of_width(lanes: usize) -> Self {
         Self::available()
             .rfind(|set| set.0.register_width() <= lanes)
             .unwrap_or(Self(Kind::Portable))
     }
 
     /// Which set it is.
-    pub fn kind(self) -> Kind {
+    pub(crate) fn kind(self) -> Kind {
         self.0
     }
 }

@@ -32,4 +32,4 @@ mod symbolic;
 pub use banded::{BandedFactor, BandedSymmetric, HALF_BANDWIDTH};
 pub use coupled::CoupledSystem;
 pub use element::{Element, ElementMatrix, SharedUnknown, UNUSED};
-pub use error::{Inertia, SingularMatrix};
+pub(crate) use error::{Inertia, SingularMatrix};

@@ -26,7 +26,7 @@ pub fn to_vector(rotation: &UnitQuaternion) -> Vector3 {
 }
 
 /// The angle of a rotation, 0 to π.
-pub fn angle(rotation: &UnitQuaternion) -> f64 {
+pub(crate) fn angle(rotation: &UnitQuaternion) -> f64 {
     2.0 * libm::atan2(rotation.imag().norm(), rotation.w.abs())
 }
 
@@ -35,14 +35,14 @@ pub fn angle(rotation: &UnitQuaternion) -> f64 {
 /// ```text
 /// J(φ) = 1 + a [φ]× + b [φ]×²,     a = (1 − cos φ)/φ²,     b = (φ − sin φ)/φ³
 /// ```
-pub fn left_jacobian(vector: &Vector3) -> Matrix3 {
+pub(crate) fn left_jacobian(vector: &Vector3) -> Matrix3 {
     let [a, b, _, _] = coefficients(vector.norm());
     let cross = vector.cross_matrix();
     Matrix3::identity() + cross * a + cross * cross * b
 }
 
 /// Derivative over φ of Jᵀ(φ) T = T − a φ×T + b φ×(φ×T) for a moment T that is kept.
-pub fn left_jacobian_derivative(vector: &Vector3, moment: &Vector3) -> Matrix3 {
+pub(crate) fn left_jacobian_derivative(vector: &Vector3, moment: &Vector3) -> Matrix3 {
     let [a, b, a_slope, b_slope] = coefficients(vector.norm());
     let cross = vector.cross(moment);
     let twice = vector.cross(&cross);
@@ -56,7 +56,7 @@ pub fn left_jacobian_derivative(vector: &Vector3, moment: &Vector3) -> Matrix3 {
 /// ```text
 /// J⁻¹(φ) = 1 − ½ [φ]× + e [φ]×²,     e = (1 − ½ φ cot ½ φ)/φ²
 /// ```
-pub fn inverse_left_jacobian(vector: &Vector3) -> Matrix3 {
+pub(crate) fn inverse_left_jacobian(vector: &Vector3) -> Matrix3 {
     let square = vector.norm_squared();
     let coefficient = if square < 1e-2 {
         // Five terms of the series: the next is below rounding.
@@ -165,7 +165,7 @@ impl Pose {
     }
 
     /// The point of the body that is there.
-    pub fn back_of(&self, point: &Vector3) -> Vector3 {
+    pub(crate) fn back_of(&self, point: &Vector3) -> Vector3 {
         self.rotation.inverse() * (point - self.translation)
     }
 }

@@ -380,7 +380,10 @@ where
 }
 
 /// Orientation at time `t` of a path given by its corners, constant outside them.
-pub fn piecewise_turning(corners: &[(f64, UnitQuaternion)], t: f64) -> Option<UnitQuaternion> {
+pub(crate) fn piecewise_turning(
+    corners: &[(f64, UnitQuaternion)],
+    t: f64,
+) -> Option<UnitQuaternion> {
     let (a, b, fraction) = piece(corners, t)?;
     let difference = a.inverse() * b;
     Some(a * rotation::from_vector(rotation::to_vector(&difference) * fraction))

@@ -14,27 +14,27 @@ use std::f64::consts::PI;
 use std::fmt::Debug;
 
 /// Every scheme.
-pub const SCHEMES: [Scheme; 3] = [
+pub(crate) const SCHEMES: [Scheme; 3] = [
     Scheme::ImplicitEuler,
     Scheme::ImplicitMidpoint,
     Scheme::BackwardDifferences,
 ];
 
 /// The contact models that press by a law of the gap.
-pub const SOFT_MODELS: [ContactModel; 2] = [
+pub(crate) const SOFT_MODELS: [ContactModel; 2] = [
     ContactModel::ImplicitContact,
     ContactModel::IncrementalPotential,
 ];
 
 /// Every contact model.
-pub const MODELS: [ContactModel; 3] = [
+pub(crate) const MODELS: [ContactModel; 3] = [
     ContactModel::ImplicitContact,
     ContactModel::IncrementalPotential,
     ContactModel::Complementarity,
 ];
 
 /// Stiffness of a cross-section: EA (N), EI₁ and EI₂, GJ (N m²).
-pub fn section(stretching: f64, bending: [f64; 2], twisting: f64) -> Stiffness {
+pub(crate) fn section(stretching: f64, bending: [f64; 2], twisting: f64) -> Stiffness {
     Stiffness {
         stretching,
         bending,
@@ -43,18 +43,18 @@ pub fn section(stretching: f64, bending: [f64; 2], twisting: f64) -> Stiffness {
 }
 
 /// A shape without stress of constant curvatures (1/m) and twist (rad/m).
-pub fn curved(curvature: [f64; 2], twist: f64) -> NaturalShape {
+pub(crate) fn curved(curvature: [f64; 2], twist: f64) -> NaturalShape {
     NaturalShape::Curved { curvature, twist }
 }
 
 /// The nodes of so many equal edges between two places.
-pub fn line(from: Vector3, to: Vector3, edges: usize) -> Vec<Vector3> {
+pub(crate) fn line(from: Vector3, to: Vector3, edges: usize) -> Vec<Vector3> {
     let node = |k: usize| from + (to - from) * (k as f64 / edges as f64);
     (0..=edges).map(node).collect()
 }
 
 /// A rod of `edges` edges along x from the origin, E = 100 MPa, radius 5 mm, density 1000.
-pub fn straight_rod(edges: usize, length: f64) -> RodDescription {
+pub(crate) fn straight_rod(edges: usize, length: f64) -> RodDescription {
     let (young, radius, density) = (1e8, 5e-3, 1000.0);
     let area = PI * radius * radius;
     let centreline = (0..=edges)
@@ -73,7 +73,7 @@ pub fn straight_rod(edges: usize, length: f64) -> RodDescription {
 }
 
 /// Rods that nothing holds or loads.
-pub fn free_rods(rods: Vec<RodDescription>) -> Scene {
+pub(crate) fn free_rods(rods: Vec<RodDescription>) -> Scene {
     Scene {
         rods,
         ..Scene::default()
@@ -81,12 +81,12 @@ pub fn free_rods(rods: Vec<RodDescription>) -> Scene {
 }
 
 /// A node of a rod.
-pub fn at(rod: usize, node: usize) -> RodNode {
+pub(crate) fn at(rod: usize, node: usize) -> RodNode {
     RodNode { rod, node }
 }
 
 /// A clamp at rest that holds position and frame of a node.
-pub fn clamp(rod: usize, node: usize) -> Clamp {
+pub(crate) fn clamp(rod: usize, node: usize) -> Clamp {
     Clamp {
         rod,
         node,
@@ -97,7 +97,7 @@ pub fn clamp(rod: usize, node: usize) -> Clamp {
 }
 
 /// A clamp at rest that holds the position of a node alone.
-pub fn pin(rod: usize, node: usize) -> Clamp {
+pub(crate) fn pin(rod: usize, node: usize) -> Clamp {
     Clamp {
         holds_frame: false,
         ..clamp(rod, node)
@@ -105,7 +105,7 @@ pub fn pin(rod: usize, node: usize) -> Clamp {
 }
 
 /// A joint that does not break.
-pub fn joint(name: &str, nodes: [RodNode; 2], kind: JointKind) -> Joint {
+pub(crate) fn joint(name: &str, nodes: [RodNode; 2], kind: JointKind) -> Joint {
     Joint {
         name: name.into(),
         nodes,
@@ -115,12 +115,12 @@ pub fn joint(name: &str, nodes: [RodNode; 2], kind: JointKind) -> Joint {
 }
 
 /// A hinge without a spring.
-pub fn hinge(axis: Vector3) -> JointKind {
+pub(crate) fn hinge(axis: Vector3) -> JointKind {
     JointKind::Hinge { axis, spring: None }
 }
 
 /// A spring of a stiffness (N/m) as long as placed that turns nothing and does not break.
-pub fn spring(name: &str, nodes: [RodNode; 2], stiffness: f64) -> Spring {
+pub(crate) fn spring(name: &str, nodes: [RodNode; 2], stiffness: f64) -> Spring {
     Spring {
         name: name.into(),
         nodes,
@@ -132,7 +132,7 @@ pub fn spring(name: &str, nodes: [RodNode; 2], stiffness: f64) -> Spring {
 }
 
 /// A body of a mass (kg) whose centre is at its node, and which touches nothing.
-pub fn body(name: &str, at: RodNode, mass: f64, inertia: Option<[f64; 3]>) -> Body {
+pub(crate) fn body(name: &str, at: RodNode, mass: f64, inertia: Option<[f64; 3]>) -> Body {
     Body {
         name: name.into(),
         at,
@@ -144,7 +144,7 @@ pub fn body(name: &str, at: RodNode, mass: f64, inertia: Option<[f64; 3]>) -> Bo
 }
 
 /// A load that does not change.
-pub fn steady(kind: LoadKind) -> Load {
+pub(crate) fn steady(kind: LoadKind) -> Load {
     Load {
         kind,
         schedule: Vec::new(),
@@ -152,27 +152,27 @@ pub fn steady(kind: LoadKind) -> Load {
 }
 
 /// Weight by an acceleration of free fall, m/s².
-pub fn weight(acceleration: Vector3) -> Load {
+pub(crate) fn weight(acceleration: Vector3) -> Load {
     steady(LoadKind::Gravity { acceleration })
 }
 
 /// Weight along −z by an acceleration of free fall, m/s².
-pub fn gravity(acceleration: f64) -> Load {
+pub(crate) fn gravity(acceleration: f64) -> Load {
     weight(Vector3::z() * -acceleration)
 }
 
 /// A dead force on a node, N.
-pub fn point_force(rod: usize, node: usize, force: Vector3) -> Load {
+pub(crate) fn point_force(rod: usize, node: usize, force: Vector3) -> Load {
     steady(LoadKind::Force { rod, node, force })
 }
 
 /// A moment of fixed direction on an edge, N m.
-pub fn moment_on(rod: usize, edge: usize, moment: Vector3) -> Load {
+pub(crate) fn moment_on(rod: usize, edge: usize, moment: Vector3) -> Load {
     steady(LoadKind::Moment { rod, edge, moment })
 }
 
 /// A dead force per length on one rod or on all, N/m.
-pub fn distributed(rod: Option<usize>, force_per_length: Vector3) -> Load {
+pub(crate) fn distributed(rod: Option<usize>, force_per_length: Vector3) -> Load {
     steady(LoadKind::Distributed {
         rod,
         force_per_length,
@@ -180,7 +180,7 @@ pub fn distributed(rod: Option<usize>, force_per_length: Vector3) -> Load {
 }
 
 /// Linear drag on one rod or on all by coefficients of velocity (N s/m²) and spin (N s).
-pub fn drag(rod: Option<usize>, translation: f64, rotation: f64) -> Load {
+pub(crate) fn drag(rod: Option<usize>, translation: f64, rotation: f64) -> Load {
     steady(LoadKind::Drag {
         rod,
         translation,
@@ -189,7 +189,7 @@ pub fn drag(rod: Option<usize>, translation: f64, rotation: f64) -> Load {
 }
 
 /// The half space below z = 0, with the friction of the contact model.
-pub fn ground() -> Plane {
+pub(crate) fn ground() -> Plane {
     Plane {
         point: Vector3::zeros(),
         normal: Vector3::z(),
@@ -198,7 +198,7 @@ pub fn ground() -> Plane {
 }
 
 /// A body at rest in the way of rods, with the friction of the contact model.
-pub fn obstacle(name: &str, body: RigidBody) -> Obstacle {
+pub(crate) fn obstacle(name: &str, body: RigidBody) -> Obstacle {
     Obstacle {
         name: name.into(),
         body,
@@ -207,7 +207,7 @@ pub fn obstacle(name: &str, body: RigidBody) -> Obstacle {
 }
 
 /// Contact by a model with a tolerance of distances, m.
-pub fn contact(model: ContactModel, distance_tolerance: f64) -> ContactParameters {
+pub(crate) fn contact(model: ContactModel, distance_tolerance: f64) -> ContactParameters {
     ContactParameters {
         model,
         distance_tolerance,
@@ -216,7 +216,7 @@ pub fn contact(model: ContactModel, distance_tolerance: f64) -> ContactParameter
 }
 
 /// Steps of one size (s) with a scheme.
-pub fn fixed_steps(scheme: Scheme, step: f64) -> IntegrationParameters {
+pub(crate) fn fixed_steps(scheme: Scheme, step: f64) -> IntegrationParameters {
     IntegrationParameters {
         scheme,
         ..fixed(step)
@@ -224,7 +224,7 @@ pub fn fixed_steps(scheme: Scheme, step: f64) -> IntegrationParameters {
 }
 
 /// Steps of one size (s) with the scheme that is the default.
-pub fn fixed(step: f64) -> IntegrationParameters {
+pub(crate) fn fixed(step: f64) -> IntegrationParameters {
     IntegrationParameters {
         step: StepSize::Fixed(step),
         ..IntegrationParameters::default()
@@ -232,45 +232,49 @@ pub fn fixed(step: f64) -> IntegrationParameters {
 }
 
 /// The simulation of a scene at its start, with default parameters.
-pub fn simulation_of(scene: &Scene) -> Simulation {
+pub(crate) fn simulation_of(scene: &Scene) -> Simulation {
     Simulation::new(scene, &IntegrationParameters::default()).unwrap()
 }
 
 /// The simulation of a scene in its equilibrium.
-pub fn at_rest(scene: &Scene) -> Simulation {
+pub(crate) fn at_rest(scene: &Scene) -> Simulation {
     let mut simulation = simulation_of(scene);
     simulation.find_equilibrium().unwrap();
     simulation
 }
 
 /// Steps until a time, s.
-pub fn advance_to(simulation: &mut Simulation, end: f64) {
+pub(crate) fn advance_to(simulation: &mut Simulation, end: f64) {
     while simulation.time() < end {
         simulation.advance(end).unwrap();
     }
 }
 
 /// The simulation of a scene at a time (s), with some parameters.
-pub fn run_with(scene: &Scene, parameters: &IntegrationParameters, end: f64) -> Simulation {
+pub(crate) fn run_with(scene: &Scene, parameters: &IntegrationParameters, end: f64) -> Simulation {
     let mut simulation = Simulation::new(scene, parameters).unwrap();
     advance_to(&mut simulation, end);
     simulation
 }
 
 /// The simulation of a scene with steps of a size (s) at a time (s).
-pub fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
+pub(crate) fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
     run_with(scene, &fixed_steps(scheme, step), end)
 }
 
 /// Another simulation of a scene that begins with the state of one.
-pub fn resumed(scene: &Scene, parameters: &IntegrationParameters, from: &Simulation) -> Simulation {
+pub(crate) fn resumed(
+    scene: &Scene,
+    parameters: &IntegrationParameters,
+    from: &Simulation,
+) -> Simulation {
     let mut simulation = Simulation::new(scene, parameters).unwrap();
     simulation.restore(from.state()).unwrap();
     simulation
 }
 
 /// Largest distance between nodes of the same number, m.
-pub fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
+pub(crate) fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
     assert_eq!(a.len(), b.len());
     let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
     distances.fold(0.0, f64::max)
@@ -278,13 +282,13 @@ pub fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
 
 /// A number lies within `tolerance` of what is expected, relative to that.
 #[track_caller]
-pub fn assert_close(found: f64, expected: f64, tolerance: f64) {
+pub(crate) fn assert_close(found: f64, expected: f64, tolerance: f64) {
     assert_close_in((), found, expected, tolerance);
 }
 
 /// The same, where a message needs the case.
 #[track_caller]
-pub fn assert_close_in(case: impl Debug, found: f64, expected: f64, tolerance: f64) {
+pub(crate) fn assert_close_in(case: impl Debug, found: f64, expected: f64, tolerance: f64) {
     let error = found / expected - 1.0;
     assert!(
         error.abs() < tolerance,

@@ -10,7 +10,7 @@ pub use sobol::{MOST_DIMENSIONS, MOST_POINTS, sobol, sobol_coordinate};
 const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The first number of the stream of a seed: bits that depend on every bit of the seed.
-pub fn scrambled(seed: u64) -> u64 {
+pub(crate) fn scrambled(seed: u64) -> u64 {
     let z = seed.wrapping_add(STEP);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

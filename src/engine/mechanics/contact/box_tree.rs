@@ -15,13 +15,13 @@ pub(super) struct AlignedBox {
 
 impl AlignedBox {
     /// The box around no point.
-    pub const EMPTY: Self = Self {
+    pub(crate) const EMPTY: Self = Self {
         lower: [f64::INFINITY; 3],
         upper: [f64::NEG_INFINITY; 3],
     };
 
     /// The box around points, with all that is within `distance` of them along an axis.
-    pub fn around(points: impl Iterator<Item = Vector3>, distance: f64) -> Self {
+    pub(crate) fn around(points: impl Iterator<Item = Vector3>, distance: f64) -> Self {
         points.fold(Self::EMPTY, |around, point| {
             around.with(&Self {
                 lower: std::array::from_fn(|axis| point[axis] - distance),
@@ -31,7 +31,7 @@ impl AlignedBox {
     }
 
     /// Whether a point is in it or on its border.
-    pub fn contains(&self, point: &Vector3) -> bool {
+    pub(crate) fn contains(&self, point: &Vector3) -> bool {
         (0..3).all(|axis| (self.lower[axis]..=self.upper[axis]).contains(&point[axis]))
     }
 
@@ -74,7 +74,7 @@ const NO_PART: u32 = u32::MAX;
 
 impl BoxTree {
     /// A tree of boxes, which are numbered as they come.
-    pub fn new(boxes: impl Iterator<Item = AlignedBox>) -> Self {
+    pub(crate) fn new(boxes: impl Iterator<Item = AlignedBox>) -> Self {
         let mut parts: Vec<(u32, AlignedBox)> = (0..).zip(boxes).collect();
         let mut tree = Self {
             nodes: Vec::with_capacity(2 * parts.len()),
@@ -113,14 +113,14 @@ impl BoxTree {
     }
 
     /// The box around all.
-    pub fn whole(&self) -> AlignedBox {
+    pub(crate) fn whole(&self) -> AlignedBox {
         self.nodes
             .first()
             .map_or(AlignedBox::EMPTY, |root| root.around)
     }
 
     /// Numbers of the boxes that meet a box, in no particular order.
-    pub fn meeting(&self, sought: AlignedBox) -> impl Iterator<Item = usize> + use<'_> {
+    pub(crate) fn meeting(&self, sought: AlignedBox) -> impl Iterator<Item = usize> + use<'_> {
         let mut next = 0;
         std::iter::from_fn(move || {
             while let Some(node) = self.nodes.get(next) {

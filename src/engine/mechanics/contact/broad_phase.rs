@@ -38,7 +38,7 @@ impl EdgeBox {
 impl BroadPhase {
     /// Collects in `found` all pairs that may touch with Δ < h_i + h_j + `clearance` (m), with their
     /// distance Δ, sorted by edges.
-    pub fn find(
+    pub(crate) fn find(
         &mut self,
         surface: &ContactSurface,
         positions: &[Vector3],
@@ -71,7 +71,7 @@ impl BroadPhase {
 
     /// Collects in `found` all pairs that may touch and whose boxes around the whole straight paths of their edges from
     /// `start` to `end` overlap, sorted by edges.
-    pub fn find_swept(
+    pub(crate) fn find_swept(
         &mut self,
         surface: &ContactSurface,
         start: &[Vector3],

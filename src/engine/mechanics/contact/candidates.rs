@@ -50,7 +50,7 @@ pub(super) struct Candidates {
 
 /// What belongs to the pairs of a list, for a newer list; for new pairs nothing. Both lists are sorted. Values beyond the
 /// pairs stay behind them.
-pub fn carried_over<T: Copy + Default>(
+pub(crate) fn carried_over<T: Copy + Default>(
     old: &[CandidatePair],
     values: &[T],
     new: &[CandidatePair],
@@ -68,7 +68,7 @@ pub fn carried_over<T: Copy + Default>(
 
 impl Candidates {
     /// No candidates yet, for a potential that reaches `reach` (m) beyond the surfaces.
-    pub fn new(surface: &ContactSurface, reach: f64) -> Self {
+    pub(crate) fn new(surface: &ContactSurface, reach: f64) -> Self {
         Self {
             reach,
             margin: MARGIN * surface.largest_moving_radius(),
@@ -83,32 +83,33 @@ impl Candidates {
     }
 
     /// The pairs, sorted by edges.
-    pub fn pairs(&self) -> &[CandidatePair] {
+    pub(crate) fn pairs(&self) -> &[CandidatePair] {
         &self.pairs
     }
 
     /// The pairs before the last build.
-    pub fn earlier_pairs(&self) -> &[CandidatePair] {
+    pub(crate) fn earlier_pairs(&self) -> &[CandidatePair] {
         &self.earlier_pairs
     }
 
     /// Gap between the surfaces of every pair when the set was built, m.
-    pub fn gaps(&self) -> &[f64] {
+    pub(crate) fn gaps(&self) -> &[f64] {
         &self.gaps
     }
 
     /// Positions when the set was built; empty before.
-    pub fn positions(&self) -> &[Vector3] {
+    pub(crate) fn positions(&self) -> &[Vector3] {
         &self.positions
     }
 
     /// Margin beyond the reach of the potential, m.
-    pub fn margin(&self) -> f64 {
+    pub(crate) fn margin(&self) -> f64 {
         self.margin
     }
 
     /// Sets the margin, m, and forgets the set.
-    pub fn set_margin(&mut self, margin: f64) {
+    #[cfg(test)]
+    pub(crate) fn set_margin(&mut self, margin: f64) {
         self.margin = margin;
         self.pairs.clear();
         self.coupled.clear();
@@ -117,12 +118,12 @@ impl Candidates {
     }
 
     /// Whether the nodes have used up so much of the margin that a step should not begin with this set.
-    pub fn are_worn(&self, positions: &[Vector3]) -> bool {
+    pub(crate) fn are_worn(&self, positions: &[Vector3]) -> bool {
         !self.is_within(positions, REBUILD_FRACTION)
     }
 
     /// Builds the set for these positions, an empty one without positions; returns whether it changed.
-    pub fn rebuild(
+    pub(crate) fn rebuild(
         &mut self,
         surface: &ContactSurface,
         obstacles: &PlacedObstacles,
@@ -158,13 +159,13 @@ impl Candidates {
     }
 
     /// Whether no pair within reach can be missing at these positions.
-    pub fn are_complete(&self, positions: &[Vector3]) -> bool {
+    pub(crate) fn are_complete(&self, positions: &[Vector3]) -> bool {
         self.is_within(positions, COMPLETE_FRACTION)
     }
 
     /// A fraction of the path `displacements` from `positions` along which the set is complete; 0 where it is not
     /// complete at `positions`, and may be greater than 1.
-    pub fn covered_fraction(&self, positions: &[Vector3], displacements: &[Vector3]) -> f64 {
+    pub(crate) fn covered_fraction(&self, positions: &[Vector3], displacements: &[Vector3]) -> f64 {
         if self.positions.len() != positions.len() {
             return 0.0;
         }
@@ -183,7 +184,7 @@ impl Candidates {
     }
 
     /// How far every node has moved since the set was built, m.
-    pub fn motion(&self, positions: &[Vector3], motion: &mut Vec<f64>) {
+    pub(crate) fn motion(&self, positions: &[Vector3], motion: &mut Vec<f64>) {
         motion.clear();
         motion.extend(
             positions

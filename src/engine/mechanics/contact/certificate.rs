@@ -35,7 +35,7 @@ impl ContactSystem {
     /// `end`, m; `None` where it is certain that there are none.
     ///
     /// At `start` and `end` no surfaces may overlap by more than `maximum_penetration`.
-    pub fn passage(&mut self, start: &[Vector3], end: &[Vector3]) -> Option<ContactPair> {
+    pub(crate) fn passage(&mut self, start: &[Vector3], end: &[Vector3]) -> Option<ContactPair> {
         let allowed = 1.0 - self.parameters.maximum_penetration;
         let moved = start.iter().zip(end).map(|(a, b)| (b - a).norm_squared());
         let largest = moved.fold(0.0, f64::max);

@@ -49,12 +49,12 @@ pub(super) struct ClosestPoints {
 
 impl ClosestPoints {
     /// Closest points of the edges (`nodes[0]`, `nodes[1]`) and (`nodes[2]`, `nodes[3]`).
-    pub fn of(nodes: &[Vector3; 4]) -> Self {
+    pub(crate) fn of(nodes: &[Vector3; 4]) -> Self {
         Self::smoothed(nodes, 0.0)
     }
 
     /// Closest points that pass smoothly through parallel edges, with a smoothing c (m²); 0 for the true ones.
-    pub fn smoothed(nodes: &[Vector3; 4], smoothing: f64) -> Self {
+    pub(crate) fn smoothed(nodes: &[Vector3; 4], smoothing: f64) -> Self {
         let edge_i = nodes[1] - nodes[0];
         let edge_j = nodes[3] - nodes[2];
         let (square_i, square_j) = (
@@ -126,13 +126,13 @@ impl ClosestPoints {
 
     /// The point of an axis (`nodes[2]`, `nodes[3]`) that is nearest to a point within a tube around it, which is given twice;
     /// `None` beyond the ends of the tube and on the axis, where there is no direction to its wall.
-    pub fn in_tube(nodes: &[Vector3; 4]) -> Option<Self> {
+    pub(crate) fn in_tube(nodes: &[Vector3; 4]) -> Option<Self> {
         let closest = Self::within_tube(nodes);
         closest.filter(|closest| closest.separation != Vector3::zeros())
     }
 
     /// The same on the axis, too, where there is a distance but no normal.
-    pub fn within_tube(nodes: &[Vector3; 4]) -> Option<Self> {
+    pub(crate) fn within_tube(nodes: &[Vector3; 4]) -> Option<Self> {
         let closest = Self::of_parallel_edges(nodes);
         closest.free[1].then_some(Self {
             inside: true,
@@ -141,20 +141,20 @@ impl ClosestPoints {
     }
 
     /// Weights of the four nodes in the separation: (1−β_i, β_i, −(1−β_j), −β_j).
-    pub fn weights(&self) -> [f64; 4] {
+    pub(crate) fn weights(&self) -> [f64; 4] {
         let [i, j] = self.ratios;
         [1.0 - i, i, j - 1.0, -j]
     }
 
     /// Centreline distance Δ, m.
-    pub fn distance(&self) -> f64 {
+    pub(crate) fn distance(&self) -> f64 {
         let [i, j] = self.ratios.map(|ratio| ratio - 0.5);
         let distance = (self.separation.norm_squared() + self.smoothing * (i * i + j * j)).sqrt();
         if self.inside { -distance } else { distance }
     }
 
     /// Normal from the second edge to the first, of length 1 without smoothing.
-    pub fn normal(&self) -> Vector3 {
+    pub(crate) fn normal(&self) -> Vector3 {
         self.separation / self.distance()
     }
 }

@@ -24,7 +24,7 @@ const SIDEWAYS: f64 = 0.1;
 impl ContactSystem {
     /// Lists the contacts that `motions` of the nodes from `positions` may close, m, or bring to within `margin` (m) of that, and
     /// those among `earlier` ones wherever they are, with the forces that they had there, or else in the last step, to begin with.
-    pub fn list_constraints(
+    pub(crate) fn list_constraints(
         &mut self,
         positions: &[Vector3],
         motions: &[Vector3],
@@ -127,7 +127,7 @@ impl ContactSystem {
     }
 
     /// Largest motion of rods that are candidates relative to each other, for motions of all nodes, m.
-    pub fn largest_relative_motion(&self, motions: &[Vector3]) -> f64 {
+    pub(crate) fn largest_relative_motion(&self, motions: &[Vector3]) -> f64 {
         let pairs = self.candidates.pairs().iter();
         pairs
             .map(|pair| largest_relative_motion(pair, motions))
@@ -143,7 +143,7 @@ impl ContactSystem {
     }
 
     /// Loads the listed contacts with the forces that iterations begin with.
-    pub fn load_begun_forces(&mut self) {
+    pub(crate) fn load_begun_forces(&mut self) {
         let mut constraints = std::mem::take(&mut self.constraints);
         for constraint in &mut constraints {
             let slot = self.slot_of(constraint);
@@ -155,7 +155,7 @@ impl ContactSystem {
     }
 
     /// Lets iterations begin with forces of the listed contacts, N, and with none at others.
-    pub fn begin_with_forces(&mut self, forces: &[Vector3]) {
+    pub(crate) fn begin_with_forces(&mut self, forces: &[Vector3]) {
         self.multipliers.begin_without();
         for (index, force) in forces.iter().enumerate() {
             let constraint = &self.constraints[index];
@@ -170,7 +170,7 @@ impl ContactSystem {
     }
 
     /// Gap (m) at which a listed contact rests under a normal force, N.
-    pub fn rest_gap(&self, constraint: &ContactConstraint, force: f64) -> f64 {
+    pub(crate) fn rest_gap(&self, constraint: &ContactConstraint, force: f64) -> f64 {
         let [first, _, second, _] = constraint.nodes;
         let (scale, standoff) = match constraint.bodies {
             Bodies::Edges(candidate) => {
@@ -191,7 +191,11 @@ impl ContactSystem {
     ///
     /// Without friction and for edges that touch between their ends this is minus the stiffness N Δ Q⁻¹ of
     /// `distance`, which grows as edges turn through parallel.
-    pub fn turning(&self, constraint: &ContactConstraint, positions: &[Vector3]) -> EdgeJacobian {
+    pub(crate) fn turning(
+        &self,
+        constraint: &ContactConstraint,
+        positions: &[Vector3],
+    ) -> EdgeJacobian {
         let mut jacobian = [[0.0; 12]; 12];
         let Bodies::Edges(candidate) = constraint.bodies else {
             return jacobian;
@@ -229,13 +233,13 @@ impl ContactSystem {
     }
 
     /// The contacts that [`Self::list_constraints`] found.
-    pub fn constraints(&self) -> &[ContactConstraint] {
+    pub(crate) fn constraints(&self) -> &[ContactConstraint] {
         &self.constraints
     }
 
     /// Gives the listed contacts their forces, N, and drops those that never had any in this step. One that had stays: left out
     /// where it has opened, it would be found overlapping and listed again, to and fro.
-    pub fn load_constraints(&mut self, forces: &[Vector3]) {
+    pub(crate) fn load_constraints(&mut self, forces: &[Vector3]) {
         for (constraint, force) in self.constraints.iter_mut().zip(forces) {
             constraint.force = *force;
             constraint.touched |= *force != Vector3::zeros();
@@ -244,7 +248,7 @@ impl ContactSystem {
     }
 
     /// Drops all constraints with their forces, and returns them.
-    pub fn release_constraints(&mut self) -> Vec<ContactConstraint> {
+    pub(crate) fn release_constraints(&mut self) -> Vec<ContactConstraint> {
         std::mem::take(&mut self.constraints)
     }
 

@@ -21,9 +21,9 @@ use crate::mechanics::rotation::Pose;
 ///
 /// In a time step: [`update_candidates`](Self::update_candidates), then per Newton iteration
 /// [`evaluate`](Self::evaluate) and per trial of the line search [`evaluate_forces`](Self::evaluate_forces),
-/// no farther along a straight path than [`largest_step`](Self::largest_step) allows;
-/// after it, [`candidates_are_complete`](Self::candidates_are_complete),
-/// [`excessive_penetration`](Self::excessive_penetration) and [`passage`](Self::passage).
+/// no farther along a straight path than `largest_step` allows;
+/// after it, `candidates_are_complete`,
+/// `excessive_penetration` and `passage`.
 ///
 /// The distance of two edges has kinks where several pairs of points are equally near: joints of a rod, and
 /// parallel edges, whose closest points the implicit contact model smooths. Newton's method may need its line search
@@ -75,7 +75,7 @@ pub struct ContactSystem {
 
 impl ContactSystem {
     /// `least_stiffness` is the contact stiffness k at the start and the least that
-    /// [`Self::adapt_stiffness`] chooses; that of the force scale EI/L² suits.
+    /// `Self::adapt_stiffness` chooses; that of the force scale EI/L² suits.
     pub fn new(
         parameters: ContactParameters,
         surface: ContactSurface,
@@ -117,17 +117,17 @@ impl ContactSystem {
     }
 
     /// The surfaces.
-    pub fn surface(&self) -> &ContactSurface {
+    pub(crate) fn surface(&self) -> &ContactSurface {
         &self.surface
     }
 
     /// The rigid planes.
-    pub fn planes(&self) -> &[ContactPlane] {
+    pub(crate) fn planes(&self) -> &[ContactPlane] {
         &self.planes
     }
 
     /// The parameters.
-    pub fn parameters(&self) -> &ContactParameters {
+    pub(crate) fn parameters(&self) -> &ContactParameters {
         &self.parameters
     }
 
@@ -135,7 +135,8 @@ impl ContactSystem {
     ///
     /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the
     /// Newton system. To be called before the first update, and again before a restart.
-    pub fn set_candidate_margin(&mut self, margin: f64) {
+    #[cfg(test)]
+    pub(crate) fn set_candidate_margin(&mut self, margin: f64) {
         self.candidates.set_margin(margin);
     }
 
@@ -150,23 +151,23 @@ impl ContactSystem {
     }
 
     /// Moves an obstacle to where it is at the end of a step; candidates are out of date then.
-    pub fn place_obstacle(&mut self, obstacle: usize, pose: Pose) {
+    pub(crate) fn place_obstacle(&mut self, obstacle: usize, pose: Pose) {
         self.obstacles.place(&self.surface, obstacle, pose);
     }
 
     /// Lets the next step start where the obstacles are.
-    pub fn commit_obstacles(&mut self) {
+    pub(crate) fn commit_obstacles(&mut self) {
         self.obstacles.commit();
     }
 
     /// How far a vertex of an obstacle moves in the step, m; vertices are counted on from the nodes of the rods.
-    pub fn vertex_motion(&self, vertex: usize) -> Vector3 {
+    pub(crate) fn vertex_motion(&self, vertex: usize) -> Vector3 {
         let now = self.obstacles.points(&[]).vertices[vertex - self.node_count];
         now - self.obstacles.points_at_start(&[]).vertices[vertex - self.node_count]
     }
 
     /// Whether a number is that of a node of a rod, and not of a vertex of an obstacle.
-    pub fn is_of_rod(&self, node: usize) -> bool {
+    pub(crate) fn is_of_rod(&self, node: usize) -> bool {
         node < self.node_count
     }
 
@@ -243,7 +244,7 @@ impl ContactSystem {
     /// Whether no contact can be missing from the candidates at these positions: no node has moved more
     /// than half the margin since they were built. To be asked when a step has converged; where it is
     /// false, update the candidates and go on iterating if the set changed.
-    pub fn candidates_are_complete(&self, positions: &[Vector3]) -> bool {
+    pub(crate) fn candidates_are_complete(&self, positions: &[Vector3]) -> bool {
         !self.obstacles.moved && self.candidates.are_complete(positions)
     }
 
@@ -251,7 +252,7 @@ impl ContactSystem {
     /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
     /// and tractions that the iteration carries along, which begin with those of the last step. `mobilities` says how far a
     /// unit force moves each node within the step by inertia alone, m/N: zero where it is held.
-    pub fn begin_iterations(&mut self, mobilities: &[f64]) {
+    pub(crate) fn begin_iterations(&mut self, mobilities: &[f64]) {
         if self.parameters.is_complementarity() {
             // Each step begins with what a checkpoint holds.
             self.constraints.clear();
@@ -263,7 +264,7 @@ impl ContactSystem {
     }
 
     /// Begins the iterations of a step again from the forces of the last one; what is no surprise any more is forgotten.
-    pub fn begin_forces_anew(&mut self) {
+    pub(crate) fn begin_forces_anew(&mut self) {
         self.iterate.forget_changes();
         self.multipliers.begin(self.slots());
         self.carried_tractions.begin(self.slots());
@@ -271,27 +272,27 @@ impl ContactSystem {
 
     /// Whether the contact forces at the prediction differ much from those of the last step, and are so many that a
     /// prediction of all of them pays among so many rods: to be asked after the first linearisation of a step.
-    pub fn is_surprised(&self, rods: usize) -> bool {
+    pub(crate) fn is_surprised(&self, rods: usize) -> bool {
         self.iterate.is_surprised(rods)
     }
 
     /// Whether the Jacobians are those of the carried normal forces.
-    pub fn uses_multipliers(&self) -> bool {
+    pub(crate) fn uses_multipliers(&self) -> bool {
         self.multipliers.in_use()
     }
 
     /// Says whether the last correction was small against the radii; before, Jacobians leave out how contacts turn.
-    pub fn set_moved_slightly(&mut self, slightly: bool) {
+    pub(crate) fn set_moved_slightly(&mut self, slightly: bool) {
         self.iterate.moved_slightly = slightly;
     }
 
     /// Goes on with Jacobians at the present gaps.
-    pub fn abandon_multipliers(&mut self) {
+    pub(crate) fn abandon_multipliers(&mut self) {
         self.multipliers.abandon();
     }
 
     /// Takes over the normal forces of the last evaluation as those of an accepted step.
-    pub fn commit_multipliers(&mut self) {
+    pub(crate) fn commit_multipliers(&mut self) {
         let slots = self.slots();
         let reach = self.parameters.reach();
         // Contacts that opened stay listed where their multipliers bore force.
@@ -352,12 +353,12 @@ impl ContactSystem {
     }
 
     /// Normal forces of the candidates in the last accepted step, N; may be shorter than their list.
-    pub fn normal_forces(&self) -> &[f64] {
+    pub(crate) fn normal_forces(&self) -> &[f64] {
         self.multipliers.committed()
     }
 
     /// Largest normal force of a contact in the last accepted step, N; zero without contacts.
-    pub fn largest_normal_force(&self) -> f64 {
+    pub(crate) fn largest_normal_force(&self) -> f64 {
         self.multipliers
             .committed()
             .iter()
@@ -367,13 +368,13 @@ impl ContactSystem {
 
     /// Steepest change of the friction of any contact with its slip speed in the last accepted step, N s/m; zero where
     /// friction is not smoothed.
-    pub fn steepest_friction(&self) -> f64 {
+    pub(crate) fn steepest_friction(&self) -> f64 {
         let coefficient = self.largest_friction();
         self.parameters.friction_slope(coefficient) * self.largest_normal_force()
     }
 
     /// Largest friction coefficient of rods, planes and obstacles.
-    pub fn largest_friction(&self) -> f64 {
+    pub(crate) fn largest_friction(&self) -> f64 {
         let planes = self.planes.iter().map(|plane| plane.friction);
         let obstacles = self.surface.obstacle_frictions().iter();
         planes
@@ -382,13 +383,13 @@ impl ContactSystem {
     }
 
     /// Force Jacobians, one per element of [`Self::contacts`]; symmetric without friction.
-    pub fn jacobians(&self) -> &[EdgeJacobian] {
+    pub(crate) fn jacobians(&self) -> &[EdgeJacobian] {
         &self.jacobians
     }
 
     /// What to add to the forces of [`Self::contacts`] and [`Self::plane_contacts`] to have those of the linearised laws at
     /// the present gaps, N: the right-hand side that goes with the Jacobians. Zero without multipliers.
-    pub fn linear_corrections(&self) -> ForceCorrections<'_> {
+    pub(crate) fn linear_corrections(&self) -> ForceCorrections<'_> {
         ForceCorrections {
             edges: &self.linear_corrections,
             planes: &self.plane_linear_corrections,
@@ -396,17 +397,17 @@ impl ContactSystem {
     }
 
     /// Active plane contacts of the last evaluation, sorted by plane and node.
-    pub fn plane_contacts(&self) -> &[PlaneContact] {
+    pub(crate) fn plane_contacts(&self) -> &[PlaneContact] {
         &self.plane_contacts
     }
 
     /// Force Jacobians, one per element of [`Self::plane_contacts`].
-    pub fn plane_jacobians(&self) -> &[PlaneJacobian] {
+    pub(crate) fn plane_jacobians(&self) -> &[PlaneJacobian] {
         &self.plane_jacobians
     }
 
     /// Contacts (with planes too) of the last evaluation within the distance tolerance δ (Eq. 2.17).
-    pub fn contact_count(&self) -> usize {
+    pub(crate) fn contact_count(&self) -> usize {
         self.contact_count
     }
 }

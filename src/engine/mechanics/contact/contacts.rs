@@ -60,12 +60,12 @@ impl CandidatePair {
     }
 
     /// Whether the first body is a single node: over a face or in a tube.
-    pub fn is_of_node(&self) -> bool {
+    pub(crate) fn is_of_node(&self) -> bool {
         matches!(self.side, TUBE | RIM_NODE) || self.is_with_face()
     }
 
     /// Whether the first body has three nodes.
-    pub fn is_of_piece(&self) -> bool {
+    pub(crate) fn is_of_piece(&self) -> bool {
         self.first_body() == 3
     }
 
@@ -185,7 +185,7 @@ impl ContactConstraint {
     }
 
     /// Where its matrix belongs.
-    pub fn place(&self) -> ConstraintPlace {
+    pub(crate) fn place(&self) -> ConstraintPlace {
         match self.bodies {
             Bodies::Edges(candidate) => ConstraintPlace::Candidate(candidate),
             Bodies::Plane(_) => ConstraintPlace::Node(self.nodes[0]),
@@ -214,7 +214,7 @@ impl ContactConstraint {
     }
 
     /// Relative motion at the contact for a motion of all nodes.
-    pub fn relative_motion(&self, of_node: impl Fn(usize) -> Vector3) -> Vector3 {
+    pub(crate) fn relative_motion(&self, of_node: impl Fn(usize) -> Vector3) -> Vector3 {
         (0..4)
             .map(|m| of_node(self.nodes[m]) * self.weights[m])
             .sum()
@@ -263,7 +263,7 @@ impl Proximity {
     }
 
     /// Depth of penetration as a fraction of the threshold; negative where the surfaces are apart.
-    pub fn penetration(&self) -> f64 {
+    pub(crate) fn penetration(&self) -> f64 {
         1.0 - self.ratio()
     }
 }

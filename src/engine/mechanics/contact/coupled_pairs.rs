@@ -8,19 +8,19 @@ use super::contacts::Bodies;
 
 impl ContactSystem {
     /// Numbers of the candidates of two rods that the Newton system couples, in order.
-    pub fn coupled_pairs(&self) -> &[usize] {
+    pub(crate) fn coupled_pairs(&self) -> &[usize] {
         &self.candidates.coupled
     }
 
     /// Couples the contacts of the last evaluation too; returns whether some were not.
-    pub fn couple_contacts(&mut self) -> bool {
+    pub(crate) fn couple_contacts(&mut self) -> bool {
         let contacts = self.contacts.iter().map(|contact| contact.candidate);
         let new = self.uncoupled(contacts);
         self.couple(new)
     }
 
     /// Couples the constraints that were listed last too; returns whether some were not.
-    pub fn couple_constraints(&mut self) -> bool {
+    pub(crate) fn couple_constraints(&mut self) -> bool {
         let candidates = self.constraints.iter().filter_map(|one| match one.bodies {
             Bodies::Edges(candidate) => Some(candidate),
             Bodies::Plane(_) => None,

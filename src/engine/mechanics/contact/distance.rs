@@ -47,7 +47,7 @@ impl DistanceDerivatives {
     /// Derivatives for the edges (`nodes[0]`, `nodes[1]`) and (`nodes[2]`, `nodes[3]`).
     ///
     /// `closest` must have been found for these nodes, with a distance that is not zero.
-    pub fn of(nodes: &[Vector3; 4], closest: &ClosestPoints) -> Self {
+    pub(crate) fn of(nodes: &[Vector3; 4], closest: &ClosestPoints) -> Self {
         let distance = closest.distance();
         let normal = closest.separation / distance;
         let weights = closest.weights();
@@ -87,7 +87,7 @@ impl DistanceDerivatives {
     }
 
     /// ∇Δ = w ⊗ n.
-    pub fn gradient(&self) -> [f64; 12] {
+    pub(crate) fn gradient(&self) -> [f64; 12] {
         std::array::from_fn(|column| self.weights[column / 3] * self.normal[column % 3])
     }
 }

@@ -34,7 +34,7 @@ pub(super) struct Sliding {
 
 impl Sliding {
     /// Velocity of one contact point relative to the other, m/s.
-    pub fn relative_velocity(&self, weights: &[f64; 4]) -> Vector3 {
+    pub(crate) fn relative_velocity(&self, weights: &[f64; 4]) -> Vector3 {
         let [a, b, c, d] = &self.velocities;
         a * weights[0] + b * weights[1] + c * weights[2] + d * weights[3]
     }

@@ -89,8 +89,8 @@ impl ContactSystem {
         self.evaluate_contacts(positions, previous, time_step, true);
     }
 
-    /// The same without Jacobians, for line searches; [`Self::jacobians`] and
-    /// [`Self::plane_jacobians`] are empty afterwards.
+    /// The same without Jacobians, for line searches; `Self::jacobians` and
+    /// `Self::plane_jacobians` are empty afterwards.
     pub fn evaluate_forces(&mut self, positions: &[Vector3], previous: &[Vector3], time_step: f64) {
         self.evaluate_contacts(positions, previous, time_step, false);
     }

@@ -11,7 +11,7 @@ pub(super) struct Points<'a> {
 
 impl Points<'_> {
     /// Position of a node or vertex, m.
-    pub fn at(&self, node: usize) -> Vector3 {
+    pub(crate) fn at(&self, node: usize) -> Vector3 {
         match self.nodes.get(node) {
             Some(position) => *position,
             None => self.vertices[node - self.nodes.len()],
@@ -19,7 +19,7 @@ impl Points<'_> {
     }
 
     /// Positions of some of them.
-    pub fn of<const N: usize>(&self, nodes: [usize; N]) -> [Vector3; N] {
+    pub(crate) fn of<const N: usize>(&self, nodes: [usize; N]) -> [Vector3; N] {
         nodes.map(|node| self.at(node))
     }
 }
@@ -38,7 +38,7 @@ pub(super) struct Foot {
 impl Foot {
     /// The foot of a node on the triangle of the last three points, whose normal points to the given `side`, 1 or −1; `None`
     /// where it is outside of the triangle.
-    pub fn of(points: &[Vector3; 4], side: f64) -> Option<Self> {
+    pub(crate) fn of(points: &[Vector3; 4], side: f64) -> Option<Self> {
         let foot = Self::in_plane(points, side)?;
         foot.weights
             .iter()
@@ -47,7 +47,7 @@ impl Foot {
     }
 
     /// The same in the plane of the triangle, inside of it or outside; `None` for a triangle without area.
-    pub fn in_plane([node, a, b, c]: &[Vector3; 4], side: f64) -> Option<Self> {
+    pub(crate) fn in_plane([node, a, b, c]: &[Vector3; 4], side: f64) -> Option<Self> {
         let [ab, ac, an] = [b - a, c - a, node - a];
         let area = ab.cross(&ac);
         let square = area.norm_squared();
@@ -65,7 +65,7 @@ impl Foot {
     }
 
     /// Weights of node and vertices in the separation of node and foot.
-    pub fn all_weights(&self) -> [f64; 4] {
+    pub(crate) fn all_weights(&self) -> [f64; 4] {
         let [a, b, c] = self.weights;
         [1.0, -a, -b, -c]
     }

@@ -50,19 +50,19 @@ pub(super) struct Traction {
 impl FrictionLaw {
     /// Friction per normal force at the relative velocity `velocity` (m/s).
     #[cfg(test)]
-    pub fn traction(&self, normal: &Vector3, velocity: &Vector3) -> Vector3 {
+    pub(crate) fn traction(&self, normal: &Vector3, velocity: &Vector3) -> Vector3 {
         self.traction_of_slip(&slip(normal, velocity))
     }
 
     /// Friction per normal force at a slip, m/s: a velocity without its normal part.
-    pub fn traction_of_slip(&self, slip: &Vector3) -> Vector3 {
+    pub(crate) fn traction_of_slip(&self, slip: &Vector3) -> Vector3 {
         let (factor, _) = self.smoothing(slip.norm());
         slip * (-self.coefficient * factor)
     }
 
     /// The slip (m/s) of a friction per normal force below μ.
     #[cfg(test)]
-    pub fn slip_of_traction(&self, traction: &Vector3) -> Vector3 {
+    pub(crate) fn slip_of_traction(&self, traction: &Vector3) -> Vector3 {
         let relative = traction.norm() / self.coefficient;
         if relative == 0.0 {
             return Vector3::zeros();
@@ -72,7 +72,7 @@ impl FrictionLaw {
     }
 
     /// The slip u (m/s) with t(u) − c u = `sum` for c = `resistance` (s/m).
-    pub fn resolved(&self, sum: &Vector3, resistance: f64) -> Vector3 {
+    pub(crate) fn resolved(&self, sum: &Vector3, resistance: f64) -> Vector3 {
         let size = sum.norm();
         if size == 0.0 {
             return Vector3::zeros();
@@ -94,14 +94,14 @@ impl FrictionLaw {
     }
 
     /// Derivative of [`Self::traction_of_slip`], s/m.
-    pub fn slope(&self, slip: &Vector3) -> Matrix3 {
+    pub(crate) fn slope(&self, slip: &Vector3) -> Matrix3 {
         let (factor, factor_rate) = self.smoothing(slip.norm());
         (Matrix3::identity() * factor + slip * slip.transpose() * factor_rate) * -self.coefficient
     }
 
     /// Friction at `at`, a slip (m/s), with the derivatives there; how the slip changes with velocity and normal is
     /// that of the present `velocity`.
-    pub fn traction_derivatives(
+    pub(crate) fn traction_derivatives(
         &self,
         normal: &Vector3,
         velocity: &Vector3,

@@ -37,7 +37,7 @@ pub(super) struct Iterate {
 
 impl Iterate {
     /// Starts the iterations of a step.
-    pub fn begin(&mut self, mobilities: &[f64]) {
+    pub(crate) fn begin(&mut self, mobilities: &[f64]) {
         self.mobilities.clear();
         self.mobilities.extend_from_slice(mobilities);
         self.positions.clear();
@@ -47,7 +47,7 @@ impl Iterate {
 
     /// Counts the force of a contact with so many rods in the first linearisation: normal force (N) and traction, in the
     /// last step and now.
-    pub fn compare(&mut self, rods: usize, before: (f64, Vector3), now: (f64, Vector3)) {
+    pub(crate) fn compare(&mut self, rods: usize, before: (f64, Vector3), now: (f64, Vector3)) {
         if !self.positions.is_empty() {
             return;
         }
@@ -60,26 +60,26 @@ impl Iterate {
     }
 
     /// Whether many contacts bear other forces than in the last step, and not too many for so many rods.
-    pub fn is_surprised(&self, rods: usize) -> bool {
+    pub(crate) fn is_surprised(&self, rods: usize) -> bool {
         let are_many = rods >= MANY_RODS && self.contacts >= MANY_CONTACTS;
         let suits = are_many && self.pressed <= MOST_PER_ROD * rods;
         suits && self.changes > SURPRISE * self.forces
     }
 
     /// Forgets by how much the forces of contacts have changed.
-    pub fn forget_changes(&mut self) {
+    pub(crate) fn forget_changes(&mut self) {
         (self.contacts, self.pressed) = (0, 0);
         (self.forces, self.changes) = (0.0, 0.0);
     }
 
     /// Takes over the positions of a linearisation.
-    pub fn linearised_at(&mut self, positions: &[Vector3]) {
+    pub(crate) fn linearised_at(&mut self, positions: &[Vector3]) {
         self.positions.clear();
         self.positions.extend_from_slice(positions);
     }
 
     /// How the nodes of a contact, now at `positions`, have moved since, and how they resist with their weights.
-    pub fn moved<const N: usize>(
+    pub(crate) fn moved<const N: usize>(
         &self,
         nodes: &[usize; N],
         weights: &[f64; N],

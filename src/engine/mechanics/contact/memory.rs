@@ -22,7 +22,7 @@ pub struct ContactMemory {
 /// A memory of another scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("contact memory of {found} nodes in a scene of {expected}")]
-pub struct MismatchedMemory {
+pub(crate) struct MismatchedMemory {
     /// Nodes of this scene.
     pub expected: usize,
     /// Nodes in the memory.
@@ -31,7 +31,7 @@ pub struct MismatchedMemory {
 
 impl ContactSystem {
     /// What a checkpoint must hold.
-    pub fn memory(&self) -> ContactMemory {
+    pub(crate) fn memory(&self) -> ContactMemory {
         let positions = self.candidate_positions().iter();
         let tractions = self.carried_tractions().committed().iter();
         ContactMemory {
@@ -47,7 +47,7 @@ impl ContactSystem {
     ///
     /// # Errors
     /// When the memory is that of a scene with another number of nodes.
-    pub fn restore(&mut self, memory: &ContactMemory) -> Result<(), MismatchedMemory> {
+    pub(crate) fn restore(&mut self, memory: &ContactMemory) -> Result<(), MismatchedMemory> {
         let stored = memory.candidate_positions.iter();
         let positions: Vec<Vector3> = stored.map(|&position| position.into()).collect();
         let (expected, found) = (self.surface().node_count(), positions.len());

@@ -89,11 +89,10 @@ pub use contacts::{
     ActiveContact, CandidatePair, ConstraintPlace, ContactConstraint, ContactPair, EdgeJacobian,
     ForceCorrections, PlaneContact, PlaneJacobian, Proximity,
 };
-pub use memory::{ContactMemory, MismatchedMemory};
+pub(crate) use memory::ContactMemory;
 pub use parameters::{ContactModel, ContactParameters};
-pub use root::{Root, RootBody};
-pub use step_bound::LargestStep;
-pub use stored_energy::Stored;
+pub(crate) use root::{Root, RootBody};
+pub(crate) use stored_energy::Stored;
 pub use surface::{ContactEdge, ContactPlane, ContactSurface};
 pub use touching::touching_points;
 pub(super) use tractions::cut;

@@ -71,7 +71,7 @@ pub(super) struct Moved {
 
 impl Moved {
     /// A linear form of the displacements.
-    pub fn along(&self, rates: &[f64; 12]) -> f64 {
+    pub(crate) fn along(&self, rates: &[f64; 12]) -> f64 {
         let nodes = self.displacements.iter().zip(rates.as_chunks::<3>().0);
         nodes
             .map(|(moved, [x, y, z])| x * moved.x + y * moved.y + z * moved.z)
@@ -122,7 +122,7 @@ pub(super) struct Multipliers {
 
 impl Multipliers {
     /// Starts the iterations of a step from the committed forces.
-    pub fn begin(&mut self, slots: Slots) {
+    pub(crate) fn begin(&mut self, slots: Slots) {
         self.committed.resize(slots.count(), 0.0);
         self.tangents.clear(slots.count());
         for (slot, force) in self.committed.iter().enumerate() {
@@ -134,22 +134,22 @@ impl Multipliers {
     }
 
     /// Force that iterations begin with at a slot, N.
-    pub fn begun(&self, slot: usize) -> f64 {
+    pub(crate) fn begun(&self, slot: usize) -> f64 {
         self.force(slot)
     }
 
     /// Lets iterations begin without any force.
-    pub fn begin_without(&mut self) {
+    pub(crate) fn begin_without(&mut self) {
         self.tangents.forget();
     }
 
     /// Lets iterations begin with a force at a slot, N.
-    pub fn begin_with(&mut self, slot: usize, force: f64) {
+    pub(crate) fn begin_with(&mut self, slot: usize, force: f64) {
         self.tangents.set(slot, Tangent::constant(force));
     }
 
     /// Takes over the forces of an accepted step, slot by slot; those not given are zero.
-    pub fn commit(&mut self, slots: Slots, forces: impl Iterator<Item = (usize, f64)>) {
+    pub(crate) fn commit(&mut self, slots: Slots, forces: impl Iterator<Item = (usize, f64)>) {
         self.committed.clear();
         self.committed.resize(slots.count(), 0.0);
         for (slot, force) in forces {
@@ -159,29 +159,29 @@ impl Multipliers {
     }
 
     /// Carries all forces over to a new list of candidates; both lists are sorted.
-    pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
+    pub(crate) fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
         self.committed = carried_over(old, &self.committed, new);
         self.tangents.carry_over(old, new);
     }
 
     /// Forces at the end of the last accepted step, N, one per slot.
-    pub fn committed(&self) -> &[f64] {
+    pub(crate) fn committed(&self) -> &[f64] {
         &self.committed
     }
 
     /// Continues from stored forces.
-    pub fn restore(&mut self, committed: &[f64]) {
+    pub(crate) fn restore(&mut self, committed: &[f64]) {
         self.committed = committed.to_vec();
         self.in_use = false;
     }
 
     /// Linearises at the present gaps from now on.
-    pub fn abandon(&mut self) {
+    pub(crate) fn abandon(&mut self) {
         self.in_use = false;
     }
 
     /// Whether iterations use the multipliers.
-    pub fn in_use(&self) -> bool {
+    pub(crate) fn in_use(&self) -> bool {
         self.in_use
     }
 
@@ -191,18 +191,24 @@ impl Multipliers {
     }
 
     /// Whether the contact of a slot bears force by its multiplier, wherever it is.
-    pub fn is_loaded(&self, slot: usize) -> bool {
+    pub(crate) fn is_loaded(&self, slot: usize) -> bool {
         self.in_use && self.force(slot) > 0.0
     }
 
     /// Whether a force (N) at which a slot is to be linearised is about that of the last linearisation, or of those that
     /// iterations begin with.
-    pub fn is_known(&self, slot: usize, force: f64) -> bool {
+    pub(crate) fn is_known(&self, slot: usize, force: f64) -> bool {
         self.in_use && are_alike(force, self.force(slot), KNOWN_RATIO)
     }
 
     /// The law of a slot at `gap`, m.
-    pub fn linear_law(&self, slot: usize, gap: f64, law: &NormalLaw, moved: &Moved) -> LinearLaw {
+    pub(crate) fn linear_law(
+        &self,
+        slot: usize,
+        gap: f64,
+        law: &NormalLaw,
+        moved: &Moved,
+    ) -> LinearLaw {
         let without = Tangent::default();
         let tangent = self.tangents.get(slot).unwrap_or(&without);
         let wanted = tangent.value + moved.along(&tangent.rates);
@@ -228,7 +234,7 @@ impl Multipliers {
     }
 
     /// Keeps the linear law of a slot, whose gap changes with the displacements by `gradient`.
-    pub fn keep(&mut self, slot: usize, law: &LinearLaw, gradient: &[f64; 12]) {
+    pub(crate) fn keep(&mut self, slot: usize, law: &LinearLaw, gradient: &[f64; 12]) {
         let tangent = Tangent {
             value: law.force,
             rates: gradient.map(|rate| law.tangent.force_slope * rate),

@@ -22,7 +22,7 @@ pub(super) enum NearestPoints {
 impl NearestPoints {
     /// Those of a pair at `points`, smoothed over parallel edges by c (m²); `None` where the node of a pair with a face is not over
     /// it, or not within the ends of a tube, and where a rim is not felt.
-    pub fn of(
+    pub(crate) fn of(
         surface: &ContactSurface,
         pair: &CandidatePair,
         points: &Points,
@@ -40,7 +40,7 @@ impl NearestPoints {
     }
 
     /// Distance, m; negative for a node on the other side of a face, and in a tube.
-    pub fn distance(&self) -> f64 {
+    pub(crate) fn distance(&self) -> f64 {
         match self {
             Self::Edges(closest) => closest.distance(),
             Self::Face(foot) => foot.distance,
@@ -49,7 +49,7 @@ impl NearestPoints {
     }
 
     /// Weights of the four nodes in the separation.
-    pub fn weights(&self) -> [f64; 4] {
+    pub(crate) fn weights(&self) -> [f64; 4] {
         match self {
             Self::Edges(closest) => closest.weights(),
             Self::Face(foot) => foot.all_weights(),
@@ -58,7 +58,7 @@ impl NearestPoints {
     }
 
     /// Normal, from the second body to the first.
-    pub fn normal(&self) -> Vector3 {
+    pub(crate) fn normal(&self) -> Vector3 {
         match self {
             Self::Edges(closest) => closest.normal(),
             Self::Face(foot) => foot.normal,

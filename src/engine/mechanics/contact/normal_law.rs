@@ -31,7 +31,7 @@ pub(super) struct NormalLaw {
 
 impl NormalLaw {
     /// The law between surfaces of mean radius `scale` (m).
-    pub fn new(parameters: &ContactParameters, scale: f64, stiffness: f64) -> Self {
+    pub(crate) fn new(parameters: &ContactParameters, scale: f64, stiffness: f64) -> Self {
         Self {
             model: parameters.model,
             scale,
@@ -41,12 +41,12 @@ impl NormalLaw {
     }
 
     /// Force (N) below which a force counts as none.
-    pub fn least_force(&self) -> f64 {
+    pub(crate) fn least_force(&self) -> f64 {
         LEAST_PART * self.stiffness * self.tolerance / (self.scale * self.scale)
     }
 
     /// Energy and force at a surface gap, m.
-    pub fn response(&self, gap: f64) -> NormalResponse {
+    pub(crate) fn response(&self, gap: f64) -> NormalResponse {
         let (scale, tolerance, stiffness) = (self.scale, self.tolerance, self.stiffness);
         match self.model {
             ContactModel::ImplicitContact => {
@@ -60,7 +60,7 @@ impl NormalLaw {
     }
 
     /// The surface gap (m) at which the force is `force` (N), positive.
-    pub fn gap_of_force(&self, force: f64) -> f64 {
+    pub(crate) fn gap_of_force(&self, force: f64) -> f64 {
         let (scale, tolerance, stiffness) = (self.scale, self.tolerance, self.stiffness);
         match self.model {
             ContactModel::ImplicitContact => {
@@ -75,7 +75,7 @@ impl NormalLaw {
 
     /// The force λ* (N) and the gap g* (m) with λ* = N(g*) and λ* − ρ g* = `force` − ρ `gap`, for ρ = `inertia` (N/m); no
     /// force where none can be told from zero.
-    pub fn resolved(&self, force: f64, gap: f64, inertia: f64) -> (f64, f64) {
+    pub(crate) fn resolved(&self, force: f64, gap: f64, inertia: f64) -> (f64, f64) {
         let sum = force - inertia * gap;
         let least = self.least_force();
         // Convex in the logarithm of λ: Newton's method from above is monotone, and from the right size quick.

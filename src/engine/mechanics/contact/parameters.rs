@@ -48,7 +48,7 @@ pub struct ContactParameters {
 
 impl ContactParameters {
     /// Contact stiffness k per force near contact (J/N), for surfaces of radius `radius` (m).
-    pub fn stiffness_per_force(&self, radius: f64) -> f64 {
+    pub(crate) fn stiffness_per_force(&self, radius: f64) -> f64 {
         let factor = self.stiffness_factor;
         match self.model {
             ContactModel::ImplicitContact => factor,
@@ -94,7 +94,7 @@ impl ContactParameters {
 
     /// Steepest change of friction with the slip speed, per normal force, s/m, where friction is smoothed; zero for
     /// complementarity. `coefficient` is that of the surfaces.
-    pub fn friction_slope(&self, coefficient: f64) -> f64 {
+    pub(crate) fn friction_slope(&self, coefficient: f64) -> f64 {
         match self.model {
             ContactModel::ImplicitContact | ContactModel::IncrementalPotential => {
                 friction::steepest_slope(coefficient, self.slip_tolerance)

@@ -46,7 +46,7 @@ impl std::fmt::Debug for PlacedObstacles {
 
 impl PlacedObstacles {
     /// The obstacles of a surface at time zero.
-    pub fn new(surface: &ContactSurface) -> Self {
+    pub(crate) fn new(surface: &ContactSurface) -> Self {
         let mut all = Self::default();
         if surface.obstacles().iter().any(|obstacle| obstacle.hollow) {
             all.pieces = pieces_of(surface);
@@ -76,7 +76,7 @@ impl PlacedObstacles {
     }
 
     /// Moves an obstacle to a pose.
-    pub fn place(&mut self, surface: &ContactSurface, index: usize, pose: Pose) {
+    pub(crate) fn place(&mut self, surface: &ContactSurface, index: usize, pose: Pose) {
         let placed = &mut self.placed[index];
         if placed.pose == pose {
             return;
@@ -91,14 +91,14 @@ impl PlacedObstacles {
     }
 
     /// Whether a point is within the box around an obstacle.
-    pub fn is_near(&self, index: usize, point: &Vector3) -> bool {
+    pub(crate) fn is_near(&self, index: usize, point: &Vector3) -> bool {
         let placed = &self.placed[index];
         let around = placed.tree.whole();
         around.contains(&placed.pose.back_of(point))
     }
 
     /// Makes the present poses those where the next step starts.
-    pub fn commit(&mut self) {
+    pub(crate) fn commit(&mut self) {
         let changed = |placed: &Placed| placed.pose != placed.pose_at_start;
         if !self.placed.iter().any(changed) {
             return;
@@ -110,7 +110,7 @@ impl PlacedObstacles {
     }
 
     /// Nodes of rods with the vertices as they are.
-    pub fn points<'a>(&'a self, nodes: &'a [Vector3]) -> Points<'a> {
+    pub(crate) fn points<'a>(&'a self, nodes: &'a [Vector3]) -> Points<'a> {
         Points {
             nodes,
             vertices: &self.vertices,
@@ -118,7 +118,7 @@ impl PlacedObstacles {
     }
 
     /// Nodes of rods with the vertices at the start of the step.
-    pub fn points_at_start<'a>(&'a self, nodes: &'a [Vector3]) -> Points<'a> {
+    pub(crate) fn points_at_start<'a>(&'a self, nodes: &'a [Vector3]) -> Points<'a> {
         Points {
             nodes,
             vertices: &self.vertices_at_start,
@@ -126,7 +126,7 @@ impl PlacedObstacles {
     }
 
     /// Largest move of a vertex in the step, m.
-    pub fn largest_move(&self) -> f64 {
+    pub(crate) fn largest_move(&self) -> f64 {
         let changed = |placed: &Placed| placed.pose != placed.pose_at_start;
         if !self.placed.iter().any(changed) {
             return 0.0;
@@ -140,7 +140,7 @@ impl PlacedObstacles {
 
     /// Adds all pairs of an edge or node of a rod and a part of an obstacle whose surfaces are nearer than `clearance` (m),
     /// with the distance of the edge or node from the surface of the obstacle.
-    pub fn find(
+    pub(crate) fn find(
         &self,
         surface: &ContactSurface,
         nodes: &[Vector3],
@@ -206,7 +206,7 @@ impl PlacedObstacles {
 
     /// Adds all such pairs whose paths from `start` to `end`, along straight lines as seen from the obstacle, come near each
     /// other.
-    pub fn find_swept(
+    pub(crate) fn find_swept(
         &self,
         surface: &ContactSurface,
         start: &[Vector3],

@@ -11,7 +11,7 @@ use super::contacts::Proximity;
 
 impl ContactSystem {
     /// Says of every node of the rods whether its position is prescribed.
-    pub fn set_prescribed(&mut self, prescribed: impl Iterator<Item = bool>) {
+    pub(crate) fn set_prescribed(&mut self, prescribed: impl Iterator<Item = bool>) {
         self.prescribed.clear();
         self.prescribed.extend(prescribed);
     }

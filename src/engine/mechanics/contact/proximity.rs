@@ -22,7 +22,7 @@ const DEEP: f64 = 0.2;
 
 impl ContactSystem {
     /// Smallest centreline distance over the candidates, m; infinite without candidates.
-    pub fn minimum_distance(&self, positions: &[Vector3]) -> f64 {
+    pub(crate) fn minimum_distance(&self, positions: &[Vector3]) -> f64 {
         let distances = self.candidates().iter();
         distances
             .filter_map(|pair| self.separation(pair, positions))
@@ -31,7 +31,7 @@ impl ContactSystem {
 
     /// The bodies that are nearest to touching at `positions` (m): of all candidates, and of all nodes and planes, those
     /// with the least ratio of the distance to that at which their surfaces touch.
-    pub fn nearest(&self, positions: &[Vector3]) -> Option<Proximity> {
+    pub(crate) fn nearest(&self, positions: &[Vector3]) -> Option<Proximity> {
         let edges = self.candidates().iter().filter_map(|pair| {
             Some(Proximity {
                 pair: ContactPair::Edges(pair.edges),
@@ -45,7 +45,7 @@ impl ContactSystem {
     }
 
     /// The contacts of the last evaluation, those of prescribed points, which bear nothing, among them.
-    pub fn touching(&self) -> impl Iterator<Item = Proximity> {
+    pub(crate) fn touching(&self) -> impl Iterator<Item = Proximity> {
         self.bearing().chain(self.touching_without_force())
     }
 
@@ -119,19 +119,19 @@ impl ContactSystem {
     }
 
     /// The deepest penetration at the last evaluation, where it exceeds `maximum_penetration`.
-    pub fn excessive_penetration(&self) -> Option<Proximity> {
+    pub(crate) fn excessive_penetration(&self) -> Option<Proximity> {
         let allowed = self.parameters().maximum_penetration;
         deepest_beyond(allowed, self.touching())
     }
 
     /// Whether a contact of the last evaluation is pressed deeper than those that bear what they are made for.
-    pub fn is_deep(&self) -> bool {
+    pub(crate) fn is_deep(&self) -> bool {
         let allowed = DEEP * self.parameters().maximum_penetration;
         deepest_beyond(allowed, self.bearing()).is_some()
     }
 
     /// Whether surfaces touch or overlap at the last evaluation that a barrier should have kept apart.
-    pub fn touches_barrier(&self) -> bool {
+    pub(crate) fn touches_barrier(&self) -> bool {
         self.parameters().is_barrier()
             && self
                 .touching()
@@ -140,7 +140,7 @@ impl ContactSystem {
 
     /// The deepest penetration at `positions` (m), where it exceeds `maximum_penetration`. The candidates must be
     /// complete there.
-    pub fn excessive_penetration_at(&mut self, positions: &[Vector3]) -> Option<Proximity> {
+    pub(crate) fn excessive_penetration_at(&mut self, positions: &[Vector3]) -> Option<Proximity> {
         let allowed = 1.0 - self.parameters.maximum_penetration;
         self.candidates.motion(positions, &mut self.motion);
         let pairs = self.candidates.pairs().iter().zip(self.candidates.gaps());
@@ -164,7 +164,7 @@ impl ContactSystem {
 
     /// All pairs whose surfaces overlap at `positions`, or with incremental potential contact are not beyond where the
     /// barrier is infinite, sorted; a scene must not start so.
-    pub fn initial_overlaps(&self, positions: &[Vector3]) -> Vec<Proximity> {
+    pub(crate) fn initial_overlaps(&self, positions: &[Vector3]) -> Vec<Proximity> {
         let is_barrier = self.parameters().is_barrier();
         let clearance = if is_barrier {
             self.parameters().reach()

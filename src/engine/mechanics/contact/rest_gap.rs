@@ -18,7 +18,7 @@ impl ContactSystem {
     /// node from its plane, less its radius). Negative where they penetrate. `None` where no force acts.
     ///
     /// The weights leave out what is near but bears nothing, wherever the force law may end.
-    pub fn mean_gap(&self) -> Option<f64> {
+    pub(crate) fn mean_gap(&self) -> Option<f64> {
         let edges = self.contacts().iter();
         let edges = edges.map(|one| (one.normal_force, one.distance - one.threshold));
         let planes = self.plane_contacts().iter();

@@ -152,7 +152,7 @@ fn weighted(nodes: &[Vector3; 3], weights: &[f64; 3]) -> Vector3 {
 impl RimPoint {
     /// The nearest point of the piece of a `side` with nodes at the first three of these places, felt or not. Pieces are taken to
     /// have one such point.
-    pub fn nearest(side: i8, nodes: &[Vector3; 4], rim: &Rim) -> Self {
+    pub(crate) fn nearest(side: i8, nodes: &[Vector3; 4], rim: &Rim) -> Self {
         let nodes = &[nodes[0], nodes[1], nodes[2]];
         let start = Self::at(side, nodes, rim, 0.0, false);
         if matches!(side, RIM_JOINT | RIM_JOINT_END | RIM_NODE) {
@@ -193,7 +193,7 @@ impl RimPoint {
 
     /// The same where the rim is felt: by what is within the tube or in front of its mouth. What passes along the tube outside of it
     /// is not. A node counts against its contact with the wall, within the tube.
-    pub fn of(side: i8, nodes: &[Vector3; 4], rim: &Rim) -> Option<Self> {
+    pub(crate) fn of(side: i8, nodes: &[Vector3; 4], rim: &Rim) -> Option<Self> {
         let found = Self::nearest(side, nodes, rim);
         let is_felt = if side == RIM_NODE {
             found.radial < 0.0 && found.axial < 0.0
@@ -245,29 +245,29 @@ impl RimPoint {
     }
 
     /// Distance of the rod from the rim, m.
-    pub fn distance(&self) -> f64 {
+    pub(crate) fn distance(&self) -> f64 {
         self.separation.norm()
     }
 
     /// Unit normal, from the rim to the rod.
-    pub fn normal(&self) -> Vector3 {
+    pub(crate) fn normal(&self) -> Vector3 {
         self.separation / self.distance()
     }
 
     /// Weights of the three nodes and of the centre of the rim in the motion at the contact.
-    pub fn all_weights(&self) -> [f64; 4] {
+    pub(crate) fn all_weights(&self) -> [f64; 4] {
         let [a, b, c] = self.weights;
         [a, b, c, -1.0]
     }
 
     /// Rates of these along the piece.
-    pub fn all_rates(&self) -> [f64; 4] {
+    pub(crate) fn all_rates(&self) -> [f64; 4] {
         let [a, b, c] = self.rates;
         [a, b, c, 0.0]
     }
 
     /// Derivatives of direction and place by the coordinates of the rod.
-    pub fn derivatives(&self) -> RimDerivatives {
+    pub(crate) fn derivatives(&self) -> RimDerivatives {
         let distance = self.distance();
         let normal = self.separation / distance;
         let turning = Matrix3::identity()

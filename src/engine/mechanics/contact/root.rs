@@ -17,7 +17,7 @@ const FARTHEST_REACH: f64 = 20.0;
 
 /// A body that a rod is rooted in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RootBody {
+pub(crate) enum RootBody {
     /// Index of a plane.
     Plane(usize),
     /// Index of an obstacle.
@@ -28,7 +28,7 @@ pub enum RootBody {
 
 /// A root of a rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Root {
+pub(crate) struct Root {
     /// Index of the rod.
     pub rod: usize,
     /// Arc length of the clamped node along it, m.
@@ -41,7 +41,7 @@ pub struct Root {
 
 impl Root {
     /// Reach of a root of a rod of radius `radius` (m) that overlaps with the body within `overlap` (m) of the clamped node.
-    pub fn reach_of(radius: f64, overlap: f64) -> f64 {
+    pub(crate) fn reach_of(radius: f64, overlap: f64) -> f64 {
         (REACH * overlap).clamp(LEAST_REACH * radius, FARTHEST_REACH * radius)
     }
 }
@@ -59,17 +59,17 @@ pub(super) struct Roots {
 
 impl Roots {
     /// Whether an edge of a rod passes over the edges of an obstacle.
-    pub fn free_edge(&self, edge: usize, obstacle: usize) -> bool {
+    pub(crate) fn free_edge(&self, edge: usize, obstacle: usize) -> bool {
         self.edges.binary_search(&[edge, obstacle]).is_ok()
     }
 
     /// Whether a node passes over the faces, or the wall, of an obstacle.
-    pub fn free_node(&self, node: usize, obstacle: usize) -> bool {
+    pub(crate) fn free_node(&self, node: usize, obstacle: usize) -> bool {
         self.nodes.binary_search(&[node, obstacle]).is_ok()
     }
 
     /// Whether a node passes over a plane.
-    pub fn frees_from_plane(&self, node: usize, plane: usize) -> bool {
+    pub(crate) fn frees_from_plane(&self, node: usize, plane: usize) -> bool {
         self.planes.binary_search(&[node, plane]).is_ok()
     }
 }

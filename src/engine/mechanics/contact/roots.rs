@@ -50,13 +50,13 @@ impl ContactSurface {
 
 impl ContactSystem {
     /// Lets a rod pass over the body that it is rooted in. To be called before the first candidates.
-    pub fn pass_over_root(&mut self, root: &Root) {
+    pub(crate) fn pass_over_root(&mut self, root: &Root) {
         self.surface.add_root(root);
     }
 
     /// Lets two rods pass over each other near two clamped nodes that do not move against each other, at arc lengths along them
     /// (m), where the rods leave them at `angle` (rad): as at a joint. To be called before the first candidates. Returns the reach, m.
-    pub fn pass_over_common_root(
+    pub(crate) fn pass_over_common_root(
         &mut self,
         rods: [usize; 2],
         arc_length: [f64; 2],
@@ -67,7 +67,7 @@ impl ContactSystem {
 
     /// Distance between the surfaces of a body and of a sphere of radius `radius` around a point, m, all nodes being at
     /// `positions`; of a closed obstacle, where the point is inside of it, less than minus the radius.
-    pub fn gap_to(
+    pub(crate) fn gap_to(
         &self,
         body: RootBody,
         point: &Vector3,

@@ -16,12 +16,12 @@ pub(super) struct Slots {
 
 impl Slots {
     /// Number of slots.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.candidates + self.planes * self.nodes
     }
 
     /// Slot of a node over a plane.
-    pub fn over_plane(&self, plane: usize, node: usize) -> usize {
+    pub(crate) fn over_plane(&self, plane: usize, node: usize) -> usize {
         self.candidates + plane * self.nodes + node
     }
 }
@@ -48,13 +48,13 @@ impl<T> Default for SlotValues<T> {
 
 impl<T: Copy> SlotValues<T> {
     /// Forgets all values and makes room for so many slots.
-    pub fn clear(&mut self, count: usize) {
+    pub(crate) fn clear(&mut self, count: usize) {
         self.forget();
         self.places.resize(count, 0);
     }
 
     /// Forgets all values.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         for slot in self.slots.drain(..) {
             self.places[slot] = 0;
         }
@@ -62,13 +62,13 @@ impl<T: Copy> SlotValues<T> {
     }
 
     /// The value of a slot.
-    pub fn get(&self, slot: usize) -> Option<&T> {
+    pub(crate) fn get(&self, slot: usize) -> Option<&T> {
         let place = self.places[slot].checked_sub(1)?;
         Some(&self.values[place])
     }
 
     /// Gives a slot a value.
-    pub fn set(&mut self, slot: usize, value: T) {
+    pub(crate) fn set(&mut self, slot: usize, value: T) {
         match self.places[slot].checked_sub(1) {
             Some(place) => self.values[place] = value,
             None => {
@@ -80,7 +80,7 @@ impl<T: Copy> SlotValues<T> {
     }
 
     /// Carries the values over to a new list of candidates; both lists are sorted.
-    pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
+    pub(crate) fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
         self.places = carried_over(old, &self.places, new);
         self.slots.clear();
         let mut values = Vec::with_capacity(self.values.len());

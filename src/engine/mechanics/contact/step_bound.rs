@@ -15,7 +15,7 @@ const SEGMENTS: usize = 16;
 
 /// How far nodes may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LargestStep {
+pub(crate) struct LargestStep {
     /// Fraction of the path that is free, from 0 to 1.
     pub fraction: f64,
     /// Whether the candidates had to be built anew on the path and are now others.
@@ -31,7 +31,11 @@ impl ContactSystem {
     /// candidates, these are built anew on the path. They are complete at the end of the free fraction.
     ///
     /// Surfaces that touch or overlap at `start` may not move at all.
-    pub fn largest_step(&mut self, start: &[Vector3], displacements: &[Vector3]) -> LargestStep {
+    pub(crate) fn largest_step(
+        &mut self,
+        start: &[Vector3],
+        displacements: &[Vector3],
+    ) -> LargestStep {
         let mut step = LargestStep {
             fraction: 1.0,
             candidates_changed: false,

@@ -35,7 +35,7 @@ fn adapted_stiffness(present: f64, force: f64, factor: f64, least: f64) -> f64 {
 
 impl ContactSystem {
     /// Contact stiffness k.
-    pub fn stiffness(&self) -> f64 {
+    pub(crate) fn stiffness(&self) -> f64 {
         self.stiffness
     }
 
@@ -43,7 +43,7 @@ impl ContactSystem {
     /// of every node. Infinite for a node that yields to the other body alone, as that of an obstacle.
     ///
     /// A soft rod presses with its own forces on a stiff one.
-    pub fn set_least_stiffness_of_nodes(&mut self, least: Vec<f64>) {
+    pub(crate) fn set_least_stiffness_of_nodes(&mut self, least: Vec<f64>) {
         self.least_of_nodes = least;
     }
 
@@ -64,7 +64,7 @@ impl ContactSystem {
     }
 
     /// Makes all contacts of the last evaluation stiffer, by this factor at least.
-    pub fn stiffen(&mut self, factor: f64) {
+    pub(crate) fn stiffen(&mut self, factor: f64) {
         let pairs = self.contacts.iter().map(|c| [c.nodes[0], c.nodes[3]]);
         let planes = self.plane_contacts.iter().map(|c| [c.node; 2]);
         let stiffest = pairs
@@ -75,12 +75,12 @@ impl ContactSystem {
     }
 
     /// Sets the contact stiffness k.
-    pub fn set_stiffness(&mut self, stiffness: f64) {
+    pub(crate) fn set_stiffness(&mut self, stiffness: f64) {
         self.stiffness = stiffness;
     }
 
     /// Work over δ of the force that contacts of the present stiffness are made for, J.
-    pub fn work_over_tolerance(&self) -> f64 {
+    pub(crate) fn work_over_tolerance(&self) -> f64 {
         let parameters = &self.parameters;
         let per_force = parameters.stiffness_per_force(self.surface.largest_moving_radius());
         self.stiffness / per_force * parameters.distance_tolerance
@@ -93,7 +93,7 @@ impl ContactSystem {
     /// are nearer than a quarter of the candidates' margin count, so that a contact which begins within the
     /// step is met with the right stiffness. Without such nodes nothing changes. To be called once per
     /// step: within Newton's method the stiffness must stay.
-    pub fn adapt_stiffness(&mut self, positions: &[Vector3], forces: &[Vector3]) -> bool {
+    pub(crate) fn adapt_stiffness(&mut self, positions: &[Vector3], forces: &[Vector3]) -> bool {
         let Some(force) = self.largest_force_near_contact(positions, forces) else {
             return false;
         };

@@ -9,7 +9,7 @@ use crate::mechanics::Vector3;
 
 /// What contacts hold.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Stored {
+pub(crate) struct Stored {
     /// J.
     pub energy: f64,
     /// Contacts within the distance tolerance δ.
@@ -19,12 +19,12 @@ pub struct Stored {
 impl ContactSystem {
     /// Energy of all contacts at `positions` (m), which the candidates must cover, with obstacles where they are at the end of
     /// the step, J. Rigid contacts hold none.
-    pub fn energy_at(&self, positions: &[Vector3]) -> f64 {
+    pub(crate) fn energy_at(&self, positions: &[Vector3]) -> f64 {
         self.stored(&self.obstacles.points(positions)).energy
     }
 
     /// The same with obstacles where they were at the start of the step, and the contacts within δ there.
-    pub fn stored_at_start(&self, positions: &[Vector3]) -> Stored {
+    pub(crate) fn stored_at_start(&self, positions: &[Vector3]) -> Stored {
         self.stored(&self.obstacles.points_at_start(positions))
     }
 

@@ -45,7 +45,7 @@ pub(super) struct ContactFace {
 
 impl ContactFace {
     /// Pairs of a node of a rod and this face: the nodes of the pair.
-    pub fn with(&self, node: usize) -> [usize; 4] {
+    pub(crate) fn with(&self, node: usize) -> [usize; 4] {
         let [a, b, c] = self.vertices;
         [node, a, b, c]
     }
@@ -173,7 +173,7 @@ impl ContactSurface {
     ///
     /// A ball is touched like an edge of no length. Planes, faces and tubes touch it where they touch the node: the larger of
     /// the two radii counts.
-    pub fn add_ball(
+    pub(crate) fn add_ball(
         &mut self,
         node: usize,
         radius: f64,
@@ -212,7 +212,7 @@ impl ContactSurface {
     }
 
     /// Whether a body is a ball around a node.
-    pub fn is_ball(&self, body: usize) -> bool {
+    pub(crate) fn is_ball(&self, body: usize) -> bool {
         body < self.rod_edges && self.edges[body].nodes[0] == self.edges[body].nodes[1]
     }
 
@@ -221,7 +221,7 @@ impl ContactSurface {
     /// Near the joint they overlap: their axes are 2s sin(φ/2) apart at the distance s on either side. Edges that are nearer
     /// to each other along the way through the joint than by half as much again, or than π times the mean of the radii along
     /// either rod, are neighbours as along one rod. Returns that length of the way, m.
-    pub fn add_joint(&mut self, rods: [usize; 2], arc_length: [f64; 2], angle: f64) -> f64 {
+    pub(crate) fn add_joint(&mut self, rods: [usize; 2], arc_length: [f64; 2], angle: f64) -> f64 {
         let radius = |rod: usize| self.edges.iter().find(|edge| edge.rod == rod);
         let sum: f64 = rods
             .iter()
@@ -235,7 +235,7 @@ impl ContactSurface {
 
     /// Lets the first rod slide along the second with a place at an arc length (m): edges of the first that are nearer to it
     /// along the rod than π times the mean of the radii are neighbours of the whole second rod.
-    pub fn add_slide(&mut self, rods: [usize; 2], arc_length: f64) {
+    pub(crate) fn add_slide(&mut self, rods: [usize; 2], arc_length: f64) {
         let radius = |rod: usize| self.edges.iter().find(|edge| edge.rod == rod);
         let sum: f64 = rods
             .iter()
@@ -332,7 +332,7 @@ impl ContactSurface {
     }
 
     /// Edges of the rods, and balls, which come first.
-    pub fn rod_edges(&self) -> &[ContactEdge] {
+    pub(crate) fn rod_edges(&self) -> &[ContactEdge] {
         &self.edges[..self.rod_edges]
     }
 
@@ -348,7 +348,7 @@ impl ContactSurface {
     }
 
     /// The obstacles as they are at time zero.
-    pub fn obstacles(&self) -> &[RigidBody] {
+    pub(crate) fn obstacles(&self) -> &[RigidBody] {
         &self.obstacles
     }
 
@@ -367,12 +367,12 @@ impl ContactSurface {
     }
 
     /// Nodes of all rods.
-    pub fn node_count(&self) -> usize {
+    pub(crate) fn node_count(&self) -> usize {
         self.rod_nodes
     }
 
     /// The obstacle that a body is a part of.
-    pub fn obstacle_of(&self, body: usize) -> Option<usize> {
+    pub(crate) fn obstacle_of(&self, body: usize) -> Option<usize> {
         if body >= self.edges.len() {
             return Some(self.faces[body - self.edges.len()].obstacle);
         }
@@ -391,7 +391,7 @@ impl ContactSurface {
     }
 
     /// Largest radius of the rods that move, m; zero without any. Obstacles do not use up any margin.
-    pub fn largest_moving_radius(&self) -> f64 {
+    pub(crate) fn largest_moving_radius(&self) -> f64 {
         self.rod_edges()
             .iter()
             .filter(|edge| !edge.held)

@@ -6,29 +6,33 @@ use crate::random::uniform_numbers;
 use num_dual::DualNum;
 
 /// Point–point, point–edge both ways, edge–edge.
-pub const CLASSES: [FreeRatios; 4] = [[false, false], [true, false], [false, true], [true, true]];
+pub(crate) const CLASSES: [FreeRatios; 4] =
+    [[false, false], [true, false], [false, true], [true, true]];
 
 /// A reproducible stream of random numbers.
-pub struct Random(Box<dyn FnMut() -> f64>);
+pub(crate) struct Random(Box<dyn FnMut() -> f64>);
 
 impl Random {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(Box::new(uniform_numbers(seed)))
     }
 
     /// Uniform in [−1, 1).
-    pub fn symmetric(&mut self) -> f64 {
+    pub(crate) fn symmetric(&mut self) -> f64 {
         2.0 * (self.0)() - 1.0
     }
 
-    pub fn vector(&mut self) -> Vector3 {
+    pub(crate) fn vector(&mut self) -> Vector3 {
         Vector3::new(self.symmetric(), self.symmetric(), self.symmetric())
     }
 }
 
 /// Twenty random pairs of edges a few radii long, nearly touching, that meet in the given class and stay
 /// in it when they move a little.
-pub fn edge_pairs_of_class(free: FreeRatios, radius: f64) -> Vec<([Vector3; 4], ClosestPoints)> {
+pub(crate) fn edge_pairs_of_class(
+    free: FreeRatios,
+    radius: f64,
+) -> Vec<([Vector3; 4], ClosestPoints)> {
     let mut random = Random::new(7);
     let mut pairs = Vec::new();
     while pairs.len() < 20 {
@@ -58,7 +62,7 @@ pub fn edge_pairs_of_class(free: FreeRatios, radius: f64) -> Vec<([Vector3; 4], 
 }
 
 /// Largest deviation, relative to the largest expected number.
-pub fn relative_error(found: &[f64], expected: &[f64]) -> f64 {
+pub(crate) fn relative_error(found: &[f64], expected: &[f64]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let largest = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let deviation = found
@@ -69,41 +73,41 @@ pub fn relative_error(found: &[f64], expected: &[f64]) -> f64 {
 }
 
 /// Dual numbers over f64.
-pub trait Dual: DualNum<Primitive = f64> + Copy {}
+pub(crate) trait Dual: DualNum<Primitive = f64> + Copy {}
 impl<D: DualNum<Primitive = f64> + Copy> Dual for D {}
 
 /// A vector of dual numbers.
-pub type DualVector<D> = [D; 3];
+pub(crate) type DualVector<D> = [D; 3];
 
-pub fn dual_node<D: Dual>(x: &[D], index: usize) -> DualVector<D> {
+pub(crate) fn dual_node<D: Dual>(x: &[D], index: usize) -> DualVector<D> {
     std::array::from_fn(|axis| x[3 * index + axis])
 }
 
-pub fn add<D: Dual>(a: DualVector<D>, b: DualVector<D>) -> DualVector<D> {
+pub(crate) fn add<D: Dual>(a: DualVector<D>, b: DualVector<D>) -> DualVector<D> {
     std::array::from_fn(|axis| a[axis] + b[axis])
 }
 
-pub fn subtract<D: Dual>(a: DualVector<D>, b: DualVector<D>) -> DualVector<D> {
+pub(crate) fn subtract<D: Dual>(a: DualVector<D>, b: DualVector<D>) -> DualVector<D> {
     std::array::from_fn(|axis| a[axis] - b[axis])
 }
 
-pub fn scale<D: Dual>(a: DualVector<D>, factor: D) -> DualVector<D> {
+pub(crate) fn scale<D: Dual>(a: DualVector<D>, factor: D) -> DualVector<D> {
     a.map(|component| component * factor)
 }
 
-pub fn dot<D: Dual>(a: DualVector<D>, b: DualVector<D>) -> D {
+pub(crate) fn dot<D: Dual>(a: DualVector<D>, b: DualVector<D>) -> D {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub fn norm<D: Dual>(a: DualVector<D>) -> D {
+pub(crate) fn norm<D: Dual>(a: DualVector<D>) -> D {
     dot(a, a).sqrt()
 }
 
-pub fn unit<D: Dual>(a: DualVector<D>) -> DualVector<D> {
+pub(crate) fn unit<D: Dual>(a: DualVector<D>) -> DualVector<D> {
     scale(a, norm(a).recip())
 }
 
-pub fn cross<D: Dual>(a: DualVector<D>, b: DualVector<D>) -> DualVector<D> {
+pub(crate) fn cross<D: Dual>(a: DualVector<D>, b: DualVector<D>) -> DualVector<D> {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -112,7 +116,7 @@ pub fn cross<D: Dual>(a: DualVector<D>, b: DualVector<D>) -> DualVector<D> {
 }
 
 /// Contact ratios as functions of the nodes, by the normal equations of the class.
-pub fn dual_ratios<D: Dual>(x: &[D], closest: &ClosestPoints) -> [D; 2] {
+pub(crate) fn dual_ratios<D: Dual>(x: &[D], closest: &ClosestPoints) -> [D; 2] {
     let e = subtract(dual_node(x, 1), dual_node(x, 0));
     let f = subtract(dual_node(x, 3), dual_node(x, 2));
     let offset = subtract(dual_node(x, 2), dual_node(x, 0));

@@ -253,7 +253,7 @@ fn a_restart_continues_with_the_same_bytes() {
     assert!(restored.jacobians() == contact.jacobians());
 
     let (mut other, _) = woven(2, 2.0 * RADIUS);
-    let expected = MismatchedMemory {
+    let expected = memory::MismatchedMemory {
         expected: 64,
         found: 128,
     };

@@ -50,7 +50,7 @@ pub(super) struct LinearTraction {
 
 impl LinearTraction {
     /// The law linearised at the present slip.
-    pub fn at_present(slip: Vector3, value: Vector3) -> Self {
+    pub(crate) fn at_present(slip: Vector3, value: Vector3) -> Self {
         Self {
             slip,
             value,
@@ -95,7 +95,7 @@ pub(super) struct Tractions {
 
 impl Tractions {
     /// Starts the iterations of a step from the committed tractions.
-    pub fn begin(&mut self, slots: Slots) {
+    pub(crate) fn begin(&mut self, slots: Slots) {
         self.committed.resize(slots.count(), None);
         self.tangents.clear(slots.count());
         for (slot, known) in self.committed.iter().enumerate() {
@@ -106,28 +106,32 @@ impl Tractions {
     }
 
     /// Traction that iterations begin with at a slot.
-    pub fn begun(&self, slot: usize) -> Vector3 {
+    pub(crate) fn begun(&self, slot: usize) -> Vector3 {
         let tangent = self.tangents.get(slot);
         tangent.map_or_else(Vector3::zeros, |tangent| tangent.value)
     }
 
     /// Lets iterations begin with a traction at a slot.
-    pub fn begin_with(&mut self, slot: usize, traction: Vector3) {
+    pub(crate) fn begin_with(&mut self, slot: usize, traction: Vector3) {
         self.tangents.set(slot, Tangent::constant(traction));
     }
 
     /// At the end of the last accepted step, one per slot.
-    pub fn committed(&self) -> &[Option<Vector3>] {
+    pub(crate) fn committed(&self) -> &[Option<Vector3>] {
         &self.committed
     }
 
     /// Continues from stored tractions.
-    pub fn restore(&mut self, committed: Vec<Option<Vector3>>) {
+    pub(crate) fn restore(&mut self, committed: Vec<Option<Vector3>>) {
         self.committed = committed;
     }
 
     /// Takes over the tractions of an accepted step, slot by slot; those not given are not known.
-    pub fn commit(&mut self, slots: Slots, tractions: impl Iterator<Item = (usize, Vector3)>) {
+    pub(crate) fn commit(
+        &mut self,
+        slots: Slots,
+        tractions: impl Iterator<Item = (usize, Vector3)>,
+    ) {
         self.committed.clear();
         self.committed.resize(slots.count(), None);
         for (slot, traction) in tractions {
@@ -136,13 +140,13 @@ impl Tractions {
     }
 
     /// Carries all tractions over to a new list of candidates; both lists are sorted.
-    pub fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
+    pub(crate) fn carry_over(&mut self, old: &[CandidatePair], new: &[CandidatePair]) {
         self.committed = carried_over(old, &self.committed, new);
         self.tangents.carry_over(old, new);
     }
 
     /// The law of a slot at the slip `slip` (m/s) on surfaces with the unit normal `normal`; `resistance` is ρ h/λ, s/m.
-    pub fn linear_law(
+    pub(crate) fn linear_law(
         &self,
         slot: usize,
         law: &FrictionLaw,
@@ -174,7 +178,7 @@ impl Tractions {
     }
 
     /// Keeps the linear law of a slot, whose traction changes with the displacements by `rates`, 1/m.
-    pub fn keep(&mut self, slot: usize, law: &LinearTraction, rates: &[[f64; 12]; 3]) {
+    pub(crate) fn keep(&mut self, slot: usize, law: &LinearTraction, rates: &[[f64; 12]; 3]) {
         let tangent = Tangent {
             value: law.present,
             rates: *rates,
@@ -186,7 +190,7 @@ impl Tractions {
 }
 
 /// The vector, shortened to `length` where it is longer.
-pub fn cut(vector: Vector3, length: f64) -> Vector3 {
+pub(crate) fn cut(vector: Vector3, length: f64) -> Vector3 {
     let norm = vector.norm();
     if norm > length {
         vector * (length / norm)

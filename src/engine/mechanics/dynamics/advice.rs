@@ -22,7 +22,7 @@ pub(super) struct Means {
 
 impl Means {
     /// Those of a scene whose fluid has rods in it or not.
-    pub fn of(system: &System, parameters: &IntegrationParameters, fluid: bool) -> Self {
+    pub(crate) fn of(system: &System, parameters: &IntegrationParameters, fluid: bool) -> Self {
         let contact = system.contact.as_ref();
         Self {
             contact: contact.map(|contact| contact.parameters().model),
@@ -53,7 +53,7 @@ impl Means {
 
 impl Failure {
     /// What to try where steps of a scene with such means fail so again and again; empty where nothing is known to help.
-    pub fn advice(&self, means: &Means) -> String {
+    pub(crate) fn advice(&self, means: &Means) -> String {
         let mut choices = Vec::new();
         match self {
             Self::Newton(_) => {

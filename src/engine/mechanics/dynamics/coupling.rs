@@ -97,7 +97,7 @@ pub(super) struct DragCoupling {
 
 impl DragCoupling {
     /// Begins the search in a step whose first drag is that of `stage`.
-    pub fn begin(&mut self, stage: &Stage, is_held: impl Fn(usize) -> bool) {
+    pub(crate) fn begin(&mut self, stage: &Stage, is_held: impl Fn(usize) -> bool) {
         self.solutions = 0;
         self.sizes = [f64::INFINITY; 2];
         self.count = 0;
@@ -116,7 +116,7 @@ impl DragCoupling {
     /// Takes up a solution of the step: its velocities and their drag. Returns whether what it leaves out is below the
     /// tolerance on each run of nodes of `rods`, or no longer falls and is what the flow solver leaves; `stage` then has the
     /// drag of the solution itself.
-    pub fn record(
+    pub(crate) fn record(
         &mut self,
         stage: &mut Stage,
         velocity: &[Vector3],
@@ -169,18 +169,18 @@ impl DragCoupling {
     }
 
     /// Whether the last solution leaves out more than half of what the one before did.
-    pub fn has_stalled(&self) -> bool {
+    pub(crate) fn has_stalled(&self) -> bool {
         let [last, before] = self.sizes;
         last > STALLED * before
     }
 
     /// Whether there have been too many solutions.
-    pub fn is_exhausted(&self) -> bool {
+    pub(crate) fn is_exhausted(&self) -> bool {
         self.solutions >= MOST_SOLUTIONS
     }
 
     /// Writes the next expectation to `stage`: the best combination of the solutions so far.
-    pub fn expect(&mut self, stage: &mut Stage) {
+    pub(crate) fn expect(&mut self, stage: &mut Stage) {
         if self.solutions == 1 {
             self.best.copy_from(&self.solution);
         } else {

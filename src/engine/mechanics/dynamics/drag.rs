@@ -44,7 +44,7 @@ pub(super) struct FluidDrag {
 impl FluidDrag {
     /// # Errors
     /// [`SceneError::Fluid`] where the fluid or a rod in it is beyond the theory.
-    pub fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, SceneError> {
+    pub(crate) fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, SceneError> {
         let fluid = fluid_of(scene, assembly)?;
         let spheres = assembly.spheres();
         let wet = match (&fluid, spheres.is_empty()) {
@@ -93,12 +93,12 @@ impl FluidDrag {
     }
 
     /// Places that feel the fluid.
-    pub fn places(&self) -> usize {
+    pub(crate) fn places(&self) -> usize {
         self.forces.len()
     }
 
     /// Force on each node in the last accepted step, N.
-    pub fn forces(&self) -> &[Vector3] {
+    pub(crate) fn forces(&self) -> &[Vector3] {
         &self.forces[..self.nodes.min(self.forces.len())]
     }
 
@@ -107,7 +107,11 @@ impl FluidDrag {
     ///
     /// # Errors
     /// [`FluidError`] where the fluid has no answer.
-    pub fn of_start(&mut self, stage: &mut Stage, state: &State) -> Result<usize, FluidError> {
+    pub(crate) fn of_start(
+        &mut self,
+        stage: &mut Stage,
+        state: &State,
+    ) -> Result<usize, FluidError> {
         copy_positions(&state.unknowns, &mut self.positions);
         copy_positions(&state.velocity, &mut self.velocities);
         for (node, spin) in self.spins.iter_mut().enumerate() {
@@ -120,7 +124,7 @@ impl FluidDrag {
     ///
     /// # Errors
     /// [`FluidError`] where the fluid has no answer.
-    pub fn of_prediction(
+    pub(crate) fn of_prediction(
         &mut self,
         stage: &mut Stage,
         predicted: &[f64],
@@ -163,7 +167,7 @@ impl FluidDrag {
 
     /// Whether what the local resistance leaves out of the drag must be found within the step: the scheme would ring, or
     /// might, with less inertia than there is beside the drag.
-    pub fn must_be_coupled(&self, stage: &Stage, scheme: &dyn TimeScheme) -> bool {
+    pub(crate) fn must_be_coupled(&self, stage: &Stage, scheme: &dyn TimeScheme) -> bool {
         let Some(coupling) = self.fluid.as_ref().and_then(Fluid::coupling) else {
             return false;
         };
@@ -186,7 +190,7 @@ impl FluidDrag {
     }
 
     /// Begins to find the drag of a step within it.
-    pub fn begin_coupling(&mut self, stage: &Stage) {
+    pub(crate) fn begin_coupling(&mut self, stage: &Stage) {
         let inertia = &self.inertia;
         self.coupling
             .begin(stage, |node| inertia[node].is_infinite());
@@ -197,7 +201,7 @@ impl FluidDrag {
     ///
     /// # Errors
     /// [`FluidError`] where the fluid has no answer.
-    pub fn couple(
+    pub(crate) fn couple(
         &mut self,
         stage: &mut Stage,
         unknowns: &[f64],
@@ -230,7 +234,7 @@ impl FluidDrag {
     /// Work that the drag of a coupled step brings, J; `None` where it takes energy, as that of a fluid at rest does in every
     /// motion. Where rods overlap, the velocities that their segments cause at each other's nodes may exceed those at their
     /// own: the resistance is then negative for a motion apart, and the nodes leap.
-    pub fn work_of_coupled(&self, stage: &Stage) -> Option<f64> {
+    pub(crate) fn work_of_coupled(&self, stage: &Stage) -> Option<f64> {
         let power = -self.fluid.as_ref().and_then(Fluid::dissipation)?;
         let against = |(velocity, local): (&Vector3, &Matrix3)| velocity.dot(&(local * velocity));
         let scale: f64 = (stage.drag_velocity.iter().zip(&stage.resistance))
@@ -240,12 +244,12 @@ impl FluidDrag {
     }
 
     /// Whether the last solution of a coupled step leaves out hardly less than the one before.
-    pub fn has_stalled(&self) -> bool {
+    pub(crate) fn has_stalled(&self) -> bool {
         self.coupling.has_stalled()
     }
 
     /// Gives `stage` the best drag found so far; `false` after as many solutions of the step as there are.
-    pub fn expect_coupled(&mut self, stage: &mut Stage) -> bool {
+    pub(crate) fn expect_coupled(&mut self, stage: &mut Stage) -> bool {
         if self.coupling.is_exhausted() {
             return false;
         }
@@ -254,7 +258,7 @@ impl FluidDrag {
     }
 
     /// Takes over the forces of an accepted step that ends with a velocity.
-    pub fn accept(&mut self, stage: &Stage, velocity: &[f64]) {
+    pub(crate) fn accept(&mut self, stage: &Stage, velocity: &[f64]) {
         for (node, force) in self.forces.iter_mut().enumerate() {
             let change = position(velocity, node) - stage.drag_velocity[node];
             *force = stage.drag[node] - stage.resistance[node] * change;
@@ -262,7 +266,7 @@ impl FluidDrag {
     }
 
     /// What a restart needs; `None` without fluid.
-    pub fn memory(&self) -> Option<FluidMemory> {
+    pub(crate) fn memory(&self) -> Option<FluidMemory> {
         self.fluid.as_ref().map(Fluid::memory)
     }
 
@@ -270,7 +274,7 @@ impl FluidDrag {
     ///
     /// # Errors
     /// What does not fit, in words.
-    pub fn restore(&mut self, memory: Option<FluidMemory>) -> Result<(), String> {
+    pub(crate) fn restore(&mut self, memory: Option<FluidMemory>) -> Result<(), String> {
         match (&mut self.fluid, memory) {
             (Some(fluid), Some(memory)) => fluid.restore(memory).map_err(|e| e.to_string()),
             (None, None) => Ok(()),

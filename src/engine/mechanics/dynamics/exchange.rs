@@ -32,7 +32,7 @@ pub(super) struct AcceptedStep<'a> {
 
 impl AcceptedStep<'_> {
     /// What the step exchanges.
-    pub fn exchange(&self) -> Exchange {
+    pub(crate) fn exchange(&self) -> Exchange {
         Exchange {
             clamp_work: self.clamp_work(),
             friction_loss: self.friction_loss(),

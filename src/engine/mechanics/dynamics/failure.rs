@@ -75,7 +75,7 @@ impl fmt::Display for Crossing {
 
 impl Failure {
     /// Newton iterations that were spent.
-    pub fn iterations(&self) -> usize {
+    pub(crate) fn iterations(&self) -> usize {
         match self {
             Self::Newton(divergence) => divergence.iterations,
             Self::Penetration { iterations, .. }
@@ -88,7 +88,7 @@ impl Failure {
     }
 
     /// Whether contact forces would bring energy.
-    pub fn is_work_of_contact(&self) -> bool {
+    pub(crate) fn is_work_of_contact(&self) -> bool {
         matches!(
             self,
             Self::Work {
@@ -99,7 +99,7 @@ impl Failure {
     }
 
     /// The same after so many iterations in vain.
-    pub fn after(mut self, vain: usize) -> Self {
+    pub(crate) fn after(mut self, vain: usize) -> Self {
         match &mut self {
             Self::Newton(divergence) => divergence.iterations += vain,
             Self::Penetration { iterations, .. }
@@ -113,7 +113,7 @@ impl Failure {
     }
 
     /// The error of a run whose step of a size (s) from `time` (s) fails so; `trial` is where Newton's method ended.
-    pub fn into_error(
+    pub(crate) fn into_error(
         self,
         system: &mut System,
         trial: &[f64],

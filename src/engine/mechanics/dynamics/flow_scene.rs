@@ -95,7 +95,7 @@ pub(super) struct NodeNames {
 
 impl NodeNames {
     /// Those of a scene.
-    pub fn new(scene: &Scene, assembly: &Assembly) -> Self {
+    pub(crate) fn new(scene: &Scene, assembly: &Assembly) -> Self {
         let ranges = assembly.rods.rods.iter();
         Self {
             rods: (ranges.zip(&scene.rods))
@@ -111,7 +111,12 @@ impl NodeNames {
     }
 
     /// An error of the fluid with the nodes that cause it, where these are too close to each other at `positions`.
-    pub fn explain(&self, error: FluidError, fluid: &Fluid, positions: &[Vector3]) -> FluidError {
+    pub(crate) fn explain(
+        &self,
+        error: FluidError,
+        fluid: &Fluid,
+        positions: &[Vector3],
+    ) -> FluidError {
         if let FluidError::BehindWall { node, height, .. } = error {
             let name = self.of(node);
             return FluidError::BehindWall { node, name, height };

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Steps that are remembered.
-pub const LENGTH: usize = 3;
+pub(crate) const LENGTH: usize = 3;
 
 /// The motion at the starts of the last steps, the latest first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -13,7 +13,7 @@ pub struct History {
 
 /// The motion at the start of a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PastStep {
+pub(crate) struct PastStep {
     /// Size of the step, s; 0 where there was none.
     pub(super) size: f64,
     /// Unknowns, 4 per node.
@@ -24,7 +24,7 @@ pub struct PastStep {
 
 impl History {
     /// Of a motion that begins.
-    pub fn begin(unknowns: &[f64], velocity: &[f64]) -> Self {
+    pub(crate) fn begin(unknowns: &[f64], velocity: &[f64]) -> Self {
         let step = PastStep {
             size: 0.0,
             unknowns: unknowns.to_vec(),
@@ -36,7 +36,7 @@ impl History {
     }
 
     /// Adds the start of a step of a size, s.
-    pub fn remember(&mut self, size: f64, unknowns: &[f64], velocity: &[f64]) {
+    pub(crate) fn remember(&mut self, size: f64, unknowns: &[f64], velocity: &[f64]) {
         self.steps.rotate_right(1);
         let step = &mut self.steps[0];
         step.size = size;
@@ -45,7 +45,7 @@ impl History {
     }
 
     /// What follows does not go on with what was: the state was put to rest elsewhere.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         for step in &mut self.steps {
             step.size = 0.0;
             step.velocity.fill(0.0);

@@ -14,7 +14,7 @@ use super::stage::Setting;
 
 impl Setting {
     /// The setting of a step that an impact ends.
-    pub fn dissipative(mut self) -> Self {
+    pub(crate) fn dissipative(mut self) -> Self {
         self.parameters.scheme = Scheme::ImplicitEuler;
         self
     }

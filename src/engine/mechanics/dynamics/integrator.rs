@@ -59,7 +59,7 @@ impl Integrator {
     ///
     /// # Errors
     /// [`SceneError::Fluid`] where the fluid or a rod in it is beyond the theory.
-    pub fn new(
+    pub(crate) fn new(
         scene: &Scene,
         system: &System,
         state: &State,
@@ -95,7 +95,7 @@ impl Integrator {
     }
 
     /// The motion begins anew: schemes that need steps before begin with small ones.
-    pub fn begin_anew(&mut self) {
+    pub(crate) fn begin_anew(&mut self) {
         let parameters = &self.setting.parameters;
         if parameters.scheme.rules().begins_small() {
             self.control = StepControl::beginning_small(&parameters.step);
@@ -106,7 +106,11 @@ impl Integrator {
     ///
     /// # Errors
     /// [`SceneError::Fluid`].
-    pub fn check_first_drag(&mut self, scene: &Scene, state: &State) -> Result<(), SceneError> {
+    pub(crate) fn check_first_drag(
+        &mut self,
+        scene: &Scene,
+        state: &State,
+    ) -> Result<(), SceneError> {
         if let Some(FluidModel::Resistive { .. }) = scene.fluid {
             self.fluid.of_start(&mut self.workspace.stage, state)?;
         }
@@ -114,7 +118,7 @@ impl Integrator {
     }
 
     /// Whether two times, s, differ by no more than rounding.
-    pub fn is_same_time(&self, one: f64, other: f64) -> bool {
+    pub(crate) fn is_same_time(&self, one: f64, other: f64) -> bool {
         (one - other).abs() <= same_time(&self.setting.parameters.step)
     }
 
@@ -124,7 +128,7 @@ impl Integrator {
     /// # Errors
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
     /// the last accepted step.
-    pub fn step(
+    pub(crate) fn step(
         &mut self,
         system: &mut System,
         state: &mut State,

@@ -7,7 +7,7 @@ use tracing::trace;
 
 /// When Newton's method stops.
 #[derive(Clone, Copy, Debug)]
-pub struct Stopping {
+pub(crate) struct Stopping {
     /// Radius of the thinnest rod that moves, m.
     pub radius: f64,
     /// Largest correction of a position, m.
@@ -26,7 +26,7 @@ pub struct Stopping {
 
 /// Scratch of Newton's method.
 #[derive(Clone, Debug)]
-pub struct Newton {
+pub(crate) struct Newton {
     start: Vec<f64>,
     direction: Vec<f64>,
 }
@@ -55,7 +55,7 @@ const SUFFICIENT_REDUCTION: f64 = 0.9;
 
 impl Newton {
     /// Scratch for so many unknowns.
-    pub fn new(unknowns: usize) -> Self {
+    pub(crate) fn new(unknowns: usize) -> Self {
         Self {
             start: vec![0.0; unknowns],
             direction: vec![0.0; unknowns],
@@ -68,7 +68,7 @@ impl Newton {
     ///
     /// # Errors
     /// [`Divergence`] when the iterations run out or lead nowhere, a number is not finite, or `goes_on` says no.
-    pub fn solve(
+    pub(crate) fn solve(
         &mut self,
         system: &mut System,
         stage: &Stage,

@@ -53,7 +53,7 @@ pub enum StepSize {
 
 impl StepSize {
     /// Largest step that may be taken, s.
-    pub fn largest(&self) -> f64 {
+    pub(crate) fn largest(&self) -> f64 {
         match *self {
             Self::Fixed(step) | Self::Auto { maximum: step, .. } => step,
         }

@@ -72,7 +72,7 @@ pub(super) struct Workspace {
 
 impl Workspace {
     /// For motions from `state`, of `nodes` nodes of which `wet` are in a fluid.
-    pub fn new(state: &State, nodes: usize, wet: usize) -> Self {
+    pub(crate) fn new(state: &State, nodes: usize, wet: usize) -> Self {
         let (unknowns, velocity) = (&state.unknowns, &state.velocity);
         Self {
             stage: Stage {
@@ -100,7 +100,7 @@ impl Workspace {
     ///
     /// # Errors
     /// [`FluidError`] where the fluid has no answer.
-    pub fn prepare(
+    pub(crate) fn prepare(
         &mut self,
         setting: &Setting,
         system: &mut System,
@@ -130,7 +130,7 @@ impl Workspace {
 
     /// Solves the stage of a step to `goal` from its prediction; leaves the end of the step in `trial` and
     /// `next_velocity`. Fails where `goes_on` says no.
-    pub fn attempt(
+    pub(crate) fn attempt(
         &mut self,
         setting: &Setting,
         system: &mut System,

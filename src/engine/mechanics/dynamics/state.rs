@@ -17,7 +17,7 @@ pub(super) struct State {
 
 impl State {
     /// A motion that begins at time zero.
-    pub fn new(unknowns: &[f64], velocity: &[f64]) -> Self {
+    pub(crate) fn new(unknowns: &[f64], velocity: &[f64]) -> Self {
         Self {
             time: 0.0,
             history: History::begin(unknowns, velocity),
@@ -27,7 +27,7 @@ impl State {
     }
 
     /// The end of a step: the state becomes that at `time`, the one before goes to the history.
-    pub fn advance_to(&mut self, time: f64, unknowns: &[f64], velocity: &[f64]) {
+    pub(crate) fn advance_to(&mut self, time: f64, unknowns: &[f64], velocity: &[f64]) {
         self.history
             .remember(time - self.time, &self.unknowns, &self.velocity);
         self.time = time;
@@ -36,19 +36,19 @@ impl State {
     }
 
     /// Unknowns and velocities now, and at the starts of the last steps.
-    pub fn motions(&mut self) -> [[&mut [f64]; 2]; 1 + LENGTH] {
+    pub(crate) fn motions(&mut self) -> [[&mut [f64]; 2]; 1 + LENGTH] {
         let [a, b, c] = &mut self.history.steps;
         let [a, b, c] = [a, b, c].map(|past| [&mut past.unknowns[..], &mut past.velocity[..]]);
         [[&mut self.unknowns, &mut self.velocity], a, b, c]
     }
 
     /// A motion that begins here: the steps before say nothing about what follows.
-    pub fn begin_anew(&mut self) {
+    pub(crate) fn begin_anew(&mut self) {
         self.history = History::begin(&self.unknowns, &self.velocity);
     }
 
     /// At rest at `unknowns`, where no motion led.
-    pub fn rest_at(&mut self, unknowns: &[f64]) {
+    pub(crate) fn rest_at(&mut self, unknowns: &[f64]) {
         self.unknowns.copy_from_slice(unknowns);
         self.velocity.fill(0.0);
         self.history.forget();

@@ -44,7 +44,7 @@ pub struct StepControl {
 
 /// What step control must know of a scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ErrorLaw {
+pub(crate) struct ErrorLaw {
     /// Power of the step with which the local error falls.
     pub order: i32,
     /// Largest growth of the step from one to the next.
@@ -53,7 +53,7 @@ pub struct ErrorLaw {
 
 /// What happens to a solved step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Decision {
+pub(crate) enum Decision {
     /// It is accepted.
     Accept,
     /// It is repeated with this size, s.
@@ -62,7 +62,7 @@ pub enum Decision {
 
 impl StepControl {
     /// Starts at time zero.
-    pub fn new(size: &StepSize) -> Self {
+    pub(crate) fn new(size: &StepSize) -> Self {
         let proposal = match *size {
             StepSize::Fixed(step) => step,
             StepSize::Auto { maximum, .. } => FIRST_STEP * maximum,
@@ -72,7 +72,7 @@ impl StepControl {
 
     /// The same for a scheme that needs earlier steps for its order: the first ones are so small that their lower order
     /// does not show, and grow to the whole step.
-    pub fn beginning_small(size: &StepSize) -> Self {
+    pub(crate) fn beginning_small(size: &StepSize) -> Self {
         let whole = Self::new(size);
         match size {
             StepSize::Fixed(step) => Self {
@@ -83,7 +83,7 @@ impl StepControl {
     }
 
     /// End of the next step from `time`, no later than `until`.
-    pub fn goal(&self, size: &StepSize, time: f64, until: f64) -> f64 {
+    pub(crate) fn goal(&self, size: &StepSize, time: f64, until: f64) -> f64 {
         let (goal, step) = match *size {
             StepSize::Fixed(step) => {
                 // Times k·step as products: sums would drift, and a step cut short returns to the grid.
@@ -125,12 +125,12 @@ impl StepControl {
     }
 
     /// Lets the steps of a fixed grid grow towards their whole size, after one that succeeded.
-    pub fn recover(&mut self, whole: f64) {
+    pub(crate) fn recover(&mut self, whole: f64) {
         self.proposal = whole.min(RECOVERY * self.proposal);
     }
 
     /// The size of a step to report: that of the grid for a whole step, free of the rounding of times.
-    pub fn size(&self, size: &StepSize, step: f64) -> f64 {
+    pub(crate) fn size(&self, size: &StepSize, step: f64) -> f64 {
         match *size {
             StepSize::Fixed(whole) if (step - whole).abs() <= SNAP * whole => whole,
             _ => step,
@@ -138,7 +138,13 @@ impl StepControl {
     }
 
     /// Decides on a step of automatic control by its local error as a multiple of the tolerance, and proposes the next.
-    pub fn decide(&mut self, step: f64, error: f64, law: ErrorLaw, iterations: usize) -> Decision {
+    pub(crate) fn decide(
+        &mut self,
+        step: f64,
+        error: f64,
+        law: ErrorLaw,
+        iterations: usize,
+    ) -> Decision {
         let ratio = libm::pow(error.max(1e-300), -1.0 / f64::from(law.order));
         let mut factor = (SAFETY * ratio).clamp(DECAY, law.largest_growth);
         if iterations > MANY_ITERATIONS {
@@ -159,7 +165,7 @@ impl StepControl {
 
     /// Begins small after an event: with the first step of a simulation whose largest is `maximum`, unless a larger one is
     /// `harmless`, or the next event is as near as `spacing`, all in s.
-    pub fn begin_again(&mut self, maximum: f64, harmless: f64, spacing: f64) {
+    pub(crate) fn begin_again(&mut self, maximum: f64, harmless: f64, spacing: f64) {
         let first = FIRST_STEP * maximum;
         let dense = if spacing < maximum {
             PART_OF_SPACING * spacing
@@ -170,12 +176,12 @@ impl StepControl {
     }
 
     /// Accepts a step that may not be smaller, whatever its error, and proposes the same again.
-    pub fn accept_least(&mut self, step: f64) {
+    pub(crate) fn accept_least(&mut self, step: f64) {
         self.proposal = step;
     }
 
     /// A failed step proposes a smaller one.
-    pub fn failed(&mut self, step: f64) {
+    pub(crate) fn failed(&mut self, step: f64) {
         self.proposal = self.proposal.min(step);
     }
 }

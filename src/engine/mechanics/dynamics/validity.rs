@@ -96,7 +96,7 @@ impl Kind {
 
 impl Validity {
     /// For simulations of `scene`.
-    pub fn new(scene: &Scene) -> Self {
+    pub(crate) fn new(scene: &Scene) -> Self {
         let is_accounted_for = |load: &Load| match load.kind {
             LoadKind::Gravity { .. } => load.schedule.is_empty(),
             LoadKind::Drag { .. } => true,
@@ -136,7 +136,7 @@ impl Validity {
     }
 
     /// The same with such steps.
-    pub fn with_steps(mut self, step: &StepSize) -> Self {
+    pub(crate) fn with_steps(mut self, step: &StepSize) -> Self {
         self.has_automatic_steps = matches!(step, StepSize::Auto { .. });
         self
     }
@@ -151,12 +151,12 @@ impl Validity {
     }
 
     /// Work is done that is not counted: other forces act than those of the scene, or a clamp moves otherwise.
-    pub fn stop_counting_energy(&mut self) {
+    pub(crate) fn stop_counting_energy(&mut self) {
         self.memory.is_conservative = false;
     }
 
     /// Looks at the strains of all rods at `unknowns`, where the system was evaluated last.
-    pub fn check_strains(&mut self, system: &System, unknowns: &[f64], time: f64) {
+    pub(crate) fn check_strains(&mut self, system: &System, unknowns: &[f64], time: f64) {
         let found = system.largest_strains(unknowns, &self.sections);
         self.note_strain(system, Kind::Stretch, found.stretch, time);
         self.note_strain(system, Kind::Bending, found.bending, time);
@@ -164,7 +164,7 @@ impl Validity {
     }
 
     /// Looks at the nodes that slide along rods: whether the edges there are short enough for the force of the slide.
-    pub fn check_slides(&mut self, system: &System, time: f64) {
+    pub(crate) fn check_slides(&mut self, system: &System, time: f64) {
         for slide in system.slides() {
             let [node, rail] = [slide.node, slide.rail().start];
             let (rod, _) = system.assembly.locate(rail);
@@ -192,7 +192,7 @@ impl Validity {
     }
 
     /// Keeps what was said of an equilibrium that is not stable.
-    pub fn note_instability(&mut self, message: String) {
+    pub(crate) fn note_instability(&mut self, message: String) {
         self.memory.instability.get_or_insert(message);
     }
 
@@ -229,7 +229,7 @@ impl Validity {
 
     /// Names two rods that meet faster than waves of stretching run in one of them, from which such an impact cannot escape
     /// along the rod: its strain is then of the order of one. For motions that find no step any more.
-    pub fn fast_impact(
+    pub(crate) fn fast_impact(
         &self,
         system: &System,
         positions: &[Vector3],
@@ -265,7 +265,7 @@ impl Validity {
     }
 
     /// Names a rod that is stretched or compressed to where Hooke's law means nothing, for motions that find no step any more.
-    pub fn crushed(&self, system: &System, unknowns: &[f64]) -> Option<String> {
+    pub(crate) fn crushed(&self, system: &System, unknowns: &[f64]) -> Option<String> {
         let found = system.largest_strains(unknowns, &self.sections).stretch?;
         (found.size.abs() > CRUSHING).then(|| {
             let (rod, node) = system.assembly.locate(found.node);
@@ -279,7 +279,7 @@ impl Validity {
     }
 
     /// Notes that velocities ring in the step that ended at `time`, s.
-    pub fn note_ringing(&mut self, time: f64) {
+    pub(crate) fn note_ringing(&mut self, time: f64) {
         if self.memory.ringing.is_none() {
             self.memory.ringing = Some(time);
             warn!("at t = {time:.4e} s {RINGING}");
@@ -287,7 +287,7 @@ impl Validity {
     }
 
     /// Warns of a row of steps far smaller than asked for, the first with its advice, and counts later ones.
-    pub fn note_small_steps(&mut self, row: SmallSteps) {
+    pub(crate) fn note_small_steps(&mut self, row: SmallSteps) {
         let known = &mut self.memory.small_steps;
         match known.iter_mut().find(|known| known.advice == row.advice) {
             Some(known) => known.rows += 1,
@@ -303,7 +303,7 @@ impl Validity {
     /// The energy E of rods and contacts less what was taken in W must not grow: the gain is (E − W) less the least of that
     /// so far. It is measured by the largest kinetic and elastic energy that is not gain, with a tenth of all energy
     /// exchanged; contacts that rest hold some part of their force times δ, by which it may swing.
-    pub fn after_step(
+    pub(crate) fn after_step(
         &mut self,
         system: &System,
         report: &StepReport,
@@ -375,7 +375,7 @@ impl Validity {
     }
 
     /// What people should know of the whole motion, a sentence each.
-    pub fn remarks(&self, system: &System) -> Vec<String> {
+    pub(crate) fn remarks(&self, system: &System) -> Vec<String> {
         let memory = &self.memory;
         let strains = Kind::ALL.map(|kind| {
             let kept = match kind {

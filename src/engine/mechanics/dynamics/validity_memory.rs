@@ -37,7 +37,7 @@ pub struct SmallSteps {
 
 impl SmallSteps {
     /// The first row.
-    pub fn first(message: String, advice: String) -> Self {
+    pub(crate) fn first(message: String, advice: String) -> Self {
         Self {
             message,
             advice,
@@ -46,7 +46,7 @@ impl SmallSteps {
     }
 
     /// All rows in one sentence.
-    pub fn in_words(&self) -> String {
+    pub(crate) fn in_words(&self) -> String {
         let mut words = self.message.clone();
         if self.rows > 1 {
             words += &format!(" (the first of {} times)", self.rows);

@@ -18,7 +18,7 @@ impl Age {
     const MEMORY: f64 = 8.0;
 
     /// Records a solve.
-    pub fn record(&mut self, iterations: usize) {
+    pub(crate) fn record(&mut self, iterations: usize) {
         let weight = if self.solves == 0 {
             1.0
         } else {
@@ -31,7 +31,7 @@ impl Age {
 
     /// Whether to rebuild: once a solve costs more than solves have cost on average since the last
     /// building, its price (in iterations) included. For costs that only grow this rule is the best one.
-    pub fn is_over(&self, price: f64) -> bool {
+    pub(crate) fn is_over(&self, price: f64) -> bool {
         self.recent * self.solves as f64 > price + self.iterations as f64
     }
 }

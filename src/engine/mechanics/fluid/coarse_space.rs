@@ -33,7 +33,7 @@ pub(super) struct CoarseSpace {
 
 impl CoarseSpace {
     /// Divides filaments, whose stations are numbered one filament after the other, into equal aggregates of points.
-    pub fn new(filaments: &[Filament], points: &Points) -> Self {
+    pub(crate) fn new(filaments: &[Filament], points: &Points) -> Self {
         let mut bounds = vec![0];
         let (mut first, mut stations) = (0, 0);
         for filament in filaments {
@@ -62,7 +62,11 @@ impl CoarseSpace {
     ///
     /// # Errors
     /// [`FluidError::Singular`] where Zᵀ A Z has no inverse.
-    pub fn build(&mut self, operator: &FlowOperator, points: &Points) -> Result<(), FluidError> {
+    pub(crate) fn build(
+        &mut self,
+        operator: &FlowOperator,
+        points: &Points,
+    ) -> Result<(), FluidError> {
         let bounds = &self.bounds;
         let aggregate = |point: usize| bounds.partition_point(|first| *first <= point) - 1;
         for (station, shares) in self.shares.iter_mut().enumerate() {
@@ -98,7 +102,7 @@ impl CoarseSpace {
     }
 
     /// Solves for the forces of the aggregates; `rest` = x − A Q x.
-    pub fn solve(&mut self, x: &[f64], rest: &mut [f64]) {
+    pub(crate) fn solve(&mut self, x: &[f64], rest: &mut [f64]) {
         for (aggregate, nodes) in self.bounds.windows(2).enumerate() {
             let mut sum = [0.0; 3];
             for x in x[3 * nodes[0]..3 * nodes[1]].chunks_exact(3) {
@@ -118,7 +122,7 @@ impl CoarseSpace {
     }
 
     /// `y` += Q x of the last solution.
-    pub fn add_forces(&self, y: &mut [f64]) {
+    pub(crate) fn add_forces(&self, y: &mut [f64]) {
         let forces = self.forces.as_slice().chunks_exact(3);
         for (nodes, force) in self.bounds.windows(2).zip(forces) {
             for y in y[3 * nodes[0]..3 * nodes[1]].chunks_exact_mut(3) {

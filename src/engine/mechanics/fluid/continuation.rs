@@ -23,7 +23,7 @@ pub(super) struct Continuation {
 
 impl Continuation {
     /// Of filaments that are held together.
-    pub fn new(filaments: &[Filament], connections: &Connections) -> Self {
+    pub(crate) fn new(filaments: &[Filament], connections: &Connections) -> Self {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for pair in &connections.joined {
             let (mut ours, others): (Vec<_>, Vec<_>) = (groups.into_iter())
@@ -56,7 +56,7 @@ impl Continuation {
     }
 
     /// Contour length of each filament with all that continue it, m.
-    pub fn lengths(&mut self, filaments: &[Filament], positions: &[Vector3]) -> &[f64] {
+    pub(crate) fn lengths(&mut self, filaments: &[Filament], positions: &[Vector3]) -> &[f64] {
         self.first.clear();
         self.first.extend(0..filaments.len());
         for ([a, b], nodes) in &self.meetings {

@@ -124,7 +124,7 @@ impl Fluid {
     ///
     /// # Errors
     /// [`FluidError::BadInput`] for a radius that is not positive and finite, for spheres that overlap, and beside a wall.
-    pub fn set_spheres(
+    pub(crate) fn set_spheres(
         &mut self,
         spheres: &[Sphere],
         positions: &[Vector3],
@@ -154,7 +154,7 @@ impl Fluid {
     }
 
     /// A node that may not be there is at the wall or behind it: its number in the scene, and its height, m.
-    pub fn behind_wall(&self, positions: &[Vector3]) -> Option<(usize, f64)> {
+    pub(crate) fn behind_wall(&self, positions: &[Vector3]) -> Option<(usize, f64)> {
         match &self.method {
             Method::Stokeslets(drag) => drag.wall()?.behind(positions),
             Method::Resistive { .. } => None,
@@ -163,7 +163,7 @@ impl Fluid {
 
     /// Lets the fluid know what holds filaments together that are placed at `positions` (m, of all nodes of the scene). Nodes
     /// at one place are one point of the flow, joined or not, until they come apart.
-    pub fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
+    pub(crate) fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
         match &mut self.method {
             Method::Stokeslets(drag) => drag.connect(connections, positions),
             Method::Resistive { continuation, .. } => {
@@ -174,7 +174,7 @@ impl Fluid {
 
     /// Pairs of nodes that were at one place when the filaments were placed, without a joint; none where nodes do not feel each
     /// other through the fluid.
-    pub fn met_by_chance(&self) -> Vec<[usize; 2]> {
+    pub(crate) fn met_by_chance(&self) -> Vec<[usize; 2]> {
         match &self.method {
             Method::Stokeslets(drag) => drag.met_by_chance(),
             Method::Resistive { .. } => Vec::new(),
@@ -183,7 +183,7 @@ impl Fluid {
 
     /// The two nodes, not neighbours along a filament nor one point, that are nearest to each other, and their distance over the
     /// smaller regularisation length; `None` where nodes do not feel each other through the fluid.
-    pub fn nearest_nodes(&self, positions: &[Vector3]) -> Option<([usize; 2], f64)> {
+    pub(crate) fn nearest_nodes(&self, positions: &[Vector3]) -> Option<([usize; 2], f64)> {
         match &self.method {
             Method::Stokeslets(drag) => drag.nearest_nodes(positions),
             Method::Resistive { .. } => None,
@@ -247,7 +247,7 @@ impl Fluid {
     ///
     /// # Panics
     /// If the fluid does not couple nodes ([`Self::coupling`]).
-    pub fn drag_of(
+    pub(crate) fn drag_of(
         &mut self,
         velocities: &[Vector3],
         spins: &[f64],
@@ -261,7 +261,7 @@ impl Fluid {
     }
 
     /// How nodes feel the motion of others; `None` where they do not, and the local resistance D is all of it.
-    pub fn coupling(&self) -> Option<Coupling> {
+    pub(crate) fn coupling(&self) -> Option<Coupling> {
         match &self.method {
             Method::Stokeslets(drag) => Some(Coupling {
                 largest_ratio: drag.largest_ratio(),
@@ -273,7 +273,7 @@ impl Fluid {
 
     /// Power that the last drag takes from the motion of the nodes, W, where nodes feel the motion of others; `None` where
     /// they do not. That of a fluid at rest is positive in every motion.
-    pub fn dissipation(&self) -> Option<f64> {
+    pub(crate) fn dissipation(&self) -> Option<f64> {
         match &self.method {
             Method::Stokeslets(drag) => Some(drag.dissipation()),
             Method::Resistive { .. } => None,
@@ -281,7 +281,7 @@ impl Fluid {
     }
 
     /// What a checkpoint must hold.
-    pub fn memory(&self) -> FluidMemory {
+    pub(crate) fn memory(&self) -> FluidMemory {
         FluidMemory(match &self.method {
             Method::Stokeslets(drag) => Some(drag.memory()),
             Method::Resistive { .. } => None,
@@ -292,7 +292,7 @@ impl Fluid {
     ///
     /// # Errors
     /// [`FluidError::ForeignMemory`] where the memory does not fit the filaments and the model.
-    pub fn restore(&mut self, memory: FluidMemory) -> Result<(), FluidError> {
+    pub(crate) fn restore(&mut self, memory: FluidMemory) -> Result<(), FluidError> {
         match (&mut self.method, memory.0) {
             (Method::Stokeslets(drag), Some(memory)) => drag.restore(memory),
             (Method::Resistive { .. }, None) => Ok(()),

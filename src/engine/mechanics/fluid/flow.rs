@@ -31,7 +31,7 @@ enum Stations {
 
 impl Flow {
     /// Exact below [`CROSSOVER`] nodes and for a `far_field_error` of zero; by clusters otherwise. Every station is a point.
-    pub fn new(filaments: &[Filament], regularization: f64, far_field_error: f64) -> Self {
+    pub(crate) fn new(filaments: &[Filament], regularization: f64, far_field_error: f64) -> Self {
         let nodes: usize = filaments.iter().map(|filament| filament.nodes).sum();
         let stations = if far_field_error == 0.0 || nodes < CROSSOVER {
             Stations::Exact(FlowOperator::new(filaments, regularization))
@@ -52,7 +52,7 @@ impl Flow {
     }
 
     /// The flow beside a wall, which is exact for any number of nodes: by clusters there are no images. Every station is a point.
-    pub fn beside_wall(filaments: &[Filament], regularization: f64, wall: FlowWall) -> Self {
+    pub(crate) fn beside_wall(filaments: &[Filament], regularization: f64, wall: FlowWall) -> Self {
         let operator = FlowOperator::beside_wall(filaments, regularization, wall);
         Self {
             points: Points::plain(operator.nodes()),
@@ -64,7 +64,7 @@ impl Flow {
     }
 
     /// Takes other points of the same stations.
-    pub fn take_points(&mut self, points: Points) {
+    pub(crate) fn take_points(&mut self, points: Points) {
         let size = if points.are_plain() {
             0
         } else {
@@ -79,33 +79,33 @@ impl Flow {
     }
 
     /// Takes spheres.
-    pub fn take_spheres(&mut self, spheres: Spheres) {
+    pub(crate) fn take_spheres(&mut self, spheres: Spheres) {
         self.spheres = spheres;
         self.spheres.take_points(&self.points);
     }
 
     /// The spheres.
-    pub fn spheres(&self) -> &Spheres {
+    pub(crate) fn spheres(&self) -> &Spheres {
         &self.spheres
     }
 
     /// The points.
-    pub fn points(&self) -> &Points {
+    pub(crate) fn points(&self) -> &Points {
         &self.points
     }
 
     /// Number of points.
-    pub fn nodes(&self) -> usize {
+    pub(crate) fn nodes(&self) -> usize {
         self.points.count()
     }
 
     /// Number of unknowns: three per point and six per sphere.
-    pub fn unknowns(&self) -> usize {
+    pub(crate) fn unknowns(&self) -> usize {
         3 * self.points.count() + self.spheres.unknowns()
     }
 
     /// A where it is exact; `None` by clusters.
-    pub fn exact(&self) -> Option<&FlowOperator> {
+    pub(crate) fn exact(&self) -> Option<&FlowOperator> {
         match &self.stations {
             Stations::Exact(operator) => Some(operator),
             Stations::Hierarchical(_) => None,
@@ -113,7 +113,7 @@ impl Flow {
     }
 
     /// Evaluates the operator at new positions of the stations, m.
-    pub fn assemble(&mut self, positions: &[Vector3]) {
+    pub(crate) fn assemble(&mut self, positions: &[Vector3]) {
         self.points.place(positions);
         match &mut self.stations {
             Stations::Exact(operator) => operator.assemble(positions),
@@ -123,7 +123,7 @@ impl Flow {
 
     /// Evaluates what spheres and points do to each other, for stations of `filaments` and all places of the scene, m; after
     /// [`assemble`](Self::assemble).
-    pub fn assemble_spheres(
+    pub(crate) fn assemble_spheres(
         &mut self,
         filaments: &[Filament],
         stations: &[Vector3],
@@ -133,12 +133,12 @@ impl Flow {
     }
 
     /// The block of a station's own velocity and density, A_ii.
-    pub fn own_block(&self, station: usize) -> Matrix3 {
+    pub(crate) fn own_block(&self, station: usize) -> Matrix3 {
         self.block(station, station)
     }
 
     /// The diagonal block of a point: the velocity there by the force densities of all its stations.
-    pub fn diagonal(&self, point: usize) -> Matrix3 {
+    pub(crate) fn diagonal(&self, point: usize) -> Matrix3 {
         let row = self.points.representatives()[point];
         let members = self.points.members(point).iter();
         let mut sum: Matrix3 = members.map(|&station| self.block(row, station)).sum();
@@ -161,7 +161,7 @@ impl Flow {
     }
 
     /// `velocities` = R A W `densities`, with the spheres.
-    pub fn multiply(&mut self, densities: &[f64], velocities: &mut [f64]) {
+    pub(crate) fn multiply(&mut self, densities: &[f64], velocities: &mut [f64]) {
         let of_points = 3 * self.nodes();
         self.multiply_points(&densities[..of_points], &mut velocities[..of_points]);
         self.spheres.couple(densities, velocities);
@@ -178,7 +178,11 @@ impl Flow {
     }
 
     /// [`multiply`](Self::multiply) for three vectors.
-    pub fn multiply_three(&mut self, densities: &[Vec<f64>; 3], velocities: &mut [Vec<f64>; 3]) {
+    pub(crate) fn multiply_three(
+        &mut self,
+        densities: &[Vec<f64>; 3],
+        velocities: &mut [Vec<f64>; 3],
+    ) {
         if !self.spheres.is_empty() {
             for (densities, velocities) in densities.iter().zip(velocities) {
                 self.multiply(densities, velocities);
@@ -198,7 +202,7 @@ impl Flow {
     }
 
     /// Floating-point operations of a product.
-    pub fn operations(&self) -> f64 {
+    pub(crate) fn operations(&self) -> f64 {
         match &self.stations {
             Stations::Exact(operator) => 18.0 * (operator.nodes() * operator.nodes()) as f64,
             Stations::Hierarchical(operator) => operator.operations(),

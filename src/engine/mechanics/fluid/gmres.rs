@@ -32,7 +32,7 @@ pub(super) struct Convergence {
 
 impl Gmres {
     /// Scratch for `unknowns` unknowns.
-    pub fn new(unknowns: usize) -> Self {
+    pub(crate) fn new(unknowns: usize) -> Self {
         Self {
             basis: vec![vec![0.0; unknowns]; RESTART + 1],
             columns: vec![[0.0; RESTART]; RESTART],
@@ -45,7 +45,7 @@ impl Gmres {
 
     /// Improves `solution`, whose residual b − A x is `residual`, until ‖b − A x‖ ≤ `tolerance` or
     /// `most` iterations have been spent. Not-a-number ends the iteration too.
-    pub fn solve(
+    pub(crate) fn solve(
         &mut self,
         operator: &mut Flow,
         preconditioner: &mut Preconditioner,

@@ -23,7 +23,7 @@ pub(super) struct InitialGuess {
 
 impl InitialGuess {
     /// No solution so far.
-    pub fn new(unknowns: usize) -> Self {
+    pub(crate) fn new(unknowns: usize) -> Self {
         let zero = || std::array::from_fn(|_| vec![0.0; unknowns]);
         Self {
             previous: zero(),
@@ -33,28 +33,33 @@ impl InitialGuess {
     }
 
     /// The solutions kept, newest first.
-    pub fn previous(&self) -> &[Vec<f64>; KEPT] {
+    pub(crate) fn previous(&self) -> &[Vec<f64>; KEPT] {
         &self.previous
     }
 
     /// Replaces the solutions kept.
-    pub fn restore(&mut self, previous: [Vec<f64>; KEPT]) {
+    pub(crate) fn restore(&mut self, previous: [Vec<f64>; KEPT]) {
         self.previous = previous;
     }
 
     /// Adds the newest solution and forgets the oldest.
-    pub fn remember(&mut self, solution: &[f64]) {
+    pub(crate) fn remember(&mut self, solution: &[f64]) {
         self.previous.rotate_right(1);
         self.previous[0].copy_from_slice(solution);
     }
 
     /// Replaces the newest solution by a better one of the same step.
-    pub fn replace_newest(&mut self, solution: &[f64]) {
+    pub(crate) fn replace_newest(&mut self, solution: &[f64]) {
         self.previous[0].copy_from_slice(solution);
     }
 
     /// Sets `solution` to the guess and takes its image from `residual`, which holds b.
-    pub fn start(&mut self, operator: &mut Flow, residual: &mut [f64], solution: &mut [f64]) {
+    pub(crate) fn start(
+        &mut self,
+        operator: &mut Flow,
+        residual: &mut [f64],
+        solution: &mut [f64],
+    ) {
         for (combination, previous) in self.combinations.iter_mut().zip(&self.previous) {
             combination.copy_from_slice(previous);
         }

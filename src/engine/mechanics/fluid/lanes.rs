@@ -30,7 +30,7 @@ pub(super) struct SegmentLanes {
 
 impl SegmentLanes {
     /// Puts a segment into a lane.
-    pub fn set(&mut self, lane: usize, segment: &Segment) {
+    pub(crate) fn set(&mut self, lane: usize, segment: &Segment) {
         for k in 0..3 {
             self.start[k][lane] = segment.start[k];
             self.tangent[k][lane] = segment.tangent[k];
@@ -42,7 +42,7 @@ impl SegmentLanes {
 
     /// The segment in a lane.
     #[inline(always)]
-    pub fn get(&self, lane: usize) -> Segment {
+    pub(crate) fn get(&self, lane: usize) -> Segment {
         // Spelled out: `map` over the arrays keeps the loop over lanes from vectorising.
         let (start, tangent) = (&self.start, &self.tangent);
         Segment {
@@ -64,7 +64,7 @@ pub(super) struct BlockLanes(pub [SingleLanes; 6]);
 
 impl BlockLanes {
     /// The block in a lane.
-    pub fn get(&self, lane: usize) -> Symmetric {
+    pub(crate) fn get(&self, lane: usize) -> Symmetric {
         self.0.map(|component| f64::from(component[lane]))
     }
 }
@@ -87,7 +87,7 @@ pub(super) struct OffsetLanes {
 impl OffsetLanes {
     /// Puts an offset into a lane.
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, offset: &Offset) {
+    pub(crate) fn set(&mut self, lane: usize, offset: &Offset) {
         self.a[lane] = offset.a;
         for k in 0..3 {
             self.p[k][lane] = offset.p[k];
@@ -99,7 +99,7 @@ impl OffsetLanes {
 
     /// The offset in a lane.
     #[inline(always)]
-    pub fn get(&self, lane: usize) -> Offset {
+    pub(crate) fn get(&self, lane: usize) -> Offset {
         Offset {
             a: self.a[lane],
             p: [self.p[0][lane], self.p[1][lane], self.p[2][lane]],

@@ -75,6 +75,7 @@ mod operator;
 mod patch;
 mod points;
 mod preconditioner;
+#[cfg(test)]
 mod quadrature;
 mod report;
 mod resistive_force_theory;
@@ -95,9 +96,9 @@ pub use error::FluidError;
 pub use filament::{Connections, Filament, Sliding};
 pub use model::FluidModel;
 pub use operator::FlowOperator;
-pub use quadrature::{segment_integral_by_quadrature, segment_integral_error};
-pub use report::FluidReport;
+#[cfg(test)]
+pub(crate) use quadrature::segment_integral_by_quadrature;
 pub use resistive_force_theory::DragCoefficients;
 pub use segment::segment_integral;
-pub use spheres::Sphere;
+pub(crate) use spheres::Sphere;
 pub use wall::{Wall, segment_image_integral};

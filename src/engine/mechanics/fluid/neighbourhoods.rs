@@ -69,7 +69,7 @@ struct Workspace {
 impl Neighbourhoods {
     /// Groups the given number of nodes; each group has a neighbourhood of the given size, or all nodes
     /// where there are fewer.
-    pub fn new(nodes: usize, size: usize) -> Self {
+    pub(crate) fn new(nodes: usize, size: usize) -> Self {
         let nodes_of_a_group = size / NEIGHBOURS_PER_NODE;
         let groups = (0..nodes)
             .step_by(nodes_of_a_group)
@@ -88,12 +88,12 @@ impl Neighbourhoods {
     }
 
     /// Nodes of a neighbourhood.
-    pub fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         self.size
     }
 
     /// Floating-point operations of [`build`](Self::build) for `nodes` nodes: 2/3 m³ for the elimination of m unknowns.
-    pub fn operations(&self, nodes: usize) -> f64 {
+    pub(crate) fn operations(&self, nodes: usize) -> f64 {
         let unknowns = (3 * self.size.min(nodes)) as f64;
         self.groups.len() as f64 * unknowns * unknowns * unknowns * 2.0 / 3.0
     }
@@ -102,7 +102,7 @@ impl Neighbourhoods {
     ///
     /// # Errors
     /// [`FluidError::Singular`] where a neighbourhood has no inverse.
-    pub fn build(
+    pub(crate) fn build(
         &mut self,
         links: &[Link],
         positions: &[Vector3],
@@ -137,7 +137,7 @@ impl Neighbourhoods {
     }
 
     /// `y` ≈ A⁻¹ `x`.
-    pub fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+    pub(crate) fn apply(&mut self, x: &[f64], y: &mut [f64]) {
         for group in &mut self.groups {
             let own = 3 * group.first..3 * (group.first + group.nodes);
             for (k, &node) in group.neighbours.iter().enumerate() {

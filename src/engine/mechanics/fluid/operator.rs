@@ -128,7 +128,7 @@ impl FlowOperator {
     }
 
     /// Number of nodes.
-    pub fn nodes(&self) -> usize {
+    pub(crate) fn nodes(&self) -> usize {
         self.points.len()
     }
 
@@ -169,7 +169,7 @@ impl FlowOperator {
     }
 
     /// A_ij.
-    pub fn block(&self, row: usize, column: usize) -> Matrix3 {
+    pub(crate) fn block(&self, row: usize, column: usize) -> Matrix3 {
         let Column { slot, repeated } = self.columns[column];
         let mut block = self.stored(row, slot);
         if let Some(slot) = repeated {

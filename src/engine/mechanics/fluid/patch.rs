@@ -21,7 +21,7 @@ pub(super) struct Patch {
 
 impl Patch {
     /// Evaluates the blocks of `rows` with `columns`, the latter in ascending order.
-    pub fn assemble(
+    pub(crate) fn assemble(
         &mut self,
         set: InstructionSet,
         links: &[Link],
@@ -62,27 +62,27 @@ impl Patch {
     }
 
     /// The slots of the columns, in their order: what [`block`](Self::block) counts columns by.
-    pub fn columns(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn columns(&self) -> impl Iterator<Item = usize> {
         (self.slots.iter().enumerate())
             .filter(|(_, slot)| slot.own)
             .map(|(place, _)| place)
     }
 
     /// A_ij for a row by its number and a column by its slot.
-    pub fn block(&self, row: usize, slot: usize) -> Matrix3 {
+    pub(crate) fn block(&self, row: usize, slot: usize) -> Matrix3 {
         let chunks = self.segments.len();
         full(&self.blocks[row * chunks + slot % chunks].get(slot / chunks))
     }
 
     /// A_ij of two nodes; `None` where they have no row or no column.
-    pub fn between(&self, row: usize, column: usize) -> Option<Matrix3> {
+    pub(crate) fn between(&self, row: usize, column: usize) -> Option<Matrix3> {
         let row = self.rows.iter().position(|&node| node == row)?;
         let slot = (self.slots.iter()).position(|slot| slot.own && slot.node == column)?;
         Some(self.block(row, slot))
     }
 
     /// `velocities` += A `densities`; the former by rows, the latter by nodes.
-    pub fn add_product(
+    pub(crate) fn add_product(
         &mut self,
         set: InstructionSet,
         densities: &[f64],
@@ -99,7 +99,7 @@ impl Patch {
     }
 
     /// [`add_product`](Self::add_product) for three vectors, at little more than the price of one.
-    pub fn add_three_products(
+    pub(crate) fn add_three_products(
         &mut self,
         set: InstructionSet,
         densities: &[Vec<f64>; 3],

@@ -47,7 +47,7 @@ struct SlidingStation {
 
 impl Points {
     /// Every station is a point.
-    pub fn plain(stations: usize) -> Self {
+    pub(crate) fn plain(stations: usize) -> Self {
         Self {
             representatives: (0..stations).collect(),
             members: (0..stations).map(|station| vec![station]).collect(),
@@ -57,7 +57,7 @@ impl Points {
     }
 
     /// The points of tied stations.
-    pub fn new(ties: &Ties, rails: &[Rail], positions: &[Vector3]) -> Self {
+    pub(crate) fn new(ties: &Ties, rails: &[Rail], positions: &[Vector3]) -> Self {
         let mut root: Vec<usize> = (0..positions.len()).collect();
         for tie in ties.pairs.iter().filter(|tie| tie.holds) {
             let [a, b] = tie.stations.map(|station| root_of(&root, station));
@@ -97,7 +97,7 @@ impl Points {
     }
 
     /// Lets sliding stations take their densities from where they are.
-    pub fn place(&mut self, positions: &[Vector3]) {
+    pub(crate) fn place(&mut self, positions: &[Vector3]) {
         for SlidingStation { station, rail } in &self.sliding {
             let foot = rail.nearest(positions, &positions[*station]);
             let [start, end] = foot.ends.map(|end| self.shares[end][0].point);
@@ -115,42 +115,42 @@ impl Points {
     }
 
     /// Number of points.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.representatives.len()
     }
 
     /// Number of stations.
-    pub fn stations(&self) -> usize {
+    pub(crate) fn stations(&self) -> usize {
         self.shares.len()
     }
 
     /// Whether every station is a point.
-    pub fn are_plain(&self) -> bool {
+    pub(crate) fn are_plain(&self) -> bool {
         self.count() == self.stations()
     }
 
     /// The station whose row a point has, for all points in ascending order.
-    pub fn representatives(&self) -> &[usize] {
+    pub(crate) fn representatives(&self) -> &[usize] {
         &self.representatives
     }
 
     /// The stations of a point, without those that slide.
-    pub fn members(&self, point: usize) -> &[usize] {
+    pub(crate) fn members(&self, point: usize) -> &[usize] {
         &self.members[point]
     }
 
     /// What the force density of a station consists of.
-    pub fn shares(&self, station: usize) -> &[Share; 2] {
+    pub(crate) fn shares(&self, station: usize) -> &[Share; 2] {
         &self.shares[station]
     }
 
     /// The stations that slide.
-    pub fn sliding(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn sliding(&self) -> impl Iterator<Item = usize> {
         self.sliding.iter().map(|sliding| sliding.station)
     }
 
     /// Value at a station of what has these values at the points, three numbers each.
-    pub fn value_at(&self, station: usize, at_points: &[f64]) -> Vector3 {
+    pub(crate) fn value_at(&self, station: usize, at_points: &[f64]) -> Vector3 {
         let [first, second] = self.shares[station];
         let of = |point: usize| Vector3::from_column_slice(&at_points[3 * point..3 * point + 3]);
         let value = of(first.point) * first.weight;
@@ -162,14 +162,14 @@ impl Points {
     }
 
     /// Gives stations the densities of their points.
-    pub fn spread(&self, at_points: &[f64], at_stations: &mut [f64]) {
+    pub(crate) fn spread(&self, at_points: &[f64], at_stations: &mut [f64]) {
         for (station, value) in at_stations.chunks_exact_mut(3).enumerate() {
             value.copy_from_slice(self.value_at(station, at_points).as_slice());
         }
     }
 
     /// Takes the velocities of points from those of stations.
-    pub fn restrict(&self, at_stations: &[f64], at_points: &mut [f64]) {
+    pub(crate) fn restrict(&self, at_stations: &[f64], at_points: &mut [f64]) {
         for (value, station) in at_points.chunks_exact_mut(3).zip(&self.representatives) {
             value.copy_from_slice(&at_stations[3 * station..3 * station + 3]);
         }

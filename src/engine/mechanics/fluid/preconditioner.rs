@@ -36,7 +36,7 @@ pub(super) struct Preconditioner {
 
 impl Preconditioner {
     /// For these filaments, with neighbourhoods of the given size.
-    pub fn new(filaments: &[Filament], operator: &Flow, neighbourhood: usize) -> Self {
+    pub(crate) fn new(filaments: &[Filament], operator: &Flow, neighbourhood: usize) -> Self {
         let nodes = operator.nodes();
         Self {
             neighbourhoods: Neighbourhoods::new(nodes, neighbourhood),
@@ -47,17 +47,17 @@ impl Preconditioner {
     }
 
     /// Nodes of a neighbourhood.
-    pub fn neighbourhood(&self) -> usize {
+    pub(crate) fn neighbourhood(&self) -> usize {
         self.neighbourhoods.size()
     }
 
     /// Price of [`build`](Self::build) in units of one iteration, from operation counts.
-    pub fn price(&self, operator: &Flow) -> f64 {
+    pub(crate) fn price(&self, operator: &Flow) -> f64 {
         PRICE_OF_ELIMINATION * self.operations(operator) / operator.operations()
     }
 
     /// Floating-point operations of [`build`](Self::build), nearly all of them for the neighbourhoods.
-    pub fn operations(&self, operator: &Flow) -> f64 {
+    pub(crate) fn operations(&self, operator: &Flow) -> f64 {
         self.neighbourhoods.operations(operator.nodes())
     }
 
@@ -65,7 +65,7 @@ impl Preconditioner {
     ///
     /// # Errors
     /// [`FluidError::Singular`] where one of them has no inverse.
-    pub fn build(
+    pub(crate) fn build(
         &mut self,
         links: &[Link],
         positions: &[Vector3],
@@ -82,7 +82,7 @@ impl Preconditioner {
     }
 
     /// `y` ≈ A⁻¹ `x`; of a flow with spheres each of these for itself.
-    pub fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+    pub(crate) fn apply(&mut self, x: &[f64], y: &mut [f64]) {
         let of_points = self.rest.len();
         let (x, w) = x.split_at(of_points);
         let (y, s) = y.split_at_mut(of_points);

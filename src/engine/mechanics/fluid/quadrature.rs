@@ -37,7 +37,7 @@ pub(super) const DEEPEST: usize = 20;
 
 /// What [`segment_integral`] gives, by adaptive Gauss–Kronrod quadrature of
 /// Eq. 2.21 to an absolute `tolerance` (A₁ and A₂ have no dimension) or to round-off.
-pub fn segment_integral_by_quadrature(
+pub(crate) fn segment_integral_by_quadrature(
     x: &Vector3,
     start: &Vector3,
     end: &Vector3,
@@ -67,7 +67,7 @@ pub fn segment_integral_by_quadrature(
 /// and a segment: points anywhere up to 100 lengths away, on the axis beyond the ends, inside the rod,
 /// touching it and at the segment's nodes; lengths of 0.1 mm to 10 cm, ε from 1/100 to 30 lengths. The
 /// pairs are random, but the same every time.
-pub fn segment_integral_error(pairs: usize) -> f64 {
+pub(crate) fn segment_integral_error(pairs: usize) -> f64 {
     let mut random = Random(2018);
     let mut worst: f64 = 0.0;
     for pair in 0..pairs {
@@ -101,7 +101,7 @@ pub(super) struct Random(pub u64);
 
 impl Random {
     /// Uniform in (−1, 1).
-    pub fn number(&mut self) -> f64 {
+    pub(crate) fn number(&mut self) -> f64 {
         self.0 = (self.0)
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1_442_695_040_888_963_407);
@@ -109,11 +109,11 @@ impl Random {
     }
 
     /// Between two magnitudes, uniform in the logarithm.
-    pub fn magnitude(&mut self, from: f64, to: f64) -> f64 {
+    pub(crate) fn magnitude(&mut self, from: f64, to: f64) -> f64 {
         from * libm::pow(to / from, 0.5 + 0.5 * self.number())
     }
 
-    pub fn direction(&mut self) -> Vector3 {
+    pub(crate) fn direction(&mut self) -> Vector3 {
         Vector3::from_fn(|_, _| self.number()).normalize()
     }
 }

@@ -78,7 +78,7 @@ impl DragCoefficients {
     }
 
     /// Ξ = ξ_⊥ (1 − t tᵀ) + ξ_∥ t tᵀ for a unit tangent, N s/m².
-    pub fn resistance_per_length(&self, tangent: &Vector3) -> Matrix3 {
+    pub(crate) fn resistance_per_length(&self, tangent: &Vector3) -> Matrix3 {
         Matrix3::identity() * self.across
             + tangent * tangent.transpose() * (self.along - self.across)
     }

@@ -42,7 +42,7 @@ pub(super) struct Rotlets {
 
 impl Rotlets {
     /// Of filaments whose edges do not spin.
-    pub fn new(filaments: &[Filament]) -> Self {
+    pub(crate) fn new(filaments: &[Filament]) -> Self {
         let edges: usize = filaments.iter().map(Filament::edges).sum();
         let void = EdgeLanes {
             // Lanes after the last edge have no strength, but must be finite.
@@ -57,12 +57,12 @@ impl Rotlets {
     }
 
     /// Whether any edge spins.
-    pub fn spin(&self) -> bool {
+    pub(crate) fn spin(&self) -> bool {
         self.spin
     }
 
     /// Places the edges at these stations, m, with the spins of the nodes of the scene at which they start, rad/s.
-    pub fn set(&mut self, filaments: &[Filament], stations: &[Vector3], spins: &[f64]) {
+    pub(crate) fn set(&mut self, filaments: &[Filament], stations: &[Vector3], spins: &[f64]) {
         self.spin = false;
         for (number, (filament, edge, ends)) in edges_of(filaments).enumerate() {
             let [start, end] = ends.map(|station| stations[station]);
@@ -83,7 +83,7 @@ impl Rotlets {
     }
 
     /// Velocity at a place, m/s.
-    pub fn velocity(&self, x: &Vector3) -> Vector3 {
+    pub(crate) fn velocity(&self, x: &Vector3) -> Vector3 {
         Vector3::from(velocity(self.set, (*x).into(), &self.edges))
     }
 }

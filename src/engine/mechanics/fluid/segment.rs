@@ -76,7 +76,7 @@ pub(super) struct Segment {
 
 impl Segment {
     /// The segment from `start` to `end`, m; it may have no length.
-    pub fn new(start: &Vector3, end: &Vector3, regularization_squared: f64) -> Self {
+    pub(crate) fn new(start: &Vector3, end: &Vector3, regularization_squared: f64) -> Self {
         let edge = end - start;
         let length = edge.norm();
         let inverse_length = if length > 0.0 { 1.0 / length } else { 0.0 };
@@ -94,7 +94,7 @@ impl Segment {
     /// This and its parts are free of branches so that they vectorise when called in loops over lanes;
     /// every `mul_add` is spelled out so that the results have the same bytes on every machine.
     #[inline(always)]
-    pub fn integral(&self, x: [f64; 3]) -> [Symmetric; 2] {
+    pub(crate) fn integral(&self, x: [f64; 3]) -> [Symmetric; 2] {
         let offset = self.offset(x);
         let [first, second] = self.moments(&offset);
         [
@@ -105,7 +105,7 @@ impl Segment {
 
     /// Where `x` lies.
     #[inline(always)]
-    pub fn offset(&self, x: [f64; 3]) -> Offset {
+    pub(crate) fn offset(&self, x: [f64; 3]) -> Offset {
         let t = self.tangent;
         let r = [
             x[0] - self.start[0],
@@ -132,13 +132,13 @@ impl Segment {
 
     /// Coefficients of A₁ and A₂ for [`combine`].
     #[inline(always)]
-    pub fn moments(&self, offset: &Offset) -> [[f64; 4]; 2] {
+    pub(crate) fn moments(&self, offset: &Offset) -> [[f64; 4]; 2] {
         self.weigh(offset, &self.integrals(offset))
     }
 
     /// The integrals of the table above.
     #[inline(always)]
-    pub fn integrals(&self, offset: &Offset) -> Integrals {
+    pub(crate) fn integrals(&self, offset: &Offset) -> Integrals {
         let &Offset {
             a, rho2, r0, r1, ..
         } = offset;
@@ -174,7 +174,7 @@ impl Segment {
 
     /// [`moments`](Self::moments) from the integrals.
     #[inline(always)]
-    pub fn weigh(&self, offset: &Offset, integrals: &Integrals) -> [[f64; 4]; 2] {
+    pub(crate) fn weigh(&self, offset: &Offset, integrals: &Integrals) -> [[f64; 4]; 2] {
         let &Integrals {
             i0,
             i1,

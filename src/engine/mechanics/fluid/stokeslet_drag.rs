@@ -31,7 +31,7 @@ const MOST_OPERATIONS: f64 = 2e11;
 const MOST_ITERATIONS: usize = 40;
 /// What later solves remember of earlier ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct StokesletMemory {
+pub(crate) struct StokesletMemory {
     /// Which stations are one point.
     ties: Ties,
     /// The last solutions, newest first, three numbers per point.
@@ -91,7 +91,7 @@ pub(super) struct StokesletDrag {
 
 impl StokesletDrag {
     /// Sets up all room that solves need.
-    pub fn new(
+    pub(crate) fn new(
         viscosity: f64,
         regularization: f64,
         far_field_error: f64,
@@ -132,12 +132,12 @@ impl StokesletDrag {
     }
 
     /// The wall, if there is one.
-    pub fn wall(&self) -> Option<&FlowWall> {
+    pub(crate) fn wall(&self) -> Option<&FlowWall> {
         self.wall.as_ref()
     }
 
     /// Pairs of nodes that were at one place when the filaments were placed, without a joint.
-    pub fn met_by_chance(&self) -> Vec<[usize; 2]> {
+    pub(crate) fn met_by_chance(&self) -> Vec<[usize; 2]> {
         let nodes: Vec<usize> = nodes_of(&self.filaments).collect();
         let met = self.ties.pairs.iter().filter(|tie| !tie.is_joined);
         met.map(|tie| tie.stations.map(|station| nodes[station]))
@@ -145,7 +145,7 @@ impl StokesletDrag {
     }
 
     /// See [`Fluid::nearest_nodes`](super::Fluid::nearest_nodes).
-    pub fn nearest_nodes(&self, positions: &[Vector3]) -> Option<([usize; 2], f64)> {
+    pub(crate) fn nearest_nodes(&self, positions: &[Vector3]) -> Option<([usize; 2], f64)> {
         let nodes: Vec<usize> = nodes_of(&self.filaments).collect();
         let stations = self.operator.points().representatives();
         let pairs = stations.iter().enumerate().flat_map(|(k, &a)| {
@@ -173,7 +173,7 @@ impl StokesletDrag {
     /// velocity of the rail where it is for f_p and u_p, and its own block of A, so that what it moves along the rail
     /// meets the resistance of its own length.
     /// Arguments as in [`Fluid::drag`](super::Fluid::drag).
-    pub fn drag(
+    pub(crate) fn drag(
         &mut self,
         positions: &[Vector3],
         velocities: &[Vector3],
@@ -209,7 +209,7 @@ impl StokesletDrag {
 
     /// Force on each node for other velocities, with the nodes where they were in the last [`drag`](Self::drag), which gave
     /// them a local `resistance`.
-    pub fn drag_of(
+    pub(crate) fn drag_of(
         &mut self,
         velocities: &[Vector3],
         spins: &[f64],
@@ -223,18 +223,18 @@ impl StokesletDrag {
     }
 
     /// Relative residual at which a solve stops.
-    pub fn tolerance(&self) -> f64 {
+    pub(crate) fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
     /// Estimate of the largest eigenvalue of D⁻¹ R: how many times its local part D the resistance R of the nodes is, for
     /// the velocities for which that is most; infinite with spheres. It belongs to the positions at which the preconditioner was built.
-    pub fn largest_ratio(&self) -> f64 {
+    pub(crate) fn largest_ratio(&self) -> f64 {
         self.largest_ratio
     }
 
     /// Power that the last drag takes from nodes and spheres by their motion against the flow of spinning edges, W.
-    pub fn dissipation(&self) -> f64 {
+    pub(crate) fn dissipation(&self) -> f64 {
         let points = self.operator.points();
         let of_points = 3 * points.count();
         let of_spheres = (self.operator.spheres()).power(
@@ -375,7 +375,7 @@ impl StokesletDrag {
     }
 
     /// What a checkpoint must hold.
-    pub fn memory(&self) -> StokesletMemory {
+    pub(crate) fn memory(&self) -> StokesletMemory {
         StokesletMemory {
             ties: self.ties.clone(),
             densities: self.guess.previous().clone(),
@@ -390,7 +390,7 @@ impl StokesletDrag {
     /// # Errors
     /// [`FluidError::ForeignMemory`] where sizes do not fit, [`FluidError::Singular`] where its positions
     /// coincide.
-    pub fn restore(&mut self, memory: StokesletMemory) -> Result<(), FluidError> {
+    pub(crate) fn restore(&mut self, memory: StokesletMemory) -> Result<(), FluidError> {
         let stations = self.positions.len();
         let built = memory.preconditioned_at.len();
         if !memory.ties.fit(&self.ties)

@@ -44,7 +44,7 @@ fn drag(
     fluid: &mut Fluid,
     positions: &[Vector3],
     velocities: &[Vector3],
-) -> (Vec<Vector3>, Vec<Matrix3>, FluidReport) {
+) -> (Vec<Vector3>, Vec<Matrix3>, report::FluidReport) {
     let mut forces = vec![Vector3::zeros(); positions.len()];
     let mut resistance = vec![Matrix3::zeros(); positions.len()];
     let report = fluid

@@ -69,7 +69,7 @@ pub(super) fn rails(filaments: &[Filament], connections: &Connections) -> Vec<Ra
 
 impl Rail {
     /// The edge nearest to a place, and where along it, from 0 to 1, the nearest point of it lies.
-    pub fn nearest(&self, positions: &[Vector3], x: &Vector3) -> Foot {
+    pub(crate) fn nearest(&self, positions: &[Vector3], x: &Vector3) -> Foot {
         let first = self.stations.start;
         let edges = self.stations.len() - usize::from(!self.closed);
         let feet = (0..edges).map(|edge| {
@@ -105,7 +105,7 @@ pub(super) struct Foot {
 
 impl Ties {
     /// Finds the ties of stations at the start.
-    pub fn find(
+    pub(crate) fn find(
         filaments: &[Filament],
         connections: &Connections,
         rails: &[Rail],
@@ -152,12 +152,12 @@ impl Ties {
     }
 
     /// Whether every station is a point of its own for good.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.pairs.is_empty() && self.on_rail.is_empty()
     }
 
     /// Whether they are between the same stations and rails as others.
-    pub fn fit(&self, other: &Self) -> bool {
+    pub(crate) fn fit(&self, other: &Self) -> bool {
         let stations = |ties: &Self| -> Vec<[usize; 2]> {
             ties.pairs.iter().map(|tie| tie.stations).collect()
         };
@@ -165,7 +165,7 @@ impl Ties {
     }
 
     /// Lets ties hold or part at new positions; says whether any changed.
-    pub fn update(&mut self, links: &[Link], rails: &[Rail], positions: &[Vector3]) -> bool {
+    pub(crate) fn update(&mut self, links: &[Link], rails: &[Rail], positions: &[Vector3]) -> bool {
         let mut changed = false;
         for tie in &mut self.pairs {
             let [a, b] = tie.stations;

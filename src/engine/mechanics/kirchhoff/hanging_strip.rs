@@ -47,16 +47,16 @@ pub enum StripError {
 
 impl HangingStrip {
     /// Drops that can be told apart, as fractions of the length.
-    pub const DROPS: [f64; 2] = [1e-6, 0.95];
+    pub(crate) const DROPS: [f64; 2] = [1e-6, 0.95];
     /// Lengths for which the drop is found, in gravito-bending lengths.
-    pub const LENGTHS: [f64; 2] = [0.02, 7.0];
+    pub(crate) const LENGTHS: [f64; 2] = [0.02, 7.0];
 
     /// The strip of a given free length, in gravito-bending lengths.
     ///
     /// It is a heavy cantilever of γ = w ℓ³/EI = ℓ³/2, since EI/w = 2 L_gb³.
     ///
     /// # Errors
-    /// The length is outside of [`Self::LENGTHS`].
+    /// The length is outside of `Self::LENGTHS`.
     pub fn of_length(length: f64) -> Result<Self, StripError> {
         let [least, largest] = Self::LENGTHS;
         if !(least..=largest).contains(&length) {
@@ -77,7 +77,7 @@ impl HangingStrip {
     /// The strip that drops by a given fraction of its length, by the secant method.
     ///
     /// # Errors
-    /// The drop is outside of [`Self::DROPS`].
+    /// The drop is outside of `Self::DROPS`.
     pub fn of_drop(drop: f64) -> Result<Self, StripError> {
         let [least, largest] = Self::DROPS;
         if !(least..=largest).contains(&drop) {

@@ -6,7 +6,7 @@ use nalgebra::SMatrix;
 use std::f64::consts::{PI, TAU};
 
 /// Rotation θ and displacement ρ of a cross-section, then the changes μ and ν of moment and force.
-pub type StateMatrix = SMatrix<f64, 12, 12>;
+pub(crate) type StateMatrix = SMatrix<f64, 12, 12>;
 
 /// A helical equilibrium: a point of the (κ, τ, ω) space of Borum & Bretl 2020.
 ///
@@ -88,7 +88,7 @@ impl Helix {
     ///
     /// Points that are φ apart about the axis have the distance √(2a²(1 − cos φ) + (bφ)²), with a = κ/(κ² + τ²) and
     /// b = τ/(κ² + τ²). It is least within the first turn.
-    pub fn self_distance(&self) -> Option<f64> {
+    pub(crate) fn self_distance(&self) -> Option<f64> {
         let rate = libm::hypot(self.curvature, self.torsion);
         if self.curvature == 0.0 {
             return None;
@@ -147,7 +147,7 @@ impl Helix {
     ///
     /// The rod is isotropic: the material frame's own turning about the tangent does not appear. Nor do
     /// the conjugate points depend on c = GJ/EI, which is 1 here.
-    pub fn linearised_equations(&self) -> StateMatrix {
+    pub(crate) fn linearised_equations(&self) -> StateMatrix {
         let darboux = Vector3::new(self.torsion, self.curvature, 0.0);
         let moment = Vector3::new(self.twisting_moment, self.curvature, 0.0);
         let force = (self.twisting_moment - self.torsion) * darboux;

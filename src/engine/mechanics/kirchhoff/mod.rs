@@ -31,5 +31,4 @@ pub use hanging_strip::{HangingStrip, StripError};
 pub use heavy_loop::HeavyLoop;
 pub use helix::Helix;
 pub use spatial_cantilever::SpatialCantilever;
-pub use straight_rod::stability_determinant;
 pub use suspended_loop::{EndSpin, LoopEnds, SuspendedLoop};

@@ -14,7 +14,7 @@ const SMALL: f64 = 1e-3;
 ///
 /// It holds Euler's column (ω = 0: ℓ = 2π/τ), Greenhill's twisted rod (τ = 0: tan(ωℓ/2) = ωℓ/2) and, at
 /// ω = 2τ, the pulled rod that never buckles. Love 1944, articles 264 and 272; Greenhill 1883.
-pub fn stability_determinant(torsion: f64, twisting_moment: f64, length: f64) -> f64 {
+pub(crate) fn stability_determinant(torsion: f64, twisting_moment: f64, length: f64) -> f64 {
     let a = 0.5 * torsion * length;
     let b = 0.5 * (twisting_moment - torsion) * length;
     // Symmetric in both: let a be the smaller one.

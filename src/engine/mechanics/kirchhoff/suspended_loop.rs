@@ -172,7 +172,8 @@ impl SuspendedLoop {
     }
 
     /// Points at equal steps from the upper end to the lower, over the length.
-    pub fn points(&self) -> Vec<Vector3> {
+    #[cfg(test)]
+    pub(crate) fn points(&self) -> Vec<Vector3> {
         let lower = shoot(&self.ends, &self.unknowns);
         let upper = lower.iter().skip(1).rev().map(|state| {
             let point = part(state, 0);

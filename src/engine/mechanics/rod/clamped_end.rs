@@ -63,7 +63,7 @@ fn added_by_gregory(first: f64, second: f64) -> [f64; 3] {
 impl ElasticRods {
     /// Lets the vertices from number `first` on, which are those of one rod, bend by their angles if the rod is straight by
     /// nature, and weighs those beside clamps.
-    pub fn refine(&mut self, first: usize) {
+    pub(crate) fn refine(&mut self, first: usize) {
         let own = &mut self.vertices[first..];
         let natural = own.iter().flat_map(|vertex| vertex.natural.curvature);
         if natural.into_iter().all(|strain| strain.abs() < STRAIGHT) {

@@ -74,7 +74,7 @@ pub struct Vertex {
 
 impl Vertex {
     /// What bends and twists it beyond its nature, rad.
-    pub fn elastic_strains(&self, strains: &VertexStrains) -> VertexStrains {
+    pub(crate) fn elastic_strains(&self, strains: &VertexStrains) -> VertexStrains {
         let (turning, natural) = (self.strain.of(strains), &self.natural);
         VertexStrains {
             curvature: std::array::from_fn(|k| turning.curvature[k] - natural.curvature[k]),
@@ -83,12 +83,12 @@ impl Vertex {
     }
 
     /// Bending energy and twisting energy, J.
-    pub fn energies(&self, strains: &VertexStrains) -> (f64, f64) {
+    pub(crate) fn energies(&self, strains: &VertexStrains) -> (f64, f64) {
         vertex::energies(&self.strain.of(strains), &self.natural, &self.stiffness)
     }
 
     /// Gradient of the energy.
-    pub fn gradient(
+    pub(crate) fn gradient(
         &self,
         [before, after]: [&EdgeFrame; 2],
         strains: &VertexStrains,

@@ -10,14 +10,14 @@ use crate::mechanics::{Matrix3, Vector3};
 
 /// Stretching energy, J.
 #[inline(always)]
-pub fn stretching_energy(stiffness: f64, length: f64, natural_length: f64) -> f64 {
+pub(crate) fn stretching_energy(stiffness: f64, length: f64, natural_length: f64) -> f64 {
     let strain = length / natural_length - 1.0;
     0.5 * stiffness * strain * strain * natural_length
 }
 
 /// Force EA ε t, N: the gradient over the edge vector.
 #[inline(always)]
-pub fn stretching_gradient(
+pub(crate) fn stretching_gradient(
     stiffness: f64,
     tangent: &Vector3,
     length: f64,
@@ -28,7 +28,7 @@ pub fn stretching_gradient(
 
 /// Hessian over the edge vector, N/m.
 #[inline(always)]
-pub fn stretching_hessian(
+pub(crate) fn stretching_hessian(
     stiffness: f64,
     tangent: &Vector3,
     length: f64,

@@ -24,7 +24,7 @@ pub(super) struct EdgeLanes {
 
 impl EdgeLanes {
     /// Natural lengths and stiffness of `edges`; lanes out of use hold edges without stiffness.
-    pub fn new(edges: &[Edge]) -> Self {
+    pub(crate) fn new(edges: &[Edge]) -> Self {
         let mut lanes = Self {
             from: TransportLanes::new(),
             frames: FrameLanes::new(),
@@ -36,7 +36,7 @@ impl EdgeLanes {
     }
 
     /// Takes over the natural lengths and stiffnesses of `edges`.
-    pub fn take_natural_strains(&mut self, edges: &[Edge]) {
+    pub(crate) fn take_natural_strains(&mut self, edges: &[Edge]) {
         for (lane, edge) in edges.iter().enumerate() {
             self.natural_length[lane] = edge.natural_length;
             self.stiffness[lane] = edge.stretching;

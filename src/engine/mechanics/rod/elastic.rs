@@ -45,7 +45,7 @@ impl ElasticEnergy {
 
 impl ElasticRods {
     /// Twist per length at each node, τ/l̄ with the Voronoi length l̄ at present, rad/m; zero at free ends.
-    pub fn twist_rates(&self, geometry: &RodGeometry) -> Vec<f64> {
+    pub(crate) fn twist_rates(&self, geometry: &RodGeometry) -> Vec<f64> {
         let mut rates = vec![0.0; self.nodes];
         let half_length = |edge: usize| {
             let is_ghost = edge >= self.nodes;
@@ -68,7 +68,7 @@ impl ElasticRods {
     }
 
     /// Energy at `geometry`.
-    pub fn energy(&self, geometry: &RodGeometry) -> ElasticEnergy {
+    pub(crate) fn energy(&self, geometry: &RodGeometry) -> ElasticEnergy {
         let mut energy = ElasticEnergy::default();
         for edge in &self.edges {
             energy.stretching += stretching_energy(
@@ -88,7 +88,7 @@ impl ElasticRods {
     }
 
     /// Adds the gradient to `gradient` (4 entries per node).
-    pub fn add_gradient(&self, geometry: &RodGeometry, gradient: &mut [f64]) {
+    pub(crate) fn add_gradient(&self, geometry: &RodGeometry, gradient: &mut [f64]) {
         let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
         for (vertices, lanes) in self.vertex_batches(geometry) {
             vertex_lanes::gradients(geometry.set, lanes, &mut local);

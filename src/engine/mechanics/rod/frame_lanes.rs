@@ -50,7 +50,7 @@ pub(super) struct FrameLanes {
 
 impl FrameLanes {
     /// Edges along x, so that lanes out of use hold numbers.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             tangent: every_lane(Vector3::x()),
             length: [1.0; LANES],
@@ -63,7 +63,7 @@ impl FrameLanes {
 
     /// Puts an edge into a lane.
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, edge: &EdgeFrame) {
+    pub(crate) fn set(&mut self, lane: usize, edge: &EdgeFrame) {
         set_vector(&mut self.tangent, lane, &edge.tangent);
         self.length[lane] = edge.length;
         self.inverse_length[lane] = edge.inverse_length;
@@ -73,7 +73,7 @@ impl FrameLanes {
     }
 
     /// Takes over every edge of `other` into the next lane.
-    pub fn shift_from(&mut self, other: &Self) {
+    pub(crate) fn shift_from(&mut self, other: &Self) {
         shift(&mut self.tangent, &other.tangent);
         self.length[1..].copy_from_slice(&other.length[..LANES - 1]);
         self.inverse_length[1..].copy_from_slice(&other.inverse_length[..LANES - 1]);
@@ -84,13 +84,13 @@ impl FrameLanes {
 
     /// Unit tangent of the edge in a lane.
     #[inline(always)]
-    pub fn tangent(&self, lane: usize) -> Vector3 {
+    pub(crate) fn tangent(&self, lane: usize) -> Vector3 {
         vector(&self.tangent, lane)
     }
 
     /// The edge in a lane.
     #[inline(always)]
-    pub fn get(&self, lane: usize) -> EdgeFrame {
+    pub(crate) fn get(&self, lane: usize) -> EdgeFrame {
         EdgeFrame {
             tangent: vector(&self.tangent, lane),
             length: self.length[lane],
@@ -117,7 +117,7 @@ pub(super) struct TransportLanes {
 
 impl TransportLanes {
     /// Edges along x, so that lanes out of use hold numbers.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             edge: every_lane(Vector3::x()),
             source: every_lane(Vector3::x()),
@@ -128,7 +128,7 @@ impl TransportLanes {
 
     /// Puts an edge into a lane: its vector, the tangent and reference director from which it is
     /// transported, and its angle, rad.
-    pub fn set(
+    pub(crate) fn set(
         &mut self,
         lane: usize,
         edge: &Vector3,
@@ -144,7 +144,7 @@ impl TransportLanes {
 
     /// The tangent from which the edge in a lane is transported.
     #[inline(always)]
-    pub fn source(&self, lane: usize) -> Vector3 {
+    pub(crate) fn source(&self, lane: usize) -> Vector3 {
         vector(&self.source, lane)
     }
 }

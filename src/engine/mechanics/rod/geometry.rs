@@ -67,7 +67,7 @@ impl RodGeometry {
     }
 
     /// Takes over natural strains, natural lengths and stiffnesses of `rods`, which are those of this storage but for them.
-    pub fn take_natural_strains(&mut self, rods: &ElasticRods) {
+    pub(crate) fn take_natural_strains(&mut self, rods: &ElasticRods) {
         for (vertices, lanes) in rods.vertices.chunks(LANES).zip(&mut self.vertex_lanes) {
             lanes.take_natural_strains(vertices);
         }
@@ -173,7 +173,7 @@ impl RodGeometry {
     }
 
     /// Twist τ of a vertex, rad.
-    pub fn twist(&self, vertex: usize) -> f64 {
+    pub(crate) fn twist(&self, vertex: usize) -> f64 {
         self.vertex_lanes[vertex / LANES].twist(vertex % LANES)
     }
 

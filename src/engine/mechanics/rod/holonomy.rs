@@ -6,7 +6,7 @@ use crate::mechanics::{Matrix3, Vector3};
 /// ∇c over the edge vector, 1/m²: [κb⊗(t̃ + t) − 2/χ s×]/2l², where κb, t̃ and χ are those of the source
 /// tangent s and the present tangent t; see [`super::vertex`].
 #[inline(always)]
-pub fn holonomy_jacobian(source: &Vector3, frame: &EdgeFrame) -> Matrix3 {
+pub(crate) fn holonomy_jacobian(source: &Vector3, frame: &EdgeFrame) -> Matrix3 {
     let tangent = &frame.tangent;
     let inverse_chi = 1.0 / (1.0 + source.dot(tangent));
     let binormal = curvature_binormal(source, tangent);

@@ -29,10 +29,10 @@ mod vertex_hessian;
 mod vertex_lanes;
 
 pub use discretization::{Edge, ElasticRods, GhostEdge, Vertex, VertexUnknowns, VertexWeights};
-pub use elastic::ElasticEnergy;
+pub(crate) use elastic::ElasticEnergy;
 pub use geometry::{ReferenceFrames, RodGeometry};
-pub use holonomy::holonomy_jacobian;
-pub use placement::{Placement, PlacementError};
+pub(crate) use holonomy::holonomy_jacobian;
+pub(crate) use placement::{Placement, PlacementError};
 pub use topology::{RodRange, STRIDE};
 pub use turning_angle::BendingStrain;
-pub use turning_ghost::{TURNING_ROTATION, TURNING_UNKNOWNS};
+pub(crate) use turning_ghost::TURNING_ROTATION;

@@ -19,7 +19,7 @@ pub enum PlacementError {
 
 /// A rod's polyline with its frames. Edge arrays have one entry per edge.
 #[derive(Clone, Debug)]
-pub struct Placement {
+pub(crate) struct Placement {
     /// Unit tangents of the edges.
     pub tangents: Vec<Vector3>,
     /// Lengths of the edges, m.
@@ -39,7 +39,7 @@ impl Placement {
     ///
     /// # Errors
     /// [`PlacementError`]: the first edge that has no length, or vertex at which the polyline turns back.
-    pub fn new(
+    pub(crate) fn new(
         nodes: &[Vector3],
         closed: bool,
         first_director: Option<Vector3>,
@@ -95,7 +95,7 @@ impl Placement {
     }
 
     /// First material director of edge `k`.
-    pub fn material_director(&self, k: usize) -> Vector3 {
+    pub(crate) fn material_director(&self, k: usize) -> Vector3 {
         self.framed(k).director_1
     }
 
@@ -108,7 +108,7 @@ impl Placement {
     }
 
     /// Tangent and material frame of the smooth rod at `node`: that of a clamp there.
-    pub fn frame_at_node(&self, node: usize) -> GhostEdge {
+    pub(crate) fn frame_at_node(&self, node: usize) -> GhostEdge {
         let last = self.tangents.len() - 1;
         let (edge, tangent, turn) = if !self.closed && node == 0 {
             let tangent = self.end_tangents[0]
@@ -134,7 +134,7 @@ impl Placement {
     }
 
     /// Reference twist from the last edge of a ring to its first, rad: what transport once around leaves.
-    pub fn joint_reference_twist(&self) -> f64 {
+    pub(crate) fn joint_reference_twist(&self) -> f64 {
         let last = self.tangents.len() - 1;
         let carried = parallel_transport(
             &self.directors[last],
@@ -145,7 +145,7 @@ impl Placement {
     }
 
     /// Strains at the inner vertex between edges `before` and `after`.
-    pub fn strains(&self, before: usize, after: usize) -> VertexStrains {
+    pub(crate) fn strains(&self, before: usize, after: usize) -> VertexStrains {
         VertexStrains {
             curvature: curvatures(&self.framed(before), &self.framed(after)),
             twist: self.vertex_twist,
@@ -153,7 +153,7 @@ impl Placement {
     }
 
     /// Strains between the ghost edge at `node` and the edge `k` before or after it.
-    pub fn ghost_strains(&self, node: usize, k: usize, ghost_first: bool) -> VertexStrains {
+    pub(crate) fn ghost_strains(&self, node: usize, k: usize, ghost_first: bool) -> VertexStrains {
         let ghost = self.frame_at_node(node);
         let (ghost, edge) = (frame(&ghost.tangent, ghost.director), self.framed(k));
         let (before, after) = if ghost_first {

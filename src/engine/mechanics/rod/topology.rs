@@ -23,7 +23,7 @@ pub struct RodRange {
 
 impl RodRange {
     /// Number of edges.
-    pub fn edges(&self) -> usize {
+    pub(crate) fn edges(&self) -> usize {
         if self.closed {
             self.nodes
         } else {
@@ -62,7 +62,7 @@ pub fn position(unknowns: &[f64], node: usize) -> Vector3 {
 }
 
 /// The same of a motion, which vertices of obstacles, numbered beyond the nodes, do not take part in.
-pub fn motion_of(motion: &[f64], node: usize) -> Vector3 {
+pub(crate) fn motion_of(motion: &[f64], node: usize) -> Vector3 {
     if STRIDE * node < motion.len() {
         position(motion, node)
     } else {
@@ -72,7 +72,7 @@ pub fn motion_of(motion: &[f64], node: usize) -> Vector3 {
 
 /// Adds `value` to the three entries of node `k`.
 #[inline(always)]
-pub fn add_to_node(entries: &mut [f64], node: usize, value: &Vector3) {
+pub(crate) fn add_to_node(entries: &mut [f64], node: usize, value: &Vector3) {
     for axis in 0..3 {
         entries[STRIDE * node + axis] += value[axis];
     }

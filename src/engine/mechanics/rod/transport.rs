@@ -10,12 +10,12 @@ pub fn parallel_transport(director: &Vector3, from: &Vector3, to: &Vector3) -> V
 }
 
 /// Angle from `a` to `b` about the unit vector `axis`, in (−π, π].
-pub fn signed_angle(a: &Vector3, b: &Vector3, axis: &Vector3) -> f64 {
+pub(crate) fn signed_angle(a: &Vector3, b: &Vector3, axis: &Vector3) -> f64 {
     libm::atan2(a.cross(b).dot(axis), a.dot(b))
 }
 
 /// `angle` shifted by full turns to lie within half a turn of `near`.
-pub fn unwrapped(angle: f64, near: f64) -> f64 {
+pub(crate) fn unwrapped(angle: f64, near: f64) -> f64 {
     let turn = std::f64::consts::TAU;
     if (near - angle).abs() < 0.5 * turn {
         return angle;

@@ -94,7 +94,7 @@ impl BendingStrain {
     }
 
     /// What bends the rod, from the components of the curvature binormal.
-    pub fn of(self, strains: &VertexStrains) -> VertexStrains {
+    pub(crate) fn of(self, strains: &VertexStrains) -> VertexStrains {
         if self == Self::Tangent {
             return *strains;
         }

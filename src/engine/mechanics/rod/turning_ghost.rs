@@ -18,9 +18,9 @@ use crate::mechanics::{Matrix3, Vector3};
 use nalgebra::{SMatrix, SVector};
 
 /// Unknowns of such a half vertex: start of the real edge, its angle, its end, and the rotation of the ghost.
-pub const TURNING_UNKNOWNS: usize = 10;
+pub(crate) const TURNING_UNKNOWNS: usize = 10;
 /// Where the rotation begins among them.
-pub const TURNING_ROTATION: usize = 7;
+pub(crate) const TURNING_ROTATION: usize = 7;
 
 /// The ghost edge of a half vertex.
 pub(super) struct TurningGhost {
@@ -62,13 +62,13 @@ impl TurningGhost {
     }
 
     /// The gradient over the unknowns of the half vertex.
-    pub fn gradient(&self, local: &GradientLanes, lane: usize) -> [f64; TURNING_UNKNOWNS] {
+    pub(crate) fn gradient(&self, local: &GradientLanes, lane: usize) -> [f64; TURNING_UNKNOWNS] {
         let local = SVector::<f64, VERTEX_UNKNOWNS>::from_fn(|k, _| local[k][lane]);
         (self.jacobian().transpose() * local).into()
     }
 
     /// Adds the Hessian over the unknowns of the half vertex to an element.
-    pub fn add_hessian(
+    pub(crate) fn add_hessian(
         &self,
         local: &GradientLanes,
         hessians: &HessianLanes,

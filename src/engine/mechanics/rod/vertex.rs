@@ -12,7 +12,7 @@
 //!
 //! with the Voronoi length l̄. The superscript says towards which director the rod bends: κ¹ is the curvature towards m₁,
 //! that is, about m₂, and κ² that about −m₁. Cross-sections are described by the axes *about* which they bend (second
-//! moments, natural curvatures); [`VertexStrains::about_directors`] and [`VertexStiffness::about_directors`] translate.
+//! moments, natural curvatures); `VertexStrains::about_directors` and [`VertexStiffness::about_directors`] translate.
 //!
 //! ```text
 //!          m₂ ↑                  I₁ = ∫ y₂² dA = w h³/12 resists bending about m₁ (curvature κb·m₁),
@@ -77,7 +77,7 @@ pub struct VertexStrains {
 impl VertexStrains {
     /// Strains of a curvature whose binormal has the components `curvature` along m₁ and m₂, in the frames of both
     /// edges, and a `twist` (rad).
-    pub fn about_directors(curvature: [f64; 2], twist: f64) -> Self {
+    pub(crate) fn about_directors(curvature: [f64; 2], twist: f64) -> Self {
         let [about_1, about_2] = curvature;
         Self {
             curvature: [about_2, -about_1, about_2, -about_1],
@@ -122,7 +122,7 @@ pub struct VertexGradient {
 
 /// Curvature binormal κb of two unit tangents.
 #[inline(always)]
-pub fn curvature_binormal(before: &Vector3, after: &Vector3) -> Vector3 {
+pub(crate) fn curvature_binormal(before: &Vector3, after: &Vector3) -> Vector3 {
     before.cross(after) * (2.0 / (1.0 + before.dot(after)))
 }
 
@@ -140,7 +140,7 @@ pub fn curvatures(before: &EdgeFrame, after: &EdgeFrame) -> [f64; 4] {
 
 /// Bending energy and twisting energy of a vertex, J.
 #[inline(always)]
-pub fn energies(
+pub(crate) fn energies(
     strains: &VertexStrains,
     natural: &VertexStrains,
     stiffness: &VertexStiffness,

@@ -10,7 +10,7 @@ use crate::mechanics::{Matrix3, Vector3};
 /// once per edge. The block of eⁱ and φʲ is a vector over eⁱ on either side of the diagonal.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // the names are the rows and columns
-pub struct VertexHessian {
+pub(crate) struct VertexHessian {
     pub e0e0: Matrix3,
     pub e1e0: Matrix3,
     pub e1e1: Matrix3,
@@ -25,7 +25,7 @@ pub struct VertexHessian {
 
 /// Hessian of the energy of a vertex.
 #[inline(always)]
-pub fn hessian(
+pub(crate) fn hessian(
     before: &EdgeFrame,
     after: &EdgeFrame,
     strains: &VertexStrains,
@@ -49,7 +49,7 @@ pub fn hessian(
 
 /// Hessian of the energy of a vertex of which a `share` bends by the angle ([`super::turning_angle`]).
 #[inline(always)]
-pub fn hessian_of_angle(
+pub(crate) fn hessian_of_angle(
     before: &EdgeFrame,
     after: &EdgeFrame,
     kappa: &[f64; 4],

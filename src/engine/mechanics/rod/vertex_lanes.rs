@@ -67,7 +67,7 @@ pub(super) struct VertexLanes {
 
 impl VertexLanes {
     /// Natural strains and stiffness of `vertices`; lanes out of use hold a straight rod without stiffness.
-    pub fn new(vertices: &[Vertex]) -> Self {
+    pub(crate) fn new(vertices: &[Vertex]) -> Self {
         let mut lanes = Self {
             before: FrameLanes::new(),
             after: FrameLanes::new(),
@@ -91,7 +91,7 @@ impl VertexLanes {
     }
 
     /// Takes over the natural strains and stiffnesses of `vertices`.
-    pub fn take_natural_strains(&mut self, vertices: &[Vertex]) {
+    pub(crate) fn take_natural_strains(&mut self, vertices: &[Vertex]) {
         for (lane, vertex) in vertices.iter().enumerate() {
             self.natural.set(lane, &vertex.natural);
             self.bending[0][lane] = vertex.stiffness.bending[0];
@@ -101,31 +101,31 @@ impl VertexLanes {
     }
 
     /// Puts the frame and the reference director of the edge before a vertex into a lane.
-    pub fn set_before(&mut self, lane: usize, edge: &EdgeFrame, reference: &Vector3) {
+    pub(crate) fn set_before(&mut self, lane: usize, edge: &EdgeFrame, reference: &Vector3) {
         self.before.set(lane, edge);
         set_vector(&mut self.reference[0], lane, reference);
     }
 
     /// Puts the frame and the reference director of the edge after a vertex into a lane.
-    pub fn set_after(&mut self, lane: usize, edge: &EdgeFrame, reference: &Vector3) {
+    pub(crate) fn set_after(&mut self, lane: usize, edge: &EdgeFrame, reference: &Vector3) {
         self.after.set(lane, edge);
         set_vector(&mut self.reference[1], lane, reference);
     }
 
     /// Whether every lane is in use and the edge after each vertex is that before the next.
-    pub fn is_chain(&self) -> bool {
+    pub(crate) fn is_chain(&self) -> bool {
         self.is_chain
     }
 
     /// Puts the edge after each vertex before the next.
-    pub fn chain(&mut self) {
+    pub(crate) fn chain(&mut self) {
         self.before.shift_from(&self.after);
         let [before, after] = &mut self.reference;
         shift(before, after);
     }
 
     /// Computes the curvatures of every lane, and the angle between the reference directors.
-    pub fn bend(&mut self, set: InstructionSet) -> Lanes {
+    pub(crate) fn bend(&mut self, set: InstructionSet) -> Lanes {
         let (mut curvature, mut angle) = ([[0.0; LANES]; 4], [0.0; LANES]);
         bend(set, self, &mut curvature, &mut angle);
         self.strains.curvature = curvature;
@@ -133,17 +133,17 @@ impl VertexLanes {
     }
 
     /// Sets the twist of a lane, rad.
-    pub fn set_twist(&mut self, lane: usize, twist: f64) {
+    pub(crate) fn set_twist(&mut self, lane: usize, twist: f64) {
         self.strains.twist[lane] = twist;
     }
 
     /// The twist of a lane, rad.
-    pub fn twist(&self, lane: usize) -> f64 {
+    pub(crate) fn twist(&self, lane: usize) -> f64 {
         self.strains.twist[lane]
     }
 
     /// Strains of a lane.
-    pub fn strains(&self, lane: usize) -> VertexStrains {
+    pub(crate) fn strains(&self, lane: usize) -> VertexStrains {
         self.strains.get(lane)
     }
 

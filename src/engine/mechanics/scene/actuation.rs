@@ -56,7 +56,7 @@ pub struct Wave {
 impl Course {
     /// Two functions of time with which the [`Self::shares`] of a piece are weighted: their sum is the integral of the strain
     /// over the piece.
-    pub fn weights(&self, time: f64) -> [f64; 2] {
+    pub(crate) fn weights(&self, time: f64) -> [f64; 2] {
         match self {
             Self::Uniform(values) => [piecewise_linear(values, time).unwrap_or(0.0), 0.0],
             Self::Wave(wave) => {
@@ -69,7 +69,7 @@ impl Course {
 
     /// What a piece of a rod, given by the distances of its ends from the start of the rod (m), has of the strain: its length,
     /// or ∫ sin(ks + φ) ds and ∫ cos(ks + φ) ds.
-    pub fn shares(&self, [from, to]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn shares(&self, [from, to]: [f64; 2]) -> [f64; 2] {
         let length = to - from;
         match self {
             Self::Uniform(_) => [length, 0.0],
@@ -89,7 +89,7 @@ impl Course {
     }
 
     /// Times at which it changes its rate, s; not those of the wave itself, which has none.
-    pub fn corners(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn corners(&self) -> impl Iterator<Item = f64> {
         let schedule = match self {
             Self::Uniform(values) => values,
             Self::Wave(wave) => &wave.schedule,

@@ -64,7 +64,7 @@ impl Strength {
     }
 
     /// Whether there is a force or moment under which it breaks.
-    pub fn may_break(&self) -> bool {
+    pub(crate) fn may_break(&self) -> bool {
         self.force.min(self.moment) < f64::INFINITY
     }
 }

@@ -62,7 +62,7 @@ const DEPARTURE_HALVINGS: usize = 20;
 
 /// A search for an equilibrium: its scratch.
 #[derive(Clone, Debug)]
-pub struct Descent {
+pub(crate) struct Descent {
     direction: Vec<f64>,
     correction: Vec<f64>,
     trial: Vec<f64>,
@@ -131,7 +131,7 @@ struct Start {
 
 impl Descent {
     /// Scratch for so many unknowns.
-    pub fn new(unknowns: usize) -> Self {
+    pub(crate) fn new(unknowns: usize) -> Self {
         Self {
             direction: vec![0.0; unknowns],
             correction: vec![0.0; unknowns],
@@ -145,7 +145,7 @@ impl Descent {
     ///
     /// # Errors
     /// [`Divergence`] with the largest residual after the last iteration.
-    pub fn run(
+    pub(crate) fn run(
         &mut self,
         system: &mut System,
         unknowns: &mut [f64],
@@ -379,7 +379,7 @@ impl Start {
 ///
 /// # Errors
 /// [`Divergence`] with the largest residual after the last iteration.
-pub fn find_equilibrium(
+pub(crate) fn find_equilibrium(
     system: &mut System,
     unknowns: &mut [f64],
     tolerance: f64,

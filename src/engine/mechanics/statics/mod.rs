@@ -1,6 +1,6 @@
 //! Equilibria: Newton's method without inertia.
 //!
-//! [`Descent`] goes downhill, so that it ends where a rod would come to rest; [`nearby_equilibrium`] goes to the
+//! `Descent` goes downhill, so that it ends where a rod would come to rest; `nearby_equilibrium` goes to the
 //! nearest one, and tells whether it is stable; [`Tracer`] follows equilibria along a path of loads or of clamps
 //! that move.
 
@@ -12,7 +12,7 @@ mod path;
 mod small_motions;
 mod spectrum;
 
-pub use equilibrium::{Descent, find_equilibrium};
-pub use nearby::nearby_equilibrium;
+pub(crate) use equilibrium::Descent;
+pub(crate) use nearby::nearby_equilibrium;
 pub use path::{EndedEarly, PathMethod, PathPlan, PathPoint, PointKind, Tracer};
-pub use small_motions::{SmallMotions, Unstable, small_motions};
+pub(crate) use small_motions::{SmallMotions, small_motions};

@@ -13,7 +13,7 @@ const ITERATIONS: usize = 30;
 ///
 /// # Errors
 /// [`Divergence`] where the start was too far away, or the Hessian is singular.
-pub fn nearby_equilibrium(
+pub(crate) fn nearby_equilibrium(
     system: &mut System,
     unknowns: &mut [f64],
     tolerance: f64,

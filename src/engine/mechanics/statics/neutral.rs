@@ -21,7 +21,7 @@ pub(super) struct NeutralModes {
 
 impl NeutralModes {
     /// None as yet.
-    pub fn new(weight: f64) -> Self {
+    pub(crate) fn new(weight: f64) -> Self {
         Self {
             vectors: Vec::new(),
             weight,
@@ -29,12 +29,12 @@ impl NeutralModes {
     }
 
     /// Forgets all of them.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.vectors.clear();
     }
 
     /// How many there are.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.vectors.len()
     }
 
@@ -42,7 +42,7 @@ impl NeutralModes {
     ///
     /// # Errors
     /// A system that is singular to working precision.
-    pub fn refine(&mut self, system: &mut System) -> Result<(), SingularMatrix> {
+    pub(crate) fn refine(&mut self, system: &mut System) -> Result<(), SingularMatrix> {
         for k in 0..self.vectors.len() {
             let (before, rest) = self.vectors.split_at_mut(k);
             let vector = &mut rest[0];
@@ -55,17 +55,17 @@ impl NeutralModes {
     }
 
     /// Takes out of `vector` what lies along them.
-    pub fn remove_from(&self, vector: &mut [f64]) {
+    pub(crate) fn remove_from(&self, vector: &mut [f64]) {
         remove(&self.vectors, vector, self.weight);
     }
 
     /// Adds a B-orthonormal vector to those that are taken out.
-    pub fn push(&mut self, vector: Vec<f64>) {
+    pub(crate) fn push(&mut self, vector: Vec<f64>) {
         self.vectors.push(vector);
     }
 
     /// Weight of the squares of angles, m².
-    pub fn weight(&self) -> f64 {
+    pub(crate) fn weight(&self) -> f64 {
         self.weight
     }
 }

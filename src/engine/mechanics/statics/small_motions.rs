@@ -42,7 +42,7 @@ pub struct Unstable {
 
 impl Unstable {
     /// Number of eigenvalues.
-    pub fn total(&self) -> usize {
+    pub(crate) fn total(&self) -> usize {
         self.divergent + 2 * self.flutter
     }
 }
@@ -60,7 +60,7 @@ pub struct SmallMotions {
 
 /// The small motions at an equilibrium; `None` where there are too many unknowns, where nothing is free, and where K + σM
 /// is singular.
-pub fn small_motions(system: &mut System, unknowns: &[f64]) -> Option<SmallMotions> {
+pub(crate) fn small_motions(system: &mut System, unknowns: &[f64]) -> Option<SmallMotions> {
     let shift = SHIFT * lowest_scale(system, unknowns)?;
     system.factor_with_masses(unknowns, shift).ok()?;
     let masses = system.mass_entries(unknowns)?;
@@ -109,7 +109,7 @@ impl SmallMotions {
     }
 
     /// Says that it is unstable, and how; `None` where it is stable.
-    pub fn in_words(&self) -> Option<String> {
+    pub(crate) fn in_words(&self) -> Option<String> {
         let Self {
             unstable,
             growth_rate,

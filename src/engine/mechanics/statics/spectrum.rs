@@ -97,7 +97,7 @@ mod tests {
     use super::*;
     use crate::mechanics::Vector3;
     use crate::mechanics::scene::{RodDescription, Scene};
-    use crate::mechanics::statics::find_equilibrium;
+    use crate::mechanics::statics::equilibrium::find_equilibrium;
     use crate::mechanics::test_support::{free_rods, section};
     use std::f64::consts::TAU;
 

@@ -18,7 +18,7 @@ use crate::mechanics::scene::{ActuatedStrain, Actuation};
 
 /// All actuations of a scene, resolved to its vertices and edges.
 #[derive(Clone, Debug, Default)]
-pub struct Actuators {
+pub(crate) struct Actuators {
     actuations: Vec<Actuation>,
     /// What each actuation has to say at which vertices or edges.
     shares: Vec<Vec<Share>>,
@@ -44,7 +44,7 @@ impl Actuators {
     ///
     /// # Errors
     /// [`LoadError::NoSuchRod`].
-    pub fn new(actuations: &[Actuation], assembly: &Assembly) -> Result<Self, LoadError> {
+    pub(crate) fn new(actuations: &[Actuation], assembly: &Assembly) -> Result<Self, LoadError> {
         let rods = assembly.rods.rods.len();
         if let Some(missing) = actuations.iter().find(|actuation| actuation.rod >= rods) {
             return Err(LoadError::NoSuchRod(missing.rod));
@@ -61,17 +61,17 @@ impl Actuators {
     }
 
     /// Whether no rod is actuated.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.actuations.is_empty()
     }
 
     /// Times at which an actuation changes its rate, s.
-    pub fn corners(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn corners(&self) -> impl Iterator<Item = f64> {
         (self.actuations.iter()).flat_map(|actuation| actuation.course.corners())
     }
 
     /// Takes note of the vertices and edges that there are; their natural strains are those without actuation.
-    pub fn resolve(&mut self, assembly: &Assembly) {
+    pub(crate) fn resolve(&mut self, assembly: &Assembly) {
         if self.is_empty() {
             return;
         }
@@ -195,7 +195,7 @@ impl Actuators {
     }
 
     /// Gives the rods the natural strains that they have without actuation.
-    pub fn withdraw(&self, rods: &mut ElasticRods) {
+    pub(crate) fn withdraw(&self, rods: &mut ElasticRods) {
         if self.is_empty() {
             return;
         }

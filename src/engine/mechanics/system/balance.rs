@@ -42,7 +42,7 @@ pub(super) struct RodTolerance {
 
 /// How far forces are from balance.
 #[derive(Clone, Copy, Debug)]
-pub struct Imbalance {
+pub(crate) struct Imbalance {
     /// Largest residual of a free unknown over what counts as none: balanced where it is at most 1.
     pub ratio: f64,
     /// That residual, N; moments are divided by the shortest edge of their rod.
@@ -53,7 +53,7 @@ pub struct Imbalance {
 
 impl Imbalance {
     /// Whether every residual counts as none.
-    pub fn is_balanced(&self) -> bool {
+    pub(crate) fn is_balanced(&self) -> bool {
         self.ratio <= 1.0
     }
 }
@@ -61,7 +61,12 @@ impl Imbalance {
 impl System {
     /// Sets what residual counts as none near `unknowns`: `relative` times the forces of each rod, but no less than
     /// rounding leaves.
-    pub fn set_tolerances(&mut self, relative: f64, unknowns: &[f64], stage: Option<&Stage>) {
+    pub(crate) fn set_tolerances(
+        &mut self,
+        relative: f64,
+        unknowns: &[f64],
+        stage: Option<&Stage>,
+    ) {
         self.relative_tolerance = relative;
         let mut tolerances = std::mem::take(&mut self.tolerances);
         tolerances.clear();
@@ -151,13 +156,13 @@ impl System {
     }
 
     /// Whether no rod has a residual larger than a few times what rounding leaves of the forces that act there.
-    pub fn is_at_rounding(&self) -> bool {
+    pub(crate) fn is_at_rounding(&self) -> bool {
         let imbalance = self.imbalance_against(|rod| NEAR_ROUNDING * rod.rounding);
         imbalance.is_balanced()
     }
 
     /// How far the residual of the last evaluation is from balance.
-    pub fn imbalance(&self) -> Imbalance {
+    pub(crate) fn imbalance(&self) -> Imbalance {
         self.imbalance_against(|rod| rod.force)
     }
 
@@ -255,7 +260,11 @@ impl System {
     /// Whether the residual of the last evaluation, at `unknowns` that were only predicted, is so small that no
     /// correction is needed: at every unknown against the load that alone acts there, at others against the largest force
     /// on their rod (loads, inertia, drag, contact, springs, reactions of clamps), and where nothing acts at all against rounding.
-    pub fn is_balanced_as_predicted(&mut self, unknowns: &[f64], stage: Option<&Stage>) -> bool {
+    pub(crate) fn is_balanced_as_predicted(
+        &mut self,
+        unknowns: &[f64],
+        stage: Option<&Stage>,
+    ) -> bool {
         let mut acting = std::mem::take(&mut self.corrected_residual);
         acting.fill(0.0);
         if let Some(stage) = stage {
@@ -341,7 +350,7 @@ impl System {
 
     /// Whether what is left of the residual does work on a rod in a step that ends at `unknowns`, where it was evaluated last:
     /// more than counts beside the energy of the rod and the work of its loads, and more than rounding leaves.
-    pub fn residual_does_work(&self, unknowns: &[f64], stage: &Stage) -> bool {
+    pub(crate) fn residual_does_work(&self, unknowns: &[f64], stage: &Stage) -> bool {
         let mut rods = self.assembly.rods.rods.iter().enumerate();
         rods.any(|(rod, range)| {
             let tolerance = self.tolerances[rod];
@@ -371,7 +380,7 @@ impl System {
 
     /// Sum of squares of the residual of the free unknowns, N²: moments divided by the shortest edge of their rod, each
     /// rod weighted by how small its residual must become.
-    pub fn squared_residual(&self) -> f64 {
+    pub(crate) fn squared_residual(&self) -> f64 {
         self.square(&self.residual)
     }
 

@@ -80,7 +80,7 @@ impl Turning {
 
 impl Breaking {
     /// Those of a scene whose rods are joined.
-    pub fn new(scene: &Scene, assembly: &Assembly) -> Self {
+    pub(crate) fn new(scene: &Scene, assembly: &Assembly) -> Self {
         let number = |at: &RodNode| assembly.rods.rods[at.rod].first_node + at.node;
         let mut links = Vec::new();
         let joints = scene.joints.iter();
@@ -126,7 +126,7 @@ impl Breaking {
     }
 
     /// Keeps the forces of joints from a residual over all nodes.
-    pub fn note(&mut self, residual: &[f64]) {
+    pub(crate) fn note(&mut self, residual: &[f64]) {
         for link in &mut self.links {
             if let Tie::Point { node, load, .. } = &mut link.tie {
                 load[0] = position(residual, *node).norm();
@@ -135,7 +135,7 @@ impl Breaking {
     }
 
     /// Keeps the moments of joints from those on frames.
-    pub fn note_moments(&mut self, joints: &Joints) {
+    pub(crate) fn note_moments(&mut self, joints: &Joints) {
         for link in &mut self.links {
             if let Tie::Point { turning, load, .. } = &mut link.tie
                 && let Some(frame) = turning.frame()
@@ -146,7 +146,7 @@ impl Breaking {
     }
 
     /// What broke, a sentence each.
-    pub fn remarks(&self) -> impl Iterator<Item = String> {
+    pub(crate) fn remarks(&self) -> impl Iterator<Item = String> {
         self.links.iter().filter_map(|link| {
             let Break {
                 time,
@@ -187,7 +187,12 @@ fn turning_of(kind: JointKind, nodes: [usize; 2], joints: &Joints) -> Turning {
 impl System {
     /// Breaks the joints that bear less than the step put on them that ended at `time` (s) with `unknowns` and `velocity`,
     /// which then are those of what is free; says whether there are any.
-    pub fn break_joints(&mut self, time: f64, unknowns: &mut [f64], velocity: &mut [f64]) -> bool {
+    pub(crate) fn break_joints(
+        &mut self,
+        time: f64,
+        unknowns: &mut [f64],
+        velocity: &mut [f64],
+    ) -> bool {
         if self.breaking.links.is_empty() {
             return false;
         }
@@ -241,13 +246,13 @@ impl System {
     }
 
     /// How each joint that may break did so, if it did: in the order of the joints of the scene, then of its springs.
-    pub fn breaks(&self) -> Vec<Option<Break>> {
+    pub(crate) fn breaks(&self) -> Vec<Option<Break>> {
         let links = self.breaking.links.iter();
         links.map(|link| link.broken).collect()
     }
 
     /// What broke, a sentence each.
-    pub fn remarks_on_breaks(&self) -> impl Iterator<Item = String> {
+    pub(crate) fn remarks_on_breaks(&self) -> impl Iterator<Item = String> {
         self.breaking.remarks()
     }
 
@@ -255,7 +260,7 @@ impl System {
     ///
     /// # Errors
     /// What of it does not fit.
-    pub fn restore_breaks(&mut self, breaks: &[Option<Break>]) -> Result<(), &'static str> {
+    pub(crate) fn restore_breaks(&mut self, breaks: &[Option<Break>]) -> Result<(), &'static str> {
         if breaks.len() != self.breaking.links.len() {
             return Err("joints that break");
         }

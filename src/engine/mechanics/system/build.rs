@@ -96,7 +96,7 @@ impl Assembly {
     ///
     /// # Errors
     /// [`SceneError`] names the rod or clamp that is impossible.
-    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+    pub(crate) fn new(scene: &Scene) -> Result<Self, SceneError> {
         if scene.rods.is_empty() {
             return Err(SceneError::NoRods);
         }
@@ -485,18 +485,18 @@ impl Assembly {
     }
 
     /// Fastest steady turning of a clamp, rad/s; 0 where none turns.
-    pub fn steady_turning(&self) -> f64 {
+    pub(crate) fn steady_turning(&self) -> f64 {
         let rates = self.drives.iter().map(Drive::angular_velocity);
         rates.fold(0.0, |fastest, rate| fastest.max(rate.abs()))
     }
 
     /// Whether a number is that of a node whose position is not prescribed; vertices of obstacles are numbered beyond.
-    pub fn is_free(&self, node: usize) -> bool {
+    pub(crate) fn is_free(&self, node: usize) -> bool {
         self.held.get(STRIDE * node) == Some(&false)
     }
 
     /// Rod and node along it of a node of the whole scene.
-    pub fn locate(&self, node: usize) -> (usize, usize) {
+    pub(crate) fn locate(&self, node: usize) -> (usize, usize) {
         let rod = self
             .rods
             .rods

@@ -59,7 +59,7 @@ pub struct HeldEdge {
 
 impl HeldEdge {
     /// The edge from node `start` to `end`, with its material director and the angle of its frame as placed.
-    pub fn new([start, end]: [usize; 2], director: Vector3, angle: f64) -> Self {
+    pub(crate) fn new([start, end]: [usize; 2], director: Vector3, angle: f64) -> Self {
         Self {
             start,
             end,
@@ -72,7 +72,7 @@ impl HeldEdge {
 
 impl Drive {
     /// A clamp at a node that is at `position` with tangent and director `frame` at time zero.
-    pub fn new(clamp: &Clamp, node: usize, position: Vector3, frame: GhostEdge) -> Self {
+    pub(crate) fn new(clamp: &Clamp, node: usize, position: Vector3, frame: GhostEdge) -> Self {
         Self {
             node,
             holds_position: clamp.holds_position,
@@ -88,7 +88,7 @@ impl Drive {
     }
 
     /// Takes hold at another place and with another frame than placed; `director_of` gives those of the edges.
-    pub fn take_hold(
+    pub(crate) fn take_hold(
         &mut self,
         position: Vector3,
         frame: GhostEdge,
@@ -102,19 +102,19 @@ impl Drive {
     }
 
     /// Steady rate of turning, rad/s.
-    pub fn angular_velocity(&self) -> f64 {
+    pub(crate) fn angular_velocity(&self) -> f64 {
         self.motion.angular_velocity
     }
 
     /// Replaces the prescribed motion.
-    pub fn follow(&mut self, motion: Motion) {
+    pub(crate) fn follow(&mut self, motion: Motion) {
         self.axis = motion.axis.unwrap_or(self.frame.tangent);
         self.pivot = motion.pivot.unwrap_or(self.position);
         self.motion = motion;
     }
 
     /// Adds the corners of its motion, on a rod of a radius (m), to `events`.
-    pub fn list_events(&self, radius: f64, events: &mut Vec<Event>) {
+    pub(crate) fn list_events(&self, radius: f64, events: &mut Vec<Event>) {
         let motion = &self.motion;
         // What turns moves the farther from the pivot the faster, and the surface of the rod at least.
         let arm = (self.position - self.pivot).norm().max(radius);
@@ -132,7 +132,7 @@ impl Drive {
     }
 
     /// How its frame has turned at a time (s) since it took hold.
-    pub fn rotation(&self, time: f64) -> UnitQuaternion {
+    pub(crate) fn rotation(&self, time: f64) -> UnitQuaternion {
         let turning = self.turning(time);
         let about_axis = rotation::from_vector(turning.axis * turning.angle);
         let oriented = turning.orientation;
@@ -140,7 +140,13 @@ impl Drive {
     }
 
     /// Writes the prescribed position and frames at `time`; the reference frames are those of `committed`, s.
-    pub fn apply(&self, time: f64, committed: f64, unknowns: &mut [f64], ghosts: &mut [GhostEdge]) {
+    pub(crate) fn apply(
+        &self,
+        time: f64,
+        committed: f64,
+        unknowns: &mut [f64],
+        ghosts: &mut [GhostEdge],
+    ) {
         if self.released {
             return;
         }
@@ -168,7 +174,7 @@ impl Drive {
 
     /// Writes the angles of held edges at `time`, with all turns since the frames of `reference` were committed at the
     /// time `committed`; the positions of all nodes are in place already.
-    pub fn turn_edges(
+    pub(crate) fn turn_edges(
         &mut self,
         time: f64,
         committed: f64,
@@ -192,14 +198,14 @@ impl Drive {
     }
 
     /// The reference frames were committed at the time to which the clamp was last driven.
-    pub fn commit(&mut self) {
+    pub(crate) fn commit(&mut self) {
         for edge in &mut self.edges {
             edge.committed_angle = edge.angle;
         }
     }
 
     /// The reference frames are those of a configuration that was committed before.
-    pub fn resume(&mut self, unknowns: &[f64]) {
+    pub(crate) fn resume(&mut self, unknowns: &[f64]) {
         for edge in &mut self.edges {
             edge.committed_angle = unknowns[STRIDE * edge.start + 3];
         }

@@ -50,7 +50,7 @@ const NEGLIGIBLE_PART: f64 = 1e-2;
 
 /// Why no contact forces were found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoContactForces {
+pub(crate) enum NoContactForces {
     /// Newton's matrix is singular.
     SingularMatrix,
     /// The contact problem has no solution, or none was found.
@@ -65,13 +65,13 @@ impl From<SingularMatrix> for NoContactForces {
 
 impl System {
     /// Whether contact forces are found by complementarity.
-    pub fn has_constraints(&self) -> bool {
+    pub(crate) fn has_constraints(&self) -> bool {
         let contact = self.contact.as_ref();
         contact.is_some_and(|contact| contact.parameters().is_complementarity())
     }
 
     /// Whether rods near each other move by more than `far` (m) relative to each other in a step that ends at `unknowns`.
-    pub fn meets_fast(&self, unknowns: &[f64], stage: &Stage, far: f64) -> bool {
+    pub(crate) fn meets_fast(&self, unknowns: &[f64], stage: &Stage, far: f64) -> bool {
         let starts = stage.positions.iter().enumerate();
         let motions: Vec<Vector3> = starts
             .map(|(node, start)| position(unknowns, node) - start)
@@ -87,7 +87,7 @@ impl System {
     ///
     /// # Errors
     /// [`NoContactForces`].
-    pub fn find_contact_forces(
+    pub(crate) fn find_contact_forces(
         &mut self,
         unknowns: &[f64],
         stage: &Stage,
@@ -109,7 +109,7 @@ impl System {
 
     /// Adds the correction that [`Self::find_contact_forces`] found last to the unknowns, or the part that moves no position
     /// farther than `farthest`, m.
-    pub fn take_correction(&self, unknowns: &mut [f64], farthest: f64) {
+    pub(crate) fn take_correction(&self, unknowns: &mut [f64], farthest: f64) {
         let part = (farthest / largest_move(&self.correction)).min(1.0);
         for (own, correction) in unknowns.iter_mut().zip(&self.correction) {
             *own += part * correction;

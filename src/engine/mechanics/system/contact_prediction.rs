@@ -54,7 +54,12 @@ impl System {
     /// Moves `unknowns`, the prediction of a step at which the system has been linearised, by the contact forces that it
     /// leads to, and lets iterations begin with these, where they differ much from those of the last step; says whether
     /// that is so. `radius` is that of the thinnest rod, m.
-    pub fn predict_contacts(&mut self, unknowns: &mut [f64], stage: &Stage, radius: f64) -> bool {
+    pub(crate) fn predict_contacts(
+        &mut self,
+        unknowns: &mut [f64],
+        stage: &Stage,
+        radius: f64,
+    ) -> bool {
         // It solves with the rods alone, each for itself.
         if !self.assembly.joints.is_empty() || !self.springs.couple_nothing() {
             return false;

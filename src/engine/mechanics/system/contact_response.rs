@@ -40,7 +40,7 @@ pub(super) struct Responses<'a> {
 
 impl Response {
     /// The friction, N, of at most `most`, that ends the slip at a contact, or else acts against it; `drag` is the present one.
-    pub fn friction(&self, drag: &Vector3, apart: &Vector3, most: f64) -> Vector3 {
+    pub(crate) fn friction(&self, drag: &Vector3, apart: &Vector3, most: f64) -> Vector3 {
         let [p, q] = self.along.map(|direction| direction.dot(apart));
         let [a, b, c] = self.yielding;
         let determinant = a * c - b * b;
@@ -68,7 +68,7 @@ impl Response {
 }
 
 impl<'a> Responses<'a> {
-    pub fn new(factor: &'a BandedFactor, assembly: &'a Assembly) -> Self {
+    pub(crate) fn new(factor: &'a BandedFactor, assembly: &'a Assembly) -> Self {
         Self {
             factor,
             assembly,
@@ -79,7 +79,7 @@ impl<'a> Responses<'a> {
     }
 
     /// −A⁻¹R.
-    pub fn free_motion(&self, residual: &[f64]) -> Vec<f64> {
+    pub(crate) fn free_motion(&self, residual: &[f64]) -> Vec<f64> {
         let entries = residual.iter().zip(&self.assembly.held);
         let mut motion: Vec<f64> = entries
             .map(|(residual, held)| if *held { 0.0 } else { -residual })
@@ -113,7 +113,7 @@ impl<'a> Responses<'a> {
         begin
     }
 
-    pub fn of_contact(&mut self, constraint: &ContactConstraint) -> Response {
+    pub(crate) fn of_contact(&mut self, constraint: &ContactConstraint) -> Response {
         let ContactConstraint {
             nodes,
             weights,
@@ -176,7 +176,7 @@ impl<'a> Responses<'a> {
     }
 
     /// Adds the motion under a force at a contact.
-    pub fn push(&self, response: Option<&Response>, force: &Vector3, motion: &mut [f64]) {
+    pub(crate) fn push(&self, response: Option<&Response>, force: &Vector3, motion: &mut [f64]) {
         if *force == Vector3::zeros() {
             return;
         }

@@ -19,7 +19,7 @@ const MADE_BY_CONTACT: f64 = 0.2;
 
 impl System {
     /// Adapts the contact stiffness to the forces without contact at `unknowns` (thesis Eqs. 2.18, 2.19).
-    pub fn adapt_contact_stiffness(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
+    pub(crate) fn adapt_contact_stiffness(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
         let Some(mut contact) = self.contact.take() else {
             return;
         };
@@ -41,19 +41,19 @@ impl System {
     }
 
     /// Contact stiffness k; zero without contact.
-    pub fn contact_stiffness(&self) -> f64 {
+    pub(crate) fn contact_stiffness(&self) -> f64 {
         self.contact.as_ref().map_or(0.0, ContactSystem::stiffness)
     }
 
     /// Sets the contact stiffness back to what it was before a step that is repeated.
-    pub fn restore_contact_stiffness(&mut self, stiffness: f64) {
+    pub(crate) fn restore_contact_stiffness(&mut self, stiffness: f64) {
         if let Some(contact) = &mut self.contact {
             contact.set_stiffness(stiffness);
         }
     }
 
     /// Energy that the change of the contact stiffness from `before` has made in this step, J.
-    pub fn energy_of_stiffening(&mut self, before: f64) -> f64 {
+    pub(crate) fn energy_of_stiffening(&mut self, before: f64) -> f64 {
         let Some(contact) = &mut self.contact else {
             return 0.0;
         };
@@ -67,7 +67,7 @@ impl System {
 
     /// Lowers the contact stiffness, risen from `before`, as far as the energy of the contacts at the start of a step asks
     /// for.
-    pub fn bound_contact_stiffness(&mut self, before: f64, stage: &Stage) {
+    pub(crate) fn bound_contact_stiffness(&mut self, before: f64, stage: &Stage) {
         if let Some(mut contact) = self.contact.take() {
             self.bound_stiffness(&mut contact, before, stage);
             self.contact = Some(contact);
@@ -76,7 +76,7 @@ impl System {
 
     /// Makes contact stiffer by this factor, in a time step where that makes little energy; says whether it did. Contact by
     /// complementarity is rigid already.
-    pub fn stiffen_contact(&mut self, factor: f64, stage: Option<&Stage>) -> bool {
+    pub(crate) fn stiffen_contact(&mut self, factor: f64, stage: Option<&Stage>) -> bool {
         if self.has_constraints() {
             return false;
         }

@@ -109,7 +109,7 @@ impl Beside {
 
 impl Damping {
     /// Of the rods of a scene.
-    pub fn new(scene: &Scene) -> Self {
+    pub(crate) fn new(scene: &Scene) -> Self {
         let rods = scene.rods.iter();
         let rods: Vec<_> = rods
             .map(|rod| (rod.retardation_time, rod.relaxation))
@@ -125,7 +125,7 @@ impl Damping {
     }
 
     /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.rods.is_empty()
     }
 
@@ -135,7 +135,7 @@ impl Damping {
     }
 
     /// Strains at the starts of the steps before the present one, and what relaxes; what a checkpoint holds.
-    pub fn memory(&self) -> Vec<Vec<f64>> {
+    pub(crate) fn memory(&self) -> Vec<Vec<f64>> {
         if self.is_empty() {
             return Vec::new();
         }
@@ -150,7 +150,7 @@ impl Damping {
     ///
     /// # Errors
     /// What of it does not fit.
-    pub fn restore(&mut self, mut memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
+    pub(crate) fn restore(&mut self, mut memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
         let expected = match self.is_empty() {
             true => 0,
             false => 2 + usize::from(self.relaxes()),
@@ -170,12 +170,12 @@ impl Damping {
     }
 
     /// The rods without their dashpots are in no stage.
-    pub fn rest(&mut self) {
+    pub(crate) fn rest(&mut self) {
         self.stage = None;
     }
 
     /// How many times as stiff a rod is in the present stage as at rest, 1 + T/H + r γ.
-    pub fn stiffening(&self, rod: usize) -> f64 {
+    pub(crate) fn stiffening(&self, rod: usize) -> f64 {
         1.0 + self.beside(rod).stiffness()
     }
 
@@ -287,12 +287,12 @@ fn all_strains(assembly: &Assembly) -> impl Iterator<Item = (Kind, usize, f64)> 
 
 impl System {
     /// Whether a rod is damped by its material.
-    pub fn is_damped(&self) -> bool {
+    pub(crate) fn is_damped(&self) -> bool {
         !self.damping.is_empty()
     }
 
     /// Takes note of the strains at `unknowns`, where a step starts.
-    pub fn begin_damping(&mut self, unknowns: &[f64]) {
+    pub(crate) fn begin_damping(&mut self, unknowns: &[f64]) {
         if self.damping.is_empty() {
             return;
         }
@@ -339,7 +339,7 @@ impl System {
 
     /// Sets up the dashpots of a stage `step` (s) long in a step of a `size` (s), whose differences weigh earlier strains with
     /// `weights`.
-    pub fn damp(&mut self, step: f64, size: f64, weights: [f64; 2]) {
+    pub(crate) fn damp(&mut self, step: f64, size: f64, weights: [f64; 2]) {
         if self.damping.is_empty() {
             return;
         }
@@ -354,7 +354,7 @@ impl System {
 
     /// A step was accepted: the strains at its start are those of the step before, and what relaxes has done so until the last
     /// evaluation, altogether where that was of no stage.
-    pub fn keep_damping(&mut self) {
+    pub(crate) fn keep_damping(&mut self) {
         if self.damping.relaxes() {
             let mut relaxing = std::mem::take(&mut self.damping.relaxing);
             let mut strains = std::mem::take(&mut self.damping.strains);
@@ -390,7 +390,7 @@ impl System {
     }
 
     /// What dashpots take from the start of a step to the last evaluation, where it ends, J.
-    pub fn viscous_loss(&self) -> f64 {
+    pub(crate) fn viscous_loss(&self) -> f64 {
         if self.damping.stage.is_none() {
             return 0.0;
         }

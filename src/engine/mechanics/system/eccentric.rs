@@ -19,7 +19,7 @@ use std::ops::Range;
 
 impl EccentricMass {
     /// r, m, or its rate, from those of the tips.
-    pub fn arm_of(&self, tips: &[Vector3; 3]) -> Vector3 {
+    pub(crate) fn arm_of(&self, tips: &[Vector3; 3]) -> Vector3 {
         tips.iter()
             .zip(self.parts)
             .map(|(tip, part)| tip * part)
@@ -27,7 +27,7 @@ impl EccentricMass {
     }
 
     /// The same from all unknowns, or from their velocities.
-    pub fn arm(&self, unknowns: &[f64]) -> Vector3 {
+    pub(crate) fn arm(&self, unknowns: &[f64]) -> Vector3 {
         self.arm_of(&[0, 1, 2].map(|k| position(unknowns, self.first_tip + k)))
     }
 }

@@ -4,7 +4,7 @@ use super::System;
 
 /// A corner of a schedule.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event {
+pub(crate) struct Event {
     /// When it is, s.
     pub time: f64,
     /// Jump of the velocity of the clamp or obstacle that moves so, m/s; infinite for a load and for a natural strain, whose
@@ -15,7 +15,7 @@ pub struct Event {
 impl System {
     /// Lists the events of all loads, natural strains, clamps and obstacles, in the order of time; to be called where one of them
     /// changes.
-    pub fn list_events(&mut self) {
+    pub(crate) fn list_events(&mut self) {
         let schedules = self.loads.corners().chain(self.actuators.corners());
         let schedules = schedules.map(|time| Event {
             time,
@@ -35,7 +35,7 @@ impl System {
     }
 
     /// The first event later than `time`, s; infinite after the last.
-    pub fn next_event(&self, time: f64) -> f64 {
+    pub(crate) fn next_event(&self, time: f64) -> f64 {
         let next = self.events.partition_point(|event| event.time <= time);
         self.events
             .get(next)
@@ -43,7 +43,7 @@ impl System {
     }
 
     /// Largest jump of a velocity among the events from `after` (not itself) to `until`, m/s; `None` where there is none.
-    pub fn largest_jump(&self, after: f64, until: f64) -> Option<f64> {
+    pub(crate) fn largest_jump(&self, after: f64, until: f64) -> Option<f64> {
         let first = self.events.partition_point(|event| event.time <= after);
         let events = self.events[first..].iter();
         events

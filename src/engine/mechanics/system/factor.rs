@@ -15,7 +15,7 @@ pub struct Scale {
 
 impl Scale {
     /// Its value at `time`.
-    pub fn at(&self, time: f64) -> f64 {
+    pub(crate) fn at(&self, time: f64) -> f64 {
         self.factor * piecewise_linear(&self.schedule, time).unwrap_or(1.0)
     }
 }

@@ -37,13 +37,13 @@ pub struct FollowerForce {
 
 impl FollowerForce {
     /// The force at `time`, N.
-    pub fn force(&self, time: f64, frame: &EdgeFrame) -> Vector3 {
+    pub(crate) fn force(&self, time: f64, frame: &EdgeFrame) -> Vector3 {
         let [first, second, along] = (self.components * self.scale.at(time)).into();
         frame.director_1 * first + frame.director_2 * second + frame.tangent * along
     }
 
     /// Its derivatives over the edge vector, N/m, and over the angle of the edge, N.
-    pub fn jacobian(&self, time: f64, frame: &EdgeFrame) -> (Matrix3, Vector3) {
+    pub(crate) fn jacobian(&self, time: f64, frame: &EdgeFrame) -> (Matrix3, Vector3) {
         let (force, tangent) = (self.force(time, frame), &frame.tangent);
         let about_tangent = tangent.cross(&force);
         let swing = Matrix3::identity() * tangent.dot(&force) - tangent * force.transpose();
@@ -52,13 +52,13 @@ impl FollowerForce {
     }
 
     /// The unknowns x_start, θ, x_end.
-    pub fn unknowns(&self) -> [usize; 12] {
+    pub(crate) fn unknowns(&self) -> [usize; 12] {
         element_of_edge(self.start, self.end)
     }
 }
 
 /// The unknowns x_start, θ, x_end of an edge.
-pub fn element_of_edge(start: usize, end: usize) -> [usize; 12] {
+pub(crate) fn element_of_edge(start: usize, end: usize) -> [usize; 12] {
     let mut element = [usize::MAX; 12];
     for axis in 0..3 {
         element[axis] = STRIDE * start + axis;

@@ -64,7 +64,12 @@ impl System {
     /// # Errors
     /// A sentence: the node does not exist, is held already, is part of a rigid obstacle, or is the joint of a ring,
     /// whose frame cannot be grasped.
-    pub fn grasp(&mut self, node: usize, grasp: Grasp, unknowns: &[f64]) -> Result<usize, String> {
+    pub(crate) fn grasp(
+        &mut self,
+        node: usize,
+        grasp: Grasp,
+        unknowns: &[f64],
+    ) -> Result<usize, String> {
         if node >= self.assembly.rods.nodes {
             let nodes = self.assembly.rods.nodes;
             return Err(format!("there is no node {node}; the scene has {nodes}"));
@@ -126,7 +131,7 @@ impl System {
     ///
     /// # Errors
     /// A sentence: there is no such clamp, it holds nothing, or it holds an edge together with its neighbour.
-    pub fn release(&mut self, clamp: usize, unknowns: &[f64]) -> Result<(), String> {
+    pub(crate) fn release(&mut self, clamp: usize, unknowns: &[f64]) -> Result<(), String> {
         let drives = &self.assembly.drives;
         let Some(drive) = drives.get(clamp) else {
             return Err(format!("there is no clamp {clamp}"));
@@ -168,7 +173,7 @@ impl System {
     }
 
     /// What was done since the start.
-    pub fn interventions(&self) -> Interventions {
+    pub(crate) fn interventions(&self) -> Interventions {
         let switched = || {
             let mut rods = self.assembly.rods.clone();
             self.actuators.withdraw(&mut rods);
@@ -190,7 +195,10 @@ impl System {
     ///
     /// # Errors
     /// What of it does not fit.
-    pub fn restore_interventions(&mut self, done: Interventions) -> Result<(), &'static str> {
+    pub(crate) fn restore_interventions(
+        &mut self,
+        done: Interventions,
+    ) -> Result<(), &'static str> {
         let assembly = &mut self.assembly;
         if done.external_forces.len() != assembly.unknowns.len() {
             return Err("other numbers of nodes");

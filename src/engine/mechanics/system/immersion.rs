@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 impl Assembly {
     /// Spheres that rods carry at their nodes.
-    pub fn spheres(&self) -> Vec<Sphere> {
+    pub(crate) fn spheres(&self) -> Vec<Sphere> {
         let frames = self.joints.frames.iter();
         let spheres = frames.filter_map(|frame| {
             let ((centre, radius), (first_tip, _)) = (frame.ball?, frame.body?);

@@ -6,7 +6,7 @@ use crate::mechanics::rod::STRIDE;
 
 impl System {
     /// Adds `shift` times the unit matrix (in N/m and N m) to the Jacobian of the last linearisation.
-    pub fn shift(&mut self, shift: f64, spin_shift: f64) {
+    pub(crate) fn shift(&mut self, shift: f64, spin_shift: f64) {
         let all = 0..self.residual.len();
         self.matrix
             .shift(all, shift, spin_shift, &self.assembly.held);
@@ -14,7 +14,7 @@ impl System {
 
     /// The same with a shift for each rod (N/m), its frames and what slides with it, and `spin` (m²) times it for angles and
     /// places along rods.
-    pub fn shift_rods(&mut self, shift_of: impl Fn(usize) -> f64, spin: f64) {
+    pub(crate) fn shift_rods(&mut self, shift_of: impl Fn(usize) -> f64, spin: f64) {
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
             let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
             let shift = shift_of(rod);
@@ -84,17 +84,17 @@ impl System {
     }
 
     /// Whether the Jacobian of an equilibrium is the Hessian of an energy.
-    pub fn is_symmetric(&self) -> bool {
+    pub(crate) fn is_symmetric(&self) -> bool {
         self.matrix.is_symmetric()
     }
 
     /// Nodes that slide along rods.
-    pub fn slides(&self) -> &[joints::Slide] {
+    pub(crate) fn slides(&self) -> &[joints::Slide] {
         &self.assembly.joints.slides
     }
 
     /// Whether something rubs: the forces of an equilibrium then depend on the way to it.
-    pub fn rubs(&self) -> bool {
+    pub(crate) fn rubs(&self) -> bool {
         self.matrix.rubs()
     }
 
@@ -102,7 +102,7 @@ impl System {
     ///
     /// # Errors
     /// A system that is singular to working precision.
-    pub fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
+    pub(crate) fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
         let joints = &self.assembly.joints;
         joints.gather_points(right_hand_side);
         self.border.gather(right_hand_side);

@@ -59,7 +59,7 @@ pub struct EdgeMoment {
 
 impl Loads {
     /// Whether any of them is a force or a moment.
-    pub fn are_forces(&self) -> bool {
+    pub(crate) fn are_forces(&self) -> bool {
         !self.dead.is_empty() || !self.moments.is_empty()
     }
 
@@ -67,7 +67,7 @@ impl Loads {
     ///
     /// # Errors
     /// [`LoadError`] names a rod, node or edge that does not exist.
-    pub fn new(descriptions: &[Load], assembly: &Assembly) -> Result<Self, LoadError> {
+    pub(crate) fn new(descriptions: &[Load], assembly: &Assembly) -> Result<Self, LoadError> {
         let mut loads = Self {
             weights_of_tips: assembly.weights_of_tips(),
             ..Self::default()
@@ -219,7 +219,7 @@ impl Loads {
     }
 
     /// Adds drag that no load of the scene describes: a coefficient for each unknown, N s/m or N m s.
-    pub fn add_constant_drag(&mut self, coefficients: Vec<f64>) {
+    pub(crate) fn add_constant_drag(&mut self, coefficients: Vec<f64>) {
         self.damping.resize(coefficients.len(), 0.0);
         self.drags.push(Drag {
             coefficients,
@@ -233,7 +233,7 @@ impl Loads {
     }
 
     /// Times at which a load changes its rate, s.
-    pub fn corners(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn corners(&self) -> impl Iterator<Item = f64> {
         let dead = self.dead.iter().map(|load| &load.scale.schedule);
         let moments = self.moments.iter().map(|moment| &moment.scale.schedule);
         let drags = self.drags.iter().map(|drag| &drag.scale.schedule);
@@ -243,17 +243,17 @@ impl Loads {
     }
 
     /// Whether all have one: neither moments nor forces that turn with the rod do.
-    pub fn have_potential(&self) -> bool {
+    pub(crate) fn have_potential(&self) -> bool {
         self.moments.is_empty() && self.followers.is_empty()
     }
 
     /// Factor of each load of the scene beside its schedule.
-    pub fn factors(&self) -> &[f64] {
+    pub(crate) fn factors(&self) -> &[f64] {
         &self.factors
     }
 
     /// Sets the factor of a load of the scene, counted from 0, beside its schedule; `None` where there is no such load.
-    pub fn set_factor(&mut self, load: usize, factor: f64) -> Option<()> {
+    pub(crate) fn set_factor(&mut self, load: usize, factor: f64) -> Option<()> {
         *self.factors.get_mut(load)? = factor;
         let scales = (self.dead.iter_mut().map(|load| &mut load.scale))
             .chain(self.moments.iter_mut().map(|moment| &mut moment.scale))
@@ -267,7 +267,7 @@ impl Loads {
     }
 
     /// Sets the coefficients of drag to those of `time`.
-    pub fn update_damping(&mut self, time: f64) {
+    pub(crate) fn update_damping(&mut self, time: f64) {
         self.damping.fill(0.0);
         for drag in &self.drags {
             let factor = drag.scale.at(time);
@@ -278,7 +278,7 @@ impl Loads {
     }
 
     /// Writes the dead forces at `time`.
-    pub fn dead_forces(&self, time: f64, forces: &mut [f64]) {
+    pub(crate) fn dead_forces(&self, time: f64, forces: &mut [f64]) {
         forces.fill(0.0);
         for load in &self.dead {
             let factor = load.scale.at(time);
@@ -289,7 +289,7 @@ impl Loads {
     }
 
     /// Potential energy of gravity of bodies, from their nodes to their centres of mass, −Σ m g·r, J.
-    pub fn gravitational_energy_of_arms(&self, time: f64, unknowns: &[f64]) -> f64 {
+    pub(crate) fn gravitational_energy_of_arms(&self, time: f64, unknowns: &[f64]) -> f64 {
         let mut energy = 0.0;
         for (acceleration, scale) in &self.gravity {
             let factor = scale.at(time);
@@ -301,7 +301,7 @@ impl Loads {
     }
 
     /// Potential energy of gravity of nodes, −Σ m g·x, J.
-    pub fn gravitational_energy(
+    pub(crate) fn gravitational_energy(
         &self,
         time: f64,
         masses: &[f64],
@@ -326,7 +326,7 @@ impl EdgeMoment {
     /// Generalised forces of the moment m on (x_start, θ, x_end): the edge turns with angular velocity
     /// t×ṫ + (spin) t, so that its ends feel ∓(m×t)/l ∓ (m·t) c and its angle m·t, with the holonomy c of
     /// the transported frame ([`crate::mechanics::rod::vertex`]).
-    pub fn force(&self, time: f64, frame: &EdgeFrame) -> (Vector3, f64) {
+    pub(crate) fn force(&self, time: f64, frame: &EdgeFrame) -> (Vector3, f64) {
         let moment = self.at(time, frame);
         let spin = moment.dot(&frame.tangent);
         (
@@ -349,7 +349,7 @@ impl EdgeMoment {
     /// over the edge vector; `source` is the tangent from which the frame is transported.
     ///
     /// A moment that turns with the edge ([`super::follower`]) keeps its part along the tangent, and m×t turns as it does.
-    pub fn jacobian(
+    pub(crate) fn jacobian(
         &self,
         time: f64,
         source: &Vector3,
@@ -377,7 +377,7 @@ impl EdgeMoment {
     }
 
     /// The unknowns x_start, θ, x_end.
-    pub fn unknowns(&self) -> [usize; 12] {
+    pub(crate) fn unknowns(&self) -> [usize; 12] {
         element_of_edge(self.start, self.end)
     }
 }

@@ -43,7 +43,7 @@ use std::ops::Range;
 
 impl Assembly {
     /// Inertia of each node (kg) in the motion for which that is least: neighbours against each other, where they share masses.
-    pub fn least_inertia(&self) -> Vec<f64> {
+    pub(crate) fn least_inertia(&self) -> Vec<f64> {
         let nodes = self.masses.len() / STRIDE;
         let mut least: Vec<f64> = (0..nodes).map(|node| self.masses[STRIDE * node]).collect();
         for (pair, shared) in self.consistent.pairs() {
@@ -136,12 +136,12 @@ impl Assembly {
     }
 
     /// The mass matrix of all unknowns, with frames and bodies as placed: unknowns that others own have none of their own.
-    pub fn mass_matrix(&self) -> DMatrix<f64> {
+    pub(crate) fn mass_matrix(&self) -> DMatrix<f64> {
         self.mass_matrix_at(&self.unknowns)
     }
 
     /// The same with frames and bodies turned as at `unknowns`, where they were evaluated last.
-    pub fn mass_matrix_at(&self, unknowns: &[f64]) -> DMatrix<f64> {
+    pub(crate) fn mass_matrix_at(&self, unknowns: &[f64]) -> DMatrix<f64> {
         let mut matrix = DMatrix::from_diagonal(&self.masses.clone().into());
         for (nodes, shared) in self.consistent.pairs() {
             for k in 0..STRIDE {
@@ -157,12 +157,12 @@ impl Assembly {
     }
 
     /// All nodes, and the places of frames and of the tips of bodies after them.
-    pub fn all_places(&self) -> Range<usize> {
+    pub(crate) fn all_places(&self) -> Range<usize> {
         0..self.unknowns.len() / STRIDE
     }
 
     /// Kinetic energy of some of the nodes, of whole rods, J.
-    pub fn kinetic_energy(&self, nodes: &Range<usize>, velocity: &[f64]) -> f64 {
+    pub(crate) fn kinetic_energy(&self, nodes: &Range<usize>, velocity: &[f64]) -> f64 {
         let unknowns = STRIDE * nodes.start..STRIDE * nodes.end;
         let velocities = velocity[unknowns.clone()].iter();
         let lumped: f64 = velocities
@@ -182,7 +182,7 @@ impl Assembly {
     }
 
     /// Momentum, kg m/s, and angular momentum about the origin, kg m²/s, of the motion of all nodes.
-    pub fn momenta(&self, unknowns: &[f64], velocity: &[f64]) -> [Vector3; 2] {
+    pub(crate) fn momenta(&self, unknowns: &[f64], velocity: &[f64]) -> [Vector3; 2] {
         let [mut momentum, mut angular] = [Vector3::zeros(); 2];
         for node in self.all_places() {
             let own = position(velocity, node) * self.masses[STRIDE * node];

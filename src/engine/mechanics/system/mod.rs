@@ -50,15 +50,14 @@ mod turning;
 mod work;
 
 use actuation::Actuators;
-pub use balance::Imbalance;
+pub(crate) use balance::Imbalance;
 use balance::RodTolerance;
 pub use breaking::Break;
 use breaking::Breaking;
-pub use build::Assembly;
-pub use clamps::Drive;
-pub use complementarity::NoContactForces;
+pub(crate) use build::Assembly;
+pub(crate) use clamps::Drive;
 use damping::Damping;
-pub use events::Event;
+pub(crate) use events::Event;
 pub use grasp::{Grasp, Interventions};
 use joints::Border;
 pub use joints::{check_joints, joint_unknowns};
@@ -66,15 +65,14 @@ use loads::Loads;
 use newton_matrix::NewtonMatrix;
 use obstacles::MovingObstacle;
 pub use obstacles::obstacle_poses;
-pub use residual::TERMS;
 pub use resultants::Resultants;
-pub use rigid_contact::ForceSearch;
-pub use small_motions::MOST_UNKNOWNS;
+pub(crate) use rigid_contact::ForceSearch;
+pub(crate) use small_motions::MOST_UNKNOWNS;
 use springs::Springs;
-pub use strain::{LargestStrains, SectionScale, Strain};
+pub(crate) use strain::{SectionScale, Strain};
 use touching::contact_of;
-pub use touching::name_overlap;
-pub use turning::Turn;
+pub(crate) use touching::name_overlap;
+pub(crate) use turning::Turn;
 
 use super::contact::{ContactModel, ContactSystem};
 use super::rod::{
@@ -106,7 +104,7 @@ pub struct Stage {
 
 /// Why Newton's method gave up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Divergence {
+pub(crate) struct Divergence {
     /// Iterations spent.
     pub iterations: usize,
     /// Largest residual, N; NaN where the matrix was singular or a number not finite.
@@ -277,7 +275,7 @@ impl System {
     }
 
     /// Gives a clamp another motion.
-    pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
+    pub(crate) fn move_clamp(&mut self, clamp: usize, motion: Motion) {
         self.assembly.drives[clamp].follow(motion);
         self.list_events();
     }
@@ -304,7 +302,7 @@ impl System {
     }
 
     /// Computes frames and strains at `unknowns`.
-    pub fn update_geometry(&mut self, unknowns: &[f64]) {
+    pub(crate) fn update_geometry(&mut self, unknowns: &[f64]) {
         self.springs.stretch(unknowns);
         self.assembly.joints.place(unknowns);
         (self.assembly.joints).turn_ghosts(unknowns, &mut self.ghosts);
@@ -314,7 +312,7 @@ impl System {
     }
 
     /// Makes the frames of the last evaluation the source of the next step.
-    pub fn commit_frames(&mut self) {
+    pub(crate) fn commit_frames(&mut self) {
         self.geometry.commit(&mut self.reference);
         self.committed_time = self.time;
         self.commit_obstacles();
@@ -324,7 +322,7 @@ impl System {
     }
 
     /// Goes on from frames that were committed at `time` with `unknowns`.
-    pub fn resume(&mut self, time: f64, unknowns: &[f64], reference: &ReferenceFrames) {
+    pub(crate) fn resume(&mut self, time: f64, unknowns: &[f64], reference: &ReferenceFrames) {
         self.begin_step(None);
         self.reference.clone_from(reference);
         self.committed_time = time;
@@ -338,7 +336,7 @@ impl System {
     }
 
     /// Keeps frames and contact forces of the last evaluation as those of an accepted step.
-    pub fn accept(&mut self) {
+    pub(crate) fn accept(&mut self) {
         self.keep_damping();
         self.commit_frames();
         if let Some(contact) = &mut self.contact {
@@ -354,7 +352,7 @@ impl System {
 
     /// Potential of the last evaluation, at `unknowns`, J: elastic and contact energy less the work of the dead
     /// forces. Moments of fixed direction have none.
-    pub fn potential(&self, unknowns: &[f64]) -> f64 {
+    pub(crate) fn potential(&self, unknowns: &[f64]) -> f64 {
         let elastic = self.elastic_energy();
         let contact = self.contact.as_ref().map_or(0.0, ContactSystem::energy);
         let work: f64 = (self.dead_forces.iter().zip(unknowns))
@@ -364,7 +362,7 @@ impl System {
     }
 
     /// Sum of the magnitudes that [`Self::potential`] adds up, J: rounding leaves some last digits of it.
-    pub fn potential_size(&self, unknowns: &[f64]) -> f64 {
+    pub(crate) fn potential_size(&self, unknowns: &[f64]) -> f64 {
         let elastic = self.elastic_energy();
         let contact = self.contact.as_ref().map_or(0.0, ContactSystem::energy);
         let work: f64 = (self.dead_forces.iter().zip(unknowns))
@@ -463,7 +461,7 @@ impl System {
 
     /// Notes where a step starts, and the energy that contacts hold there if the scheme `extrapolates`. Candidates must be
     /// those of the start.
-    pub fn note_start(&mut self, unknowns: &[f64], extrapolates: bool) {
+    pub(crate) fn note_start(&mut self, unknowns: &[f64], extrapolates: bool) {
         let Some(contact) = &self.contact else {
             return;
         };
@@ -476,7 +474,7 @@ impl System {
     }
 
     /// Lets Newton's method carry contact forces along, those of the last step at first.
-    pub fn begin_iterations(&mut self, stage: &Stage) {
+    pub(crate) fn begin_iterations(&mut self, stage: &Stage) {
         let Some(contact) = &mut self.contact else {
             return;
         };
@@ -496,21 +494,21 @@ impl System {
     }
 
     /// Says whether the last correction was small against the radii.
-    pub fn set_moved_slightly(&mut self, slightly: bool) {
+    pub(crate) fn set_moved_slightly(&mut self, slightly: bool) {
         if let Some(contact) = &mut self.contact {
             contact.set_moved_slightly(slightly);
         }
     }
 
     /// Goes on without carried contact forces.
-    pub fn abandon_multipliers(&mut self) {
+    pub(crate) fn abandon_multipliers(&mut self) {
         if let Some(contact) = &mut self.contact {
             contact.abandon_multipliers();
         }
     }
 
     /// Whether Newton's method carries contact forces along.
-    pub fn uses_multipliers(&self) -> bool {
+    pub(crate) fn uses_multipliers(&self) -> bool {
         self.contact
             .as_ref()
             .is_some_and(ContactSystem::uses_multipliers)
@@ -527,7 +525,7 @@ impl System {
     }
 
     /// Whether contact is frictional and by a penalty, which any step may overcome.
-    pub fn has_friction(&self) -> bool {
+    pub(crate) fn has_friction(&self) -> bool {
         self.contact.as_ref().is_some_and(|contact| {
             let parameters = contact.parameters();
             parameters.friction > 0.0 && parameters.model == ContactModel::ImplicitContact
@@ -535,7 +533,7 @@ impl System {
     }
 
     /// Whether no contact can be missing at `unknowns` for want of candidates.
-    pub fn candidates_are_complete(&mut self, unknowns: &[f64]) -> bool {
+    pub(crate) fn candidates_are_complete(&mut self, unknowns: &[f64]) -> bool {
         let Some(contact) = &self.contact else {
             return true;
         };
@@ -545,7 +543,7 @@ impl System {
 
     /// Largest part of the straight path between two sets of unknowns along which no contact is crossed; 1
     /// where the contact model allows penetration.
-    pub fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
+    pub(crate) fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
         let Some(contact) = &mut self.contact else {
             return 1.0;
         };
@@ -562,7 +560,7 @@ impl System {
 
     /// Farthest that a node may move at once so that surfaces do not pass through each other unnoticed, m; infinite
     /// where nothing touches, and where [`Self::largest_step`] watches over it.
-    pub fn largest_safe_move(&self) -> f64 {
+    pub(crate) fn largest_safe_move(&self) -> f64 {
         let Some(contact) = &self.contact else {
             return f64::INFINITY;
         };
@@ -577,7 +575,7 @@ impl System {
     }
 
     /// Forgets the factorisation pattern, as after a restart from a checkpoint.
-    pub fn forget_pattern(&mut self) {
+    pub(crate) fn forget_pattern(&mut self) {
         self.matrix.forget_pattern();
     }
 
@@ -591,7 +589,7 @@ impl System {
 }
 
 /// Copies the positions out of the unknowns.
-pub fn copy_positions(unknowns: &[f64], positions: &mut [Vector3]) {
+pub(crate) fn copy_positions(unknowns: &[f64], positions: &mut [Vector3]) {
     for (node, x) in positions.iter_mut().enumerate() {
         *x = position(unknowns, node);
     }

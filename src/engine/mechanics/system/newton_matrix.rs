@@ -21,7 +21,7 @@ const ZERO: ElementMatrix = [[0.0; 12]; 12];
 /// Elements are numbered: closing vertices of rings and half vertices at joints, moments and forces that turn with edges, springs between nodes and frames, contact
 /// candidates of two rods that are coupled, with obstacles one per edge, then (with friction on planes or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band;
 /// contact with planes and obstacles alone couples nothing new.
-pub struct NewtonMatrix {
+pub(crate) struct NewtonMatrix {
     band: BandedSymmetric,
     factor: BandedFactor,
     coupled: Option<CoupledSystem>,
@@ -57,7 +57,7 @@ pub struct NewtonMatrix {
 }
 
 impl NewtonMatrix {
-    pub fn new(
+    pub(crate) fn new(
         assembly: &Assembly,
         loads: &Loads,
         springs: &Springs,
@@ -98,21 +98,21 @@ impl NewtonMatrix {
         }
     }
 
-    pub fn is_symmetric(&self) -> bool {
+    pub(crate) fn is_symmetric(&self) -> bool {
         self.symmetric
     }
 
-    pub fn rubs(&self) -> bool {
+    pub(crate) fn rubs(&self) -> bool {
         self.rubs
     }
 
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.band.clear();
         self.permanent_matrices.fill(ZERO);
         self.active.clear();
     }
 
-    pub fn add_elastic(
+    pub(crate) fn add_elastic(
         &mut self,
         rods: &ElasticRods,
         geometry: &RodGeometry,
@@ -128,7 +128,7 @@ impl NewtonMatrix {
         );
     }
 
-    pub fn add_springs(&mut self, springs: &Springs, joints: &Joints, unknowns: &[f64]) {
+    pub(crate) fn add_springs(&mut self, springs: &Springs, joints: &Joints, unknowns: &[f64]) {
         let matrices = &mut self.permanent_matrices[self.first_spring..];
         springs.add_hessians(joints, unknowns, matrices);
         let columns = self.band.columns_mut();
@@ -138,14 +138,19 @@ impl NewtonMatrix {
     }
 
     /// Makes what half vertices at joints have added derivatives over the unknowns, with the inertia of bodies.
-    pub fn turn_frames(&mut self, assembly: &Assembly, unknowns: &[f64], stage: Option<&Stage>) {
+    pub(crate) fn turn_frames(
+        &mut self,
+        assembly: &Assembly,
+        unknowns: &[f64],
+        stage: Option<&Stage>,
+    ) {
         let elements = &mut self.permanent_matrices[..self.closing];
         let joints = &assembly.joints;
         joints.transform(unknowns, stage, &assembly.masses, elements);
     }
 
     /// Adds (M/hₐ + C + D)/h.
-    pub fn add_inertia(&mut self, assembly: &Assembly, loads: &Loads, stage: &Stage) {
+    pub(crate) fn add_inertia(&mut self, assembly: &Assembly, loads: &Loads, stage: &Stage) {
         let per_step = 1.0 / stage.step;
         let per_acceleration_step = 1.0 / stage.acceleration_step;
         let columns = self.band.columns_mut();
@@ -167,7 +172,7 @@ impl NewtonMatrix {
     }
 
     /// Adds the derivatives of moments on edges and of forces that turn with edges.
-    pub fn add_edge_loads(
+    pub(crate) fn add_edge_loads(
         &mut self,
         loads: &Loads,
         time: f64,
@@ -192,7 +197,7 @@ impl NewtonMatrix {
         }
     }
 
-    pub fn add_contact(&mut self, contact: &ContactSystem) {
+    pub(crate) fn add_contact(&mut self, contact: &ContactSystem) {
         self.update_elements(contact);
         for (pair, jacobian) in contact.contacts().iter().zip(contact.jacobians()) {
             let Some(element) = self.candidate_elements[pair.candidate] else {
@@ -229,7 +234,7 @@ impl NewtonMatrix {
     }
 
     /// Takes the matrices of constraints in place of those of contacts.
-    pub fn set_constraints(
+    pub(crate) fn set_constraints(
         &mut self,
         contact: &ContactSystem,
         matrices: impl Iterator<Item = (ConstraintPlace, ElementMatrix)>,
@@ -252,7 +257,7 @@ impl NewtonMatrix {
 
     /// Makes room for the contacts that are coupled in a pattern yet to be found, where something couples: to be called
     /// before [`Self::factor`], also by who adds contacts later.
-    pub fn expect_contacts(&mut self, contact: &ContactSystem) {
+    pub(crate) fn expect_contacts(&mut self, contact: &ContactSystem) {
         let couples =
             !self.active.is_empty() || !self.permanent.is_empty() || !self.shared.is_empty();
         if couples {
@@ -332,7 +337,7 @@ impl NewtonMatrix {
     }
 
     /// Eliminates held unknowns from the band; the coupled system knows them from its pattern.
-    pub fn hold(&mut self, held: &[bool]) {
+    pub(crate) fn hold(&mut self, held: &[bool]) {
         for (k, _) in held.iter().enumerate().filter(|(_, held)| **held) {
             self.band.hold(k);
         }
@@ -340,14 +345,20 @@ impl NewtonMatrix {
 
     /// Makes the row and the column of an unknown that is eliminated otherwise those of the unit matrix; returns what was
     /// on its diagonal.
-    pub fn isolate(&mut self, unknown: usize) -> f64 {
+    pub(crate) fn isolate(&mut self, unknown: usize) -> f64 {
         let diagonal = self.band.get(unknown, unknown);
         self.band.hold(unknown);
         diagonal
     }
 
     /// Adds to the diagonal of some free unknowns, one value for positions and one for angles.
-    pub fn shift(&mut self, unknowns: Range<usize>, shift: f64, spin_shift: f64, held: &[bool]) {
+    pub(crate) fn shift(
+        &mut self,
+        unknowns: Range<usize>,
+        shift: f64,
+        spin_shift: f64,
+        held: &[bool],
+    ) {
         let columns = self.band.columns_mut();
         for k in unknowns {
             if !held[k] {
@@ -357,7 +368,7 @@ impl NewtonMatrix {
     }
 
     /// Takes over which unknowns are held, which are shared, and how many ghost edges there are.
-    pub fn adapt(&mut self, assembly: &Assembly) {
+    pub(crate) fn adapt(&mut self, assembly: &Assembly) {
         self.held.clone_from(&assembly.held);
         self.shared = assembly.joints.shared();
         let edges = assembly.rods.nodes + assembly.rods.ghosts;
@@ -366,7 +377,7 @@ impl NewtonMatrix {
     }
 
     /// Takes over which unknowns half vertices, frames and springs couple, where frames turn with others than before.
-    pub fn recouple(&mut self, assembly: &Assembly, springs: &Springs) {
+    pub(crate) fn recouple(&mut self, assembly: &Assembly, springs: &Springs) {
         let joints = &assembly.joints;
         let of_rods = joints.elements(&assembly.rods.elements);
         self.permanent[..self.closing].copy_from_slice(&of_rods);
@@ -378,28 +389,28 @@ impl NewtonMatrix {
     }
 
     /// Drops the pattern; it is found again when something couples.
-    pub fn forget_pattern(&mut self) {
+    pub(crate) fn forget_pattern(&mut self) {
         self.coupled = None;
         self.lost_symmetry = false;
         self.candidates_changed = true;
     }
 
     /// Other contacts may come from now on: elements are listed again, and the pattern is kept where they are the same.
-    pub fn expect_other_candidates(&mut self) {
+    pub(crate) fn expect_other_candidates(&mut self) {
         self.candidates_changed = true;
     }
 
     /// Factors the band of the rods alone, without elements that couple; tells its inertia unless it is singular.
-    pub fn factor_rods(&mut self) -> Option<Inertia> {
+    pub(crate) fn factor_rods(&mut self) -> Option<Inertia> {
         self.factor.factor(&self.band).ok()
     }
 
     /// The factors of the last [`Self::factor_rods`].
-    pub fn rod_factor(&self) -> &BandedFactor {
+    pub(crate) fn rod_factor(&self) -> &BandedFactor {
         &self.factor
     }
 
-    pub fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
+    pub(crate) fn factor(&mut self) -> Result<Option<Inertia>, SingularMatrix> {
         self.uses_band =
             self.permanent.is_empty() && self.active.is_empty() && self.shared.is_empty();
         if self.uses_band {
@@ -435,7 +446,7 @@ impl NewtonMatrix {
     /// Where strands of nearly parallel edges press on each other without friction, the pivots of the symmetric
     /// elimination become so small that rounding spoils it; the general one, at twice the cost, then stands in until
     /// the pattern changes.
-    pub fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
+    pub(crate) fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
         let Some(coupled) = self.coupled.as_mut().filter(|_| !self.uses_band) else {
             self.factor.solve(right_hand_side);
             return Ok(());
@@ -450,7 +461,7 @@ impl NewtonMatrix {
         self.solve(right_hand_side)
     }
 
-    pub fn to_dense(&self) -> nalgebra::DMatrix<f64> {
+    pub(crate) fn to_dense(&self) -> nalgebra::DMatrix<f64> {
         let n = self.band.dimension();
         let mut owners: Vec<usize> = (0..n).collect();
         for one in &self.shared {

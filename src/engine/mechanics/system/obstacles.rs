@@ -9,7 +9,7 @@ use crate::mechanics::{UnitQuaternion, Vector3};
 
 /// An obstacle that moves.
 #[derive(Clone, Debug)]
-pub struct MovingObstacle {
+pub(crate) struct MovingObstacle {
     /// Index among all obstacles.
     obstacle: usize,
     /// Fixed point of its rotation, m.
@@ -21,7 +21,7 @@ pub struct MovingObstacle {
 
 impl MovingObstacle {
     /// The obstacles of a scene that move.
-    pub fn of(obstacles: &[Obstacle]) -> Vec<Self> {
+    pub(crate) fn of(obstacles: &[Obstacle]) -> Vec<Self> {
         let moving = obstacles.iter().enumerate();
         moving
             .filter(|(_, obstacle)| obstacle.motion.moves())
@@ -61,7 +61,7 @@ impl MovingObstacle {
     }
 
     /// Adds the corners of its motion to `events`.
-    pub fn list_events(&self, events: &mut Vec<Event>) {
+    pub(crate) fn list_events(&self, events: &mut Vec<Event>) {
         list_motion(&self.motion, self.arm, events);
     }
 }
@@ -77,7 +77,7 @@ pub fn obstacle_poses(obstacles: &[Obstacle], time: f64) -> Vec<Pose> {
 
 impl System {
     /// Moves the obstacles to where they are at `time`, s.
-    pub fn place_obstacles(&mut self, time: f64) {
+    pub(crate) fn place_obstacles(&mut self, time: f64) {
         let Some(contact) = &mut self.contact else {
             return;
         };

@@ -3,11 +3,11 @@
 use super::{Stage, System, add_inertia};
 
 /// The terms of the residual, for the message that says which one diverged.
-pub const TERMS: [&str; 4] = ["inertia and drag", "elastic", "external load", "contact"];
+pub(crate) const TERMS: [&str; 4] = ["inertia and drag", "elastic", "external load", "contact"];
 
 impl System {
     /// Name of the term that is largest at one unknown.
-    pub fn largest_term(
+    pub(crate) fn largest_term(
         &mut self,
         unknowns: &[f64],
         stage: Option<&Stage>,

@@ -32,7 +32,7 @@ pub struct Resultants {
 
 impl System {
     /// Tension of the edge that starts at a node, N; `None` where no edge starts.
-    pub fn tension(&self, edge: usize) -> Option<f64> {
+    pub(crate) fn tension(&self, edge: usize) -> Option<f64> {
         let edges = &self.acting_rods().edges;
         let index = edges.binary_search_by_key(&edge, |edge| edge.start).ok()?;
         let strain = self.geometry.edges[edge].length / edges[index].natural_length - 1.0;
@@ -41,7 +41,7 @@ impl System {
 
     /// What the rods bear at each node; `None` at free and hinged ends. Where a clamp holds the frame of an inner node,
     /// it is that of the side that bears the larger bending moment.
-    pub fn resultants(&self) -> Vec<Option<Resultants>> {
+    pub(crate) fn resultants(&self) -> Vec<Option<Resultants>> {
         let mut all: Vec<Option<Resultants>> = vec![None; self.assembly.rods.nodes];
         for (index, vertex) in self.assembly.rods.vertices.iter().enumerate() {
             let found = self.resultants_of(index, vertex);
@@ -55,7 +55,7 @@ impl System {
 
     /// Moment of the clamps on the rod at a node, and on springs that turn against them there, N m; zero where none holds a
     /// frame.
-    pub fn clamp_moment(&self, node: usize) -> Vector3 {
+    pub(crate) fn clamp_moment(&self, node: usize) -> Vector3 {
         let rods = &self.assembly.rods;
         let mut moment = Vector3::zeros();
         for (index, vertex) in rods.vertices.iter().enumerate() {
@@ -85,7 +85,7 @@ impl System {
     }
 
     /// Elastic energy of one rod.
-    pub fn elastic_energy_of(&self, rod: usize) -> ElasticEnergy {
+    pub(crate) fn elastic_energy_of(&self, rod: usize) -> ElasticEnergy {
         let rods = &self.assembly.rods;
         let nodes = rods.rods[rod].node_indices();
         let mut energy = self.relaxing_energy(Some(rod));
@@ -106,7 +106,7 @@ impl System {
     }
 
     /// Twist of all vertices of a rod, rad.
-    pub fn total_twist(&self, rod: usize) -> f64 {
+    pub(crate) fn total_twist(&self, rod: usize) -> f64 {
         let nodes = self.assembly.rods.rods[rod].node_indices();
         let vertices = self.assembly.rods.vertices.iter().enumerate();
         let own = vertices.filter(|(_, vertex)| nodes.contains(&self.node_of(vertex)));

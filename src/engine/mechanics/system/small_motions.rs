@@ -5,12 +5,12 @@ use crate::linalg::SingularMatrix;
 use crate::mechanics::Vector3;
 
 /// Most unknowns for which the mass matrix is set up: it is dense at first, 0.3 GB by then.
-pub const MOST_UNKNOWNS: usize = 6000;
+pub(crate) const MOST_UNKNOWNS: usize = 6000;
 
 impl System {
     /// Entries (row, column, kg or kg m²) of the mass matrix at `unknowns`, which were evaluated last; `None` where there are
     /// more than [`MOST_UNKNOWNS`].
-    pub fn mass_entries(&self, unknowns: &[f64]) -> Option<Vec<(usize, usize, f64)>> {
+    pub(crate) fn mass_entries(&self, unknowns: &[f64]) -> Option<Vec<(usize, usize, f64)>> {
         if unknowns.len() > MOST_UNKNOWNS {
             return None;
         }
@@ -32,7 +32,7 @@ impl System {
     ///
     /// # Errors
     /// The unknown at which the matrix is singular.
-    pub fn factor_with_masses(
+    pub(crate) fn factor_with_masses(
         &mut self,
         unknowns: &[f64],
         scale: f64,

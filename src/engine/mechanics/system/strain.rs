@@ -9,7 +9,7 @@ use crate::mechanics::scene::RodDescription;
 
 /// What a rod suffers most.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strain {
+pub(crate) struct Strain {
     /// Its size: 0.1 is 10 %. A stretch has a sign.
     pub size: f64,
     /// A node of the whole scene at it.
@@ -18,7 +18,7 @@ pub struct Strain {
 
 /// The largest strains of all rods that are no obstacles, by size; `None` where there are none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LargestStrains {
+pub(crate) struct LargestStrains {
     /// Stretch of an edge, compression below zero.
     pub stretch: Option<Strain>,
     /// Strain of the outer fibres by bending.
@@ -29,7 +29,7 @@ pub struct LargestStrains {
 
 /// What tells the strains of a section from those of its centreline.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SectionScale {
+pub(crate) struct SectionScale {
     /// Distances of the outer fibres that bending about the first and the second director strains, m.
     fibres: [f64; 2],
     /// Bending stiffness EI₂, N m².
@@ -39,7 +39,7 @@ pub struct SectionScale {
 impl SectionScale {
     /// Of a rod. c_i = 2 √(EI_i/EA) is h for a circular section, and 15 % more than half the side of a rectangle; where
     /// stiffnesses are given freely, it is that of the ellipse that would have them.
-    pub fn of(rod: &RodDescription) -> Self {
+    pub(crate) fn of(rod: &RodDescription) -> Self {
         let stiffness = &rod.stiffness;
         let fibre = |bending: f64| 2.0 * (bending / stiffness.stretching).sqrt();
         Self {
@@ -51,7 +51,11 @@ impl SectionScale {
 
 impl System {
     /// The largest strains at `unknowns`; those of bending and twist at the last evaluation. `sections`: of each rod.
-    pub fn largest_strains(&self, unknowns: &[f64], sections: &[SectionScale]) -> LargestStrains {
+    pub(crate) fn largest_strains(
+        &self,
+        unknowns: &[f64],
+        sections: &[SectionScale],
+    ) -> LargestStrains {
         let rods = &self.assembly.rods;
         let mut largest = LargestStrains::default();
         for edge in &rods.edges {

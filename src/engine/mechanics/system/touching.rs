@@ -146,7 +146,7 @@ fn add_balls(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
 
 impl System {
     /// What contact passes over because rods are set in other bodies there, a sentence for each root.
-    pub fn remarks_on_roots(&self) -> &[String] {
+    pub(crate) fn remarks_on_roots(&self) -> &[String] {
         &self.roots
     }
 
@@ -160,7 +160,7 @@ impl System {
 
     /// Names the bodies that overlap beyond what is allowed at `unknowns`, wherever contact was last evaluated; candidates
     /// are brought up to date.
-    pub fn excessive_penetration_at(&mut self, unknowns: &[f64]) -> Option<Overlap> {
+    pub(crate) fn excessive_penetration_at(&mut self, unknowns: &[f64]) -> Option<Overlap> {
         if !self.candidates_are_complete(unknowns) {
             self.update_candidates(unknowns);
         }
@@ -172,13 +172,13 @@ impl System {
 
     /// Whether a contact of the last evaluation is pressed deeper than those that bear what they are made for. Contact by
     /// complementarity is rigid.
-    pub fn is_contact_deep(&self) -> bool {
+    pub(crate) fn is_contact_deep(&self) -> bool {
         let contact = self.contact.as_ref();
         !self.has_constraints() && contact.is_some_and(ContactSystem::is_deep)
     }
 
     /// Whether surfaces touch at the last evaluation that a barrier should have kept apart.
-    pub fn touches_barrier(&self) -> bool {
+    pub(crate) fn touches_barrier(&self) -> bool {
         self.contact
             .as_ref()
             .is_some_and(ContactSystem::touches_barrier)
@@ -186,7 +186,7 @@ impl System {
 
     /// Names two edges that pass through each other, or nearly so, on the straight paths of all nodes from one set of
     /// unknowns to another.
-    pub fn passage(&mut self, from: &[f64], to: &[f64]) -> Option<[String; 2]> {
+    pub(crate) fn passage(&mut self, from: &[f64], to: &[f64]) -> Option<[String; 2]> {
         let contact = self.contact.as_mut()?;
         copy_positions(from, &mut self.positions);
         copy_positions(to, &mut self.displacements);
@@ -196,7 +196,7 @@ impl System {
 }
 
 /// Names the two bodies of `proximity` that are too close.
-pub fn name_overlap(
+pub(crate) fn name_overlap(
     proximity: &Proximity,
     contact: &ContactSystem,
     assembly: &Assembly,

@@ -11,7 +11,7 @@ const LARGEST: f64 = 2.0;
 
 /// An edge that turns too far within a step.
 #[derive(Clone, Debug)]
-pub struct Turn {
+pub(crate) struct Turn {
     /// Which one, in words.
     pub edge: String,
     /// By how much, rad.
@@ -21,7 +21,7 @@ pub struct Turn {
 impl System {
     /// The edge that turns farthest between the start of a step and the last evaluation, where that is too far for a rod that keeps
     /// its turns.
-    pub fn excessive_turn(&self) -> Option<Turn> {
+    pub(crate) fn excessive_turn(&self) -> Option<Turn> {
         let rods = &self.assembly.rods;
         let cosine = |edge: usize| {
             let before = self.reference.tangent[edge];

@@ -24,7 +24,7 @@ const FAR_TURN: f64 = 0.1;
 impl System {
     /// Energy that contacts bring into a step that ends at `unknowns`, where they were evaluated last, J, where it is not
     /// negligible; of contact forces that hold where the step ends. Rigid contacts hold no energy.
-    pub fn work_of_contact(&self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
+    pub(crate) fn work_of_contact(&self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
         let contact = self.contact.as_ref()?;
         let (work, forces) = self.work_and_forces(contact, unknowns);
         let way = NEGLIGIBLE_WAY * contact.parameters().distance_tolerance * forces;
@@ -68,7 +68,7 @@ impl System {
     /// Energy that contacts bring into a step of the midpoint rule that ends at `unknowns`, J, where it is not negligible; of
     /// normal forces in the middle of the step, with what a change of the contact stiffness makes. `None` also where nothing
     /// touches.
-    pub fn work_of_contact_in_the_middle(
+    pub(crate) fn work_of_contact_in_the_middle(
         &mut self,
         stage: &Stage,
         unknowns: &[f64],
@@ -109,14 +109,14 @@ impl System {
     }
 
     /// Energy that contacts hold at `positions`, J.
-    pub fn contact_energy_at(&self, positions: &[Vector3]) -> f64 {
+    pub(crate) fn contact_energy_at(&self, positions: &[Vector3]) -> f64 {
         let contact = self.contact.as_ref();
         contact.map_or(0.0, |contact| contact.energy_at(positions))
     }
 
     /// What moves the obstacles against the normal forces of the contacts gives the rods in the step, J; and the sum of these
     /// forces, N.
-    pub fn work_of_obstacles(&self) -> (f64, f64) {
+    pub(crate) fn work_of_obstacles(&self) -> (f64, f64) {
         let Some(contact) = &self.contact else {
             return (0.0, 0.0);
         };
@@ -140,7 +140,7 @@ impl System {
     /// Energy that elastic forces bring into a step of implicit Euler that ends at `unknowns`, where they were evaluated last,
     /// J, where it is not negligible: more than inertia loses in the step, ½ ‖v₁ − v₀‖²_M. A rod that spins as a rigid body
     /// has that back from the forces that turn its velocities.
-    pub fn work_of_elasticity(&mut self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
+    pub(crate) fn work_of_elasticity(&mut self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
         if !self.turns_far(stage, unknowns) {
             return None;
         }

@@ -101,7 +101,7 @@ impl BackwardDifference {
     }
 
     /// For a step after others, the last first (0: there is none), all in s, and turning with ω in rad/s.
-    pub fn new(step: f64, earlier: [f64; LENGTH], turning: f64) -> Self {
+    pub(crate) fn new(step: f64, earlier: [f64; LENGTH], turning: f64) -> Self {
         let [second, third] = LARGEST_GROWTHS;
         if step > second * earlier[0] {
             return Self {
@@ -168,7 +168,7 @@ impl BackwardDifference {
     }
 
     /// v* from the last velocities.
-    pub fn predicted(&self, velocities: [f64; VELOCITIES]) -> f64 {
+    pub(crate) fn predicted(&self, velocities: [f64; VELOCITIES]) -> f64 {
         let products = self.velocity_weights.iter().zip(velocities);
         products.map(|(weight, velocity)| weight * velocity).sum()
     }

@@ -24,7 +24,7 @@ pub(super) struct TargetTables {
 
 impl TargetTables {
     /// For expansions up to degree `order`.
-    pub fn new(order: usize) -> Self {
+    pub(crate) fn new(order: usize) -> Self {
         Self {
             regular: vec![Default::default(); half_size(order)],
             factors: std::array::from_fn(|_| vec![Default::default(); half_size(order)]),
@@ -34,7 +34,7 @@ impl TargetTables {
 
 impl Targets {
     /// Takes over the nodes.
-    pub fn place(&mut self, positions: &[Vector3], nodes: &[usize], centre: &Vector3) {
+    pub(crate) fn place(&mut self, positions: &[Vector3], nodes: &[usize], centre: &Vector3) {
         self.nodes = nodes.len();
         self.offsets.clear();
         self.offsets
@@ -47,12 +47,12 @@ impl Targets {
     }
 
     /// Number of nodes.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.nodes
     }
 
     /// Sets `velocities` to the flow of the local expansion.
-    pub fn evaluate(
+    pub(crate) fn evaluate(
         &self,
         set: InstructionSet,
         order: usize,

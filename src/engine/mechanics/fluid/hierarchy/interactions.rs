@@ -23,7 +23,7 @@ pub(super) struct Interactions {
 
 impl Interactions {
     /// Finds them: every pair of nodes is in exactly one pair of clusters.
-    pub fn find(&mut self, tree: &Tree) {
+    pub(crate) fn find(&mut self, tree: &Tree) {
         for lists in [&mut self.far, &mut self.near] {
             lists.iter_mut().for_each(Vec::clear);
             lists.resize(tree.clusters.len(), Vec::new());

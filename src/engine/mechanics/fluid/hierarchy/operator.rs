@@ -50,7 +50,7 @@ struct Leaf {
 impl HierarchicalOperator {
     /// The operator of filaments whose nodes are numbered one filament after the other; ε is
     /// `regularization` times each filament's radius.
-    pub fn new(filaments: &[Filament], regularization: f64, order: usize) -> Self {
+    pub(crate) fn new(filaments: &[Filament], regularization: f64, order: usize) -> Self {
         Self::with_instruction_set(filaments, regularization, order, InstructionSet::best())
     }
 
@@ -75,7 +75,7 @@ impl HierarchicalOperator {
     }
 
     /// Builds the tree and evaluates the blocks between near leaves, at new positions of the nodes, m.
-    pub fn assemble(&mut self, positions: &[Vector3]) {
+    pub(crate) fn assemble(&mut self, positions: &[Vector3]) {
         self.tree.build(&self.links, positions);
         self.interactions.find(&self.tree);
         let clusters = &self.tree.clusters;
@@ -122,12 +122,12 @@ impl HierarchicalOperator {
     }
 
     /// A_ij of nodes that are near each other; `None` of those that are far.
-    pub fn block(&self, row: usize, column: usize) -> Option<Matrix3> {
+    pub(crate) fn block(&self, row: usize, column: usize) -> Option<Matrix3> {
         self.leaves[self.leaf_of[row]].patch.between(row, column)
     }
 
     /// Floating-point operations of a product, near and far.
-    pub fn operations(&self) -> f64 {
+    pub(crate) fn operations(&self) -> f64 {
         let near: usize = (self.leaves.iter())
             .map(|leaf| leaf.near.len() * leaf.targets.count())
             .sum();
@@ -136,7 +136,7 @@ impl HierarchicalOperator {
     }
 
     /// `velocities` = A `densities`.
-    pub fn multiply(&mut self, densities: &[f64], velocities: &mut [f64]) {
+    pub(crate) fn multiply(&mut self, densities: &[f64], velocities: &mut [f64]) {
         self.evaluate_far(densities, 0);
         let set = self.set;
         self.leaves.par_iter_mut().for_each(|leaf| {
@@ -147,7 +147,11 @@ impl HierarchicalOperator {
     }
 
     /// [`multiply`](Self::multiply) for three vectors; the near blocks are read only once.
-    pub fn multiply_three(&mut self, densities: &[Vec<f64>; 3], velocities: &mut [Vec<f64>; 3]) {
+    pub(crate) fn multiply_three(
+        &mut self,
+        densities: &[Vec<f64>; 3],
+        velocities: &mut [Vec<f64>; 3],
+    ) {
         for (vector, densities) in densities.iter().enumerate() {
             self.evaluate_far(densities, vector);
         }

@@ -41,7 +41,7 @@ pub(super) struct SourceTables {
 
 impl SourceTables {
     /// For expansions up to degree `order`.
-    pub fn new(order: usize) -> Self {
+    pub(crate) fn new(order: usize) -> Self {
         Self {
             regular: vec![Default::default(); half_size(order)],
             multipoles: vec![Default::default(); half_size(order)],
@@ -51,7 +51,7 @@ impl SourceTables {
 
 impl Sources {
     /// Finds the Gauss points of the segments that end at the nodes (in ascending order).
-    pub fn place(
+    pub(crate) fn place(
         &mut self,
         links: &[Link],
         positions: &[Vector3],
@@ -93,7 +93,7 @@ impl Sources {
     }
 
     /// Sets `multipoles` to the expansion of these densities, three numbers per node.
-    pub fn expand(
+    pub(crate) fn expand(
         &mut self,
         set: InstructionSet,
         order: usize,

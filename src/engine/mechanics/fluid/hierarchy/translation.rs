@@ -22,7 +22,7 @@ pub(super) struct ShiftTables {
 
 impl ShiftTables {
     /// For expansions up to degree `order`.
-    pub fn new(order: usize) -> Self {
+    pub(crate) fn new(order: usize) -> Self {
         Self {
             half: vec![Default::default(); half_size(order)],
             shift: vec![Default::default(); whole_size(order)],
@@ -133,7 +133,7 @@ type Factors = [Lanes; 4];
 
 impl ActionTables {
     /// For expansions up to degree `order`.
-    pub fn new(order: usize) -> Self {
+    pub(crate) fn new(order: usize) -> Self {
         let table = || vec![Complex::default(); half_size(order)];
         Self {
             displacement: Default::default(),

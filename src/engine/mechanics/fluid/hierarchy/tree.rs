@@ -37,7 +37,7 @@ pub(super) struct Tree {
 
 impl Tree {
     /// Builds the tree anew.
-    pub fn build(&mut self, links: &[Link], positions: &[Vector3]) {
+    pub(crate) fn build(&mut self, links: &[Link], positions: &[Vector3]) {
         self.order.clear();
         self.order.extend(0..positions.len());
         self.clusters.clear();

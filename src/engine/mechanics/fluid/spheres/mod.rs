@@ -20,7 +20,7 @@ mod sphere;
 mod tests;
 
 use sphere::Influence;
-pub use sphere::Sphere;
+pub(crate) use sphere::Sphere;
 
 use super::Filament;
 use super::points::Points;
@@ -57,7 +57,7 @@ pub(super) struct Spheres {
 
 impl Spheres {
     /// For stations of filaments that begin at `stations`, with the centres of the spheres in `positions`, m.
-    pub fn new(spheres: &[Sphere], stations: &[Vector3], positions: &[Vector3]) -> Self {
+    pub(crate) fn new(spheres: &[Sphere], stations: &[Vector3], positions: &[Vector3]) -> Self {
         let is_inside = |x: &Vector3| {
             let mut spheres = spheres.iter();
             spheres.any(|sphere| sphere.contains(&(x - positions[sphere.centre])))
@@ -70,32 +70,32 @@ impl Spheres {
     }
 
     /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.spheres.is_empty()
     }
 
     /// Places of their centres.
-    pub fn centres(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn centres(&self) -> impl Iterator<Item = usize> {
         self.spheres.iter().map(|sphere| sphere.centre)
     }
 
     /// Number of their unknowns.
-    pub fn unknowns(&self) -> usize {
+    pub(crate) fn unknowns(&self) -> usize {
         UNKNOWNS * self.spheres.len()
     }
 
     /// Whether a station is inside a sphere.
-    pub fn hold(&self, station: usize) -> bool {
+    pub(crate) fn hold(&self, station: usize) -> bool {
         !self.is_empty() && self.inside[station]
     }
 
     /// The points inside spheres, in ascending order.
-    pub fn points_inside(&self) -> &[usize] {
+    pub(crate) fn points_inside(&self) -> &[usize] {
         &self.points_inside
     }
 
     /// Takes other points of the same stations.
-    pub fn take_points(&mut self, points: &Points) {
+    pub(crate) fn take_points(&mut self, points: &Points) {
         self.points_inside.clear();
         let stations = points.representatives().iter().enumerate();
         let inside = stations.filter(|&(_, &station)| self.hold(station));
@@ -103,7 +103,7 @@ impl Spheres {
     }
 
     /// Evaluates all influences with stations at `stations` and centres at `positions`, m.
-    pub fn assemble(
+    pub(crate) fn assemble(
         &mut self,
         filaments: &[Filament],
         points: &Points,
@@ -150,7 +150,7 @@ impl Spheres {
 
     /// Adds to the velocities of points (u = A f) and of spheres what spheres and points do to each other. Points inside spheres
     /// have the equation u = f, which leaves them without force where u is zero.
-    pub fn couple(&self, densities: &[f64], velocities: &mut [f64]) {
+    pub(crate) fn couple(&self, densities: &[f64], velocities: &mut [f64]) {
         if self.is_empty() {
             return;
         }
@@ -190,7 +190,12 @@ impl Spheres {
     }
 
     /// Writes the velocities of spheres, U and aΩ, behind those of the points.
-    pub fn write_velocities(&self, positions: &[Vector3], velocities: &[Vector3], w: &mut [f64]) {
+    pub(crate) fn write_velocities(
+        &self,
+        positions: &[Vector3],
+        velocities: &[Vector3],
+        w: &mut [f64],
+    ) {
         for (number, sphere) in self.spheres.iter().enumerate() {
             let surface = sphere.spin(positions, velocities) * sphere.radius;
             w[range_of(number, 0)].copy_from_slice(velocities[sphere.centre].as_slice());
@@ -199,7 +204,7 @@ impl Spheres {
     }
 
     /// Writes the forces on centres and tips, N, of the unknowns `s` over `factor`, 8πη.
-    pub fn write_forces(
+    pub(crate) fn write_forces(
         &self,
         factor: f64,
         s: &[f64],
@@ -218,7 +223,7 @@ impl Spheres {
     }
 
     /// Power that the unknowns `s` take from the velocities `w` of all spheres, over 8πη, m³/s².
-    pub fn power(&self, s: &[f64], w: &[f64]) -> f64 {
+    pub(crate) fn power(&self, s: &[f64], w: &[f64]) -> f64 {
         let powers = self.spheres.iter().enumerate().map(|(number, sphere)| {
             let [force, torque] = unknowns_of(s, number);
             let [linear, surface] = unknowns_of(w, number);
@@ -228,7 +233,7 @@ impl Spheres {
     }
 
     /// Adds the resistances of centres and tips, N s/m.
-    pub fn add_resistance(&self, viscosity: f64, resistance: &mut [Matrix3]) {
+    pub(crate) fn add_resistance(&self, viscosity: f64, resistance: &mut [Matrix3]) {
         for sphere in &self.spheres {
             let [of_centre, of_tip] = sphere
                 .resistances(viscosity)
@@ -242,7 +247,7 @@ impl Spheres {
     }
 
     /// Adds drag and resistance of each sphere for itself, as if it were alone in fluid at rest.
-    pub fn add_own_drag(
+    pub(crate) fn add_own_drag(
         &self,
         viscosity: f64,
         velocities: &[Vector3],
@@ -258,7 +263,7 @@ impl Spheres {
     }
 
     /// Divides the velocities of all spheres by what their own unknowns do to them.
-    pub fn precondition(w: &[f64], s: &mut [f64]) {
+    pub(crate) fn precondition(w: &[f64], s: &mut [f64]) {
         for (number, (own, velocity)) in s.chunks_exact_mut(3).zip(w.chunks_exact(3)).enumerate() {
             let inverse = if number.is_multiple_of(2) { 0.75 } else { 1.0 };
             for (own, velocity) in own.iter_mut().zip(velocity) {

@@ -21,7 +21,7 @@ use crate::mechanics::{Matrix3, Vector3};
 
 /// A sphere that a node of a rod carries at its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sphere {
+pub(crate) struct Sphere {
     /// Place of its centre among those of the scene.
     pub centre: usize,
     /// Radius a, m.
@@ -43,7 +43,7 @@ pub(in super::super) struct Influence {
 
 impl Influence {
     /// Adds another one, weighted.
-    pub fn add(&mut self, weight: f64, other: &Self) {
+    pub(crate) fn add(&mut self, weight: f64, other: &Self) {
         self.stokeslet += other.stokeslet * weight;
         self.rotlet += other.rotlet * weight;
     }
@@ -51,17 +51,17 @@ impl Influence {
 
 impl Sphere {
     /// Places of the points that turn with it.
-    pub fn tips(&self) -> [usize; 3] {
+    pub(crate) fn tips(&self) -> [usize; 3] {
         [0, 1, 2].map(|axis| self.first_tip + axis)
     }
 
     /// Whether a point at r from its centre is inside.
-    pub fn contains(&self, r: &Vector3) -> bool {
+    pub(crate) fn contains(&self, r: &Vector3) -> bool {
         r.norm() < self.radius
     }
 
     /// Its angular velocity from those of the tips, rad/s: Σ p × ṗ/(2ℓ²).
-    pub fn spin(&self, positions: &[Vector3], velocities: &[Vector3]) -> Vector3 {
+    pub(crate) fn spin(&self, positions: &[Vector3], velocities: &[Vector3]) -> Vector3 {
         let moments = self
             .tips()
             .map(|tip| positions[tip].cross(&velocities[tip]));
@@ -69,12 +69,12 @@ impl Sphere {
     }
 
     /// Force on a tip at p of a torque, N: T × p/(2ℓ²), whose torques add up to T.
-    pub fn force_on_tip(&self, torque: &Vector3, tip: &Vector3) -> Vector3 {
+    pub(crate) fn force_on_tip(&self, torque: &Vector3, tip: &Vector3) -> Vector3 {
         torque.cross(tip) / (2.0 * self.arm * self.arm)
     }
 
     /// Resistances of the centre (6πηa) and of a tip (8πηa³ shared among them), N s/m.
-    pub fn resistances(&self, viscosity: f64) -> [f64; 2] {
+    pub(crate) fn resistances(&self, viscosity: f64) -> [f64; 2] {
         use std::f64::consts::PI;
         let turning = 8.0 * PI * viscosity * self.radius.powi(3);
         [
@@ -113,7 +113,7 @@ impl Sphere {
 
     /// The motions (U, aΩ) of this sphere by the unknowns (φ, τ) of another one, at r from there: 6 × 6 in four blocks, rows
     /// first (Rotne and Prager 1969; with rotation Wajnryb et al. 2013). Spheres that overlap count as touching.
-    pub fn by(&self, other: &Self, r: &Vector3) -> [[Matrix3; 2]; 2] {
+    pub(crate) fn by(&self, other: &Self, r: &Vector3) -> [[Matrix3; 2]; 2] {
         let (a, b) = (self.radius, other.radius);
         let distance = r.norm().max(a + b);
         let r = match r.try_normalize(0.0) {

@@ -23,7 +23,7 @@ impl StokesletDrag {
     ///
     /// # Errors
     /// [`FluidError::BadInput`] for more nodes than a wall allows.
-    pub fn set_wall(&mut self, regularization: f64, wall: Wall) -> Result<(), FluidError> {
+    pub(crate) fn set_wall(&mut self, regularization: f64, wall: Wall) -> Result<(), FluidError> {
         let nodes = self.positions.len();
         if nodes > MOST_NODES_BESIDE_A_WALL {
             return Err(FluidError::BadInput(format!(
@@ -43,7 +43,7 @@ impl StokesletDrag {
     ///
     /// # Errors
     /// [`FluidError::BadInput`] beside a wall.
-    pub fn set_spheres(&mut self, spheres: Spheres) -> Result<(), FluidError> {
+    pub(crate) fn set_spheres(&mut self, spheres: Spheres) -> Result<(), FluidError> {
         if spheres.is_empty() {
             return Ok(());
         }
@@ -60,7 +60,7 @@ impl StokesletDrag {
     }
 
     /// Ties what joints hold together, and nodes that are at one place, in filaments placed at `positions` (m, of all nodes).
-    pub fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
+    pub(crate) fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
         for (own, node) in self.positions.iter_mut().zip(nodes_of(&self.filaments)) {
             *own = positions[node];
         }

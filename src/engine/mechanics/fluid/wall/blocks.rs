@@ -24,7 +24,7 @@ pub(in super::super) struct WallBlocks {
 
 impl WallBlocks {
     /// Room for an operator of so many nodes, with so many chunks of slots.
-    pub fn new(wall: FlowWall, nodes: usize, chunks: usize) -> Self {
+    pub(crate) fn new(wall: FlowWall, nodes: usize, chunks: usize) -> Self {
         let origin = Vector3::zeros();
         let void = Image::new(&origin, &origin, 1.0, &origin, &Vector3::z());
         let mut images = vec![ImageLanes::default(); chunks];
@@ -39,7 +39,7 @@ impl WallBlocks {
     }
 
     /// Sets the segment that starts at a slot.
-    pub fn set_segment(
+    pub(crate) fn set_segment(
         &mut self,
         slot: usize,
         start: &Vector3,
@@ -60,7 +60,7 @@ impl WallBlocks {
 
     /// Adds the images to all rows. The row of a node in the wall becomes that of the identity, in the slot that
     /// `slot_of` gives, so that it takes no force.
-    pub fn assemble(
+    pub(crate) fn assemble(
         &mut self,
         set: InstructionSet,
         positions: &[Vector3],
@@ -104,14 +104,19 @@ impl WallBlocks {
     }
 
     /// The antisymmetric part of the block of a row and a slot.
-    pub fn axial(&self, row: usize, slot: usize) -> Matrix3 {
+    pub(crate) fn axial(&self, row: usize, slot: usize) -> Matrix3 {
         let chunks = self.images.len();
         let lanes = &self.axial[row * chunks + slot % chunks].0;
         cross(&lanes.each_ref().map(|w| f64::from(w[slot / chunks])))
     }
 
     /// Adds the antisymmetric parts' product with a vector to `velocities`.
-    pub fn add_product(&self, set: InstructionSet, vector: &[VectorLanes], velocities: &mut [f64]) {
+    pub(crate) fn add_product(
+        &self,
+        set: InstructionSet,
+        vector: &[VectorLanes],
+        velocities: &mut [f64],
+    ) {
         let chunks = self.images.len();
         let add = |(row, u): (&[AxialLanes], &mut [f64])| {
             for (u, product) in u.iter_mut().zip(multiply_axial_row(set, row, vector)) {

@@ -86,7 +86,7 @@ pub(super) struct Image {
 
 impl Image {
     /// The image of the segment from `start` to `end`, m, in the wall through `point` with the unit normal `n`.
-    pub fn new(
+    pub(crate) fn new(
         start: &Vector3,
         end: &Vector3,
         regularization_squared: f64,
@@ -117,7 +117,7 @@ impl Image {
     ///
     /// Free of branches, with every `mul_add` spelled out, as is the kernel of the segment itself.
     #[inline(always)]
-    pub fn moments(&self, offset: &Offset) -> [Moments; 2] {
+    pub(crate) fn moments(&self, offset: &Offset) -> [Moments; 2] {
         let integrals = self.mirrored.integrals(offset);
         let [first, second] = self.mirrored.weigh(offset, &integrals);
         let &Integrals { j0, j1, j2, j3, .. } = &integrals;
@@ -184,7 +184,7 @@ impl Image {
 
     /// The matrix of some moments, at height `z` over the wall with unit normal `n`.
     #[inline(always)]
-    pub fn combine(&self, moments: &Moments, offset: &Offset, z: f64, n: &[f64; 3]) -> Part {
+    pub(crate) fn combine(&self, moments: &Moments, offset: &Offset, z: f64, n: &[f64; 3]) -> Part {
         let [m0, m1, m2, m3, j0, j1, k0, k1, k2] = moments.0;
         let (p, tangent, slope) = (&offset.p, &self.mirrored.tangent, self.slope);
         let above = z + self.foot(offset);

@@ -20,7 +20,7 @@ pub(super) struct ImageLanes {
 
 impl ImageLanes {
     /// Puts an image into a lane.
-    pub fn set(&mut self, lane: usize, image: &Image) {
+    pub(crate) fn set(&mut self, lane: usize, image: &Image) {
         self.mirrored.set(lane, &image.mirrored);
         self.height[lane] = image.height;
         self.slope[lane] = image.slope;

@@ -51,7 +51,7 @@ pub struct Wall {
 
 impl Wall {
     /// Height of a point over the wall, m.
-    pub fn height(&self, x: &Vector3) -> f64 {
+    pub(crate) fn height(&self, x: &Vector3) -> f64 {
         (x - self.point).dot(&self.normal)
     }
 }
@@ -68,7 +68,7 @@ pub(super) struct FlowWall {
 
 impl FlowWall {
     /// The wall of filaments.
-    pub fn new(plane: Wall, filaments: &[Filament]) -> Self {
+    pub(crate) fn new(plane: Wall, filaments: &[Filament]) -> Self {
         let mut held = plane.held.clone();
         held.sort_unstable();
         let numbered = |filament: &Filament| {
@@ -88,17 +88,17 @@ impl FlowWall {
     }
 
     /// The plane.
-    pub fn plane(&self) -> &Wall {
+    pub(crate) fn plane(&self) -> &Wall {
         &self.plane
     }
 
     /// Whether a node at `x` is in the wall, where it takes no force.
-    pub fn holds(&self, node: usize, x: &Vector3) -> bool {
+    pub(crate) fn holds(&self, node: usize, x: &Vector3) -> bool {
         self.sunk_below[node].is_some_and(|bound| self.plane.height(x) < bound)
     }
 
     /// The first node, by its number in the scene, that may not be in the wall but is, and its height, m.
-    pub fn behind(&self, positions: &[Vector3]) -> Option<(usize, f64)> {
+    pub(crate) fn behind(&self, positions: &[Vector3]) -> Option<(usize, f64)> {
         (self.nodes.iter().zip(&self.sunk_below))
             .filter(|(_, sunk_below)| sunk_below.is_none())
             .map(|(&node, _)| (node, self.plane.height(&positions[node])))
@@ -110,7 +110,7 @@ impl FlowWall {
     ///
     /// # Errors
     /// [`FluidError::BehindWall`].
-    pub fn clip(&self, links: &[Link], positions: &mut [Vector3]) -> Result<(), FluidError> {
+    pub(crate) fn clip(&self, links: &[Link], positions: &mut [Vector3]) -> Result<(), FluidError> {
         for node in 0..positions.len() {
             let height = self.plane.height(&positions[node]);
             if height > 0.0 {

@@ -81,7 +81,7 @@ pub(super) struct Converged {
 impl Bordered {
     /// Scratch for the unknowns of `system`, with rods in a box of side `extent` (m) and a parameter that
     /// changes by `range`.
-    pub fn new(system: &System, extent: f64, range: f64, tolerance: f64) -> Self {
+    pub(crate) fn new(system: &System, extent: f64, range: f64, tolerance: f64) -> Self {
         let assembly = &system.assembly;
         let unknowns = assembly.unknowns.len();
         let unit = assembly.softest_scale / extent;
@@ -98,7 +98,7 @@ impl Bordered {
     }
 
     /// Goes to the point of the path that meets `condition`; `rate` is ∂q/∂λ there.
-    pub fn correct(
+    pub(crate) fn correct(
         &mut self,
         system: &mut System,
         unknowns: &mut [f64],
@@ -171,7 +171,7 @@ impl Bordered {
 
     /// Linearises at `unknowns` and factors the Jacobian, to which next to nothing is added; returns the
     /// number of negative pivots, 0 where it is not symmetric, and `None` where it cannot be factored.
-    pub fn linearize(&self, system: &mut System, unknowns: &[f64]) -> Option<usize> {
+    pub(crate) fn linearize(&self, system: &mut System, unknowns: &[f64]) -> Option<usize> {
         system.linearize(unknowns, None);
         system.shift(self.shift, self.shift * self.neutral.weight());
         let inertia = system.factor().ok()?;
@@ -179,7 +179,12 @@ impl Bordered {
     }
 
     /// Writes b = ∂R/∂λ into `rate`, by central differences at fixed free unknowns.
-    pub fn differentiate(&mut self, system: &mut System, unknowns: &mut [f64], parameter: f64) {
+    pub(crate) fn differentiate(
+        &mut self,
+        system: &mut System,
+        unknowns: &mut [f64],
+        parameter: f64,
+    ) {
         let step = DIFFERENCE * self.range;
         self.probe.copy_from_slice(unknowns);
         system.drive(parameter + step, &mut self.probe);
@@ -195,7 +200,7 @@ impl Bordered {
 
     /// Weights of the squares of the unknowns in a length without unit: a root mean square over the
     /// nodes, of displacements over `extent` and of angles over a turn.
-    pub fn weights(unknowns: usize, extent: f64) -> [f64; 2] {
+    pub(crate) fn weights(unknowns: usize, extent: f64) -> [f64; 2] {
         let nodes = (unknowns / STRIDE) as f64;
         let turn = std::f64::consts::TAU;
         [1.0 / (nodes * extent * extent), 1.0 / (nodes * turn * turn)]

@@ -33,7 +33,7 @@ pub enum PathMethod {
 
 impl PathPlan {
     /// Signed range of the parameter.
-    pub fn range(&self) -> f64 {
+    pub(crate) fn range(&self) -> f64 {
         self.to - self.from
     }
 }

@@ -64,7 +64,7 @@ pub struct Tracer {
 impl Tracer {
     /// A tracer at `unknowns`, near which the path of `plan` begins; `tolerance` is the residual left at a
     /// point as a multiple of the forces of each rod.
-    pub fn new(system: &System, unknowns: &[f64], plan: PathPlan, tolerance: f64) -> Self {
+    pub(crate) fn new(system: &System, unknowns: &[f64], plan: PathPlan, tolerance: f64) -> Self {
         let extent = extent(unknowns);
         let bordered = Bordered::new(system, extent, plan.range(), tolerance);
         Self {
@@ -100,7 +100,7 @@ impl Tracer {
     /// # Errors
     /// [`Divergence`] where there is no equilibrium to start at, and where the first branch cannot be followed by the
     /// smallest step.
-    pub fn next(&mut self, system: &mut System) -> Result<Option<PathPoint>, Divergence> {
+    pub(crate) fn next(&mut self, system: &mut System) -> Result<Option<PathPoint>, Divergence> {
         while self.waiting.is_empty() {
             if !self.started {
                 self.started = true;

@@ -27,7 +27,7 @@ const OWN: usize = 4;
 
 /// Factors of the border; empty without sliding nodes.
 #[derive(Clone, Debug, Default)]
-pub struct Border {
+pub(crate) struct Border {
     /// As they were when it was factored.
     slides: Vec<Slide>,
     /// Entries of Nᵀ and their unknowns: a row for each unknown of the border.
@@ -46,7 +46,7 @@ impl Border {
     ///
     /// # Errors
     /// Those of `solve`, and a matrix S that is singular.
-    pub fn factor(
+    pub(crate) fn factor(
         &mut self,
         joints: &Joints,
         held: &[bool],
@@ -112,7 +112,7 @@ impl Border {
     ///
     /// # Errors
     /// Those of `solve`.
-    pub fn solve(
+    pub(crate) fn solve(
         &self,
         right_hand_side: &mut [f64],
         solve: impl FnOnce(&mut [f64]) -> Solved,
@@ -145,12 +145,12 @@ impl Border {
     }
 
     /// Lets what acts on the sliding nodes act on what bears them, as when the border was factored.
-    pub fn gather(&self, forces: &mut [f64]) {
+    pub(crate) fn gather(&self, forces: &mut [f64]) {
         self.slides.iter().for_each(|slide| slide.gather(forces));
     }
 
     /// Moves the sliding nodes, as when the border was factored.
-    pub fn spread(&self, moves: &mut [f64]) {
+    pub(crate) fn spread(&self, moves: &mut [f64]) {
         self.slides.iter().for_each(|slide| slide.spread(moves));
     }
 

@@ -25,7 +25,11 @@ pub(super) const OWN_NODE: usize = 6;
 impl Joints {
     /// How a frame turns, seen from outside, with the rotation ℓφ in which it takes part, J/ℓ, and the axis of its hinge at
     /// the last evaluation, which was at `unknowns`.
-    pub fn rates_of_frame(&self, number: usize, unknowns: &[f64]) -> (Matrix3, Option<Vector3>) {
+    pub(crate) fn rates_of_frame(
+        &self,
+        number: usize,
+        unknowns: &[f64],
+    ) -> (Matrix3, Option<Vector3>) {
         let frame = &self.frames[number];
         let base = frame.hinge.map_or(frame, |(base, _)| &self.frames[base]);
         let jacobian = rotation::left_jacobian(&base.rotation_vector(unknowns)) / base.length;
@@ -37,7 +41,7 @@ impl Joints {
     /// frames themselves derivatives of the residual over the unknowns. In a stage the inertia and the drag of the tips of bodies
     /// are 1/(h hₐ) times the masses of all unknowns and 1/h times the resistance; to be called after
     /// [`Self::gather_moments`].
-    pub fn transform(
+    pub(crate) fn transform(
         &self,
         unknowns: &[f64],
         stage: Option<&Stage>,

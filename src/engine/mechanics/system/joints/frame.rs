@@ -64,7 +64,7 @@ pub struct TurningFrame {
 
 impl TurningFrame {
     /// A frame as placed, with nothing clamped to it.
-    pub fn new(first_unknown: usize, hinge: Option<(usize, Vector3)>) -> Self {
+    pub(crate) fn new(first_unknown: usize, hinge: Option<(usize, Vector3)>) -> Self {
         Self {
             first_unknown,
             length: f64::INFINITY,
@@ -84,24 +84,24 @@ impl TurningFrame {
     }
 
     /// φ.
-    pub fn rotation_vector(&self, unknowns: &[f64]) -> Vector3 {
+    pub(crate) fn rotation_vector(&self, unknowns: &[f64]) -> Vector3 {
         position(unknowns, self.first_unknown / STRIDE) / self.length
     }
 
     /// Angle of the hinge, rad.
-    pub fn hinge_angle(&self, unknowns: &[f64]) -> f64 {
+    pub(crate) fn hinge_angle(&self, unknowns: &[f64]) -> f64 {
         unknowns[self.first_unknown + 3]
     }
 
     /// Where the tips of the principal axes of a body are, seen from its centre, m.
-    pub fn tips(&self, rotation: &UnitQuaternion) -> Option<(usize, [Vector3; 3])> {
+    pub(crate) fn tips(&self, rotation: &UnitQuaternion) -> Option<(usize, [Vector3; 3])> {
         let (first, axes) = self.body?;
         Some((first, axes.map(|axis| rotation * axis * self.length)))
     }
 
     /// Lets the rotation vector begin anew from the present rotation, where it has become long; the change of chart is
     /// exact for the present `motion` (unknowns and velocities) and for earlier ones.
-    pub fn begin_anew(&mut self, motions: &mut [[&mut [f64]; 2]]) {
+    pub(crate) fn begin_anew(&mut self, motions: &mut [[&mut [f64]; 2]]) {
         let Some([unknowns, _]) = motions.first() else {
             return;
         };

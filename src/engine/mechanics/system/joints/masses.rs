@@ -7,7 +7,7 @@ use crate::mechanics::rod::STRIDE;
 
 impl Joints {
     /// Makes a mass matrix of all nodes and tips of bodies one over the free unknowns, Pᵀ M P, with frames as placed.
-    pub fn gather_masses(&self, unknowns: &[f64], matrix: &mut nalgebra::DMatrix<f64>) {
+    pub(crate) fn gather_masses(&self, unknowns: &[f64], matrix: &mut nalgebra::DMatrix<f64>) {
         for (number, frame) in self.frames.iter().enumerate() {
             let Some((first, tips)) = frame.tips(&self.rotations[number]) else {
                 continue;

@@ -15,12 +15,12 @@
 //! on one unknown. Since other nodes bear it from edge to edge, it is not eliminated from the matrix, but by a border of it
 //! ([`border`]).
 
-pub mod border;
+pub(crate) mod border;
 mod derivatives;
-pub mod frame;
+pub(crate) mod frame;
 mod masses;
 mod plan;
-pub mod slide;
+pub(crate) mod slide;
 mod span;
 mod spring_ends;
 mod track;
@@ -31,7 +31,7 @@ use crate::linalg::{Element, SharedUnknown, UNUSED};
 use crate::mechanics::rod::topology::{add_to_node, position};
 use crate::mechanics::rod::{GhostEdge, STRIDE, TURNING_ROTATION};
 use crate::mechanics::{UnitQuaternion, Vector3, rotation};
-pub use border::Border;
+pub(crate) use border::Border;
 use derivatives::{HINGE, OWN_HINGE, OWN_NODE};
 pub(super) use frame::{EccentricMass, TurningFrame};
 pub use plan::joint_unknowns;
@@ -64,7 +64,7 @@ pub struct Joints {
 
 impl Joints {
     /// With every frame as placed.
-    pub fn new(points: Vec<[usize; 2]>, frames: Vec<TurningFrame>) -> Self {
+    pub(crate) fn new(points: Vec<[usize; 2]>, frames: Vec<TurningFrame>) -> Self {
         Self {
             rotations: vec![UnitQuaternion::identity(); frames.len()],
             moments: vec![Vector3::zeros(); frames.len()],
@@ -78,12 +78,12 @@ impl Joints {
     }
 
     /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.points.is_empty() && self.frames.is_empty() && self.slides.is_empty()
     }
 
     /// The unknowns that others own.
-    pub fn shared(&self) -> Vec<SharedUnknown> {
+    pub(crate) fn shared(&self) -> Vec<SharedUnknown> {
         let of_point = |&[node, owner]: &[usize; 2]| {
             (0..3).map(move |axis| SharedUnknown {
                 unknown: STRIDE * node + axis,
@@ -100,7 +100,7 @@ impl Joints {
 
     /// The unknowns of an element of the rods as the Jacobian has them: half vertices of hinges know the frame that these
     /// are tied to, and the angle.
-    pub fn elements(&self, of_rods: &[Element]) -> Vec<Element> {
+    pub(crate) fn elements(&self, of_rods: &[Element]) -> Vec<Element> {
         let mut elements = of_rods.to_vec();
         for frame in &self.frames {
             let rotation = self.free_rotation(frame);
@@ -130,12 +130,12 @@ impl Joints {
     }
 
     /// Rotation of a frame since it was placed, at the last evaluation.
-    pub fn rotation(&self, frame: usize) -> UnitQuaternion {
+    pub(crate) fn rotation(&self, frame: usize) -> UnitQuaternion {
         self.rotations[frame]
     }
 
     /// First unknown of the rotation in which a frame takes part, and the angle of its hinge.
-    pub fn unknowns_of_frame(&self, number: usize) -> (usize, Option<usize>) {
+    pub(crate) fn unknowns_of_frame(&self, number: usize) -> (usize, Option<usize>) {
         let frame = &self.frames[number];
         let hinge = frame.hinge.map(|_| frame.first_unknown + 3);
         (self.free_rotation(frame), hinge)
@@ -148,7 +148,7 @@ impl Joints {
     }
 
     /// Computes the rotations of all frames.
-    pub fn rotate(&mut self, unknowns: &[f64]) {
+    pub(crate) fn rotate(&mut self, unknowns: &[f64]) {
         for number in 0..self.frames.len() {
             let frame = &self.frames[number];
             self.rotations[number] = match frame.hinge {
@@ -162,7 +162,7 @@ impl Joints {
     }
 
     /// Writes the ghost edges that turn with the frames at `unknowns`.
-    pub fn turn_ghosts(&mut self, unknowns: &[f64], ghosts: &mut [GhostEdge]) {
+    pub(crate) fn turn_ghosts(&mut self, unknowns: &[f64], ghosts: &mut [GhostEdge]) {
         self.rotate(unknowns);
         for (frame, rotation) in self.frames.iter().zip(&self.rotations) {
             let turn = rotation::to_vector(&(rotation * frame.committed.inverse()));
@@ -178,12 +178,12 @@ impl Joints {
     }
 
     /// Moment on a frame at the last [`Self::gather_moments`], those on frames that hinges tie to it included, N m.
-    pub fn moment_on(&self, frame: usize) -> Vector3 {
+    pub(crate) fn moment_on(&self, frame: usize) -> Vector3 {
         self.moments[frame]
     }
 
     /// Gives a frame on a hinge a rotation of its own, that at `unknowns` with its rate at `velocity`, before it is freed.
-    pub fn take_over_rotation(
+    pub(crate) fn take_over_rotation(
         &mut self,
         number: usize,
         unknowns: &mut [f64],
@@ -206,14 +206,14 @@ impl Joints {
     }
 
     /// The frames of the last evaluation are those from which the next step counts turns.
-    pub fn commit(&mut self) {
+    pub(crate) fn commit(&mut self) {
         for (frame, rotation) in self.frames.iter_mut().zip(&self.rotations) {
             frame.committed = *rotation;
         }
     }
 
     /// Writes what follows from other unknowns: positions of joined nodes, tips of the principal axes of bodies.
-    pub fn complete(&mut self, unknowns: &mut [f64]) {
+    pub(crate) fn complete(&mut self, unknowns: &mut [f64]) {
         if self.is_empty() {
             return;
         }
@@ -237,21 +237,21 @@ impl Joints {
     }
 
     /// From now on unknowns are those in the middle of a step from `start`, or, without one, those of its end.
-    pub fn begin_step(&mut self, start: Option<&[f64]>) {
+    pub(crate) fn begin_step(&mut self, start: Option<&[f64]>) {
         if !self.slides.is_empty() {
             self.start = start.map(<[f64]>::to_vec);
         }
     }
 
     /// Takes the places of sliding nodes from `unknowns`.
-    pub fn place(&mut self, unknowns: &[f64]) {
+    pub(crate) fn place(&mut self, unknowns: &[f64]) {
         for slide in &mut self.slides {
             slide.place(unknowns, self.start.as_deref());
         }
     }
 
     /// Whether a node, or the one whose position it has, slides along a rod.
-    pub fn slides_at(&self, node: usize) -> bool {
+    pub(crate) fn slides_at(&self, node: usize) -> bool {
         let mut points = self.points.iter();
         let owner = points.find_map(|&[own, owner]| (own == node).then_some(owner));
         let owner = owner.unwrap_or(node);
@@ -259,7 +259,7 @@ impl Joints {
     }
 
     /// Unknowns that others determine: those of joined and of sliding nodes.
-    pub fn dependent(&self) -> Vec<usize> {
+    pub(crate) fn dependent(&self) -> Vec<usize> {
         let mut dependent: Vec<usize> = self.shared().iter().map(|one| one.unknown).collect();
         let of_slide = |slide: &Slide| STRIDE * slide.node..STRIDE * slide.node + 3;
         dependent.extend(self.slides.iter().flat_map(of_slide));
@@ -267,7 +267,7 @@ impl Joints {
     }
 
     /// Adds what acts on nodes whose positions others determine to what acts on these.
-    pub fn gather(&self, forces: &mut [f64]) {
+    pub(crate) fn gather(&self, forces: &mut [f64]) {
         self.gather_points(forces);
         if !self.slides.is_empty() {
             self.slides.iter().for_each(|slide| slide.gather(forces));
@@ -276,7 +276,7 @@ impl Joints {
     }
 
     /// Adds what acts on joined nodes, and welded frames, to what acts on the owners of their positions and rotations.
-    pub fn gather_points(&self, forces: &mut [f64]) {
+    pub(crate) fn gather_points(&self, forces: &mut [f64]) {
         for &[node, owner] in self.tied() {
             for axis in 0..3 {
                 forces[STRIDE * owner + axis] += std::mem::take(&mut forces[STRIDE * node + axis]);
@@ -285,14 +285,14 @@ impl Joints {
     }
 
     /// Moves joined nodes and welded frames as the owners of their positions and rotations.
-    pub fn spread_points(&self, moves: &mut [f64]) {
+    pub(crate) fn spread_points(&self, moves: &mut [f64]) {
         for &[node, owner] in self.tied() {
             moves.copy_within(STRIDE * owner..STRIDE * owner + 3, STRIDE * node);
         }
     }
 
     /// Makes a Jacobian over the owners of all positions, of which some unknowns are `held`, one over the free unknowns.
-    pub fn reduce_jacobian(&self, matrix: &mut nalgebra::DMatrix<f64>, held: &[bool]) {
+    pub(crate) fn reduce_jacobian(&self, matrix: &mut nalgebra::DMatrix<f64>, held: &[bool]) {
         self.reduce(matrix);
         for slide in &self.slides {
             let weights = &slide.grip.weights;
@@ -325,7 +325,7 @@ impl Joints {
 
     /// Makes moments on frames, seen from outside, and forces on the tips of bodies generalised forces over the unknowns;
     /// `unknowns` are those of the last [`Self::turn_ghosts`].
-    pub fn gather_moments(&mut self, unknowns: &[f64], forces: &mut [f64]) {
+    pub(crate) fn gather_moments(&mut self, unknowns: &[f64], forces: &mut [f64]) {
         for (number, frame) in self.frames.iter().enumerate() {
             let slot = frame.first_unknown;
             let mut moment = take(forces, slot);
@@ -365,7 +365,7 @@ fn take(entries: &mut [f64], first: usize) -> Vector3 {
 
 impl System {
     /// Writes what follows from other unknowns: positions of joined nodes, and how bodies point.
-    pub fn complete(&mut self, unknowns: &mut [f64]) {
+    pub(crate) fn complete(&mut self, unknowns: &mut [f64]) {
         self.assembly.joints.complete(unknowns);
     }
 
@@ -383,12 +383,12 @@ impl System {
     }
 
     /// From now on unknowns are those in the middle of a step from `start`, or, without one, those of its end.
-    pub fn begin_step(&mut self, start: Option<&[f64]>) {
+    pub(crate) fn begin_step(&mut self, start: Option<&[f64]>) {
         self.assembly.joints.begin_step(start);
     }
 
     /// Lets rotation vectors that have become long begin anew in a motion: its unknowns and velocities now, and earlier ones.
-    pub fn begin_rotations_anew(&mut self, motions: &mut [[&mut [f64]; 2]]) {
+    pub(crate) fn begin_rotations_anew(&mut self, motions: &mut [[&mut [f64]; 2]]) {
         for frame in &mut self.assembly.joints.frames {
             if frame.hinge.is_none() {
                 frame.begin_anew(motions);
@@ -397,7 +397,7 @@ impl System {
     }
 
     /// The rotations from which those of the frames count, for a checkpoint.
-    pub fn frame_bases(&self) -> Vec<UnitQuaternion> {
+    pub(crate) fn frame_bases(&self) -> Vec<UnitQuaternion> {
         let frames = self.assembly.joints.frames.iter();
         frames.map(|frame| frame.base).collect()
     }
@@ -406,7 +406,10 @@ impl System {
     ///
     /// # Errors
     /// What of it does not fit.
-    pub fn restore_frame_bases(&mut self, bases: &[UnitQuaternion]) -> Result<(), &'static str> {
+    pub(crate) fn restore_frame_bases(
+        &mut self,
+        bases: &[UnitQuaternion],
+    ) -> Result<(), &'static str> {
         let frames = &mut self.assembly.joints.frames;
         if bases.len() != frames.len() {
             return Err("joints");

@@ -85,7 +85,7 @@ pub(in crate::mechanics::system) struct JointPlan {
 impl JointPlan {
     /// # Errors
     /// [`SceneError::Joint`] where nodes are missing or apart, or joints hold the same motion twice.
-    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+    pub(crate) fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut points = Groups::default();
         let mut rigid = Groups::default();
         let mut hinges: Vec<PlannedHinge> = Vec::new();
@@ -218,13 +218,13 @@ impl JointPlan {
 
     /// Places of four unknowns that the frames and slides need: one for a rotation, three for the tips of a body, one for a
     /// place along a rod.
-    pub fn places(&self) -> usize {
+    pub(crate) fn places(&self) -> usize {
         let of_frames: usize = self.frames.iter().map(PlannedFrame::places).sum();
         of_frames + self.slides.len()
     }
 
     /// The frames with their unknowns after those of `nodes` nodes; rods are yet to be clamped to them.
-    pub fn with_unknowns(&self, nodes: usize) -> Joints {
+    pub(crate) fn with_unknowns(&self, nodes: usize) -> Joints {
         let mut place = nodes;
         let frames = self.frames.iter().map(|frame| {
             let first_unknown = STRIDE * place;
@@ -238,7 +238,7 @@ impl JointPlan {
     }
 
     /// The frame to which a rod is clamped at a node.
-    pub fn frame_at(&self, rod: usize, node: usize) -> Option<usize> {
+    pub(crate) fn frame_at(&self, rod: usize, node: usize) -> Option<usize> {
         self.frame_of.get(&RodNode { rod, node }).copied()
     }
 }

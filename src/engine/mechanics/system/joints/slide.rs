@@ -63,7 +63,7 @@ fn sum(factors: &[f64; 4], nodes: &[usize; 4], of: impl Fn(usize) -> Vector3) ->
 
 impl Slide {
     /// A node at the place that the unknown tells.
-    pub fn new(node: usize, unknown: usize, track: Track, unknowns: &[f64]) -> Self {
+    pub(crate) fn new(node: usize, unknown: usize, track: Track, unknowns: &[f64]) -> Self {
         let weights = track.at(unknowns[unknown]);
         let grip = Grip::new(weights, |node| position(unknowns, node));
         Self {
@@ -78,22 +78,22 @@ impl Slide {
     }
 
     /// Nodes of the rod along which it slides.
-    pub fn rail(&self) -> std::ops::Range<usize> {
+    pub(crate) fn rail(&self) -> std::ops::Range<usize> {
         self.track.nodes()
     }
 
     /// Whether it slides along a ring.
-    pub fn is_closed(&self) -> bool {
+    pub(crate) fn is_closed(&self) -> bool {
         self.track.ends().is_none()
     }
 
     /// Mean edge length of that rod, m: what s counts.
-    pub fn edge(&self) -> f64 {
+    pub(crate) fn edge(&self) -> f64 {
         self.track.edge
     }
 
     /// Force of the joint at the last evaluation, N.
-    pub fn force(&self) -> f64 {
+    pub(crate) fn force(&self) -> f64 {
         self.residual.norm()
     }
 

@@ -15,7 +15,7 @@ pub(super) struct Span {
 }
 
 impl Span {
-    pub fn is_a_point(&self) -> bool {
+    pub(crate) fn is_a_point(&self) -> bool {
         self.distance <= SAME_POINT * self.edge
     }
 }

@@ -26,7 +26,7 @@ impl JointPlan {
     ///
     /// # Errors
     /// [`SceneError::Joint`] where its nodes are missing or one point, or it has no direction.
-    pub fn rest_length(&self, scene: &Scene, spring: &Spring) -> Result<f64, SceneError> {
+    pub(crate) fn rest_length(&self, scene: &Scene, spring: &Spring) -> Result<f64, SceneError> {
         let found = span(scene, &spring.nodes).and_then(|span| {
             if spring.stiffness == 0.0 {
                 return Ok(0.0);
@@ -52,7 +52,7 @@ impl JointPlan {
     ///
     /// # Errors
     /// [`SceneError::Joint`] where both turn as one.
-    pub fn turned_ends(
+    pub(crate) fn turned_ends(
         &self,
         scene: &Scene,
         spring: &Spring,

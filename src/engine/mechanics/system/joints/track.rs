@@ -20,7 +20,7 @@ use crate::mechanics::rod::RodRange;
 
 /// Consecutive nodes of a rod, or a whole ring.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Track {
+pub(crate) struct Track {
     first_node: usize,
     /// Parameter of each node, and where a ring closes.
     knots: Vec<f64>,
@@ -31,7 +31,7 @@ pub struct Track {
 
 /// What a place on the curve is made of: its position is Σ wⱼ xⱼ.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Weights {
+pub(crate) struct Weights {
     /// Numbers of the nodes xⱼ; one may occur twice.
     pub nodes: [usize; 4],
     /// wⱼ.
@@ -44,7 +44,7 @@ pub struct Weights {
 
 impl Track {
     /// The curve through the nodes from `first` to `last` along a rod, with the natural lengths of its edges, m.
-    pub fn new(range: &RodRange, [first, last]: [usize; 2], lengths: &[f64]) -> Self {
+    pub(crate) fn new(range: &RodRange, [first, last]: [usize; 2], lengths: &[f64]) -> Self {
         let edges = last - first + usize::from(range.closed);
         let lengths = &lengths[first..first + edges];
         let edge = lengths.iter().sum::<f64>() / edges as f64;
@@ -61,23 +61,23 @@ impl Track {
     }
 
     /// Parameter of a node, by its number.
-    pub fn parameter(&self, node: usize) -> f64 {
+    pub(crate) fn parameter(&self, node: usize) -> f64 {
         self.knots[node - self.first_node]
     }
 
     /// The nodes that it runs through.
-    pub fn nodes(&self) -> std::ops::Range<usize> {
+    pub(crate) fn nodes(&self) -> std::ops::Range<usize> {
         let nodes = self.knots.len() - usize::from(self.closed);
         self.first_node..self.first_node + nodes
     }
 
     /// The ends of its parameter; `None` for a ring.
-    pub fn ends(&self) -> Option<[f64; 2]> {
+    pub(crate) fn ends(&self) -> Option<[f64; 2]> {
         (!self.closed).then(|| [0.0, self.knots[self.knots.len() - 1]])
     }
 
     /// The curve at a parameter.
-    pub fn at(&self, parameter: f64) -> Weights {
+    pub(crate) fn at(&self, parameter: f64) -> Weights {
         let edges = self.knots.len() - 1;
         let along = if self.closed {
             parameter.rem_euclid(self.knots[edges])

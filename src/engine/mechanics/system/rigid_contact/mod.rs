@@ -23,7 +23,7 @@ use crate::mechanics::{Matrix3, Vector3};
 mod search;
 mod smoothed;
 
-pub use search::ForceSearch;
+pub(crate) use search::ForceSearch;
 pub(super) use search::Moves;
 
 /// Stiffness of directions that are shut, in units of ρ: contacts that do the same work, as at the joint of two edges,
@@ -74,7 +74,7 @@ pub(super) struct State {
 
 impl RigidContact {
     /// A contact whose points have moved by `slid` (m) since the step began, with the force that it has to begin with.
-    pub fn new(constraint: &ContactConstraint, slid: Vector3, inertia: f64) -> Self {
+    pub(crate) fn new(constraint: &ContactConstraint, slid: Vector3, inertia: f64) -> Self {
         let normal = constraint.normal;
         let along = slid - normal * normal.dot(&slid);
         let start = normal * constraint.gap + along;
@@ -112,7 +112,7 @@ impl RigidContact {
     }
 
     /// The force λ*, N.
-    pub fn force(&self) -> Vector3 {
+    pub(crate) fn force(&self) -> Vector3 {
         self.projected
     }
 
@@ -235,7 +235,7 @@ impl RigidContact {
 
 impl State {
     /// What it adds to Newton's matrix, N/m.
-    pub fn matrix(&self, constraint: &ContactConstraint) -> ElementMatrix {
+    pub(crate) fn matrix(&self, constraint: &ContactConstraint) -> ElementMatrix {
         let weights = &constraint.weights;
         std::array::from_fn(|row| {
             std::array::from_fn(|column| {

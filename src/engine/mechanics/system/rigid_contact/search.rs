@@ -54,7 +54,7 @@ pub(in crate::mechanics::system) struct Moves {
 
 /// A search within a step; it remembers between linearisations of the rods how narrow smoothed laws have become.
 #[derive(Clone, Debug, Default)]
-pub struct ForceSearch {
+pub(crate) struct ForceSearch {
     /// Width of smoothed laws, N, while they lead.
     width: Option<f64>,
 }

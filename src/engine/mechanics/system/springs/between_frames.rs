@@ -60,7 +60,7 @@ pub(super) struct FrameSpring {
 
 impl FrameSpring {
     /// Takes its configuration from frames and clamps at a time (s).
-    pub fn turn(&mut self, joints: &Joints, drives: &[Drive], time: f64) {
+    pub(crate) fn turn(&mut self, joints: &Joints, drives: &[Drive], time: f64) {
         let [first, second] = self.ends.map(|end| match end {
             SpringEnd::Frame(number) => joints.rotation(number),
             SpringEnd::Clamp(number) => drives[number].rotation(time),
@@ -70,12 +70,12 @@ impl FrameSpring {
     }
 
     /// E, J.
-    pub fn energy(&self) -> f64 {
+    pub(crate) fn energy(&self) -> f64 {
         0.5 * self.stiffness * self.vector.norm_squared()
     }
 
     /// Derivatives of the energy over rotations of both ends, N m.
-    pub fn moments(&self) -> [Vector3; 2] {
+    pub(crate) fn moments(&self) -> [Vector3; 2] {
         let moment = self.vector * self.stiffness;
         [-moment, moment]
     }
@@ -88,7 +88,7 @@ impl FrameSpring {
     }
 
     /// Adds the moments on frames, seen from outside, to `gradient`.
-    pub fn add_gradient(&self, joints: &Joints, gradient: &mut [f64]) {
+    pub(crate) fn add_gradient(&self, joints: &Joints, gradient: &mut [f64]) {
         for (end, moment) in self.ends.iter().zip(self.moments()) {
             if let SpringEnd::Frame(number) = *end {
                 let place = joints.frames[number].first_unknown / STRIDE;
@@ -98,7 +98,7 @@ impl FrameSpring {
     }
 
     /// Its unknowns: the rotations in which both frames take part, then the angles of their hinges.
-    pub fn element(&self, joints: &Joints) -> Element {
+    pub(crate) fn element(&self, joints: &Joints) -> Element {
         let mut element = [UNUSED; 12];
         for (end, side) in self.ends.iter().enumerate() {
             if let SpringEnd::Frame(number) = *side {
@@ -114,7 +114,12 @@ impl FrameSpring {
 
     /// Adds second derivatives at `unknowns` to the matrix of its element; what the moments do as rotation vectors change is
     /// that of the frames.
-    pub fn add_hessian(&self, joints: &Joints, unknowns: &[f64], matrix: &mut ElementMatrix) {
+    pub(crate) fn add_hessian(
+        &self,
+        joints: &Joints,
+        unknowns: &[f64],
+        matrix: &mut ElementMatrix,
+    ) {
         let [own, across] = self.derivatives();
         let blocks = [[own, across], [across.transpose(), own]];
         // How the unknowns turn the ends, a column each.

@@ -35,23 +35,23 @@ impl NodeSpring {
     }
 
     /// Force k (r − L), N: positive where it pulls.
-    pub fn force(&self) -> f64 {
+    pub(crate) fn force(&self) -> f64 {
         self.stiffness * (self.span.norm() - self.rest_length)
     }
 
     /// E, J.
-    pub fn energy(&self) -> f64 {
+    pub(crate) fn energy(&self) -> f64 {
         let lengthening = self.span.norm() - self.rest_length;
         0.5 * self.stiffness * lengthening * lengthening
     }
 
     /// ∂E/∂d, N.
-    pub fn gradient(&self) -> Vector3 {
+    pub(crate) fn gradient(&self) -> Vector3 {
         self.span * (self.stiffness * (1.0 - self.rest_part()))
     }
 
     /// ∂²E/∂d², N/m.
-    pub fn hessian(&self) -> Matrix3 {
+    pub(crate) fn hessian(&self) -> Matrix3 {
         let rest_part = self.rest_part();
         let across = Matrix3::from_diagonal_element(1.0 - rest_part);
         let square = self.span.norm_squared();

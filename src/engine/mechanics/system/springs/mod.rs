@@ -20,7 +20,7 @@ use between_nodes::NodeSpring;
 
 /// The springs of a scene, at the configuration of the last [`Self::stretch`] and [`Self::turn`].
 #[derive(Clone, Debug, Default)]
-pub struct Springs {
+pub(crate) struct Springs {
     between_nodes: Vec<NodeSpring>,
     between_frames: Vec<FrameSpring>,
     about_hinges: Vec<AngleSpring>,
@@ -43,7 +43,7 @@ impl Springs {
     ///
     /// # Errors
     /// [`SceneError::Joint`] where one cannot be.
-    pub fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, SceneError> {
+    pub(crate) fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, SceneError> {
         let plan = if scene.springs.is_empty() {
             JointPlan::default()
         } else {
@@ -95,12 +95,12 @@ impl Springs {
     }
 
     /// Whether there are none between nodes.
-    pub fn couple_nothing(&self) -> bool {
+    pub(crate) fn couple_nothing(&self) -> bool {
         self.between_nodes.is_empty()
     }
 
     /// Tells `assembly` what the last digits of positions and rotations leave in the forces of springs.
-    pub fn round(&self, assembly: &mut Assembly) {
+    pub(crate) fn round(&self, assembly: &mut Assembly) {
         let frames = assembly.joints.frames.iter();
         let frames: Vec<_> = frames.map(|frame| (frame.node, frame.length)).collect();
         let mut round = |node: usize, stiffness: f64| {
@@ -126,24 +126,24 @@ impl Springs {
     }
 
     /// Force of one between nodes, k (r − L), N.
-    pub fn force(&self, number: usize) -> f64 {
+    pub(crate) fn force(&self, number: usize) -> f64 {
         self.between_nodes[number].force()
     }
 
     /// Moment by which one turns what it ties, c ‖θ‖, N m; 0 for one that does not.
-    pub fn moment(&self, number: usize) -> f64 {
+    pub(crate) fn moment(&self, number: usize) -> f64 {
         let mut between_frames = self.between_frames.iter();
         let spring = between_frames.find(|spring| spring.number == number);
         spring.map_or(0.0, |spring| spring.moments()[1].norm())
     }
 
     /// Takes the spring about a hinge away, whose angle is an unknown.
-    pub fn leave_hinge(&mut self, angle: usize) {
+    pub(crate) fn leave_hinge(&mut self, angle: usize) {
         self.about_hinges.retain(|spring| spring.unknown != angle);
     }
 
     /// Lets one exert no force and no moment any more.
-    pub fn cut(&mut self, number: usize) {
+    pub(crate) fn cut(&mut self, number: usize) {
         let spring = &mut self.between_nodes[number];
         (spring.stiffness, spring.rest_length) = (0.0, 0.0);
         let between_frames = self.between_frames.iter_mut();
@@ -153,7 +153,7 @@ impl Springs {
     }
 
     /// Moment of the springs that turn against a clamp, on it, N m.
-    pub fn moment_on_clamp(&self, clamp: usize) -> Vector3 {
+    pub(crate) fn moment_on_clamp(&self, clamp: usize) -> Vector3 {
         let mut moment = Vector3::zeros();
         for spring in &self.between_frames {
             for (end, gradient) in spring.ends.iter().zip(spring.moments()) {
@@ -166,20 +166,20 @@ impl Springs {
     }
 
     /// Whether one turns against a clamp.
-    pub fn turns_against(&self, clamp: usize) -> bool {
+    pub(crate) fn turns_against(&self, clamp: usize) -> bool {
         let mut ends = self.between_frames.iter().flat_map(|spring| &spring.ends);
         ends.any(|end| matches!(end, SpringEnd::Clamp(number) if *number == clamp))
     }
 
     /// Takes rotations from the frames of the last evaluation, and from clamps at a time (s).
-    pub fn turn(&mut self, joints: &Joints, drives: &[Drive], time: f64) {
+    pub(crate) fn turn(&mut self, joints: &Joints, drives: &[Drive], time: f64) {
         for spring in &mut self.between_frames {
             spring.turn(joints, drives, time);
         }
     }
 
     /// Takes lengths and angles of hinges from `unknowns`.
-    pub fn stretch(&mut self, unknowns: &[f64]) {
+    pub(crate) fn stretch(&mut self, unknowns: &[f64]) {
         for spring in &mut self.between_nodes {
             let [from, to] = spring.nodes.map(|node| position(unknowns, node));
             spring.span = to - from;
@@ -190,7 +190,7 @@ impl Springs {
     }
 
     /// Energy, J: that between nodes counts as of stretching, that between frames and about hinges as of bending.
-    pub fn energy(&self) -> ElasticEnergy {
+    pub(crate) fn energy(&self) -> ElasticEnergy {
         let of_angle = |spring: &AngleSpring| {
             let turn = spring.angle - spring.rest_angle;
             0.5 * spring.stiffness * turn * turn
@@ -206,7 +206,7 @@ impl Springs {
     }
 
     /// Adds the gradient of the energy to `gradient`, over all unknowns; moments on frames are seen from outside.
-    pub fn add_gradient(&self, joints: &Joints, gradient: &mut [f64]) {
+    pub(crate) fn add_gradient(&self, joints: &Joints, gradient: &mut [f64]) {
         for spring in &self.between_frames {
             spring.add_gradient(joints, gradient);
         }
@@ -224,7 +224,7 @@ impl Springs {
     }
 
     /// Adds the sizes of the forces on nodes to `forces`, over all unknowns, N.
-    pub fn add_sizes(&self, forces: &mut [f64]) {
+    pub(crate) fn add_sizes(&self, forces: &mut [f64]) {
         for spring in &self.between_nodes {
             let force = spring.gradient();
             for node in spring.nodes {
@@ -236,7 +236,7 @@ impl Springs {
     }
 
     /// The unknowns of the springs between nodes, then of those between frames.
-    pub fn elements(&self, joints: &Joints) -> impl Iterator<Item = Element> {
+    pub(crate) fn elements(&self, joints: &Joints) -> impl Iterator<Item = Element> {
         let between_nodes = self.between_nodes.iter().map(|spring| {
             let mut element = [UNUSED; 12];
             for (end, node) in spring.nodes.iter().enumerate() {
@@ -251,7 +251,12 @@ impl Springs {
     }
 
     /// Adds the second derivatives at `unknowns` to the matrices of [`Self::elements`].
-    pub fn add_hessians(&self, joints: &Joints, unknowns: &[f64], matrices: &mut [ElementMatrix]) {
+    pub(crate) fn add_hessians(
+        &self,
+        joints: &Joints,
+        unknowns: &[f64],
+        matrices: &mut [ElementMatrix],
+    ) {
         let (matrices, of_frames) = matrices.split_at_mut(self.between_nodes.len());
         for (spring, matrix) in self.between_frames.iter().zip(of_frames) {
             spring.add_hessian(joints, unknowns, matrix);
@@ -270,14 +275,14 @@ impl Springs {
     }
 
     /// Unknowns and second derivatives of the springs about hinges.
-    pub fn diagonal(&self) -> impl Iterator<Item = (usize, f64)> {
+    pub(crate) fn diagonal(&self) -> impl Iterator<Item = (usize, f64)> {
         let hinges = self.about_hinges.iter();
         hinges.map(|spring| (spring.unknown, spring.stiffness))
     }
 
     /// Whether one between nodes turns, or is stretched, by more than `part` of its length without force where its ends move
     /// so. The force of one without such a length is linear however far it turns.
-    pub fn turn_by(&self, part: f64, moved: impl Fn(usize) -> Vector3) -> bool {
+    pub(crate) fn turn_by(&self, part: f64, moved: impl Fn(usize) -> Vector3) -> bool {
         self.between_nodes.iter().any(|spring| {
             let [from, to] = spring.nodes.map(&moved);
             spring.rest_length > 0.0 && (to - from).norm() > part * spring.rest_length
@@ -287,7 +292,7 @@ impl Springs {
 
 impl System {
     /// Force of a spring between nodes at the last evaluation, N: positive where it pulls.
-    pub fn spring_force(&self, spring: usize) -> f64 {
+    pub(crate) fn spring_force(&self, spring: usize) -> f64 {
         self.springs.force(spring)
     }
 }
