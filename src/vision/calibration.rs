@@ -158,10 +158,11 @@ pub fn board_pose(
 
 #[cfg(test)]
 mod tests {
-    use super::super::camera::tests::slanted_camera;
+    use super::super::camera::tests::{looking_at, slanted_camera};
     use super::super::render::{RenderOptions, render};
+    use super::super::trace_tests::Dice;
     use super::*;
-    use nalgebra::{Translation3, UnitQuaternion, Vector3};
+    use nalgebra::{UnitQuaternion, Vector3};
 
     const BOARD: Checkerboard = Checkerboard {
         columns: 8,
@@ -176,29 +177,22 @@ mod tests {
             .map(|index| {
                 let turn = index as f64 * 2.4;
                 let tilt = if index == 0 { 0.05 } else { 0.55 };
-                let down =
-                    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-                let rotation = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3 * (turn.sin()))
-                    * UnitQuaternion::new(Vector3::new(turn.cos(), turn.sin(), 0.0) * tilt)
-                    * down;
+                let turned = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3 * (turn.sin()))
+                    * UnitQuaternion::new(Vector3::new(turn.cos(), turn.sin(), 0.0) * tilt);
                 let away = 0.42 + 0.05 * (1.7 * turn).sin();
                 let aim = middle + Vector3::new(0.05 * turn.sin(), 0.03 * turn.cos(), 0.0);
-                Camera {
-                    width: 800,
-                    height: 600,
-                    lens: Lens {
-                        focal: [760.0, 755.0],
-                        centre: [405.0, 296.0],
-                        distortion: [-0.12, 0.1, 0.0008, -0.0005, 0.0],
-                    },
-                    pose: Isometry3::from_parts(
-                        Translation3::from(aim - rotation * Vector3::z() * away),
-                        rotation,
-                    ),
-                    table_height: 0.0,
-                }
+                let distortion = [-0.12, 0.1, 0.0008, -0.0005, 0.0];
+                let lens = ([760.0, 755.0], [405.0, 296.0], distortion);
+                looking_at(aim, away, turned, [800, 600], lens)
             })
             .collect()
+    }
+
+    /// Where a camera sees the corners of the board.
+    fn seen(camera: &Camera) -> Vec<Point> {
+        let places = (0..BOARD.corners()).map(|index| BOARD.corner(index).push(0.0));
+        let pixels = places.map(|place| camera.project(place).expect("in front"));
+        pixels.collect()
     }
 
     fn picture(camera: &Camera, seed: u64) -> image::RgbImage {
@@ -223,19 +217,7 @@ mod tests {
     #[test]
     fn exact_corners_give_the_exact_camera() {
         let cameras = cameras(6);
-        let views: Vec<Vec<Point>> = cameras
-            .iter()
-            .map(|camera| {
-                (0..BOARD.corners())
-                    .map(|index| {
-                        let place = BOARD.corner(index);
-                        camera
-                            .project(Vector3::new(place.x, place.y, 0.0))
-                            .expect("in front")
-                    })
-                    .collect()
-            })
-            .collect();
+        let views: Vec<Vec<Point>> = cameras.iter().map(seen).collect();
         let found = calibrate(&BOARD, &views, 800, 600).expect("a calibration");
         let truth = cameras[0].lens;
         assert!(found.reprojection_rms < 1e-6, "{}", found.reprojection_rms);
@@ -252,13 +234,8 @@ mod tests {
 
     /// Corners of boards behind an equidistant fisheye lens of a focal length, pixels, with a reproducible noise of 0.05 pixels.
     fn fisheye_views(focal: f64) -> Vec<Vec<Point>> {
-        let mut state = 7_u64;
-        let mut noise = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            0.17 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5)
-        };
+        let mut dice = Dice(7);
+        let mut noise = || 0.17 * (dice.roll() - 0.5);
         let middle = Vector3::new(0.105, 0.06, 0.0);
         let views = (0..15).map(|index| {
             let turn = 2.4 * f64::from(index);
@@ -305,10 +282,8 @@ mod tests {
             .collect();
         let mut worst: f64 = 0.0;
         for (camera, view) in cameras.iter().zip(&views) {
-            for (index, corner) in view.iter().enumerate() {
-                let place = BOARD.corner(index);
-                let truth = camera.project(Vector3::new(place.x, place.y, 0.0));
-                worst = worst.max((truth.expect("in front") - corner).norm());
+            for (truth, corner) in seen(camera).iter().zip(view) {
+                worst = worst.max((truth - corner).norm());
             }
         }
         assert!(worst < 0.05, "a corner is {worst} pixels off");
@@ -349,15 +324,7 @@ mod tests {
 
     #[test]
     fn views_from_one_direction_are_refused() {
-        let camera = slanted_camera();
-        let view: Vec<Point> = (0..BOARD.corners())
-            .map(|index| {
-                let place = BOARD.corner(index);
-                camera
-                    .project(Vector3::new(place.x, place.y, 0.0))
-                    .expect("in front")
-            })
-            .collect();
+        let view = seen(&slanted_camera());
         let error = calibrate(&BOARD, &[view.clone(), view], 1280, 720).expect_err("two views");
         assert!(error.to_string().contains("three"), "{error}");
     }

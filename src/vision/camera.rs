@@ -178,21 +178,38 @@ pub(super) mod tests {
     use super::*;
     use nalgebra::{Translation3, UnitQuaternion};
 
-    /// A camera 0.6 m above a table, looking down at a slant.
-    pub fn slanted_camera() -> Camera {
+    /// A camera of a size, in pixels, that looks at a place from a distance, m, turned from the view straight down.
+    pub fn looking_at(
+        aim: Vector3<f64>,
+        away: f64,
+        turn: UnitQuaternion<f64>,
+        [width, height]: [u32; 2],
+        (focal, centre, distortion): ([f64; 2], [f64; 2], [f64; 5]),
+    ) -> Camera {
         let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-        let slant = UnitQuaternion::from_euler_angles(0.25, -0.1, 0.3);
+        let rotation = turn * down;
+        let place = Translation3::from(aim - rotation * Vector3::z() * away);
         Camera {
-            width: 1280,
-            height: 720,
+            width,
+            height,
             lens: Lens {
-                focal: [910.0, 905.0],
-                centre: [640.0, 365.0],
-                distortion: [0.08, -0.15, 0.001, -0.0007, 0.05],
+                focal,
+                centre,
+                distortion,
             },
-            pose: Isometry3::from_parts(Translation3::new(0.1, 0.2, 0.6), slant * down),
+            pose: Isometry3::from_parts(place, rotation),
             table_height: 0.0,
         }
+    }
+
+    /// A camera 0.6 m above a table, looking down at a slant.
+    pub fn slanted_camera() -> Camera {
+        let slant = UnitQuaternion::from_euler_angles(0.25, -0.1, 0.3);
+        let distortion = [0.08, -0.15, 0.001, -0.0007, 0.05];
+        let lens = ([910.0, 905.0], [640.0, 365.0], distortion);
+        let mut camera = looking_at(Vector3::zeros(), 0.6, slant, [1280, 720], lens);
+        camera.pose.translation = Translation3::new(0.1, 0.2, 0.6);
+        camera
     }
 
     #[test]

@@ -40,6 +40,16 @@ impl Strand {
         median(&self.widths)
     }
 
+    /// A strand of one width.
+    #[cfg(test)]
+    pub(super) fn even(points: Vec<Point>, width: f64, closed: bool) -> Self {
+        Self {
+            widths: vec![width; points.len()],
+            points,
+            closed,
+        }
+    }
+
     /// Unit vector along the strand at a point.
     pub fn tangent(&self, index: usize) -> Point {
         let count = self.points.len();

@@ -105,19 +105,11 @@ impl Checkerboard {
     }
 
     fn refine_all(&self, grey: &Grey, corners: &[Point]) -> Vec<Point> {
-        let mut nearest = f64::INFINITY;
-        for row in 0..self.rows {
-            for column in 0..self.columns {
-                let here = corners[row * self.columns + column];
-                if column + 1 < self.columns {
-                    nearest = nearest.min((corners[row * self.columns + column + 1] - here).norm());
-                }
-                if row + 1 < self.rows {
-                    nearest =
-                        nearest.min((corners[(row + 1) * self.columns + column] - here).norm());
-                }
-            }
-        }
+        let rows = corners.chunks_exact(self.columns);
+        let along = rows.flat_map(|row| row.windows(2).map(|pair| (pair[1] - pair[0]).norm()));
+        let below = corners.iter().zip(&corners[self.columns..]);
+        let down = below.map(|(here, below)| (below - here).norm());
+        let nearest = along.chain(down).fold(f64::INFINITY, f64::min);
         let reach = (nearest / 3.0).clamp(2.0, 9.0) as i32;
         corners
             .iter()

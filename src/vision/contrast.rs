@@ -2,6 +2,7 @@
 
 use super::VisionError;
 use super::colour::{ColourRule, LabBall, colour_difference, lab};
+use super::pixels::around;
 use image::{GrayImage, RgbImage};
 
 /// A grey image that is brighter where a pixel looks more like a rod. Pixels at or above the threshold are the mask;
@@ -211,13 +212,11 @@ fn sample(picture: &RgbImage, u: u32, v: u32) -> Option<[f64; 3]> {
         return None;
     }
     let (mut sum, mut count) = ([0.0; 3], 0.0);
-    for row in v.saturating_sub(1)..=(v + 1).min(picture.height() - 1) {
-        for column in u.saturating_sub(1)..=(u + 1).min(picture.width() - 1) {
-            for (sum, value) in sum.iter_mut().zip(lab(picture.get_pixel(column, row).0)) {
-                *sum += value;
-            }
-            count += 1.0;
+    for pixel in around(picture, u as usize, v as usize) {
+        for (sum, value) in sum.iter_mut().zip(lab(pixel)) {
+            *sum += value;
         }
+        count += 1.0;
     }
     Some(sum.map(|sum| sum / count))
 }

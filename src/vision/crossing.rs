@@ -156,16 +156,8 @@ fn greedy_pairs(energies: &[Vec<f64>]) -> Vec<[usize; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::path_energy::tests::arm;
     use super::*;
-
-    fn arm(x: f64, y: f64, degrees: f64) -> Departure {
-        let angle = degrees.to_radians();
-        Departure {
-            position: Point::new(x, y),
-            direction: Point::new(angle.cos(), angle.sin()),
-            colour: [50.0, 0.0, 0.0],
-        }
-    }
 
     #[test]
     fn arms_are_paired_across() {
@@ -212,11 +204,8 @@ mod tests {
         let arms: Vec<Departure> = (0..12)
             .map(|index| {
                 let angle = 30.0 * f64::from(index);
-                arm(
-                    20.0 * angle.to_radians().cos(),
-                    20.0 * angle.to_radians().sin(),
-                    angle,
-                )
+                let (sine, cosine) = angle.to_radians().sin_cos();
+                arm(20.0 * cosine, 20.0 * sine, angle)
             })
             .collect();
         let mut pairs = best_pairs(&pair_energies(&arms, 5.0));

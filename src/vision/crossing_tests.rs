@@ -12,11 +12,10 @@ const GREEN: [u8; 3] = [70, 170, 90];
 fn picture(strokes: &[([[f64; 2]; 2], [u8; 3])]) -> RgbImage {
     RgbImage::from_fn(200, 120, |u, v| {
         let pixel = Point::new(f64::from(u), f64::from(v));
-        let on_top = strokes.iter().rev().find(|([from, to], _)| {
-            let (from, to) = (Point::from(*from), Point::from(*to));
-            let t = (pixel - from).dot(&(to - from)) / (to - from).norm_squared();
-            (pixel - from - (to - from) * t.clamp(0.0, 1.0)).norm() < 3.5
-        });
+        let all = strokes.iter().rev();
+        let on_top = all
+            .into_iter()
+            .find(|(ends, _)| mask::tests::distance(*ends, pixel) < 3.5);
         Rgb(on_top.map_or([8; 3], |(_, colour)| *colour))
     })
 }

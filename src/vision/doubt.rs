@@ -3,6 +3,7 @@
 use super::centreline::Strand;
 use super::layers::{hue_apart, hue_at};
 use super::mask::Mask;
+use super::pixels::between;
 use super::skeleton::median;
 use image::RgbImage;
 
@@ -100,10 +101,7 @@ impl Owners {
             for (point, width) in strand.points.iter().zip(&strand.widths).step_by(2) {
                 // Blurred edges, and corners between strands that meet.
                 let reach = 0.5 * width + 1.5;
-                let range = |x: f64, reach: f64, size: usize| {
-                    let first = (x - reach).ceil().clamp(0.0, size as f64) as usize;
-                    first..((x + reach + 1.0).floor().clamp(0.0, size as f64) as usize)
-                };
+                let range = |x: f64, reach: f64, size| between(x - reach, x + reach, size);
                 for row in range(point.y, reach, mask.height()) {
                     let rest = reach * reach - (row as f64 - point.y).powi(2);
                     let columns = range(point.x, rest.max(0.0).sqrt(), mask.width());

@@ -143,6 +143,20 @@ mod tests {
         Isometry3::new(Vector3::from(shift), Vector3::from(turn))
     }
 
+    /// Where the camera is in the hand, and the target in the base.
+    fn mount_and_target() -> [Isometry3<f64>; 2] {
+        [
+            pose([0.1, -0.2, 1.5], [0.03, -0.01, 0.08]),
+            pose([0.0, 0.1, 0.4], [0.5, 0.1, 0.02]),
+        ]
+    }
+
+    /// The target as the camera sees it from a hand.
+    fn seen(hand: &Isometry3<f64>) -> Isometry3<f64> {
+        let [mount, target] = mount_and_target();
+        (hand * mount).inverse() * target
+    }
+
     fn hands() -> Vec<Isometry3<f64>> {
         (0..8)
             .map(|index| {
@@ -157,13 +171,9 @@ mod tests {
 
     #[test]
     fn exact_pairs_give_the_exact_mount() {
-        let mount = pose([0.1, -0.2, 1.5], [0.03, -0.01, 0.08]);
-        let target = pose([0.0, 0.1, 0.4], [0.5, 0.1, 0.02]);
+        let [mount, target] = mount_and_target();
         let hands = hands();
-        let targets: Vec<Isometry3<f64>> = hands
-            .iter()
-            .map(|hand| (hand * mount).inverse() * target)
-            .collect();
+        let targets: Vec<Isometry3<f64>> = hands.iter().map(seen).collect();
         let found = hand_eye(&hands, &targets).expect("a mount");
         assert!((found.camera.translation.vector - mount.translation.vector).norm() < 1e-10);
         assert!(found.camera.rotation.angle_to(&mount.rotation) < 1e-7);
@@ -173,13 +183,9 @@ mod tests {
 
     #[test]
     fn residuals_say_how_far_off_the_pairs_are() {
-        let mount = pose([0.1, -0.2, 1.5], [0.03, -0.01, 0.08]);
-        let target = pose([0.0, 0.1, 0.4], [0.5, 0.1, 0.02]);
+        let [mount, _] = mount_and_target();
         let hands = hands();
-        let mut targets: Vec<Isometry3<f64>> = hands
-            .iter()
-            .map(|hand| (hand * mount).inverse() * target)
-            .collect();
+        let mut targets: Vec<Isometry3<f64>> = hands.iter().map(seen).collect();
         for (index, target) in targets.iter_mut().enumerate() {
             target.translation.vector.x += 1e-3 * f64::from([1, -1][index % 2]);
         }
@@ -190,8 +196,7 @@ mod tests {
     }
 
     /// Fifteen pairs with a reproducible noise of about 0.3 mm and 0.05°.
-    fn noisy(mount: &Isometry3<f64>) -> (Vec<Isometry3<f64>>, Vec<Isometry3<f64>>) {
-        let target = pose([0.0, 0.1, 0.4], [0.5, 0.1, 0.02]);
+    fn noisy() -> (Vec<Isometry3<f64>>, Vec<Isometry3<f64>>) {
         let hands: Vec<Isometry3<f64>> = (0..15)
             .map(|index| {
                 let t = 1.7 * f64::from(index);
@@ -212,7 +217,7 @@ mod tests {
                 [noise(3.1), noise(5.3), noise(7.7)].map(|part| 1e-3 * part),
                 [noise(2.3), noise(4.9), noise(6.1)].map(|part| 3e-4 * part),
             );
-            (hand * mount).inverse() * target * shake
+            seen(hand) * shake
         });
         let targets = targets.collect();
         (hands, targets)
@@ -220,8 +225,8 @@ mod tests {
 
     #[test]
     fn bad_pairs_are_rejected_and_named_and_error_bars_hold() {
-        let mount = pose([0.1, -0.2, 1.5], [0.03, -0.01, 0.08]);
-        let (hands, targets) = noisy(&mount);
+        let [mount, _] = mount_and_target();
+        let (hands, targets) = noisy();
         let off =
             |found: &HandEye| (found.camera.translation.vector - mount.translation.vector).norm();
         let clean = hand_eye(&hands, &targets).expect("a mount");
@@ -257,8 +262,7 @@ mod tests {
 
     #[test]
     fn pairs_that_do_not_belong_together_are_refused() {
-        let mount = pose([0.1, -0.2, 1.5], [0.03, -0.01, 0.08]);
-        let (hands, mut targets) = noisy(&mount);
+        let (hands, mut targets) = noisy();
         targets.rotate_left(1);
         for (index, target) in targets.iter_mut().enumerate() {
             target.translation.vector.y += 0.05 * (index as f64 * 2.3).sin();

@@ -41,17 +41,7 @@ fn normalised(points: &[Point]) -> Option<(Matrix3<f64>, Vec<Point>)> {
         return None;
     }
     let scale = std::f64::consts::SQRT_2 / spread;
-    let matrix = Matrix3::new(
-        scale,
-        0.0,
-        -scale * middle.x,
-        0.0,
-        scale,
-        -scale * middle.y,
-        0.0,
-        0.0,
-        1.0,
-    );
+    let matrix = Matrix3::new_scaling(scale).append_translation(&(middle * -scale));
     let moved = points
         .iter()
         .map(|point| (point - middle) * scale)
@@ -69,7 +59,7 @@ pub(super) fn first_lens(homographies: &[Matrix3<f64>], width: u32, height: u32)
     let mut normal = nalgebra::Matrix2::zeros();
     let mut right = nalgebra::Vector2::zeros();
     for homography in homographies {
-        let shift = Matrix3::new(1.0, 0.0, -centre[0], 0.0, 1.0, -centre[1], 0.0, 0.0, 1.0);
+        let shift = Matrix3::new_translation(&-Point::from(centre));
         let h = shift * homography;
         let h = h / h.norm();
         let (a, b) = (h.column(0), h.column(1));
@@ -101,17 +91,8 @@ pub(super) fn first_lens(homographies: &[Matrix3<f64>], width: u32, height: u32)
 
 /// Pose of the plane of a homography in front of a lens without distortion.
 pub(super) fn first_pose(homography: &Matrix3<f64>, lens: &Lens) -> Option<Isometry3<f64>> {
-    let camera = Matrix3::new(
-        lens.focal[0],
-        0.0,
-        lens.centre[0],
-        0.0,
-        lens.focal[1],
-        lens.centre[1],
-        0.0,
-        0.0,
-        1.0,
-    );
+    let camera =
+        Matrix3::new_nonuniform_scaling(&lens.focal.into()).append_translation(&lens.centre.into());
     let columns = camera.try_inverse()? * homography;
     let scale = 2.0 / (columns.column(0).norm() + columns.column(1).norm());
     // In front of the camera.

@@ -2,31 +2,23 @@
 //!
 //! `RODLAB_MUTATIONS=1000000 cargo test --release --lib vision::hostile -- --nocapture` tries that many.
 
+use super::camera::tests::looking_at;
+use super::picture::tests::crc32;
 use super::render::{RenderOptions, RenderedRod, render};
+use super::trace_tests::Dice;
 use super::*;
 use image::codecs::jpeg::JpegEncoder;
 use image::{Rgb, RgbImage};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
 /// Mutations that are tried unless more are asked for.
 const USUAL_MUTATIONS: u64 = 3000;
 
 fn small_picture() -> RgbImage {
-    let camera = Camera {
-        width: 56,
-        height: 42,
-        lens: Lens {
-            focal: [60.0, 60.0],
-            centre: [27.5, 20.5],
-            distortion: [0.0; 5],
-        },
-        pose: Isometry3::from_parts(
-            Translation3::new(0.0, 0.0, 0.5),
-            UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI),
-        ),
-        table_height: 0.0,
-    };
+    let lens = ([60.0; 2], [27.5, 20.5], [0.0; 5]);
+    let straight = UnitQuaternion::identity();
+    let camera = looking_at(Vector3::zeros(), 0.5, straight, [56, 42], lens);
     let points = (0..200)
         .map(|index| {
             let t = f64::from(index) * 0.05;
@@ -41,15 +33,11 @@ fn small_picture() -> RgbImage {
     render(&camera, &[rod], |_| [10.0; 3], &RenderOptions::default())
 }
 
-struct Mutator(u64);
+struct Mutator(Dice);
 
 impl Mutator {
     fn below(&mut self, limit: usize) -> usize {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        ((self.0 >> 33) as usize) % limit.max(1)
+        self.0.number() as usize % limit.max(1)
     }
 
     fn mutate(&mut self, original: &[u8]) -> Vec<u8> {
@@ -90,26 +78,16 @@ impl Mutator {
 fn mend_checksums(bytes: &mut [u8]) {
     let mut start = 8;
     while start + 12 <= bytes.len() {
-        let length = u32::from_be_bytes([
-            bytes[start],
-            bytes[start + 1],
-            bytes[start + 2],
-            bytes[start + 3],
-        ]) as usize;
+        let length = bytes[start..].first_chunk().copied().unwrap_or_default();
+        let length = u32::from_be_bytes(length) as usize;
         let Some(end) = start.checked_add(8).and_then(|at| at.checked_add(length)) else {
             return;
         };
         if end + 4 > bytes.len() {
             return;
         }
-        let mut crc = !0u32;
-        for byte in &bytes[start + 4..end] {
-            crc ^= u32::from(*byte);
-            for _ in 0..8 {
-                crc = (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg());
-            }
-        }
-        bytes[end..end + 4].copy_from_slice(&(!crc).to_be_bytes());
+        let checksum = crc32(&bytes[start + 4..end]);
+        bytes[end..end + 4].copy_from_slice(&checksum.to_be_bytes());
         start = end + 4;
     }
 }
@@ -128,7 +106,7 @@ fn mutated_files_give_an_error_or_a_result() {
     let originals = [encode_picture(&picture), jpeg];
     let rules =
         ["auto", "pen", "red", "pick:20,20"].map(|rule| ColourRule::parse(rule).expect("a rule"));
-    let mut mutator = Mutator(20231);
+    let mut mutator = Mutator(Dice(20231));
     let (mut refused, mut decoded, mut traced) = (0u64, 0u64, 0u64);
     for round in 0..count {
         let bytes = mutator.mutate(&originals[(round % 2) as usize]);

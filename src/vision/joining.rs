@@ -10,7 +10,7 @@ use super::Point;
 use super::crossing::{Crossing, END_ENERGY};
 use super::mask::Mask;
 use super::skeleton::{Arm, Skeleton};
-use super::way::{MOST_ENERGY, Way, Ways, ordered, other_side};
+use super::way::{MOST_ENERGY, Way, Ways, ordered};
 use std::collections::BTreeMap;
 
 /// With more arms than this the mask is noise.
@@ -146,7 +146,7 @@ impl Pairing<'_> {
             let route = if p < b {
                 route
             } else {
-                route.iter().rev().map(|arm| other_side(*arm)).collect()
+                route.iter().rev().map(|arm| arm.opposite()).collect()
             };
             let way = Way {
                 route,
@@ -162,10 +162,10 @@ impl Pairing<'_> {
 
     /// Of the one strand that runs along a route: the arm at which it enters it, and what it comes from and goes to.
     fn strand_along(&self, route: &[Arm]) -> Option<[Arm; 3]> {
-        let (first, last) = (*route.first()?, other_side(*route.last()?));
+        let (first, last) = (*route.first()?, route.last()?.opposite());
         let is_one = route
             .windows(2)
-            .all(|pair| self.partner.get(&other_side(pair[0])) == Some(&pair[1]));
+            .all(|pair| self.partner.get(&pair[0].opposite()) == Some(&pair[1]));
         let (p, q) = (self.partner.get(&first)?, self.partner.get(&last)?);
         is_one.then_some([first, *p, *q])
     }
@@ -194,27 +194,13 @@ impl Pairing<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::crossing::crossings;
+    use super::super::mask::tests::{drawn, strokes};
     use super::super::strand::paths;
     use super::*;
 
     /// Strokes of 7 pixels along lines.
     fn mask(lines: &[&[[f64; 2]]]) -> Mask {
-        let mut mask = Mask::new(240, 120);
-        let near = |p: Point, from: Point, to: Point| {
-            let t = (p - from).dot(&(to - from)) / (to - from).norm_squared();
-            (p - from - (to - from) * t.clamp(0.0, 1.0)).norm() < 3.5
-        };
-        for row in 0..120 {
-            for column in 0..240 {
-                let p = Point::new(column as f64, row as f64);
-                let inside = lines.iter().any(|line| {
-                    let mut pairs = line.windows(2);
-                    pairs.any(|pair| near(p, pair[0].into(), pair[1].into()))
-                });
-                mask.set(column, row, inside);
-            }
-        }
-        mask
+        strokes(240, 120, 7.0, lines)
     }
 
     /// Ends of the strands, those of each from left to right.
@@ -227,10 +213,8 @@ mod tests {
             skeleton.nodes[nodes[arm.side]].position
         };
         let ends = |entries: &[Arm]| {
-            let (first, last) = (
-                place(entries[0]),
-                place(other_side(entries[entries.len() - 1])),
-            );
+            let last = entries[entries.len() - 1].opposite();
+            let (first, last) = (place(entries[0]), place(last));
             if first.x < last.x {
                 [first, last]
             } else {
@@ -286,12 +270,10 @@ mod tests {
         let colour = |_: Point| [50.0, 0.0, 0.0];
         let apart = mask(&[&left, &right]);
         assert_eq!(ends(&apart, colour).len(), 2);
-        let mut whole = apart.clone();
-        for row in 0..120 {
-            for column in 106..134 {
-                whole.set(column, row, true);
-            }
-        }
+        let whole = drawn(240, 120, |pixel| {
+            let is_hidden = (106.0..134.0).contains(&pixel.x);
+            is_hidden || apart.contains(pixel.x as usize, pixel.y as usize)
+        });
         // The skeleton is that of the interrupted strand; what hides it is in the mask.
         let skeleton = Skeleton::new(&apart);
         let (mut crossings, links) = crossings(&skeleton, colour);

@@ -4,13 +4,11 @@ use super::Point;
 use super::centreline::Strand;
 use super::mask::Mask;
 use super::order::StrandCrossing;
+use super::pixels::between;
 use image::GrayImage;
 
 /// Most strands of a label image: its pixels have 8 bits.
 pub const MOST_LABELS: usize = 255;
-
-/// How many pixels labels spread beyond the reach of the strands.
-const SPREADING_ROUNDS: usize = 12;
 
 /// Gives every pixel of a mask to the strand whose centreline is nearest, measured in widths; on crossings, to the
 /// strand on top. Strands beyond [`MOST_LABELS`] are left out. Pixels far from all strands are background.
@@ -25,7 +23,9 @@ pub fn paint_labels(mask: &Mask, strands: &[Strand], crossings: &[StrandCrossing
             canvas.stamp(strand, index, number as u8 + 1, 0.7, Rule::Nearest);
         }
     }
-    canvas.fill_rest();
+    mask.spread(&mut canvas.labels, |near| {
+        near.into_iter().find(|label| *label > 0)
+    });
     for crossing in crossings {
         let over = crossing.over.strand;
         if over >= MOST_LABELS || over == crossing.under.strand {
@@ -79,11 +79,7 @@ impl Canvas<'_> {
             _ => from,
         };
         let radius = (strand.widths[index] * reach).clamp(0.5, 200.0);
-        let bounds = |a: f64, b: f64, size: usize| {
-            let first = (a.min(b) - radius).ceil().max(0.0) as usize;
-            let last = (a.max(b) + radius + 1.0).floor().max(0.0) as usize;
-            first.min(size)..last.min(size)
-        };
+        let bounds = |a: f64, b: f64, size| between(a.min(b) - radius, a.max(b) + radius, size);
         let along = to - from;
         let scale = 1.0 / along.norm_squared().max(1e-12);
         let inverse_width = 1.0 / strand.widths[index].max(1.0);
@@ -107,31 +103,6 @@ impl Canvas<'_> {
                     self.distances[cell] = self.distances[cell].min(relative);
                     self.labels[cell] = label;
                 }
-            }
-        }
-    }
-
-    /// Spreads labels to the pixels of the mask that no strand reached.
-    fn fill_rest(&mut self) {
-        let stride = self.mask.stride();
-        let mut rest = self.mask.members();
-        rest.retain(|cell| self.labels[*cell] == 0);
-        for _ in 0..SPREADING_ROUNDS {
-            let mut reached = Vec::new();
-            rest.retain(|cell| {
-                let near = [cell - 1, cell + 1, cell - stride, cell + stride];
-                let label = near
-                    .into_iter()
-                    .map(|other| self.labels[other])
-                    .find(|label| *label > 0);
-                reached.extend(label.map(|label| (*cell, label)));
-                label.is_none()
-            });
-            if reached.is_empty() {
-                return;
-            }
-            for (cell, label) in reached {
-                self.labels[cell] = label;
             }
         }
     }

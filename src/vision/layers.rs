@@ -5,6 +5,7 @@
 
 use super::colour::lab;
 use super::mask::{Mask, chamfer_distances};
+use super::pixels::around;
 use image::RgbImage;
 
 /// Bins of the histogram of hues, 5° each.
@@ -21,8 +22,6 @@ const LEAST_PART: f64 = 0.04;
 const MOST_LAYERS: usize = 6;
 /// Parts of a layer that are thinner than this many times the usual half width are borders where colours mix.
 const THINNEST: f64 = 0.45;
-/// Rounds of spreading hues to pixels without one.
-const SPREADING_ROUNDS: usize = 12;
 
 /// The masks of a picture's hues; none where there are not several, clearly apart.
 pub(super) fn layers(
@@ -44,9 +43,11 @@ pub(super) fn layers(
     for (index, hue) in members.iter().zip(&hues) {
         labels[*index] = hue.map_or(0, |hue| nearest(&peaks, hue) as u8 + 1);
     }
-    spread(mask, &members, &mut labels);
+    // Of hues that meet, the last one.
+    let highest = |near: [u8; 4]| near.into_iter().max().filter(|label| *label > 0);
+    mask.spread(&mut labels, highest);
     remove_borders(mask, &members, &mut labels, peaks.len());
-    spread(mask, &members, &mut labels);
+    mask.spread(&mut labels, highest);
     let masks = (1..=peaks.len()).map(|label| {
         let mut layer = layer(mask, &members, &labels, label as u8);
         layer.clean(least_area, largest_hole);
@@ -64,14 +65,11 @@ pub(super) fn hue_at(picture: &RgbImage, column: usize, row: usize) -> Option<f6
 /// Mean over 3 × 3 pixels, against noise.
 fn mean_colour(picture: &RgbImage, column: usize, row: usize) -> [u8; 3] {
     let (mut sum, mut count) = ([0u32; 3], 0);
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    for v in row.saturating_sub(1)..(row + 2).min(height) {
-        for u in column.saturating_sub(1)..(column + 2).min(width) {
-            for (sum, value) in sum.iter_mut().zip(picture.get_pixel(u as u32, v as u32).0) {
-                *sum += u32::from(value);
-            }
-            count += 1;
+    for pixel in around(picture, column, row) {
+        for (sum, value) in sum.iter_mut().zip(pixel) {
+            *sum += u32::from(value);
         }
+        count += 1;
     }
     sum.map(|sum| (sum / count) as u8)
 }
@@ -126,34 +124,6 @@ fn peaks(hues: &[Option<f64>]) -> Option<Vec<f64>> {
         }
     }
     (peaks.len() > 1).then_some(peaks)
-}
-
-/// Gives pixels without a label that of a neighbour.
-fn spread(mask: &Mask, members: &[usize], labels: &mut [u8]) {
-    let stride = mask.stride();
-    let mut rest: Vec<usize> = members.to_vec();
-    rest.retain(|cell| labels[*cell] == 0);
-    for _ in 0..SPREADING_ROUNDS {
-        let mut reached = Vec::new();
-        rest.retain(|cell| {
-            let near = [cell - 1, cell + 1, cell - stride, cell + stride];
-            let label = near
-                .into_iter()
-                .map(|other| labels[other])
-                .max()
-                .unwrap_or(0);
-            if label > 0 {
-                reached.push((*cell, label));
-            }
-            label == 0
-        });
-        if reached.is_empty() {
-            return;
-        }
-        for (cell, label) in reached {
-            labels[cell] = label;
-        }
-    }
 }
 
 /// Takes the label from parts that are too thin for a strand: between two strands, hues mix to that of a third one.
@@ -232,6 +202,7 @@ fn layer(mask: &Mask, members: &[usize], labels: &[u8], label: u8) -> Mask {
 
 #[cfg(test)]
 mod tests {
+    use super::super::mask::tests::drawn;
     use super::*;
     use image::Rgb;
 
@@ -245,12 +216,7 @@ mod tests {
                 _ => [10, 10, 10],
             })
         });
-        let mut mask = Mask::new(80, 40);
-        for row in 10..28 {
-            for column in 0..80 {
-                mask.set(column, row, true);
-            }
-        }
+        let mask = drawn(80, 40, |pixel| (10.0..28.0).contains(&pixel.y));
         (picture, mask)
     }
 

@@ -74,17 +74,13 @@ const ROUNDING: f64 = 1e-4;
 
 #[cfg(test)]
 mod tests {
+    use super::super::trace_tests::Dice;
     use super::*;
 
     /// Corners on a grid with a reproducible noise of about 0.05 pixels, and a radial error.
     fn corners(radial: impl Fn(f64) -> f64) -> Vec<(Point, Point)> {
-        let mut state = 1_u64;
-        let mut noise = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            0.1 * ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 1.7
-        };
+        let mut dice = Dice(1);
+        let mut noise = || 0.1 * (dice.roll() - 0.5) * 1.7;
         let mut found = Vec::new();
         for u in 0..30 {
             for v in 0..20 {

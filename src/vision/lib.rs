@@ -84,6 +84,7 @@ mod pattern;
 #[cfg(test)]
 mod photograph_tests;
 mod picture;
+mod pixels;
 mod pose_file;
 mod render;
 mod reprojection;

@@ -11,6 +11,9 @@ pub struct Mask {
     cells: Vec<u8>,
 }
 
+/// Rounds of spreading labels.
+const SPREADING_ROUNDS: usize = 12;
+
 /// A row's stretch of pixels of one value.
 #[derive(Clone, Copy, Debug)]
 struct Run {
@@ -167,6 +170,28 @@ impl Mask {
         }
     }
 
+    /// Gives cells without a label that which `choose` takes of those of the neighbours to the left, to the right, above and below.
+    pub(super) fn spread(&self, labels: &mut [u8], choose: impl Fn([u8; 4]) -> Option<u8>) {
+        let stride = self.stride();
+        let mut rest = self.members();
+        rest.retain(|cell| labels[*cell] == 0);
+        for _ in 0..SPREADING_ROUNDS {
+            let mut reached = Vec::new();
+            rest.retain(|cell| {
+                let near = [cell - 1, cell + 1, cell - stride, cell + stride];
+                let label = choose(near.map(|other| labels[other]));
+                reached.extend(label.map(|label| (*cell, label)));
+                label.is_none()
+            });
+            if reached.is_empty() {
+                return;
+            }
+            for (cell, label) in reached {
+                labels[cell] = label;
+            }
+        }
+    }
+
     /// First and last pixel of each row: all that matters for a convex hull.
     pub(super) fn outline(&self) -> Vec<super::Point> {
         let mut outline = Vec::new();
@@ -288,17 +313,42 @@ pub(super) fn chamfer_distances(mask: &Mask, members: &[usize]) -> Vec<u16> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use super::super::Point;
     use super::*;
 
-    fn mask(rows: &[&str]) -> Mask {
-        let mut mask = Mask::new(rows[0].len(), rows.len());
-        for (row, text) in rows.iter().enumerate() {
-            for (column, character) in text.chars().enumerate() {
-                mask.set(column, row, character == '#');
-            }
+    /// The mask of the pixels at which something is.
+    pub fn drawn(width: usize, height: usize, is_inside: impl Fn(Point) -> bool) -> Mask {
+        let mut mask = Mask::new(width, height);
+        for (row, column) in (0..height).flat_map(|row| (0..width).map(move |k| (row, k))) {
+            mask.set(
+                column,
+                row,
+                is_inside(Point::new(column as f64, row as f64)),
+            );
         }
         mask
+    }
+
+    /// Strokes of a thickness along lines.
+    pub fn strokes(width: usize, height: usize, thickness: f64, lines: &[&[[f64; 2]]]) -> Mask {
+        drawn(width, height, |pixel| {
+            let mut pairs = lines.iter().flat_map(|line| line.windows(2));
+            pairs.any(|pair| distance([pair[0], pair[1]], pixel) < thickness / 2.0)
+        })
+    }
+
+    /// Distance of a point from the line between two ends.
+    pub fn distance(ends: [[f64; 2]; 2], point: Point) -> f64 {
+        let [from, to] = ends.map(Point::from);
+        let t = (point - from).dot(&(to - from)) / (to - from).norm_squared();
+        (point - from - (to - from) * t.clamp(0.0, 1.0)).norm()
+    }
+
+    fn mask(rows: &[&str]) -> Mask {
+        drawn(rows[0].len(), rows.len(), |pixel| {
+            rows[pixel.y as usize].as_bytes()[pixel.x as usize] == b'#'
+        })
     }
 
     #[test]
@@ -346,13 +396,9 @@ mod tests {
 
     #[test]
     fn chamfer_distances_are_near_euclid() {
-        let mut disc = Mask::new(61, 61);
-        for row in 0..61usize {
-            for column in 0..61usize {
-                let (x, y) = (column as f64 - 30.0, row as f64 - 30.0);
-                disc.set(column, row, x.hypot(y) < 25.0);
-            }
-        }
+        let disc = drawn(61, 61, |pixel| {
+            (pixel - Point::new(30.0, 30.0)).norm() < 25.0
+        });
         let members = disc.members();
         let distances = chamfer_distances(&disc, &members);
         let centre = f64::from(distances[disc.index(30, 30)]) / 5.0;

@@ -172,14 +172,8 @@ mod tests {
 
     fn line(from: [f64; 2], to: [f64; 2]) -> Strand {
         let (from, to) = (Point::from(from), Point::from(to));
-        let points: Vec<Point> = (0..=50)
-            .map(|index| from + (to - from) * (f64::from(index) / 50.0))
-            .collect();
-        Strand {
-            widths: vec![6.0; points.len()],
-            points,
-            closed: false,
-        }
+        let points = (0..=50).map(|index| from + (to - from) * (f64::from(index) / 50.0));
+        Strand::even(points.collect(), 6.0, false)
     }
 
     #[test]

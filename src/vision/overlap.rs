@@ -9,6 +9,7 @@ use super::Point;
 use super::centreline::Strand;
 use super::colour::lab;
 use super::passage::{Passage, locate, segments, width_at};
+use super::pixels::between;
 use image::RgbImage;
 
 /// Places across a strand at which its colour is kept.
@@ -103,18 +104,14 @@ fn pixels_near(
     width: f64,
 ) -> impl Iterator<Item = Point> {
     let stride = ((width / PIXELS_ACROSS) as usize).max(1);
-    let range = |x: f64, size: u32| {
-        let first = (x - reach).ceil().clamp(0.0, f64::from(size)) as u32;
-        let last = (x + reach + 1.0).floor().clamp(0.0, f64::from(size)) as u32;
-        first..last
-    };
+    let range = |x: f64, size: u32| between(x - reach, x + reach, size as usize);
     let (columns, rows) = (
         range(centre.x, picture.width()),
         range(centre.y, picture.height()),
     );
     rows.step_by(stride).flat_map(move |row| {
         let columns = columns.clone().step_by(stride);
-        columns.map(move |column| Point::new(f64::from(column), f64::from(row)))
+        columns.map(move |column| Point::new(column as f64, row as f64))
     })
 }
 
@@ -237,10 +234,7 @@ impl Surroundings {
 
     fn stamp(&mut self, centre: Point, radius: f64, bits: u8) {
         let local = centre - Point::new(self.first[0] as f64, self.first[1] as f64);
-        let range = |x: f64| {
-            let first = (x - radius).ceil().clamp(0.0, self.size as f64) as usize;
-            first..((x + radius + 1.0).floor().clamp(0.0, self.size as f64) as usize)
-        };
+        let range = |x: f64| between(x - radius, x + radius, self.size);
         let (columns, rows) = (range(local.x), range(local.y));
         for row in rows {
             for column in columns.clone() {

@@ -4,12 +4,15 @@ use super::camera::Camera;
 use super::centreline::Strand;
 use super::marker::MarkerErrors;
 use super::mask::Mask;
+use super::order::StrandCrossing;
+use super::passage::{segment, segments};
+use super::pixels::between;
 use super::sheet::Sheet;
 use super::trace::Trace;
 use super::{Point, VisionError};
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, GrayImage, ImageEncoder, Rgb, RgbImage};
+use image::{GrayImage, ImageBuffer, ImageFormat, PixelWithColorType, Rgb, RgbImage};
 use std::fmt::Write;
+use std::io::Cursor;
 
 /// Colours of strands, in turn.
 const COLOURS: [[u8; 3]; 8] = [
@@ -31,42 +34,20 @@ pub fn strand_colour(strand: usize) -> [u8; 3] {
 /// The picture, dimmed, with the centrelines of its strands on it. The strand below is broken at a crossing; a disc
 /// marks the first point of a strand, a ring its last one.
 pub fn overlay(picture: &RgbImage, trace: &Trace) -> RgbImage {
-    let mut image = dimmed(picture);
-    let stroke = stroke_of(&image);
-    for (number, strand) in trace.strands.iter().enumerate() {
-        let broken: Vec<(Point, f64)> = trace
-            .crossings
-            .iter()
-            .filter(|crossing| crossing.under.strand == number)
-            .map(|crossing| {
-                let over = &trace.strands[crossing.over.strand];
-                (crossing.position, (0.8 * over.width()).max(2.0 * stroke))
-            })
-            .collect();
-        draw_strand(
-            &mut image,
-            strand,
-            strand_colour(number),
-            stroke,
-            &broken,
-            trace,
-        );
+    let mut canvas = Canvas::over(picture);
+    let stroke = canvas.stroke;
+    for number in 0..trace.strands.len() {
+        canvas.strand(trace, number);
     }
     for (point, _, width) in &trace.rejected {
-        draw_ring(
-            &mut image,
-            *point,
-            width.max(4.0 * stroke),
-            stroke,
-            [255, 60, 60],
-        );
+        canvas.ring(*point, width.max(4.0 * stroke), [255, 60, 60]);
     }
-    image
+    canvas.image
 }
 
 /// The picture, dimmed, with the pixels of a mask in red: why nothing was found in it.
 pub fn mask_overlay(picture: &RgbImage, mask: &Mask) -> RgbImage {
-    let mut image = dimmed(picture);
+    let mut image = Canvas::over(picture).image;
     for (column, row, pixel) in image.enumerate_pixels_mut() {
         if mask.contains(column as usize, row as usize) {
             *pixel = Rgb([255, pixel[1] / 2, pixel[2] / 2]);
@@ -77,141 +58,122 @@ pub fn mask_overlay(picture: &RgbImage, mask: &Mask) -> RgbImage {
 
 /// The picture, dimmed, with the edges of a sheet on it; a disc marks its first corner.
 pub fn sheet_overlay(picture: &RgbImage, sheet: &Sheet) -> RgbImage {
-    let mut image = dimmed(picture);
-    let stroke = stroke_of(&image);
+    let mut canvas = Canvas::over(picture);
+    let corners = sheet.corner_pixels;
     for edge in 0..4 {
-        let ends = [
-            sheet.corner_pixels[edge],
-            sheet.corner_pixels[(edge + 1) % 4],
-        ];
-        let depth = |distance: f64| 0.5 * stroke - distance;
-        paint(&mut image, ends, stroke, depth, strand_colour(edge));
+        let ends = [corners[edge], corners[(edge + 1) % 4]];
+        canvas.line(ends, strand_colour(edge));
     }
-    let radius = 2.2 * stroke;
-    let depth = |distance: f64| radius - distance;
-    paint(
-        &mut image,
-        [sheet.corner_pixels[0]; 2],
-        radius + 1.0,
-        depth,
-        strand_colour(0),
-    );
-    image
+    canvas.disc(corners[0], 2.2 * canvas.stroke, strand_colour(0));
+    canvas.image
 }
 
 /// The picture, dimmed, with straight edges on it, from pixel to pixel.
 pub fn edges_overlay(picture: &RgbImage, edges: &[[Point; 2]]) -> RgbImage {
-    let mut image = dimmed(picture);
-    let stroke = stroke_of(&image);
+    let mut canvas = Canvas::over(picture);
     for (number, ends) in edges.iter().enumerate() {
-        let depth = |distance: f64| 0.5 * stroke - distance;
-        paint(&mut image, *ends, stroke, depth, strand_colour(number));
+        canvas.line(*ends, strand_colour(number));
     }
-    image
+    canvas.image
 }
 
 /// The picture, dimmed, with rings about the spots that were found, discs where markers are expected, and a line from each
 /// to the spot that was taken for it.
 pub fn marker_overlay(picture: &RgbImage, spots: &[Point], errors: &MarkerErrors) -> RgbImage {
-    let mut image = dimmed(picture);
-    let stroke = stroke_of(&image);
+    let mut canvas = Canvas::over(picture);
+    let stroke = canvas.stroke;
     for spot in spots {
-        draw_ring(&mut image, *spot, 4.0 * stroke, stroke, strand_colour(1));
+        canvas.ring(*spot, 4.0 * stroke, strand_colour(1));
     }
     for (expected, found) in errors.expected.iter().zip(&errors.found) {
         let Some(expected) = expected else {
             continue;
         };
-        let depth = |distance: f64| 1.2 * stroke - distance;
-        paint(
-            &mut image,
-            [*expected; 2],
-            2.2 * stroke,
-            depth,
-            strand_colour(0),
-        );
+        canvas.disc(*expected, 1.2 * stroke, strand_colour(0));
         if let Some(found) = found {
-            let depth = |distance: f64| 0.5 * stroke - distance;
-            paint(
-                &mut image,
-                [*expected, *found],
-                stroke,
-                depth,
-                strand_colour(2),
-            );
+            canvas.line([*expected, *found], strand_colour(2));
         }
     }
-    image
+    canvas.image
 }
 
-/// Width of lines that are seen well.
-fn stroke_of(image: &RgbImage) -> f64 {
-    (f64::from(image.width().max(image.height())) / 450.0).max(1.5)
-}
-
-fn dimmed(picture: &RgbImage) -> RgbImage {
-    let mut image = picture.clone();
-    for channel in image.iter_mut() {
-        *channel = (u16::from(*channel) * 11 / 20) as u8;
-    }
-    image
-}
-
-fn draw_strand(
-    image: &mut RgbImage,
-    strand: &Strand,
-    colour: [u8; 3],
+/// A dimmed picture, and the width of lines that are seen well on it.
+struct Canvas {
+    image: RgbImage,
     stroke: f64,
-    broken: &[(Point, f64)],
-    trace: &Trace,
-) {
-    let hidden = |index: usize| {
-        let point = strand.points[index];
-        let near = broken
-            .iter()
-            .find(|(position, reach)| (point - position).norm() < *reach);
-        near.is_some_and(|(position, _)| {
-            // A strand that crosses itself is hidden on its lower passage only.
-            trace.crossings.iter().any(|crossing| {
-                crossing.position == *position
-                    && (!std::ptr::eq(&trace.strands[crossing.over.strand], strand)
-                        || (crossing.under.at - index as f64).abs()
-                            < (crossing.over.at - index as f64).abs())
-            })
-        })
-    };
-    let count = strand.points.len();
-    let segments = if strand.closed { count } else { count - 1 };
-    for index in 0..segments {
-        let next = (index + 1) % count;
-        if !hidden(index) && !hidden(next) {
-            let ends = [strand.points[index], strand.points[next]];
-            paint(
-                image,
-                ends,
-                stroke,
-                |distance| 0.5 * stroke - distance,
-                colour,
-            );
+}
+
+impl Canvas {
+    fn over(picture: &RgbImage) -> Self {
+        let mut image = picture.clone();
+        for channel in image.iter_mut() {
+            *channel = (u16::from(*channel) * 11 / 20) as u8;
+        }
+        let size = image.width().max(image.height());
+        Self {
+            image,
+            stroke: (f64::from(size) / 450.0).max(1.5),
         }
     }
-    if !strand.closed {
-        let radius = 2.2 * stroke;
-        let first = [strand.points[0]; 2];
+
+    /// Draws a strand, broken where it lies under another one.
+    fn strand(&mut self, trace: &Trace, number: usize) {
+        let (strand, colour) = (&trace.strands[number], strand_colour(number));
+        let under = trace.crossings.iter();
+        let under: Vec<&StrandCrossing> = under
+            .filter(|crossing| crossing.under.strand == number)
+            .collect();
+        let stroke = self.stroke;
+        let hidden = |index: usize| {
+            let point = strand.points[index];
+            let near = under.iter().find(|crossing| {
+                let reach = 0.8 * trace.strands[crossing.over.strand].width();
+                (point - crossing.position).norm() < reach.max(2.0 * stroke)
+            });
+            near.is_some_and(|near| {
+                // A strand that crosses itself is hidden on its lower passage only.
+                trace.crossings.iter().any(|crossing| {
+                    let away = |at: f64| (at - index as f64).abs();
+                    crossing.position == near.position
+                        && (crossing.over.strand != number
+                            || away(crossing.under.at) < away(crossing.over.at))
+                })
+            })
+        };
+        for index in 0..segments(strand) {
+            let next = (index + 1) % strand.points.len();
+            if !hidden(index) && !hidden(next) {
+                self.line(segment(strand, index), colour);
+            }
+        }
+        if !strand.closed {
+            let (first, last) = (strand.points[0], strand.points[strand.points.len() - 1]);
+            self.disc(first, 2.2 * stroke, colour);
+            self.ring(last, 2.2 * stroke, colour);
+        }
+    }
+
+    fn line(&mut self, ends: [Point; 2], colour: [u8; 3]) {
+        let radius = 0.5 * self.stroke;
         paint(
-            image,
-            first,
+            &mut self.image,
+            ends,
             radius + 1.0,
             |distance| radius - distance,
             colour,
         );
-        draw_ring(image, strand.points[count - 1], radius, stroke, colour);
     }
-}
 
-fn draw_ring(image: &mut RgbImage, centre: Point, radius: f64, stroke: f64, colour: [u8; 3]) {
-    let depth = |distance: f64| 0.5 * stroke - (distance - radius).abs();
-    paint(image, [centre; 2], radius + stroke, depth, colour);
+    fn disc(&mut self, centre: Point, radius: f64, colour: [u8; 3]) {
+        let depth = |distance: f64| radius - distance;
+        paint(&mut self.image, [centre; 2], radius + 1.0, depth, colour);
+    }
+
+    fn ring(&mut self, centre: Point, radius: f64, colour: [u8; 3]) {
+        let stroke = self.stroke;
+        let depth = |distance: f64| 0.5 * stroke - (distance - radius).abs();
+        paint(&mut self.image, [centre; 2], radius + stroke, depth, colour);
+    }
 }
 
 /// Paints pixels near a segment; `depth` says by their distance how far they are inside, in pixels.
@@ -222,19 +184,15 @@ fn paint(
     depth: impl Fn(f64) -> f64,
     colour: [u8; 3],
 ) {
-    let bounds = |a: f64, b: f64, size: u32| {
-        let first = (a.min(b) - reach).floor().clamp(0.0, f64::from(size)) as u32;
-        let last = (a.max(b) + reach + 1.0).ceil().clamp(0.0, f64::from(size)) as u32;
-        first..last
-    };
+    let bounds = |a: f64, b: f64, size| between(a.min(b) - reach, a.max(b) + reach, size as usize);
     let along = to - from;
     for row in bounds(from.y, to.y, image.height()) {
         for column in bounds(from.x, to.x, image.width()) {
-            let point = Point::new(f64::from(column), f64::from(row)) - from;
+            let point = Point::new(column as f64, row as f64) - from;
             let t = (point.dot(&along) / along.norm_squared().max(1e-12)).clamp(0.0, 1.0);
             let cover = (depth((point - along * t).norm()) + 0.5).clamp(0.0, 1.0);
             if cover > 0.0 {
-                let pixel = image.get_pixel_mut(column, row);
+                let pixel = image.get_pixel_mut(column as u32, row as u32);
                 for (old, new) in pixel.0.iter_mut().zip(colour) {
                     let mixed = f64::from(*old) * (1.0 - cover) + f64::from(new) * cover;
                     *old = mixed.round() as u8;
@@ -299,22 +257,21 @@ pub fn centrelines_svg(width: u32, height: u32, strands: &[Strand]) -> String {
 
 /// A picture as the bytes of a PNG file.
 pub fn encode_picture(picture: &RgbImage) -> Vec<u8> {
-    encode(
-        picture.as_raw(),
-        picture.dimensions(),
-        ExtendedColorType::Rgb8,
-    )
+    encode(picture)
 }
 
 /// A label image as the bytes of a PNG file with one 8-bit channel.
 pub fn encode_labels(labels: &GrayImage) -> Vec<u8> {
-    encode(labels.as_raw(), labels.dimensions(), ExtendedColorType::L8)
+    encode(labels)
 }
 
-fn encode(pixels: &[u8], (width, height): (u32, u32), colour: ExtendedColorType) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(pixels, width, height, colour)
+fn encode<P>(image: &ImageBuffer<P, Vec<u8>>) -> Vec<u8>
+where
+    P: PixelWithColorType<Subpixel = u8>,
+{
+    let mut bytes = Cursor::new(Vec::new());
+    image
+        .write_to(&mut bytes, ImageFormat::Png)
         .expect("an image of positive size is written to memory");
-    bytes
+    bytes.into_inner()
 }

@@ -2,7 +2,7 @@
 
 use super::Point;
 use super::colour::colour_difference;
-use super::skeleton::{Arm, Skeleton};
+use super::skeleton::{Arm, Branch, Skeleton};
 use nalgebra::Matrix3;
 
 /// Stretch of an arm that tells its direction, in widths.
@@ -25,20 +25,21 @@ pub(super) fn unit(vector: Point) -> Point {
     vector.try_normalize(1e-9).unwrap_or(Point::x())
 }
 
+/// Where the pixel `index` of an arm is on its branch, counted from the crossing.
+fn place(branch: &Branch, arm: Arm, index: usize) -> usize {
+    match arm.side {
+        0 => index,
+        _ => branch.pixels.len() - 1 - index,
+    }
+}
+
 /// How many pixels at an arm's begin a crossing distorts: as far as the mask is wider than along the branch, half a
 /// width at least, and never more than a third of the branch.
 pub(super) fn distorted_pixels(skeleton: &Skeleton, arm: Arm) -> usize {
     let branch = &skeleton.branches[arm.branch];
     let count = branch.pixels.len();
     let usual = branch.half_width();
-    let wide = |index: usize| {
-        let index = if arm.side == 0 {
-            index
-        } else {
-            count - 1 - index
-        };
-        branch.half_widths[index] > 1.1 * usual + 0.3
-    };
+    let wide = |index: usize| branch.half_widths[place(branch, arm, index)] > 1.1 * usual + 0.3;
     let widened = (0..count).take_while(|index| wide(*index)).count();
     widened.max(usual.ceil() as usize).min(count / 3)
 }
@@ -54,13 +55,7 @@ pub(super) fn departure(
     let skipped = distorted_pixels(skeleton, arm);
     let stretch = (DIRECTION_STRETCH * 2.0 * branch.half_width()).ceil() as usize;
     let used = stretch.max(4).min(count - skipped);
-    let pixel = |index: usize| {
-        branch.pixels[if arm.side == 0 {
-            skipped + index
-        } else {
-            count - 1 - skipped - index
-        }]
-    };
+    let pixel = |index: usize| branch.pixels[place(branch, arm, skipped + index)];
     if used < 3 {
         let ends = branch.nodes.expect("an arm has nodes");
         let far = skeleton.nodes[ends[1 - arm.side]].position;
@@ -141,10 +136,11 @@ fn bending_energy(from: &Departure, to: &Departure, width: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn arm(x: f64, y: f64, degrees: f64) -> Departure {
+    /// An arm at a place, away from the crossing at an angle.
+    pub fn arm(x: f64, y: f64, degrees: f64) -> Departure {
         let angle = degrees.to_radians();
         Departure {
             position: Point::new(x, y),

@@ -115,31 +115,18 @@ pub fn pattern_csv(points: &[Point]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::camera::tests::looking_at;
     use super::super::render::{RenderOptions, render};
     use super::super::score::score;
     use super::super::{ColourRule, TraceOptions, trace};
     use super::*;
-    use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+    use nalgebra::{UnitQuaternion, Vector3};
     use std::f64::consts::PI;
 
     fn camera() -> Camera {
-        let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
         let slant = UnitQuaternion::from_euler_angles(0.15, -0.1, 0.2);
-        let rotation = slant * down;
-        Camera {
-            width: 1280,
-            height: 720,
-            lens: super::super::Lens {
-                focal: [910.0, 910.0],
-                centre: [639.5, 359.5],
-                distortion: [0.06, -0.1, 0.0, 0.0, 0.0],
-            },
-            pose: Isometry3::from_parts(
-                Translation3::from(-(rotation * Vector3::z()) * 0.5),
-                rotation,
-            ),
-            table_height: 0.0,
-        }
+        let lens = ([910.0; 2], [639.5, 359.5], [0.06, -0.1, 0.0, 0.0, 0.0]);
+        looking_at(Vector3::zeros(), 0.5, slant, [1280, 720], lens)
     }
 
     /// Whether a point within 0.1 m lies within a radius of a curve, looked up in a raster of 0.05 mm.
@@ -150,11 +137,8 @@ mod tests {
         let index = |x: i32, y: i32| (y + SIDE / 2) * SIDE + x + SIDE / 2;
         let (dense, _) = resample(curve, CELL, false);
         let reach = (radius / CELL).ceil() as i32;
-        for point in dense {
-            let (x, y) = (
-                (point.x / CELL).round() as i32,
-                (point.y / CELL).round() as i32,
-            );
+        let cell = |point: Point| [point.x, point.y].map(|x| (x / CELL).round() as i32);
+        for [x, y] in dense.into_iter().map(cell) {
             for dy in -reach..=reach {
                 for dx in -reach..=reach {
                     if f64::from(dx).hypot(f64::from(dy)) * CELL < radius {
@@ -164,10 +148,7 @@ mod tests {
             }
         }
         move |point| {
-            let (x, y) = (
-                (point.x / CELL).round() as i32,
-                (point.y / CELL).round() as i32,
-            );
+            let [x, y] = cell(point);
             x.abs().max(y.abs()) < SIDE / 2 && raster[index(x, y) as usize]
         }
     }
@@ -280,13 +261,8 @@ mod tests {
 
     #[test]
     fn too_much_smoothing_is_refused() {
-        let strand = Strand {
-            points: (0..50)
-                .map(|index| Point::new(f64::from(index), 0.0))
-                .collect(),
-            widths: vec![3.0; 50],
-            closed: false,
-        };
+        let points = (0..50).map(|index| Point::new(f64::from(index), 0.0));
+        let strand = Strand::even(points.collect(), 3.0, false);
         let scan = Metric::Scan {
             pixel: 1e-3,
             height: 10,

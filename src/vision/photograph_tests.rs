@@ -2,13 +2,14 @@
 //!
 //! `RODLAB_WRITE_PHOTOGRAPHS=scenarios/photographs cargo test --lib vision::photograph` draws them anew.
 
+use super::camera::tests::looking_at;
 use super::render::{RenderOptions, render};
 use super::smoothing::resample;
-use super::trace_tests::{Dice, camera as above_table, wandering_rod};
+use super::trace_tests::{camera as above_table, scene};
 use super::*;
 use image::RgbImage;
 use image::codecs::jpeg::JpegEncoder;
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::fs;
@@ -75,10 +76,9 @@ fn letter() -> Vec<Point> {
             (0.037, 0.4e-3, 1.1),
             (0.012, 0.12e-3, 2.0),
         ];
-        waves
-            .iter()
-            .map(|(length, height, phase)| height * (TAU * s / length + phase).sin())
-            .sum::<f64>()
+        let heights =
+            waves.map(|(length, height, phase)| height * (TAU * s / length + phase).sin());
+        heights.iter().sum::<f64>()
     };
     let half = 1.25 * PI;
     (0..=1000)
@@ -96,22 +96,10 @@ fn letter() -> Vec<Point> {
 
 /// A camera above the sheet, held by hand.
 fn above_sheet() -> Camera {
-    let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
-    let rotation = UnitQuaternion::from_euler_angles(0.22, -0.1, 0.08) * down;
-    Camera {
-        width: 800,
-        height: 600,
-        lens: Lens {
-            focal: [905.0, 903.0],
-            centre: [402.0, 297.0],
-            distortion: [0.06, -0.11, 0.0004, -0.0003, 0.0],
-        },
-        pose: Isometry3::from_parts(
-            Translation3::from(-(rotation * Vector3::z()) * 0.5),
-            rotation,
-        ),
-        table_height: 0.0,
-    }
+    let slant = UnitQuaternion::from_euler_angles(0.22, -0.1, 0.08);
+    let distortion = [0.06, -0.11, 0.0004, -0.0003, 0.0];
+    let lens = ([905.0, 903.0], [402.0, 297.0], distortion);
+    looking_at(Vector3::zeros(), 0.5, slant, [800, 600], lens)
 }
 
 fn letter_photograph() -> RgbImage {
@@ -125,21 +113,9 @@ fn letter_photograph() -> RgbImage {
 }
 
 fn rods_photograph() -> RgbImage {
-    let colours = [[205, 70, 90], [90, 170, 120], [190, 200, 90]];
-    let mut dice = Dice(SCENE * 7919 + 20);
-    for _ in 0..8 {
-        dice.roll();
-    }
-    let rods: Vec<RenderedRod> = (0..3)
-        .map(|rod| wandering_rod(&mut dice, 0.0035, colours[rod], 0.0105 * rod as f64))
-        .collect();
+    let (view, rods) = (above_table(0.7, 0.25), scene(SCENE, 3));
     let options = RenderOptions::default();
-    render(
-        &above_table(0.7, 0.25),
-        &rods,
-        |_| [22.0, 24.0, 28.0],
-        &options,
-    )
+    render(&view, &rods, |_| [22.0, 24.0, 28.0], &options)
 }
 
 /// Which of the scenes of random rods is shown.

@@ -163,7 +163,7 @@ fn natural_key(name: &str) -> Vec<(usize, String)> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 
@@ -214,7 +214,8 @@ mod tests {
         assert!(decode_picture(b"").is_err());
     }
 
-    fn crc32(bytes: &[u8]) -> u32 {
+    /// The checksum of the chunks of a PNG file.
+    pub fn crc32(bytes: &[u8]) -> u32 {
         let mut crc = !0u32;
         for byte in bytes {
             crc ^= u32::from(*byte);

@@ -7,6 +7,7 @@
 
 use super::Point;
 use super::camera::Camera;
+use super::pixels::between;
 use image::{Rgb, RgbImage};
 use nalgebra::Vector3;
 
@@ -251,11 +252,7 @@ impl Canvas {
     /// Calls `visit` with the index and distance, in samples, of all samples near a pixel.
     fn each_near(&self, pixel: Point, reach: f64, mut visit: impl FnMut(usize, f64)) {
         let centre = Point::new(Self::sample(pixel.x), Self::sample(pixel.y));
-        let range = |x: f64, size: usize| {
-            let first = (x - reach).ceil().clamp(0.0, size as f64) as usize;
-            let last = (x + reach + 1.0).floor().clamp(0.0, size as f64) as usize;
-            first..last
-        };
+        let range = |x: f64, size| between(x - reach, x + reach, size);
         for row in range(centre.y, self.height) {
             for column in range(centre.x, self.width) {
                 let distance = (Point::new(column as f64, row as f64) - centre).norm();

@@ -76,14 +76,16 @@ pub fn score(
     }
     let (pattern_points, pattern_length) = equidistant(pattern, points)
         .ok_or_else(|| undetermined("the pattern has fewer than two different points"))?;
-    let (result_points, result_length) = equidistant(result, points)
-        .ok_or_else(|| undetermined("the result has fewer than two different points"))?;
+    let of_result = |points| {
+        equidistant(result, points)
+            .ok_or_else(|| undetermined("the result has fewer than two different points"))
+    };
+    let (result_points, result_length) = of_result(points)?;
     let closed =
         is_closed(&pattern_points, pattern_length) && is_closed(&result_points, result_length);
     // Where a closed result begins is found to a part of the distance between its points.
     let fine = if closed { STARTS } else { 1 };
-    let (result_points, _) = equidistant(result, fine * (points - 1) + 1)
-        .ok_or_else(|| undetermined("the result has fewer than two different points"))?;
+    let (result_points, _) = of_result(fine * (points - 1) + 1)?;
     let mut best: Option<(f64, bool, Vec<Point>, Isometry2<f64>)> = None;
     for reversed in [false, true] {
         let shifts = if closed { fine * (points - 1) } else { 1 };
@@ -94,10 +96,7 @@ pub fn score(
             } else {
                 Isometry2::identity()
             };
-            let moved: Vec<Point> = candidate
-                .iter()
-                .map(|point| alignment.transform_point(&(*point).into()).coords)
-                .collect();
+            let moved = moved(&candidate, &alignment);
             let pairs = moved.iter().zip(&pattern_points);
             let square: f64 = pairs.map(|(a, b)| (a - b).norm_squared()).sum();
             // The direction in which it was traced is kept where it makes no difference.
@@ -116,10 +115,7 @@ pub fn score(
         .zip(&pattern_points)
         .map(|(a, b)| (a - b).norm())
         .collect();
-    let whole: Vec<Point> = result
-        .iter()
-        .map(|point| alignment.transform_point(&(*point).into()).coords)
-        .collect();
+    let whole = self::moved(result, &alignment);
     let nearest: Vec<f64> = pattern_points
         .iter()
         .map(|point| distance_to(&whole, *point))
@@ -134,6 +130,13 @@ pub fn score(
         pattern_length,
         result_length,
     })
+}
+
+fn moved(points: &[Point], motion: &Isometry2<f64>) -> Vec<Point> {
+    let points = points.iter();
+    points
+        .map(|point| motion.transform_point(&(*point).into()).coords)
+        .collect()
 }
 
 /// The part of a curve that is as long as a pattern and begins at the arc length `begin`, all in metres: of a rod that
@@ -302,10 +305,7 @@ mod tests {
     fn alignment_undoes_a_motion() {
         let pattern = wave(200, Point::zeros());
         let motion = Isometry2::new(Point::new(0.3, -0.2), 0.7);
-        let result: Vec<Point> = pattern
-            .iter()
-            .map(|point| motion.transform_point(&(*point).into()).coords)
-            .collect();
+        let result = moved(&pattern, &motion);
         let found = score(&result, &pattern, SCORE_POINTS, true).expect("a score");
         assert!(found.by_arc_length.largest_m < 1e-9);
         assert!((found.alignment * motion).rotation.angle().abs() < 1e-9);

@@ -37,18 +37,11 @@ impl Sheet {
     /// before it moved.
     #[must_use]
     pub fn numbered_like(&self, before: &Self) -> Self {
-        let turned = |first: usize| {
-            let mut sheet = self.clone();
-            sheet.corners.rotate_left(first);
-            sheet.corner_pixels.rotate_left(first);
-            sheet.straightness.rotate_left(first);
-            sheet
-        };
         let away = |sheet: &Self| -> f64 {
             let pairs = sheet.corners.iter().zip(&before.corners);
             pairs.map(|(a, b)| (a - b).norm_squared()).sum()
         };
-        let candidates = (1..4).map(turned);
+        let candidates = (1..4).map(|first| self.counted_from(first));
         candidates.fold(self.clone(), |best, other| {
             if away(&other) < away(&best) {
                 other
@@ -56,6 +49,15 @@ impl Sheet {
                 best
             }
         })
+    }
+
+    /// The same sheet with its corners counted from the one that is number `first`.
+    fn counted_from(&self, first: usize) -> Self {
+        let mut sheet = self.clone();
+        sheet.corners.rotate_left(first);
+        sheet.corner_pixels.rotate_left(first);
+        sheet.straightness.rotate_left(first);
+        sheet
     }
 
     /// An edge, from corner k to corner k + 1.
@@ -129,15 +131,12 @@ pub fn find_sheet(
     let first = (0..4)
         .min_by(|a, b| corner_pixels[*a].sum().total_cmp(&corner_pixels[*b].sum()))
         .unwrap_or(0);
-    located.rotate_left(first);
-    corner_pixels.rotate_left(first);
-    let mut straightness = [0, 1, 2, 3].map(|edge| lines[edge].deviation);
-    straightness.rotate_left(first);
-    Ok(Sheet {
+    let sheet = Sheet {
         corners: located,
         corner_pixels,
-        straightness,
-    })
+        straightness: [0, 1, 2, 3].map(|edge| lines[edge].deviation),
+    };
+    Ok(sheet.counted_from(first))
 }
 
 /// Pixel that `locate` maps to a point, by Newton's method with differences.
@@ -217,19 +216,16 @@ fn meet(a: &Line, b: &Line) -> Option<Point> {
 #[cfg(test)]
 mod tests {
     use super::super::Camera;
-    use super::super::camera::tests::slanted_camera;
+    use super::super::camera::tests::{looking_at, slanted_camera};
     use super::super::render::{RenderOptions, render};
     use super::*;
+    use nalgebra::{UnitQuaternion, Vector3};
 
     fn camera() -> Camera {
-        let mut camera = slanted_camera();
-        camera.width = 640;
-        camera.height = 480;
-        camera.lens.focal = [460.0, 458.0];
-        camera.lens.centre = [322.0, 241.0];
-        let view = camera.pose.rotation * nalgebra::Vector3::z();
-        camera.pose.translation.vector = -view * 0.6;
-        camera
+        let distortion = slanted_camera().lens.distortion;
+        let slant = UnitQuaternion::from_euler_angles(0.25, -0.1, 0.3);
+        let lens = ([460.0, 458.0], [322.0, 241.0], distortion);
+        looking_at(Vector3::zeros(), 0.6, slant, [640, 480], lens)
     }
 
     /// A sheet of 0.2 m × 0.15 m about a centre, turned.
@@ -312,10 +308,7 @@ mod tests {
                 straightness: [1.0, 2.0, 3.0, 4.0],
             }
         };
-        let (before, mut after) = (sheet(0.0), sheet(0.4));
-        after.corners.rotate_left(3);
-        after.corner_pixels.rotate_left(3);
-        after.straightness.rotate_left(3);
+        let (before, after) = (sheet(0.0), sheet(0.4).counted_from(3));
         assert_eq!(after.numbered_like(&before), sheet(0.4));
     }
 

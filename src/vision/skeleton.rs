@@ -19,6 +19,16 @@ pub(super) struct Arm {
     pub side: usize,
 }
 
+impl Arm {
+    /// The other end of its branch.
+    pub fn opposite(self) -> Self {
+        Self {
+            side: 1 - self.side,
+            ..self
+        }
+    }
+}
+
 /// Where branches end or meet.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
@@ -304,27 +314,12 @@ impl Traced {
 
 #[cfg(test)]
 mod tests {
+    use super::super::mask::tests::strokes;
     use super::*;
-
-    fn strokes(width: usize, height: usize, thickness: f64, lines: &[[f64; 4]]) -> Mask {
-        let mut mask = Mask::new(width, height);
-        for row in 0..height {
-            for column in 0..width {
-                let p = Point::new(column as f64, row as f64);
-                let near = lines.iter().any(|[x0, y0, x1, y1]| {
-                    let (a, b) = (Point::new(*x0, *y0), Point::new(*x1, *y1));
-                    let t = (p - a).dot(&(b - a)) / (b - a).norm_squared();
-                    (p - a - (b - a) * t.clamp(0.0, 1.0)).norm() < thickness / 2.0
-                });
-                mask.set(column, row, near);
-            }
-        }
-        mask
-    }
 
     #[test]
     fn a_stroke_is_one_branch_as_long_as_it_is() {
-        let mask = strokes(120, 80, 9.0, &[[15.0, 15.0, 100.0, 60.0]]);
+        let mask = strokes(120, 80, 9.0, &[&[[15.0, 15.0], [100.0, 60.0]]]);
         let skeleton = Skeleton::new(&mask);
         assert_eq!(skeleton.branches.len(), 1);
         assert_eq!(skeleton.nodes.len(), 2);
@@ -340,8 +335,8 @@ mod tests {
 
     #[test]
     fn a_cross_has_four_free_ends_and_a_loop_none() {
-        let cross = [[10.0, 10.0, 90.0, 90.0], [10.0, 90.0, 90.0, 10.0]];
-        let skeleton = Skeleton::new(&strokes(100, 100, 7.0, &cross));
+        let cross = [[[10.0, 10.0], [90.0, 90.0]], [[10.0, 90.0], [90.0, 10.0]]];
+        let skeleton = Skeleton::new(&strokes(100, 100, 7.0, &[&cross[0], &cross[1]]));
         let degree = |node: usize| {
             let ends = skeleton.branches.iter().filter_map(|branch| branch.nodes);
             ends.flatten().filter(|end| *end == node).count()
@@ -349,13 +344,9 @@ mod tests {
         let free = (0..skeleton.nodes.len()).filter(|node| degree(*node) == 1);
         assert_eq!(free.count(), 4);
 
-        let square = [
-            [20.0, 20.0, 80.0, 20.0],
-            [80.0, 20.0, 80.0, 80.0],
-            [80.0, 80.0, 20.0, 80.0],
-            [20.0, 80.0, 20.0, 20.0],
-        ];
-        let skeleton = Skeleton::new(&strokes(100, 100, 7.0, &square));
+        let corners = [[20.0, 20.0], [80.0, 20.0], [80.0, 80.0], [20.0, 80.0]];
+        let square = [&corners[..], &corners[..1]].concat();
+        let skeleton = Skeleton::new(&strokes(100, 100, 7.0, &[&square]));
         assert_eq!(skeleton.branches.len(), 1);
         assert!(skeleton.branches[0].nodes.is_none());
         let length = skeleton.branches[0].length();

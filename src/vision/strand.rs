@@ -27,26 +27,24 @@ pub(super) fn paths(skeleton: &Skeleton, crossings: &[Crossing], links: &[bool])
         }
     }
     let bridges = |entries: &[Arm]| {
-        let exits = entries.iter().map(|entry| Arm {
-            side: 1 - entry.side,
-            ..*entry
-        });
+        let exits = entries.iter().map(|entry| entry.opposite());
         exits
             .map(|exit| via.get(&exit).cloned().unwrap_or_default())
             .collect()
     };
     let mut used = links.to_vec();
     let mut paths = Vec::new();
+    let path = |entries: Vec<Arm>, closed| Path {
+        bridges: bridges(&entries),
+        entries,
+        closed,
+    };
     let follow = |start: Arm, used: &mut Vec<bool>| {
         let (mut entries, mut entry) = (Vec::new(), start);
         loop {
             entries.push(entry);
             used[entry.branch] = true;
-            let exit = Arm {
-                side: 1 - entry.side,
-                ..entry
-            };
-            match partner.get(&exit) {
+            match partner.get(&entry.opposite()) {
                 Some(next) if !used[next.branch] => entry = *next,
                 Some(next) => return (entries, *next == start),
                 None => return (entries, false),
@@ -60,11 +58,7 @@ pub(super) fn paths(skeleton: &Skeleton, crossings: &[Crossing], links: &[bool])
             let is_end = !partner.contains_key(&start) && skeleton.branches[branch].nodes.is_some();
             if is_end && !used[branch] {
                 let (entries, closed) = follow(start, &mut used);
-                paths.push(Path {
-                    bridges: bridges(&entries),
-                    entries,
-                    closed,
-                });
+                paths.push(path(entries, closed));
             }
         }
     }
@@ -73,11 +67,7 @@ pub(super) fn paths(skeleton: &Skeleton, crossings: &[Crossing], links: &[bool])
             let start = Arm { branch, side: 0 };
             let (entries, closed) = follow(start, &mut used);
             let closed = closed || skeleton.branches[branch].nodes.is_none();
-            paths.push(Path {
-                bridges: bridges(&entries),
-                entries,
-                closed,
-            });
+            paths.push(path(entries, closed));
         }
     }
     paths

@@ -82,10 +82,7 @@ pub(super) fn extend_ends(
         let arm = if end == 0 {
             path.entries.first().copied()
         } else {
-            path.entries.last().map(|entry| Arm {
-                side: 1 - entry.side,
-                ..*entry
-            })
+            path.entries.last().map(|entry| entry.opposite())
         };
         let stop = arm.and_then(|arm| ends.crossing_of.get(&arm)).copied();
         extend_end(contrast, points, widths, step, stop, &ends.colour);

@@ -157,6 +157,7 @@ pub(super) fn straighten(mask: &mut Mask, line: &mut Vec<usize>) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::mask::tests::drawn;
     use super::*;
 
     /// Number of 8-connected parts of the mask and of 4-connected parts outside.
@@ -190,16 +191,8 @@ mod tests {
             parts
         };
         let straight = [(1, 0), (-1, 0), (0, 1), (0, -1)];
-        let all = [
-            (1, 0),
-            (-1, 0),
-            (0, 1),
-            (0, -1),
-            (1, 1),
-            (-1, 1),
-            (1, -1),
-            (-1, -1),
-        ];
+        let diagonal = [(1, 1), (-1, 1), (1, -1), (-1, -1)];
+        let all = [straight, diagonal].concat();
         (count(1, &all), count(0, &straight))
     }
 
@@ -220,19 +213,13 @@ mod tests {
 
     #[test]
     fn a_bar_becomes_its_middle_line() {
-        let mut bar = Mask::new(60, 21);
-        for row in 5..14 {
-            for column in 5..55 {
-                bar.set(column, row, true);
-            }
-        }
+        let mut bar = drawn(60, 21, |pixel| {
+            (5.0..55.0).contains(&pixel.x) && (5.0..14.0).contains(&pixel.y)
+        });
         let members = bar.members();
         let line = thin(&mut bar, &members);
-        let middle: Vec<usize> = line
-            .iter()
-            .map(|index| bar.position(*index).1)
-            .filter(|row| *row == 9)
-            .collect();
-        assert!(middle.len() >= 40, "{} of {}", middle.len(), line.len());
+        let middle = line.iter().filter(|index| bar.position(**index).1 == 9);
+        let middle = middle.count();
+        assert!(middle >= 40, "{middle} of {}", line.len());
     }
 }

@@ -1,27 +1,16 @@
 //! Tracing of rendered rods, whose centrelines and crossings are known.
 
+use super::camera::tests::looking_at;
 use super::render::{RenderOptions, RenderedRod, render};
 use super::*;
-use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use std::f64::consts::{PI, TAU};
+use nalgebra::{UnitQuaternion, Vector3};
+use std::f64::consts::TAU;
 
 /// A camera 0.6 m above the table that looks down, turned and slanted a little.
 pub(super) fn camera(roll: f64, slant: f64) -> Camera {
-    let down = Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
-    let turned = Rotation3::from_euler_angles(slant, 0.0, roll);
-    let rotation = UnitQuaternion::from_rotation_matrix(&(turned * down));
-    let back = rotation * Vector3::new(0.0, 0.0, -0.6);
-    Camera {
-        width: 640,
-        height: 480,
-        lens: Lens {
-            focal: [620.0, 620.0],
-            centre: [319.5, 239.5],
-            distortion: [0.05, -0.1, 0.0, 0.0, 0.0],
-        },
-        pose: Isometry3::from_parts(Translation3::from(back), rotation),
-        table_height: 0.0,
-    }
+    let turned = UnitQuaternion::from_euler_angles(slant, 0.0, roll);
+    let lens = ([620.0; 2], [319.5, 239.5], [0.05, -0.1, 0.0, 0.0, 0.0]);
+    looking_at(Vector3::zeros(), 0.6, turned, [640, 480], lens)
 }
 
 /// Small deterministic numbers from 0 to 1.
@@ -29,22 +18,22 @@ pub(super) struct Dice(pub u64);
 
 impl Dice {
     pub(super) fn roll(&mut self) -> f64 {
+        self.number() as f64 / (1u64 << 31) as f64
+    }
+
+    /// A whole number below 2³¹.
+    pub(super) fn number(&mut self) -> u64 {
         self.0 = self
             .0
             .wrapping_mul(6364136223846793005)
             .wrapping_add(1442695040888963407);
-        ((self.0 >> 33) as f64) / (1u64 << 31) as f64
+        self.0 >> 33
     }
 }
 
 /// A rod 0.65 m long whose direction turns by a few harmonics, which keeps its curvature below 1/(19 mm). It lies in the
 /// middle of the table, its height rises and falls, so that it lies over and under itself.
-pub(super) fn wandering_rod(
-    dice: &mut Dice,
-    radius: f64,
-    colour: [u8; 3],
-    level: f64,
-) -> RenderedRod {
+fn wandering_rod(dice: &mut Dice, radius: f64, colour: [u8; 3], level: f64) -> RenderedRod {
     const LENGTH: f64 = 0.65;
     let turns = 2.4 * (dice.roll() - 0.5);
     let amplitudes = [2.2 * dice.roll(), 1.1 * dice.roll()];
@@ -141,6 +130,7 @@ fn passages(camera: &Camera, rods: &[RenderedRod], point: Point) -> Vec<(usize, 
     found
 }
 
+#[derive(Default)]
 struct Totals {
     points: usize,
     error: f64,
@@ -153,15 +143,7 @@ struct Totals {
 
 /// Traces rendered scenes and compares centrelines and the order of crossings with the truth.
 fn trial(scenes: u64, rods_each: usize, options: &RenderOptions, camera: &Camera) -> Totals {
-    let mut totals = Totals {
-        points: 0,
-        error: 0.0,
-        worst: 0.0,
-        crossings: 0,
-        right: 0,
-        right_count: 0,
-        pictures: 0,
-    };
+    let mut totals = Totals::default();
     for number in 0..scenes {
         let rods = scene(number, rods_each);
         let picture = render(camera, &rods, |_| [12.0, 12.0, 14.0], options);
@@ -187,8 +169,7 @@ fn trial(scenes: u64, rods_each: usize, options: &RenderOptions, camera: &Camera
             if (a.2 - b.2).abs() < 0.004 {
                 continue;
             }
-            let top = if a.2 > b.2 { a } else { b };
-            let below = if a.2 > b.2 { b } else { a };
+            let (top, below) = if a.2 > b.2 { (a, b) } else { (b, a) };
             let over = &trace.strands[crossing.over.strand];
             let direction = over.tangent((crossing.over.at as usize).min(over.points.len() - 1));
             let along = |passage: (usize, usize, f64)| {
@@ -224,8 +205,7 @@ fn rendered_centrelines_are_found_to_a_fraction_of_a_pixel() {
             ..RenderOptions::default()
         },
     ];
-    let (mut points, mut error, mut crossings, mut right) = (0, 0.0, 0, 0);
-    let (mut pictures, mut whole) = (0, 0);
+    let mut all = Totals::default();
     for (index, (view, light)) in views.iter().zip(&lights).enumerate() {
         for rods in 1..=3 {
             let found = trial(4, rods, light, view);
@@ -238,15 +218,22 @@ fn rendered_centrelines_are_found_to_a_fraction_of_a_pixel() {
                 found.right_count,
                 found.pictures
             );
-            points += found.points;
-            error += found.error;
-            crossings += found.crossings;
-            right += found.right;
-            pictures += found.pictures;
-            whole += found.right_count;
+            all.points += found.points;
+            all.error += found.error;
+            all.crossings += found.crossings;
+            all.right += found.right;
+            all.pictures += found.pictures;
+            all.right_count += found.right_count;
         }
     }
-    let mean = error / points as f64;
+    let Totals {
+        crossings,
+        right,
+        pictures,
+        right_count: whole,
+        ..
+    } = all;
+    let mean = all.error / all.points as f64;
     assert!(mean < 0.5, "mean error {mean} pixels");
     assert!(crossings > 40, "{crossings} crossings");
     // Rods that run on each other or end on each other may be cut in two.

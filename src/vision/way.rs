@@ -47,14 +47,6 @@ pub(super) fn ordered(a: Arm, b: Arm) -> [Arm; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
-/// The other end of a branch.
-pub(super) fn other_side(arm: Arm) -> Arm {
-    Arm {
-        side: 1 - arm.side,
-        ..arm
-    }
-}
-
 /// All arms of a skeleton and the ways between them.
 pub(super) struct Ways<'a> {
     skeleton: &'a Skeleton,
@@ -201,7 +193,7 @@ impl<'a> Ways<'a> {
                     self.add([from, next], way);
                 }
             }
-            let far = other_side(next);
+            let far = next.opposite();
             let length = length + self.skeleton.branches[next.branch].length();
             if route.len() < MOST_BRANCHES
                 && length < LONGEST_SHARED * self.width(from)

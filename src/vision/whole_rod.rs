@@ -76,14 +76,6 @@ mod tests {
     use super::*;
     use crate::order::intersections;
 
-    fn strand(points: Vec<Point>, closed: bool) -> Strand {
-        Strand {
-            widths: vec![3.0; points.len()],
-            points,
-            closed,
-        }
-    }
-
     /// A line along x from 0 to 200 that cuts a circle around (100, 40), and the crossings of both.
     fn line_and_circle(turn: f64) -> (Vec<Strand>, Vec<StrandCrossing>) {
         let line = (0..=200).map(|x| Point::new(f64::from(x), 10.0)).collect();
@@ -94,7 +86,10 @@ mod tests {
                 40.0 - 40.0 * libm::cos(angle),
             )
         });
-        let strands = vec![strand(line, false), strand(circle.collect(), true)];
+        let strands = vec![
+            Strand::even(line, 3.0, false),
+            Strand::even(circle.collect(), 3.0, true),
+        ];
         let crossings = intersections(&strands).into_iter();
         let crossings = crossings.map(|[over, under]| StrandCrossing {
             position: Point::zeros(),
