@@ -74,31 +74,23 @@ impl Surroundings {
     /// The arms and boxes of a cell.
     pub fn new(members: Vec<Member>, boxes: Vec<StandingBox>) -> Self {
         let mut pairs = Vec::new();
+        let pair = |first, second| Pair { first, second };
         for (arm, member) in members.iter().enumerate() {
             for index in 0..member.bodies.len() {
                 let first = (arm, index);
                 for other in index + 1..member.bodies.len() {
                     if !member.never_counts(index, other) {
-                        pairs.push(Pair {
-                            first,
-                            second: (Some(arm), other),
-                        });
+                        pairs.push(pair(first, (Some(arm), other)));
                     }
                 }
                 for (other, them) in members.iter().enumerate().skip(arm + 1) {
                     let theirs = 0..them.bodies.len();
-                    pairs.extend(theirs.map(|k| Pair {
-                        first,
-                        second: (Some(other), k),
-                    }));
+                    pairs.extend(theirs.map(|k| pair(first, (Some(other), k))));
                 }
                 // The base stands where it is put, on the table or in it.
                 if member.bodies[index].link.is_some() {
                     let all = 0..boxes.len();
-                    pairs.extend(all.map(|k| Pair {
-                        first,
-                        second: (None, k),
-                    }));
+                    pairs.extend(all.map(|k| pair(first, (None, k))));
                 }
             }
         }

@@ -247,114 +247,39 @@ fn a_urdf_gives_sliding_turning_and_mimicking_joints() {
     assert!((hand.rotation.scaled_axis() - Vector3::y() * 0.8).norm() < 1e-15);
 }
 
+/// What is replaced in [`TWO_LINKS`], by what, and what the error says then.
+const FAULTS: &str = r#"
+<child link="lower"/> | <child link="upper"/> | loop
+<parent link="base"/> | <parent link="mirror"/> | loop
+<parent link="base"/> | <parent link="bas"/> | `bas` is not in the file
+lower="-1" upper="2" | lower="2" upper="-1" | joint `b`: its lower limit 2
+<axis xyz="0 0 1"/> | <axis xyz="0 0 0"/> | joint `c`: its axis
+mimic joint="b" | mimic joint="z" | `z`, which it mimics, is not in the file
+<cylinder radius="0.04" length="0.4"/> | <mesh filename="upper.stl"/> | upper.stl is not there
+<origin xyz="0 0 0.3" rpy="0 0 0"/> | <origin xyz="nan 0 0.3" rpy="0 0 0"/> | joint `c`: `xyz` of its origin is not a finite number
+<origin xyz="0 0 0.3" rpy="0 0 0"/> | <origin xyz="0 0 0.3" rpy="0 inf 0"/> | joint `c`: `rpy` of its origin
+<axis xyz="0 0 1"/> | <axis xyz="0 0 1e999"/> | joint `c`: `xyz` of its axis
+upper="0.1" effort="1" velocity="0.5" | upper="0.1" effort="1" velocity="nan" | joint `c`: `velocity` of its limit
+multiplier="-1" | multiplier="inf" | joint `m`: `multiplier`
+<cylinder radius="0.04" | <cylinder radius="NaN" | its collision shape: its `radius` NaN is not allowed
+type="prismatic" | type="floating" | joint `c`
+</robot> | | not a URDF
+radius="0.04" | radius="-0.04" | link `upper`: its collision shape: its `radius` -0.04 is not allowed; allowed: above 0
+length="0.4" | length="0" | `length` 0
+<cylinder radius="0.04" length="0.4"/> | <box size="0.1 -0.1 0.1"/> | `size` -0.1
+<cylinder radius="0.04" length="0.4"/> | <mesh filename="t.stl" scale="1 0 1"/> | `scale` 0
+velocity="0.5" | velocity="-0.5" | `velocity` of its limit is -0.5
+<joint name="c" | <joint name="b" | joint `b` is in the file twice
+<link name="slide"/> | <link name="slide"/><link name="base"/> | link `base` is in the file twice
+lower="-9" upper="9" | lower="2" upper="3" | joint `m`: its limits, 2 to 3, leave joint `b`, which it mimics, no range
+"#;
+
 #[test]
 fn faulty_urdfs_are_refused_with_the_name_of_what_is_wrong() {
-    let cases = [
-        (
-            r#"<child link="lower"/>"#,
-            r#"<child link="upper"/>"#,
-            "loop",
-        ),
-        (
-            r#"<parent link="base"/>"#,
-            r#"<parent link="mirror"/>"#,
-            "loop",
-        ),
-        (
-            r#"<parent link="base"/>"#,
-            r#"<parent link="bas"/>"#,
-            "`bas` is not in the file",
-        ),
-        (
-            r#"lower="-1" upper="2""#,
-            r#"lower="2" upper="-1""#,
-            "joint `b`: its lower limit 2",
-        ),
-        (
-            r#"<axis xyz="0 0 1"/>"#,
-            r#"<axis xyz="0 0 0"/>"#,
-            "joint `c`: its axis",
-        ),
-        (
-            r#"mimic joint="b""#,
-            r#"mimic joint="z""#,
-            "`z`, which it mimics, is not in the file",
-        ),
-        (
-            r#"<cylinder radius="0.04" length="0.4"/>"#,
-            r#"<mesh filename="upper.stl"/>"#,
-            "upper.stl is not there",
-        ),
-        (
-            r#"<origin xyz="0 0 0.3" rpy="0 0 0"/>"#,
-            r#"<origin xyz="nan 0 0.3" rpy="0 0 0"/>"#,
-            "joint `c`: `xyz` of its origin is not a finite number",
-        ),
-        (
-            r#"<origin xyz="0 0 0.3" rpy="0 0 0"/>"#,
-            r#"<origin xyz="0 0 0.3" rpy="0 inf 0"/>"#,
-            "joint `c`: `rpy` of its origin",
-        ),
-        (
-            r#"<axis xyz="0 0 1"/>"#,
-            r#"<axis xyz="0 0 1e999"/>"#,
-            "joint `c`: `xyz` of its axis",
-        ),
-        (
-            r#"upper="0.1" effort="1" velocity="0.5""#,
-            r#"upper="0.1" effort="1" velocity="nan""#,
-            "joint `c`: `velocity` of its limit",
-        ),
-        (
-            r#"multiplier="-1""#,
-            r#"multiplier="inf""#,
-            "joint `m`: `multiplier`",
-        ),
-        (
-            r#"<cylinder radius="0.04""#,
-            r#"<cylinder radius="NaN""#,
-            "its collision shape: its `radius` NaN is not allowed",
-        ),
-        (r#"type="prismatic""#, r#"type="floating""#, "joint `c`"),
-        ("</robot>", "", "not a URDF"),
-        (
-            r#"radius="0.04""#,
-            r#"radius="-0.04""#,
-            "link `upper`: its collision shape: its `radius` -0.04 is not allowed; allowed: above 0",
-        ),
-        (r#"length="0.4""#, r#"length="0""#, "`length` 0"),
-        (
-            r#"<cylinder radius="0.04" length="0.4"/>"#,
-            r#"<box size="0.1 -0.1 0.1"/>"#,
-            "`size` -0.1",
-        ),
-        (
-            r#"<cylinder radius="0.04" length="0.4"/>"#,
-            r#"<mesh filename="t.stl" scale="1 0 1"/>"#,
-            "`scale` 0",
-        ),
-        (
-            r#"velocity="0.5""#,
-            r#"velocity="-0.5""#,
-            "`velocity` of its limit is -0.5",
-        ),
-        (
-            r#"<joint name="c""#,
-            r#"<joint name="b""#,
-            "joint `b` is in the file twice",
-        ),
-        (
-            r#"<link name="slide"/>"#,
-            r#"<link name="slide"/><link name="base"/>"#,
-            "link `base` is in the file twice",
-        ),
-        (
-            r#"lower="-9" upper="9""#,
-            r#"lower="2" upper="3""#,
-            "joint `m`: its limits, 2 to 3, leave joint `b`, which it mimics, no range",
-        ),
-    ];
-    for (good, bad, expected) in cases {
+    for case in FAULTS.trim().lines() {
+        let [good, bad, expected] = *case.split('|').map(str::trim).collect::<Vec<_>>() else {
+            panic!("{case}");
+        };
         assert!(TWO_LINKS.contains(good));
         let error = urdf(&TWO_LINKS.replace(good, bad)).unwrap_err().to_string();
         assert!(

@@ -145,11 +145,7 @@ impl Driver for FileDriver {
         if !lines.is_empty() {
             self.write(&lines)?;
         }
-        Ok(if done {
-            Progress::Done
-        } else {
-            Progress::Running
-        })
+        Ok(Progress::over(done))
     }
 
     fn stop(&mut self) -> Result<(), DriverError> {

@@ -58,6 +58,12 @@ impl Interpolant {
         &self.velocities
     }
 
+    /// Time, point and velocities at each point.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (f64, &Vec<f64>, &Vec<f64>)> {
+        let rows = self.times.iter().zip(&self.points).zip(&self.velocities);
+        rows.map(|((time, point), velocity)| (*time, point, velocity))
+    }
+
     /// Its last time, s.
     pub fn duration(&self) -> f64 {
         self.times[self.times.len() - 1]
@@ -84,28 +90,30 @@ impl Interpolant {
 
     /// Positions at a time; the first before the points, the last after.
     pub fn at(&self, time: f64) -> Vec<f64> {
-        let after = self.times.partition_point(|known| *known <= time);
-        if after == 0 || after == self.times.len() {
-            return self.points[after.saturating_sub(1)].clone();
+        match self.cubics_at(time) {
+            Some((since, cubics)) => cubics.map(|cubic| cubic.at(since)).collect(),
+            None if time >= self.times[0] => self.last().to_vec(),
+            None => self.first().to_vec(),
         }
-        let since = time - self.times[after - 1];
-        let joints = 0..self.points[0].len();
-        joints
-            .map(|joint| self.cubic(joint, after - 1, after).at(since))
-            .collect()
     }
 
     /// Velocities at a time, rad/s or m/s; zero before the points and after.
     pub fn velocity_at(&self, time: f64) -> Vec<f64> {
-        let joints = 0..self.points[0].len();
+        match self.cubics_at(time) {
+            Some((since, cubics)) => cubics.map(|cubic| cubic.velocity_at(since)).collect(),
+            None => vec![0.0; self.points[0].len()],
+        }
+    }
+
+    /// The cubics of all joints at a time, and the time since they began, s; `None` before the points and after.
+    fn cubics_at(&self, time: f64) -> Option<(f64, impl Iterator<Item = Cubic>)> {
         let after = self.times.partition_point(|known| *known <= time);
         if after == 0 || after == self.times.len() {
-            return vec![0.0; joints.len()];
+            return None;
         }
-        let since = time - self.times[after - 1];
-        joints
-            .map(|joint| self.cubic(joint, after - 1, after).velocity_at(since))
-            .collect()
+        let joints = 0..self.points[0].len();
+        let cubics = joints.map(move |joint| self.cubic(joint, after - 1, after));
+        Some((time - self.times[after - 1], cubics))
     }
 
     /// The same motion, so much earlier, s.
@@ -220,11 +228,15 @@ impl Cubic {
         let half = -0.5 * (linear + root.copysign(linear));
         let turns = [half / square, constant / half];
         let turns = turns.into_iter().filter(|t| *t > 0.0 && *t < h);
-        let all = turns.map(|t| self.at(t)).chain(self.ends);
-        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| {
-            [low.min(q), high.max(q)]
-        })
+        range_of(turns.map(|t| self.at(t)).chain(self.ends))
     }
+}
+
+/// Least and greatest of some numbers.
+pub(crate) fn range_of(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| {
+        [low.min(number), high.max(number)]
+    })
 }
 
 /// Velocities at the points of the cubic spline through them that begins and ends at rest: its second derivative is
@@ -287,18 +299,13 @@ mod tests {
                 slopes: [still * 5.0 * random(), 5.0 * random()],
             };
             let samples = (0..=2000).map(|k| cubic.at(cubic.duration * f64::from(k) / 2000.0));
-            let sampled = samples.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], q| {
-                [low.min(q), high.max(q)]
-            });
-            let range = cubic.range();
-            assert!(
-                (range[0] - sampled[0]).abs() < 1e-5,
-                "{cubic:?} {range:?} {sampled:?}"
-            );
-            assert!(
-                (range[1] - sampled[1]).abs() < 1e-5,
-                "{cubic:?} {range:?} {sampled:?}"
-            );
+            let (range, sampled) = (cubic.range(), range_of(samples));
+            for end in 0..2 {
+                assert!(
+                    (range[end] - sampled[end]).abs() < 1e-5,
+                    "{cubic:?} {range:?} {sampled:?}"
+                );
+            }
         }
     }
 }

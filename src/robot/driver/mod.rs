@@ -3,11 +3,12 @@
 //! A driver is polled by the stream's loop every few milliseconds. None of its methods except [`Driver::connect`] waits, and
 //! none reads for longer than [`READING`], however much the other end sends.
 
-mod action_client;
+mod action_driver;
 mod camera_name;
 mod clocked_reports;
 mod file;
 mod follow_joint_trajectory;
+mod gripper_goal;
 mod interpolant;
 mod part_trajectory;
 mod picture;
@@ -23,6 +24,7 @@ mod stepper;
 pub use camera_name::{CameraError, open_camera};
 pub use file::FileDriver;
 pub use interpolant::Interpolant;
+pub(crate) use interpolant::range_of;
 pub use part_trajectory::PartTrajectory;
 pub use picture::{CameraPicture, PictureTopic};
 pub use ros1::{Bag, BagError, BagPicture, Ros1Camera, Ros1Driver, Ros1Gripper};
@@ -93,6 +95,16 @@ pub enum Progress {
     Running,
     /// It ended as it should.
     Done,
+}
+
+impl Progress {
+    /// The progress of a motion that is over, or is not.
+    pub(crate) fn over(is_over: bool) -> Self {
+        match is_over {
+            true => Self::Done,
+            false => Self::Running,
+        }
+    }
 }
 
 /// What is wrong with a driver, in words that say what to do.

@@ -26,6 +26,19 @@ impl PartTrajectory {
         pairs.map(|(a, b)| a + part * (b - a)).collect()
     }
 
+    /// A motion from rest to rest over a time, s, in so many steps: each joint rises along the polynomial of fifth degree to a height.
+    #[cfg(test)]
+    pub fn smooth(joints: &[(&str, f64)], duration: f64, steps: usize) -> Self {
+        let part = |k: usize| k as f64 / steps as f64;
+        let rise = |s: f64| s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+        let point = |k| joints.iter().map(move |(_, height)| height * rise(part(k)));
+        Self {
+            joints: joints.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            times: (0..=steps).map(|k| duration * part(k)).collect(),
+            points: (0..=steps).map(|k| point(k).collect()).collect(),
+        }
+    }
+
     /// The cubic spline through the points that begins and ends at rest. A controller that interpolates between points with
     /// positions and velocities follows it.
     pub fn interpolant(&self) -> Interpolant {

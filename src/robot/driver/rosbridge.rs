@@ -3,87 +3,75 @@
 //! A ROS 1 action is a set of topics: the goal and its cancellation are published, status, feedback and result are
 //! subscribed. For ROS 2 the server itself is the action client: `send_action_goal`, `cancel_action_goal`.
 
-use super::action_client::{ActionClient, Goal};
-use super::clocked_reports::ClockedReports;
-use super::rosbridge_goal::{ActionName, RosVersion, cancellation, duration, goal, result_of};
-use super::rosbridge_socket::{open_socket, send};
-use super::{Driver, DriverError, Interpolant, JointState, Progress, read_within_bounds};
+use super::action_driver::{ActionDriver, ActionLink, News, unique_name};
+use super::rosbridge_goal::{RosVersion, cancellation, duration, goal, result_of, ros_1_topics};
+use super::rosbridge_socket::{complaint, end_in_words, open_quiet_socket, read, send};
+use super::{DriverError, Interpolant, read_within_bounds};
 use serde_json::{Value, json};
-use std::io::ErrorKind;
 use std::net::TcpStream;
-use std::time::Instant;
-use tungstenite::{Message, WebSocket};
+use tungstenite::WebSocket;
 
 /// Topic on which a simulated robot publishes its time.
 const CLOCK: &str = "/clock";
 /// What it is sent to do.
-const FOLLOW: ActionName = ActionName {
-    package: "control_msgs",
-    name: "FollowJointTrajectory",
-};
-
-/// Largest message of the server, bytes: states and results of robots are far smaller.
-const LARGEST_MESSAGE: usize = 1 << 20;
+const FOLLOW: &str = "FollowJointTrajectory";
 
 /// A driver through rosbridge.
-pub struct RosbridgeDriver {
-    address: String,
-    version: RosVersion,
-    action: String,
-    joint_states: String,
-    joints: Vec<String>,
-    socket: Option<WebSocket<TcpStream>>,
-    reports: ClockedReports,
-    setpoint: Option<JointState>,
-    goal: Option<Goal>,
-}
+pub type RosbridgeDriver = ActionDriver<RosbridgeLink>;
 
 impl RosbridgeDriver {
     /// A driver for the server at `host:port`, the action of that name and the topic of joint states.
     pub fn new(address: &str, version: RosVersion, action: &str, joint_states: &str) -> Self {
-        Self {
+        Self::over(RosbridgeLink {
             address: address.to_owned(),
             version,
             action: action.to_owned(),
             joint_states: joint_states.to_owned(),
-            joints: Vec::new(),
             socket: None,
-            reports: ClockedReports::default(),
-            setpoint: None,
-            goal: None,
-        }
+        })
     }
+}
 
+/// A way to an action server through rosbridge.
+pub struct RosbridgeLink {
+    address: String,
+    version: RosVersion,
+    action: String,
+    joint_states: String,
+    socket: Option<WebSocket<TcpStream>>,
+}
+
+impl RosbridgeLink {
     fn send(&mut self, value: &Value) -> Result<(), DriverError> {
         let Some(socket) = &mut self.socket else {
-            return Err(self.lost(format_args!("not connected")));
+            return Err(self.lost(&"not connected"));
         };
-        send(socket, value).map_err(|error| self.lost(format_args!("{error}")))
+        send(socket, value).map_err(|error| self.lost(&error))
     }
 
-    fn hear(&mut self, message: &Value) {
+    fn hear(&self, message: &Value, news: &mut News<String>) {
         match (message["op"].as_str(), message["topic"].as_str()) {
             (Some("publish"), Some(topic)) if topic == self.joint_states => {
-                self.hear_state(&message["msg"]);
+                hear_state(&message["msg"], news);
             }
             (Some("publish"), Some(CLOCK)) => {
                 if let Some(time) = clock_time(&message["msg"]["clock"]) {
-                    self.reports.set_time(time);
+                    news.set_time(time);
                 }
             }
             (Some("publish" | "action_feedback" | "action_result"), _) => {
-                self.hear_action(message);
+                self.hear_action(message, news);
             }
-            (Some("status"), _) if message["level"] == "error" => self.hear_complaint(message),
-            _ => {}
+            _ => self.hear_complaint(message, news),
         }
     }
 
     /// An error of the server ends the goal where it names the goal. Others may be about other clients.
-    fn hear_complaint(&mut self, message: &Value) {
-        let words = message["msg"].as_str().unwrap_or("an error without words");
-        let Some(goal) = &mut self.goal else { return };
-        if message["id"] == *goal.id() {
+    fn hear_complaint(&self, message: &Value, news: &mut News<String>) {
+        let (Some(words), Some(goal)) = (complaint(message), &mut news.goal) else {
+            return;
+        };
+        if message["id"] == **goal.id() {
             let reason = format!("rosbridge at {}: {words}", self.address);
             goal.end(Err(DriverError::Refused(reason)));
         } else {
@@ -91,193 +79,111 @@ impl RosbridgeDriver {
         }
     }
 
-    fn hear_state(&mut self, message: &Value) {
-        let (Some(names), Some(positions)) =
-            (message["name"].as_array(), message["position"].as_array())
-        else {
-            return;
-        };
-        let position = |index: usize| positions.get(index)?.as_f64();
-        let heard = JointState::heard(&self.joints, names, position);
-        let stamp = clock_time(&message["header"]["stamp"]);
-        self.reports.add(heard, stamp);
-    }
-
     /// Reports about the goal.
-    fn hear_action(&mut self, message: &Value) {
-        let Some(goal) = &mut self.goal else { return };
-        if let Some(feedback) = feedback_of(&self.action, goal.id(), message)
-            && let Some(names) = feedback["joint_names"].as_array()
-            && let Some(positions) = feedback["desired"]["positions"].as_array()
-        {
-            let heard =
-                JointState::heard(&self.joints, names, |index| positions.get(index)?.as_f64());
-            self.setpoint = heard.or(self.setpoint.take());
-        }
+    fn hear_action(&self, message: &Value, news: &mut News<String>) {
+        let Some(goal) = &mut news.goal else { return };
+        let feedback = feedback_of(&self.action, goal.id(), message);
         if let Some(outcome) = result_of(&self.action, goal.id(), message) {
             goal.end(outcome);
         } else if speaks_of(&self.action, goal.id(), message) {
             goal.acknowledge();
         }
-    }
-
-    /// Reads one message; `false` where none has arrived.
-    fn read_message(&mut self) -> Result<bool, DriverError> {
-        let Some(socket) = &mut self.socket else {
-            return Err(self.lost(format_args!("not connected")));
-        };
-        match socket.read() {
-            Ok(Message::Text(text)) => {
-                if let Ok(message) = serde_json::from_str::<Value>(&text) {
-                    self.hear(&message);
-                }
-                Ok(true)
-            }
-            Ok(Message::Close(_)) => {
-                self.socket = None;
-                Err(self.lost(format_args!("the server closed the connection")))
-            }
-            Ok(_) => Ok(true),
-            Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
-                Ok(false)
-            }
-            Err(error) => {
-                self.socket = None;
-                Err(self.lost(format_args!("the connection is lost: {error}")))
-            }
+        if let Some(feedback) = feedback
+            && let Some(names) = feedback["joint_names"].as_array()
+            && let Some(positions) = feedback["desired"]["positions"].as_array()
+        {
+            news.add_setpoint(names, |index| positions.get(index)?.as_f64());
         }
     }
 
-    fn goal_message(&self, motion: &Interpolant, id: &str) -> Value {
-        let rows = motion.times().iter().zip(motion.points());
-        let points: Vec<Value> = rows
-            .zip(motion.velocities())
-            .map(|((time, point), velocities)| {
-                json!({
-                    "positions": rounded(point),
-                    "velocities": rounded(velocities),
-                    "accelerations": [],
-                    "effort": [],
-                    "time_from_start": duration(self.version, *time),
-                })
-            })
-            .collect();
-        let body = json!({
-            "trajectory": { "joint_names": self.joints, "points": points },
-        });
-        goal(self.version, &self.action, &FOLLOW, id, body)
+    /// Reads one message; `false` where none has arrived.
+    fn read_message(&mut self, news: &mut News<String>) -> Result<bool, DriverError> {
+        let Some(socket) = &mut self.socket else {
+            return Err(self.lost(&"not connected"));
+        };
+        let message = read(socket).map_err(|error| {
+            self.socket = None;
+            self.lost(&end_in_words(&error))
+        })?;
+        if let Some(message) = &message {
+            self.hear(message, news);
+        }
+        Ok(message.is_some())
     }
 }
 
-impl ActionClient for RosbridgeDriver {
-    fn goal(&self) -> Option<&Goal> {
-        self.goal.as_ref()
+impl ActionLink for RosbridgeLink {
+    type Id = String;
+
+    fn unique() -> String {
+        unique_name()
     }
 
     fn action(&self) -> &str {
         &self.action
     }
 
-    fn listen(&mut self) -> Result<(), DriverError> {
-        read_within_bounds(|| self.read_message())
-    }
-
-    fn cancel(&mut self, id: &str) -> Result<(), DriverError> {
-        self.send(&cancellation(self.version, &self.action, id))
-    }
-
-    fn lost(&self, reason: std::fmt::Arguments<'_>) -> DriverError {
+    fn lost(&self, reason: &dyn std::fmt::Display) -> DriverError {
         DriverError::Lost(format!("rosbridge at {}: {reason}", self.address))
     }
-}
 
-impl Driver for RosbridgeDriver {
-    fn connect(&mut self, joints: &[String]) -> Result<(), DriverError> {
-        self.joints = joints.to_vec();
-        let socket = open_socket(&self.address, LARGEST_MESSAGE)
-            .map_err(|reason| self.lost(format_args!("{reason}")))?;
-        let prepared = socket.get_ref().set_nonblocking(true);
+    fn open(&mut self) -> Result<(), DriverError> {
+        let socket = open_quiet_socket(&self.address).map_err(|reason| self.lost(&reason))?;
         self.socket = Some(socket);
-        self.reports.open();
-        prepared.map_err(|error| self.lost(format_args!("{error}")))?;
-        let one = self.version == RosVersion::One;
-        let state_type = if one {
-            "sensor_msgs/JointState"
-        } else {
-            "sensor_msgs/msg/JointState"
-        };
-        let clock_type = if one {
-            "rosgraph_msgs/Clock"
-        } else {
-            "rosgraph_msgs/msg/Clock"
-        };
-        // Before the states of joints: a motion begins once these are heard, and its clock must be known then.
-        self.send(&json!({ "op": "subscribe", "topic": CLOCK, "type": clock_type }))?;
-        self.send(&json!({ "op": "subscribe", "topic": self.joint_states, "type": state_type }))?;
-        if one {
-            for (topic, kind) in [
-                ("status", "actionlib_msgs/GoalStatusArray"),
-                (
-                    "feedback",
-                    "control_msgs/FollowJointTrajectoryActionFeedback",
-                ),
-                ("result", "control_msgs/FollowJointTrajectoryActionResult"),
-            ] {
-                let topic = format!("{}/{topic}", self.action);
-                self.send(&json!({ "op": "subscribe", "topic": topic, "type": kind }))?;
-            }
-            for (topic, kind) in [
-                ("goal", "control_msgs/FollowJointTrajectoryActionGoal"),
-                ("cancel", "actionlib_msgs/GoalID"),
-            ] {
-                let topic = format!("{}/{topic}", self.action);
-                self.send(&json!({ "op": "advertise", "topic": topic, "type": kind }))?;
+        // The clock before the states of joints: a motion begins once these are heard, and its clock must be known then.
+        for (topic, package, name) in [
+            (CLOCK, "rosgraph_msgs", "Clock"),
+            (&self.joint_states.clone(), "sensor_msgs", "JointState"),
+        ] {
+            let message_type = self.version.message_type(package, name);
+            self.send(&json!({ "op": "subscribe", "topic": topic, "type": message_type }))?;
+        }
+        if self.version == RosVersion::One {
+            let heard = ["status", "feedback", "result"];
+            for message in ros_1_topics(&self.action, FOLLOW, &heard) {
+                self.send(&message)?;
             }
         }
         Ok(())
     }
 
-    fn reports_state(&self) -> bool {
-        true
+    fn listen(&mut self, news: &mut News<String>) -> Result<(), DriverError> {
+        read_within_bounds(|| self.read_message(news))
     }
 
-    fn state(&mut self) -> Result<Option<JointState>, DriverError> {
-        self.listen()?;
-        Ok(self.reports.state())
+    fn send_goal(
+        &mut self,
+        joints: &[String],
+        motion: &Interpolant,
+        id: &String,
+    ) -> Result<(), DriverError> {
+        let point = |(time, point, velocities): (f64, &Vec<f64>, &Vec<f64>)| {
+            json!({
+                "positions": rounded(point),
+                "velocities": rounded(velocities),
+                "accelerations": [],
+                "effort": [],
+                "time_from_start": duration(self.version, time),
+            })
+        };
+        let points: Vec<Value> = motion.rows().map(point).collect();
+        let body = json!({ "trajectory": { "joint_names": joints, "points": points } });
+        self.send(&goal(self.version, &self.action, FOLLOW, id, body))
     }
 
-    fn setpoint(&self) -> Option<&JointState> {
-        self.setpoint.as_ref()
+    fn cancel(&mut self, id: &String) -> Result<(), DriverError> {
+        self.send(&cancellation(self.version, &self.action, id))
     }
+}
 
-    fn clock(&self) -> Option<(f64, Instant)> {
-        self.reports.clock()
-    }
-
-    fn sends_goals(&self) -> bool {
-        true
-    }
-
-    fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
-        self.setpoint = None;
-        let goal = Goal::after(self.goal.as_ref());
-        let message = self.goal_message(motion, goal.id());
-        self.send(&message)?;
-        self.goal = Some(goal);
-        Ok(())
-    }
-
-    fn advance(&mut self, _: f64) -> Result<Progress, DriverError> {
-        self.progress()
-    }
-
-    fn is_accepted(&self) -> bool {
-        self.goal.as_ref().is_some_and(Goal::is_accepted)
-    }
-
-    fn stop(&mut self) -> Result<(), DriverError> {
-        self.cancel_goal()
-    }
+fn hear_state(message: &Value, news: &mut News<String>) {
+    let (Some(names), Some(positions)) =
+        (message["name"].as_array(), message["position"].as_array())
+    else {
+        return;
+    };
+    let stamp = clock_time(&message["header"]["stamp"]);
+    news.add_state(names, |index| positions.get(index)?.as_f64(), stamp);
 }
 
 /// Numbers to a nanoradian or nanometre, for messages half as long: servers bound the size of a message.
@@ -322,44 +228,15 @@ fn clock_time(time: &Value) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::action_driver::Goal;
     use super::*;
     use proptest::prelude::*;
 
     /// Messages of words that servers use, in any place.
     fn message() -> impl Strategy<Value = Value> {
-        let words = [
-            "op",
-            "publish",
-            "status",
-            "action_result",
-            "action_feedback",
-            "topic",
-            "/arm/status",
-            "/arm/feedback",
-            "/arm/result",
-            "/joint_states",
-            "/clock",
-            "msg",
-            "name",
-            "position",
-            "a",
-            "clock",
-            "secs",
-            "nsecs",
-            "goal_id",
-            "id",
-            "level",
-            "error",
-            "feedback",
-            "desired",
-            "positions",
-            "joint_names",
-            "values",
-            "error_code",
-            "result",
-            "status_list",
-        ];
-        let word = prop::sample::select(words.to_vec());
+        let words = "op publish status action_result action_feedback topic /arm/status /arm/feedback /arm/result /joint_states /clock msg name position \
+                     a clock secs nsecs goal_id id level error feedback desired positions joint_names values error_code result status_list";
+        let word = prop::sample::select(words.split(' ').collect::<Vec<_>>());
         let leaf = prop_oneof![
             word.clone().prop_map(|word| json!(word)),
             any::<f64>().prop_map(|number| json!(number)),
@@ -398,11 +275,17 @@ mod tests {
     proptest! {
         #[test]
         fn no_message_makes_it_panic(messages in prop::collection::vec(message(), 1..4)) {
-            let mut driver = RosbridgeDriver::new("server", RosVersion::One, "/arm", "/joint_states");
-            driver.joints = vec!["a".into(), "position".into()];
-            driver.goal = Some(Goal::new());
+            let link = RosbridgeLink {
+                address: "server".into(),
+                version: RosVersion::One,
+                action: "/arm".into(),
+                joint_states: "/joint_states".into(),
+                socket: None,
+            };
+            let mut news = News::of(vec!["a".into(), "position".into()]);
+            news.goal = Some(Goal::after(None, "g".to_owned()));
             for message in messages {
-                driver.hear(&message);
+                link.hear(&message, &mut news);
             }
         }
     }

@@ -2,14 +2,14 @@
 
 use super::DriverError;
 use super::picture::{CameraPicture, LARGEST_PICTURE, PictureTopic, RawImage, pixels};
-use super::rosbridge_socket::open_socket;
+use super::rosbridge_socket::{complaint, end_in_words, open_socket, read, send};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
-use tungstenite::{Message, WebSocket};
+use tungstenite::WebSocket;
 
 /// Largest message, bytes: base64 has four for three.
 const LARGEST_MESSAGE: usize = LARGEST_PICTURE / 3 * 4 + (1 << 16);
@@ -31,8 +31,7 @@ impl RosbridgeCamera {
         let mut socket = open_socket(address, LARGEST_MESSAGE).map_err(lost)?;
         // Of pictures that nobody took in time, the server keeps the newest.
         let request = json!({ "op": "subscribe", "topic": topic, "queue_length": 1 });
-        let sent = socket.send(Message::text(request.to_string()));
-        sent.map_err(|error| lost(error.to_string()))?;
+        send(&mut socket, &request).map_err(|error| lost(error.to_string()))?;
         Ok(Self {
             address: address.to_owned(),
             topic: topic.to_owned(),
@@ -57,40 +56,30 @@ impl RosbridgeCamera {
                     .and_then(|()| stream.set_read_timeout(Some(rest))),
             };
             prepared.map_err(|error| self.lost(error))?;
-            match self.socket.read() {
-                Ok(Message::Text(text)) => {
-                    let message: Value = serde_json::from_str(&text).unwrap_or_default();
-                    if message["op"] == "publish" && message["topic"] == *self.topic {
-                        return Ok(Some(message));
-                    }
-                    if message["op"] == "status" && message["level"] == "error" {
-                        let said = message["msg"].as_str().unwrap_or("an error without words");
-                        return Err(DriverError::Refused(format!(
-                            "rosbridge at {}: {said}",
-                            self.address
-                        )));
-                    }
-                }
-                Ok(Message::Close(_)) => {
-                    return Err(self.lost("the server closed the connection"));
-                }
-                Ok(_) => {}
-                Err(tungstenite::Error::Io(error))
-                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
-                {
-                    if rest.is_zero() || Instant::now() >= end {
-                        return Ok(None);
-                    }
-                }
+            let message = match read(&mut self.socket) {
+                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::TimedOut => None,
                 Err(tungstenite::Error::Capacity(_)) => {
                     return Err(DriverError::Aborted(format!(
                         "{}: a message has more than {LARGEST_MESSAGE} bytes",
                         self.topic
                     )));
                 }
-                Err(error) => {
-                    return Err(self.lost(format_args!("the connection is lost: {error}")));
+                read => read.map_err(|error| self.lost(end_in_words(&error)))?,
+            };
+            let Some(message) = message else {
+                if rest.is_zero() || Instant::now() >= end {
+                    return Ok(None);
                 }
+                continue;
+            };
+            if message["op"] == "publish" && message["topic"] == *self.topic {
+                return Ok(Some(message));
+            }
+            if let Some(said) = complaint(&message) {
+                return Err(DriverError::Refused(format!(
+                    "rosbridge at {}: {said}",
+                    self.address
+                )));
             }
         }
     }
@@ -144,6 +133,7 @@ fn picture(message: &Value) -> Result<CameraPicture, String> {
 mod tests {
     use super::*;
     use std::net::TcpListener;
+    use tungstenite::Message;
 
     /// A server that answers the first subscription with some messages and then keeps silent.
     fn serve(messages: Vec<Value>) -> String {

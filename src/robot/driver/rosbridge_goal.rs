@@ -13,12 +13,35 @@ pub enum RosVersion {
     Two,
 }
 
-/// What kind of action it is.
-pub(super) struct ActionName {
-    /// Package of its messages.
-    pub package: &'static str,
-    /// Its name there.
-    pub name: &'static str,
+/// Package of the messages of the actions that are sent.
+const PACKAGE: &str = "control_msgs";
+
+impl RosVersion {
+    /// The name of a type of messages of a package.
+    pub(super) fn message_type(self, package: &str, name: &str) -> String {
+        match self {
+            Self::One => format!("{package}/{name}"),
+            Self::Two => format!("{package}/msg/{name}"),
+        }
+    }
+}
+
+/// The messages that open the topics of an action of ROS 1: those of `heard` are subscribed, goal and cancellation advertised.
+pub(super) fn ros_1_topics(action: &str, kind: &str, heard: &[&str]) -> Vec<Value> {
+    let message = |part: &str| format!("{PACKAGE}/{kind}Action{part}");
+    let open = |op: &str, topic: &str| {
+        let message_type = match topic {
+            "status" => "actionlib_msgs/GoalStatusArray".to_owned(),
+            "feedback" => message("Feedback"),
+            "result" => message("Result"),
+            "goal" => message("Goal"),
+            _ => "actionlib_msgs/GoalID".to_owned(),
+        };
+        json!({ "op": op, "topic": format!("{action}/{topic}"), "type": message_type })
+    };
+    let subscribed = heard.iter().map(|topic| open("subscribe", topic));
+    let advertised = ["goal", "cancel"].map(|topic| open("advertise", topic));
+    subscribed.chain(advertised).collect()
 }
 
 /// A duration or time, s.
@@ -35,14 +58,8 @@ pub(super) fn duration(version: RosVersion, seconds: f64) -> Value {
     }
 }
 
-/// The message that sends a goal.
-pub(super) fn goal(
-    version: RosVersion,
-    action: &str,
-    kind: &ActionName,
-    id: &str,
-    body: Value,
-) -> Value {
+/// The message that sends a goal of a kind, such as `GripperCommand`.
+pub(super) fn goal(version: RosVersion, action: &str, kind: &str, id: &str, body: Value) -> Value {
     match version {
         RosVersion::One => json!({
             "op": "publish",
@@ -55,7 +72,7 @@ pub(super) fn goal(
             "op": "send_action_goal",
             "id": id,
             "action": action,
-            "action_type": format!("{}/action/{}", kind.package, kind.name),
+            "action_type": format!("{PACKAGE}/action/{kind}"),
             "args": body,
             "feedback": true,
         }),

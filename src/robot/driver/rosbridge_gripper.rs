@@ -1,23 +1,18 @@
 //! A gripper behind rosbridge: the action `control_msgs/GripperCommand`.
 
-use super::rosbridge_goal::{ActionName, RosVersion, cancellation, goal, result_of};
-use super::rosbridge_socket::{open_socket, send};
+use super::action_driver::unique_name;
+use super::gripper_goal::{GripperGoal, LOOK, wait_for_end};
+use super::rosbridge_goal::{RosVersion, cancellation, goal, result_of, ros_1_topics};
+use super::rosbridge_socket::{complaint, open_quiet_socket, read, send};
 use super::{DriverError, GripperDriver};
 use serde_json::{Value, json};
-use std::io::ErrorKind;
+use std::fmt::Display;
 use std::net::TcpStream;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-use tungstenite::{Message, WebSocket};
+use std::time::Duration;
+use tungstenite::WebSocket;
 
-/// Largest message of the server, bytes.
-const LARGEST_MESSAGE: usize = 1 << 20;
-/// Time between looks.
-const LOOK: Duration = Duration::from_millis(2);
 /// What it is sent to do.
-const COMMAND: ActionName = ActionName {
-    package: "control_msgs",
-    name: "GripperCommand",
-};
+const COMMAND: &str = "GripperCommand";
 
 /// A gripper by its action at a rosbridge server.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,38 +34,85 @@ impl GripperDriver for RosbridgeGripper {
         patience: Duration,
         is_interrupted: &dyn Fn() -> bool,
     ) -> Result<(), DriverError> {
-        let mut socket =
-            open_socket(&self.address, LARGEST_MESSAGE).map_err(|error| self.lost(error))?;
-        let quiet = socket.get_ref().set_nonblocking(true);
-        quiet.map_err(|error| self.lost(error))?;
-        let now = SystemTime::now().duration_since(UNIX_EPOCH);
-        let id = format!("rodlab-{}", now.map_or(0, |now| now.as_nanos()));
+        let socket = open_quiet_socket(&self.address).map_err(|error| self.lost(error))?;
+        let mut sent = SentGoal {
+            gripper: self,
+            socket,
+            id: unique_name(),
+            complaint: String::new(),
+        };
         if self.version == RosVersion::One {
-            for (op, topic, kind) in [
-                (
-                    "subscribe",
-                    "result",
-                    "control_msgs/GripperCommandActionResult",
-                ),
-                ("advertise", "goal", "control_msgs/GripperCommandActionGoal"),
-                ("advertise", "cancel", "actionlib_msgs/GoalID"),
-            ] {
-                let topic = format!("{}/{topic}", self.action);
-                let message = json!({ "op": op, "topic": topic, "type": kind });
-                send(&mut socket, &message).map_err(|error| self.lost(error))?;
+            for message in ros_1_topics(&self.action, COMMAND, &["result"]) {
+                sent.send(&message)?;
             }
         }
         let command = json!({ "position": opening, "max_effort": self.max_effort });
         let body = json!({ "command": command });
-        let message = goal(self.version, &self.action, &COMMAND, &id, body);
-        send(&mut socket, &message).map_err(|error| self.lost(error))?;
-        let ended = self.wait(&mut socket, &id, patience, is_interrupted);
-        if ended.is_err() {
-            // Whatever ended it, the fingers must not move on; the connection may be gone.
-            let cancel = cancellation(self.version, &self.action, &id);
-            send(&mut socket, &cancel).map_err(|error| self.lost(error))?;
+        sent.send(&goal(self.version, &self.action, COMMAND, &sent.id, body))?;
+        wait_for_end(&mut sent, &self.action, patience, is_interrupted)
+    }
+}
+
+impl RosbridgeGripper {
+    fn lost(&self, reason: impl Display) -> DriverError {
+        DriverError::Lost(self.in_words(reason))
+    }
+
+    fn in_words(&self, reason: impl Display) -> String {
+        format!("rosbridge at {}: {reason}", self.address)
+    }
+}
+
+/// A goal, and the connection over which it was sent.
+struct SentGoal<'a> {
+    gripper: &'a RosbridgeGripper,
+    socket: WebSocket<TcpStream>,
+    id: String,
+    /// The last error of the server that may be about another client.
+    complaint: String,
+}
+
+impl SentGoal<'_> {
+    fn send(&mut self, message: &Value) -> Result<(), DriverError> {
+        send(&mut self.socket, message).map_err(|error| self.gripper.lost(error))
+    }
+}
+
+impl GripperGoal for SentGoal<'_> {
+    fn has_ended(&mut self) -> Result<bool, DriverError> {
+        let message = read(&mut self.socket).map_err(|error| self.gripper.lost(error))?;
+        let Some(message) = message else {
+            std::thread::sleep(LOOK);
+            return Ok(false);
+        };
+        if let Some(outcome) = result_of(&self.gripper.action, &self.id, &message) {
+            return match is_stalled(&message) {
+                true => Ok(true),
+                false => outcome.map(|()| true),
+            };
         }
-        ended
+        if let Some(words) = complaint(&message) {
+            if message["id"] == *self.id {
+                return Err(DriverError::Refused(self.gripper.in_words(words)));
+            }
+            self.complaint = format!(" (the server reported: {words})");
+        }
+        Ok(false)
+    }
+
+    /// The connection may be gone.
+    fn cancel(&mut self, error: DriverError) -> DriverError {
+        let gripper = self.gripper;
+        let message = cancellation(gripper.version, &gripper.action, &self.id);
+        self.send(&message).err().unwrap_or(error)
+    }
+
+    fn lost(&self, reason: &dyn Display) -> DriverError {
+        self.gripper.lost(reason)
+    }
+
+    fn advice(&self) -> String {
+        format!("; is it started, and is this its action?{}", self.complaint)
     }
 }
 
@@ -84,62 +126,6 @@ fn is_stalled(result: &Value) -> bool {
         }
     };
     status && values["stalled"] == true
-}
-
-impl RosbridgeGripper {
-    /// Waits for the end of a goal.
-    fn wait(
-        &self,
-        socket: &mut WebSocket<TcpStream>,
-        id: &str,
-        patience: Duration,
-        is_interrupted: &dyn Fn() -> bool,
-    ) -> Result<(), DriverError> {
-        let mut complaint = String::new();
-        let begin = Instant::now();
-        while begin.elapsed() < patience {
-            if is_interrupted() {
-                return Err(DriverError::Aborted("interrupted".into()));
-            }
-            match socket.read() {
-                Ok(Message::Text(text)) => {
-                    let message: Value = serde_json::from_str(&text).unwrap_or_default();
-                    if let Some(outcome) = result_of(&self.action, id, &message) {
-                        return match is_stalled(&message) {
-                            true => Ok(()),
-                            false => outcome,
-                        };
-                    }
-                    if message["op"] == "status" && message["level"] == "error" {
-                        let words = message["msg"].as_str().unwrap_or("an error without words");
-                        if message["id"] == *id {
-                            return Err(DriverError::Refused(self.in_words(words)));
-                        }
-                        // It may be about another client.
-                        complaint = format!(" (the server reported: {words})");
-                    }
-                }
-                Ok(_) => {}
-                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
-                    std::thread::sleep(LOOK);
-                }
-                Err(error) => return Err(self.lost(error)),
-            }
-        }
-        Err(self.lost(format_args!(
-            "the gripper {} has not moved within {} s; is it started, and is this its action?{complaint}",
-            self.action,
-            patience.as_secs_f64()
-        )))
-    }
-
-    fn lost(&self, reason: impl std::fmt::Display) -> DriverError {
-        DriverError::Lost(self.in_words(reason))
-    }
-
-    fn in_words(&self, reason: impl std::fmt::Display) -> String {
-        format!("rosbridge at {}: {reason}", self.address)
-    }
 }
 
 #[cfg(test)]

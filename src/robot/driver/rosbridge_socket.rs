@@ -9,6 +9,8 @@ use tungstenite::{Message, WebSocket};
 
 /// Longest time for a connection, and for a message to leave.
 const PATIENCE: Duration = Duration::from_secs(2);
+/// Largest message of a server of robots, bytes: states and results are far smaller.
+pub(super) const LARGEST_MESSAGE: usize = 1 << 20;
 
 /// A WebSocket to the server at `host:port`, or `host:port/path` where the server asks for one, for messages of
 /// at most `largest` bytes.
@@ -42,6 +44,17 @@ pub(super) fn open_socket(address: &str, largest: usize) -> Result<WebSocket<Tcp
     Ok(socket)
 }
 
+/// The same, whose reads never wait.
+///
+/// # Errors
+/// In words.
+pub(super) fn open_quiet_socket(address: &str) -> Result<WebSocket<TcpStream>, String> {
+    let socket = open_socket(address, LARGEST_MESSAGE)?;
+    let quiet = socket.get_ref().set_nonblocking(true);
+    quiet.map_err(|error| error.to_string())?;
+    Ok(socket)
+}
+
 /// Sends a message on a socket, which may be one that never waits.
 ///
 /// # Errors
@@ -61,4 +74,32 @@ pub(super) fn send(
         result = socket.flush();
     }
     result
+}
+
+/// The next message; `Null` where it is no JSON, `None` where none has arrived.
+///
+/// # Errors
+/// The connection is closed ([`tungstenite::Error::ConnectionClosed`]) or lost.
+pub(super) fn read(socket: &mut WebSocket<TcpStream>) -> Result<Option<Value>, tungstenite::Error> {
+    match socket.read() {
+        Ok(Message::Text(text)) => Ok(Some(serde_json::from_str(&text).unwrap_or_default())),
+        Ok(Message::Close(_)) => Err(tungstenite::Error::ConnectionClosed),
+        Ok(_) => Ok(Some(Value::Null)),
+        Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// How a connection ended, in words.
+pub(super) fn end_in_words(error: &tungstenite::Error) -> String {
+    match error {
+        tungstenite::Error::ConnectionClosed => "the server closed the connection".to_owned(),
+        error => format!("the connection is lost: {error}"),
+    }
+}
+
+/// The error that a server reports in a message, if it is one.
+pub(super) fn complaint(message: &Value) -> Option<&str> {
+    let is_error = message["op"] == "status" && message["level"] == "error";
+    is_error.then(|| message["msg"].as_str().unwrap_or("an error without words"))
 }

@@ -249,12 +249,7 @@ fn first_failure(
     let all = if problem.chain.joints.len() <= 6 {
         problem.chain.branches(pose)
     } else {
-        problem
-            .chain
-            .self_motions(pose)
-            .into_iter()
-            .flatten()
-            .collect()
+        problem.chain.self_motions(pose).concat()
     };
     let reason = if all.is_empty() {
         Obstruction::OutOfReach

@@ -364,11 +364,7 @@ impl Driver for Connection {
             _ => {}
         }
         let is_over = arm.own_time(now) >= arm.end() + 0.01;
-        Ok(if is_over {
-            Progress::Done
-        } else {
-            Progress::Running
-        })
+        Ok(Progress::over(is_over))
     }
 
     fn stop(&mut self) -> Result<(), DriverError> {
@@ -386,15 +382,7 @@ impl Driver for Connection {
 }
 
 fn rise(duration: f64) -> PartTrajectory {
-    let part = |k: i32| f64::from(k) / 50.0;
-    let rise = |s: f64| s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-    PartTrajectory {
-        joints: vec!["a".into(), "b".into()],
-        times: (0..=50).map(|k| duration * part(k)).collect(),
-        points: (0..=50)
-            .map(|k| vec![rise(part(k)), -0.7 * rise(part(k))])
-            .collect(),
-    }
+    PartTrajectory::smooth(&[("a", 1.0), ("b", -0.7)], duration, 50)
 }
 
 /// Runs a case; what is wrong with how it ended.

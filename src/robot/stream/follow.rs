@@ -7,7 +7,7 @@
 use super::bounds::StreamBounds;
 use super::reports::{Reports, STILL};
 use crate::chain::JointKind;
-use crate::driver::{Interpolant, JointState, PartTrajectory};
+use crate::driver::{Interpolant, JointState, PartTrajectory, range_of};
 
 /// An arm may be late by this, s, before its distance from where it should be counts.
 pub(super) const LATENESS: f64 = 0.3;
@@ -119,14 +119,8 @@ impl Follower {
         if let Some(setpoint) = now.setpoint {
             self.setpoints.add(setpoint, now.time);
         }
-        let from_start = self.distance(
-            &state.positions,
-            |joint, _| {
-                let first = self.path.first()[joint];
-                [first, first]
-            },
-            now.bounds,
-        );
+        let first = |joint: usize| [self.path.first()[joint]; 2];
+        let from_start = self.distance(&state.positions, first, now.bounds);
         self.has_moved |= from_start.1 > NOTICEABLE;
         self.find_lag(state, now)?;
         self.look_for_stop(now)
@@ -183,28 +177,19 @@ impl Follower {
             .chain(knots)
             .map(|time| self.path.at(time))
             .collect();
-        self.distance(
-            positions,
-            |joint, _| {
-                places
-                    .iter()
-                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
-                        [low.min(place[joint]), high.max(place[joint])]
-                    })
-            },
-            now.bounds,
-        )
+        let range = |joint: usize| range_of(places.iter().map(|place| place[joint]));
+        self.distance(positions, range, now.bounds)
     }
 
     /// The joint farthest outside a range, and how far, as a part of its tracking tolerance.
     fn distance(
         &self,
         positions: &[f64],
-        range: impl Fn(usize, JointKind) -> [f64; 2],
+        range: impl Fn(usize) -> [f64; 2],
         bounds: &StreamBounds,
     ) -> (usize, f64) {
         let distances = self.kinds.iter().enumerate().map(|(joint, kind)| {
-            let [low, high] = range(joint, *kind);
+            let [low, high] = range(joint);
             let position = positions[joint];
             // A position that is not a number is infinitely far.
             let distance = if position.is_finite() {
@@ -284,7 +269,7 @@ impl Follower {
         let least = (0..=SAMPLES).map(|k| {
             let end = since + (until - since) * k as f64 / SAMPLES as f64;
             let ends = [self.path.at(end - window), self.path.at(end)];
-            let range = |joint: usize, _| [ends[0][joint]; 2];
+            let range = |joint: usize| [ends[0][joint]; 2];
             self.distance(&ends[1], range, now.bounds).1
         });
         let least = least.fold(f64::INFINITY, f64::min);
@@ -299,7 +284,7 @@ impl Follower {
         arm.zip(setpoint)
             .is_some_and(|(arm, setpoint)| setpoint < arm + 0.1 * NOTICEABLE)
             && places.is_some_and(|(at, setpoint)| {
-                let range = |joint: usize, _| [setpoint[joint]; 2];
+                let range = |joint: usize| [setpoint[joint]; 2];
                 self.distance(at, range, now.bounds).1 <= 1.0
             })
     }

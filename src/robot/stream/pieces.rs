@@ -150,16 +150,11 @@ mod tests {
 
     /// Two joints that rise to 1 rad and 0.7 rad over a time, with points at 100 Hz.
     fn rise(duration: f64) -> PartTrajectory {
-        let count = (100.0 * duration) as usize;
-        let part = |k: usize| k as f64 / count as f64;
-        let rise = |s: f64| s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-        PartTrajectory {
-            joints: vec!["a".into(), "b".into()],
-            times: (0..=count).map(|k| duration * part(k)).collect(),
-            points: (0..=count)
-                .map(|k| vec![rise(part(k)), -0.7 * rise(part(k))])
-                .collect(),
-        }
+        PartTrajectory::smooth(
+            &[("a", 1.0), ("b", -0.7)],
+            duration,
+            (100.0 * duration) as usize,
+        )
     }
 
     fn apart(a: &[f64], b: &[f64]) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::bounds::Tolerance;
 use crate::chain::JointKind;
-use crate::driver::JointState;
+use crate::driver::{JointState, range_of};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
@@ -95,20 +95,13 @@ impl Reports {
     /// Range of the positions of each joint from a report on, as a multiple of `unit`: the greatest.
     fn spread(&self, first: usize, unit: &Tolerance) -> f64 {
         let joints = self.kinds.iter().enumerate().map(|(joint, kind)| {
-            let positions = self
-                .kept
-                .iter()
-                .skip(first)
-                .map(|report| report.positions[joint]);
-            let (low, high) =
-                positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), q| {
-                    // A position that is not a number is a movement without bound.
-                    if q.is_finite() {
-                        (low.min(q), high.max(q))
-                    } else {
-                        (f64::NEG_INFINITY, f64::INFINITY)
-                    }
-                });
+            let reports = self.kept.iter().skip(first);
+            let positions = || reports.clone().map(|report| report.positions[joint]);
+            // A position that is not a number is a movement without bound.
+            if !positions().all(f64::is_finite) {
+                return f64::INFINITY;
+            }
+            let [low, high] = range_of(positions());
             (high - low) / unit.of(*kind)
         });
         joints.fold(0.0, f64::max)

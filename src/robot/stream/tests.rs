@@ -56,11 +56,7 @@ impl Driver for Arm {
     }
     fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError> {
         let duration = self.motion.as_ref().map_or(0.0, Interpolant::duration);
-        Ok(if elapsed > duration {
-            Progress::Done
-        } else {
-            Progress::Running
-        })
+        Ok(Progress::over(elapsed > duration))
     }
     fn stop(&mut self) -> Result<(), DriverError> {
         let stopped = &mut self.notes.lock().unwrap().stopped;
@@ -115,6 +111,11 @@ fn run_two(
     (ending, notes, begin.elapsed())
 }
 
+/// Whether something is true of both arms.
+fn all(notes: &[Arc<Mutex<Notes>>; 2], is_true: fn(&Notes) -> bool) -> bool {
+    notes.iter().all(|notes| is_true(&notes.lock().unwrap()))
+}
+
 fn failure(ending: Ending) -> String {
     match ending {
         Ending::Failed(reason) => reason,
@@ -127,11 +128,7 @@ fn two_arms_that_follow_come_to_the_end_together() {
     let (ending, notes, time) = run_two(|_| 0.01, f64::INFINITY, &|| false);
     assert_eq!(ending, Ending::Finished);
     assert!(time.as_secs_f64() < 3.0, "{time:?}");
-    assert!(
-        notes
-            .iter()
-            .all(|notes| notes.lock().unwrap().stopped.is_none())
-    );
+    assert!(all(&notes, |notes| notes.stopped.is_none()));
 }
 
 #[test]
@@ -139,7 +136,7 @@ fn an_arm_that_stands_elsewhere_is_not_moved() {
     let (ending, notes, _) = run_two(|_| 0.05, f64::INFINITY, &|| false);
     let reason = failure(ending);
     assert!(reason.contains("a is at 0.0500 rad"), "{reason}");
-    assert!(notes.iter().all(|notes| !notes.lock().unwrap().started));
+    assert!(all(&notes, |notes| !notes.started));
 }
 
 #[test]
@@ -154,22 +151,14 @@ fn silence_stops_both_arms_within_half_a_second() {
     );
     let stopped = notes[1].lock().unwrap().stopped.unwrap();
     assert!(stopped.duration_since(begin).as_secs_f64() < 0.8);
-    assert!(
-        notes
-            .iter()
-            .all(|notes| notes.lock().unwrap().stopped.is_some())
-    );
+    assert!(all(&notes, |notes| notes.stopped.is_some()));
 }
 
 #[test]
 fn an_arm_that_leaves_the_path_stops_both() {
     let (ending, notes, _) = run_two(|time| 0.5 * (time - 0.2).max(0.0), f64::INFINITY, &|| false);
     assert!(failure(ending).contains("from where it should be"));
-    assert!(
-        notes
-            .iter()
-            .all(|notes| notes.lock().unwrap().stopped.is_some())
-    );
+    assert!(all(&notes, |notes| notes.stopped.is_some()));
 }
 
 /// An arm with a clock of its own, which runs at 50 times real time until the arm has heard the command, and at a tenth from then
@@ -222,10 +211,7 @@ impl Driver for Simulated {
     }
     fn advance(&mut self, elapsed: f64) -> Result<Progress, DriverError> {
         let end = self.trajectory.duration() + 50.0 * Self::HEARS;
-        Ok(match elapsed > end {
-            true => Progress::Done,
-            false => Progress::Running,
-        })
+        Ok(Progress::over(elapsed > end))
     }
     fn stop(&mut self) -> Result<(), DriverError> {
         Ok(())
@@ -264,11 +250,7 @@ fn an_interruption_leaves_both_arms_still() {
     };
     let (ending, notes, _) = run_two(|_| 0.0, f64::INFINITY, &interrupt);
     assert_eq!(ending, Ending::Interrupted);
-    assert!(
-        notes
-            .iter()
-            .all(|notes| notes.lock().unwrap().stopped.is_some())
-    );
+    assert!(all(&notes, |notes| notes.stopped.is_some()));
 }
 
 #[test]
@@ -296,13 +278,7 @@ fn limits() -> Limits {
 
 /// A smooth step of one: velocity up to 15/8, acceleration up to 5.8, jerk up to 60, over the time and its powers.
 fn smooth(duration: f64) -> PartTrajectory {
-    let part = |k: i32| f64::from(k) / 200.0;
-    let rise = |s: f64| s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-    PartTrajectory {
-        joints: vec!["a".into()],
-        times: (0..=200).map(|k| duration * part(k)).collect(),
-        points: (0..=200).map(|k| vec![rise(part(k))]).collect(),
-    }
+    PartTrajectory::smooth(&[("a", 1.0)], duration, 200)
 }
 
 /// A row a second: by their differences the motion is slow, and the cubics between them are not.
@@ -318,22 +294,15 @@ fn the_cubics_between_points_are_checked() {
         jerk: f64::INFINITY,
         ..limits()
     };
-    let fault = check(&coarse, &[limits]).unwrap_err().remove(0);
-    assert_eq!(
-        (fault.what, fault.is_between),
-        ("velocity", true),
-        "{fault}"
-    );
-    let limits = Limits {
+    let first_fault = |limits| check(&coarse, &[limits]).unwrap_err().remove(0);
+    let found = |fault: &Fault| (fault.what, fault.is_between);
+    let fault = first_fault(limits);
+    assert_eq!(found(&fault), ("velocity", true), "{fault}");
+    let fault = first_fault(Limits {
         velocity: 10.0,
         ..limits
-    };
-    let fault = check(&coarse, &[limits]).unwrap_err().remove(0);
-    assert_eq!(
-        (fault.what, fault.is_between),
-        ("acceleration", true),
-        "{fault}"
-    );
+    });
+    assert_eq!(found(&fault), ("acceleration", true), "{fault}");
     assert!((fault.value - 5.4).abs() < 1e-9);
 }
 
@@ -346,39 +315,31 @@ fn limits_are_checked_before_the_first_point() {
     let fast = fault(&smooth(1.5), limits());
     assert_eq!(fast.what, "velocity");
     assert!((40..80).contains(&fast.point), "{fast}");
-    assert_eq!(
-        fault(
-            &smooth(2.0),
+    for (what, limits) in [
+        (
+            "acceleration",
             Limits {
                 acceleration: 1.4,
                 ..limits()
-            }
-        )
-        .what,
-        "acceleration"
-    );
-    assert_eq!(
-        fault(
-            &smooth(2.0),
+            },
+        ),
+        (
+            "jerk",
             Limits {
                 jerk: 6.0,
                 ..limits()
-            }
-        )
-        .what,
-        "jerk"
-    );
-    assert_eq!(
-        fault(
-            &smooth(2.0),
+            },
+        ),
+        (
+            "position",
             Limits {
                 upper: 0.5,
                 ..limits()
-            }
-        )
-        .what,
-        "position"
-    );
+            },
+        ),
+    ] {
+        assert_eq!(fault(&smooth(2.0), limits).what, what);
+    }
     // A ramp starts with a jerk.
     assert_eq!(fault(&ramp(2.0), limits()).what, "acceleration");
     let mut jumped = smooth(2.0);

@@ -172,16 +172,20 @@ mod tests {
         )
     }
 
+    fn assert_within(motion: &Motion, bounds: &[Limits]) {
+        let used = utilisation(&motion.samples, bounds);
+        assert!(
+            used.velocity <= 1.0 && used.acceleration <= 1.0 && used.jerk <= 1.0,
+            "{used:?}"
+        );
+    }
+
     #[test]
     fn a_straight_motion_is_nearly_as_fast_as_jerk_limits_allow() {
         let (joints, way) = line(2.0, 1.0);
         let bounds = [limits(1.0, 4.0, 40.0), limits(9.0, 99.0, 999.0)];
         let motion = parametrise(&joints, &way, &bounds, 9.0).unwrap();
-        let used = utilisation(&motion.samples, &bounds);
-        assert!(
-            used.velocity <= 1.0 && used.acceleration <= 1.0 && used.jerk <= 1.0,
-            "{used:?}"
-        );
+        assert_within(&motion, &bounds);
         // The fastest: l/v + v/a + a/j.
         let fastest = 2.0 / 1.0 + 1.0 / 4.0 + 4.0 / 40.0;
         let time = motion.samples.len() as f64 * SAMPLE;
@@ -218,11 +222,7 @@ mod tests {
             .collect();
         let bounds = [limits(1.5, 5.0, 50.0); 2];
         let motion = parametrise(&joints, &way, &bounds, 1.0).unwrap();
-        let used = utilisation(&motion.samples, &bounds);
-        assert!(
-            used.velocity <= 1.0 && used.acceleration <= 1.0 && used.jerk <= 1.0,
-            "{used:?}"
-        );
+        assert_within(&motion, &bounds);
         assert!(motion.samples.len() < 6000, "{}", motion.samples.len());
         // By differences of its own, since the motion is made with those of `utilisation`.
         for joint in 0..2 {

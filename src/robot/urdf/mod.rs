@@ -280,13 +280,8 @@ fn kind(joint: &urdf_rs::Joint) -> Option<JointKind> {
 }
 
 fn own_joint(joint: &urdf_rs::Joint) -> Result<Joint, String> {
-    let limit = &joint.limit;
-    let endless = joint.joint_type == JointType::Continuous;
-    let (lower, upper) = if endless {
-        (f64::NEG_INFINITY, f64::INFINITY)
-    } else {
-        (limit.lower, limit.upper)
-    };
+    let limits = limits_of(joint, false);
+    let Limits { lower, upper, .. } = limits;
     if !(lower < upper) {
         return Err(format!(
             "joint `{}`: its lower limit {lower} must be below its upper limit {upper}",
@@ -296,11 +291,18 @@ fn own_joint(joint: &urdf_rs::Joint) -> Result<Joint, String> {
     Ok(Joint {
         name: joint.name.clone(),
         kind: kind(joint).unwrap_or(JointKind::Revolute),
-        limits: limits_between(lower, upper, limit),
+        limits,
     })
 }
 
-fn limits_between(lower: f64, upper: f64, limit: &urdf_rs::JointLimit) -> Limits {
+/// Limits of a joint, of which a range without an end is that of a continuous one, or of one `without_range`.
+fn limits_of(joint: &urdf_rs::Joint, without_range: bool) -> Limits {
+    let limit = &joint.limit;
+    let (lower, upper) = if joint.joint_type == JointType::Continuous || without_range {
+        (f64::NEG_INFINITY, f64::INFINITY)
+    } else {
+        (limit.lower, limit.upper)
+    };
     let positive = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
     Limits {
         lower,
@@ -313,14 +315,7 @@ fn limits_between(lower: f64, upper: f64, limit: &urdf_rs::JointLimit) -> Limits
 
 /// Limits of a joint that mimics another. A range from 0 to 0 is that of a `<limit>` without a range.
 fn follower_limits(joint: &urdf_rs::Joint) -> Limits {
-    let limit = &joint.limit;
-    let is_endless = joint.joint_type == JointType::Continuous;
-    let (lower, upper) = if is_endless || (limit.lower == 0.0 && limit.upper == 0.0) {
-        (f64::NEG_INFINITY, f64::INFINITY)
-    } else {
-        (limit.lower, limit.upper)
-    };
-    limits_between(lower, upper, limit)
+    limits_of(joint, joint.limit.lower == 0.0 && joint.limit.upper == 0.0)
 }
 
 fn pose_of(origin: &urdf_rs::Pose) -> Pose {

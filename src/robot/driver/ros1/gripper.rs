@@ -1,20 +1,19 @@
 //! A gripper of ROS 1: the action `control_msgs/GripperCommand`.
 
-use super::super::action_client::Goal;
+use super::super::action_driver::unique_name;
 use super::super::follow_joint_trajectory::ros_1_outcome;
+use super::super::gripper_goal::{GripperGoal, LOOK, wait_for_end, wait_for_server};
 use super::super::{DriverError, GripperDriver};
+use super::PATIENCE;
 use super::message;
 use super::node::{Heard, Node, Publication, mailbox, master_uri};
+use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// Longest wait for the action server.
-const PATIENCE: Duration = Duration::from_secs(3);
 /// Status of a goal that the controller broke off.
 const ABORTED: u8 = 4;
-/// Time between looks.
-const LOOK: Duration = Duration::from_millis(5);
 
 /// A gripper by its action at a master.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +34,7 @@ impl GripperDriver for Ros1Gripper {
         is_interrupted: &dyn Fn() -> bool,
     ) -> Result<(), DriverError> {
         let unreachable = |error: std::io::Error| {
-            self.lost(format_args!(
+            self.lost(&format_args!(
                 "{error}; is it started, and is `master` its address?"
             ))
         };
@@ -48,80 +47,65 @@ impl GripperDriver for Ros1Gripper {
         let goals = goals.map_err(unreachable)?;
         let cancellations = node.advertise(&topic("cancel"), message::CANCEL);
         let cancellations = cancellations.map_err(unreachable)?;
-        self.wait_for_server([&goals, &cancellations], is_interrupted)?;
-        let goal = Goal::new();
-        goals.publish(&message::gripper_goal(opening, self.max_effort, goal.id()));
-        let ended = self.wait(&heard, &goal, patience, is_interrupted);
-        if ended.is_err() {
-            // Whatever ended it, the fingers must not move on.
-            cancellations.publish(&message::cancel(goal.id()));
+        let is_there = || goals.subscribers() > 0 && cancellations.subscribers() > 0;
+        if !wait_for_server(PATIENCE, is_interrupted, &is_there)? {
+            return Err(self.lost(&format_args!(
+                "no action server listens to {}/goal; is the gripper started?",
+                self.action
+            )));
         }
-        ended
+        let id = unique_name();
+        goals.publish(&message::gripper_goal(opening, self.max_effort, &id));
+        let mut sent = SentGoal {
+            gripper: self,
+            heard,
+            cancellations,
+            id,
+        };
+        wait_for_end(&mut sent, &self.action, patience, is_interrupted)
     }
 }
 
 impl Ros1Gripper {
-    /// Waits for the end of a goal.
-    fn wait(
-        &self,
-        heard: &Receiver<Heard>,
-        goal: &Goal,
-        patience: Duration,
-        is_interrupted: &dyn Fn() -> bool,
-    ) -> Result<(), DriverError> {
-        let begin = Instant::now();
-        while begin.elapsed() < patience {
-            if is_interrupted() {
-                return Err(DriverError::Aborted("interrupted".into()));
-            }
-            match heard.recv_timeout(LOOK) {
-                Ok(Heard::Message(_, bytes)) => {
-                    if let Some(status) = message::status_of(&bytes)
-                        && status.id == goal.id()
-                    {
-                        // Fingers that hold something on the way have stalled; some controllers abort then.
-                        if status.status == ABORTED && message::is_stalled(&bytes) {
-                            return Ok(());
-                        }
-                        return ros_1_outcome(i64::from(status.status), 0, &status.text);
-                    }
-                }
-                Ok(Heard::MasterIsGone) | Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => {
-                    return Err(self.lost(format_args!("the connection is lost")));
-                }
-            }
-        }
-        Err(self.lost(format_args!(
-            "the gripper {} has not moved within {} s; is it started, and is this its action?",
-            self.action,
-            patience.as_secs_f64()
-        )))
-    }
-
-    /// Waits until the action server hears goals and cancellations.
-    fn wait_for_server(
-        &self,
-        topics: [&Arc<Publication>; 2],
-        is_interrupted: &dyn Fn() -> bool,
-    ) -> Result<(), DriverError> {
-        let begin = Instant::now();
-        while topics.iter().any(|topic| topic.subscribers() == 0) {
-            if is_interrupted() {
-                return Err(DriverError::Aborted("interrupted".into()));
-            }
-            if begin.elapsed() > PATIENCE {
-                return Err(self.lost(format_args!(
-                    "no action server listens to {}/goal; is the gripper started?",
-                    self.action
-                )));
-            }
-            std::thread::sleep(LOOK);
-        }
-        Ok(())
-    }
-
-    fn lost(&self, reason: std::fmt::Arguments<'_>) -> DriverError {
+    fn lost(&self, reason: &dyn Display) -> DriverError {
         DriverError::Lost(format!("ROS master {}: {reason}", self.master))
+    }
+}
+
+/// A goal, and the topics about it.
+struct SentGoal<'a> {
+    gripper: &'a Ros1Gripper,
+    heard: Receiver<Heard>,
+    cancellations: Arc<Publication>,
+    id: String,
+}
+
+impl GripperGoal for SentGoal<'_> {
+    fn has_ended(&mut self) -> Result<bool, DriverError> {
+        let bytes = match self.heard.recv_timeout(LOOK) {
+            Ok(Heard::Message(_, bytes)) => bytes,
+            Ok(Heard::MasterIsGone) | Err(RecvTimeoutError::Timeout) => return Ok(false),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(self.lost(&"the connection is lost"));
+            }
+        };
+        let status = message::status_of(&bytes).filter(|status| status.id == self.id);
+        let Some(status) = status else {
+            return Ok(false);
+        };
+        // Fingers that hold something on the way have stalled; some controllers abort then.
+        if status.status == ABORTED && message::is_stalled(&bytes) {
+            return Ok(true);
+        }
+        ros_1_outcome(status.status.into(), 0, &status.text).map(|()| true)
+    }
+
+    fn cancel(&mut self, error: DriverError) -> DriverError {
+        self.cancellations.publish(&message::cancel(&self.id));
+        error
+    }
+
+    fn lost(&self, reason: &dyn Display) -> DriverError {
+        self.gripper.lost(reason)
     }
 }

@@ -123,13 +123,12 @@ pub fn goal(joints: &[String], motion: &Interpolant, id: &str) -> Vec<u8> {
     writer.u32(joints.len() as u32);
     joints.iter().for_each(|joint| writer.text(joint));
     writer.u32(motion.points().len() as u32);
-    let rows = motion.times().iter().zip(motion.points());
-    for ((time, point), velocities) in rows.zip(motion.velocities()) {
+    for (time, point, velocities) in motion.rows() {
         writer.numbers(point);
         writer.numbers(velocities);
         writer.numbers(&[]);
         writer.numbers(&[]);
-        writer.duration(*time);
+        writer.duration(time);
     }
     writer.u32(0);
     writer.u32(0);

@@ -16,14 +16,14 @@ pub use bag::{Bag, BagError, BagPicture};
 pub use camera::Ros1Camera;
 pub use gripper::Ros1Gripper;
 
-use super::action_client::{ActionClient, Goal};
-use super::clocked_reports::ClockedReports;
+use super::action_driver::{ActionDriver, ActionLink, News, unique_name};
 use super::follow_joint_trajectory::ros_1_outcome;
-use super::{Driver, DriverError, Interpolant, JointState, Progress, read_within_bounds};
+use super::gripper_goal::wait_for_server;
+use super::{DriverError, Interpolant, read_within_bounds};
 use node::{Heard, Node, Publication, mailbox};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Longest wait for the action server.
 const PATIENCE: Duration = Duration::from_secs(3);
@@ -37,15 +37,27 @@ const FEEDBACK: &str = "feedback";
 const RESULT: &str = "result";
 
 /// A driver for an action server of ROS 1.
-pub struct Ros1Driver {
+pub type Ros1Driver = ActionDriver<Ros1Link>;
+
+impl Ros1Driver {
+    /// A driver at a master such as `http://10.0.0.1:11311`, for the action of that name and the topic of joint
+    /// states.
+    pub fn new(master: &str, action: &str, joint_states: &str) -> Self {
+        Self::over(Ros1Link {
+            master: node::master_uri(master),
+            action: action.trim_end_matches('/').to_owned(),
+            joint_states: joint_states.to_owned(),
+            connection: None,
+        })
+    }
+}
+
+/// A way to an action server of ROS 1.
+pub struct Ros1Link {
     master: String,
     action: String,
     joint_states: String,
-    joints: Vec<String>,
     connection: Option<Connection>,
-    reports: ClockedReports,
-    setpoint: Option<JointState>,
-    goal: Option<Goal>,
 }
 
 struct Connection {
@@ -55,23 +67,8 @@ struct Connection {
     _node: Node,
 }
 
-impl Ros1Driver {
-    /// A driver at a master such as `http://10.0.0.1:11311`, for the action of that name and the topic of joint
-    /// states.
-    pub fn new(master: &str, action: &str, joint_states: &str) -> Self {
-        Self {
-            master: node::master_uri(master),
-            action: action.trim_end_matches('/').to_owned(),
-            joint_states: joint_states.to_owned(),
-            joints: Vec::new(),
-            connection: None,
-            reports: ClockedReports::default(),
-            setpoint: None,
-            goal: None,
-        }
-    }
-
-    fn open(&self) -> std::io::Result<Connection> {
+impl Ros1Link {
+    fn connect(&self) -> std::io::Result<Connection> {
         let node = Node::start(&self.master)?;
         let (sender, heard) = mailbox();
         let topic = |what: &str| format!("{}/{what}", self.action);
@@ -90,169 +87,112 @@ impl Ros1Driver {
         })
     }
 
+    fn connection(&self) -> Result<&Connection, DriverError> {
+        let connection = self.connection.as_ref();
+        connection.ok_or_else(|| self.lost(&"not connected"))
+    }
+
     /// Reads one message; `false` where none has arrived.
-    fn read_message(&mut self) -> Result<bool, DriverError> {
-        let Some(connection) = &self.connection else {
-            return Err(self.lost(format_args!("not connected")));
-        };
-        match connection.heard.try_recv() {
+    fn read_message(&self, news: &mut News<String>) -> Result<bool, DriverError> {
+        match self.connection()?.heard.try_recv() {
             Ok(Heard::Message(label, message)) => {
-                self.hear(label, &message);
+                // What is damaged is not heard.
+                let _ = hear(label, &message, news);
                 Ok(true)
             }
-            Ok(Heard::MasterIsGone) => Err(self.lost(format_args!(
+            Ok(Heard::MasterIsGone) => Err(self.lost(&format_args!(
                 "it does not answer any more; the motion is cancelled"
             ))),
             Err(TryRecvError::Empty) => Ok(false),
-            Err(TryRecvError::Disconnected) => {
-                Err(self.lost(format_args!("the connection is lost")))
-            }
+            Err(TryRecvError::Disconnected) => Err(self.lost(&"the connection is lost")),
         }
     }
 
-    fn hear(&mut self, label: &str, bytes: &[u8]) {
-        match label {
-            STATES => {
-                let Some((stamp, names, positions)) = message::joint_state(bytes) else {
-                    return;
-                };
-                let position = |index: usize| positions.get(index).copied();
-                let heard = JointState::heard(&self.joints, &names, position);
-                self.reports.add(heard, Some(stamp));
-            }
-            CLOCK => {
-                if let Some(time) = message::clock(bytes) {
-                    self.reports.set_time(time);
-                }
-            }
-            FEEDBACK => {
-                let Some((status, names, positions)) = message::feedback(bytes) else {
-                    return;
-                };
-                if let Some(goal) = &mut self.goal
-                    && status.id == goal.id()
-                {
-                    goal.acknowledge();
-                    let heard = JointState::heard(&self.joints, &names, |index| {
-                        positions.get(index).copied()
-                    });
-                    self.setpoint = heard.or(self.setpoint.take());
-                }
-            }
-            _ => {
-                let (Some(goal), Some((status, code, words))) =
-                    (&mut self.goal, message::result(bytes))
-                else {
-                    return;
-                };
-                if status.id == goal.id() {
-                    let said = format!("{} {words}", status.text);
-                    goal.end(ros_1_outcome(
-                        i64::from(status.status),
-                        i64::from(code),
-                        &said,
-                    ));
-                }
-            }
+    /// Sends a message to the action server.
+    fn publish(&self, topic: &Publication, message: &[u8]) -> Result<(), DriverError> {
+        match topic.publish(message) {
+            0 => Err(self.lost(&format_args!(
+                "the action server of {} is gone",
+                self.action
+            ))),
+            _ => Ok(()),
         }
     }
 }
 
-impl ActionClient for Ros1Driver {
-    fn goal(&self) -> Option<&Goal> {
-        self.goal.as_ref()
+/// Keeps what a message says; `None` where it is damaged.
+fn hear(label: &str, bytes: &[u8], news: &mut News<String>) -> Option<()> {
+    match label {
+        STATES => {
+            let (stamp, names, positions) = message::joint_state(bytes)?;
+            news.add_state(&names, |index| positions.get(index).copied(), Some(stamp));
+        }
+        CLOCK => news.set_time(message::clock(bytes)?),
+        FEEDBACK => {
+            let (status, names, positions) = message::feedback(bytes)?;
+            let goal = news.goal.as_mut().filter(|goal| status.id == *goal.id())?;
+            goal.acknowledge();
+            news.add_setpoint(&names, |index| positions.get(index).copied());
+        }
+        _ => {
+            let (status, code, words) = message::result(bytes)?;
+            let goal = news.goal.as_mut().filter(|goal| status.id == *goal.id())?;
+            let said = format!("{} {words}", status.text);
+            goal.end(ros_1_outcome(status.status.into(), code.into(), &said));
+        }
+    }
+    Some(())
+}
+
+impl ActionLink for Ros1Link {
+    type Id = String;
+
+    fn unique() -> String {
+        unique_name()
     }
 
     fn action(&self) -> &str {
         &self.action
     }
 
-    fn listen(&mut self) -> Result<(), DriverError> {
-        read_within_bounds(|| self.read_message())
-    }
-
-    fn cancel(&mut self, id: &str) -> Result<(), DriverError> {
-        let Some(connection) = &self.connection else {
-            return Err(self.lost(format_args!("not connected")));
-        };
-        match connection.cancellations.publish(&message::cancel(id)) {
-            0 => Err(self.lost(format_args!("the action server of {} is gone", self.action))),
-            _ => Ok(()),
-        }
-    }
-
-    fn lost(&self, reason: std::fmt::Arguments<'_>) -> DriverError {
+    fn lost(&self, reason: &dyn std::fmt::Display) -> DriverError {
         DriverError::Lost(format!("ROS master {}: {reason}", self.master))
     }
-}
 
-impl Driver for Ros1Driver {
-    fn connect(&mut self, joints: &[String]) -> Result<(), DriverError> {
-        self.joints = joints.to_vec();
-        let connection = self.open().map_err(|error| {
-            self.lost(format_args!(
+    fn open(&mut self) -> Result<(), DriverError> {
+        let connection = self.connect().map_err(|error| {
+            self.lost(&format_args!(
                 "{error}; is it started, and is `master` its address?"
             ))
         })?;
-        let begin = Instant::now();
-        while connection.goals.subscribers() == 0 || connection.cancellations.subscribers() == 0 {
-            if begin.elapsed() > PATIENCE {
-                return Err(self.lost(format_args!(
-                    "no action server listens to {}/goal; is the controller started?",
-                    self.action
-                )));
-            }
-            std::thread::sleep(Duration::from_millis(5));
+        let topics = [&connection.goals, &connection.cancellations];
+        let is_there = || topics.iter().all(|topic| topic.subscribers() > 0);
+        if !wait_for_server(PATIENCE, &|| false, &is_there)? {
+            return Err(self.lost(&format_args!(
+                "no action server listens to {}/goal; is the controller started?",
+                self.action
+            )));
         }
         self.connection = Some(connection);
-        self.reports.open();
         Ok(())
     }
 
-    fn reports_state(&self) -> bool {
-        true
+    fn listen(&mut self, news: &mut News<String>) -> Result<(), DriverError> {
+        read_within_bounds(|| self.read_message(news))
     }
 
-    fn state(&mut self) -> Result<Option<JointState>, DriverError> {
-        self.listen()?;
-        Ok(self.reports.state())
+    fn send_goal(
+        &mut self,
+        joints: &[String],
+        motion: &Interpolant,
+        id: &String,
+    ) -> Result<(), DriverError> {
+        let goals = &self.connection()?.goals;
+        self.publish(goals, &message::goal(joints, motion, id))
     }
 
-    fn setpoint(&self) -> Option<&JointState> {
-        self.setpoint.as_ref()
-    }
-
-    fn clock(&self) -> Option<(f64, Instant)> {
-        self.reports.clock()
-    }
-
-    fn sends_goals(&self) -> bool {
-        true
-    }
-
-    fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
-        let Some(connection) = &self.connection else {
-            return Err(self.lost(format_args!("not connected")));
-        };
-        self.setpoint = None;
-        let goal = Goal::after(self.goal.as_ref());
-        let message = message::goal(&self.joints, motion, goal.id());
-        if connection.goals.publish(&message) == 0 {
-            return Err(self.lost(format_args!("the action server of {} is gone", self.action)));
-        }
-        self.goal = Some(goal);
-        Ok(())
-    }
-
-    fn advance(&mut self, _: f64) -> Result<Progress, DriverError> {
-        self.progress()
-    }
-
-    fn is_accepted(&self) -> bool {
-        self.goal.as_ref().is_some_and(Goal::is_accepted)
-    }
-
-    fn stop(&mut self) -> Result<(), DriverError> {
-        self.cancel_goal()
+    fn cancel(&mut self, id: &String) -> Result<(), DriverError> {
+        let cancellations = &self.connection()?.cancellations;
+        self.publish(cancellations, &message::cancel(id))
     }
 }

@@ -168,11 +168,7 @@ impl Drop for Node {
     fn drop(&mut self) {
         self.inner.closed.store(true, Ordering::Relaxed);
         let topics = |method: &str, topic: &str| {
-            let parameters = [
-                Value::text(&self.inner.name),
-                Value::text(topic),
-                Value::text(&self.inner.uri),
-            ];
+            let parameters = [&self.inner.name, topic, &self.inner.uri].map(Value::text);
             // The master may be gone.
             let _ = call(&self.inner.master, method, &parameters);
         };
@@ -215,9 +211,7 @@ fn accept(listener: TcpListener, inner: Arc<Inner>, handle: fn(&Arc<Inner>, TcpS
 impl Inner {
     fn register(&self, method: &str, topic: &str, kind: MessageType) -> io::Result<Vec<String>> {
         let parameters = [&self.name, topic, kind.name, &self.uri].map(Value::text);
-        let answer = call(&self.master, method, &parameters)?;
-        let uris = answer.as_array().unwrap_or_default().iter();
-        Ok(uris.filter_map(Value::as_text).map(str::to_owned).collect())
+        Ok(call(&self.master, method, &parameters)?.texts())
     }
 
     /// Answers a call of the master or of another node.
@@ -234,13 +228,8 @@ impl Inner {
                 )
             }
             ("publisherUpdate", Some(topic)) => {
-                let publishers = call.parameters.get(2).and_then(Value::as_array);
-                let publishers: Vec<String> = publishers
-                    .unwrap_or_default()
-                    .iter()
-                    .filter_map(Value::as_text)
-                    .map(str::to_owned)
-                    .collect();
+                let publishers = call.parameters.get(2).map(Value::texts);
+                let publishers = publishers.unwrap_or_default();
                 let ours: Vec<Arc<Subscription>> = lock(&self.subscriptions)
                     .iter()
                     .filter(|subscription| subscription.topic == topic)

@@ -48,6 +48,13 @@ impl Value {
         }
     }
 
+    /// The texts in it, if it is an array.
+    pub fn texts(&self) -> Vec<String> {
+        let values = self.as_array().unwrap_or_default().iter();
+        let texts = values.filter_map(Self::as_text);
+        texts.map(str::to_owned).collect()
+    }
+
     fn to_xml(&self) -> String {
         match self {
             Self::Integer(number) => format!("<value><int>{number}</int></value>"),

@@ -5,10 +5,10 @@ use super::super::picture::{
     CameraPicture, LARGEST_PICTURE, PictureTopic, RawImage, pixels, sends_files,
 };
 use super::Ros2CameraAddress;
+use super::action::participant;
 use super::message::{CompressedImage, Image};
-use super::service::{best_effort, reliable, subscribe};
-use rustdds::no_key::DataReader;
-use rustdds::{CDRDeserializerAdapter, DomainParticipant, DomainParticipantBuilder};
+use super::service::{Reader, best_effort, reliable, subscribe};
+use rustdds::DomainParticipant;
 use serde::de::DeserializeOwned;
 use std::time::{Duration, Instant};
 
@@ -28,19 +28,13 @@ enum Readers {
     Files([Reader<CompressedImage>; 2]),
 }
 
-type Reader<T> = DataReader<T, CDRDeserializerAdapter<T>>;
-
 impl Ros2Camera {
     /// Subscribes a topic.
     ///
     /// # Errors
     /// In words: there is no such network, or no place for another participant.
     pub fn open(address: &Ros2CameraAddress) -> Result<Self, String> {
-        let mut builder = DomainParticipantBuilder::new(address.domain);
-        if let Some(interface) = address.interface {
-            builder = builder.with_only_networks([interface]);
-        }
-        let participant = builder.build().map_err(|error| error.to_string())?;
+        let participant = participant(address.domain, address.interface)?;
         let topic = format!("rt/{}", address.topic.trim_matches('/'));
         let readers = if sends_files(&address.topic) {
             Readers::Files(both(&participant, &topic, "CompressedImage_")?)
@@ -81,7 +75,7 @@ impl Ros2Camera {
     }
 }
 
-fn both<T: DeserializeOwned + 'static>(
+fn both<T>(
     participant: &DomainParticipant,
     topic: &str,
     kind: &str,
@@ -93,16 +87,11 @@ fn both<T: DeserializeOwned + 'static>(
     ])
 }
 
-fn newest<T: DeserializeOwned + 'static>(
-    readers: &mut [Reader<T>; 2],
-) -> Result<Option<T>, String> {
+fn newest<T: DeserializeOwned>(readers: &mut [Reader<T>; 2]) -> Result<Option<T>, String> {
     let mut newest = None;
     for reader in readers {
-        while let Some(sample) = reader
-            .take_next_sample()
-            .map_err(|error| error.to_string())?
-        {
-            newest = Some(sample.into_value());
+        while let Some(message) = reader.next()? {
+            newest = Some(message);
         }
     }
     Ok(newest)
@@ -145,7 +134,7 @@ impl PictureTopic for Ros2Camera {
 #[cfg(test)]
 mod tests {
     use super::super::message::Header;
-    use super::super::service::publish;
+    use super::super::service::{Encoded, publish};
     use super::*;
     use std::net::{IpAddr, Ipv4Addr};
     use std::sync::atomic::{AtomicBool, Ordering};
@@ -162,18 +151,16 @@ mod tests {
     }
 
     /// Publishes a message again and again while `during` runs.
-    fn published<T: serde::Serialize + Clone + Send + Sync + 'static, R>(
+    fn published<R>(
         address: &Ros2CameraAddress,
         kind: &str,
-        message: T,
+        message: &impl serde::Serialize,
         during: impl FnOnce() -> R,
     ) -> R {
-        let participant = DomainParticipantBuilder::new(address.domain)
-            .with_only_networks([LOOPBACK])
-            .build()
-            .unwrap();
+        let participant = participant(address.domain, Some(LOOPBACK)).unwrap();
         let topic = format!("rt/{}", address.topic.trim_matches('/'));
         let kind = format!("sensor_msgs::msg::dds_::{kind}");
+        let message = Encoded::of(message).unwrap();
         let writer = publish(&participant, &topic, &kind).unwrap();
         let is_over = AtomicBool::new(false);
         std::thread::scope(|scope| {
@@ -207,7 +194,7 @@ mod tests {
             data: data.clone(),
         };
         let place = address("image_raw");
-        let found = published(&place, "Image_", image, || {
+        let found = published(&place, "Image_", &image, || {
             Ros2Camera::open(&place).unwrap().picture(PATIENCE)
         });
         let CameraPicture::Pixels(pixels) = found.unwrap() else {
@@ -222,7 +209,7 @@ mod tests {
             data: vec![1, 2, 3],
         };
         let place = address("image_raw/compressed");
-        let found = published(&place, "CompressedImage_", file, || {
+        let found = published(&place, "CompressedImage_", &file, || {
             Ros2Camera::open(&place).unwrap().picture(PATIENCE)
         });
         assert_eq!(found.unwrap(), CameraPicture::File(vec![1, 2, 3]));

@@ -79,16 +79,13 @@ pub struct SendGoal {
 impl SendGoal {
     /// A goal that asks for a motion.
     pub fn new(goal_id: GoalId, joints: &[String], motion: &Interpolant) -> Self {
-        let rows = motion.times().iter().zip(motion.points());
-        let points = rows
-            .zip(motion.velocities())
-            .map(|((time, positions), velocities)| Point {
-                positions: positions.clone(),
-                velocities: velocities.clone(),
-                accelerations: Empty::default(),
-                effort: Empty::default(),
-                time_from_start: Duration::of(*time),
-            });
+        let points = motion.rows().map(|(time, positions, velocities)| Point {
+            positions: positions.clone(),
+            velocities: velocities.clone(),
+            accelerations: Empty::default(),
+            effort: Empty::default(),
+            time_from_start: Duration::of(time),
+        });
         Self {
             goal_id,
             trajectory: Trajectory {
@@ -108,14 +105,14 @@ impl SendGoal {
 
 /// `control_msgs/action/GripperCommand_SendGoal_Request`.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct GripperGoal {
+pub struct GripperCommand {
     goal_id: GoalId,
     /// Opening, m, and greatest effort, N.
     position: f64,
     max_effort: f64,
 }
 
-impl GripperGoal {
+impl GripperCommand {
     /// A goal that asks for an opening, m, with an effort of at most so much, N.
     pub fn new(goal_id: GoalId, opening: f64, max_effort: f64) -> Self {
         Self {

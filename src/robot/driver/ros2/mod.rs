@@ -1,9 +1,11 @@
 //! `control_msgs/FollowJointTrajectory` and `GripperCommand` of ROS 2, natively: no ROS installation, no bridge; DDS by rustdds.
 //!
-//! An action of ROS 2 is three services, send_goal, get_result and cancel_goal (`service`), and topics of feedback and
+//! An action of ROS 2 (`action`) is three services, send_goal, get_result and cancel_goal (`service`), and topics of feedback and
 //! status; their messages (`message`) are CDR. An arm has a `client`, a
 //! `gripper` one of its own; pictures come from a `camera`. All of it needs the cargo feature `ros2`.
 
+#[cfg(feature = "ros2")]
+mod action;
 #[cfg(feature = "ros2")]
 mod camera;
 #[cfg(feature = "ros2")]

@@ -4,23 +4,125 @@
 //! answer begin with 16 bytes that name the request. Either kind of server keeps silent to the other kind of client.
 
 use super::Middleware;
-use rustdds::no_key::{DataReader, DataWriter};
-use rustdds::policy::{Durability, History, Reliability};
-use rustdds::{
-    CDRDeserializerAdapter, CDRSerializerAdapter, DomainParticipant, QosPolicies, QosPolicyBuilder,
-    SampleIdentity, TopicKind, WriteOptionsBuilder,
+use rustdds::bytes::Bytes;
+use rustdds::no_key::{
+    DataReader, DataWriter, Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter,
 };
+use rustdds::policy::{Durability, History, Reliability};
+use rustdds::serialization::{deserialize_from_cdr_with_rep_id, to_writer_with_rep_id};
+use rustdds::{
+    DomainParticipant, QosPolicies, QosPolicyBuilder, RepresentationIdentifier, SampleIdentity,
+    TopicKind, WriteOptionsBuilder,
+};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
+use std::convert::Infallible;
 use std::fmt::Display;
+use std::marker::PhantomData;
 
 /// Depth of the history of every topic, as ROS 2 has it.
 const DEPTH: i32 = 10;
 /// Longest wait for a place among messages that are not confirmed yet, ms.
 const WRITE_PATIENCE: i32 = 100;
 
-type Writer<T> = DataWriter<T, CDRSerializerAdapter<T>>;
-type Reader<T> = DataReader<T, CDRDeserializerAdapter<T>>;
+/// A message as it is on the wire, in CDR: what reads and writes topics is compiled for this type only.
+#[derive(Clone, Debug)]
+pub struct Encoded {
+    bytes: Vec<u8>,
+    encoding: RepresentationIdentifier,
+}
+
+impl Encoded {
+    /// Encodes a message.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn of(message: &impl Serialize) -> Result<Self, String> {
+        let (mut bytes, encoding) = (Vec::new(), RepresentationIdentifier::CDR_LE);
+        to_writer_with_rep_id(&mut bytes, message, encoding).map_err(in_words)?;
+        Ok(Self { bytes, encoding })
+    }
+
+    /// Decodes it.
+    ///
+    /// # Errors
+    /// In words.
+    fn decoded<T: DeserializeOwned>(&self) -> Result<T, String> {
+        let decoded = deserialize_from_cdr_with_rep_id(&self.bytes, self.encoding);
+        Ok(decoded.map_err(in_words)?.0)
+    }
+}
+
+/// Hands messages to topics and from them as they are.
+#[derive(Clone, Copy, Debug)]
+pub struct AsTheyAre;
+
+impl DeserializerAdapter<Encoded> for AsTheyAre {
+    type Error = Infallible;
+    type Decoded = Encoded;
+
+    fn supported_encodings() -> &'static [RepresentationIdentifier] {
+        &[
+            RepresentationIdentifier::CDR_BE,
+            RepresentationIdentifier::CDR_LE,
+            RepresentationIdentifier::PL_CDR_LE,
+        ]
+    }
+
+    fn transform_decoded(decoded: Encoded) -> Encoded {
+        decoded
+    }
+}
+
+impl DefaultDecoder<Encoded> for AsTheyAre {
+    type Decoder = Self;
+    const DECODER: Self = Self;
+}
+
+impl Decode<'_, Encoded> for AsTheyAre {
+    type Error = Infallible;
+
+    fn decode_bytes(
+        self,
+        bytes: &[u8],
+        encoding: RepresentationIdentifier,
+    ) -> Result<Encoded, Infallible> {
+        let bytes = bytes.to_vec();
+        Ok(Encoded { bytes, encoding })
+    }
+}
+
+impl SerializerAdapter<Encoded> for AsTheyAre {
+    type Error = Infallible;
+
+    fn output_encoding() -> RepresentationIdentifier {
+        RepresentationIdentifier::CDR_LE
+    }
+
+    fn to_bytes(message: &Encoded) -> Result<Bytes, Infallible> {
+        Ok(message.bytes.clone().into())
+    }
+}
+
+/// What publishes a topic.
+pub type Writer = DataWriter<Encoded, AsTheyAre>;
+
+/// What reads the messages of a topic.
+pub struct Reader<T> {
+    reader: DataReader<Encoded, AsTheyAre>,
+    messages: PhantomData<fn() -> T>,
+}
+
+impl<T: DeserializeOwned> Reader<T> {
+    /// The next message, if one has arrived.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn next(&mut self) -> Result<Option<T>, String> {
+        let sample = self.reader.take_next_sample().map_err(in_words)?;
+        sample.map(|sample| sample.value().decoded()).transpose()
+    }
+}
 
 /// Quality of service of services, and of feedback.
 pub fn reliable() -> QosPolicies {
@@ -45,7 +147,7 @@ fn profile(reliability: Reliability) -> QosPolicies {
 ///
 /// # Errors
 /// In words.
-pub fn subscribe<T: DeserializeOwned + 'static>(
+pub fn subscribe<T>(
     participant: &DomainParticipant,
     topic: &str,
     kind: &str,
@@ -56,20 +158,18 @@ pub fn subscribe<T: DeserializeOwned + 'static>(
         .create_topic(name.0, name.1, quality, TopicKind::NoKey)
         .map_err(in_words)?;
     let subscriber = participant.create_subscriber(quality).map_err(in_words)?;
-    subscriber
-        .create_datareader_no_key_cdr(&topic, None)
-        .map_err(in_words)
+    let reader = subscriber.create_datareader_no_key(&topic, None);
+    Ok(Reader {
+        reader: reader.map_err(in_words)?,
+        messages: PhantomData,
+    })
 }
 
 /// Publishes a topic of DDS.
 ///
 /// # Errors
 /// In words.
-pub fn publish<T: Serialize>(
-    participant: &DomainParticipant,
-    topic: &str,
-    kind: &str,
-) -> Result<Writer<T>, String> {
+pub fn publish(participant: &DomainParticipant, topic: &str, kind: &str) -> Result<Writer, String> {
     let quality = reliable();
     let name = (topic.to_owned(), kind.to_owned());
     let topic = participant
@@ -77,7 +177,7 @@ pub fn publish<T: Serialize>(
         .map_err(in_words)?;
     let publisher = participant.create_publisher(&quality).map_err(in_words)?;
     publisher
-        .create_datawriter_no_key_cdr(&topic, None)
+        .create_datawriter_no_key(&topic, None)
         .map_err(in_words)
 }
 
@@ -85,36 +185,25 @@ fn in_words(error: impl Display) -> String {
     error.to_string()
 }
 
-/// A message behind Cyclone DDS with the name of its request: half of the client's identity and a number.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Named<T> {
-    client: [u8; 8],
-    number: i64,
-    message: T,
+/// How an answer names its request.
+enum Naming {
+    /// In the parameters beside it, by the identity of the last request: behind Fast DDS.
+    Beside(Option<SampleIdentity>),
+    /// In front of it, by half of the client's identity and the number of the last request: behind Cyclone DDS.
+    InFront([u8; 8], i64),
 }
 
 /// A client of a service, with one request at a time.
-pub struct Service<Q: Serialize, A: DeserializeOwned + 'static> {
+pub struct Service<Q, A> {
     requests_topic: String,
     answers_topic: String,
-    wire: Wire<Q, A>,
+    requests: Writer,
+    answers: Reader<A>,
+    naming: Naming,
+    asks: PhantomData<fn(Q)>,
 }
 
-enum Wire<Q: Serialize, A: DeserializeOwned + 'static> {
-    FastDds {
-        requests: Writer<Q>,
-        answers: Reader<A>,
-        pending: Option<SampleIdentity>,
-    },
-    CycloneDds {
-        requests: Writer<Named<Q>>,
-        answers: Reader<Named<A>>,
-        client: [u8; 8],
-        number: i64,
-    },
-}
-
-impl<Q: Serialize, A: DeserializeOwned + 'static> Service<Q, A> {
+impl<Q: Serialize, A: DeserializeOwned> Service<Q, A> {
     /// A client of the service `name`, without a slash in front, whose messages are of the kind `package::srv::dds_::Kind`.
     ///
     /// # Errors
@@ -128,29 +217,23 @@ impl<Q: Serialize, A: DeserializeOwned + 'static> Service<Q, A> {
         let requests_topic = format!("rq/{name}Request");
         let answers_topic = format!("rr/{name}Reply");
         let (request, answer) = (format!("{kind}_Request_"), format!("{kind}_Response_"));
-        let wire = match middleware {
-            Middleware::FastDds => Wire::FastDds {
-                answers: subscribe(participant, &answers_topic, &answer, &reliable())?,
-                requests: publish(participant, &requests_topic, &request)?,
-                pending: None,
-            },
+        let answers = subscribe(participant, &answers_topic, &answer, &reliable())?;
+        let requests = publish(participant, &requests_topic, &request)?;
+        let naming = match middleware {
+            Middleware::FastDds => Naming::Beside(None),
             Middleware::CycloneDds => {
-                let answers = subscribe(participant, &answers_topic, &answer, &reliable())?;
-                let requests: Writer<Named<Q>> = publish(participant, &requests_topic, &request)?;
                 let mut client = [0; 8];
                 client.copy_from_slice(&rustdds::RTPSEntity::guid(&requests).to_bytes()[8..]);
-                Wire::CycloneDds {
-                    requests,
-                    answers,
-                    client,
-                    number: 0,
-                }
+                Naming::InFront(client, 0)
             }
         };
         Ok(Self {
             requests_topic,
             answers_topic,
-            wire,
+            requests,
+            answers,
+            naming,
+            asks: PhantomData,
         })
     }
 
@@ -171,29 +254,18 @@ impl<Q: Serialize, A: DeserializeOwned + 'static> Service<Q, A> {
     /// # Errors
     /// In words.
     pub fn ask(&mut self, request: Q) -> Result<(), String> {
-        match &mut self.wire {
-            Wire::FastDds {
-                requests, pending, ..
-            } => {
-                let options = WriteOptionsBuilder::new().build();
-                let sent = requests.write_with_options(request, options);
-                *pending = Some(sent.map_err(|error| error.forget_data().to_string())?);
-            }
-            Wire::CycloneDds {
-                requests,
-                client,
-                number,
-                ..
-            } => {
+        let message = match &mut self.naming {
+            Naming::Beside(_) => Encoded::of(&request)?,
+            Naming::InFront(client, number) => {
                 *number += 1;
-                let named = Named {
-                    client: *client,
-                    number: *number,
-                    message: request,
-                };
-                let sent = requests.write(named, None);
-                sent.map_err(|error| error.forget_data().to_string())?;
+                Encoded::of(&(*client, *number, request))?
             }
+        };
+        let options = WriteOptionsBuilder::new().build();
+        let sent = self.requests.write_with_options(message, options);
+        let sent = sent.map_err(|error| error.forget_data().to_string())?;
+        if let Naming::Beside(pending) = &mut self.naming {
+            *pending = Some(sent);
         }
         Ok(())
     }
@@ -203,27 +275,18 @@ impl<Q: Serialize, A: DeserializeOwned + 'static> Service<Q, A> {
     /// # Errors
     /// In words.
     pub fn answer(&mut self) -> Result<Option<A>, String> {
-        match &mut self.wire {
-            Wire::FastDds {
-                answers, pending, ..
-            } => {
-                while let Some(sample) = answers.take_next_sample().map_err(in_words)? {
+        while let Some(sample) = self.answers.reader.take_next_sample().map_err(in_words)? {
+            match self.naming {
+                Naming::Beside(pending) => {
                     let answered = sample.sample_info().related_sample_identity();
-                    if answered.is_some() && answered == *pending {
-                        return Ok(Some(sample.into_value()));
+                    if answered.is_some() && answered == pending {
+                        return sample.value().decoded().map(Some);
                     }
                 }
-            }
-            Wire::CycloneDds {
-                answers,
-                client,
-                number,
-                ..
-            } => {
-                while let Some(sample) = answers.take_next_sample().map_err(in_words)? {
-                    let named = sample.into_value();
-                    if (named.client, named.number) == (*client, *number) {
-                        return Ok(Some(named.message));
+                Naming::InFront(client, number) => {
+                    let (to, of, message): ([u8; 8], i64, A) = sample.value().decoded()?;
+                    if (to, of) == (client, number) {
+                        return Ok(Some(message));
                     }
                 }
             }

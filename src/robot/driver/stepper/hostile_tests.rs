@@ -140,17 +140,10 @@ fn turn(fault: Fault, interrupts: bool) -> (Ending, usize) {
     }));
     let line = Arc::clone(&board);
     let open = move || -> io::Result<Box<dyn SerialLine>> { Ok(Box::new(Line(Arc::clone(&line)))) };
-    let rise = |s: f64| s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
     let mut parts = [Part {
         name: "motor".into(),
         driver: Box::new(StepperDriver::over(Box::new(open), "line", 3200)),
-        trajectory: PartTrajectory {
-            joints: vec!["motor".into()],
-            times: (0..=80).map(|k| 0.01 * f64::from(k)).collect(),
-            points: (0..=80)
-                .map(|k| vec![3.0 * rise(f64::from(k) / 80.0)])
-                .collect(),
-        },
+        trajectory: PartTrajectory::smooth(&[("motor", 3.0)], 0.8, 80),
         kinds: vec![JointKind::Revolute],
     }];
     let begin = Instant::now();
@@ -171,15 +164,12 @@ fn a_sound_board_finishes_and_holds() {
 
 #[test]
 fn a_faulty_board_is_commanded_to_stop_and_named() {
+    const UNANSWERED: &str = "no answer in a quarter of a second";
     let faults = [
         (Fault::Stuck, false, "do not begin to move"),
-        (Fault::Mute, false, "no answer in a quarter of a second"),
-        (Fault::Garbage, false, "no answer in a quarter of a second"),
-        (
-            Fault::OldAnswers,
-            false,
-            "no answer in a quarter of a second",
-        ),
+        (Fault::Mute, false, UNANSWERED),
+        (Fault::Garbage, false, UNANSWERED),
+        (Fault::OldAnswers, false, UNANSWERED),
         (Fault::Jump, false, "from where it should be"),
         (Fault::Deaf, true, "watch the arm"),
         (Fault::Full, false, "do not begin to move"),

@@ -187,19 +187,11 @@ impl Driver for StepperDriver {
             return Ok(Progress::Done);
         };
         let (all_sent, target) = (motion.sent >= motion.path.duration(), motion.steps);
-        if !all_sent {
-            return Ok(Progress::Running);
-        }
-        if self.asked.elapsed() < STATUS_INTERVAL / 2 {
+        if !all_sent || self.asked.elapsed() < STATUS_INTERVAL / 2 {
             return Ok(Progress::Running);
         }
         let answer = self.ask(Request::Status)?;
-        let there = i64::from(answer.position) == target;
-        Ok(if there {
-            Progress::Done
-        } else {
-            Progress::Running
-        })
+        Ok(Progress::over(i64::from(answer.position) == target))
     }
 
     fn stop(&mut self) -> Result<(), DriverError> {

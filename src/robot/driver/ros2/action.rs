@@ -1,0 +1,114 @@
+//! An action of ROS 2: three services, and how its server is met.
+
+use super::super::DriverError;
+use super::super::gripper_goal::wait_for_server;
+use super::Middleware;
+use super::message::{CancelAnswer, CancelGoal, GetResult, GoalAnswer, GoalId};
+use super::service::Service;
+use rustdds::{DomainParticipant, DomainParticipantBuilder};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::hash::{BuildHasher, RandomState};
+use std::net::IpAddr;
+use std::time::{Duration, Instant};
+
+/// Longest wait for the action server.
+const DISCOVERY_PATIENCE: Duration = Duration::from_secs(5);
+/// Time between the discovery of the server and the first request: what has found the server may not be found by it.
+const SETTLING: Duration = Duration::from_millis(500);
+
+/// What is said of a goal that is not taken: the answer has no place for a reason.
+pub const WITHOUT_REASON: &str =
+    "it gives no reason: compare the joints' names and the goal with what its log says";
+
+/// A name that no other goal has.
+pub fn unique() -> GoalId {
+    let mut id = [0; 16];
+    for half in id.chunks_exact_mut(8) {
+        half.copy_from_slice(&RandomState::new().hash_one(Instant::now()).to_ne_bytes());
+    }
+    id
+}
+
+/// A participant of a domain, on one network where the address of this machine there is given.
+///
+/// # Errors
+/// In words: there is no such network, or no place for another participant.
+pub fn participant(domain: u16, interface: Option<IpAddr>) -> Result<DomainParticipant, String> {
+    let mut builder = DomainParticipantBuilder::new(domain);
+    if let Some(interface) = interface {
+        builder = builder.with_only_networks([interface]);
+    }
+    builder.build().map_err(|error| error.to_string())
+}
+
+/// The services of an action with goals `Goal`, which end with results `End`.
+pub struct Action<Goal, End> {
+    /// Takes goals.
+    pub send_goal: Service<Goal, GoalAnswer>,
+    /// Answers once a goal has ended.
+    pub get_result: Service<GetResult, End>,
+    /// Takes cancellations.
+    pub cancel_goal: Service<CancelGoal, CancelAnswer>,
+}
+
+impl<Goal: Serialize, End: DeserializeOwned> Action<Goal, End> {
+    /// A client of the action `name`, without a slash in front, of a kind of `control_msgs`.
+    ///
+    /// # Errors
+    /// In words.
+    pub fn new(
+        participant: &DomainParticipant,
+        middleware: Middleware,
+        name: &str,
+        kind: &str,
+    ) -> Result<Self, String> {
+        let kind = |what: &str| format!("control_msgs::action::dds_::{kind}_{what}");
+        let part = |what: &str| format!("{name}/_action/{what}");
+        let cancelling = "action_msgs::srv::dds_::CancelGoal";
+        Ok(Self {
+            send_goal: Service::new(
+                participant,
+                middleware,
+                &part("send_goal"),
+                &kind("SendGoal"),
+            )?,
+            get_result: Service::new(
+                participant,
+                middleware,
+                &part("get_result"),
+                &kind("GetResult"),
+            )?,
+            cancel_goal: Service::new(participant, middleware, &part("cancel_goal"), cancelling)?,
+        })
+    }
+
+    /// Waits until all services are served; `false` where they are not in [`DISCOVERY_PATIENCE`].
+    ///
+    /// # Errors
+    /// The user asked for the end.
+    pub fn meet(
+        &self,
+        participant: &DomainParticipant,
+        is_interrupted: &dyn Fn() -> bool,
+    ) -> Result<bool, DriverError> {
+        let is_served = || {
+            self.send_goal.is_served(participant)
+                && self.get_result.is_served(participant)
+                && self.cancel_goal.is_served(participant)
+        };
+        let is_met = wait_for_server(DISCOVERY_PATIENCE, is_interrupted, &is_served)?;
+        if is_met {
+            std::thread::sleep(SETTLING);
+        }
+        Ok(is_met)
+    }
+}
+
+/// That no server of an action was found; `what` has to be started.
+pub fn absence(action: &str, what: &str) -> String {
+    format!(
+        "no action server of {action} was found in {} s; is the {what} started, and is `domain` its ROS_DOMAIN_ID?",
+        DISCOVERY_PATIENCE.as_secs()
+    )
+}
