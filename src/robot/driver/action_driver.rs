@@ -126,7 +126,7 @@ pub trait ActionLink: Send {
     /// An error of the connection, with the address of the other end.
     fn lost(&self, reason: &dyn Display) -> DriverError;
 
-    /// What to look at where nobody takes a goal.
+    /// What to look at where no server takes a goal.
     fn advice(&self) -> String {
         "is its controller started?".into()
     }
