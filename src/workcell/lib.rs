@@ -11,4 +11,6 @@
 
 pub mod cell;
 pub mod task;
+#[cfg(test)]
+mod test_cells;
 pub mod virtual_cell;

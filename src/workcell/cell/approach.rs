@@ -1,17 +1,16 @@
 //! From where an arm stands to where a motion begins.
 
 use super::plan::PlanError;
-use super::resolved::{Cell, Driver};
+use super::resolved::{Cell, Driver, ros_version};
 use rodlab_robot::{
-    Column, GripperDriver, JointTrajectory, Limits, Ros1Gripper, Ros2GripperAddress, RosVersion,
-    RosbridgeGripper, SAMPLE, parametrise,
+    GripperDriver, JointTrajectory, Ros1Gripper, Ros2GripperAddress, RosbridgeGripper, parametrise,
 };
 use std::time::{Duration, Instant};
 
 /// Points of a straight way of the joints.
 const POINTS: usize = 100;
-/// Samples of the motion from point to point of its trajectory.
-const STRIDE: usize = 10;
+/// Points per second of the motion.
+const RATE: u32 = 100;
 /// Way that counts for a joint that turns by 1 rad, m.
 const WAY_PER_RADIAN: f64 = 0.3;
 /// Joints nearer than this, rad or m, are there.
@@ -120,41 +119,21 @@ impl Cell {
         to: &[f64],
         speed: f64,
     ) -> Result<Option<JointTrajectory>, PlanError> {
-        let arm = &self.arms[arm];
-        let reach = from.iter().zip(to).map(|(a, b)| (b - a).abs());
-        let reach = reach.fold(0.0, f64::max);
-        if reach < THERE {
+        let known = &self.arms[arm];
+        let Some(joints) = straight(from, to) else {
             return Ok(None);
-        }
-        let part = |k: usize| k as f64 / POINTS as f64;
-        let straight = |k: usize| {
-            let pairs = from.iter().zip(to);
-            pairs.map(|(a, b)| a + part(k) * (b - a)).collect()
         };
-        let joints: Vec<Vec<f64>> = (0..=POINTS).map(straight).collect();
-        let ways = arm.chain.joints.iter().zip(from.iter().zip(to));
+        let ways = known.chain.joints.iter().zip(from.iter().zip(to));
         let way = ways.map(|(joint, (a, b))| match joint.kind {
             rodlab_robot::JointKind::Revolute => WAY_PER_RADIAN * (b - a).abs(),
             rodlab_robot::JointKind::Prismatic => (b - a).abs(),
         });
         let whole: f64 = way.sum();
-        let way: Vec<f64> = (0..=POINTS).map(|k| part(k) * whole).collect();
-        let limits: Vec<Limits> = arm.chain.joints.iter().map(|joint| joint.limits).collect();
-        let motion = parametrise(&joints, &way, &limits, speed)?;
-        let columns = arm.chain.joints.iter().map(|joint| Column {
-            part: arm.name.clone(),
-            joint: Some(joint.name.clone()),
-            kind: joint.kind,
-        });
-        let last = motion.samples.len() - 1;
-        let count = last.div_ceil(STRIDE);
-        Ok(Some(JointTrajectory {
-            columns: columns.collect(),
-            times: (0..=count).map(|k| (k * STRIDE) as f64 * SAMPLE).collect(),
-            points: (0..=count)
-                .map(|k| motion.samples[(k * STRIDE).min(last)].clone())
-                .collect(),
-        }))
+        let last = (joints.len() - 1) as f64;
+        let way = (0..joints.len()).map(|k| k as f64 / last * whole);
+        let way: Vec<f64> = way.collect();
+        let motion = parametrise(&joints, &way, &known.limits(), speed)?;
+        Ok(Some(self.sampled(arm, RATE, &motion.samples)))
     }
 
     /// The gripper of an arm, with the openings in which it holds nothing and in which it holds, m.
@@ -166,10 +145,7 @@ impl Cell {
         let driver: Box<dyn GripperDriver> = match arm.driver.as_ref()? {
             Driver::Rosbridge { address, ros, .. } => Box::new(RosbridgeGripper {
                 address: address.clone(),
-                version: match ros {
-                    1 => RosVersion::One,
-                    _ => RosVersion::Two,
-                },
+                version: ros_version(*ros),
                 action,
                 max_effort,
             }),
@@ -190,4 +166,15 @@ impl Cell {
         };
         Some((driver, [gripper.open, gripper.closed]))
     }
+}
+
+/// Points from joints to joints, each straight; `None` where they are there already.
+pub(crate) fn straight(from: &[f64], to: &[f64]) -> Option<Vec<Vec<f64>>> {
+    let pairs = || from.iter().zip(to);
+    let farthest = pairs().map(|(a, b)| (b - a).abs()).fold(0.0, f64::max);
+    let between = |k: usize| {
+        let part = k as f64 / POINTS as f64;
+        pairs().map(|(a, b)| a + part * (b - a)).collect()
+    };
+    (farthest >= THERE).then(|| (0..=POINTS).map(between).collect())
 }

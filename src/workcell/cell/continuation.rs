@@ -2,7 +2,8 @@
 
 use super::plan::{PlanError, STEP};
 use super::resolved::Cell;
-use rodlab_robot::{JointTrajectory, LARGEST_JUMP, Limits, Pose, parametrise, subdivide};
+use nalgebra::Translation3;
+use rodlab_robot::{JointTrajectory, LARGEST_JUMP, Pose, parametrise, subdivide};
 
 impl Cell {
     /// The motion of an arm along poses of its hand in the cell, of which the first is where it stands with the joints `from`; at
@@ -41,8 +42,24 @@ impl Cell {
             })?);
         }
         let way: Vec<f64> = points.iter().map(|point| point.way).collect();
-        let limits: Vec<Limits> = chain.joints.iter().map(|joint| joint.limits).collect();
-        let motion = parametrise(&joints, &way, &limits, speed)?;
+        let motion = parametrise(&joints, &way, &known.limits(), speed)?;
         Ok(self.sampled(arm, rate, &motion.samples))
+    }
+
+    /// The same for a hand that rises straight by a height, m.
+    ///
+    /// # Errors
+    /// As [`Self::continuation`].
+    pub(crate) fn rising(
+        &self,
+        arm: usize,
+        height: f64,
+        from: &[f64],
+        speed: f64,
+        rate: u32,
+    ) -> Result<JointTrajectory, PlanError> {
+        let hand = self.arms[arm].hand(from);
+        let path = [hand, Translation3::new(0.0, 0.0, height) * hand];
+        self.continuation(arm, &path, from, speed, rate)
     }
 }

@@ -6,7 +6,7 @@
 use super::plan::PlanError;
 use super::resolved::Cell;
 use rodlab_robot::{
-    Column, JointKind, JointTrajectory, Limits, Pose, SAMPLE, distance_and_angle, parametrise,
+    Column, JointKind, JointTrajectory, Pose, SAMPLE, distance_and_angle, parametrise,
 };
 
 /// Largest step of a joint from pose to pose, rad or m: what turns farther is near a singularity, and too fast for a rod.
@@ -100,15 +100,9 @@ impl Cell {
             let step = libm::hypot(distance, LENGTH_PER_RADIAN * angle.max(turned));
             way.push(way[way.len() - 1] + step);
         }
-        let limits = arm.chain.joints.iter().map(|joint| joint.limits);
-        let limits: Vec<Limits> = limits.chain([axis.limits]).collect();
+        let limits = [&arm.limits()[..], &[axis.limits]].concat();
         let motion = parametrise(points, &way, &limits, speed)?;
-        let columns = arm.chain.joints.iter().map(|joint| Column {
-            part: arm.name.clone(),
-            joint: Some(joint.name.clone()),
-            kind: joint.kind,
-        });
-        let columns = columns.chain([Column {
+        let columns = arm.columns().chain([Column {
             part: axis.name.clone(),
             joint: None,
             kind: JointKind::Revolute,
@@ -133,18 +127,15 @@ impl Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     fn gantry() -> Cell {
-        let file = "scenarios/cells/helix_gantry.toml";
-        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(file);
-        Cell::read(&path).unwrap_or_else(|error| panic!("{error}"))
+        crate::test_cells::cell("helix_gantry")
     }
 
     /// Poses from that at home on, each moved by `step`.
     fn poses(cell: &Cell, count: usize, step: impl Fn(f64) -> Pose) -> Vec<Pose> {
         let arm = &cell.arms[0];
-        let first = arm.base * arm.chain.hand(&arm.home);
+        let first = arm.hand(&arm.home);
         (0..count).map(|k| first * step(k as f64)).collect()
     }
 
@@ -169,7 +160,7 @@ mod tests {
         assert_eq!((path.joints.len(), path.ends), (400, None));
         let arm = &cell.arms[0];
         for (joints, pose) in path.joints.iter().zip(&wanted) {
-            let (distance, angle) = distance_and_angle(&(arm.base * arm.chain.hand(joints)), pose);
+            let (distance, angle) = distance_and_angle(&arm.hand(joints), pose);
             assert!(distance < 1e-6 && angle < 1e-6);
         }
         // More than a turn about z is that of one joint.

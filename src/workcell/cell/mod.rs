@@ -37,9 +37,11 @@ mod tests;
 mod typed;
 mod view;
 
+pub(crate) use approach::straight;
 pub use fingers::Fingers;
 pub use hand_path::{HandPath, HandPathRequest};
 pub use plan::{Place, Plan, PlanError, PlanReport, PlanRequest, read_poses};
 pub use report::CellReport;
+pub(crate) use resolved::ros_version;
 pub use resolved::{Arm, Axis, Camera, Cell, Chuck, Driver, Gripper, Obstacle, Table};
 pub use streaming::StreamReport;

@@ -3,10 +3,10 @@
 use super::resolved::Cell;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rodlab_robot::{
-    Column, JointTrajectory, Obstruction, PathFailure, PathProblem, Pose, SAMPLE, TimingError,
-    Utilisation, parametrise, parts, place, read_table, subdivide, utilisation,
+    JointTrajectory, Obstruction, PathFailure, PathProblem, Pose, SAMPLE, TimingError, Utilisation,
+    parametrise, parts, place, read_table, subdivide, utilisation,
 };
-use rodlab_robot::{Limits, TableError, pose};
+use rodlab_robot::{TableError, pose};
 use serde::Serialize;
 use std::path::Path;
 
@@ -177,7 +177,7 @@ impl Cell {
             PlanError::Path(self.in_words(request, &failure, points[failure.point].given))
         })?;
         let way: Vec<f64> = points.iter().map(|point| point.way).collect();
-        let limits: Vec<Limits> = arm.chain.joints.iter().map(|joint| joint.limits).collect();
+        let limits = arm.limits();
         let motion = parametrise(&path.joints, &way, &limits, request.speed)?;
         let used: Utilisation = utilisation(&motion.samples, &limits);
         let trajectory = self.sampled(request.arm, request.rate, &motion.samples);
@@ -250,18 +250,14 @@ impl Cell {
     /// Every so many samples as a trajectory; the last point is one more step at rest where it falls between.
     pub(super) fn sampled(&self, arm: usize, rate: u32, samples: &[Vec<f64>]) -> JointTrajectory {
         let arm = &self.arms[arm];
+        let last = samples.len() - 1;
         let stride = (1000 / rate) as usize;
-        let count = (samples.len() - 1).div_ceil(stride);
-        let columns = arm.chain.joints.iter().map(|joint| Column {
-            part: arm.name.clone(),
-            joint: Some(joint.name.clone()),
-            kind: joint.kind,
-        });
+        let count = last.div_ceil(stride);
         JointTrajectory {
-            columns: columns.collect(),
+            columns: arm.columns().collect(),
             times: (0..=count).map(|k| (k * stride) as f64 * SAMPLE).collect(),
             points: (0..=count)
-                .map(|k| samples[(k * stride).min(samples.len() - 1)].clone())
+                .map(|k| samples[(k * stride).min(last)].clone())
                 .collect(),
         }
     }

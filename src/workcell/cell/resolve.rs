@@ -4,7 +4,7 @@ use super::resolve_chain::resolve_arm;
 use super::resolved::{Axis, Camera, Cell, Chuck, Obstacle, Table};
 use super::resolver::Resolver;
 use super::typed::{self, CellFile};
-use rodlab_lab::scenario::dimension::{Angle, Dimension, Time};
+use rodlab_lab::scenario::dimension::{Angle, Length, Time};
 use rodlab_lab::scenario::{KeyPath, Quantity, ScenarioError, TypedFile};
 use rodlab_robot::{Limits, StreamBounds, Tolerance};
 use std::cell::RefCell;
@@ -53,9 +53,9 @@ impl Resolver<'_> {
                 name: obstacle.name.clone(),
                 pose: self.pose(
                     &path,
-                    obstacle.position.as_ref(),
-                    obstacle.quaternion.as_ref(),
-                    obstacle.rpy.as_ref(),
+                    &obstacle.position,
+                    &obstacle.quaternion,
+                    &obstacle.rpy,
                 ),
                 size: self.sides(&path.key("size"), &obstacle.size),
             }
@@ -95,21 +95,7 @@ impl Resolver<'_> {
     }
 
     fn axis(&self, path: &KeyPath, axis: &typed::Axis) -> Axis {
-        let end = |key: &str, end: &Option<Quantity<Angle>>, otherwise: f64| {
-            let end = end.as_ref();
-            end.map_or(otherwise, |end| self.si(&path.key(key), end))
-        };
-        let (lower, upper) = (
-            end("lower", &axis.lower, f64::NEG_INFINITY),
-            end("upper", &axis.upper, f64::INFINITY),
-        );
-        if !(lower < upper) {
-            self.fault(
-                &path.key("lower"),
-                format!("{lower} rad must be below `upper`, {upper} rad"),
-            );
-        }
-        let velocity_key = path.key("velocity");
+        let [lower, upper] = self.range(path, [&axis.lower, &axis.upper], "rad");
         let jerk = axis.jerk.unwrap_or(f64::INFINITY);
         if !(jerk > 0.0) {
             self.fault(&path.key("jerk"), format!("{jerk} must be above 0"));
@@ -119,7 +105,7 @@ impl Resolver<'_> {
             limits: Limits {
                 lower,
                 upper,
-                velocity: self.positive(&velocity_key, self.si(&velocity_key, &axis.velocity)),
+                velocity: self.positive_si(&path.key("velocity"), &axis.velocity),
                 acceleration: self.positive(&path.key("acceleration"), axis.acceleration),
                 jerk,
             },
@@ -132,13 +118,8 @@ impl Resolver<'_> {
 
     fn chuck(&self, chuck: &typed::Chuck) -> Chuck {
         let path = KeyPath::from("chuck");
-        let names: Vec<&str> = self
-            .file
-            .typed
-            .axes
-            .iter()
-            .map(|axis| axis.name.as_str())
-            .collect();
+        let axes = self.file.typed.axes.iter();
+        let names: Vec<&str> = axes.map(|axis| axis.name.as_str()).collect();
         let axis = names.iter().position(|name| *name == chuck.axis);
         Chuck {
             axis: axis.unwrap_or_else(|| {
@@ -152,24 +133,14 @@ impl Resolver<'_> {
                 );
                 0
             }),
-            pose: self.pose(
-                &path,
-                chuck.position.as_ref(),
-                chuck.quaternion.as_ref(),
-                chuck.rpy.as_ref(),
-            ),
+            pose: self.pose(&path, &chuck.position, &chuck.quaternion, &chuck.rpy),
         }
     }
 
     fn table(&self, table: &typed::Table) -> Table {
         let path = KeyPath::from("table");
         Table {
-            top: self.pose(
-                &path,
-                table.position.as_ref(),
-                table.quaternion.as_ref(),
-                table.rpy.as_ref(),
-            ),
+            top: self.pose(&path, &table.position, &table.quaternion, &table.rpy),
             size: self.sides(&path.key("size"), &table.size),
         }
     }
@@ -197,27 +168,26 @@ impl Resolver<'_> {
             size: [camera.width, camera.height],
             intrinsics: [camera.fx, camera.fy, camera.cx, camera.cy],
             distortion: camera.distortion.clone(),
-            pose: self.pose(
-                &path,
-                camera.position.as_ref(),
-                camera.quaternion.as_ref(),
-                None,
-            ),
+            pose: self.pose(&path, &camera.position, &camera.quaternion, &None),
             source: camera.source.clone(),
         }
     }
 
-    /// A tolerance under `path`, rad or m.
-    fn tolerance<D: Dimension>(
+    /// The tolerances of joints that turn, under a key of `[streaming]`, and of those that slide, under that with `_prismatic`.
+    fn tolerance(
         &self,
-        path: &KeyPath,
         key: &str,
-        given: &Option<Quantity<D>>,
-        otherwise: f64,
-    ) -> f64 {
-        let path = path.key(key);
-        let given = given.as_ref().map(|given| self.si(&path, given));
-        given.map_or(otherwise, |given| self.positive(&path, given))
+        turning: &Option<Quantity<Angle>>,
+        sliding: &Option<Quantity<Length>>,
+        otherwise: Tolerance,
+    ) -> Tolerance {
+        let streaming = KeyPath::from("streaming");
+        let turns = streaming.key(key);
+        let slides = streaming.key(&format!("{key}_prismatic"));
+        Tolerance {
+            revolute: self.positive(&turns, self.si_or(&turns, turning, otherwise.revolute)),
+            prismatic: self.positive(&slides, self.si_or(&slides, sliding, otherwise.prismatic)),
+        }
     }
 
     fn streaming(&self) -> StreamBounds {
@@ -238,46 +208,23 @@ impl Resolver<'_> {
             }
             Some(Duration::from_secs_f64(seconds))
         };
-        let StreamBounds {
-            start,
-            tracking,
-            watchdog,
-            longest_pause,
-            horizon,
-        } = default;
         StreamBounds {
-            start: Tolerance {
-                revolute: self.tolerance(
-                    &path,
-                    "start_tolerance",
-                    &typed.start_tolerance,
-                    start.revolute,
-                ),
-                prismatic: self.tolerance(
-                    &path,
-                    "start_tolerance_prismatic",
-                    &typed.start_tolerance_prismatic,
-                    start.prismatic,
-                ),
-            },
-            tracking: Tolerance {
-                revolute: self.tolerance(
-                    &path,
-                    "tracking_tolerance",
-                    &typed.tracking_tolerance,
-                    tracking.revolute,
-                ),
-                prismatic: self.tolerance(
-                    &path,
-                    "tracking_tolerance_prismatic",
-                    &typed.tracking_tolerance_prismatic,
-                    tracking.prismatic,
-                ),
-            },
-            watchdog: duration("watchdog", &typed.watchdog, 0.02, 10.0).unwrap_or(watchdog),
+            start: self.tolerance(
+                "start_tolerance",
+                &typed.start_tolerance,
+                &typed.start_tolerance_prismatic,
+                default.start,
+            ),
+            tracking: self.tolerance(
+                "tracking_tolerance",
+                &typed.tracking_tolerance,
+                &typed.tracking_tolerance_prismatic,
+                default.tracking,
+            ),
+            watchdog: duration("watchdog", &typed.watchdog, 0.02, 10.0).unwrap_or(default.watchdog),
             longest_pause: duration("longest_pause", &typed.longest_pause, 0.0, 86_400.0)
-                .or(longest_pause),
-            horizon: duration("horizon", &typed.horizon, 1.0, 600.0).or(horizon),
+                .or(default.longest_pause),
+            horizon: duration("horizon", &typed.horizon, 1.0, 600.0).or(default.horizon),
         }
     }
 }

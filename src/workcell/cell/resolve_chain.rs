@@ -5,7 +5,7 @@ use super::resolver::Resolver;
 use super::typed::{self, FixedJoint, MovingJoint, OneOrMany};
 use nalgebra::{UnitVector3, Vector3};
 use rodlab_lab::scenario::dimension::Dimension;
-use rodlab_lab::scenario::{Issue, KeyPath, Quantity, did_you_mean};
+use rodlab_lab::scenario::{Issue, KeyPath, did_you_mean};
 use rodlab_robot::{
     Body, Chain, Follower, Joint, JointKind, Limits, MOST_JOINTS, Motion, Pose, Segment, Shape,
     read_urdf,
@@ -67,9 +67,9 @@ pub(super) fn resolve_arm(
     if let Some(tool) = &typed.tool {
         chain.tool = resolver.pose(
             &path.key("tool"),
-            tool.position.as_ref(),
-            tool.quaternion.as_ref(),
-            tool.rpy.as_ref(),
+            &tool.position,
+            &tool.quaternion,
+            &tool.rpy,
         );
     }
     let joints = chain.joint_names();
@@ -82,12 +82,7 @@ pub(super) fn resolve_arm(
     Some(Arm {
         name: typed.name.clone(),
         may_touch: may_touch.collect(),
-        base: resolver.pose(
-            path,
-            typed.position.as_ref(),
-            typed.quaternion.as_ref(),
-            typed.rpy.as_ref(),
-        ),
+        base: resolver.pose(path, &typed.position, &typed.quaternion, &typed.rpy),
         home,
         bodies,
         driver: typed
@@ -200,22 +195,9 @@ fn limits_of<P: Dimension, V: Dimension>(
     kind: JointKind,
     joint: &MovingJoint<P, V>,
 ) -> Limits {
-    let end = |key: &str, end: &Option<Quantity<P>>, otherwise: f64| {
-        let end = end.as_ref();
-        end.map_or(otherwise, |end| resolver.si(&path.key(key), end))
-    };
-    let lower = end("lower", &joint.lower, f64::NEG_INFINITY);
-    let upper = end("upper", &joint.upper, f64::INFINITY);
-    if !(lower < upper) {
-        let unit = kind.unit();
-        resolver.fault(
-            &path.key("lower"),
-            format!("{lower} {unit} must be below `upper`, {upper} {unit}"),
-        );
-    }
+    let [lower, upper] = resolver.range(path, [&joint.lower, &joint.upper], kind.unit());
     let velocity = joint.velocity.as_ref().map_or(f64::INFINITY, |velocity| {
-        let key = path.key("velocity");
-        resolver.positive(&key, resolver.si(&key, velocity))
+        resolver.positive_si(&path.key("velocity"), velocity)
     });
     let bound = |key: &str, bound: Option<f64>| {
         bound.map_or(f64::INFINITY, |bound| {
@@ -283,12 +265,7 @@ fn moving<P: Dimension, V: Dimension>(
     }
     Segment {
         link: joint.link.clone().unwrap_or_else(|| joint.name.clone()),
-        origin: resolver.pose(
-            path,
-            joint.position.as_ref(),
-            joint.quaternion.as_ref(),
-            joint.rpy.as_ref(),
-        ),
+        origin: resolver.pose(path, &joint.position, &joint.quaternion, &joint.rpy),
         motion: Motion::Driven {
             kind,
             axis,
@@ -302,12 +279,7 @@ fn moving<P: Dimension, V: Dimension>(
 fn fixed(resolver: &Resolver<'_>, path: &KeyPath, joint: &FixedJoint) -> Segment {
     Segment {
         link: joint.link.clone().unwrap_or_else(|| joint.name.clone()),
-        origin: resolver.pose(
-            path,
-            joint.position.as_ref(),
-            joint.quaternion.as_ref(),
-            joint.rpy.as_ref(),
-        ),
+        origin: resolver.pose(path, &joint.position, &joint.quaternion, &joint.rpy),
         motion: Motion::Fixed,
     }
 }
@@ -402,18 +374,16 @@ fn shapes(
     bodies: &mut Vec<Body>,
 ) {
     if let Some(radius) = &typed.link_radius {
-        let key = path.key("link_radius");
-        let radius = resolver.positive(&key, resolver.si(&key, radius));
+        let radius = resolver.positive_si(&path.key("link_radius"), radius);
         bodies.extend(capsules_between_joints(chain, radius));
     }
     for (k, capsule) in typed.capsules.iter().enumerate() {
         let path = path.key("capsules").index(k);
-        let radius_key = path.key("radius");
         bodies.push(Body::capsule(
             link(resolver, &path.key("link"), chain, &capsule.link),
-            resolver.vector(&path.key("from"), Some(&capsule.from)),
-            resolver.vector(&path.key("to"), Some(&capsule.to)),
-            resolver.positive(&radius_key, resolver.si(&radius_key, &capsule.radius)),
+            resolver.vector(&path.key("from"), &capsule.from),
+            resolver.vector(&path.key("to"), &capsule.to),
+            resolver.positive_si(&path.key("radius"), &capsule.radius),
         ));
     }
     for (k, shape) in typed.boxes.iter().enumerate() {
@@ -421,12 +391,7 @@ fn shapes(
         let sides = resolver.sides(&path.key("size"), &shape.size);
         bodies.push(Body {
             link: link(resolver, &path.key("link"), chain, &shape.link),
-            pose: resolver.pose(
-                &path,
-                shape.position.as_ref(),
-                shape.quaternion.as_ref(),
-                shape.rpy.as_ref(),
-            ),
+            pose: resolver.pose(&path, &shape.position, &shape.quaternion, &shape.rpy),
             shape: Shape::Box {
                 half: sides.map(|side| side / 2.0),
             },

@@ -1,6 +1,6 @@
 //! The cell in SI units.
 
-use rodlab_robot::{Body, Chain, Limits, Pose, Ros2Address, StreamBounds};
+use rodlab_robot::{Body, Chain, Column, Limits, Pose, Ros2Address, RosVersion, StreamBounds};
 use std::path::PathBuf;
 
 /// A robot cell. Its frame is the one in which bases, table and camera are placed: z up.
@@ -165,5 +165,35 @@ impl Cell {
     /// The arm of that name.
     pub fn arm(&self, name: &str) -> Option<&Arm> {
         self.arms.iter().find(|arm| arm.name == name)
+    }
+}
+
+impl Arm {
+    /// The columns of its joints in a trajectory.
+    pub(crate) fn columns(&self) -> impl Iterator<Item = Column> + '_ {
+        self.chain.joints.iter().map(|joint| Column {
+            part: self.name.clone(),
+            joint: Some(joint.name.clone()),
+            kind: joint.kind,
+        })
+    }
+
+    /// The limits of its joints.
+    pub(crate) fn limits(&self) -> Vec<Limits> {
+        let joints = self.chain.joints.iter();
+        joints.map(|joint| joint.limits).collect()
+    }
+
+    /// Pose of its hand in the cell.
+    pub(crate) fn hand(&self, joints: &[f64]) -> Pose {
+        self.base * self.chain.hand(joints)
+    }
+}
+
+/// The version of a rosbridge server by its number.
+pub(crate) fn ros_version(number: u8) -> RosVersion {
+    match number {
+        1 => RosVersion::One,
+        _ => RosVersion::Two,
     }
 }

@@ -51,42 +51,83 @@ impl Resolver<'_> {
         1.0
     }
 
-    pub fn vector<D: Dimension>(&self, path: &KeyPath, vector: Option<&Vector<D>>) -> [f64; 3] {
-        let mut components = [0.0; 3];
-        for (k, component) in vector.into_iter().flatten().enumerate() {
-            components[k] = self.si(&path.index(k), component);
+    /// A quantity at a key, or another value where none is given.
+    pub fn si_or<D: Dimension>(
+        &self,
+        path: &KeyPath,
+        given: &Option<Quantity<D>>,
+        otherwise: f64,
+    ) -> f64 {
+        given
+            .as_ref()
+            .map_or(otherwise, |given| self.si(path, given))
+    }
+
+    /// The same of at least 0, with its unit for people.
+    fn not_negative<D: Dimension>(
+        &self,
+        path: &KeyPath,
+        given: &Option<Quantity<D>>,
+        otherwise: f64,
+        unit: &str,
+    ) -> f64 {
+        let value = self.si_or(path, given, otherwise);
+        if !(value >= 0.0 && value.is_finite()) {
+            self.fault(path, format!("{value} {unit} must be 0 or more"));
         }
-        components
+        value
+    }
+
+    /// The range between the keys `lower` and `upper`, infinite where they are not given.
+    pub fn range<D: Dimension>(
+        &self,
+        path: &KeyPath,
+        [lower, upper]: [&Option<Quantity<D>>; 2],
+        unit: &str,
+    ) -> [f64; 2] {
+        let key = path.key("lower");
+        let lower = self.si_or(&key, lower, f64::NEG_INFINITY);
+        let upper = self.si_or(&path.key("upper"), upper, f64::INFINITY);
+        if !(lower < upper) {
+            let message = format!("{lower} {unit} must be below `upper`, {upper} {unit}");
+            self.fault(&key, message);
+        }
+        [lower, upper]
+    }
+
+    pub fn positive_si<D: Dimension>(&self, path: &KeyPath, quantity: &Quantity<D>) -> f64 {
+        self.positive(path, self.si(path, quantity))
+    }
+
+    pub fn vector<D: Dimension>(&self, path: &KeyPath, vector: &Vector<D>) -> [f64; 3] {
+        std::array::from_fn(|k| self.si(&path.index(k), &vector[k]))
     }
 
     pub fn sides(&self, path: &KeyPath, size: &Vector<Length>) -> [f64; 3] {
-        let sides = self.vector(path, Some(size));
-        for (k, side) in sides.iter().enumerate() {
-            self.positive(&path.index(k), *side);
-        }
-        sides
+        std::array::from_fn(|k| self.positive_si(&path.index(k), &size[k]))
     }
 
     /// A pose by position and either quaternion or angles.
     pub fn pose(
         &self,
         path: &KeyPath,
-        position: Option<&Vector<Length>>,
-        quaternion: Option<&[Quantity<Dimensionless>; 4]>,
-        rpy: Option<&Vector<Angle>>,
+        position: &Option<Vector<Length>>,
+        quaternion: &Option<[Quantity<Dimensionless>; 4]>,
+        rpy: &Option<Vector<Angle>>,
     ) -> Pose {
-        let position = self.vector(&path.key("position"), position);
-        let [roll, pitch, yaw] = self.vector(&path.key("rpy"), rpy);
+        let position = position.as_ref().map_or([0.0; 3], |position| {
+            self.vector(&path.key("position"), position)
+        });
+        let angles = rpy.as_ref();
+        let [roll, pitch, yaw] =
+            angles.map_or([0.0; 3], |angles| self.vector(&path.key("rpy"), angles));
         let mut rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
         if let Some(quaternion) = quaternion {
             let key = path.key("quaternion");
             if rpy.is_some() {
                 self.fault(&key, "either `quaternion` or `rpy` may be given, not both");
             }
-            let mut parts = [0.0; 4];
-            for (k, part) in quaternion.iter().enumerate() {
-                parts[k] = self.si(&key.index(k), part);
-            }
+            let parts: [f64; 4] = std::array::from_fn(|k| self.si(&key.index(k), &quaternion[k]));
             let norm = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
             match pose([0.0; 3], parts) {
                 Some(turned) if (norm - 1.0).abs() < 1e-3 => rotation = turned.rotation,
@@ -107,11 +148,7 @@ impl Resolver<'_> {
         is_axis: bool,
         joints: &[String],
     ) -> Driver {
-        let allowed = match driver {
-            typed::Driver::Stepper(_) => is_axis,
-            _ => true,
-        };
-        if !allowed {
+        if matches!(driver, typed::Driver::Stepper(_)) && !is_axis {
             self.fault(
                 &path.key("kind"),
                 "this kind does not fit here; allowed: file, rosbridge, ros1, ros2",
@@ -148,8 +185,7 @@ impl Resolver<'_> {
                     self.fault(&path.key("ros"), format!("{ros}; allowed: 1 or 2"));
                 }
                 let server = bridge.address.split('/').next().unwrap_or_default();
-                let port = server.rsplit_once(':').map(|(_, port)| port.parse());
-                if !matches!(port, Some(Ok(1..=u16::MAX))) {
+                if !has_port(server) {
                     self.fault(
                         &path.key("address"),
                         "host and port are needed, as in \"192.168.1.5:9090\", and a path behind them where the server asks for one",
@@ -164,11 +200,7 @@ impl Resolver<'_> {
             }
             typed::Driver::Ros1(ros) => {
                 let authority = ros.master.strip_prefix("http://").unwrap_or_default();
-                let port = authority
-                    .trim_end_matches('/')
-                    .rsplit_once(':')
-                    .map(|(_, port)| port.parse());
-                if !matches!(port, Some(Ok(1..=u16::MAX))) {
+                if !has_port(authority.trim_end_matches('/')) {
                     self.fault(
                         &path.key("master"),
                         "an address is needed, as in \"http://192.168.1.5:11311\"",
@@ -211,25 +243,11 @@ impl Resolver<'_> {
             );
         }
         let opening = |key: &str, given: &Option<Quantity<Length>>, otherwise: f64| {
-            let path = path.key(key);
-            let metres = given
-                .as_ref()
-                .map_or(otherwise, |given| self.si(&path, given));
-            if !(metres >= 0.0 && metres.is_finite()) {
-                self.fault(&path, format!("{metres} m must be 0 or more"));
-            }
-            metres
+            self.not_negative(&path.key(key), given, otherwise, "m")
         };
         let effort = path.key("max_effort");
-        let max_effort = gripper
-            .max_effort
-            .as_ref()
-            .map_or(EFFORT, |given| self.si(&effort, given));
-        if !(max_effort >= 0.0 && max_effort.is_finite()) {
-            self.fault(&effort, format!("{max_effort} N must be 0 or more"));
-        }
         Gripper {
-            max_effort,
+            max_effort: self.not_negative(&effort, &gripper.max_effort, EFFORT, "N"),
             action: gripper.action.clone(),
             open: opening("open", &gripper.open, OPEN),
             closed: opening("closed", &gripper.closed, 0.0),
@@ -275,4 +293,10 @@ impl Resolver<'_> {
             joint_states: ros.joint_states.clone(),
         }
     }
+}
+
+/// Whether a host is named with a port.
+fn has_port(server: &str) -> bool {
+    let port = server.rsplit_once(':').map(|(_, port)| port.parse());
+    matches!(port, Some(Ok(1..=u16::MAX)))
 }

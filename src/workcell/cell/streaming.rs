@@ -1,8 +1,8 @@
 //! From a joint trajectory to the drivers of a cell.
 
-use super::resolved::{Cell, Driver};
+use super::resolved::{Cell, Driver, ros_version};
 use rodlab_robot::{
-    FileDriver, JointKind, JointTrajectory, Limits, Part, PartTrajectory, Ros1Driver, RosVersion,
+    FileDriver, JointKind, JointTrajectory, Limits, Part, PartTrajectory, Ros1Driver,
     RosbridgeDriver, StepperDriver, check, check_stops,
 };
 
@@ -138,7 +138,7 @@ impl Cell {
                 name: &arm.name,
                 joints: arm.chain.joint_names(),
                 kinds: joints.iter().map(|joint| joint.kind).collect(),
-                limits: joints.iter().map(|joint| joint.limits).collect(),
+                limits: arm.limits(),
                 driver: arm.driver.as_ref(),
             }
         });
@@ -188,11 +188,7 @@ impl Cell {
                 action,
                 joint_states,
             } => {
-                let version = if *ros == 1 {
-                    RosVersion::One
-                } else {
-                    RosVersion::Two
-                };
+                let version = ros_version(*ros);
                 Box::new(RosbridgeDriver::new(address, version, action, joint_states))
             }
             Driver::Ros1 {

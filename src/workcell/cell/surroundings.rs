@@ -2,7 +2,7 @@
 
 use super::resolved::Cell;
 use nalgebra::Translation3;
-use rodlab_robot::{Member, Pose, StandingBox, Surroundings};
+use rodlab_robot::{Member, StandingBox, Surroundings};
 
 impl Cell {
     /// The arms, the table and the obstacles.
@@ -15,15 +15,16 @@ impl Cell {
             home: arm.home.clone(),
             may_touch: arm.may_touch.clone(),
         });
+        Surroundings::new(members.collect(), self.boxes())
+    }
+
+    /// The table and the obstacles.
+    pub(super) fn boxes(&self) -> Vec<StandingBox> {
         let table = self.table.map(|table| {
             let half = table.size.map(|side| side / 2.0);
-            let down = Pose::from_parts(
-                Translation3::new(0.0, 0.0, -half[2]),
-                nalgebra::UnitQuaternion::identity(),
-            );
             StandingBox {
                 name: "table".into(),
-                pose: table.top * down,
+                pose: table.top * Translation3::new(0.0, 0.0, -half[2]),
                 half,
             }
         });
@@ -32,9 +33,6 @@ impl Cell {
             pose: obstacle.pose,
             half: obstacle.size.map(|side| side / 2.0),
         });
-        Surroundings::new(
-            members.collect(),
-            table.into_iter().chain(obstacles).collect(),
-        )
+        table.into_iter().chain(obstacles).collect()
     }
 }

@@ -26,12 +26,8 @@ impl Cell {
                 let last = trajectory.points.len() - 1;
                 (0..count)
                     .map(|k| k * last / (count - 1).max(1))
-                    .map(|k| {
-                        (
-                            trajectory.times[k],
-                            self.lines(&self.postures(trajectory, k)),
-                        )
-                    })
+                    .map(|k| (trajectory.times[k], self.postures(trajectory, k)))
+                    .map(|(time, postures)| (time, self.lines(&postures)))
                     .collect()
             }
         };
@@ -99,17 +95,8 @@ impl Cell {
         for (arm, posture) in self.arms.iter().zip(postures) {
             lines.arm(arm, posture);
         }
-        if let Some(table) = &self.table {
-            let half = table.size.map(|side| side / 2.0);
-            let middle = table.top * nalgebra::Translation3::new(0.0, 0.0, -half[2]);
-            lines.edges("table", &middle, half);
-        }
-        for obstacle in &self.obstacles {
-            lines.edges(
-                &obstacle.name,
-                &obstacle.pose,
-                obstacle.size.map(|side| side / 2.0),
-            );
+        for standing in self.boxes() {
+            lines.edges(&standing.name, &standing.pose, standing.half);
         }
         lines
     }
@@ -125,7 +112,7 @@ impl Lines {
                         .iter()
                         .map(|link| (arm.base * link).translation.vector),
                 )
-                .chain([(arm.base * arm.chain.hand(posture)).translation.vector]);
+                .chain([arm.hand(posture).translation.vector]);
             self.0.push((arm.name.clone(), BONE, joints.collect()));
         }
         for body in &arm.bodies {
@@ -161,13 +148,7 @@ impl Lines {
         // Round the bottom, up, round the top, and down and up again at the other three corners.
         const CORNERS: [usize; 16] = [0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4];
         let corner = |bits: usize| {
-            let side = |k: usize| {
-                if bits >> k & 1 == 1 {
-                    half[k]
-                } else {
-                    -half[k]
-                }
-            };
+            let side = |k: usize| [-half[k], half[k]][bits >> k & 1];
             (pose * Point3::new(side(0), side(1), side(2))).coords
         };
         let points = CORNERS.iter().map(|bits| corner(*bits));

@@ -33,13 +33,11 @@ pub fn is_in_room(cell: &Cell, frame: &Pose, place: Point) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
+    use crate::test_cells::gantry;
 
     #[test]
     fn a_rod_may_lie_on_the_table_where_the_camera_sees_it() {
-        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-            .join("scenarios/cells/gantry.toml");
-        let mut cell = Cell::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        let mut cell = gantry();
         let frame = Pose::translation(0.1, 0.0, 0.0);
         let is_free = |cell: &Cell, x: f64, y: f64| is_in_room(cell, &frame, Point::new(x, y));
         // The picture is 93 cm wide and 70 cm high, the table 120 cm long.

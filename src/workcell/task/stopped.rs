@@ -45,7 +45,7 @@ impl HandPlace {
     pub fn of(cell: &Cell, arm: usize) -> Self {
         let known = &cell.arms[arm];
         let joints = cell.stands(arm);
-        let pose = joints.map(|joints| known.base * known.chain.hand(&joints));
+        let pose = joints.map(|joints| known.hand(&joints));
         let pose = pose
             .inspect_err(|reason| tracing::warn!("{}: {reason}", known.name))
             .ok();

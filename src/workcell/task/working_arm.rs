@@ -171,7 +171,6 @@ impl WorkingArm<'_> {
     /// It reports nothing.
     pub fn hand(&self) -> Result<Pose, WorkError> {
         let joints = self.cell.stands(self.arm).map_err(WorkError::Failed)?;
-        let arm = &self.cell.arms[self.arm];
-        Ok(arm.base * arm.chain.hand(&joints))
+        Ok(self.cell.arms[self.arm].hand(&joints))
     }
 }

@@ -261,8 +261,8 @@ impl SimulatedArm {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::gantry;
     use super::*;
+    use crate::test_cells::gantry;
 
     const STEP: f64 = 5e-3;
 

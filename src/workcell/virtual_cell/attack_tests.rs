@@ -1,7 +1,7 @@
 //! Hostile clients: whatever they send, others are served, answers are short, and the server continues.
 
-use super::tests::gantry;
 use super::{Response, Settings, VirtualCell};
+use crate::test_cells::gantry;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::net::{SocketAddr, TcpStream};

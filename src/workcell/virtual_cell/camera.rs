@@ -229,8 +229,8 @@ fn message(picture: &RgbImage, topic: &str, number: u64, stamp: &Value) -> Strin
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::gantry;
     use super::*;
+    use crate::test_cells::gantry;
     use rodlab_vision::{TraceOptions, trace};
 
     #[test]

@@ -250,15 +250,15 @@ impl ChuckedRod {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_cells;
     use rodlab_engine::mechanics::kirchhoff::{Helix, critical_distance};
     use rodlab_lab::experiment::ClampPoses;
 
     /// The cell with a chuck and the wire that come with the program.
     fn supply() -> ChuckedSupply {
-        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("scenarios");
-        let cell = Cell::read(&folder.join("cells/helix_gantry.toml")).unwrap();
-        let wire = folder.join("rods/nitinol_wire.toml");
-        ChuckedSupply::new(&wire, &cell).unwrap().unwrap()
+        let wire = test_cells::file("scenarios/rods/nitinol_wire.toml");
+        let supply = ChuckedSupply::new(&wire, &test_cells::cell("helix_gantry"));
+        supply.unwrap().unwrap()
     }
 
     /// Mean distance of the nodes from the helix over the length.

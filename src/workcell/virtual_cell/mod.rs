@@ -44,8 +44,6 @@ mod sheet_picture;
 mod simulated_cell;
 mod simulated_rod;
 mod subscription;
-#[cfg(test)]
-mod tests;
 mod topics;
 
 pub use arm::Response;

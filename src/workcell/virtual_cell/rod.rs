@@ -287,8 +287,8 @@ impl RodSupply {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::short_rod;
     use super::*;
+    use crate::test_cells::short_rods;
 
     fn table() -> Pose {
         Pose::translation(0.3, -0.1, 0.05)
@@ -302,8 +302,7 @@ mod tests {
 
     #[test]
     fn a_rod_that_is_handed_over_hangs_where_it_was_until_it_is_moved() {
-        let (_folder, file) = short_rod();
-        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let supply = short_rods();
         let hand = hand(&supply, 0.7);
         let mut rod = supply.handed(0, &hand, &table(), 3.0).unwrap();
         let first = rod.nodes();
@@ -320,8 +319,7 @@ mod tests {
 
     #[test]
     fn a_free_end_lies_where_a_person_lays_it() {
-        let (_folder, file) = short_rod();
-        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let supply = short_rods();
         let hand = hand(&supply, 0.0);
         let supply = supply.with_free_end([0.395, 0.104]);
         let rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
@@ -336,8 +334,7 @@ mod tests {
 
     #[test]
     fn a_rod_that_is_let_go_falls_on_the_table() {
-        let (_folder, file) = short_rod();
-        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let supply = short_rods();
         let hand = hand(&supply, 0.0);
         let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
         rod.release().unwrap();
@@ -351,8 +348,7 @@ mod tests {
 
     #[test]
     fn a_rod_that_is_held_still_falls_when_it_is_let_go() {
-        let (_folder, file) = short_rod();
-        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let supply = short_rods();
         let hand = hand(&supply, 0.0);
         let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
         rod.release().unwrap();
@@ -396,8 +392,7 @@ mod tests {
 
     #[test]
     fn two_hands_on_one_rod_lead_what_each_holds() {
-        let (_folder, file) = short_rod();
-        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let supply = short_rods();
         let first = hand(&supply, 0.7);
         let mut rod = supply.handed(0, &first, &table(), 0.0).unwrap();
         while !rod.advance(&first, 5e-3).unwrap() {}
@@ -447,8 +442,7 @@ mod tests {
 
     #[test]
     fn a_hand_beyond_reach_takes_nothing() {
-        let (_folder, file) = short_rod();
-        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let supply = short_rods();
         let hand = hand(&supply, 0.0);
         let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
         let free = rod.nodes()[0];
@@ -469,8 +463,7 @@ mod tests {
 
     #[test]
     fn a_second_rod_is_handed_beside_one_that_lies() {
-        let (_folder, file) = short_rod();
-        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let supply = short_rods();
         let first = hand(&supply, 0.7);
         let mut rod = supply.handed(0, &first, &table(), 0.0).unwrap();
         let free = rod.nodes()[0];
@@ -536,8 +529,7 @@ mod tests {
 
     #[test]
     fn a_hand_that_cannot_hold_a_hanging_rod_is_told_so() {
-        let (_folder, file) = short_rod();
-        let supply = RodSupply::new(&file, 0.4).unwrap();
+        let supply = short_rods();
         let far = Pose::translation(0.0, 0.0, 0.3) * hand(&supply, 0.0);
         let Err(words) = supply.handed(0, &far, &table(), 0.0) else {
             panic!("it is too high");

@@ -265,8 +265,7 @@ mod tests {
     use super::*;
 
     fn sheet() -> SimulatedSheet {
-        let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-            .join("scenarios/papers/a4.toml");
+        let file = crate::test_cells::file("scenarios/papers/a4.toml");
         let place = SheetPlace {
             edge: [0.1, -0.2],
             heading: 0.5,

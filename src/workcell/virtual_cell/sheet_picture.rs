@@ -172,8 +172,8 @@ fn shaded(colour: [f64; 3], brightness: f64) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::gantry;
     use super::*;
+    use crate::test_cells::gantry;
 
     const TABLE: [f64; 3] = [40.0, 44.0, 48.0];
 

@@ -423,8 +423,8 @@ impl SimulatedCell {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{cell, short_rod};
     use super::*;
+    use crate::test_cells::{cell, short_rods};
 
     /// Moves an arm to joints within so many seconds.
     fn go(cell: &mut SimulatedCell, arm: usize, joints: [f64; 6], seconds: f64) {
@@ -449,10 +449,8 @@ mod tests {
 
     #[test]
     fn a_gripper_takes_hold_of_a_rod_that_another_one_holds_where_it_reaches_it() {
-        let (_folder, file) = short_rod();
-        let supply = RodSupply::new(&file, 0.4).unwrap();
         let served = cell("two_gantries");
-        let (response, rods) = (Response::default(), [Some(supply), None]);
+        let (response, rods) = (Response::default(), [Some(short_rods()), None]);
         let mut cell = SimulatedCell::new(&served, response, rods, None, None, None, Vec::new());
         go(&mut cell, 0, [-0.4, 0.0, 0.27, 0.0, 0.0, 0.0], 2.0);
         cell.grip(0, 0.0).unwrap();

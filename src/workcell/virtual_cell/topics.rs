@@ -1,7 +1,7 @@
 //! What a virtual cell calls its actions and topics: as its cell file does, so that clients find them.
 
 use super::axis::moving_parts;
-use crate::cell::{Cell, Driver};
+use crate::cell::{Cell, Driver, ros_version};
 use rodlab_robot::RosVersion;
 
 /// Topic of the clock.
@@ -65,10 +65,7 @@ impl Topics {
             }
             arms.push(ArmTopics {
                 name: arm.name.clone(),
-                version: match ros {
-                    1 => RosVersion::One,
-                    _ => RosVersion::Two,
-                },
+                version: ros_version(*ros),
                 action: action.clone(),
                 joint_states: joint_states.clone(),
                 gripper: arm.gripper.as_ref().map(|gripper| gripper.action.clone()),

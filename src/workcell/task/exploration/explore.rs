@@ -17,10 +17,6 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
-/// Points of a straight way of the joints.
-const POINTS: usize = 100;
-/// Joints nearer than this, rad or m, are there.
-const THERE: f64 = 1e-6;
 /// Largest difference of a joint, rad or m, with which it still stands on a ray.
 const ON_RAY: f64 = 0.05;
 
@@ -328,7 +324,9 @@ impl Exploration<'_> {
         let doing = "going to the end of the straight rod";
         let mut straight = start.to_vec();
         straight.push(0.0);
-        if let Some(way) = self.straight_way(&joints, &straight)? {
+        if let Some(points) = crate::cell::straight(&joints, &straight)
+            && let Some(way) = self.motion(&points, self.approach_speed)?
+        {
             let gone = walker.arm.follow(LOG, &way);
             gone.map_err(|error| in_words(error, doing))?;
         }
@@ -337,25 +335,6 @@ impl Exploration<'_> {
         clamped.map_err(|error| in_words(error, doing))?;
         record.is_clamped = true;
         Ok(record.write(self.directory)?)
-    }
-
-    /// Straight in the joints; `None` where they are there already.
-    fn straight_way(
-        &self,
-        from: &[f64],
-        to: &[f64],
-    ) -> Result<Option<JointTrajectory>, ExploreError> {
-        let farthest = from.iter().zip(to).map(|(a, b)| (a - b).abs());
-        if farthest.fold(0.0, f64::max) < THERE {
-            return Ok(None);
-        }
-        let between = |k: usize| -> Vec<f64> {
-            let part = k as f64 / POINTS as f64;
-            let pairs = from.iter().zip(to);
-            pairs.map(|(a, b)| a + part * (b - a)).collect()
-        };
-        let points: Vec<Vec<f64>> = (0..=POINTS).map(between).collect();
-        self.motion(&points, self.approach_speed)
     }
 
     fn row(&self, index: usize, ray: &Ray, searched: &Searched, began: Instant) -> ExplorationRow {

@@ -93,11 +93,7 @@ impl FoldMotionRequest<'_> {
     /// # Errors
     /// It cannot be done.
     pub fn rising(&self, from: &[f64]) -> Result<JointTrajectory, PlanError> {
-        let arm = &self.cell.arms[self.arm];
-        let hand = arm.base * arm.chain.hand(from);
-        let path = [hand, Translation3::new(0.0, 0.0, RISE) * hand];
-        self.cell
-            .continuation(self.arm, &path, from, self.speed, RATE)
+        self.cell.rising(self.arm, RISE, from, self.speed, RATE)
     }
 }
 

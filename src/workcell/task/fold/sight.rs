@@ -243,8 +243,8 @@ impl<'a> Sight<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_cells::gantry;
     use rodlab_vision::{RenderOptions, render};
-    use std::path::Path;
 
     const PAPER: Paper = Paper {
         length: 0.2,
@@ -256,12 +256,6 @@ mod tests {
         friction: None,
         edges: 80,
     };
-
-    fn gantry() -> Cell {
-        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-            .join("scenarios/cells/gantry.toml");
-        Cell::read(&path).unwrap_or_else(|error| panic!("{error}"))
-    }
 
     /// A flat sheet of 0.2 m by `length` whose frame is moved by `slid` along its x axis.
     fn picture(sight: &Sight<'_>, frame: &Pose, length: f64, slid: f64) -> RgbImage {

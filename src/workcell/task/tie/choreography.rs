@@ -259,12 +259,9 @@ impl Choreography<'_> {
 
     /// The hand of an arm rises from where it is.
     fn raised(&self, which: usize) -> Result<JointTrajectory, PlanError> {
-        let arm = &self.request.cell.arms[self.request.arms[which]];
+        let TieMotionRequest { cell, speed, .. } = *self.request;
         let from = self.both.joints(which);
-        let hand = arm.base * arm.chain.hand(from);
-        let path = [hand, Translation3::new(0.0, 0.0, RISE) * hand];
-        let way = self.way(which, &path, from, self.request.speed)?;
-        Ok(way.expect("a way of some length"))
+        cell.rising(self.request.arms[which], RISE, from, speed, RATE)
     }
 
     /// An arm that holds nothing goes from joints to joints, each straight.

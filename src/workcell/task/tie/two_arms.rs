@@ -1,7 +1,7 @@
 //! Motions of two arms on one clock: both move, or one while the other rests.
 
 use crate::cell::Cell;
-use rodlab_robot::{Column, JointTrajectory};
+use rodlab_robot::JointTrajectory;
 
 /// Time between points, s.
 const STEP: f64 = 0.01;
@@ -58,15 +58,10 @@ impl<'a> TwoArms<'a> {
 
     /// The motion so far, from time zero.
     pub fn trajectory(&self) -> JointTrajectory {
-        let columns = self.arms.iter().flat_map(|&arm| {
-            let arm = &self.cell.arms[arm];
-            let joints = arm.chain.joints.iter();
-            joints.map(|joint| Column {
-                part: arm.name.clone(),
-                joint: Some(joint.name.clone()),
-                kind: joint.kind,
-            })
-        });
+        let columns = self
+            .arms
+            .iter()
+            .flat_map(|&arm| self.cell.arms[arm].columns());
         JointTrajectory {
             columns: columns.collect(),
             times: (0..self.points.len()).map(|k| k as f64 * STEP).collect(),
@@ -91,13 +86,10 @@ pub fn joined<'a>(motions: impl IntoIterator<Item = &'a JointTrajectory>) -> Joi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     #[test]
     fn who_has_come_first_rests() {
-        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-            .join("scenarios/cells/two_gantries.toml");
-        let cell = Cell::read(&path).unwrap_or_else(|error| panic!("{error}"));
+        let cell = crate::test_cells::cell("two_gantries");
         let homes = [0, 1].map(|arm: usize| cell.arms[arm].home.clone());
         let mut both = TwoArms::from(&cell, [0, 1], homes.clone());
         let moved = |arm: usize, x: f64| {
