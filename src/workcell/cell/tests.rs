@@ -325,7 +325,6 @@ fn planned_within_limits(name: &str, what: &str, path: &[rodlab_robot::Pose]) {
     const SPEED: f64 = 0.25;
     let cell = shipped(name);
     let arm = &cell.arms[0];
-    let begin = std::time::Instant::now();
     let request = PlanRequest {
         arm: 0,
         path: path.to_vec(),

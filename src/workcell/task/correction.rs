@@ -8,7 +8,6 @@ use rodlab_files::results::thread_cpu_time;
 use rodlab_planning::plan::deployment::{CorrectedPath, ObservedContact, OptimalGrasps};
 use rodlab_robot::Pose;
 use rodlab_vision::Point;
-use std::fmt::Write;
 use std::time::Duration;
 
 /// Length that is laid between two looks, and over which the rod returns to its pattern, in gravito-bending lengths: those of
@@ -21,6 +20,8 @@ const UNSURE: f64 = 0.3;
 const SPACING: f64 = 2e-3;
 /// How far from where it should the rod may begin in a picture, m: elsewhere it is hidden by what hangs from the gripper.
 const MOST_OFF: f64 = 0.01;
+/// The first line of `corrections.csv`.
+const COLUMNS: &str = "laid_m,seen_m,x_m,y_m,angle_rad,gravito_bending_length_m,processor_time_s\n";
 /// Points per second of a motion.
 const RATE: u32 = 100;
 
@@ -76,7 +77,7 @@ impl LayingMethod for Correction {
         let path = CorrectedPath::new(*task.rod, task.path.points.clone(), poses, lengths);
         let mut path = path.with_horizon();
         let mut joints = task.motion.laying.points[0].clone();
-        let mut looks = Looks::default();
+        let mut looks = String::from(COLUMNS);
         let last = task.path.points.len() - 1;
         let mut here = 0;
         for number in 1.. {
@@ -98,8 +99,8 @@ impl LayingMethod for Correction {
                 path.correct(here, after, contact, OptimalGrasps::Exact);
             }
             let used = thread_cpu_time().zip(begin).map(|(end, begin)| end - begin);
-            looks.note(&path, here, contact.as_ref(), used);
-            task.write("corrections.csv", looks.rows.as_bytes())?;
+            looks += &row(&path, here, contact.as_ref(), used);
+            task.write("corrections.csv", looks.as_bytes())?;
         }
         Ok(())
     }
@@ -154,43 +155,25 @@ fn along(curve: &[Point], length: f64) -> Option<Vec<(f64, Point)>> {
     None
 }
 
-/// The rows of `corrections.csv`.
-struct Looks {
-    rows: String,
-}
-
-impl Default for Looks {
-    fn default() -> Self {
-        Self {
-            rows: "laid_m,seen_m,x_m,y_m,angle_rad,gravito_bending_length_m,processor_time_s\n"
-                .into(),
-        }
-    }
-}
-
-impl Looks {
-    /// Notes what was seen when the gripper was at pose `index`, what the rod is believed to be then, and what looking and planning
-    /// took.
-    fn note(
-        &mut self,
-        path: &CorrectedPath,
-        index: usize,
-        contact: Option<&ObservedContact>,
-        used: Option<Duration>,
-    ) {
-        let laid = path.pattern()[index].s;
-        let seen = contact.map_or_else(
-            || ",,,".into(),
-            |contact| {
-                let [x, y]: [f64; 2] = contact.position.into();
-                format!("{:.6},{x:.6},{y:.6},{:.6}", contact.s, contact.angle)
-            },
-        );
-        let length = path.rod().gravito_bending_length;
-        let used = used.map_or_else(String::new, |used| format!("{:.6}", used.as_secs_f64()));
-        // Writing to a string does not fail.
-        let _ = writeln!(self.rows, "{laid:.6},{seen},{length:.6},{used}");
-    }
+/// The row of `corrections.csv` of a look with the gripper at pose `index`: what was seen, what the rod is believed to be then, and
+/// what looking and planning took.
+fn row(
+    path: &CorrectedPath,
+    index: usize,
+    contact: Option<&ObservedContact>,
+    used: Option<Duration>,
+) -> String {
+    let laid = path.pattern()[index].s;
+    let seen = contact.map_or_else(
+        || ",,,".into(),
+        |contact| {
+            let [x, y]: [f64; 2] = contact.position.into();
+            format!("{:.6},{x:.6},{y:.6},{:.6}", contact.s, contact.angle)
+        },
+    );
+    let length = path.rod().gravito_bending_length;
+    let used = used.map_or_else(String::new, |used| format!("{:.6}", used.as_secs_f64()));
+    format!("{laid:.6},{seen},{length:.6},{used}\n")
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::error::{TaskError, TaskStage};
 use super::look::{Seen, next_picture};
 use super::motion::DeployMotion;
+use super::stage_clock::StageClock;
 use super::stopped::{HandPlace, LaidAlong, Stopped};
 use super::unfinished::Unfinished;
 use super::working_arm::{Grip, WorkingArm};
@@ -14,11 +15,10 @@ use rodlab_lab::experiment::{Fixtures, PassedPegs};
 use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, falls_straight};
 use rodlab_robot::JointTrajectory;
 use rodlab_vision::{
-    ColourRule, Point, SCORE_POINTS, Score, SeenLength, VisionError, centrelines_csv,
-    encode_picture, overlay, part_of_curve, pattern_csv, score, score_figure,
+    ColourRule, Point, SCORE_POINTS, Score, SeenLength, VisionError, encode_picture, part_of_curve,
+    pattern_csv, score, score_figure,
 };
 use std::path::Path;
-use std::time::Instant;
 
 /// What is laid where.
 pub struct DeployTask<'a> {
@@ -148,12 +148,12 @@ pub struct DeployEnd {
 impl DeployTask<'_> {
     /// Does all of it; what was done until something fails is in the directory.
     pub fn run(&self, is_interrupted: &dyn Fn() -> bool) -> DeployEnd {
-        let mut times = Vec::new();
+        let mut clock = StageClock::new(is_interrupted);
         let mut seen_length = None;
-        let laid = self.stages(is_interrupted, &mut times, &mut seen_length);
+        let laid = self.stages(&mut clock, &mut seen_length);
         let stopped = laid.as_ref().err().and_then(|error| self.left_by(error));
         DeployEnd {
-            times,
+            times: clock.times,
             seen_length,
             laid,
             stopped,
@@ -162,56 +162,33 @@ impl DeployTask<'_> {
 
     fn stages(
         &self,
-        is_interrupted: &dyn Fn() -> bool,
-        times: &mut Vec<(Stage, f64)>,
+        clock: &mut StageClock<'_, Stage>,
         seen_length: &mut Option<SeenLength>,
     ) -> Result<Laid, DeployError> {
-        let mut begin = Instant::now();
-        let mut done = |stage: Stage| {
-            tracing::info!("done: {}", stage.in_words());
-            times.push((stage, begin.elapsed().as_secs_f64()));
-            begin = Instant::now();
-        };
-        let stopped = |stage: Stage| match is_interrupted() {
-            true => Err(DeployError::Interrupted { stage }),
-            false => Ok(()),
-        };
+        let is_interrupted = clock.is_interrupted;
         let arm = self.arm(is_interrupted);
-        let first = &self.motion.laying.points[0];
-        let gone = arm.go("approach", first, self.approach_speed);
-        gone.map_err(DeployError::of_work(Stage::Approach))?;
-        done(Stage::Approach);
-        stopped(Stage::Take)?;
-        let taken = arm.grip(Grip::Close);
-        taken.map_err(DeployError::of_work(Stage::Take))?;
-        done(Stage::Take);
-        stopped(Stage::Lay)?;
+        let (first, speed) = (&self.motion.laying.points[0], self.approach_speed);
+        clock.done(Stage::Approach, arm.go("approach", first, speed))?;
+        clock.check(Stage::Take)?;
+        clock.done(Stage::Take, arm.grip(Grip::Close))?;
+        clock.check(Stage::Lay)?;
         match self.laying {
             None => self.lay("laying", &self.motion.laying, is_interrupted)?,
             Some(laying) => laying.lay(self, is_interrupted)?,
         }
-        done(Stage::Lay);
-        stopped(Stage::LetGo)?;
-        let opened = arm.grip(Grip::Open);
-        opened.map_err(DeployError::of_work(Stage::LetGo))?;
-        let settled = arm.settle();
-        settled.map_err(DeployError::of_work(Stage::LetGo))?;
-        done(Stage::LetGo);
-        stopped(Stage::Retreat)?;
-        let gone = arm.go_home("retreat", self.approach_speed);
-        gone.map_err(DeployError::of_work(Stage::Retreat))?;
-        done(Stage::Retreat);
-        stopped(Stage::Look)?;
+        clock.note(Stage::Lay);
+        clock.check(Stage::LetGo)?;
+        clock.done(Stage::LetGo, arm.let_go())?;
+        clock.check(Stage::Retreat)?;
+        clock.done(Stage::Retreat, arm.go_home("retreat", speed))?;
+        clock.check(Stage::Look)?;
         let picture = next_picture(self.cell);
         let picture = picture.map_err(|reason| DeployError::failed(Stage::Look, reason))?;
         self.write("picture.png", &encode_picture(&picture))?;
-        done(Stage::Look);
+        clock.note(Stage::Look);
         let seen = |error: VisionError| DeployError::failed(Stage::Score, error);
         let found = self.seen(&picture).map_err(seen)?;
-        let shown = overlay(&picture, &found.trace);
-        self.write("overlay.png", &encode_picture(&shown))?;
-        let strands = centrelines_csv(&found.trace.strands, None).map_err(seen)?;
-        self.write("centrelines.csv", strands.as_bytes())?;
+        found.write(&picture, self.directory, Stage::Score)?;
         let rod = found.longest(self.start()).map_err(seen)?;
         self.write("rod.csv", pattern_csv(&rod).as_bytes())?;
         let length = seen_length.insert(self.seen_length(&found, &rod).map_err(seen)?);
@@ -227,7 +204,7 @@ impl DeployTask<'_> {
             let figure = peg_figure(&rod, fixtures);
             self.write("pegs.svg", figure.svg(&Paper::default()).as_bytes())?;
         }
-        done(Stage::Score);
+        clock.note(Stage::Score);
         Ok(Laid { score, pegs })
     }
 
@@ -300,10 +277,8 @@ impl DeployTask<'_> {
 /// The rod between its pegs, from above.
 fn peg_figure(rod: &[Point], fixtures: &Fixtures) -> Figure {
     let outline = |points: &[Point]| {
-        points
-            .iter()
-            .map(|point| (point.x, Some(point.y)))
-            .collect()
+        let points = points.iter();
+        points.map(|point| (point.x, Some(point.y))).collect()
     };
     let plot = LinePlot {
         label: "y in m".into(),

@@ -1,14 +1,11 @@
 //! What a deployment leaves in a results directory for programs and people.
 
 use super::deploy::{Laid, Stage};
-use super::error::TaskStage;
-use super::record::{TaskHead, TaskRecord, add_pictures};
+use super::record::{OVERLAY, Report, TaskHead, TaskRecord};
 use crate::cell::PlanReport;
-use rodlab_files::figure::escape_markdown;
 use rodlab_lab::experiment::PassedPegs;
 use rodlab_vision::{CurveError, SeenLength};
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::Path;
 
 /// Distances of a rod from its pattern.
@@ -62,71 +59,46 @@ impl TaskRecord for DeployRecord {
     }
 
     fn report(&self, directory: &Path) -> String {
-        let mut text = format!(
-            "# A rod laid along {}\n\n| | |\n|---|---|\n| cell | {} |\n| arm | {} |\n",
-            escape_markdown(&self.pattern),
-            escape_markdown(&self.cell),
-            escape_markdown(&self.arm)
-        );
-        let mut row = |name: &str, value: String| {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "| {name} | {} |", escape_markdown(&value));
-        };
-        for (name, value) in self.head.rows() {
-            row(name, value);
-        }
-        row("motion", format!("{:.1} s", self.motion.duration_s));
-        row(
+        let mut report = Report::new(&format!("A rod laid along {}", self.pattern));
+        report.row("cell", &self.cell);
+        report.row("arm", &self.arm);
+        report.head(&self.head);
+        report.row("motion", format!("{:.1} s", self.motion.duration_s));
+        let clearance = 1e3 * self.motion.least_clearance_m;
+        report.row(
             "least distance to anything else",
-            format!("{:.0} mm", 1e3 * self.motion.least_clearance_m),
+            format!("{clearance:.0} mm"),
         );
-        for (stage, time) in &self.times_s {
-            row(stage.in_words(), format!("{time:.1} s"));
-        }
+        report.times(&self.times_s);
         if let Some(length) = &self.seen_length {
-            row(
-                "length as seen",
-                format!(
-                    "{:.1} mm of {:.1} mm",
-                    1e3 * length.seen_m,
-                    1e3 * length.rod_m
-                ),
-            );
+            let [seen, whole] = [length.seen_m, length.rod_m].map(|metres| 1e3 * metres);
+            report.row("length as seen", format!("{seen:.1} mm of {whole:.1} mm"));
         }
         if let Some(score) = &self.score {
             for (name, error) in [
                 ("by arc length", &score.by_arc_length),
                 ("by nearest point", &score.by_nearest_point),
             ] {
-                row(
+                let [mean, deviation, largest] =
+                    [error.mean_m, error.deviation_m, error.largest_m].map(|metres| 1e3 * metres);
+                report.row(
                     &format!("distance from the pattern {name}"),
-                    format!(
-                        "{:.2} ± {:.2} mm, largest {:.2} mm",
-                        1e3 * error.mean_m,
-                        1e3 * error.deviation_m,
-                        1e3 * error.largest_m
-                    ),
+                    format!("{mean:.2} ± {deviation:.2} mm, largest {largest:.2} mm"),
                 );
             }
         }
         if let Some(pegs) = &self.pegs {
             let word = if pegs.are_all() { "" } else { "not " };
-            row(
-                "pegs passed as the pattern does",
-                format!("{} of {}: {word}placed", pegs.passed, pegs.count),
-            );
+            let count = format!("{} of {}: {word}placed", pegs.passed, pegs.count);
+            report.row("pegs passed as the pattern does", count);
         }
         let pictures = [
             ("score.svg", "The rod and its pattern"),
             ("pegs.svg", "The rod between its pegs"),
-            (
-                "overlay.png",
-                "What the camera saw, with the rod that was found",
-            ),
+            OVERLAY,
             ("plan/deployment.svg", "The plan"),
         ];
-        add_pictures(&mut text, directory, pictures);
-        text += "\n[The arm in motion](cell.html)\n";
-        text
+        report.pictures(directory, pictures);
+        report.text + "\n[The arm in motion](cell.html)\n"
     }
 }

@@ -71,3 +71,10 @@ pub enum WorkError {
     #[error("interrupted; the arm holds")]
     Interrupted,
 }
+
+impl WorkError {
+    /// Something failed, for a reason in words.
+    pub fn failed(reason: impl ToString) -> Self {
+        Self::Failed(reason.to_string())
+    }
+}

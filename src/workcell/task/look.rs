@@ -1,11 +1,15 @@
 //! The camera's picture of a rod that lies, as a curve in the frame of its pattern.
 
+use super::error::{TaskError, TaskStage};
 use crate::cell::Cell;
 use image::RgbImage;
+use rodlab_files::results::write_whole;
 use rodlab_robot::{CameraPicture, Pose, open_camera};
 use rodlab_vision::{
-    Camera, ColourRule, Point, Trace, TraceOptions, VisionError, decode_picture, trace, whole_rod,
+    Camera, ColourRule, Point, Trace, TraceOptions, VisionError, centrelines_csv, decode_picture,
+    encode_picture, overlay, trace, whole_rod,
 };
+use std::path::Path;
 use std::time::Duration;
 
 /// Longest wait for a picture.
@@ -26,10 +30,8 @@ pub fn next_picture(cell: &Cell) -> Result<RgbImage, String> {
         format!("camera.source: {source:?} is no camera; needed: ros1://, rosbridge:// or ros2://")
     })?;
     let mut camera = opened.map_err(|error| error.to_string())?;
-    match camera
-        .picture(PATIENCE)
-        .map_err(|error| error.to_string())?
-    {
+    let picture = camera.picture(PATIENCE);
+    match picture.map_err(|error| error.to_string())? {
         CameraPicture::Pixels(picture) => Ok(picture),
         CameraPicture::File(bytes) => decode_picture(&bytes),
     }
@@ -76,6 +78,26 @@ impl Seen {
             to_frame: frame.inverse(),
             height,
         })
+    }
+
+    /// Writes the picture with the strands, `overlay.png`, and the strands, `centrelines.csv`, in a stage of a task.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    pub fn write<S: TaskStage>(
+        &self,
+        picture: &RgbImage,
+        directory: &Path,
+        stage: S,
+    ) -> Result<(), TaskError<S>> {
+        let shown = encode_picture(&overlay(picture, &self.trace));
+        write_whole(&directory.join("overlay.png"), &shown)?;
+        let strands = centrelines_csv(&self.trace.strands, None);
+        let strands = strands.map_err(|error| TaskError::failed(stage, error))?;
+        Ok(write_whole(
+            &directory.join("centrelines.csv"),
+            strands.as_bytes(),
+        )?)
     }
 
     /// The longest strand in the frame of the pattern, m, from the end that is nearer to `start`, with the closed ones that it

@@ -11,6 +11,7 @@
 //! | `correction` | its path, planned anew from what the camera sees while it is laid |
 //! | `look` | the camera's picture as a curve in the frame of the pattern |
 //! | `working_arm` | motions and grips of an arm, with the log of each |
+//! | `stage_clock` | its stages, with the time that each took |
 //! | `error` | why a task ends early |
 //! | `stopped` | how it leaves the cell then |
 //! | `unfinished` | whether the last task came to its end |
@@ -27,6 +28,7 @@ mod look;
 mod motion;
 mod record;
 mod room;
+mod stage_clock;
 mod stopped;
 mod tie;
 mod unfinished;

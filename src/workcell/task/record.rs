@@ -2,6 +2,7 @@
 
 use super::error::{TaskError, TaskStage};
 use super::stopped::Stopped;
+use rodlab_files::figure::escape_markdown;
 use rodlab_files::origin::VERSION;
 use rodlab_files::results::{MANIFEST, ResultsError, write_whole};
 use serde::Serialize;
@@ -87,14 +88,10 @@ impl TaskHead {
 
     /// Rows of a report: how far it came, and why no further.
     pub fn rows(&self) -> Vec<(&'static str, String)> {
-        let because = self.error.iter();
-        let because = because.map(|error| ("because", error.clone()));
-        let status = ("status", self.status.in_words().to_owned());
-        let stopped = self.stopped.iter().flat_map(Stopped::rows);
-        std::iter::once(status)
-            .chain(because)
-            .chain(stopped)
-            .collect()
+        let mut rows = vec![("status", self.status.in_words().to_owned())];
+        rows.extend(self.error.iter().map(|error| ("because", error.clone())));
+        rows.extend(self.stopped.iter().flat_map(Stopped::rows));
+        rows
     }
 }
 
@@ -112,10 +109,8 @@ pub trait TaskRecord: Serialize {
     /// They cannot be written.
     fn write(&self, directory: &Path) -> Result<(), ResultsError> {
         write_manifest(self, directory)?;
-        write_whole(
-            &directory.join("report.md"),
-            self.report(directory).as_bytes(),
-        )
+        let report = self.report(directory);
+        write_whole(&directory.join("report.md"), report.as_bytes())
     }
 }
 
@@ -132,15 +127,58 @@ pub fn write_manifest<R: Serialize + ?Sized>(
     write_whole(&directory.join(MANIFEST), &text)
 }
 
-/// Adds the pictures that are in a directory to a report.
-pub fn add_pictures<'a>(
-    text: &mut String,
-    directory: &Path,
-    pictures: impl IntoIterator<Item = (&'a str, &'a str)>,
-) {
-    for (name, words) in pictures {
-        if directory.join(name).is_file() {
-            *text += &format!("\n![{words}]({name})\n");
+/// The picture with the rod that was found in it, and its words.
+pub const OVERLAY: (&str, &str) = (
+    "overlay.png",
+    "What the camera saw, with the rod that was found",
+);
+
+/// A `report.md` that grows: first a table of two columns, then whatever is added to its text.
+pub struct Report {
+    /// The text so far.
+    pub text: String,
+}
+
+impl Report {
+    /// A page with a title and a table without rows.
+    pub fn new(title: &str) -> Self {
+        let title = escape_markdown(title);
+        Self {
+            text: format!("# {title}\n\n| | |\n|---|---|\n"),
+        }
+    }
+
+    /// Adds a row to the table.
+    pub fn row(&mut self, name: &str, value: impl AsRef<str>) {
+        let value = escape_markdown(value.as_ref());
+        self.text += &format!("| {name} | {value} |\n");
+    }
+
+    /// Adds rows to the table: how far a task came, and why no further.
+    pub fn head(&mut self, head: &TaskHead) {
+        for (name, value) in head.rows() {
+            self.row(name, value);
+        }
+    }
+
+    /// Adds rows to the table: the time that each stage took, s.
+    pub fn times<S: TaskStage>(&mut self, times: &[(S, f64)]) {
+        for (stage, time) in times {
+            self.row(stage.in_words(), format!("{time:.1} s"));
+        }
+    }
+
+    /// Adds the pictures that are in a directory.
+    pub fn pictures<N: AsRef<str>>(
+        &mut self,
+        directory: &Path,
+        pictures: impl IntoIterator<Item = (N, N)>,
+    ) {
+        for (name, words) in pictures {
+            let (name, words) = (name.as_ref(), words.as_ref());
+            if directory.join(name).is_file() {
+                self.text += &format!("\n![{words}]({name})\n");
+            }
         }
     }
 }

@@ -144,7 +144,7 @@ impl Stopped {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Translation3, UnitQuaternion, Vector3};
+    use nalgebra::{UnitQuaternion, Vector3};
 
     /// Poses along a square of 10 cm that ends where it begins; the hand turns at its corners.
     fn square() -> Vec<GripperPose> {
@@ -166,6 +166,14 @@ mod tests {
         poses
     }
 
+    fn hand(pose: Option<Pose>, position_m: Option<[f64; 3]>) -> HandPlace {
+        HandPlace {
+            arm: "gantry".into(),
+            position_m,
+            pose,
+        }
+    }
+
     #[test]
     fn the_laid_length_is_that_of_the_pose_at_which_the_hand_is() {
         let poses = square();
@@ -178,25 +186,15 @@ mod tests {
         // The first and the last pose are at the same place.
         for index in [0, 7, 25, 40] {
             let GripperPose {
+                s,
                 position,
                 rotation,
-                s,
                 ..
             } = &poses[index];
-            let pose = frame * Pose::from_parts(Translation3::from(*position), *rotation);
-            let hand = HandPlace {
-                arm: "arm".into(),
-                position_m: None,
-                pose: Some(pose),
-            };
-            assert_eq!(along.until(&hand).laid_m, Some(*s));
+            let pose = frame * Pose::from_parts((*position).into(), *rotation);
+            assert_eq!(along.until(&hand(Some(pose), None)).laid_m, Some(*s));
         }
-        let silent = HandPlace {
-            arm: "arm".into(),
-            position_m: None,
-            pose: None,
-        };
-        assert_eq!(along.until(&silent).laid_m, None);
+        assert_eq!(along.until(&hand(None, None)).laid_m, None);
         assert_eq!(along.whole(true).laid_m, Some(0.4));
     }
 
@@ -205,23 +203,15 @@ mod tests {
         let error = TaskError::Interrupted {
             stage: crate::task::Stage::Lay,
         };
-        let hand = HandPlace {
-            arm: "gantry".into(),
-            position_m: Some([0.1, 0.2, 0.03]),
-            pose: None,
-        };
+        let hand = hand(None, Some([0.1, 0.2, 0.03]));
         let laid = LaidLength {
             laid_m: Some(0.12),
             path_m: 0.3,
         };
         let stopped = Stopped::by(&error, vec![hand], vec![laid]).unwrap();
         let text = format!("{:?}", stopped.rows());
-        for words in [
-            "laying",
-            "120.0 of 300.0 mm",
-            "0.1000, 0.2000, 0.0300 m",
-            "--checked",
-        ] {
+        let place = "0.1000, 0.2000, 0.0300 m";
+        for words in ["laying", "120.0 of 300.0 mm", place, "--checked"] {
             assert!(text.contains(words), "{words}: {text}");
         }
         let whole = TaskError::<crate::task::Stage>::NotSeenWhole("short".into());

@@ -2,6 +2,7 @@
 //!
 //! A mark in a file of the user's own tells, since a task that was killed can tell nothing more.
 
+use super::error::WorkError;
 use crate::cell::Cell;
 use std::env;
 use std::fs;
@@ -37,11 +38,13 @@ impl Unfinished {
     ///
     /// # Errors
     /// The mark cannot be written.
-    pub(super) fn mark(&self) -> io::Result<()> {
-        if let Some(folder) = self.file.parent() {
-            fs::create_dir_all(folder)?;
-        }
-        fs::write(&self.file, self.directory.display().to_string())
+    pub(super) fn mark(&self) -> Result<(), WorkError> {
+        let made = self.file.parent().map_or(Ok(()), fs::create_dir_all);
+        let marked =
+            made.and_then(|()| fs::write(&self.file, self.directory.display().to_string()));
+        marked.map_err(|error| {
+            WorkError::Failed(format!("the task cannot be marked as begun: {error}"))
+        })
     }
 
     /// The task came to its end.

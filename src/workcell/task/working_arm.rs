@@ -53,8 +53,8 @@ impl WorkingArm<'_> {
     pub fn carry(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
         let fingers = self.cell.fingers(self.arm).map_err(WorkError::Failed)?;
         if fingers.as_ref().is_some_and(|fingers| !fingers.hold()) {
-            return Err(WorkError::Failed(
-                "its fingers hold nothing: what they took slipped out of the gripper, or they took nothing".into(),
+            return Err(WorkError::failed(
+                "its fingers hold nothing: what they took slipped out of the gripper, or they took nothing",
             ));
         }
         self.stream(name, motion, fingers.as_ref())
@@ -71,17 +71,13 @@ impl WorkingArm<'_> {
             WorkError::Failed(format!("{} cannot be written: {error}", folder.display()))
         };
         std::fs::create_dir_all(&folder).map_err(unwritable)?;
-        let table = motion.to_csv();
-        let table = table.map_err(|error| WorkError::Failed(error.to_string()))?;
+        let table = motion.to_csv().map_err(WorkError::failed)?;
         let written = write_whole(&folder.join("trajectory.csv"), table.as_bytes());
-        written.map_err(|error| WorkError::Failed(error.to_string()))?;
+        written.map_err(WorkError::failed)?;
         let prepared = self.cell.prepare_stream(std::slice::from_ref(motion));
         let (mut parts, _) = prepared.map_err(WorkError::Failed)?;
         let mut log = StreamLog::open(&folder).map_err(unwritable)?;
-        let marked = self.unfinished.map_or(Ok(()), Unfinished::mark);
-        marked.map_err(|error| {
-            WorkError::Failed(format!("the task cannot be marked as begun: {error}"))
-        })?;
+        self.unfinished.map_or(Ok(()), Unfinished::mark)?;
         let slipped = || fingers.and_then(Fingers::slipped);
         let must_end = || (self.is_interrupted)() || slipped().is_some();
         let ending = stream(&mut parts, &self.cell.streaming, &must_end, &mut log);
@@ -121,7 +117,7 @@ impl WorkingArm<'_> {
     fn way_to(&self, joints: &[f64], speed: f64) -> Result<Option<JointTrajectory>, WorkError> {
         let from = self.cell.stands(self.arm).map_err(WorkError::Failed)?;
         let way = self.cell.approach(self.arm, &from, joints, speed);
-        way.map_err(|error| WorkError::Failed(error.to_string()))
+        way.map_err(WorkError::failed)
     }
 
     /// Closes or opens its gripper.
@@ -130,8 +126,7 @@ impl WorkingArm<'_> {
     /// There is none, or it did not.
     pub fn grip(&self, grip: Grip) -> Result<(), WorkError> {
         let Some((gripper, [open, closed])) = self.cell.gripper(self.arm) else {
-            let missing = "the arm has no gripper in the cell file";
-            return Err(WorkError::Failed(missing.into()));
+            return Err(WorkError::failed("the arm has no gripper in the cell file"));
         };
         let opening = match grip {
             Grip::Close => closed,
@@ -141,15 +136,16 @@ impl WorkingArm<'_> {
         let moved = gripper.command(opening, GRIPPER, self.is_interrupted);
         moved.map_err(|error| match (self.is_interrupted)() {
             true => WorkError::Interrupted,
-            false => WorkError::Failed(error.to_string()),
+            false => WorkError::failed(error),
         })
     }
 
-    /// Waits until a rod or a sheet that it let go lies still, as [`Self::rest`].
+    /// Opens its gripper, and waits until the rod or the sheet that it let go lies still, as [`Self::rest`].
     ///
     /// # Errors
-    /// The user asks for the end.
-    pub fn settle(&self) -> Result<(), WorkError> {
+    /// The gripper did not open, or the user asks for the end.
+    pub fn let_go(&self) -> Result<(), WorkError> {
+        self.grip(Grip::Open)?;
         self.rest(SETTLING)
     }
 

@@ -3,12 +3,12 @@
 use super::ray::{Ray, RayRequest};
 use super::record::{ExplorationPlan, ExplorationRecord};
 use super::row::{ExplorationRow, ExplorationSummary, Found, TABLE, read_rows};
-use super::walk::{LOG, Picture, SearchSteps, Searched, Walker};
+use super::walk::{LOG, SearchSteps, Searched, Walker};
 use crate::cell::{Cell, HandPathRequest};
 use crate::task::error::WorkError;
 use crate::task::record::TaskHead;
 use crate::task::working_arm::{Grip, WorkingArm};
-use rodlab_engine::mechanics::kirchhoff::{Helix, critical_distance};
+use rodlab_engine::mechanics::kirchhoff::Helix;
 use rodlab_files::results::{CsvStream, ResultsError, read_whole_rows, write_whole};
 use rodlab_lab::experiment::ClampedRod;
 use rodlab_robot::{JointTrajectory, Pose};
@@ -181,7 +181,7 @@ impl Exploration<'_> {
                 roll_rad: ray.roll,
                 reach: ray.reach(),
                 limit: ray.limit.clone().unwrap_or_default(),
-                theory: critical_distance(&ray.direction).map(|critical| critical.distance),
+                theory: ray.theory(),
             })?;
         }
         Ok(table.flush()?)
@@ -197,12 +197,10 @@ impl Exploration<'_> {
             return Ok(None);
         }
         let chuck = self.cell.chuck.expect("the start was found");
-        let motion = self
-            .cell
-            .motion_along(self.arm, chuck.axis, points, speed, 0.0);
-        motion
-            .map(Some)
-            .map_err(|error| ExploreError::Input(error.to_string()))
+        let (cell, axis) = (self.cell, chuck.axis);
+        let motion = cell.motion_along(self.arm, axis, points, speed, 0.0);
+        let motion = motion.map_err(|error| ExploreError::Input(error.to_string()))?;
+        Ok(Some(motion))
     }
 
     /// Explores the directions that are not in the table yet, and writes a row for each when it is done.
@@ -289,35 +287,22 @@ impl Exploration<'_> {
         direction: usize,
     ) -> Result<(), ExploreError> {
         let chuck = self.cell.chuck.expect("the start was found");
-        let failed = |doing: &str, reason: String| ExploreError::Failed {
-            doing: doing.into(),
-            reason,
-        };
-        let look = "looking where the arm stands";
-        let mut joints = self
-            .cell
-            .stands(self.arm)
-            .map_err(|reason| failed(look, reason))?;
-        joints.push(
-            self.cell
-                .axis_stands(chuck.axis)
-                .map_err(|reason| failed(look, reason))?,
-        );
+        let unseen =
+            |reason: String| in_words(WorkError::Failed(reason), "looking where the arm stands");
+        let mut joints = self.cell.stands(self.arm).map_err(unseen)?;
+        joints.push(self.cell.axis_stands(chuck.axis).map_err(unseen)?);
         if record.is_clamped {
             let ray = self.ray(start, direction);
             let (_, away) = ray.nearest(&joints);
-            if away > ON_RAY {
-                return Err(failed(
-                    "going back to the straight rod",
-                    format!(
-                        "a rod is clamped, but arm and chuck do not stand on the ray of direction {}: a joint is {away:.3} away from \
-                         it. Bring the rod to be straight by hand",
-                        direction + 1
-                    ),
-                ));
-            }
-            let back = walker.return_from(&ray, joints);
-            // Nobody knows whether it has snapped meanwhile, or was about to be taken anew.
+            let back = match away > ON_RAY {
+                true => Err(WorkError::Failed(format!(
+                    "a rod is clamped, but arm and chuck do not stand on the ray of direction {}: a joint is {away:.3} away from \
+                     it. Bring the rod to be straight by hand",
+                    direction + 1
+                ))),
+                false => walker.return_from(&ray, joints),
+            };
+            // It may have snapped meanwhile, or was about to be taken anew.
             let back = back.and_then(|()| walker.take_anew());
             return back.map_err(|error| in_words(error, "going back to the straight rod"));
         }
@@ -339,7 +324,7 @@ impl Exploration<'_> {
 
     fn row(&self, index: usize, ray: &Ray, searched: &Searched, began: Instant) -> ExplorationRow {
         let [kappa, tau, omega] = self.directions[index];
-        let theory = critical_distance(&ray.direction).map(|critical| critical.distance);
+        let theory = ray.theory();
         let found = searched.lost.map(|lost| 0.5 * (searched.stable + lost));
         ExplorationRow {
             direction: index + 1,
@@ -363,10 +348,8 @@ impl Exploration<'_> {
 
     /// Writes what was seen along a direction.
     fn write_looks(&self, index: usize, searched: &Searched) -> Result<(), ExploreError> {
-        let folder = self
-            .directory
-            .join("directions")
-            .join(format!("{:04}", index + 1));
+        let folder = format!("directions/{:04}", index + 1);
+        let folder = self.directory.join(folder);
         std::fs::create_dir_all(&folder).map_err(|error| ExploreError::Failed {
             doing: format!("direction {}", index + 1),
             reason: format!("{} cannot be made: {error}", folder.display()),
@@ -376,15 +359,13 @@ impl Exploration<'_> {
             looks.write(look)?;
         }
         looks.flush()?;
-        let kept = searched.pictures.iter().filter(|_| self.keeps_pictures);
-        for (name, picture) in kept {
-            let Picture {
-                pixels,
-                spots,
-                errors,
-            } = picture;
-            let shown = encode_picture(&marker_overlay(pixels, spots, errors));
-            write_whole(&folder.join(format!("{name}.png")), &shown)?;
+        if let Some(picture) = searched
+            .lost_picture
+            .as_ref()
+            .filter(|_| self.keeps_pictures)
+        {
+            let shown = marker_overlay(&picture.pixels, &picture.spots, &picture.errors);
+            write_whole(&folder.join("lost.png"), &encode_picture(&shown))?;
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, HandPathRequest};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
-use rodlab_engine::mechanics::kirchhoff::Helix;
+use rodlab_engine::mechanics::kirchhoff::{Helix, critical_distance};
 use rodlab_lab::experiment::{ClampPoses, ClampedRod};
 use rodlab_robot::Pose;
 use std::f64::consts::FRAC_PI_4;
@@ -52,6 +52,11 @@ impl Ray {
     /// Distance ‖(κ, τ, ω)‖ to which it can be followed.
     pub fn reach(&self) -> f64 {
         (self.points.len() - 1) as f64 * SPACING
+    }
+
+    /// Distance at which theory has it lose stability, if there is one.
+    pub fn theory(&self) -> Option<f64> {
+        critical_distance(&self.direction).map(|critical| critical.distance)
     }
 
     /// The index of the point that is nearest to a distance, at most the last one.

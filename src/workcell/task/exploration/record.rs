@@ -3,12 +3,10 @@
 use super::figure::{found_and_theory, is_section, section_figure};
 use super::row::{ExplorationRow, ExplorationSummary};
 use super::walk::SearchSteps;
-use crate::task::record::{TaskHead, write_manifest};
-use rodlab_files::figure::escape_markdown;
+use crate::task::record::{Report, TaskHead, write_manifest};
 use rodlab_files::figure::{Figure, Paper};
 use rodlab_files::results::{ResultsError, write_whole};
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::Path;
 
 /// What is explored how: what continues it must ask for the same.
@@ -64,83 +62,77 @@ pub fn write_page(
     directory: &Path,
 ) -> Result<(), ResultsError> {
     let plan = &record.plan;
-    let mut text = String::from("# The stability of a helical rod, explored\n\n| | |\n|---|---|\n");
-    let mut row = |name: &str, value: String| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "| {name} | {} |", escape_markdown(&value));
-    };
-    row("cell", plan.cell.clone());
-    row("arm", plan.arm.clone());
-    row("rod", plan.rod.0.clone());
-    for (name, value) in record.head.rows() {
-        row(name, value);
-    }
+    let mut report = Report::new("The stability of a helical rod, explored");
+    report.row("cell", &plan.cell);
+    report.row("arm", &plan.arm);
+    report.row("rod", &plan.rod.0);
+    report.head(&record.head);
     let summary = &record.summary;
-    row(
-        "directions",
-        format!("{} of {}", summary.directions, plan.directions.len()),
-    );
-    row("the rod buckled in", summary.buckled.to_string());
-    row(
-        "theory has it buckle within reach, and it did not, in",
-        summary.missed.to_string(),
-    );
+    let explored = format!("{} of {}", summary.directions, plan.directions.len());
     let percent =
-        |part: Option<f64>| part.map_or("–".to_owned(), |part| format!("{:.2} %", 1e2 * part));
-    row(
-        "mean relative error against theory",
-        percent(summary.mean_relative_error),
-    );
-    row(
-        "standard deviation",
-        percent(summary.deviation_of_relative_error),
-    );
-    row("largest", percent(summary.largest_relative_error));
+        |part: Option<f64>| part.map_or("–".into(), |part| format!("{:.2} %", 1e2 * part));
+    for (name, value) in [
+        ("directions", explored),
+        ("the rod buckled in", summary.buckled.to_string()),
+        (
+            "theory has it buckle within reach, and it did not, in",
+            summary.missed.to_string(),
+        ),
+        (
+            "mean relative error against theory",
+            percent(summary.mean_relative_error),
+        ),
+        (
+            "standard deviation",
+            percent(summary.deviation_of_relative_error),
+        ),
+        ("largest", percent(summary.largest_relative_error)),
+    ] {
+        report.row(name, value);
+    }
+    let text = &mut report.text;
     if summary.buckled > 0 {
-        figure(
-            &mut text,
-            directory,
-            "found.svg",
-            "Where stability was lost, over where theory has it",
-            &found_and_theory(rows),
-        )?;
+        let words = "Where stability was lost, over where theory has it";
+        figure(text, directory, "found.svg", words, &found_and_theory(rows))?;
     }
     if summary.buckled > 0 && is_section(rows) {
+        let words = "The section ω = 0 of the stable helices";
         figure(
-            &mut text,
+            text,
             directory,
             "section.svg",
-            "The section ω = 0 of the stable helices",
+            words,
             &section_figure(rows, 0.0),
         )?;
     }
-    text += "\nDistances are ‖(κ, τ, ω)‖ in units of the rod's length and bending stiffness. Stability is lost between the last look at \
+    *text += "\nDistances are ‖(κ, τ, ω)‖ in units of the rod's length and bending stiffness. Stability is lost between the last look at \
              which the rod was the helix and the next one. Theory: conjugate points of the smooth rod without weight.\n\n\
              | direction | κ, τ, ω | found | theory | difference | led to |\n|---|---|---|---|---|---|\n";
     for row in rows {
-        let number =
-            |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.3}"));
-        let difference = row.relative_difference;
-        let difference =
-            difference.map_or("–".to_owned(), |part| format!("{:+.2} %", 1e2 * part));
+        let number = |value: Option<f64>| value.map_or("–".into(), |value| format!("{value:.3}"));
+        let difference = row
+            .relative_difference
+            .map(|part| format!("{:+.2} %", 1e2 * part));
+        let difference = difference.unwrap_or_else(|| "–".into());
         let led = match (row.found, row.limit.as_str()) {
             (Some(_), _) => String::new(),
             (None, "") => format!("{:.2}", row.reach),
             (None, limit) => format!("{:.2}: {limit}", row.reach),
         };
-        let _ = writeln!(
-            text,
-            "| {} | {:.3}, {:.3}, {:.3} | {} | {} | {difference} | {led} |",
-            row.direction,
-            row.kappa,
-            row.tau,
-            row.omega,
-            number(row.found),
-            number(row.theory),
+        let [found, theory]: [String; 2] = [row.found, row.theory].map(number);
+        let ExplorationRow {
+            direction,
+            kappa,
+            tau,
+            omega,
+            ..
+        } = row;
+        *text += &format!(
+            "| {direction} | {kappa:.3}, {tau:.3}, {omega:.3} | {found} | {theory} | {difference} | {led} |\n"
         );
     }
     if directory.join("cell.html").is_file() {
-        text += "\n[The arm along the first direction](cell.html)\n";
+        *text += "\n[The arm along the first direction](cell.html)\n";
     }
     write_whole(&directory.join("report.md"), text.as_bytes())
 }
@@ -152,9 +144,7 @@ fn figure(
     words: &str,
     figure: &Figure,
 ) -> Result<(), ResultsError> {
-    let _ = write!(text, "\n![{words}]({name})\n");
-    write_whole(
-        &directory.join(name),
-        figure.svg(&Paper::default()).as_bytes(),
-    )
+    *text += &format!("\n![{words}]({name})\n");
+    let picture = figure.svg(&Paper::default());
+    write_whole(&directory.join(name), picture.as_bytes())
 }

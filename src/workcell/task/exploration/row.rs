@@ -129,23 +129,13 @@ mod tests {
     use super::*;
 
     fn row(found: Option<f64>, theory: Option<f64>, reach: f64) -> ExplorationRow {
+        let both = found.zip(theory);
         ExplorationRow {
-            direction: 1,
-            kappa: 1.0,
-            tau: 0.0,
-            omega: 0.0,
-            outcome: found.map_or(Found::StaysHelix, |_| Found::Buckles),
-            stable: reach,
-            lost: found,
             found,
             theory,
-            relative_difference: found
-                .zip(theory)
-                .map(|(found, theory)| found / theory - 1.0),
+            relative_difference: both.map(|(found, theory)| found / theory - 1.0),
             reach,
-            limit: String::new(),
-            looks: 3,
-            wall_time_s: 1.0,
+            ..ExplorationRow::failed([1.0, 0.0, 0.0], String::new())
         }
     }
 

@@ -61,8 +61,8 @@ pub struct Searched {
     pub lost: Option<f64>,
     /// All looks.
     pub looks: Vec<Look>,
-    /// Pictures at both distances, with the markers in them and those that were expected.
-    pub pictures: Vec<(&'static str, Picture)>,
+    /// The newest picture, with the markers in it and those that were expected, where it was not.
+    pub lost_picture: Option<Picture>,
 }
 
 /// A picture with what was found in it.
@@ -102,17 +102,14 @@ impl Walker<'_> {
             last: None,
         };
         let found = walk.outwards()?;
-        let pictures = match found.1 {
-            Some(_) => walk.pictures(),
-            None => Vec::new(),
-        };
+        let lost_picture = walk.last.take().filter(|_| found.1.is_some());
         walk.straighten(found.1.is_some())?;
         let distance = |index: usize| index as f64 * SPACING;
         Ok(Searched {
             stable: distance(found.0),
             lost: found.1.map(distance),
             looks: walk.looks,
-            pictures,
+            lost_picture,
         })
     }
 
@@ -147,8 +144,7 @@ impl Walker<'_> {
         let WorkingArm { cell, arm, .. } = self.arm;
         let chuck = cell.chuck.expect("the cell has a chuck");
         let motion = cell.motion_along(arm, chuck.axis, points, speed, REST);
-        let motion = motion.map_err(|error| WorkError::Failed(error.to_string()))?;
-        self.arm.follow(LOG, &motion)
+        self.arm.follow(LOG, &motion.map_err(WorkError::failed)?)
     }
 }
 
@@ -193,8 +189,8 @@ impl Walk<'_> {
     fn straighten(&mut self, has_snapped: bool) -> Result<(), WorkError> {
         self.go(0)?;
         if !self.look()? {
-            return Err(WorkError::Failed(
-                "the rod does not become straight again; look at it, and begin a new exploration with another one".into(),
+            return Err(WorkError::failed(
+                "the rod does not become straight again; look at it, and begin a new exploration with another one",
             ));
         }
         match has_snapped {
@@ -257,15 +253,6 @@ impl Walk<'_> {
         });
         self.last = Some(picture);
         Ok(is_helix)
-    }
-
-    /// The newest picture under its name.
-    fn pictures(&mut self) -> Vec<(&'static str, Picture)> {
-        self.last
-            .take()
-            .map(|picture| ("lost", picture))
-            .into_iter()
-            .collect()
     }
 }
 

@@ -3,15 +3,9 @@
 use super::score::{FoldScore, Look};
 use super::stage::FoldStage;
 use crate::cell::PlanReport;
-use crate::task::error::TaskStage;
-use crate::task::record::{TaskHead, TaskRecord, add_pictures};
-use rodlab_files::figure::escape_markdown;
+use crate::task::record::{Report, TaskHead, TaskRecord};
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::Path;
-
-/// What stands in the place of a length that the camera does not see.
-const NOT_SEEN: &str = "not seen";
 
 /// What `manifest.json` holds, and `report.md` says.
 #[derive(Clone, Debug, Serialize)]
@@ -51,70 +45,49 @@ impl TaskRecord for FoldRecord {
     }
 
     fn report(&self, directory: &Path) -> String {
-        let paper = escape_markdown(&self.paper);
-        let mut text = format!("# {paper}, folded\n\n| | |\n|---|---|\n");
-        let mut row = |name: &str, value: String| {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "| {name} | {} |", escape_markdown(&value));
-        };
+        let mut report = Report::new(&format!("{}, folded", self.paper));
         let mm = |metres: f64| format!("{:.2} mm", 1e3 * metres);
-        row("cell", self.cell.clone());
-        row("arm", self.arm.clone());
-        row("its edge goes", mm(self.target_m));
+        let or_not_seen = |words: Option<String>| words.unwrap_or_else(|| "not seen".to_owned());
+        report.row("cell", &self.cell);
+        report.row("arm", &self.arm);
+        report.row("its edge goes", mm(self.target_m));
         let how = if self.closed_loop {
             "planned anew where the sheet has slid"
         } else {
             "as planned before"
         };
         let plan = format!("{}, in {} parts, {how}", self.algorithm, self.parts);
-        row("plan", plan);
-        for (name, value) in self.head.rows() {
-            row(name, value);
-        }
-        row(
+        report.row("plan", plan);
+        report.head(&self.head);
+        report.row(
             "motion as planned",
             format!("{:.1} s", self.motion.duration_s),
         );
-        for (stage, time) in &self.times_s {
-            row(stage.in_words(), format!("{time:.1} s"));
-        }
+        report.times(&self.times_s);
         if let Some(score) = &self.score {
-            let not_seen = || NOT_SEEN.to_owned();
-            row(
-                "the free end slid",
-                score.sliding_m.map_or_else(not_seen, mm),
-            );
+            report.row("the free end slid", or_not_seen(score.sliding_m.map(mm)));
             if score.is_end_hidden {
                 let part = score.last_seen_part;
                 let slid = mm(score.last_seen_sliding_m);
-                row("  seen last", format!("{slid}, after part {part}"));
+                report.row("  seen last", format!("{slid}, after part {part}"));
             }
-            row("  farthest seen", mm(score.largest_sliding_m));
+            report.row("  farthest seen", mm(score.largest_sliding_m));
             let fold = score.fold_length_m.zip(score.fold_length_error_m);
             let fold = fold.map(|(length, error)| {
-                format!(
-                    "{} long, {:+.2} mm of what was asked for",
-                    mm(length),
-                    1e3 * error
-                )
+                let (length, error) = (mm(length), 1e3 * error);
+                format!("{length} long, {error:+.2} mm of what was asked for")
             });
-            row("the fold", fold.unwrap_or_else(not_seen));
+            report.row("the fold", or_not_seen(fold));
         }
         if !self.looks.is_empty() {
-            text +=
+            report.text +=
                 "\n| part | edge along, up | slid | next part planned anew |\n|---|---|---|---|\n";
         }
         for look in &self.looks {
-            let [x, z] = look.edge_m;
-            let slid = look.slid_m.map_or_else(|| NOT_SEEN.into(), mm);
+            let [along, up] = look.edge_m.map(mm);
+            let slid = or_not_seen(look.slid_m.map(mm));
             let anew = if look.is_planned_anew { "yes" } else { "no" };
-            let _ = writeln!(
-                text,
-                "| {} | {}, {} | {slid} | {anew} |",
-                look.part,
-                mm(x),
-                mm(z)
-            );
+            report.text += &format!("| {} | {along}, {up} | {slid} | {anew} |\n", look.part);
         }
         let parts = (1..=self.parts).map(|part| {
             let words = format!("After part {part}, with the free end that was found");
@@ -123,27 +96,18 @@ impl TaskRecord for FoldRecord {
         let first = ("overlay_0.png".into(), "The sheet before".into());
         let last = ("left.png".into(), "After it was let go".into());
         let pictures = std::iter::once(first).chain(parts).chain([last]);
-        let pictures: Vec<(String, String)> = pictures.collect();
-        let pictures = pictures.iter().map(|(name, words)| (&name[..], &words[..]));
-        add_pictures(&mut text, directory, pictures);
-        text += "\n[The arm in motion](cell.html)\n";
-        text
+        report.pictures(directory, pictures);
+        report.text + "\n[The arm in motion](cell.html)\n"
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::PlanReport;
+    use crate::task::fold::score::look;
 
     #[test]
     fn what_was_not_seen_is_reported_as_not_seen() {
-        let look = |part: usize, x: f64, slid_m: Option<f64>| Look {
-            part,
-            edge_m: [x, 0.0],
-            slid_m,
-            is_planned_anew: false,
-        };
         let looks = vec![look(1, 0.25, Some(0.028)), look(2, 0.324, None)];
         let record = FoldRecord {
             head: TaskHead::planned(Vec::new()),

@@ -1,7 +1,6 @@
 //! What the camera saw of a sheet while it was folded, and what the fold came to.
 
 use serde::Serialize;
-use std::fmt::Write;
 
 /// A look at the sheet after a part of its way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -65,31 +64,27 @@ pub fn looks_csv(looks: &[Look]) -> String {
     let mut text = String::from("part,edge_x_m,edge_z_m,slid_m,planned_anew\n");
     for look in looks {
         let [x, z] = look.edge_m;
-        let slid = look
-            .slid_m
-            .map_or_else(String::new, |slid| format!("{slid:.6}"));
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{},{x:.6},{z:.6},{slid},{}",
-            look.part, look.is_planned_anew
-        );
+        let slid = look.slid_m.map(|slid| format!("{slid:.6}"));
+        let (part, slid, anew) = (look.part, slid.unwrap_or_default(), look.is_planned_anew);
+        text += &format!("{part},{x:.6},{z:.6},{slid},{anew}\n");
     }
     text
+}
+
+/// A look at an edge at x, m, on the table.
+#[cfg(test)]
+pub fn look(part: usize, x: f64, slid_m: Option<f64>) -> Look {
+    Look {
+        part,
+        edge_m: [x, 0.0],
+        slid_m,
+        is_planned_anew: false,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn look(part: usize, x: f64, slid: Option<f64>) -> Look {
-        Look {
-            part,
-            edge_m: [x, 0.0],
-            slid_m: slid,
-            is_planned_anew: false,
-        }
-    }
 
     #[test]
     fn the_crease_is_half_a_target_back_from_the_edge_on_a_sheet_that_has_slid() {
@@ -99,10 +94,8 @@ mod tests {
             look(3, 0.298, None),
         ];
         let score = FoldScore::of(&looks[..2], 0.296).unwrap();
-        assert_eq!(
-            (score.sliding_m, score.largest_sliding_m),
-            (Some(3e-3), 3e-3)
-        );
+        assert_eq!(score.sliding_m, Some(3e-3));
+        assert_eq!(score.largest_sliding_m, 3e-3);
         assert!((score.fold_length_m.unwrap() - 0.049).abs() < 1e-12);
         assert!((score.fold_length_error_m.unwrap() + 0.099).abs() < 1e-12);
         assert_eq!(FoldScore::of(&looks[2..], 0.296), None);
@@ -117,15 +110,8 @@ mod tests {
             look(3, 0.324, None),
         ];
         let score = FoldScore::of(&looks, 0.296).unwrap();
-        assert!(score.is_end_hidden);
-        assert_eq!(
-            (
-                score.sliding_m,
-                score.fold_length_m,
-                score.fold_length_error_m
-            ),
-            (None, None, None)
-        );
+        assert!(score.is_end_hidden && score.sliding_m.is_none());
+        assert!(score.fold_length_m.is_none() && score.fold_length_error_m.is_none());
         assert_eq!(
             (score.last_seen_sliding_m, score.last_seen_part),
             (28e-3, 2)

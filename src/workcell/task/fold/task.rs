@@ -6,8 +6,8 @@ use super::sight::{SeenEnd, Sight};
 use super::stage::{FoldStage, FoldTaskError};
 use super::way::{FoldRequest, FoldWay};
 use crate::cell::Cell;
-use crate::task::error::TaskStage;
 use crate::task::look::next_picture;
+use crate::task::stage_clock::StageClock;
 use crate::task::stopped::{HandPlace, Stopped};
 use crate::task::unfinished::Unfinished;
 use crate::task::working_arm::{Grip, WorkingArm};
@@ -18,7 +18,7 @@ use rodlab_lab::experiment::{Crease, Paper};
 use rodlab_robot::{JointTrajectory, Pose};
 use rodlab_vision::{ColourRule, edges_overlay, encode_picture, sheet_overlay};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// How long a sheet is left to itself before it is looked at.
 const REST: Duration = Duration::from_millis(300);
@@ -83,97 +83,72 @@ struct Lying<'a> {
     zero: f64,
 }
 
-type Done = Result<(), FoldTaskError>;
-
 impl FoldTask<'_> {
     /// Does all of it; what was done until something fails is in the directory.
     pub fn run(&self, is_interrupted: &dyn Fn() -> bool) -> FoldEnd {
-        let mut end = FoldEnd {
-            times: Vec::new(),
-            looks: Vec::new(),
-            frame: None,
-            score: Err(FoldTaskError::Interrupted {
-                stage: FoldStage::Look,
-            }),
-            stopped: None,
-        };
-        end.score = self.stages(is_interrupted, &mut end);
-        if let Err(error) = &end.score {
+        let mut clock = StageClock::new(is_interrupted);
+        let (mut looks, mut frame) = (Vec::new(), None);
+        let score = self.stages(&mut clock, &mut looks, &mut frame);
+        let stopped = score.as_ref().err().and_then(|error| {
             let hand = HandPlace::of(self.cell, self.arm);
-            end.stopped = Stopped::by(error, vec![hand], Vec::new());
+            Stopped::by(error, vec![hand], Vec::new())
+        });
+        FoldEnd {
+            times: clock.times,
+            looks,
+            frame,
+            score,
+            stopped,
         }
-        end
     }
 
     fn stages(
         &self,
-        is_interrupted: &dyn Fn() -> bool,
-        end: &mut FoldEnd,
+        clock: &mut StageClock<'_, FoldStage>,
+        looks: &mut Vec<Look>,
+        frame: &mut Option<Pose>,
     ) -> Result<FoldScore, FoldTaskError> {
         let arm = WorkingArm {
             cell: self.cell,
             arm: self.arm,
             directory: self.directory,
             unfinished: self.unfinished,
-            is_interrupted,
-        };
-        let mut begin = Instant::now();
-        let mut done = |stage: FoldStage, times: &mut Vec<(FoldStage, f64)>| {
-            tracing::info!("done: {}", stage.in_words());
-            times.push((stage, begin.elapsed().as_secs_f64()));
-            begin = Instant::now();
-            if is_interrupted() {
-                return Err(FoldTaskError::Interrupted { stage });
-            }
-            Ok(())
+            is_interrupted: clock.is_interrupted,
         };
         let lying = self.find()?;
-        end.frame = Some(lying.frame);
         let planned = FoldWay::new(self.request);
         let mut way = planned.map_err(|error| FoldTaskError::failed(FoldStage::Look, error))?;
         let request = FoldMotionRequest {
             cell: self.cell,
             arm: self.arm,
-            frame: lying.frame,
+            frame: *frame.insert(lying.frame),
             speed: self.speed,
             margin: self.margin,
         };
         let motion = request.plan(&way);
         let motion = motion.map_err(|error| FoldTaskError::failed(FoldStage::Look, error))?;
-        done(FoldStage::Look, &mut end.times)?;
+        clock.finish(FoldStage::Look, Ok(()))?;
 
-        let work = FoldTaskError::of_work;
-        let speed = self.approach_speed;
-        let first = &motion.reaching.points[0];
-        let went = arm.go("approach", first, speed);
-        went.map_err(work(FoldStage::Approach))?;
-        done(FoldStage::Approach, &mut end.times)?;
-
+        let (first, speed) = (&motion.reaching.points[0], self.approach_speed);
+        clock.finish(FoldStage::Approach, arm.go("approach", first, speed))?;
         let reached = arm.follow("reaching", &motion.reaching);
-        reached.map_err(work(FoldStage::Take))?;
-        let taken = arm.grip(Grip::Close);
-        taken.map_err(work(FoldStage::Take))?;
-        done(FoldStage::Take, &mut end.times)?;
+        let taken = reached.and_then(|()| arm.grip(Grip::Close));
+        clock.finish(FoldStage::Take, taken)?;
 
         let mut part_motion = motion.parts[0].clone();
         for part in 0..way.parts() {
             if part > 0 {
-                part_motion = self.next_part(&request, &mut way, part, &part_motion, end)?;
+                part_motion = self.next_part(&request, &mut way, part, &part_motion, looks)?;
             }
-            let name = format!("folding_{}", part + 1);
-            let followed = arm.carry(&name, &part_motion);
-            followed.map_err(work(FoldStage::Fold))?;
-            arm.rest(REST).map_err(work(FoldStage::Fold))?;
-            let hand = arm.hand().map_err(work(FoldStage::Fold))?;
-            self.look(&lying, part, &hand, end)?;
-            if is_interrupted() {
-                return Err(FoldTaskError::Interrupted {
-                    stage: FoldStage::Fold,
-                });
-            }
+            let followed = arm.carry(&format!("folding_{}", part + 1), &part_motion);
+            let rested = followed.and_then(|()| arm.rest(REST));
+            let hand = rested.and_then(|()| arm.hand());
+            let hand = hand.map_err(FoldTaskError::of_work(FoldStage::Fold))?;
+            self.look(&lying, part, &hand, looks)?;
+            clock.check(FoldStage::Fold)?;
         }
-        done(FoldStage::Fold, &mut end.times)?;
-        let score = FoldScore::of(&end.looks, self.request.target);
+        clock.finish(FoldStage::Fold, Ok(()))?;
+        let score = FoldScore::of(looks, self.request.target);
         let unseen = "the free end of the sheet was not seen once";
         let score = score.ok_or_else(|| FoldTaskError::failed(FoldStage::Score, unseen))?;
         if score.is_end_hidden {
@@ -181,25 +156,19 @@ impl FoldTask<'_> {
                 "at the end the edge lies over the free end of the sheet: the length of the fold is not seen"
             );
         }
-        done(FoldStage::Score, &mut end.times)?;
-
-        let opened = arm.grip(Grip::Open);
-        opened.map_err(work(FoldStage::LetGo))?;
-        arm.settle().map_err(work(FoldStage::LetGo))?;
-        done(FoldStage::LetGo, &mut end.times)?;
+        clock.finish(FoldStage::Score, Ok(()))?;
+        clock.finish(FoldStage::LetGo, arm.let_go())?;
 
         let last = &part_motion.points[part_motion.points.len() - 1];
         let rising = request.rising(last);
         let rising = rising.map_err(|error| FoldTaskError::failed(FoldStage::Retreat, error))?;
         let risen = arm.follow("rising", &rising);
-        risen.map_err(work(FoldStage::Retreat))?;
-        let went = arm.go_home("retreat", speed);
-        went.map_err(work(FoldStage::Retreat))?;
-        done(FoldStage::Retreat, &mut end.times)?;
+        let gone = risen.and_then(|()| arm.go_home("retreat", speed));
+        clock.finish(FoldStage::Retreat, gone)?;
 
         let picture = self.picture(FoldStage::LookAgain)?;
         self.write("left.png", &encode_picture(&picture))?;
-        done(FoldStage::LookAgain, &mut end.times)?;
+        clock.finish(FoldStage::LookAgain, Ok(()))?;
         Ok(score)
     }
 
@@ -224,10 +193,10 @@ impl FoldTask<'_> {
         way: &mut FoldWay,
         part: usize,
         before: &JointTrajectory,
-        end: &mut FoldEnd,
+        looks: &mut [Look],
     ) -> Result<JointTrajectory, FoldTaskError> {
         let failed = |reason: String| FoldTaskError::failed(FoldStage::Fold, reason);
-        let look = end.looks.last_mut().expect("a look after each part");
+        let look = looks.last_mut().expect("a look after each part");
         if look.slid_m.is_none() {
             tracing::warn!(
                 "after part {part} the edge lies over the free end of the sheet: how far it has slid since is not seen"
@@ -254,13 +223,19 @@ impl FoldTask<'_> {
     }
 
     /// Looks how far the sheet has slid after a part, and whether its edge is still held.
-    fn look(&self, lying: &Lying<'_>, part: usize, hand: &Pose, end: &mut FoldEnd) -> Done {
+    fn look(
+        &self,
+        lying: &Lying<'_>,
+        part: usize,
+        hand: &Pose,
+        looks: &mut Vec<Look>,
+    ) -> Result<(), FoldTaskError> {
         let picture = self.picture(FoldStage::Fold)?;
         let number = part + 1;
         let name = format!("look_{number}.png");
         self.write(&name, &encode_picture(&picture))?;
         let edge = (lying.frame.inverse() * hand).translation.vector;
-        let before = end.looks.iter().rev().find_map(|look| look.slid_m);
+        let before = looks.iter().rev().find_map(|look| look.slid_m);
         let before = before.unwrap_or(0.0);
         if edge.x > CLEARLY_AWAY {
             // A sheet that is held turns back no farther than half way between its edge and where its edge would lie flat.
@@ -272,13 +247,13 @@ impl FoldTask<'_> {
             }
         }
         let seen = self.see_end(lying, &picture, edge, before)?;
-        end.looks.push(Look {
+        looks.push(Look {
             part: number,
             edge_m: [edge.x, edge.z],
             slid_m: seen.as_ref().map(|seen| seen.slid - lying.zero),
             is_planned_anew: false,
         });
-        self.write("looks.csv", looks_csv(&end.looks).as_bytes())?;
+        self.write("looks.csv", looks_csv(looks).as_bytes())?;
         if let Some(seen) = seen {
             let overlay = edges_overlay(&picture, &seen.edges);
             let name = format!("overlay_{number}.png");

@@ -3,13 +3,10 @@
 use super::score::{TieScore, knot_in_words};
 use super::stage::TieStage;
 use crate::cell::PlanReport;
-use crate::task::error::TaskStage;
-use crate::task::record::{TaskHead, TaskRecord, add_pictures};
-use rodlab_files::figure::escape_markdown;
+use crate::task::record::{OVERLAY, Report, TaskHead, TaskRecord};
 use rodlab_planning::knot::KnotInvariants;
 use rodlab_planning::plan::tying::Pass;
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::Path;
 
 /// What `manifest.json` holds, and `report.md` says.
@@ -48,75 +45,54 @@ impl TaskRecord for TieRecord {
     }
 
     fn report(&self, directory: &Path) -> String {
-        let patterns = escape_markdown(&self.patterns.join(" and "));
-        let mut text = format!("# A knot tied along {patterns}\n\n| | |\n|---|---|\n");
-        let mut row = |name: &str, value: String| {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "| {name} | {} |", escape_markdown(&value));
-        };
+        let mut report = Report::new(&format!(
+            "A knot tied along {}",
+            self.patterns.join(" and ")
+        ));
         let [first, second] = &self.arms;
-        row("cell", self.cell.clone());
-        if self.patterns.len() == 1 {
-            row("lays and leads", first.clone());
-            row("lifts", second.clone());
-        } else {
-            row("lays the first rod", first.clone());
-            row("lays the second rod", second.clone());
-        }
+        report.row("cell", &self.cell);
+        let [what, other] = match self.patterns.len() {
+            1 => ["lays and leads", "lifts"],
+            _ => ["lays the first rod", "lays the second rod"],
+        };
+        report.row(what, first);
+        report.row(other, second);
         let passes = self.passes.iter().map(|pass| match pass {
             Pass::Over => "over",
             Pass::Under => "under",
         });
-        row("crossings", passes.collect::<Vec<_>>().join(", "));
-        row("knot as drawn", knot_in_words(self.drawn));
-        for (name, value) in self.head.rows() {
-            row(name, value);
-        }
-        row("motion", format!("{:.1} s", self.duration_s));
-        row(
+        report.row("crossings", passes.collect::<Vec<_>>().join(", "));
+        report.row("knot as drawn", knot_in_words(self.drawn));
+        report.head(&self.head);
+        report.row("motion", format!("{:.1} s", self.duration_s));
+        let clearance = 1e3 * self.least_clearance_m.min(self.motion.least_clearance_m);
+        report.row(
             "least distance to anything else",
-            format!(
-                "{:.0} mm",
-                1e3 * self.least_clearance_m.min(self.motion.least_clearance_m)
-            ),
+            format!("{clearance:.0} mm"),
         );
-        for (stage, time) in &self.times_s {
-            row(stage.in_words(), format!("{time:.1} s"));
-        }
+        report.times(&self.times_s);
         if let Some(score) = &self.score {
-            row("knot as seen", knot_in_words(score.seen));
-            row("  that is", score.in_words());
+            report.row("knot as seen", knot_in_words(score.seen));
+            report.row("  that is", score.in_words());
             let lengths = score.seen_lengths_m.iter();
             let lengths = lengths.map(|length| format!("{:.1} mm", 1e3 * length));
-            row("length as seen", lengths.collect::<Vec<_>>().join(", "));
+            report.row("length as seen", lengths.collect::<Vec<_>>().join(", "));
             if !score.crossings.is_empty() {
-                text += "\n| crossing | of | and | which lies | sure |\n|---|---|---|---|---|\n";
+                report.text +=
+                    "\n| crossing | of | and | which lies | sure |\n|---|---|---|---|---|\n";
             }
             for (number, crossing) in score.crossings.iter().enumerate() {
-                let places = crossing.places.map(|place| match self.patterns.len() {
+                let [one, other] = crossing.places.map(|place| match self.patterns.len() {
                     1 => format!("{:.0} mm", 1e3 * place.at_m),
                     _ => format!("rod {} at {:.0} mm", place.rod, 1e3 * place.at_m),
                 });
                 let how = if crossing.over { "over" } else { "under" };
-                let _ = writeln!(
-                    text,
-                    "| {} | {} | {} | {how} | {:.2} |",
-                    number + 1,
-                    places[0],
-                    places[1],
-                    crossing.confidence
-                );
+                let (number, sure) = (number + 1, crossing.confidence);
+                report.text += &format!("| {number} | {one} | {other} | {how} | {sure:.2} |\n");
             }
         }
-        let pictures = [
-            (
-                "overlay.png",
-                "What the camera saw, with the rod that was found",
-            ),
-            ("plan/deployment.svg", "The plan of the laying"),
-        ];
-        add_pictures(&mut text, directory, pictures);
-        text += "\n[Both arms in motion](cell.html)\n";
-        text
+        let plan = ("plan/deployment.svg", "The plan of the laying");
+        report.pictures(directory, [OVERLAY, plan]);
+        report.text + "\n[Both arms in motion](cell.html)\n"
     }
 }

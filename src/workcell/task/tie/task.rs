@@ -6,19 +6,17 @@ use super::score::{TieScore, not_seen_whole};
 use super::sight::SeenKnot;
 use super::stage::{TieError, TieStage};
 use crate::cell::Cell;
-use crate::task::error::{TaskStage, WorkError};
+use crate::task::error::WorkError;
 use crate::task::look::{Seen, next_picture};
+use crate::task::stage_clock::StageClock;
 use crate::task::stopped::{HandPlace, LaidAlong, Stopped};
 use crate::task::unfinished::Unfinished;
 use crate::task::working_arm::{Grip, WorkingArm};
 use image::RgbImage;
 use rodlab_files::results::{ResultsError, write_whole};
 use rodlab_robot::JointTrajectory;
-use rodlab_vision::{
-    ColourRule, Point, VisionError, centrelines_csv, encode_picture, overlay, pattern_csv,
-};
+use rodlab_vision::{ColourRule, Point, VisionError, encode_picture, pattern_csv};
 use std::path::Path;
-use std::time::Instant;
 
 /// What is tied, by whom and how.
 pub struct TieTask<'a> {
@@ -53,12 +51,12 @@ pub struct TieEnd {
 impl TieTask<'_> {
     /// Does all of it; what was done until something fails is in the directory.
     pub fn run(&self, is_interrupted: &dyn Fn() -> bool) -> TieEnd {
-        let mut times = Vec::new();
-        let score = self.stages(is_interrupted, &mut times);
+        let mut clock = StageClock::new(is_interrupted);
+        let score = self.stages(&mut clock);
         let error = score.as_ref().err();
-        let stopped = error.and_then(|error| self.left_by(error, &times));
+        let stopped = error.and_then(|error| self.left_by(error, &clock.times));
         TieEnd {
-            times,
+            times: clock.times,
             score,
             stopped,
         }
@@ -85,21 +83,8 @@ impl TieTask<'_> {
         Stopped::by(error, hands.into(), laid)
     }
 
-    fn stages(
-        &self,
-        is_interrupted: &dyn Fn() -> bool,
-        times: &mut Vec<(TieStage, f64)>,
-    ) -> Result<TieScore, TieError> {
-        let mut begin = Instant::now();
-        let mut done = |stage: TieStage| {
-            tracing::info!("done: {}", stage.in_words());
-            times.push((stage, begin.elapsed().as_secs_f64()));
-            begin = Instant::now();
-            match is_interrupted() {
-                true => Err(TieError::Interrupted { stage }),
-                false => Ok(()),
-            }
-        };
+    fn stages(&self, clock: &mut StageClock<'_, TieStage>) -> Result<TieScore, TieError> {
+        let is_interrupted = clock.is_interrupted;
         let arms = [0, 1].map(|which| WorkingArm {
             cell: self.cell,
             arm: self.arms[which],
@@ -107,10 +92,9 @@ impl TieTask<'_> {
             unfinished: self.unfinished.map(|marks| marks[which]),
             is_interrupted,
         });
-        let work = TieError::of_work;
         let home = &self.cell.arms[self.arms[1]].home;
         let parked = arms[1].go("parking", home, self.free_speed);
-        parked.map_err(work(TieStage::Approach))?;
+        parked.map_err(TieError::of_work(TieStage::Approach))?;
         let named = |what: &str, number: usize| match self.motion.layings.len() {
             1 => what.to_owned(),
             _ => format!("{what}_{}", number + 1),
@@ -122,38 +106,27 @@ impl TieTask<'_> {
                 None => layer.go(&name, &laying.motion.points[0], self.free_speed),
                 Some(approach) => self.follow(&arms, &name, approach),
             };
-            gone.map_err(work(TieStage::Approach))?;
-            done(TieStage::Approach)?;
-            layer.grip(Grip::Close).map_err(work(TieStage::Take))?;
-            done(TieStage::Take)?;
+            clock.finish(TieStage::Approach, gone)?;
+            clock.finish(TieStage::Take, layer.grip(Grip::Close))?;
             let laid = layer.carry(&named("laying", number), &laying.motion);
-            laid.map_err(work(TieStage::Lay))?;
-            done(TieStage::Lay)?;
+            clock.finish(TieStage::Lay, laid)?;
             if let Some(parting) = &laying.parting {
-                layer.grip(Grip::Open).map_err(work(TieStage::LetGo))?;
-                layer.settle().map_err(work(TieStage::LetGo))?;
-                done(TieStage::LetGo)?;
+                clock.finish(TieStage::LetGo, layer.let_go())?;
                 let gone = self.follow(&arms, &named("parting", number), parting);
-                gone.map_err(work(TieStage::Retreat))?;
-                done(TieStage::Retreat)?;
+                clock.finish(TieStage::Retreat, gone)?;
             }
         }
-        self.tie(&arms).map_err(work(TieStage::Tie))?;
-        done(TieStage::Tie)?;
-        let last = &arms[self.motion.last];
-        last.grip(Grip::Open).map_err(work(TieStage::LetGo))?;
-        last.settle().map_err(work(TieStage::LetGo))?;
-        done(TieStage::LetGo)?;
+        clock.finish(TieStage::Tie, self.tie(&arms))?;
+        clock.finish(TieStage::LetGo, arms[self.motion.last].let_go())?;
         let gone = self.follow(&arms, "retreat", &self.motion.retreat);
-        gone.map_err(work(TieStage::Retreat))?;
-        done(TieStage::Retreat)?;
+        clock.finish(TieStage::Retreat, gone)?;
         let picture = next_picture(self.cell);
         let picture = picture.map_err(|reason| TieError::failed(TieStage::Look, reason))?;
         self.write("picture.png", &encode_picture(&picture))?;
-        done(TieStage::Look)?;
+        clock.finish(TieStage::Look, Ok(()))?;
         let score = self.score(&picture)?;
         // It is done, whether somebody asks for the end now or not.
-        let _ = done(TieStage::Score);
+        clock.note(TieStage::Score);
         Ok(score)
     }
 
@@ -179,10 +152,7 @@ impl TieTask<'_> {
         motion: &JointTrajectory,
     ) -> Result<(), WorkError> {
         // The first arm marks itself.
-        let marked = self.unfinished.map_or(Ok(()), |marks| marks[1].mark());
-        marked.map_err(|error| {
-            WorkError::Failed(format!("the task cannot be marked as begun: {error}"))
-        })?;
+        self.unfinished.map_or(Ok(()), |marks| marks[1].mark())?;
         arms[0].follow(name, motion)
     }
 
@@ -192,10 +162,7 @@ impl TieTask<'_> {
         // Of rods of several radii the picture is located on the middle of the first.
         let (frame, radius) = (&self.motion.frame, rods[0].rod.radius);
         let seen = Seen::of(picture, self.cell, frame, radius, self.colour).map_err(failed)?;
-        let shown = overlay(picture, &seen.trace);
-        self.write("overlay.png", &encode_picture(&shown))?;
-        let strands = centrelines_csv(&seen.trace.strands, None).map_err(failed)?;
-        self.write("centrelines.csv", strands.as_bytes())?;
+        seen.write(picture, self.directory, TieStage::Score)?;
         let starts = rods.iter().map(|planned| planned.pattern.at(0.0).position);
         let starts: Vec<Point> = starts.collect();
         let knot = SeenKnot::of(picture, &seen, &starts).map_err(failed)?;
