@@ -1,7 +1,7 @@
 //! What tests share: cells that come with the program, and rods for them.
 
 use crate::cell::Cell;
-use crate::virtual_cell::RodSupply;
+use crate::virtual_cell::{Response, RodSupply, Settings};
 use std::path::{Path, PathBuf};
 
 /// A file of the repository.
@@ -27,4 +27,20 @@ pub fn short_rods() -> RodSupply {
     let text = "[deployment.rod]\ngravito_bending_length = \"3 cm\"\nradius = \"2 mm\"\nlength = \"30 cm\"\nedges = 30\n";
     std::fs::write(&path, text).unwrap();
     RodSupply::new(&path, 0.4).unwrap()
+}
+
+/// Settings of a virtual cell with nothing in it, on a port that is free.
+pub fn settings() -> Settings {
+    Settings {
+        address: ([127, 0, 0, 1], 0).into(),
+        token: None,
+        rate: 1.0,
+        response: Response::default(),
+        supply: None,
+        second_supply: None,
+        sheet: None,
+        chucked: None,
+        jitter: None,
+        faults: Vec::new(),
+    }
 }

@@ -5,6 +5,7 @@
 
 use super::plan::PlanError;
 use super::resolved::Cell;
+use super::sums::sums;
 use rodlab_robot::{
     Column, JointKind, JointTrajectory, Pose, SAMPLE, distance_and_angle, parametrise,
 };
@@ -92,14 +93,12 @@ impl Cell {
     ) -> Result<JointTrajectory, PlanError> {
         let (arm, axis) = (&self.arms[arm], &self.axes[axis]);
         let count = arm.chain.joints.len();
-        let mut way = vec![0.0];
-        for pair in points.windows(2) {
+        let way = sums(points.windows(2).map(|pair| {
             let [from, to] = [&pair[0], &pair[1]].map(|point| arm.chain.hand(&point[..count]));
             let (distance, angle) = distance_and_angle(&from, &to);
             let turned = (pair[1][count] - pair[0][count]).abs();
-            let step = libm::hypot(distance, LENGTH_PER_RADIAN * angle.max(turned));
-            way.push(way[way.len() - 1] + step);
-        }
+            libm::hypot(distance, LENGTH_PER_RADIAN * angle.max(turned))
+        }));
         let limits = [&arm.limits()[..], &[axis.limits]].concat();
         let motion = parametrise(points, &way, &limits, speed)?;
         let columns = arm.columns().chain([Column {

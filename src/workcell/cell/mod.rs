@@ -12,6 +12,7 @@
 //! | `streaming` | a joint trajectory with the drivers that it moves |
 //! | `approach` | from where an arm stands to where a motion begins |
 //! | `hand_path` | joints along poses of a hand that begin where it is, and motions along a part of them, with an axis |
+//! | `sums` | lengths from the start of a curve on |
 //! | `fingers` | whether a gripper still holds what it held |
 //! | `continuation` | from where an arm stands on along a path |
 //! | `camera` | the camera as one that locates what it sees |
@@ -31,6 +32,7 @@ mod resolve_chain;
 mod resolved;
 mod resolver;
 mod streaming;
+mod sums;
 mod surroundings;
 #[cfg(test)]
 mod tests;
@@ -45,3 +47,4 @@ pub use report::CellReport;
 pub(crate) use resolved::ros_version;
 pub use resolved::{Arm, Axis, Camera, Cell, Chuck, Driver, Gripper, Obstacle, Table};
 pub use streaming::StreamReport;
+pub(crate) use sums::sums;

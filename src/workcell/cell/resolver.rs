@@ -140,6 +140,21 @@ impl Resolver<'_> {
         Pose::from_parts(Translation3::from(position), rotation)
     }
 
+    /// What the word at a key stands for, the first of the known ones where none is given.
+    fn choice<T: Copy>(&self, path: &KeyPath, given: &Option<String>, known: &[(&str, T)]) -> T {
+        let given = given.as_deref().unwrap_or(known[0].0);
+        let found = known.iter().find(|(word, _)| *word == given);
+        if found.is_none() {
+            let words: Vec<&str> = known.iter().map(|(word, _)| *word).collect();
+            let words = words.join(", ");
+            self.fault(
+                path,
+                format!("{given:?} is not known here; allowed: {words}"),
+            );
+        }
+        found.unwrap_or(&known[0]).1
+    }
+
     /// A driver of the given joints.
     pub fn driver(
         &self,
@@ -156,17 +171,8 @@ impl Resolver<'_> {
         }
         match driver {
             typed::Driver::File(file) => {
-                let json_lines = match file.format.as_deref() {
-                    None | Some("csv") => false,
-                    Some("json-lines") => true,
-                    Some(other) => {
-                        self.fault(
-                            &path.key("format"),
-                            format!("{other:?} is not known here; allowed: csv, json-lines"),
-                        );
-                        false
-                    }
-                };
+                let formats = [("csv", false), ("json-lines", true)];
+                let json_lines = self.choice(&path.key("format"), &file.format, &formats);
                 let key = path.key("path");
                 let place = (file.path != "-").then(|| self.file_at(&key, &file.path));
                 if let Some(place) = &place
@@ -264,17 +270,11 @@ impl Resolver<'_> {
                 format!("{domain}; allowed: 0 to 232, the robot's ROS_DOMAIN_ID"),
             );
         }
-        let middleware = match ros.middleware.as_deref() {
-            None | Some("fast-dds") => Middleware::FastDds,
-            Some("cyclone-dds") => Middleware::CycloneDds,
-            Some(other) => {
-                self.fault(
-                    &path.key("middleware"),
-                    format!("{other:?} is not known here; allowed: fast-dds, cyclone-dds"),
-                );
-                Middleware::FastDds
-            }
-        };
+        let kinds = [
+            ("fast-dds", Middleware::FastDds),
+            ("cyclone-dds", Middleware::CycloneDds),
+        ];
+        let middleware = self.choice(&path.key("middleware"), &ros.middleware, &kinds);
         let interface = ros.interface.as_ref().and_then(|text| {
             let address = text.parse().ok();
             if address.is_none() {

@@ -30,8 +30,10 @@ impl<'a, S: TaskStage> StageClock<'a, S> {
         self.begin = now;
     }
 
+    /// Whether the task continues in a stage, or after it.
+    ///
     /// # Errors
-    /// Somebody asks for the end in a stage.
+    /// Somebody asks for the end.
     pub fn check(&self, stage: S) -> Result<(), TaskError<S>> {
         match (self.is_interrupted)() {
             true => Err(TaskError::Interrupted { stage }),

@@ -36,22 +36,27 @@ impl Default for Response {
 pub enum Ended {
     /// At the last point.
     There,
-    /// A joint left the path, or did not come to the last point.
-    Broken {
-        /// Error code of the result.
-        code: i64,
-        /// In words.
-        words: String,
-    },
+    /// A joint left the path (−4), or did not come to the last point (−5).
+    Broken(Refusal),
 }
 
-/// Why a goal is not taken, with its error code.
+/// Why a goal is not taken, or was broken off.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
-    /// −1 for an impossible goal, −2 for other joints.
+    /// Error code of the result; −1 for an impossible goal, −2 for other joints.
     pub code: i64,
     /// In words.
     pub words: String,
+}
+
+impl Refusal {
+    /// Of an impossible goal, for a reason in words.
+    pub fn invalid(words: impl Into<String>) -> Self {
+        Self {
+            code: -1,
+            words: words.into(),
+        }
+    }
 }
 
 /// An arm in motion or at rest.
@@ -127,18 +132,17 @@ impl SimulatedArm {
     /// Other joints, no points, times that do not grow, positions or speeds beyond the limits.
     pub fn take(&mut self, given: PartTrajectory, now: f64) -> Result<(), Refusal> {
         let trajectory = self.in_order(given)?;
-        let invalid = |words: String| Refusal { code: -1, words };
         let times = &trajectory.times;
         if times.is_empty() || times[0] < 0.0 || times.windows(2).any(|pair| !(pair[0] < pair[1])) {
-            return Err(invalid(
-                "points with growing times from 0 are needed".into(),
+            return Err(Refusal::invalid(
+                "points with growing times from 0 are needed",
             ));
         }
         for (index, joint) in self.chain.joints.iter().enumerate() {
             let limits = &joint.limits;
             let mut positions = trajectory.points.iter().map(|point| point[index]);
             if let Some(position) = positions.find(|position| !limits.allow(*position)) {
-                return Err(invalid(format!(
+                return Err(Refusal::invalid(format!(
                     "{}: position {position:.4}; allowed: {:.4} to {:.4}",
                     joint.name, limits.lower, limits.upper
                 )));
@@ -147,7 +151,7 @@ impl SimulatedArm {
             let mut speeds =
                 moves.map(|(p, t)| ((p[1][index] - p[0][index]) / (t[1] - t[0])).abs());
             if let Some(speed) = speeds.find(|speed| !(*speed <= SPEED_MARGIN * limits.velocity)) {
-                return Err(invalid(format!(
+                return Err(Refusal::invalid(format!(
                     "{}: speed {speed:.4}; allowed: {:.4}",
                     joint.name, limits.velocity
                 )));
@@ -160,10 +164,8 @@ impl SimulatedArm {
     /// The same trajectory with the joints in the order of the chain.
     fn in_order(&self, given: PartTrajectory) -> Result<PartTrajectory, Refusal> {
         let names = self.names();
-        let found = names
-            .iter()
-            .map(|name| given.joints.iter().position(|joint| joint == name));
-        let order: Option<Vec<usize>> = found.collect();
+        let place = |name| given.joints.iter().position(|joint| joint == name);
+        let order: Option<Vec<usize>> = names.iter().map(place).collect();
         let order = order.filter(|order| order.len() == given.joints.len());
         let Some(order) = order else {
             return Err(Refusal {
@@ -235,17 +237,13 @@ impl SimulatedArm {
         let (behind, joint) = off(&target)?;
         let (left, last_joint) = off(&trajectory.points[trajectory.points.len() - 1])?;
         let ended = if behind > PATH_TOLERANCE {
-            Ended::Broken {
-                code: -4,
-                words: format!("{joint} is {behind:.3} from where it should be"),
-            }
+            let words = format!("{joint} is {behind:.3} from where it should be");
+            Ended::Broken(Refusal { code: -4, words })
         } else if late >= 0.0 && left <= GOAL_TOLERANCE {
             Ended::There
         } else if late > SETTLING {
-            Ended::Broken {
-                code: -5,
-                words: format!("{last_joint} is {left:.3} from the last point"),
-            }
+            let words = format!("{last_joint} is {left:.3} from the last point");
+            Ended::Broken(Refusal { code: -5, words })
         } else {
             return None;
         };
@@ -267,18 +265,16 @@ mod tests {
     const STEP: f64 = 5e-3;
 
     fn ramp(seconds: f64) -> PartTrajectory {
-        let arm = gantry();
-        let home = &arm.arms[0].home;
+        let arm = &gantry().arms[0];
+        let point = |k: i32| {
+            let mut point = arm.home.clone();
+            point[0] += 1e-3 * f64::from(k);
+            point
+        };
         PartTrajectory {
-            joints: arm.arms[0].chain.joint_names(),
+            joints: arm.chain.joint_names(),
             times: (0..=100).map(|k| seconds * f64::from(k) / 100.0).collect(),
-            points: (0..=100)
-                .map(|k| {
-                    let mut point = home.clone();
-                    point[0] += 1e-3 * f64::from(k);
-                    point
-                })
-                .collect(),
+            points: (0..=100).map(point).collect(),
         }
     }
 
@@ -355,7 +351,7 @@ mod tests {
         assert_eq!(arm.freeze(), "x");
         let ended = (201..1000).find_map(|step| arm.advance(STEP * f64::from(step), STEP));
         assert!(
-            matches!(&ended, Some(Ended::Broken { code: -5, words }) if words.contains("x is")),
+            matches!(&ended, Some(Ended::Broken(Refusal { code: -5, words })) if words.contains("x is")),
             "{ended:?}"
         );
     }
@@ -363,19 +359,20 @@ mod tests {
     #[test]
     fn goals_beyond_the_limits_are_refused() {
         let mut arm = arm();
-        let refused =
-            |given: PartTrajectory, arm: &mut SimulatedArm| arm.take(given, 0.0).unwrap_err();
-        let mut other = ramp(2.0);
-        other.joints[0] = "head".into();
-        assert_eq!(refused(other, &mut arm).code, -2);
-        let mut standing = ramp(2.0);
-        standing.times[7] = standing.times[6];
-        assert_eq!(refused(standing, &mut arm).code, -1);
-        let fast = refused(ramp(0.01), &mut arm);
-        assert!(fast.words.contains("speed"), "{fast:?}");
-        let mut far = ramp(2.0);
-        far.points[100][0] = f64::NAN;
-        assert!(refused(far, &mut arm).words.contains("position"));
+        type Change = fn(&mut PartTrajectory);
+        let cases: [(f64, Change, i64, &str); 4] = [
+            (2.0, |given| given.joints[0] = "head".into(), -2, "joints"),
+            (2.0, |given| given.times[7] = given.times[6], -1, "growing"),
+            (0.01, |_| {}, -1, "speed"),
+            (2.0, |given| given.points[100][0] = f64::NAN, -1, "position"),
+        ];
+        for (seconds, change, code, expected) in cases {
+            let mut given = ramp(seconds);
+            change(&mut given);
+            let refusal = arm.take(given, 0.0).unwrap_err();
+            assert_eq!(refusal.code, code, "{expected}");
+            assert!(refusal.words.contains(expected), "{refusal:?}");
+        }
         assert!(!arm.is_moving());
     }
 

@@ -1,7 +1,7 @@
 //! Hostile clients: whatever they send, others are served, answers are short, and the server continues.
 
-use super::{Response, Settings, VirtualCell};
-use crate::test_cells::gantry;
+use super::VirtualCell;
+use crate::test_cells::{gantry, settings};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::net::{SocketAddr, TcpStream};
@@ -24,19 +24,7 @@ fn attacked(attack: impl FnOnce(SocketAddr)) {
         let (sender, address) = channel();
         let is_over = &is_over;
         let server = scope.spawn(move || {
-            let settings = Settings {
-                address: ([127, 0, 0, 1], 0).into(),
-                token: None,
-                rate: 1.0,
-                response: Response::default(),
-                supply: None,
-                second_supply: None,
-                sheet: None,
-                chucked: None,
-                jitter: None,
-                faults: Vec::new(),
-            };
-            let mut cell = VirtualCell::new(&gantry(), settings).unwrap();
+            let mut cell = VirtualCell::new(&gantry(), settings()).unwrap();
             sender.send(cell.address().unwrap()).unwrap();
             cell.serve(&|| is_over.load(Ordering::Relaxed)).unwrap();
         });
@@ -64,6 +52,16 @@ fn send(client: &mut Client, message: &Value) {
     client.send(Message::text(message.to_string())).unwrap();
 }
 
+fn subscribe(client: &mut Client, topic: &str) {
+    send(client, &json!({ "op": "subscribe", "topic": topic }));
+}
+
+/// The words of the complaint that comes next.
+fn refused(client: &mut Client) -> String {
+    let message = wait_for(client, complaint);
+    message["msg"].as_str().unwrap().to_owned()
+}
+
 /// The next message for which something holds.
 fn wait_for(client: &mut Client, what: impl Fn(&Value) -> bool) -> Value {
     let begin = Instant::now();
@@ -82,10 +80,7 @@ fn wait_for(client: &mut Client, what: impl Fn(&Value) -> bool) -> Value {
 /// A new client hears the clock.
 fn is_served(address: SocketAddr) {
     let mut client = connect(address);
-    send(
-        &mut client,
-        &json!({ "op": "subscribe", "topic": "/clock" }),
-    );
+    subscribe(&mut client, "/clock");
     wait_for(&mut client, |message| message["topic"] == "/clock");
 }
 
@@ -114,18 +109,13 @@ fn result_of(id: &str) -> impl Fn(&Value) -> bool {
 fn connections_that_are_not_used_take_no_place_from_others() {
     attacked(|address| {
         // Half handshakes, and noise.
-        let halves: Vec<TcpStream> = (0..40)
-            .map(|k| {
-                let mut stream = TcpStream::connect(address).unwrap();
-                let start: &[u8] = if k % 2 == 0 {
-                    b"GET / HTTP/1.1\r\nHost: x"
-                } else {
-                    &[0xff; 64]
-                };
-                let _ = stream.write_all(start);
-                stream
-            })
-            .collect();
+        let starts: [&[u8]; 2] = [b"GET / HTTP/1.1\r\nHost: x", &[0xff; 64]];
+        let half = |start: &&[u8]| {
+            let mut stream = TcpStream::connect(address).unwrap();
+            let _ = stream.write_all(start);
+            stream
+        };
+        let halves: Vec<TcpStream> = starts.repeat(20).iter().map(half).collect();
         is_served(address);
         drop(halves);
         // Silent clients.
@@ -212,18 +202,14 @@ fn goals_and_subscriptions_without_end_are_answered_and_bounded() {
         let cancel =
             json!({ "op": "publish", "topic": format!("{ACTION}/cancel"), "msg": { "id": "" } });
         for k in 0..1000 {
-            send(
-                &mut client,
-                &goal(&format!("goal {k}"), &[0.0, 60.0], &[0.0, 0.1]),
-            );
+            let goal = goal(&format!("goal {k}"), &[0.0, 60.0], &[0.0, 0.1]);
+            send(&mut client, &goal);
             (0..3).for_each(|_| send(&mut client, &cancel));
         }
         wait_for(&mut client, result_of("goal 999"));
-        let status = json!({ "op": "subscribe", "topic": format!("{ACTION}/status") });
-        send(&mut client, &status);
-        let listed = wait_for(&mut client, |message| {
-            message["topic"] == format!("{ACTION}/status")
-        });
+        let status = format!("{ACTION}/status");
+        subscribe(&mut client, &status);
+        let listed = wait_for(&mut client, |message| message["topic"] == status);
         let listed = listed["msg"]["status_list"].as_array().unwrap();
         assert_eq!(listed.len(), 20);
         for k in 0..100 {
@@ -231,16 +217,10 @@ fn goals_and_subscriptions_without_end_are_answered_and_bounded() {
                 "throttle_rate": 3_600_000, "queue_length": u64::MAX });
             send(&mut client, &more);
         }
-        let refused = wait_for(&mut client, complaint);
-        assert!(
-            refused["msg"].as_str().unwrap().contains("at most 64"),
-            "{refused}"
-        );
+        let words = refused(&mut client);
+        assert!(words.contains("at most 64"), "{words}");
         // One that never reads.
-        send(
-            &mut client,
-            &json!({ "op": "subscribe", "topic": "/camera/image_raw" }),
-        );
+        subscribe(&mut client, "/camera/image_raw");
         is_served(address);
     });
 }
@@ -250,16 +230,12 @@ fn a_gripper_is_not_opened_by_another_client_while_its_arm_moves() {
     attacked(|address| {
         let (mut leader, mut other) = (connect(address), connect(address));
         send(&mut leader, &goal("led", &[0.0, 60.0], &[0.0, 0.1]));
-        wait_for(&mut leader, |message| {
-            message["topic"] == format!("{ACTION}/feedback")
-        });
+        let feedback = format!("{ACTION}/feedback");
+        wait_for(&mut leader, |message| message["topic"] == feedback);
         let open = json!({ "op": "publish", "topic": "/gantry/gripper/goal",
             "msg": { "goal_id": { "id": "open" }, "goal": { "command": { "position": 0.04 } } } });
         send(&mut other, &open);
-        let refused = wait_for(&mut other, complaint);
-        assert!(
-            refused["msg"].as_str().unwrap().contains("led by another"),
-            "{refused}"
-        );
+        let words = refused(&mut other);
+        assert!(words.contains("led by another"), "{words}");
     });
 }

@@ -1,6 +1,8 @@
 //! The camera of a virtual cell: pictures of what lies on the table, made beside everything else.
 
+use super::message::published;
 use super::sheet_picture::{SeenSheet, SheetView};
+use crate::cell::sums;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::RgbImage;
@@ -9,10 +11,8 @@ use rodlab_vision::{Camera, Point, RenderOptions, RenderedRod, render};
 use serde_json::{Value, json};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-/// Colour of the rod, and of the table.
-const ROD: [u8; 3] = [205, 60, 70];
-/// That of a second rod.
-const SECOND_ROD: [u8; 3] = [90, 190, 80];
+/// Colours of the rod and of a second one, and of the table.
+const RODS: [[u8; 3]; 2] = [[205, 60, 70], [90, 190, 80]];
 const TABLE: [f64; 3] = [40.0, 44.0, 48.0];
 /// Colour of pegs.
 const PEG: [f64; 3] = [120.0, 122.0, 126.0];
@@ -29,10 +29,8 @@ const NEAREST: f64 = 0.2;
 /// What there is to see.
 #[derive(Default)]
 pub struct Scenery {
-    /// Nodes of a rod, and its radius, m.
-    pub rod: Option<(Vec<Vector3>, f64)>,
-    /// The same of a second one.
-    pub second_rod: Option<(Vec<Vector3>, f64)>,
+    /// Nodes of each rod, of two at most, and its radius, m.
+    pub rods: Vec<(Vec<Vector3>, f64)>,
     /// Where markers are along the first, over its length.
     pub markers: Vec<f64>,
     /// A sheet.
@@ -81,17 +79,10 @@ impl PictureTaker {
     /// The message with the picture that is done.
     pub fn finished(&mut self) -> Option<String> {
         let received = self.under_way.as_ref()?.try_recv();
-        match received {
-            Ok(message) => {
-                self.under_way = None;
-                Some(message)
-            }
-            Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => {
-                self.under_way = None;
-                None
-            }
+        if received != Err(TryRecvError::Empty) {
+            self.under_way = None;
         }
+        received.ok()
     }
 }
 
@@ -101,32 +92,25 @@ fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
         seed: number,
         ..RenderOptions::default()
     };
+    // What has markers hangs in the air: its shadow is all but gone.
+    if !scenery.markers.is_empty() {
+        options.shadow = 0.0;
+    }
     let mut rods = Vec::new();
-    if let Some((nodes, radius)) = scenery.rod {
-        let points = fine(&nodes, SPACING * radius);
-        for place in &scenery.markers {
-            rods.push(RenderedRod {
-                points: visible(camera, marker(&points, *place)),
-                radius: MARKER[1],
-                colour: MARKER_COLOUR,
-            });
-        }
-        // What has markers hangs in the air: its shadow is all but gone.
-        if !scenery.markers.is_empty() {
-            options.shadow = 0.0;
-        }
+    let mut draw = |points: Vec<Vector3>, radius: f64, colour: [u8; 3]| {
         rods.push(RenderedRod {
             points: visible(camera, points),
             radius,
-            colour: ROD,
+            colour,
         });
-    }
-    if let Some((nodes, radius)) = scenery.second_rod {
-        rods.push(RenderedRod {
-            points: visible(camera, fine(&nodes, SPACING * radius)),
-            radius,
-            colour: SECOND_ROD,
-        });
+    };
+    let mut markers = scenery.markers;
+    for ((nodes, radius), colour) in scenery.rods.iter().zip(RODS) {
+        let points = fine(nodes, SPACING * radius);
+        for place in markers.drain(..) {
+            draw(marker(&points, place), MARKER[1], MARKER_COLOUR);
+        }
+        draw(points, *radius, colour);
     }
     let tops = peg_tops(camera, &scenery.pegs);
     let sheet = scenery
@@ -156,10 +140,8 @@ fn peg_tops(camera: &Camera, pegs: &[([Vector3; 2], f64)]) -> Vec<(Point, f64)> 
 
 /// A sleeve about the point of a curve that lies `place` of its length from its start.
 fn marker(points: &[Vector3], place: f64) -> Vec<Vector3> {
-    let mut lengths = vec![0.0];
-    for pair in points.windows(2) {
-        lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());
-    }
+    let pairs = points.windows(2);
+    let lengths = sums(pairs.map(|pair| (pair[1] - pair[0]).norm()));
     let middle = place * lengths[lengths.len() - 1];
     let within = points.iter().zip(&lengths);
     let within = within.filter(|(_, length)| (*length - middle).abs() <= 0.5 * MARKER[0]);
@@ -211,20 +193,16 @@ fn fine(nodes: &[Vector3], spacing: f64) -> Vec<Vector3> {
 
 /// A `sensor_msgs/Image` as rosbridge sends it.
 fn message(picture: &RgbImage, topic: &str, number: u64, stamp: &Value) -> String {
-    json!({
-        "op": "publish",
-        "topic": topic,
-        "msg": {
-            "header": { "seq": number, "stamp": stamp, "frame_id": "camera" },
-            "height": picture.height(),
-            "width": picture.width(),
-            "encoding": "rgb8",
-            "is_bigendian": 0,
-            "step": 3 * picture.width(),
-            "data": STANDARD.encode(picture.as_raw()),
-        },
-    })
-    .to_string()
+    let message = json!({
+        "header": { "seq": number, "stamp": stamp, "frame_id": "camera" },
+        "height": picture.height(),
+        "width": picture.width(),
+        "encoding": "rgb8",
+        "is_bigendian": 0,
+        "step": 3 * picture.width(),
+        "data": STANDARD.encode(picture.as_raw()),
+    });
+    published(topic, message)
 }
 
 #[cfg(test)]
@@ -241,11 +219,8 @@ mod tests {
         };
         let nodes: Vec<Vector3> = (0..=20).map(node).collect();
         let points = fine(&nodes, 1e-3);
-        assert!(
-            points
-                .windows(2)
-                .all(|pair| (pair[1] - pair[0]).norm() <= 1.01e-3)
-        );
+        let mut steps = points.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+        assert!(steps.all(|step| step <= 1.01e-3));
         // Chords are 1.2e-4 m off; the direction at both ends nobody knows.
         let inner = &points[20..points.len() - 20];
         let off = inner.iter().map(|point| (point.norm() - 0.1).abs());
@@ -256,14 +231,13 @@ mod tests {
     #[test]
     fn a_rod_on_the_table_is_seen_where_it_lies() {
         let camera = gantry().camera.unwrap().seeing(0.0016);
-        let nodes: Vec<Vector3> = (0..=40)
-            .map(|k| {
-                let x = 5e-3 * f64::from(k) - 0.1;
-                Vector3::new(x, 0.05 * libm::cos(15.0 * x), 0.0016)
-            })
-            .collect();
+        let node = |k: i32| {
+            let x = 5e-3 * f64::from(k) - 0.1;
+            Vector3::new(x, 0.05 * libm::cos(15.0 * x), 0.0016)
+        };
+        let nodes: Vec<Vector3> = (0..=40).map(node).collect();
         let scenery = Scenery {
-            rod: Some((nodes.clone(), 0.0016)),
+            rods: vec![(nodes.clone(), 0.0016)],
             ..Scenery::default()
         };
         let picture = picture(&camera, scenery, 1);

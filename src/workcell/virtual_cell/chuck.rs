@@ -1,25 +1,24 @@
 //! A rod between the chuck and a hand of a virtual cell: clamped at both ends, led and twisted.
 
 use super::axis::served_axes;
-use super::rod::RodError;
-use super::simulated_rod::HANDING_OVER;
+use super::grip::Grip;
+use super::rod::{RodError, prepared};
+use super::simulated_rod::{HANDING_OVER, advance_for_a_while};
 use crate::cell::Cell;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
 use rodlab_engine::mechanics::scene::Motion;
-use rodlab_lab::experiment::{self, ClampedRod};
+use rodlab_lab::experiment::ClampedRod;
 use rodlab_lab::run::PreparedRun;
-use rodlab_robot::{Pose, between, distance_and_angle};
+use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 /// How far the hand may be from the end of the straight rod when it is handed over, over the rod's length, and how far turned, rad:
 /// a person bends it by so much.
 const REACH: [f64; 2] = [0.05, 0.2];
 /// Index of the clamp of the chuck, and of that of the hand.
-const CLAMPS: [usize; 2] = [0, 1];
-/// Longest time of simulation without a look at anything else.
-const AT_A_TIME: Duration = Duration::from_millis(20);
+const CHUCK: usize = 0;
+const HAND: usize = 1;
 
 /// Rods of one kind, one after the other, for a chuck to hold.
 pub struct ChuckedSupply {
@@ -49,10 +48,7 @@ impl ChuckedSupply {
         };
         let rod = ClampedRod::read(file).map_err(Box::new)?;
         let up = chuck.pose.rotation.inverse() * Vector3::z();
-        let loaded = experiment::from_text("rod", &rod.scenario(&up), Path::new(""), &[]);
-        let loaded = loaded.map_err(Box::new)?;
-        let prepared = experiment::prepare(&loaded.scenario);
-        let prepared = prepared.map_err(|issues| Box::new(loaded.locate(issues)))?;
+        let (_, prepared) = prepared("rod", &rod.scenario(&up))?;
         Ok(Some(Self {
             rod,
             prepared,
@@ -71,7 +67,7 @@ impl ChuckedSupply {
     ///
     /// # Errors
     /// In words: the hand is not where the straight rod ends, or it cannot be simulated.
-    fn handed(&self, hand: &Pose, angle: f64, now: f64) -> Result<ChuckedRod, String> {
+    fn handed(&self, arm: usize, hand: &Pose, angle: f64, now: f64) -> Result<ChuckedRod, String> {
         let (distance, turned) = distance_and_angle(&self.end(), &(self.chuck.inverse() * hand));
         let [most, most_turned] = [REACH[0] * self.rod.length, REACH[1]];
         if !(distance <= most && turned <= most_turned) {
@@ -82,15 +78,15 @@ impl ChuckedSupply {
             ));
         }
         let simulation = Simulation::new(&self.prepared.scene, &self.prepared.integration);
+        let end = self.prepared.scene.rods[0].centreline.len() - 1;
+        let grip = Grip::new(arm, end, HAND, self.end());
         Ok(ChuckedRod {
             simulation: simulation.map_err(|error| error.to_string())?,
-            end: self.end(),
-            last: self.end(),
+            grip: Some(grip.handed_by(HANDING_OVER).about_its_middle()),
             first_angle: angle,
             last_angle: angle,
             led_until: 0.0,
             begin: now,
-            is_held: true,
         })
     }
 }
@@ -98,8 +94,7 @@ impl ChuckedSupply {
 /// The chuck of a cell, with the rod in it.
 pub struct Chuck {
     supply: ChuckedSupply,
-    /// The rod, and the arm that took it.
-    rod: Option<(ChuckedRod, usize)>,
+    rod: Option<ChuckedRod>,
 }
 
 impl Chuck {
@@ -115,8 +110,8 @@ impl Chuck {
 
     /// The arm that holds the rod.
     pub fn holder(&self) -> Option<usize> {
-        let held = self.rod.as_ref().filter(|(rod, _)| rod.is_held);
-        held.map(|(_, holder)| *holder)
+        let grip = self.rod.as_ref()?.grip.as_ref();
+        grip.map(|grip| grip.holder)
     }
 
     /// Clamps a new rod between chuck and the hand of an arm, where that holds none.
@@ -125,7 +120,7 @@ impl Chuck {
     /// In words.
     pub fn take(&mut self, arm: usize, hand: &Pose, angle: f64, now: f64) -> Result<(), String> {
         if self.holder().is_none() {
-            self.rod = Some((self.supply.handed(hand, angle, now)?, arm));
+            self.rod = Some(self.supply.handed(arm, hand, angle, now)?);
         }
         Ok(())
     }
@@ -135,13 +130,11 @@ impl Chuck {
     /// # Errors
     /// The simulation refuses.
     pub fn let_go(&mut self) -> Result<(), SimulationError> {
-        match &mut self.rod {
-            Some((rod, _)) if rod.is_held => {
-                rod.is_held = false;
-                rod.simulation.release(CLAMPS[1])
-            }
-            _ => Ok(()),
-        }
+        let Some(rod) = &mut self.rod else {
+            return Ok(());
+        };
+        let grip = rod.grip.take();
+        grip.map_or(Ok(()), |grip| rod.simulation.release(grip.clamp))
     }
 
     /// Leads the rod on to `now`, s, with the hand of the arm that took it and the chuck; whether it has come there.
@@ -154,19 +147,16 @@ impl Chuck {
         angle: f64,
         now: f64,
     ) -> Result<bool, SimulationError> {
-        match &mut self.rod {
-            Some((rod, holder)) => {
-                let held = self.supply.chuck.inverse() * hand(*holder);
-                rod.advance(&held, angle, now)
-            }
-            None => Ok(true),
-        }
+        let Some(rod) = &mut self.rod else {
+            return Ok(true);
+        };
+        let inwards = self.supply.chuck.inverse();
+        rod.advance(|arm| inwards * hand(arm), angle, now)
     }
 
     /// Nodes of the rod in the cell, m.
     pub fn nodes(&self) -> Option<Vec<Vector3>> {
-        let (rod, _) = self.rod.as_ref()?;
-        let nodes = rod.simulation.positions().iter();
+        let nodes = self.rod.as_ref()?.simulation.positions().iter();
         let in_cell = |node: &Vector3| (self.supply.chuck * nalgebra::Point3::from(*node)).coords;
         Some(nodes.map(in_cell).collect())
     }
@@ -180,9 +170,8 @@ impl Chuck {
 /// A rod in simulation, in the frame of the chuck.
 struct ChuckedRod {
     simulation: Simulation,
-    /// Where its end was first, and where it was last.
-    end: Pose,
-    last: Pose,
+    /// What the hand holds of it, as long as it does.
+    grip: Option<Grip>,
     /// Angle of the chuck when the rod was clamped, and the last one, rad.
     first_angle: f64,
     last_angle: f64,
@@ -190,58 +179,38 @@ struct ChuckedRod {
     led_until: f64,
     /// When it was handed over, s.
     begin: f64,
-    is_held: bool,
 }
 
 impl ChuckedRod {
     /// Moves on towards the time `now`, s; whether it has come there. Hard steps take long: then it must be called again, with
     /// the same clamps, so that others need not wait.
-    fn advance(&mut self, hand: &Pose, angle: f64, now: f64) -> Result<bool, SimulationError> {
+    fn advance(
+        &mut self,
+        hand: impl Fn(usize) -> Pose,
+        angle: f64,
+        now: f64,
+    ) -> Result<bool, SimulationError> {
         let until = now - self.begin;
         if until > self.led_until {
             let from = self.simulation.time();
-            if self.is_held {
-                let part = (until / HANDING_OVER).clamp(0.0, 1.0);
-                let part = part * part * (3.0 - 2.0 * part);
-                let next = between(&self.end, hand, part);
-                self.simulation
-                    .move_clamp(CLAMPS[1], self.way(from, &next, until));
-                self.last = next;
+            if let Some(grip) = &mut self.grip {
+                let motion = grip.lead(&hand(grip.holder), [from, until]);
+                self.simulation.move_clamp(grip.clamp, motion);
             }
-            self.simulation
-                .move_clamp(CLAMPS[0], self.turn(from, angle, until));
+            let motion = self.turn(from, angle, until);
+            self.simulation.move_clamp(CHUCK, motion);
             (self.last_angle, self.led_until) = (angle, until);
         }
-        let work = Instant::now();
-        while self.simulation.time() < until {
-            if work.elapsed() > AT_A_TIME {
-                return Ok(false);
-            }
-            self.simulation.advance(until)?;
-        }
-        Ok(true)
-    }
-
-    /// From the last place of the end to the next.
-    fn way(&self, from: f64, next: &Pose, until: f64) -> Motion {
-        let knots = [(from, &self.last), (until, next)];
-        let way = |pose: &Pose| pose.translation.vector - self.end.translation.vector;
-        let turn = |pose: &Pose| pose.rotation * self.end.rotation.inverse();
-        Motion {
-            translation: knots.map(|(time, pose)| (time, way(pose))).into(),
-            orientation: knots.map(|(time, pose)| (time, turn(pose))).into(),
-            ..Motion::default()
-        }
+        advance_for_a_while(&mut self.simulation, until)
     }
 
     /// From the last angle of the chuck to the next.
     fn turn(&self, from: f64, angle: f64, until: f64) -> Motion {
         let knots = [(from, self.last_angle), (until, angle)];
+        let knots = knots.map(|(time, angle)| (time, angle - self.first_angle));
         Motion {
             axis: Some(Vector3::x()),
-            angle: knots
-                .map(|(time, angle)| (time, angle - self.first_angle))
-                .into(),
+            angle: knots.into(),
             ..Motion::default()
         }
     }
@@ -279,7 +248,7 @@ mod tests {
         let unit = Helix::from(direction);
         let unit = unit.scaled(1.0 / unit.distance());
         let hand = supply.chuck * supply.end();
-        let mut led = supply.handed(&hand, 0.0, 0.0).unwrap();
+        let mut led = supply.handed(0, &hand, 0.0, 0.0).unwrap();
         let (mut at, mut time) = (0.0, HANDING_OVER);
         let mut errors = Vec::new();
         for distance in distances {
@@ -289,7 +258,7 @@ mod tests {
                     ClampPoses::of(&unit.scaled(at), rod.length, rod.stiffness_ratio(), 0.0);
                 for _ in 0..8 {
                     time += 5e-3;
-                    while !led.advance(&clamps.hand, clamps.chuck, time).unwrap() {}
+                    while !led.advance(|_| clamps.hand, clamps.chuck, time).unwrap() {}
                 }
             }
             errors.push(error(&led, &unit.scaled(at), rod.length));

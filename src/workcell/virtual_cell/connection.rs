@@ -145,44 +145,38 @@ impl Connection {
     /// What has come since the last time.
     pub fn receive(&mut self) -> Vec<String> {
         let mut texts = Vec::new();
-        self.link = match std::mem::replace(&mut self.link, Link::Closed) {
-            Link::Opening(begun) => {
+        if let Link::Opening(_) = self.link {
+            if let Link::Opening(begun) = std::mem::replace(&mut self.link, Link::Closed) {
                 self.shake(begun.handshake());
-                return texts;
             }
-            Link::Closed => return texts,
-            Link::Open(mut socket) => {
-                let (mut is_open, mut count, mut bytes) = (true, 0, 0);
-                // Pings and binary messages count, too: a flood of them must not keep the others waiting.
-                while is_open && count < AT_A_TIME && bytes < BYTES_AT_A_TIME {
-                    let read = socket.read();
-                    count += 1;
-                    if let Ok(message) = &read {
-                        bytes += message.len();
-                        self.heard = Instant::now();
-                    }
-                    match read {
-                        Ok(Message::Text(text)) => texts.push(text.as_str().to_owned()),
-                        Ok(Message::Close(_)) => is_open = false,
-                        Ok(Message::Pong(payload)) => {
-                            self.pace.iter_mut().for_each(|pace| pace.pong(&payload));
-                        }
-                        Ok(_) => {}
-                        Err(tungstenite::Error::Io(error))
-                            if error.kind() == ErrorKind::WouldBlock =>
-                        {
-                            break;
-                        }
-                        Err(_) => is_open = false,
-                    }
-                }
-                if is_open {
-                    Link::Open(socket)
-                } else {
-                    Link::Closed
-                }
-            }
+            return texts;
+        }
+        let Link::Open(socket) = &mut self.link else {
+            return texts;
         };
+        let (mut is_open, mut count, mut bytes) = (true, 0, 0);
+        // Pings and binary messages count, too: a flood of them must not keep the others waiting.
+        while is_open && count < AT_A_TIME && bytes < BYTES_AT_A_TIME {
+            let read = socket.read();
+            count += 1;
+            if let Ok(message) = &read {
+                bytes += message.len();
+                self.heard = Instant::now();
+            }
+            match read {
+                Ok(Message::Text(text)) => texts.push(text.as_str().to_owned()),
+                Ok(Message::Close(_)) => is_open = false,
+                Ok(Message::Pong(payload)) => {
+                    self.pace.iter_mut().for_each(|pace| pace.pong(&payload));
+                }
+                Ok(_) => {}
+                Err(error) if would_block(&error) => break,
+                Err(_) => is_open = false,
+            }
+        }
+        if !is_open {
+            self.cut();
+        }
         texts
     }
 
@@ -242,9 +236,7 @@ impl Connection {
     fn settle(&mut self, sent: Result<(), tungstenite::Error>) {
         match sent {
             Ok(()) => self.is_full = false,
-            Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::WouldBlock => {
-                self.is_full = true;
-            }
+            Err(error) if would_block(&error) => self.is_full = true,
             Err(_) => self.cut(),
         }
     }
@@ -280,4 +272,9 @@ impl Connection {
     pub fn awaits(&self, topic: &str) -> bool {
         self.topics.get(topic).is_some_and(Subscription::is_due)
     }
+}
+
+/// Whether an error means that nothing can be read or written now.
+fn would_block(error: &tungstenite::Error) -> bool {
+    matches!(error, tungstenite::Error::Io(error) if error.kind() == ErrorKind::WouldBlock)
 }

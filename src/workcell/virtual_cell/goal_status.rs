@@ -56,14 +56,9 @@ mod tests {
         let list = log.listed(Some("now"), &stamp)["status_list"].take();
         let list = list.as_array().unwrap();
         assert_eq!(list.len(), MOST + 1);
-        let [last, now] = [&list[MOST - 1], &list[MOST]];
-        assert_eq!(
-            (&last["goal_id"]["id"], &last["status"]),
-            (&json!("last"), &json!(2))
-        );
-        assert_eq!(
-            (&now["goal_id"]["id"], &now["status"]),
-            (&json!("now"), &json!(1))
-        );
+        for (goal, id, status) in [(&list[MOST - 1], "last", 2), (&list[MOST], "now", 1)] {
+            assert_eq!(goal["goal_id"]["id"], id);
+            assert_eq!(goal["status"], status);
+        }
     }
 }

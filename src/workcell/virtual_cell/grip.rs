@@ -25,6 +25,8 @@ pub(super) struct Grip {
     handed_by: f64,
     /// Lowest height of the hand, m: there the table stops it.
     lowest: f64,
+    /// What the clamp turns about: the hand, or its own middle.
+    pivot: Option<Vector3>,
 }
 
 impl Grip {
@@ -38,6 +40,7 @@ impl Grip {
             last: first,
             handed_by: 0.0,
             lowest: f64::NEG_INFINITY,
+            pivot: Some(first.translation.vector),
         }
     }
 
@@ -49,6 +52,14 @@ impl Grip {
     /// The same, with a table that stops the hand at a height, m.
     pub fn stopped_at(self, lowest: f64) -> Self {
         Self { lowest, ..self }
+    }
+
+    /// The same, with a clamp that turns about its own middle.
+    pub fn about_its_middle(self) -> Self {
+        Self {
+            pivot: None,
+            ..self
+        }
     }
 
     /// The motion of the clamp from `now` until a later time of the simulation, s, at which the hand is somewhere else.
@@ -73,7 +84,7 @@ impl Grip {
         Motion {
             translation: knots.map(|(time, pose)| (time, way(pose))).into(),
             orientation: knots.map(|(time, pose)| (time, turn(pose))).into(),
-            pivot: Some(self.first.translation.vector),
+            pivot: self.pivot,
             ..Motion::default()
         }
     }

@@ -23,6 +23,7 @@
 //! | `subscription` | how often a client receives a topic |
 //! | `pace` | how much of the cell's time a client has seen |
 //! | `connection` | a client, with bounds on all that comes and goes |
+//! | `settings` | what is in it, and how it is served |
 //! | `server` | clients, goals, reports |
 
 mod arm;
@@ -39,6 +40,7 @@ mod message;
 mod pace;
 mod rod;
 mod server;
+mod settings;
 mod sheet;
 mod sheet_picture;
 mod simulated_cell;
@@ -50,5 +52,6 @@ pub use arm::Response;
 pub use chuck::ChuckedSupply;
 pub use fault::{Fault, FaultKind};
 pub use rod::{RodError, RodSupply};
-pub use server::{ServeError, Settings, VirtualCell};
+pub use server::{ServeError, VirtualCell};
+pub use settings::Settings;
 pub use sheet::{HeldSheet, SheetPlace, SimulatedSheet};

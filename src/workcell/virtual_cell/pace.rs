@@ -71,12 +71,8 @@ mod tests {
         pace.pong(&second);
         pace.pong(&first);
         assert_eq!(pace.seen(), Some(3.0));
-        for payload in [
-            &4.0_f64.to_le_bytes()[..],
-            &f64::NAN.to_le_bytes(),
-            b"",
-            b"pong",
-        ] {
+        let [later, none] = [4.0, f64::NAN].map(f64::to_le_bytes);
+        for payload in [&later[..], &none, b"", b"pong"] {
             pace.pong(payload);
             assert_eq!(pace.seen(), Some(3.0));
         }

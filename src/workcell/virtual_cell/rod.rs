@@ -7,9 +7,9 @@ use rodlab_engine::mechanics::scene::{Motion, Scene};
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 use rodlab_lab::experiment::{self, Deployment, DeploymentTables, Fixtures};
 use rodlab_lab::run::PreparedRun;
-use rodlab_lab::scenario::ScenarioError;
+use rodlab_lab::scenario::{Loaded, ScenarioError};
 use rodlab_planning::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, trajectory};
-use rodlab_planning::plan::pattern::{Line, PatternError, PatternSource};
+use rodlab_planning::plan::pattern::{Line, PatternSource};
 use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
 
@@ -46,16 +46,41 @@ pub enum RodError {
     Impossible(String),
 }
 
+impl RodError {
+    /// It cannot hang, for a reason in words.
+    pub(super) fn impossible(reason: impl ToString) -> Self {
+        Self::Impossible(reason.to_string())
+    }
+}
+
+/// The line of a scenario that extends a file.
+pub(super) fn extending(file: &Path) -> Result<String, RodError> {
+    let whole = std::path::absolute(file).map_err(RodError::impossible)?;
+    let extended = toml::Value::from(whole.to_string_lossy().as_ref());
+    Ok(format!("extends = {extended}\n"))
+}
+
+/// A scenario by its text.
+fn loaded(name: &str, text: &str) -> Result<Loaded, RodError> {
+    let loaded = experiment::from_text(name, text, Path::new(""), &[]);
+    Ok(loaded.map_err(Box::new)?)
+}
+
+/// The same, ready to be simulated.
+pub(super) fn prepared(name: &str, text: &str) -> Result<(Loaded, PreparedRun), RodError> {
+    let loaded = loaded(name, text)?;
+    let prepared = experiment::prepare(&loaded.scenario);
+    let prepared = prepared.map_err(|issues| Box::new(loaded.locate(issues)))?;
+    Ok((loaded, prepared))
+}
+
 impl RodSupply {
     /// Rods as a file describes them in `[deployment.rod]`, on a table of some friction.
     ///
     /// # Errors
     /// The file cannot be read, or is wrong.
     pub fn new(file: &Path, friction: f64) -> Result<Self, RodError> {
-        let whole = std::path::absolute(file);
-        let whole = whole.map_err(|error| RodError::Impossible(error.to_string()))?;
-        let extended = toml::Value::from(whole.to_string_lossy().as_ref());
-        Self::described(&format!("extends = {extended}\n"), "", friction)
+        Self::described(&extending(file)?, "", friction)
     }
 
     /// Rods of a deployment, on its table with its pegs; `frame` is the pose of its pattern in the cell. A person lays the free end where
@@ -69,9 +94,9 @@ impl RodSupply {
             "[deployment.rod]\ngravito_bending_length = {:?}\nradius = {:?}\nlength = {:?}\ndensity = {:?}\nedges = {}\n",
             rod.gravito_bending_length, rod.radius, rod.length, rod.density, rod.edges
         );
-        let impossible = |error: PatternError| RodError::Impossible(error.to_string());
-        let fixtures = Fixtures::of(deployment).map_err(impossible)?;
-        let start = deployment.whole_pattern().map_err(impossible)?.at(0.0);
+        let fixtures = Fixtures::of(deployment).map_err(RodError::impossible)?;
+        let pattern = deployment.whole_pattern();
+        let start = pattern.map_err(RodError::impossible)?.at(0.0);
         let start = frame * nalgebra::Point3::new(start.position.x, start.position.y, 0.0);
         let supply = Self::described("", &rod, friction)?;
         Ok(Self {
@@ -84,7 +109,6 @@ impl RodSupply {
 
     /// Rods by the first and the last lines of a scenario.
     fn described(first: &str, last: &str, friction: f64) -> Result<Self, RodError> {
-        let impossible = |error: String| RodError::Impossible(error);
         let text = |length: f64| {
             format!(
                 "{first}experiment = \"deployment\"\n\
@@ -93,27 +117,17 @@ impl RodSupply {
                  [time]\nstep = \"5 ms\"\nend = 10.0\n{last}"
             )
         };
-        let load = |length: f64| {
-            let loaded = experiment::from_text("rod", &text(length), Path::new(""), &[]);
-            loaded.map_err(Box::new)
-        };
         // Any short line will do; how short, the rod says.
-        let first = load(1e-3)?;
+        let first = loaded("rod", &text(1e-3))?;
         let tables: Option<&DeploymentTables> = first.scenario.experiment.tables();
         let tables = tables.expect("the tables of a deployment");
         let rod = tables.deployment.rod.deployed();
-        let loaded = load(FIRST_LINE * rod.length)?;
-        let prepared = experiment::prepare(&loaded.scenario);
-        let prepared = prepared.map_err(|issues| Box::new(loaded.locate(issues)))?;
-        let line = Line {
-            length: FIRST_LINE * rod.length,
-        };
-        let start = PatternSource::Line(line).pattern();
-        let start = start
-            .map_err(|error| impossible(error.to_string()))?
-            .at(0.0);
+        let length = FIRST_LINE * rod.length;
+        let (_, prepared) = prepared("rod", &text(length))?;
+        let line = PatternSource::Line(Line { length }).pattern();
+        let start = line.map_err(RodError::impossible)?.at(0.0);
         let poses = trajectory(&[start], &rod, Scheme::Optimal, OptimalGrasps::Exact);
-        let poses = poses.map_err(|error| impossible(error.to_string()))?;
+        let poses = poses.map_err(RodError::impossible)?;
         let end = Pose::from_parts(Translation3::from(poses[0].position), poses[0].rotation);
         Ok(Self {
             prepared,
@@ -300,17 +314,32 @@ mod tests {
         table() * Pose::from_parts(Translation3::new(0.1, 0.2, 0.0), turn) * supply.end
     }
 
+    /// Rods, a hand that takes one in some direction at the time `now`, s, and that one.
+    fn hanging(heading: f64, now: f64) -> (RodSupply, Pose, SimulatedRod) {
+        let supply = short_rods();
+        let hand = hand(&supply, heading);
+        let rod = supply.handed(0, &hand, &table(), now).unwrap();
+        (supply, hand, rod)
+    }
+
+    /// Leads a rod on to a time, s, with the hand of each arm.
+    fn lead(rod: &mut SimulatedRod, time: f64, hand: impl Fn(usize) -> Pose) {
+        while !rod.advance_in(&hand, time).unwrap() {}
+    }
+
+    fn raised(height: f64) -> Translation3<f64> {
+        Translation3::new(0.0, 0.0, height)
+    }
+
     #[test]
     fn a_rod_that_is_handed_over_hangs_where_it_was_until_it_is_moved() {
-        let supply = short_rods();
-        let hand = hand(&supply, 0.7);
-        let mut rod = supply.handed(0, &hand, &table(), 3.0).unwrap();
+        let (supply, hand, mut rod) = hanging(0.7, 3.0);
         let first = rod.nodes();
         assert!((first[first.len() - 1] - hand.translation.vector).norm() < 1e-6);
         let free = table() * nalgebra::Point3::new(0.1, 0.2, supply.rod().radius);
         assert!((first[0] - free.coords).norm() < 1e-9);
         for step in 1..=60 {
-            while !rod.advance(&hand, 3.0 + 5e-3 * f64::from(step)).unwrap() {}
+            lead(&mut rod, 3.0 + 5e-3 * f64::from(step), |_| hand);
         }
         let nodes = rod.nodes();
         let moved = nodes.iter().zip(&first).map(|(a, b)| (a - b).norm());
@@ -334,12 +363,10 @@ mod tests {
 
     #[test]
     fn a_rod_that_is_let_go_falls_on_the_table() {
-        let supply = short_rods();
-        let hand = hand(&supply, 0.0);
-        let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
+        let (supply, hand, mut rod) = hanging(0.0, 0.0);
         rod.release().unwrap();
         for step in 1..=300 {
-            while !rod.advance(&hand, 5e-3 * f64::from(step)).unwrap() {}
+            lead(&mut rod, 5e-3 * f64::from(step), |_| hand);
         }
         let top = rod.nodes().iter().map(|node| node.z).fold(0.0, f64::max);
         assert!(top - 0.05 < 0.3 * supply.rod().length, "{top}");
@@ -348,15 +375,13 @@ mod tests {
 
     #[test]
     fn a_rod_that_is_held_still_falls_when_it_is_let_go() {
-        let supply = short_rods();
-        let hand = hand(&supply, 0.0);
-        let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
+        let (_, hand, mut rod) = hanging(0.0, 0.0);
         rod.release().unwrap();
         // Nothing has moved yet.
         assert!(rod.advance(&hand, 0.0).unwrap());
         let height = |rod: &SimulatedRod| rod.nodes().last().map_or(0.0, |node| node.z);
         let first = height(&rod);
-        while !rod.advance(&hand, 0.05).unwrap() {}
+        lead(&mut rod, 0.05, |_| hand);
         assert!(height(&rod) < first - 5e-3);
     }
 
@@ -392,10 +417,8 @@ mod tests {
 
     #[test]
     fn two_hands_on_one_rod_lead_what_each_holds() {
-        let supply = short_rods();
-        let first = hand(&supply, 0.7);
-        let mut rod = supply.handed(0, &first, &table(), 0.0).unwrap();
-        while !rod.advance(&first, 5e-3).unwrap() {}
+        let (_, first, mut rod) = hanging(0.7, 0.0);
+        lead(&mut rod, 5e-3, |_| first);
         let free = rod.nodes()[0];
         // A little beside the free end, and turned in some way.
         let second = Pose::from_parts(
@@ -405,19 +428,13 @@ mod tests {
         let node = rod.within_reach(&second).unwrap();
         assert_eq!(node, 0);
         let mut hands = [first, second];
-        let lead = |rod: &mut SimulatedRod, hands: &[Pose; 2], step: i32| {
-            while !rod
-                .advance_in(|arm| hands[arm], 5e-3 * f64::from(step))
-                .unwrap()
-            {}
-        };
         rod.take(1, node, &second, 5e-3).unwrap();
         assert_eq!(rod.holders().collect::<Vec<_>>(), [0, 1]);
         for step in 2..=240 {
             let part = f64::from(step) / 240.0;
-            hands[0] = Translation3::new(0.0, 0.0, -0.02 * part) * first;
+            hands[0] = raised(-0.02 * part) * first;
             hands[1] = Translation3::new(0.0, 0.01 * part, 0.03 * part) * second;
-            lead(&mut rod, &hands, step);
+            lead(&mut rod, 5e-3 * f64::from(step), |arm| hands[arm]);
         }
         let nodes = rod.nodes();
         let end = nodes[nodes.len() - 1];
@@ -428,30 +445,23 @@ mod tests {
         for step in 241..=340 {
             let down = f64::from(step - 240) / 100.0;
             hands[1] = Translation3::new(0.0, 0.01, 0.03 - 0.05 * down) * second;
-            lead(&mut rod, &hands, step);
+            lead(&mut rod, 5e-3 * f64::from(step), |arm| hands[arm]);
         }
         let height = rod.nodes()[0].z - free.z;
         assert!(height.abs() < 1e-6, "{height}");
         rod.release_by(1).unwrap();
         assert_eq!(rod.holders().collect::<Vec<_>>(), [0]);
-        hands[0] = Translation3::new(0.0, 0.0, -0.03) * first;
-        lead(&mut rod, &hands, 400);
+        hands[0] = raised(-0.03) * first;
+        lead(&mut rod, 2.0, |arm| hands[arm]);
         let end = rod.nodes()[nodes.len() - 1];
         assert!((end - hands[0].translation.vector).norm() < 1e-6, "{end}");
     }
 
     #[test]
     fn a_hand_beyond_reach_takes_nothing() {
-        let supply = short_rods();
-        let hand = hand(&supply, 0.0);
-        let mut rod = supply.handed(0, &hand, &table(), 0.0).unwrap();
+        let (_, hand, mut rod) = hanging(0.0, 0.0);
         let free = rod.nodes()[0];
-        let at = |x: f64, y: f64, z: f64| {
-            Pose::from_parts(
-                Translation3::from(free + Vector3::new(x, y, z)),
-                UnitQuaternion::identity(),
-            )
-        };
+        let at = |x: f64, y: f64, z: f64| Pose::from(free + Vector3::new(x, y, z));
         assert_eq!(rod.within_reach(&at(0.0, 0.014, 0.0)), Some(0));
         assert_eq!(rod.within_reach(&at(0.0, 0.016, 0.0)), None);
         assert_eq!(rod.within_reach(&at(0.0, 0.0, 0.016)), None);
@@ -463,9 +473,7 @@ mod tests {
 
     #[test]
     fn a_second_rod_is_handed_beside_one_that_lies() {
-        let supply = short_rods();
-        let first = hand(&supply, 0.7);
-        let mut rod = supply.handed(0, &first, &table(), 0.0).unwrap();
+        let (supply, first, mut rod) = hanging(0.7, 0.0);
         let free = rod.nodes()[0];
         // It is laid down straight, the hand on a quarter of a circle about the free end.
         let (sine, cosine) = libm::sincos(0.7);
@@ -481,12 +489,11 @@ mod tests {
         let last = libm::acos(low / from.norm()) - libm::atan2(from.dot(&ahead), from.z);
         for step in 1..=500 {
             let part = (f64::from(step - 100) / 400.0).clamp(0.0, 1.0);
-            let hand = turned(part * last);
-            while !rod.advance(&hand, 5e-3 * f64::from(step)).unwrap() {}
+            lead(&mut rod, 5e-3 * f64::from(step), |_| turned(part * last));
         }
         rod.release().unwrap();
         for step in 501..=700 {
-            while !rod.advance(&first, 5e-3 * f64::from(step)).unwrap() {}
+            lead(&mut rod, 5e-3 * f64::from(step), |_| first);
         }
         let lay = rod.nodes();
         let second = Pose::translation(0.0, 0.2, 0.0) * hand(&supply, -0.4);
@@ -494,35 +501,23 @@ mod tests {
         let mut both = both.unwrap();
         let seen = both.seen();
         assert_eq!(seen.len(), 2);
-        assert!(
-            seen[0]
-                .0
-                .iter()
-                .zip(&lay)
-                .all(|(a, b)| (a - b).norm() < 1e-9)
-        );
+        let moved = |seen: &[(Vec<Vector3>, f64)]| {
+            let moved = seen[0].0.iter().zip(&lay).map(|(a, b)| (a - b).norm());
+            moved.fold(0.0, f64::max)
+        };
+        assert!(moved(&seen) < 1e-9);
         let end = seen[1].0[30];
         assert!((end - second.translation.vector).norm() < 1e-6, "{end}");
         // The one lies, and the other follows its hand.
-        let lifted = Translation3::new(0.0, 0.0, 0.05) * second;
-        for step in 1..=100 {
-            let part = f64::from(step) / 100.0;
-            let hand = Translation3::new(0.0, 0.0, 0.05 * part) * second;
-            while !both
-                .advance_in(|_| hand, 3.5 + 5e-3 * f64::from(step))
-                .unwrap()
-            {}
-        }
-        for step in 101..=240 {
-            while !both
-                .advance_in(|_| lifted, 3.5 + 5e-3 * f64::from(step))
-                .unwrap()
-            {}
+        let lifted = raised(0.05) * second;
+        for step in 1..=240 {
+            let part = (f64::from(step) / 100.0).min(1.0);
+            lead(&mut both, 3.5 + 5e-3 * f64::from(step), |_| {
+                raised(0.05 * part) * second
+            });
         }
         let seen = both.seen();
-        let moved = seen[0].0.iter().zip(&lay).map(|(a, b)| (a - b).norm());
-        let moved = moved.fold(0.0, f64::max);
-        assert!(moved < 1e-4, "{moved}");
+        assert!(moved(&seen) < 1e-4, "{}", moved(&seen));
         let end = seen[1].0[30];
         assert!((end - lifted.translation.vector).norm() < 1e-6, "{end}");
     }
@@ -530,16 +525,13 @@ mod tests {
     #[test]
     fn a_hand_that_cannot_hold_a_hanging_rod_is_told_so() {
         let supply = short_rods();
-        let far = Pose::translation(0.0, 0.0, 0.3) * hand(&supply, 0.0);
-        let Err(words) = supply.handed(0, &far, &table(), 0.0) else {
-            panic!("it is too high");
-        };
-        assert!(words.contains("above the table"), "{words}");
+        let far = raised(0.3) * hand(&supply, 0.0);
         let tipped =
             hand(&supply, 0.0) * Pose::rotation(Vector3::z() * std::f64::consts::FRAC_PI_2);
-        let Err(words) = supply.handed(0, &tipped, &table(), 0.0) else {
-            panic!("its y axis points up");
-        };
-        assert!(words.contains("not level"), "{words}");
+        for (hand, expected) in [(far, "above the table"), (tipped, "not level")] {
+            let refused = supply.handed(0, &hand, &table(), 0.0);
+            let words = refused.err().expect("it cannot hold a rod");
+            assert!(words.contains(expected), "{words}");
+        }
     }
 }

@@ -1,21 +1,19 @@
 //! The server: clients, their goals, reports and pictures, and the clock of the cell.
 
-use super::arm::{Ended, Response};
+use super::arm::{Ended, Refusal};
 use super::camera::PictureTaker;
-use super::chuck::ChuckedSupply;
 use super::connection::Connection;
-use super::fault::{Fault, FaultKind};
+use super::fault::FaultKind;
 use super::goal_status::GoalLog;
 use super::message::{
     GoalName, Request, Verdict, complaint, opening, published, stamp, trajectory,
 };
-use super::rod::RodSupply;
+use super::settings::Settings;
 use super::sheet::SimulatedSheet;
 use super::simulated_cell::{Event, STEP, SimulatedCell};
-use super::topics::{CLOCK, Topics};
+use super::topics::{CLOCK, GRIP, MOTION, Topics};
 use crate::cell::Cell;
 use rodlab_engine::mechanics::dynamics::SimulationError;
-use rodlab_lab::experiment::Jitter;
 use rodlab_robot::RosVersion;
 use serde_json::json;
 use std::io::{self, ErrorKind};
@@ -39,30 +37,6 @@ const REPORT: (f64, Duration, Duration) =
 const STATUS: Duration = Duration::from_millis(200);
 /// Time between pictures, s of the cell's clock.
 const PICTURE: f64 = 0.1;
-
-/// What a virtual cell is told.
-pub struct Settings {
-    /// Where it listens; with a port of 0 any that is free.
-    pub address: SocketAddr,
-    /// What clients must name as the path of the server.
-    pub token: Option<String>,
-    /// How many times as fast as real time.
-    pub rate: f64,
-    /// How the arms answer.
-    pub response: Response,
-    /// Rods for the grippers.
-    pub supply: Option<RodSupply>,
-    /// Rods of another kind, for the grippers of all arms but the first.
-    pub second_supply: Option<RodSupply>,
-    /// A sheet on the table.
-    pub sheet: Option<SimulatedSheet>,
-    /// Rods between the chuck and a hand.
-    pub chucked: Option<ChuckedSupply>,
-    /// How the hands tremble, which nobody is told.
-    pub jitter: Option<Jitter>,
-    /// What goes wrong.
-    pub faults: Vec<Fault>,
-}
 
 /// Why there is no virtual cell, or no more.
 #[derive(Debug, thiserror::Error)]
@@ -89,6 +63,13 @@ struct UnderWay {
     client: u64,
 }
 
+/// An action: its goal, if there is one, and those that ended lately.
+#[derive(Default)]
+struct Action {
+    goal: Option<UnderWay>,
+    ended: GoalLog,
+}
+
 /// A virtual cell that listens.
 pub struct VirtualCell {
     listener: TcpListener,
@@ -98,18 +79,15 @@ pub struct VirtualCell {
     topics: Topics,
     clients: Vec<Connection>,
     next_client: u64,
-    /// The client that leads each arm, and the goals of arm and gripper.
+    /// The client that leads each arm, and the actions of arm and gripper.
     leaders: Vec<Option<u64>>,
-    motions: Vec<Option<UnderWay>>,
-    grips: Vec<Option<UnderWay>>,
+    actions: Vec<[Action; 2]>,
     pictures: Option<PictureTaker>,
     last_picture: f64,
     /// Clients that watched when the picture under way was begun.
     watchers: Vec<u64>,
     last_report: (f64, Instant),
     last_status: Instant,
-    /// Goals of each arm and of its gripper that ended lately.
-    ended: Vec<[GoalLog; 2]>,
 }
 
 impl VirtualCell {
@@ -128,32 +106,21 @@ impl VirtualCell {
         let listener = TcpListener::bind(settings.address).map_err(unusable)?;
         listener.set_nonblocking(true).map_err(unusable)?;
         let parts = topics.arms.len();
-        let none = || (0..parts).map(|_| None);
         Ok(Self {
             listener,
-            token: settings.token,
+            token: settings.token.clone(),
             rate: settings.rate,
             topics,
             clients: Vec::new(),
             next_client: 1,
             leaders: vec![None; parts],
-            motions: none().collect(),
-            grips: none().collect(),
+            actions: (0..parts).map(|_| Default::default()).collect(),
             pictures,
             last_picture: f64::NEG_INFINITY,
             watchers: Vec::new(),
             last_report: (f64::NEG_INFINITY, Instant::now()),
             last_status: Instant::now(),
-            ended: (0..parts).map(|_| Default::default()).collect(),
-            cell: SimulatedCell::new(
-                cell,
-                settings.response,
-                [settings.supply, settings.second_supply],
-                settings.sheet,
-                settings.chucked,
-                settings.jitter,
-                settings.faults,
-            ),
+            cell: SimulatedCell::new(cell, settings),
         })
     }
 
@@ -235,15 +202,13 @@ impl VirtualCell {
         }
         let gone = self.clients.extract_if(.., |client| client.is_closed());
         let gone: Vec<u64> = gone.map(|client| client.id).collect();
-        for client in gone {
-            for arm in 0..self.leaders.len() {
-                if self.leaders[arm] == Some(client) {
-                    tracing::info!("the client that led {} is gone", self.topics.arms[arm].name);
-                    self.leaders[arm] = None;
-                    if let Some(goal) = self.motions[arm].take() {
-                        self.ended[arm][0].note(&goal.name.id, &Verdict::Cancelled);
-                        self.cell.stop(arm);
-                    }
+        for (arm, leader) in self.leaders.iter_mut().enumerate() {
+            if leader.take_if(|leader| gone.contains(leader)).is_some() {
+                tracing::info!("the client that led {} is gone", self.topics.arms[arm].name);
+                let action = &mut self.actions[arm][MOTION];
+                if let Some(goal) = action.goal.take() {
+                    action.ended.note(&goal.name.id, &Verdict::Cancelled);
+                    self.cell.stop(arm);
                 }
             }
         }
@@ -253,7 +218,11 @@ impl VirtualCell {
     fn idle_clients(&self) -> impl Iterator<Item = (usize, Duration)> {
         let clients = self.clients.iter().enumerate();
         let is_busy = |id: u64| {
-            let mut goals = self.motions.iter().chain(&self.grips).flatten();
+            let mut goals = self
+                .actions
+                .iter()
+                .flatten()
+                .filter_map(|action| action.goal.as_ref());
             self.leaders.contains(&Some(id)) || goals.any(|goal| goal.client == id)
         };
         clients.filter_map(move |(index, client)| {
@@ -280,10 +249,10 @@ impl VirtualCell {
             _ => None,
         };
         let answer = match request {
-            Ok(Request::Subscribe(topic, wish)) => match self.topics.know(&topic) {
-                Ok(()) => self.clients[index].subscribe(topic, wish),
-                Err(words) => Err(words),
-            },
+            Ok(Request::Subscribe(topic, wish)) => {
+                let known = self.topics.know(&topic);
+                known.and_then(|()| self.clients[index].subscribe(topic, wish))
+            }
             Ok(Request::Unsubscribe(topic, id)) => {
                 self.clients[index].unsubscribe(&topic, id.as_deref());
                 Ok(())
@@ -307,85 +276,70 @@ impl VirtualCell {
         body: &serde_json::Value,
     ) -> Result<(), String> {
         let client = self.clients[index].id;
-        let (arm, is_gripper) = self.topics.action(action)?;
+        let (arm, which) = self.topics.action(action)?;
         let known = &self.topics.arms[arm];
+        let moving = self.actions[arm][MOTION].goal.as_ref();
+        let leader = match which {
+            MOTION => self.leaders[arm],
+            _ => moving.map(|goal| goal.client),
+        };
+        if leader.is_some_and(|leader| leader != client) {
+            return Err(format!("{} is led by another client", known.name));
+        }
         let name = GoalName {
             version: known.version,
             action: action.to_owned(),
             id,
         };
-        if is_gripper {
-            let moving = self.motions[arm].as_ref();
-            if moving.is_some_and(|goal| goal.client != client) {
-                return Err(format!("{} is led by another client", known.name));
+        let goal = UnderWay { name, client };
+        let taken = match which {
+            MOTION => {
+                let trajectory = trajectory(body).map_err(Refusal::invalid);
+                trajectory.and_then(|trajectory| self.cell.follow(arm, trajectory))
             }
-            let taken = opening(body).and_then(|opening| self.cell.grip(arm, opening));
-            if let Err(words) = taken {
-                self.end(
-                    arm,
-                    1,
-                    &UnderWay { name, client },
-                    &Verdict::Aborted(-1, words),
-                );
-                return Ok(());
+            _ => {
+                let taken = opening(body).and_then(|opening| self.cell.grip(arm, opening));
+                taken.map_err(Refusal::invalid)
             }
-            if let Some(before) = self.grips[arm].replace(UnderWay { name, client }) {
-                self.end(arm, 1, &before, &Verdict::Cancelled);
-            }
-            return Ok(());
-        }
-        if self.leaders[arm].is_some_and(|leader| leader != client) {
-            return Err(format!("{} is led by another client", known.name));
-        }
-        let refused = match trajectory(body) {
-            Ok(trajectory) => self
-                .cell
-                .follow(arm, trajectory)
-                .map_err(|refusal| (refusal.code, refusal.words)),
-            Err(words) => Err((-1, words)),
         };
-        if let Err((code, words)) = refused {
-            self.end(
-                arm,
-                0,
-                &UnderWay { name, client },
-                &Verdict::Aborted(code, words),
-            );
+        if let Err(refusal) = taken {
+            self.end(arm, which, &goal, &refusal.into());
             return Ok(());
         }
-        self.leaders[arm] = Some(client);
-        self.clients[index].send(&name.feedback());
-        if let Some(before) = self.motions[arm].replace(UnderWay { name, client }) {
-            self.end(arm, 0, &before, &Verdict::Cancelled);
+        if which == MOTION {
+            self.leaders[arm] = Some(client);
+            self.clients[index].send(&goal.name.feedback());
+        }
+        if let Some(before) = self.actions[arm][which].goal.replace(goal) {
+            self.end(arm, which, &before, &Verdict::Cancelled);
         }
         Ok(())
     }
 
     fn cancel(&mut self, index: usize, action: &str, id: &str) -> Result<(), String> {
-        let (arm, is_gripper) = self.topics.action(action)?;
+        let (arm, which) = self.topics.action(action)?;
         let client = self.clients[index].id;
-        let goals = if is_gripper {
-            &mut self.grips
-        } else {
-            &mut self.motions
-        };
         let is_meant =
             |goal: &mut UnderWay| goal.client == client && (id.is_empty() || goal.name.id == id);
-        if let Some(goal) = goals[arm].take_if(is_meant) {
-            if !is_gripper {
+        if let Some(goal) = self.actions[arm][which].goal.take_if(is_meant) {
+            if which == MOTION {
                 self.cell.stop(arm);
             }
-            self.end(arm, usize::from(is_gripper), &goal, &Verdict::Cancelled);
+            self.end(arm, which, &goal, &Verdict::Cancelled);
         }
         Ok(())
     }
 
-    /// Ends a goal of an arm, with `which` of 0, or of its gripper, with 1: reports it to its client, and lists it as ended.
+    /// Ends a goal of an arm, or of its gripper: reports it to its client, and lists it as ended.
     fn end(&mut self, arm: usize, which: usize, goal: &UnderWay, verdict: &Verdict) {
-        self.ended[arm][which].note(&goal.name.id, verdict);
-        let clients = self.clients.iter_mut();
-        for client in clients.filter(|client| client.id == goal.client) {
-            client.send(&goal.name.result(verdict));
+        self.actions[arm][which].ended.note(&goal.name.id, verdict);
+        send_to(&mut self.clients, goal.client, &goal.name.result(verdict));
+    }
+
+    /// Ends the goal of an arm, or of its gripper, that is under way.
+    fn end_under_way(&mut self, arm: usize, which: usize, verdict: &Verdict) {
+        if let Some(goal) = self.actions[arm][which].goal.take() {
+            self.end(arm, which, &goal, verdict);
         }
     }
 
@@ -395,17 +349,11 @@ impl VirtualCell {
             Event::Arm(arm, ended) => {
                 let verdict = match ended {
                     Ended::There => Verdict::Succeeded,
-                    Ended::Broken { code, words } => Verdict::Aborted(code, words),
+                    Ended::Broken(refusal) => refusal.into(),
                 };
-                if let Some(goal) = self.motions[arm].take() {
-                    self.end(arm, 0, &goal, &verdict);
-                }
+                self.end_under_way(arm, MOTION, &verdict);
             }
-            Event::Gripper(arm) => {
-                if let Some(goal) = self.grips[arm].take() {
-                    self.end(arm, 1, &goal, &Verdict::Succeeded);
-                }
-            }
+            Event::Gripper(arm) => self.end_under_way(arm, GRIP, &Verdict::Succeeded),
             Event::Fault(kind) => {
                 tracing::warn!("{kind}, as told");
                 match kind {
@@ -445,10 +393,9 @@ impl VirtualCell {
             let text = published(&topic, message);
             reports.push((topic, text));
         }
-        for goal in self.motions.iter().flatten() {
-            let clients = self.clients.iter_mut();
-            for client in clients.filter(|client| client.id == goal.client) {
-                client.send(&goal.name.feedback());
+        for [motion, _] in &self.actions {
+            if let Some(goal) = &motion.goal {
+                send_to(&mut self.clients, goal.client, &goal.name.feedback());
             }
         }
         for client in &mut self.clients {
@@ -471,16 +418,11 @@ impl VirtualCell {
                 continue;
             }
             let stamp = stamp(known.version, now);
-            let goals = [&self.motions[arm], &self.grips[arm]];
-            let actions = [Some(&known.action), known.gripper.as_ref()];
-            let logs = self.ended[arm].iter_mut();
-            for ((action, goal), log) in actions.into_iter().zip(goals).zip(logs) {
-                let Some(action) = action else {
-                    continue;
-                };
-                let under_way = goal.as_ref().map(|goal| goal.name.id.as_str());
-                let topic = format!("{action}/status");
-                let text = published(&topic, log.listed(under_way, &stamp));
+            let names = std::iter::once(&known.action).chain(&known.gripper);
+            for (name, action) in names.zip(&mut self.actions[arm]) {
+                let under_way = action.goal.as_ref().map(|goal| goal.name.id.as_str());
+                let topic = format!("{name}/status");
+                let text = published(&topic, action.ended.listed(under_way, &stamp));
                 for client in &mut self.clients {
                     client.publish(&topic, &text);
                 }
@@ -512,5 +454,18 @@ impl VirtualCell {
             self.watchers = watching;
             pictures.begin(self.cell.scenery(), topic, stamp(self.topics.version, now));
         }
+    }
+}
+
+/// Sends a message to the client of a number, if it is still there.
+fn send_to(clients: &mut [Connection], id: u64, text: &str) {
+    if let Some(client) = clients.iter_mut().find(|client| client.id == id) {
+        client.send(text);
+    }
+}
+
+impl From<Refusal> for Verdict {
+    fn from(Refusal { code, words }: Refusal) -> Self {
+        Self::Aborted(code, words)
     }
 }

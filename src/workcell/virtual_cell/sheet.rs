@@ -5,14 +5,14 @@
 //! symmetric about a plane stays exactly in it, while a rounding error across, as of a turned frame, would grow until the round
 //! strip tipped over, which a sheet, wide as it is, does not.
 
-use super::rod::RodError;
+use super::rod::{RodError, extending, prepared};
 use super::sheet_picture::SeenSheet;
 use super::simulated_rod::{Placed, SimulatedRod};
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
 use rodlab_engine::mechanics::scene::{Load, LoadKind};
-use rodlab_lab::experiment::{self, FoldingTables};
+use rodlab_lab::experiment::FoldingTables;
 use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
 
@@ -75,9 +75,7 @@ impl SimulatedSheet {
         place: Option<SheetPlace>,
         table: &Pose,
     ) -> Result<Self, RodError> {
-        let impossible = |error: String| RodError::Impossible(error);
-        let whole = std::path::absolute(file).map_err(|error| impossible(error.to_string()))?;
-        let extended = toml::Value::from(whole.to_string_lossy().as_ref()).to_string();
+        let extends = extending(file)?;
         let crease = if is_diagonal {
             "diagonal-strip"
         } else {
@@ -85,18 +83,16 @@ impl SimulatedSheet {
         };
         // How it will be folded the gripper knows; a circle needs no plan.
         let text = format!(
-            "extends = {extended}\nexperiment = \"folding\"\n\
+            "{extends}experiment = \"folding\"\n\
              [folding]\ncrease = \"{crease}\"\nalgorithm = \"circle\"\n\
              [contact]\nfriction = {friction:?}\ndistance_tolerance = {TOLERANCE:?}\nslip_tolerance = \"0.02 mm/s\"\n\
              [time]\nstep = \"5 ms\"\nend = 10.0\n"
         );
-        let loaded = experiment::from_text("sheet", &text, Path::new(""), &[]).map_err(Box::new)?;
+        let (loaded, mut prepared) = prepared("sheet", &text)?;
         let tables: Option<&FoldingTables> = loaded.scenario.experiment.tables();
         let folding = &tables.expect("the tables of a fold").folding;
         let length = folding.sheet().length;
         let paper = folding.paper;
-        let prepared = experiment::prepare(&loaded.scenario);
-        let mut prepared = prepared.map_err(|issues| Box::new(loaded.locate(issues)))?;
         let loads = &mut prepared.scene.loads;
         let air = loads.len();
         loads.push(Load {
@@ -108,7 +104,7 @@ impl SimulatedSheet {
             schedule: Vec::new(),
         });
         let simulation = Simulation::new(&prepared.scene, &prepared.integration);
-        let simulation = simulation.map_err(|error| impossible(error.to_string()))?;
+        let simulation = simulation.map_err(RodError::impossible)?;
         let place = place.unwrap_or(SheetPlace {
             edge: [-0.5 * length, 0.0],
             heading: 0.0,
@@ -122,8 +118,7 @@ impl SimulatedSheet {
             radius: 0.5 * paper.thickness,
         };
         let mut strip = SimulatedRod::held(simulation, placed, 0.0);
-        let released = strip.release();
-        released.map_err(|error| impossible(error.to_string()))?;
+        strip.release().map_err(RodError::impossible)?;
         Ok(Self {
             strip,
             frame,
@@ -274,14 +269,32 @@ mod tests {
         SimulatedSheet::new(&file, 0.12, false, Some(place), &table).unwrap()
     }
 
-    fn advance(sheet: &mut SimulatedSheet, hand: &Pose, now: f64) {
-        while !sheet.advance(hand, now).unwrap() {}
+    /// The edge of a sheet in the cell.
+    fn edge_of(sheet: &SimulatedSheet) -> Pose {
+        sheet.frame * edge_pose(sheet.strip.positions())
+    }
+
+    fn highest(sheet: &SimulatedSheet) -> f64 {
+        let nodes = sheet.strip.positions().iter();
+        nodes.map(|node| node.z).fold(0.0, f64::max)
+    }
+
+    /// Leads a sheet in so many steps from a time on, s, with the hand of each step.
+    fn lead(sheet: &mut SimulatedSheet, begin: f64, steps: i32, hand: impl Fn(f64) -> Pose) {
+        for step in 1..=steps {
+            let (hand, now) = (hand(f64::from(step)), begin + 5e-3 * f64::from(step));
+            while !sheet.advance(&hand, now).unwrap() {}
+        }
+    }
+
+    fn raised(height: f64) -> Translation3<f64> {
+        Translation3::new(0.0, 0.0, height)
     }
 
     #[test]
     fn a_sheet_is_taken_by_its_edge_lifted_and_let_go() {
         let mut sheet = sheet();
-        let edge = sheet.frame * edge_pose(sheet.strip.positions());
+        let edge = edge_of(&sheet);
         let far = Translation3::new(0.0, 0.01, 0.0) * edge;
         let words = sheet.take(&far, 0.0).unwrap_err();
         assert!(words.contains("10.0 mm"), "{words}");
@@ -289,15 +302,12 @@ mod tests {
         let hand = Translation3::new(1e-3, -2e-3, 5e-4) * edge;
         sheet.take(&hand, 1.0).unwrap();
         let first = sheet.strip.positions()[sheet.strip.positions().len() - 1];
-        for step in 1..=200 {
-            let height = 5e-5 * f64::from(step);
-            let lifted = Translation3::new(0.0, 0.0, height) * hand;
-            advance(&mut sheet, &lifted, 1.0 + 5e-3 * f64::from(step));
-        }
+        lead(&mut sheet, 1.0, 200, |step| raised(5e-5 * step) * hand);
         let nodes = sheet.strip.positions();
         let last = nodes[nodes.len() - 1];
+        let lifted = last - first;
         assert!(
-            (last - first - Vector3::new(0.0, 0.0, 0.01)).norm() < 1e-6,
+            (lifted - Vector3::new(0.0, 0.0, 0.01)).norm() < 1e-6,
             "{last}"
         );
         // What rises is longer than what it rises from: the sheet is pulled along.
@@ -305,13 +315,10 @@ mod tests {
         assert!((-1.5e-3..-1e-4).contains(&held.sliding), "{held:?}");
         assert!(sheet.take(&hand, 2.0).is_err(), "it is no longer there");
         sheet.release().unwrap();
-        for step in 1..=600 {
-            advance(&mut sheet, &hand, 2.0 + 5e-3 * f64::from(step));
-        }
-        let highest = sheet.strip.positions().iter().map(|node| node.z);
-        assert!(highest.fold(0.0, f64::max) < 2e-3);
+        lead(&mut sheet, 2.0, 600, |_| hand);
+        assert!(highest(&sheet) < 2e-3);
         // It is taken again where it lies now.
-        let edge = sheet.frame * edge_pose(sheet.strip.positions());
+        let edge = edge_of(&sheet);
         sheet.take(&edge, 6.0).unwrap();
         assert!(sheet.is_held());
     }
@@ -319,57 +326,39 @@ mod tests {
     #[test]
     fn a_sheet_stays_in_the_plane_of_its_fold_however_long_it_rests() {
         let mut sheet = sheet();
-        let edge = sheet.frame * edge_pose(sheet.strip.positions());
+        let edge = edge_of(&sheet);
         sheet.take(&edge, 0.0).unwrap();
         // Lifted and turned over along a circle, as far as a loop that would tip over by itself.
         let (steps, radius) = (600, 0.07);
-        let mut hand = edge;
-        for step in 1..=steps {
-            let angle = 0.8 * std::f64::consts::PI * f64::from(step) / f64::from(steps);
+        let frame = sheet.frame;
+        let first = frame.inverse() * edge;
+        let turned = |step: f64| {
+            let angle = 0.8 * std::f64::consts::PI * step / f64::from(steps);
             let (sine, cosine) = libm::sincos(angle);
             let moved = Translation3::new(radius * (1.0 - cosine), 0.0, radius * sine);
             let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);
-            let first = sheet.frame.inverse() * edge;
-            let turned = Pose::from_parts(moved * first.translation, turn * first.rotation);
-            hand = sheet.frame * turned;
-            advance(&mut sheet, &hand, 5e-3 * f64::from(step));
-        }
-        let highest = |sheet: &SimulatedSheet| {
-            let nodes = sheet.strip.positions().iter();
-            nodes.map(|node| node.z).fold(0.0, f64::max)
+            frame * Pose::from_parts(moved * first.translation, turn * first.rotation)
         };
+        lead(&mut sheet, 0.0, steps, turned);
         assert!(highest(&sheet) > 0.04);
-        for step in 1..=2000 {
-            advance(&mut sheet, &hand, 3.0 + 5e-3 * f64::from(step));
-        }
+        let hand = turned(f64::from(steps));
+        lead(&mut sheet, 3.0, 2000, |_| hand);
         assert!(sheet.strip.positions().iter().all(|node| node.y == 0.0));
         sheet.release().unwrap();
-        for step in 1..=2000 {
-            advance(&mut sheet, &hand, 13.0 + 5e-3 * f64::from(step));
-        }
+        lead(&mut sheet, 13.0, 2000, |_| hand);
         assert!(sheet.strip.positions().iter().all(|node| node.y == 0.0));
     }
 
     #[test]
     fn what_lies_under_the_edge_stops_it() {
         let mut sheet = sheet();
-        let edge = sheet.frame * edge_pose(sheet.strip.positions());
+        let edge = edge_of(&sheet);
         sheet.take(&edge, 0.0).unwrap();
-        for step in 1..=40 {
-            let depth = -5e-5 * f64::from(step);
-            advance(
-                &mut sheet,
-                &(Translation3::new(0.0, 0.0, depth) * edge),
-                5e-3 * f64::from(step),
-            );
-        }
+        lead(&mut sheet, 0.0, 40, |step| raised(-5e-5 * step) * edge);
         let [_, height] = sheet.last_held().unwrap().edge;
         assert!((height - 7e-5).abs() < 1e-6, "{height}");
         // Over its own middle it is stopped by the layer there.
-        assert!(
-            (sheet.lowest(0.15) - 1.9e-4).abs() < 3e-5,
-            "{}",
-            sheet.lowest(0.15)
-        );
+        let lowest = sheet.lowest(0.15);
+        assert!((lowest - 1.9e-4).abs() < 3e-5, "{lowest}");
     }
 }

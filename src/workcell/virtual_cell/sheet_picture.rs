@@ -3,6 +3,7 @@
 //! It is drawn as what [`render`](rodlab_vision::render) takes the ground for: the colour of each point of the table is that of
 //! the nearest thing on the ray of the camera through it.
 
+use crate::cell::sums;
 use nalgebra::Point3;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_robot::Pose;
@@ -150,11 +151,8 @@ impl SheetView {
 
 /// Half of the extent of a sheet across, at each node.
 fn halves(sheet: &SeenSheet) -> Vec<f64> {
-    let ways = sheet.nodes.windows(2).scan(0.0, |way, pair| {
-        *way += (pair[1] - pair[0]).norm();
-        Some(*way)
-    });
-    let ways: Vec<f64> = std::iter::once(0.0).chain(ways).collect();
+    let pairs = sheet.nodes.windows(2);
+    let ways = sums(pairs.map(|pair| (pair[1] - pair[0]).norm()));
     let length = ways[ways.len() - 1];
     let half = |way: &f64| {
         if sheet.is_diagonal {

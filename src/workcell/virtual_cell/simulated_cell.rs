@@ -1,11 +1,12 @@
 //! Arms, axes, grippers and the rod or the sheet of a virtual cell, on one clock.
 
-use super::arm::{Ended, Refusal, Response, SimulatedArm};
+use super::arm::{Ended, Refusal, SimulatedArm};
 use super::axis::moving_parts;
 use super::camera::Scenery;
-use super::chuck::{Chuck, ChuckedSupply};
+use super::chuck::Chuck;
 use super::fault::{Fault, FaultKind};
 use super::rod::RodSupply;
+use super::settings::Settings;
 use super::sheet::SimulatedSheet;
 use super::simulated_rod::{HANDING_OVER, SimulatedRod};
 use crate::cell::Cell;
@@ -33,10 +34,14 @@ pub enum Event {
     Fault(FaultKind),
 }
 
-/// A gripper under a command.
-#[derive(Clone, Copy, Debug, Default)]
+/// A gripper.
+#[derive(Clone, Copy, Debug)]
 struct Gripper {
-    /// When it is done, s.
+    /// Opening at and above which it lets go, m: half open is open.
+    opened: f64,
+    /// The opening that was commanded last, m.
+    told: f64,
+    /// When it is done, s, under a command.
     done: Option<f64>,
 }
 
@@ -44,10 +49,7 @@ struct Gripper {
 pub struct SimulatedCell {
     time: f64,
     arms: Vec<SimulatedArm>,
-    grippers: Vec<Gripper>,
-    /// Openings at and above which each gripper lets go, m, and to which it was told to go last.
-    opened: Vec<Option<f64>>,
-    told: Vec<Option<f64>>,
+    grippers: Vec<Option<Gripper>>,
     table: Pose,
     supply: Option<RodSupply>,
     /// Rods of another kind, for the arms after the first.
@@ -67,39 +69,31 @@ pub struct SimulatedCell {
 
 impl SimulatedCell {
     /// The arms of a cell at home, with rods for their grippers or a sheet on the table, if there are any.
-    pub fn new(
-        cell: &Cell,
-        response: Response,
-        [supply, second_supply]: [Option<RodSupply>; 2],
-        sheet: Option<SimulatedSheet>,
-        chucked: Option<ChuckedSupply>,
-        jitter: Option<Jitter>,
-        faults: Vec<Fault>,
-    ) -> Self {
+    pub fn new(cell: &Cell, settings: Settings) -> Self {
         let parts = moving_parts(cell);
-        let grippers = parts.iter().map(|arm| arm.gripper.as_ref());
-        // Half open is open.
-        let opened = grippers.map(|known| known.map(|known| 0.5 * (known.open + known.closed)));
+        let grippers = parts.iter().map(|arm| {
+            let known = arm.gripper.as_ref()?;
+            Some(Gripper {
+                opened: 0.5 * (known.open + known.closed),
+                told: known.open,
+                done: None,
+            })
+        });
+        let arms = parts.iter();
         Self {
             time: 0.0,
-            arms: parts
-                .iter()
-                .map(|arm| SimulatedArm::new(arm, response))
+            arms: arms
+                .map(|arm| SimulatedArm::new(arm, settings.response))
                 .collect(),
-            grippers: vec![Gripper::default(); parts.len()],
-            opened: opened.collect(),
-            told: parts
-                .iter()
-                .map(|arm| arm.gripper.as_ref().map(|known| known.open))
-                .collect(),
+            grippers: grippers.collect(),
             table: cell.table.map_or_else(Pose::identity, |table| table.top),
-            supply,
-            second_supply,
-            jitter,
+            supply: settings.supply,
+            second_supply: settings.second_supply,
+            jitter: settings.jitter,
             rod: None,
-            sheet: sheet.map(|sheet| (sheet, 0)),
-            chuck: chucked.map(Chuck::new),
-            faults,
+            sheet: settings.sheet.map(|sheet| (sheet, 0)),
+            chuck: settings.chucked.map(Chuck::new),
+            faults: settings.faults,
             moved: None,
         }
     }
@@ -118,19 +112,17 @@ impl SimulatedCell {
     pub fn scenery(&self) -> Scenery {
         let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.seen());
         if let Some(chuck) = &self.chuck {
+            let rod = chuck.nodes().map(|nodes| (nodes, chuck.rod().radius));
             return Scenery {
-                second_rod: None,
-                rod: chuck.nodes().map(|nodes| (nodes, chuck.rod().radius)),
+                rods: rod.into_iter().collect(),
                 markers: chuck.rod().marker_places(),
                 sheet,
                 pegs: Vec::new(),
             };
         }
         let rods = self.rod.as_ref().map(SimulatedRod::seen);
-        let mut rods = rods.unwrap_or_default().into_iter();
         Scenery {
-            rod: rods.next(),
-            second_rod: rods.next(),
+            rods: rods.unwrap_or_default(),
             markers: Vec::new(),
             sheet,
             pegs: self.supply.as_ref().map_or(Vec::new(), RodSupply::pegs),
@@ -139,9 +131,9 @@ impl SimulatedCell {
 
     /// How far the fingers of an arm are apart, m: as what they hold is thick, or as they were told; `None` without a gripper.
     pub fn fingers(&self, arm: usize) -> Option<f64> {
-        let told = self.told[arm]?;
+        let told = self.grippers[arm]?.told;
         let rod = self.rod.as_ref();
-        let is_among = rod.is_some_and(|rod| rod.holders().any(|holder| holder == arm));
+        let is_among = rod.is_some_and(|rod| rod.is_held_by(arm));
         if !is_among && self.holder() != Some(arm) {
             return Some(told);
         }
@@ -181,17 +173,18 @@ impl SimulatedCell {
     /// # Errors
     /// In words.
     pub fn grip(&mut self, arm: usize, opening: f64) -> Result<(), String> {
-        let Some(opened) = self.opened[arm] else {
-            return Err("this arm has no gripper".into());
-        };
-        let takes = match (self.sheet.is_some(), opening >= opened) {
+        let gripper = self.grippers[arm].ok_or("this arm has no gripper")?;
+        let takes = match (self.sheet.is_some(), opening >= gripper.opened) {
             (true, opens) => self.grip_sheet(arm, opens).map(|()| OPENING),
             (false, true) => self.open(arm).map(|()| OPENING),
             (false, false) if self.chuck.is_some() => self.clamp(arm),
             (false, false) => self.close(arm),
         };
-        self.grippers[arm].done = Some(self.time + takes?);
-        self.told[arm] = Some(opening);
+        self.grippers[arm] = Some(Gripper {
+            told: opening,
+            done: Some(self.time + takes?),
+            ..gripper
+        });
         Ok(())
     }
 
@@ -212,7 +205,7 @@ impl SimulatedCell {
             return Ok(OPENING);
         };
         if let Some(rod) = &self.rod {
-            if rod.holders().any(|holder| holder == arm) {
+            if rod.is_held_by(arm) {
                 return Ok(OPENING);
             }
             if let Some(node) = rod.within_reach(&hand) {
@@ -346,7 +339,8 @@ impl SimulatedCell {
         }
         self.lead()?;
         for (index, gripper) in self.grippers.iter_mut().enumerate() {
-            if gripper.done.take_if(|done| *done <= self.time).is_some() {
+            let command = gripper.as_mut().map(|gripper| &mut gripper.done);
+            if command.is_some_and(|done| done.take_if(|done| *done <= self.time).is_some()) {
                 events.push(Event::Gripper(index));
             }
         }
@@ -424,7 +418,7 @@ impl SimulatedCell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_cells::{cell, short_rods};
+    use crate::test_cells::{cell, settings, short_rods};
 
     /// Moves an arm to joints within so many seconds.
     fn go(cell: &mut SimulatedCell, arm: usize, joints: [f64; 6], seconds: f64) {
@@ -449,27 +443,29 @@ mod tests {
 
     #[test]
     fn a_gripper_takes_hold_of_a_rod_that_another_one_holds_where_it_reaches_it() {
-        let served = cell("two_gantries");
-        let (response, rods) = (Response::default(), [Some(short_rods()), None]);
-        let mut cell = SimulatedCell::new(&served, response, rods, None, None, None, Vec::new());
+        let settings = Settings {
+            supply: Some(short_rods()),
+            ..settings()
+        };
+        let mut cell = SimulatedCell::new(&cell("two_gantries"), settings);
         go(&mut cell, 0, [-0.4, 0.0, 0.27, 0.0, 0.0, 0.0], 2.0);
         cell.grip(0, 0.0).unwrap();
         wait(&mut cell, 1.5);
         let words = cell.grip(1, 0.0).unwrap_err();
         assert!(words.contains("right does not reach it"), "{words}");
-        let free = cell.scenery().rod.unwrap().0[0];
+        let free = cell.scenery().rods.remove(0).0[0];
         let [x, y, z] = [free.x, free.y, free.z + 5e-3];
         go(&mut cell, 1, [x, y, z, 0.0, 0.0, 0.0], 4.0);
         cell.grip(1, 0.0).unwrap();
         wait(&mut cell, 0.3);
         go(&mut cell, 1, [x, y, z + 0.03, 0.0, 0.0, 0.0], 1.0);
-        let nodes = cell.scenery().rod.unwrap().0;
+        let nodes = cell.scenery().rods.remove(0).0;
         assert!((nodes[0].z - free.z - 0.03).abs() < 3e-3);
         assert!((nodes[30].z - 0.27).abs() < 1e-3);
         // What slips is what was taken last; the other one holds on.
         cell.let_go().unwrap();
         wait(&mut cell, 0.5);
-        let nodes = cell.scenery().rod.unwrap().0;
+        let nodes = cell.scenery().rods.remove(0).0;
         assert!((nodes[30].z - 0.27).abs() < 1e-3);
         assert!(nodes[0].z < free.z + 0.02, "{}", nodes[0]);
         cell.grip(0, 0.04).unwrap();

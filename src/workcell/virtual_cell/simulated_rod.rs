@@ -181,17 +181,13 @@ impl SimulatedRod {
             self.led_until = until;
         }
         let work = Instant::now();
-        while self.simulation.time() < until {
-            if work.elapsed() > AT_A_TIME {
+        match advance_for_a_while(&mut self.simulation, until) {
+            Ok(has_come) => {
                 self.settled(work);
-                return Ok(self.rests);
+                Ok(has_come || self.rests)
             }
-            if let Err(error) = self.simulation.advance(until) {
-                return self.given_up(error).map(|()| true);
-            }
+            Err(error) => self.given_up(error).map(|()| true),
         }
-        self.settled(work);
-        Ok(true)
     }
 
     /// Notes whether a rod that was let go rests, or falls in a way that takes too long to simulate.
@@ -251,6 +247,11 @@ impl SimulatedRod {
         !self.grips.is_empty()
     }
 
+    /// Whether the gripper of an arm does.
+    pub fn is_held_by(&self, arm: usize) -> bool {
+        self.grips.iter().any(|grip| grip.holder == arm)
+    }
+
     /// The arms whose grippers hold it, in the order in which they took hold.
     pub fn holders(&self) -> impl DoubleEndedIterator<Item = usize> {
         self.grips.iter().map(|grip| grip.holder)
@@ -295,4 +296,19 @@ impl SimulatedRod {
     pub fn frame(&self) -> Pose {
         self.frame
     }
+}
+
+/// Advances a simulation to a time, s, or as far as it comes in a while; whether it has come there.
+pub(super) fn advance_for_a_while(
+    simulation: &mut Simulation,
+    until: f64,
+) -> Result<bool, SimulationError> {
+    let work = Instant::now();
+    while simulation.time() < until {
+        if work.elapsed() > AT_A_TIME {
+            return Ok(false);
+        }
+        simulation.advance(until)?;
+    }
+    Ok(true)
 }

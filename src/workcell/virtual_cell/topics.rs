@@ -11,6 +11,11 @@ const CAMERA: &str = "/camera/image_raw";
 /// Most pixels of the camera.
 const MOST_PIXELS: u64 = 4_000_000;
 
+/// The actions of an arm: that by which it moves, and that of its gripper.
+pub const MOTION: usize = 0;
+/// See [`MOTION`].
+pub const GRIP: usize = 1;
+
 /// Names of an arm, or of an axis.
 pub struct ArmTopics {
     /// Its own.
@@ -63,16 +68,14 @@ impl Topics {
                     arm.name
                 ));
             }
+            let gripper = arm.gripper.as_ref();
             arms.push(ArmTopics {
                 name: arm.name.clone(),
                 version: ros_version(*ros),
                 action: action.clone(),
                 joint_states: joint_states.clone(),
-                gripper: arm.gripper.as_ref().map(|gripper| gripper.action.clone()),
-                fingers: arm
-                    .gripper
-                    .as_ref()
-                    .and_then(|gripper| gripper.joint.clone()),
+                gripper: gripper.map(|gripper| gripper.action.clone()),
+                fingers: gripper.and_then(|gripper| gripper.joint.clone()),
             });
         }
         let version = arms.first().ok_or("a virtual cell needs an arm")?.version;
@@ -84,10 +87,8 @@ impl Topics {
                     "the camera has {width} × {height} pixels; a virtual one may have {MOST_PIXELS}"
                 ));
             }
-            let place = known
-                .source
-                .as_deref()
-                .and_then(|source| source.strip_prefix("rosbridge://"));
+            let source = known.source.as_deref();
+            let place = source.and_then(|source| source.strip_prefix("rosbridge://"));
             if let Some((_, topic)) = place.and_then(|place| place.split_once('/')) {
                 camera = format!("/{topic}");
             }
@@ -124,24 +125,20 @@ impl Topics {
         ))
     }
 
-    /// The arm of an action, and whether it is that of the gripper.
+    /// The arm of an action, and which of its actions it is: [`MOTION`] or [`GRIP`].
     ///
     /// # Errors
     /// There is none.
-    pub fn action(&self, action: &str) -> Result<(usize, bool), String> {
-        let arms = self.arms.iter().enumerate();
-        for (index, arm) in arms {
-            if arm.action == action {
-                return Ok((index, false));
-            }
-            if arm.gripper.as_deref() == Some(action) {
-                return Ok((index, true));
-            }
-        }
+    pub fn action(&self, action: &str) -> Result<(usize, usize), String> {
         let mut names: Vec<&str> = Vec::new();
-        for arm in &self.arms {
-            names.push(&arm.action);
-            names.extend(arm.gripper.as_deref());
+        for (index, arm) in self.arms.iter().enumerate() {
+            let of_arm = std::iter::once(&arm.action).chain(&arm.gripper);
+            for (which, name) in of_arm.enumerate() {
+                if name == action {
+                    return Ok((index, which));
+                }
+                names.push(name);
+            }
         }
         Err(format!(
             "there is no action {action}; there are {}",

@@ -302,7 +302,7 @@ impl Exploration<'_> {
                 ))),
                 false => walker.return_from(&ray, joints),
             };
-            // It may have snapped meanwhile, or was about to be taken anew.
+            // It may have snapped meanwhile, or may have to be taken again.
             let back = back.and_then(|()| walker.take_anew());
             return back.map_err(|error| in_words(error, "going back to the straight rod"));
         }

@@ -257,6 +257,10 @@ mod tests {
         edges: 80,
     };
 
+    fn sight(crease: Crease) -> Sight<'static> {
+        Sight::new(&gantry(), PAPER, crease, &ColourRule::Background).unwrap()
+    }
+
     /// A flat sheet of 0.2 m by `length` whose frame is moved by `slid` along its x axis.
     fn picture(sight: &Sight<'_>, frame: &Pose, length: f64, slid: f64) -> RgbImage {
         let back = frame.inverse();
@@ -288,10 +292,8 @@ mod tests {
 
     #[test]
     fn a_sheet_is_found_with_its_frame_and_its_sliding_to_a_fraction_of_a_pixel() {
-        let cell = gantry();
-        let colour = ColourRule::Background;
         for crease in [Crease::Half, Crease::Diagonal] {
-            let sight = Sight::new(&cell, PAPER, crease, &colour).unwrap();
+            let sight = sight(crease);
             let known = frame(0.2);
             let (found, _) = sight.find(&picture(&sight, &known, 0.2, 0.0), 0.0).unwrap();
             let away = known.inverse() * found;
@@ -318,12 +320,9 @@ mod tests {
 
     #[test]
     fn an_edge_over_the_free_end_hides_it() {
-        let cell = gantry();
-        let colour = ColourRule::Background;
         let known = frame(0.2);
         let hidden = |crease: Crease, x: f64, z: f64| {
-            let sight = Sight::new(&cell, PAPER, crease, &colour).unwrap();
-            sight.is_end_hidden(&known, Vector3::new(x, 0.0, z), -0.01)
+            sight(crease).is_end_hidden(&known, Vector3::new(x, 0.0, z), -0.01)
         };
         assert!(hidden(Crease::Half, 0.19, 2e-4) && !hidden(Crease::Half, 0.185, 2e-4));
         // The camera is 1.6 m above the middle of the table, 0.1 m from the edge where it lay: what is 10 cm high is seen 5 mm
@@ -337,14 +336,11 @@ mod tests {
 
     #[test]
     fn a_sheet_of_another_size_is_told_and_a_lifted_edge_leaves_the_table_bare() {
-        let cell = gantry();
-        let colour = ColourRule::Background;
-        let sight = Sight::new(&cell, PAPER, Crease::Half, &colour).unwrap();
+        let sight = sight(Crease::Half);
         let known = frame(0.0);
-        let error = sight
-            .find(&picture(&sight, &known, 0.17, 0.0), 0.0)
-            .unwrap_err();
-        assert!(error.to_string().contains("those of its file"), "{error}");
+        let small = picture(&sight, &known, 0.17, 0.0);
+        let error = sight.find(&small, 0.0).unwrap_err().to_string();
+        assert!(error.contains("those of its file"), "{error}");
         let flat = picture(&sight, &known, 0.2, 0.0);
         assert!(sight.is_paper_at(&flat, &known, 0.03).unwrap());
         let gone = picture(&sight, &known, 0.14, 0.06);

@@ -116,12 +116,13 @@ impl FoldTask<'_> {
             is_interrupted: clock.is_interrupted,
         };
         let lying = self.find()?;
+        *frame = Some(lying.frame);
         let planned = FoldWay::new(self.request);
         let mut way = planned.map_err(|error| FoldTaskError::failed(FoldStage::Look, error))?;
         let request = FoldMotionRequest {
             cell: self.cell,
             arm: self.arm,
-            frame: *frame.insert(lying.frame),
+            frame: lying.frame,
             speed: self.speed,
             margin: self.margin,
         };

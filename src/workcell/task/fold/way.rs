@@ -1,5 +1,6 @@
 //! The way of the edge of a sheet in parts, of which each is planned anew where the sheet has slid.
 
+use crate::cell::sums;
 use nalgebra::Translation3;
 use rodlab_planning::plan::fold::{Algorithm, FoldError, FoldPlanner, FoldPose, FoldedSheet};
 use rodlab_robot::Pose;
@@ -100,12 +101,7 @@ impl FoldWay {
 
 /// Cuts a way into parts that take about as long.
 fn in_parts(poses: &[FoldPose], parts: usize) -> Vec<Vec<FoldPose>> {
-    let mut way = 0.0;
-    let ways = poses.windows(2).map(|pair| {
-        way += pair[0].way_to(&pair[1]);
-        way
-    });
-    let ways: Vec<f64> = std::iter::once(0.0).chain(ways).collect();
+    let ways = sums(poses.windows(2).map(|pair| pair[0].way_to(&pair[1])));
     let last = poses.len() - 1;
     let end = |part: usize| {
         let way = ways[last] * part as f64 / parts as f64;

@@ -1,5 +1,6 @@
 //! Rods as the camera sees them, with what lies over what: which knot that is.
 
+use crate::cell::sums;
 use crate::task::look::Seen;
 use image::RgbImage;
 use rodlab_engine::mechanics::Vector3;
@@ -182,11 +183,8 @@ fn in_metres(
 
 /// Lengths along a curve, m.
 fn lengths(curve: &[Point]) -> Vec<f64> {
-    let mut lengths = vec![0.0];
-    for pair in curve.windows(2) {
-        lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());
-    }
-    lengths
+    let pairs = curve.windows(2);
+    sums(pairs.map(|pair| (pair[1] - pair[0]).norm()))
 }
 
 #[cfg(test)]

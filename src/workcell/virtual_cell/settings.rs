@@ -1,0 +1,33 @@
+//! Settings of a virtual cell.
+
+use super::arm::Response;
+use super::chuck::ChuckedSupply;
+use super::fault::Fault;
+use super::rod::RodSupply;
+use super::sheet::SimulatedSheet;
+use rodlab_lab::experiment::Jitter;
+use std::net::SocketAddr;
+
+/// What is in a virtual cell, and how it is served.
+pub struct Settings {
+    /// Where it listens; with a port of 0 any that is free.
+    pub address: SocketAddr,
+    /// What clients must name as the path of the server.
+    pub token: Option<String>,
+    /// How many times as fast as real time.
+    pub rate: f64,
+    /// How the arms answer.
+    pub response: Response,
+    /// Rods for the grippers.
+    pub supply: Option<RodSupply>,
+    /// Rods of another kind, for the grippers of all arms but the first.
+    pub second_supply: Option<RodSupply>,
+    /// A sheet on the table.
+    pub sheet: Option<SimulatedSheet>,
+    /// Rods between the chuck and a hand.
+    pub chucked: Option<ChuckedSupply>,
+    /// How the hands tremble, which nobody is told.
+    pub jitter: Option<Jitter>,
+    /// What goes wrong.
+    pub faults: Vec<Fault>,
+}
