@@ -1,34 +1,22 @@
 //! Rods that bend, twist and lengthen by themselves, from scenario files.
 
+use super::rods::run_until;
+use super::scenario::{at_rest, moved, simulation};
 use super::theory::swimmer::Swimmer;
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::Simulation;
 use rodlab_engine::mechanics::fluid::DragCoefficients;
-use rodlab_lab::experiment;
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 
-const ARC: Expectation = Expectation {
-    formula: "x = sin(κL)/κ, z = −(1 − cos κL)/κ",
-    source: "arc of a circle",
-};
-const FREE: Expectation = Expectation {
-    formula: "M = EI (κ − κ̃) = 0",
-    source: "no load, no stress",
-};
-const TWIST: Expectation = Expectation {
-    formula: "θ = τ̃ L",
-    source: "no load, no stress",
-};
-const LENGTH: Expectation = Expectation {
-    formula: "x = (1 + e) L",
-    source: "no load, no stress",
-};
-const SWIMMER: Expectation = Expectation {
-    formula: "U = (ζ⊥/ζ∥ − 1) ∫ ⟨ẏ y'⟩ dx/L",
-    source: "Gray and Hancock 1955, finite length",
-};
+const ARC: Expectation = Expectation::new("x = sin(κL)/κ, z = −(1 − cos κL)/κ", "arc of a circle");
+const FREE: Expectation = Expectation::new("M = EI (κ − κ̃) = 0", "no load, no stress");
+const TWIST: Expectation = Expectation::new("θ = τ̃ L", "no load, no stress");
+const LENGTH: Expectation = Expectation::new("x = (1 + e) L", "no load, no stress");
+const SWIMMER: Expectation = Expectation::new(
+    "U = (ζ⊥/ζ∥ − 1) ∫ ⟨ẏ y'⟩ dx/L",
+    "Gray and Hancock 1955, finite length",
+);
 
 /// Natural strains of the file of three rods when they have grown.
 const CURVATURE: f64 = 10.0;
@@ -48,27 +36,12 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         format!("actuation.1.values=[[0, \"{TURNS_PER_LENGTH} turn/m\"]]"),
         format!("actuation.2.values=[[0, {GROWTH}]]"),
     ];
-    let mut at_rest = simulation(text, &grown)?;
-    at_rest.find_equilibrium()?;
-    let mut moved = simulation(text, &[])?;
-    run(&mut moved, 3.0)?;
+    let at_rest = at_rest(text, &grown)?;
+    let moved = moved(text, &[], 3.0)?;
     let mut checks = three_rods("at rest", &at_rest);
     checks.extend(three_rods("moved there", &moved));
     checks.push(swimmer()?);
     Ok(checks)
-}
-
-fn simulation(text: &str, overrides: &[String]) -> Result<Simulation, GroupError> {
-    let loaded = experiment::from_text("scene", text, Path::new(""), overrides)?;
-    let prepared = experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
-    Ok(Simulation::new(&prepared.scene, &prepared.integration)?)
-}
-
-fn run(simulation: &mut Simulation, until: f64) -> Result<(), GroupError> {
-    while simulation.time() < until {
-        simulation.advance(until)?;
-    }
-    Ok(())
 }
 
 fn three_rods(how: &str, simulation: &Simulation) -> Vec<Check> {
@@ -80,34 +53,20 @@ fn three_rods(how: &str, simulation: &Simulation) -> Vec<Check> {
     let moments = simulation.resultants();
     let moments = moments[..61].iter().flatten();
     let largest = moments.fold(0.0, |most, found| f64::max(most, found.bending_moment));
-    let name = |what: &str| format!("{what}, {how}");
+    let quantity =
+        |expectation: Expectation, what: &str, unit| expectation.of(format!("{what}, {how}"), unit);
+    let end = "cantilever of natural curvature: distance of its end";
+    let moment = "cantilever of natural curvature: largest moment";
+    let twist = TURNS_PER_LENGTH * TAU * (THREE - 0.5 * THREE / 60.0);
     vec![
-        ARC.scaled(
-            name("cantilever of natural curvature: distance of its end"),
-            "L",
-            0.0,
-            (ends[0] - arc).norm() / THREE,
-            1.0,
-            ARC_BOUND,
-        ),
-        FREE.scaled(
-            name("cantilever of natural curvature: largest moment"),
-            "EI κ̃",
-            0.0,
-            largest / (bending * CURVATURE),
-            1.0,
-            EXACT,
-        ),
-        TWIST.relative(
-            name("rod of natural twist: angle of its end"),
-            "rad",
-            TURNS_PER_LENGTH * TAU * (THREE - 0.5 * THREE / 60.0),
+        quantity(ARC, end, "L").zero((ends[0] - arc).norm() / THREE, ARC_BOUND),
+        quantity(FREE, moment, "EI κ̃").zero(largest / (bending * CURVATURE), EXACT),
+        quantity(TWIST, "rod of natural twist: angle of its end", "rad").relative(
+            twist,
             simulation.total_twist(1),
             EXACT,
         ),
-        LENGTH.relative(
-            name("rod that lengthens: its end"),
-            "m",
+        quantity(LENGTH, "rod that lengthens: its end", "m").relative(
             (1.0 + GROWTH) * THREE,
             ends[2].x,
             EXACT,
@@ -124,9 +83,9 @@ fn swimmer() -> Result<Check, GroupError> {
         (inner + 0.5 * ends).x / 120.0
     };
     let (start, end) = (3.0, 6.0);
-    run(&mut simulation, start)?;
+    run_until(&mut simulation, start)?;
     let before = centre(&simulation);
-    run(&mut simulation, end)?;
+    run_until(&mut simulation, end)?;
     let got = (centre(&simulation) - before) / (end - start);
     let (length, radius) = (0.1, 1e-3_f64);
     let drag = DragCoefficients::slender_cylinder(5.0, length, radius)?;
@@ -140,11 +99,6 @@ fn swimmer() -> Result<Check, GroupError> {
         angular_frequency: TAU,
     };
     let expected = theory.speed().ok_or("no waves fit the filament")?;
-    Ok(SWIMMER.relative(
-        "swimming filament, 2.5 waves: speed",
-        "m/s",
-        expected,
-        got,
-        0.02,
-    ))
+    let name = "swimming filament, 2.5 waves: speed";
+    Ok(SWIMMER.of(name, "m/s").relative(expected, got, 0.02))
 }

@@ -1,23 +1,16 @@
 //! Bodies whose centre of mass is off the node that bears them, from scenario files, against closed forms.
 
-use super::frequencies::frequencies;
-use super::scenario::simulation;
+use super::frequencies::{ascending, frequencies, nearest};
+use super::scenario::{at_rest, simulation};
 use super::{Check, Expectation, GroupError};
 use nalgebra::Matrix2;
+use rodlab_engine::mechanics::dynamics::Simulation;
 use std::f64::consts::{PI, TAU};
 
-const SAG: Expectation = Expectation {
-    formula: "w = P L³/3EI + P a L²/2EI",
-    source: "Euler–Bernoulli",
-};
-const MODES: Expectation = Expectation {
-    formula: "det(K − ω² [m, ma; ma, I + ma²]) = 0",
-    source: "Euler–Bernoulli",
-};
-const FALL: Expectation = Expectation {
-    formula: "t = K(sin ½θ₀) √((I + md²)/mgd)",
-    source: "physical pendulum",
-};
+const SAG: Expectation = Expectation::new("w = P L³/3EI + P a L²/2EI", "Euler–Bernoulli");
+const MODES: Expectation =
+    Expectation::new("det(K − ω² [m, ma; ma, I + ma²]) = 0", "Euler–Bernoulli");
+const FALL: Expectation = Expectation::new("t = K(sin ½θ₀) √((I + md²)/mgd)", "physical pendulum");
 
 const BOUND: f64 = 1e-3;
 
@@ -31,18 +24,14 @@ pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
 fn cantilever() -> Result<Vec<Check>, GroupError> {
     let (length, bending, mass, arm) = (0.2_f64, 1e-3, 0.01, 0.03);
     let inertia = 0.4 * mass * 0.02 * 0.02;
-    let mut simulation = simulation(include_str!("scenes/eccentric_body.toml"), &[])?;
-    simulation.find_equilibrium()?;
+    let mut simulation = at_rest(include_str!("scenes/eccentric_body.toml"), &[])?;
     let weight = mass * 0.01;
     let sag = weight * length * length / bending * (length / 3.0 + arm / 2.0);
     let end = simulation.positions().last().ok_or("no nodes")?;
-    let mut checks = vec![SAG.relative(
-        "cantilever with a ball beyond its end: sag",
-        "m",
-        sag,
-        -end.z,
-        BOUND,
-    )];
+    let mut checks = vec![
+        SAG.of("cantilever with a ball beyond its end: sag", "m")
+            .relative(sag, -end.z, BOUND),
+    ];
     let found = frequencies(&mut simulation)?;
     let stiffness = Matrix2::new(12.0, -6.0 * length, -6.0 * length, 4.0 * length * length)
         * (bending / length.powi(3));
@@ -51,19 +40,11 @@ fn cantilever() -> Result<Vec<Check>, GroupError> {
     let factor = masses.cholesky().ok_or("no mass")?.l();
     let inverse = factor.try_inverse().ok_or("no mass")?;
     let squares = (inverse * stiffness * inverse.transpose()).symmetric_eigenvalues();
-    let mut theory = [squares[0].sqrt(), squares[1].sqrt()];
-    theory.sort_by(f64::total_cmp);
+    let theory = ascending(squares.iter().map(|square| square.sqrt()));
     for (mode, expected) in theory.into_iter().enumerate() {
-        let distance = |one: &f64| (one - expected).abs();
-        let found = found.iter().copied();
-        let nearest = found.min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        checks.push(MODES.relative(
-            format!("the same, bending mode {}: ω", mode + 1),
-            "rad/s",
-            expected,
-            nearest.unwrap_or(f64::NAN),
-            BOUND,
-        ));
+        let name = format!("the same, bending mode {}: ω", mode + 1);
+        let got = nearest(&found, expected);
+        checks.push(MODES.of(name, "rad/s").relative(expected, got, BOUND));
     }
     Ok(checks)
 }
@@ -81,7 +62,7 @@ fn pendulum() -> Result<Check, GroupError> {
     let quarter = 0.5 * PI / mean_of_gauss(1.0, libm::cos(0.5 * start));
     let expected = quarter * (inertia / (mass * gravity * square.sqrt())).sqrt();
     // The rod turns downwards about y, from x on.
-    let angle = |simulation: &rodlab_engine::mechanics::dynamics::Simulation| {
+    let angle = |simulation: &Simulation| {
         let end = simulation.positions()[2];
         libm::atan2(-end.z, end.x).rem_euclid(TAU)
     };
@@ -95,13 +76,8 @@ fn pendulum() -> Result<Check, GroupError> {
         }
         before = now;
     }
-    Ok(FALL.relative(
-        "box that swings about a node outside of it: time from 112° to its lowest place",
-        "s",
-        expected,
-        found,
-        BOUND,
-    ))
+    let name = "box that swings about a node outside of it: time from 112° to its lowest place";
+    Ok(FALL.of(name, "s").relative(expected, found, BOUND))
 }
 
 /// Arithmetic–geometric mean, of which the complete elliptic integral is K(k) = π/2 / M(1, √(1 − k²)).

@@ -1,7 +1,8 @@
 //! Loads at which straight rods and rings buckle, where the stiffness matrix ceases to be positive, and one at which small
 //! motions begin to flutter.
 
-use super::rods::{STIFFNESS_RATIO, clamp, line, steady, unit_rod, unit_stiffness};
+use super::check::order;
+use super::rods::{STIFFNESS_RATIO, clamp, line, steady, straight, unit_rod, unit_stiffness};
 use super::theory::beam::{CLAMPED_COLUMN, beck_load, clamped_twist_moment, ring_twist};
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
@@ -10,26 +11,10 @@ use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
 use rodlab_engine::mechanics::scene::{LoadKind, NaturalShape, RodDescription, Scene};
 use std::f64::consts::TAU;
 
-const EULER: Expectation = Expectation {
-    formula: "P = 4π² EI/L²",
-    source: "Euler",
-};
-const GREENHILL: Expectation = Expectation {
-    formula: "M = 2x EI/L, tan x = x",
-    source: "Greenhill 1883",
-};
-const MICHELL: Expectation = Expectation {
-    formula: "Θ = 2π√3 EI/GJ",
-    source: "Michell 1889, Zajac 1962",
-};
-const BECK: Expectation = Expectation {
-    formula: "P = 20.0509 EI/L²",
-    source: "Beck 1952",
-};
-const ORDER: Expectation = Expectation {
-    formula: "log₂(error at N / error at 2N)",
-    source: "second order",
-};
+const EULER: Expectation = Expectation::new("P = 4π² EI/L²", "Euler");
+const GREENHILL: Expectation = Expectation::new("M = 2x EI/L, tan x = x", "Greenhill 1883");
+const MICHELL: Expectation = Expectation::new("Θ = 2π√3 EI/GJ", "Michell 1889, Zajac 1962");
+const BECK: Expectation = Expectation::new("P = 20.0509 EI/L²", "Beck 1952");
 const EDGES: usize = 80;
 /// Edges of Beck's column: the coarser of two.
 const BECK_EDGES: usize = 30;
@@ -40,48 +25,30 @@ const BOUND: f64 = 2e-3;
 
 /// Euler's column, the twisted rod and the twisted ring.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
-    let beck = [BECK_EDGES, 2 * BECK_EDGES].map(flutter_load);
-    let [coarse, fine] = beck;
-    let [coarse, fine] = [coarse?, fine?];
+    let [coarse, fine] = [flutter_load(BECK_EDGES)?, flutter_load(2 * BECK_EDGES)?];
     let exact = beck_load();
+    let column = critical(
+        0.5 * CLAMPED_COLUMN..2.0 * CLAMPED_COLUMN,
+        compressed_column,
+    )?;
+    let rod = critical(5.0..15.0, twisted_rod)?;
+    let ring = critical(10.0..25.0, twisted_ring)?;
+    let beck = "Beck's column, pushed along its end, 60 edges: load of flutter P L²/EI";
     Ok(vec![
-        BECK.relative(
-            "Beck's column, pushed along its end, 60 edges: load of flutter P L²/EI",
-            "",
-            exact,
-            fine,
-            BOUND,
-        ),
-        ORDER.scaled(
+        BECK.of(beck, "").relative(exact, fine, BOUND),
+        order(
             "the same, 30 to 60 edges: order",
-            "",
-            2.0,
-            libm::log2((coarse - exact) / (fine - exact)),
-            1.0,
-            0.2,
+            (coarse - exact) / (fine - exact),
         ),
-        EULER.relative(
-            "column with clamped ends: critical load P L²/EI",
-            "",
-            CLAMPED_COLUMN,
-            critical(
-                0.5 * CLAMPED_COLUMN..2.0 * CLAMPED_COLUMN,
-                compressed_column,
-            )?,
-            BOUND,
-        ),
-        GREENHILL.relative(
-            "twisted rod with clamped ends: critical moment M L/EI",
-            "",
-            clamped_twist_moment(),
-            critical(5.0..15.0, twisted_rod)?,
-            BOUND,
-        ),
-        MICHELL.relative(
-            "twisted ring: critical twist",
-            "rad",
+        EULER
+            .of("column with clamped ends: critical load P L²/EI", "")
+            .relative(CLAMPED_COLUMN, column, BOUND),
+        GREENHILL
+            .of("twisted rod with clamped ends: critical moment M L/EI", "")
+            .relative(clamped_twist_moment(), rod, BOUND),
+        MICHELL.of("twisted ring: critical twist", "rad").relative(
             ring_twist() * STIFFNESS_RATIO,
-            critical(10.0..25.0, twisted_ring)?,
+            ring,
             BOUND,
         ),
     ])
@@ -101,7 +68,7 @@ fn critical(range: std::ops::Range<f64>, scene: fn(f64) -> Scene) -> Result<f64,
 fn flutter_load(edges: usize) -> Result<f64, SimulationError> {
     let flutters = |load: f64| -> Result<bool, SimulationError> {
         let column = Scene {
-            rods: vec![unit_rod(line(Vector3::zeros(), Vector3::x(), edges))],
+            rods: vec![straight(edges)],
             clamps: vec![clamp(0)],
             loads: vec![steady(LoadKind::FollowerForce {
                 rod: 0,
@@ -167,7 +134,7 @@ fn twisted_rod(moment: f64) -> Scene {
     let twist = moment / unit_stiffness().twisting * (EDGES as f64 - 1.0) / EDGES as f64;
     clamped(RodDescription {
         twist,
-        ..unit_rod(line(Vector3::zeros(), Vector3::x(), EDGES))
+        ..straight(EDGES)
     })
 }
 

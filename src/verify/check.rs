@@ -43,40 +43,63 @@ pub enum Verdict {
     Fail,
 }
 
+/// Rods and joints converge in the second order: the measured order is that between a mesh and one of half its edge length.
+const ORDER: Expectation = Expectation::new("log₂(error at N / error at 2N)", "second order");
+
+/// What is compared, before its values are given.
+#[derive(Clone, Debug)]
+pub struct Quantity<'a> {
+    expectation: Expectation,
+    name: String,
+    unit: &'a str,
+}
+
 impl Expectation {
+    /// A formula or equation, and who found it.
+    pub const fn new(formula: &'static str, source: &'static str) -> Self {
+        Self { formula, source }
+    }
+
+    /// A quantity with this expectation, and its unit.
+    pub fn of(self, name: impl Into<String>, unit: &str) -> Quantity<'_> {
+        Quantity {
+            expectation: self,
+            name: name.into(),
+            unit,
+        }
+    }
+}
+
+impl Quantity<'_> {
     /// A check whose error is relative to the expected value.
-    pub fn relative(
-        &self,
-        name: impl Into<String>,
-        unit: &str,
-        expected: f64,
-        got: f64,
-        bound: f64,
-    ) -> Check {
-        self.scaled(name, unit, expected, got, expected.abs(), bound)
+    pub fn relative(self, expected: f64, got: f64, bound: f64) -> Check {
+        self.scaled(expected, got, expected.abs(), bound)
+    }
+
+    /// A check of a number that is zero by theory; its error is the number.
+    pub fn zero(self, got: f64, bound: f64) -> Check {
+        self.scaled(0.0, got, 1.0, bound)
     }
 
     /// A check whose error is a fraction of `scale`, given in the unit of the values.
-    pub fn scaled(
-        &self,
-        name: impl Into<String>,
-        unit: &str,
-        expected: f64,
-        got: f64,
-        scale: f64,
-        bound: f64,
-    ) -> Check {
+    pub fn scaled(self, expected: f64, got: f64, scale: f64, bound: f64) -> Check {
         Check {
-            name: name.into(),
-            formula: self.formula.into(),
-            source: self.source.into(),
+            name: self.name,
+            formula: self.expectation.formula.into(),
+            source: self.expectation.source.into(),
             expected,
             got,
-            unit: unit.into(),
+            unit: self.unit.into(),
             error: (got - expected).abs() / scale,
             bound,
         }
     }
+}
+
+/// Second order of convergence, from the error on a mesh over that on the mesh with edges half as long.
+pub(super) fn order(name: impl Into<String>, ratio_of_errors: f64) -> Check {
+    let found = libm::log2(ratio_of_errors);
+    ORDER.of(name, "").scaled(2.0, found, 1.0, 0.2)
 }
 
 impl Check {
@@ -159,39 +182,27 @@ pub(super) fn number(value: f64) -> String {
 mod tests {
     use super::*;
 
-    const EXPECTATION: Expectation = Expectation {
-        formula: "1 + 1",
-        source: "Peano 1889",
-    };
+    const SUM: Expectation = Expectation::new("1 + 1", "Peano 1889");
 
     #[test]
     fn a_number_that_is_not_a_number_fails() {
-        assert_eq!(
-            EXPECTATION
-                .relative("sum", "", 2.0, f64::NAN, 1.0)
-                .verdict(),
-            Verdict::Fail
-        );
+        let sum = SUM.of("sum", "").relative(2.0, f64::NAN, 1.0);
+        assert_eq!(sum.verdict(), Verdict::Fail);
         assert_eq!(Check::not_run("sums", "no pencil").verdict(), Verdict::Fail);
     }
 
     #[test]
     fn errors_are_fractions_of_their_scale() {
-        let check = EXPECTATION.scaled("sum", "m", 2.0, 2.5, 10.0, 0.05);
+        let check = SUM.of("sum", "m").scaled(2.0, 2.5, 10.0, 0.05);
         assert_eq!(check.error, 0.05);
         assert_eq!(check.verdict(), Verdict::Pass);
-        assert_eq!(
-            EXPECTATION.relative("sum", "m", 2.0, 2.5, 0.2).verdict(),
-            Verdict::Fail
-        );
+        let check = SUM.of("sum", "m").relative(2.0, 2.5, 0.2);
+        assert_eq!(check.verdict(), Verdict::Fail);
     }
 
     #[test]
     fn the_table_names_each_check_and_counts_the_passed() {
-        let checks = [
-            EXPECTATION.relative("one", "", 2.0, 2.0, 1e-9),
-            EXPECTATION.relative("other", "", 2.0, 3.0, 1e-9),
-        ];
+        let checks = [2.0, 3.0].map(|got| SUM.of("one", "").relative(2.0, got, 1e-9));
         let text = table(&checks);
         assert_eq!(text.lines().count(), 4);
         assert!(text.contains("FAIL") && text.ends_with("1 of 2 checks pass\n"));

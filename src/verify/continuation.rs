@@ -1,7 +1,7 @@
 //! Paths of equilibria: where columns, strips and rings buckle, found by following them; of columns and strips
 //! also by the inertia of the Hessian at loads on either side.
 
-use super::rods::{STIFFNESS_RATIO, clamp, line, unit_rod, unit_stiffness};
+use super::rods::{STIFFNESS_RATIO, clamp, force_on, straight, unit_rod, unit_stiffness};
 use super::theory::beam::{CLAMPED_COLUMN, FREE_COLUMN, ring_twist, strip_tip_load};
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
@@ -13,18 +13,9 @@ use rodlab_engine::mechanics::scene::{
 use rodlab_engine::mechanics::statics::{PathMethod, PathPlan, PointKind};
 use std::f64::consts::TAU;
 
-const EULER: Expectation = Expectation {
-    formula: "P = c π² EI/L²",
-    source: "Euler",
-};
-const PRANDTL: Expectation = Expectation {
-    formula: "P = 4.0126 √(EI₁ GJ)/L²",
-    source: "Prandtl 1899",
-};
-const MICHELL: Expectation = Expectation {
-    formula: "Θ = 2π√3 EI/GJ",
-    source: "Michell 1889, Zajac 1962",
-};
+const EULER: Expectation = Expectation::new("P = c π² EI/L²", "Euler");
+const PRANDTL: Expectation = Expectation::new("P = 4.0126 √(EI₁ GJ)/L²", "Prandtl 1899");
+const MICHELL: Expectation = Expectation::new("Θ = 2π√3 EI/GJ", "Michell 1889, Zajac 1962");
 const EDGES: usize = 100;
 /// The ring buckles into two waves: its error is 0.18 % at 140 edges.
 const RING_EDGES: usize = 200;
@@ -37,24 +28,16 @@ const STRIP_RATIO: f64 = 1e4;
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let strip = unit_stiffness();
     let strip_unit = (strip.bending[0] * strip.twisting).sqrt();
-    let cases: [(Expectation, &str, Scene, f64, f64); 3] = [
-        (
-            EULER,
-            "column clamped and free: P L²/EI",
-            free_column(),
-            FREE_COLUMN,
-            1.0,
-        ),
-        (
-            EULER,
-            "column with clamped ends: P L²/EI",
-            clamped_column(),
-            CLAMPED_COLUMN,
-            unit_stiffness().stretching,
-        ),
+    let column = "column clamped and free: P L²/EI";
+    let clamped = "column with clamped ends: P L²/EI";
+    let on_edge = "strip with a tip load: P L²/√(EI₁ GJ)";
+    let push = strip.stretching;
+    let cases = [
+        (EULER, column, free_column(), FREE_COLUMN, 1.0),
+        (EULER, clamped, clamped_column(), CLAMPED_COLUMN, push),
         (
             PRANDTL,
-            "strip with a tip load: P L²/√(EI₁ GJ)",
+            on_edge,
             loaded_strip(),
             strip_tip_load(),
             1.0 / strip_unit,
@@ -63,25 +46,18 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for (claim, name, scene, expected, unit) in cases {
         let end = 1.4 * expected / unit;
-        let followed = unit * critical_on_path(&scene, end)?;
-        checks.push(claim.relative(
-            format!("{name}, by continuation"),
-            "",
-            expected,
-            followed,
-            BOUND,
-        ));
-        let bisected = unit * critical_by_inertia(&scene, end)?;
-        checks.push(claim.relative(format!("{name}, by inertia"), "", expected, bisected, BOUND));
+        for (how, critical) in [
+            ("continuation", critical_on_path(&scene, end)?),
+            ("inertia", critical_by_inertia(&scene, end)?),
+        ] {
+            let quantity = claim.of(format!("{name}, by {how}"), "");
+            checks.push(quantity.relative(expected, unit * critical, BOUND));
+        }
     }
     let ring = ring_twist() * STIFFNESS_RATIO;
-    checks.push(MICHELL.relative(
-        "twisted ring: critical twist, by continuation",
-        "rad",
-        ring,
-        critical_on_path(&twisted_ring(), 1.4 * ring)?,
-        BOUND,
-    ));
+    let name = "twisted ring: critical twist, by continuation";
+    let got = critical_on_path(&twisted_ring(), 1.4 * ring)?;
+    checks.push(MICHELL.of(name, "rad").relative(ring, got, BOUND));
     Ok(checks)
 }
 
@@ -137,13 +113,9 @@ fn growing(kind: LoadKind) -> Load {
 
 fn free_column() -> Scene {
     Scene {
-        rods: vec![unit_rod(line(Vector3::zeros(), Vector3::x(), EDGES))],
+        rods: vec![straight(EDGES)],
         clamps: vec![clamp(0)],
-        loads: vec![growing(LoadKind::Force {
-            rod: 0,
-            node: EDGES,
-            force: -Vector3::x(),
-        })],
+        loads: vec![growing(force_on(EDGES, -Vector3::x()))],
         ..Scene::default()
     }
 }
@@ -152,22 +124,16 @@ fn free_column() -> Scene {
 fn clamped_column() -> Scene {
     let moving = Clamp {
         motion: Motion {
-            translation: vec![(1.0, -Vector3::x())],
+            translation: vec![(0.0, Vector3::zeros()), (1.0, -Vector3::x())],
             ..Motion::default()
         },
         ..clamp(EDGES)
     };
     Scene {
-        rods: vec![unit_rod(line(Vector3::zeros(), Vector3::x(), EDGES))],
-        clamps: vec![clamp(0), from_rest(moving)],
+        rods: vec![straight(EDGES)],
+        clamps: vec![clamp(0), moving],
         ..Scene::default()
     }
-}
-
-/// Makes a motion start at rest at time zero.
-fn from_rest(mut clamp: Clamp) -> Clamp {
-    clamp.motion.translation.insert(0, (0.0, Vector3::zeros()));
-    clamp
 }
 
 /// A ring that is cut at one place, where a clamp holds either face; one of them turns by the parameter in rad.
@@ -205,14 +171,10 @@ fn loaded_strip() -> Scene {
                 bending: [soft.bending[0], STRIP_RATIO * soft.bending[1]],
                 ..soft
             },
-            ..unit_rod(line(Vector3::zeros(), Vector3::x(), EDGES))
+            ..straight(EDGES)
         }],
         clamps: vec![clamp(0)],
-        loads: vec![growing(LoadKind::Force {
-            rod: 0,
-            node: EDGES,
-            force: -Vector3::z(),
-        })],
+        loads: vec![growing(force_on(EDGES, -Vector3::z()))],
         ..Scene::default()
     }
 }

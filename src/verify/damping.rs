@@ -1,21 +1,19 @@
 //! Vibrations of a rod of a lossy material, from a scenario file.
 
+use super::scenario::simulation;
 use super::theory::beam::cantilever_wave_number;
 use super::{Check, Expectation, GroupError};
 use nalgebra::Complex;
-use rodlab_engine::mechanics::dynamics::Simulation;
-use rodlab_lab::experiment;
 use std::f64::consts::TAU;
-use std::path::Path;
 
-const LOSS: Expectation = Expectation {
-    formula: "tan δ = ω η/E = 2ζ, ζ = Δ/√(4π² + Δ²)",
-    source: "Kelvin–Voigt solid, Euler–Bernoulli",
-};
-const RELAXING: Expectation = Expectation {
-    formula: "s² + ω₀² (1 + r sτ/(1 + sτ)) = 0, ζ = −Re s/|s|",
-    source: "standard linear solid, Euler–Bernoulli",
-};
+const LOSS: Expectation = Expectation::new(
+    "tan δ = ω η/E = 2ζ, ζ = Δ/√(4π² + Δ²)",
+    "Kelvin–Voigt solid, Euler–Bernoulli",
+);
+const RELAXING: Expectation = Expectation::new(
+    "s² + ω₀² (1 + r sτ/(1 + sτ)) = 0, ζ = −Re s/|s|",
+    "standard linear solid, Euler–Bernoulli",
+);
 /// Speed of axial waves √(E/ρ) in the rod of the file, m/s, and its radius of gyration √(I/A), m.
 const AXIAL_SPEED: f64 = 1000.0;
 const GYRATION: f64 = 5e-3;
@@ -31,25 +29,19 @@ const TIME: f64 = 0.02;
 
 /// Loss factors from the logarithmic decrements of cantilevers that swing in their first mode.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
-    let viscous = damping_ratio(include_str!("scenes/damped_cantilever.toml"))?;
-    let relaxing = damping_ratio(include_str!("scenes/relaxing_cantilever.toml"))?;
+    let viscous = damping_ratio(["loss_factor=0.02", "loss_frequency=1 Hz"])?;
+    let relaxing = damping_ratio(["relaxing_modulus=200 MPa", "relaxation_time=20 ms"])?;
     let frequency = cantilever_wave_number(1).powi(2) * GYRATION * AXIAL_SPEED;
     let rate = relaxing_mode(frequency);
+    let loss = LOSS.of(
+        "cantilever, 30 edges, first mode: loss factor from its decrement",
+        "",
+    );
+    let name = "cantilever of a standard linear solid, 30 edges, first mode: loss factor from its decrement";
+    let (expected, got) = (-2.0 * rate.re / rate.norm(), 2.0 * relaxing);
     Ok(vec![
-        LOSS.relative(
-            "cantilever, 30 edges, first mode: loss factor from its decrement",
-            "",
-            LOSS_FACTOR * frequency / TAU,
-            2.0 * viscous,
-            0.01,
-        ),
-        RELAXING.relative(
-            "cantilever of a standard linear solid, 30 edges, first mode: loss factor from its decrement",
-            "",
-            -2.0 * rate.re / rate.norm(),
-            2.0 * relaxing,
-            0.01,
-        ),
+        loss.relative(LOSS_FACTOR * frequency / TAU, 2.0 * viscous, 0.01),
+        RELAXING.of(name, "").relative(expected, got, 0.01),
     ])
 }
 
@@ -66,11 +58,10 @@ fn relaxing_mode(frequency: f64) -> Complex<f64> {
     rate
 }
 
-/// Damping ratio ζ = Δ/√(4π² + Δ²) of the first mode of a cantilever in a file, from its decrement Δ.
-fn damping_ratio(text: &str) -> Result<f64, GroupError> {
-    let loaded = experiment::from_text("scene", text, Path::new(""), &[])?;
-    let prepared = experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
-    let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
+/// Damping ratio ζ = Δ/√(4π² + Δ²) of the first mode of a cantilever whose material has these keys, from its decrement Δ.
+fn damping_ratio(material: [&str; 2]) -> Result<f64, GroupError> {
+    let keys = material.map(|key| format!("material.{key}"));
+    let mut simulation = simulation(include_str!("scenes/plucked_cantilever.toml"), &keys)?;
     let mut heights = Vec::new();
     while simulation.time() < END {
         simulation.advance(END)?;

@@ -9,14 +9,8 @@ use rodlab_engine::mechanics::system::{Stage, System};
 use rodlab_engine::random::uniform_numbers;
 use std::f64::consts::TAU;
 
-const GRADIENT: Expectation = Expectation {
-    formula: "R = ∇E",
-    source: "central differences",
-};
-const HESSIAN: Expectation = Expectation {
-    formula: "J = ∂R/∂q",
-    source: "central differences",
-};
+const GRADIENT: Expectation = Expectation::new("R = ∇E", "central differences");
+const HESSIAN: Expectation = Expectation::new("J = ∂R/∂q", "central differences");
 /// Steps of the differences, m and rad: at this size truncation and rounding are about equal.
 const STEP: f64 = 2e-5;
 /// Width of the contact zone, m: wide, so that the same steps resolve it.
@@ -36,35 +30,18 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         ),
     ] {
         let mut sample = Sample::new(&scene)?;
-        let [gradient, hessian] = [sample.gradient_error(), sample.jacobian_error(None)];
-        checks.push(GRADIENT.scaled(
-            format!("{name}: worst gradient"),
-            "",
-            0.0,
-            gradient,
-            1.0,
-            1e-8,
-        ));
-        checks.push(HESSIAN.scaled(
-            format!("{name}: worst Hessian"),
-            "",
-            0.0,
-            hessian,
-            1.0,
-            1e-6,
-        ));
+        let gradient = GRADIENT.of(format!("{name}: worst gradient"), "");
+        let hessian = HESSIAN.of(format!("{name}: worst Hessian"), "");
+        checks.extend([
+            gradient.zero(sample.gradient_error(), 1e-8),
+            hessian.zero(sample.jacobian_error(None), 1e-6),
+        ]);
     }
     let mut sample = Sample::new(&crossing_rods(0.4))?;
     let stage = sample.sliding_stage();
     let error = sample.jacobian_error(Some(&stage));
-    checks.push(HESSIAN.scaled(
-        "sliding rods, friction and inertia: worst Jacobian",
-        "",
-        0.0,
-        error,
-        1.0,
-        1e-6,
-    ));
+    let name = "sliding rods, friction and inertia: worst Jacobian";
+    checks.push(HESSIAN.of(name, "").zero(error, 1e-6));
     Ok(checks)
 }
 

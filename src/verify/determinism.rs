@@ -1,20 +1,16 @@
 //! The same bytes for any number of threads and across interruptions.
 
+use super::scenario::prepared;
 use super::{Check, Expectation, GroupError};
-use rodlab_lab::experiment::{from_text, prepare};
 use rodlab_lab::run::PreparedRun;
 use rodlab_lab::run::{RunError, RunOptions, run};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-const THREADS: Expectation = Expectation {
-    formula: "1 thread = 2 threads",
-    source: "same operations, same order",
-};
-const RESUMED: Expectation = Expectation {
-    formula: "run = run, interrupt, resume",
-    source: "checkpoint holds the state",
-};
+const THREADS: Expectation =
+    Expectation::new("1 thread = 2 threads", "same operations, same order");
+const RESUMED: Expectation =
+    Expectation::new("run = run, interrupt, resume", "checkpoint holds the state");
 
 /// A rod sinks onto another one in viscous fluid; they touch after 24 ms and rub.
 const SCENARIO: &str = r#"
@@ -59,8 +55,7 @@ nodes = true
 
 /// Bytes of `series.csv` and `nodes.csv` that differ.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
-    let loaded = from_text("determinism.toml", SCENARIO, Path::new("."), &[])?;
-    let prepared = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+    let prepared = prepared(SCENARIO, &[])?;
     let scratch = tempfile::tempdir()?;
     let directory = |name: &str| scratch.path().join(name);
     let (one, two, pieces) = (directory("one"), directory("two"), directory("pieces"));
@@ -68,15 +63,15 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     with_threads(2, || run_through(&prepared, &two))??;
     run_in_pieces(&prepared, &pieces)?;
     let mut checks = Vec::new();
-    for file in ["series.csv", "nodes.csv"] {
-        let differing = differing_bytes(&one.join(file), &two.join(file))?;
-        let name = format!("{file}, 1 and 2 threads: differing bytes");
-        checks.push(THREADS.scaled(name, "", 0.0, differing, 1.0, 0.0));
-    }
-    for file in ["series.csv", "nodes.csv"] {
-        let differing = differing_bytes(&one.join(file), &pieces.join(file))?;
-        let name = format!("{file}, interrupted and continued: differing bytes");
-        checks.push(RESUMED.scaled(name, "", 0.0, differing, 1.0, 0.0));
+    for (other, how, expectation) in [
+        (&two, "1 and 2 threads", THREADS),
+        (&pieces, "interrupted and continued", RESUMED),
+    ] {
+        for file in ["series.csv", "nodes.csv"] {
+            let differing = differing_bytes(&one.join(file), &other.join(file))?;
+            let name = format!("{file}, {how}: differing bytes");
+            checks.push(expectation.of(name, "").zero(differing, 0.0));
+        }
     }
     Ok(checks)
 }

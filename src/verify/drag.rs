@@ -1,6 +1,7 @@
 //! Drag in viscous fluid, against quadrature and a dense solution.
 
 use super::filaments::{forces_on, open_filament};
+use super::rods::line;
 use super::theory::stokeslet::{adaptive_segment_integral, forces};
 use super::{Check, Expectation, GroupError, flow, flow_wall};
 use rodlab_engine::mechanics::Vector3;
@@ -8,14 +9,9 @@ use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_engine::mechanics::fluid::{Fluid, FluidError, FluidModel, segment_integral};
 use std::f64::consts::TAU;
 
-const SEGMENT: Expectation = Expectation {
-    formula: "∫ S(x − y(s)) f(s) ds",
-    source: "adaptive quadrature",
-};
-const DENSE: Expectation = Expectation {
-    formula: "8πη u(xᵢ) = Σ ∫ S f ds",
-    source: "Cortez 2001, dense solution",
-};
+const SEGMENT: Expectation = Expectation::new("∫ S(x − y(s)) f(s) ds", "adaptive quadrature");
+const DENSE: Expectation =
+    Expectation::new("8πη u(xᵢ) = Σ ∫ S f ds", "Cortez 2001, dense solution");
 /// Regularisation in rod radii (thesis sec. 2.4.1).
 const REGULARIZATION: f64 = 1.02;
 const BOUND: f64 = 1e-3;
@@ -53,35 +49,23 @@ fn segment_check() -> Check {
             worst = worst.max((expected - got).norm() / expected.norm());
         }
     }
-    SEGMENT.scaled(
-        "Stokeslet segments, 1000 random pairs: worst relative error",
-        "",
-        0.0,
-        worst,
-        1.0,
-        1e-10,
-    )
+    let name = "Stokeslet segments, 1000 random pairs: worst relative error";
+    SEGMENT.of(name, "").zero(worst, 1e-10)
 }
 
 /// A straight rod of unit length, a hundred times as long as its radius, towed along and across.
 fn straight_rod() -> Result<Vec<Check>, SimulationError> {
     let (radius, viscosity) = (1e-2, 1.0);
-    let nodes: Vec<Vector3> = (0..41)
-        .map(|k| Vector3::x() * (f64::from(k) / 40.0))
-        .collect();
+    let nodes = line(Vector3::zeros(), Vector3::x(), 40);
     let mut checks = Vec::new();
     for (name, direction) in [("along", Vector3::x()), ("across", Vector3::y())] {
         let velocities = vec![direction; nodes.len()];
         let total = |forces: &[Vector3]| forces.iter().sum::<Vector3>().dot(&direction);
         let expected = forces(&nodes, &velocities, REGULARIZATION * radius, viscosity);
         let got = fluid_forces(&nodes, &velocities, radius, viscosity)?;
-        checks.push(DENSE.relative(
-            format!("straight rod, L/a = 100, 41 nodes: drag {name} it"),
-            "N",
-            total(&expected),
-            total(&got),
-            BOUND,
-        ));
+        let name = format!("straight rod, L/a = 100, 41 nodes: drag {name} it");
+        let expected = total(&expected);
+        checks.push(DENSE.of(name, "N").relative(expected, total(&got), BOUND));
     }
     Ok(checks)
 }
@@ -109,14 +93,12 @@ fn helix() -> Result<Vec<Check>, SimulationError> {
     let got = fluid_forces(&nodes, &velocities, radius, viscosity)?;
     let name = |what: &str| format!("helix of the thesis at 15 rad/s, 68 nodes: {what}");
     Ok(vec![
-        DENSE.relative(name("force"), "N", force(&expected), force(&got), BOUND),
-        DENSE.relative(
-            name("torque"),
-            "N m",
-            torque(&expected),
-            torque(&got),
-            BOUND,
-        ),
+        DENSE
+            .of(name("force"), "N")
+            .relative(force(&expected), force(&got), BOUND),
+        DENSE
+            .of(name("torque"), "N m")
+            .relative(torque(&expected), torque(&got), BOUND),
     ])
 }
 

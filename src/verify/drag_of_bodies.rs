@@ -9,18 +9,12 @@ use rodlab_engine::mechanics::fluid::FluidModel;
 use rodlab_engine::mechanics::scene::{Body, Clamp, Motion, RodNode, Scene};
 use std::f64::consts::PI;
 
-const SINKING: Expectation = Expectation {
-    formula: "U = m g/(6πηa)",
-    source: "Stokes 1851",
-};
-const WITH_TAIL: Expectation = Expectation {
-    formula: "U = m g/(F/U)",
-    source: "dense solution, the ball a shell of 400 points",
-};
-const SPINNING: Expectation = Expectation {
-    formula: "4πη r² L Ω",
-    source: "long cylinder",
-};
+const SINKING: Expectation = Expectation::new("U = m g/(6πηa)", "Stokes 1851");
+const WITH_TAIL: Expectation = Expectation::new(
+    "U = m g/(F/U)",
+    "dense solution, the ball a shell of 400 points",
+);
+const SPINNING: Expectation = Expectation::new("4πη r² L Ω", "long cylinder");
 const VISCOSITY: f64 = 1.0;
 const YOUNG: f64 = 1e6;
 const RADIUS: f64 = 2e-4;
@@ -34,33 +28,25 @@ const REGULARIZATION: f64 = 1.02;
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     let inside = upwards(2, 0.8 * BALL);
+    let resistive = FluidModel::Resistive {
+        viscosity: VISCOSITY,
+    };
     for (name, fluid) in [
         ("regularized Stokeslets", stokeslets()),
-        (
-            "resistive",
-            FluidModel::Resistive {
-                viscosity: VISCOSITY,
-            },
-        ),
+        ("resistive", resistive),
     ] {
         let ball = sink(&inside, fluid)?;
-        checks.push(SINKING.relative(
-            format!("ball that sinks, {name}: speed"),
-            "m/s",
-            weight(&inside) / (6.0 * PI * VISCOSITY * BALL),
-            -ball.velocities()[0].z,
-            1e-5,
-        ));
+        let name = format!("ball that sinks, {name}: speed");
+        let expected = weight(&inside) / (6.0 * PI * VISCOSITY * BALL);
+        let got = -ball.velocities()[0].z;
+        checks.push(SINKING.of(name, "m/s").relative(expected, got, 1e-5));
     }
     let tail = upwards(10, 0.02);
     let drag = drag_of_sphere_with_tail(BALL, &tail, REGULARIZATION * RADIUS, VISCOSITY);
-    checks.push(WITH_TAIL.relative(
-        "ball with a tail that sinks: speed",
-        "m/s",
-        weight(&tail) / drag,
-        -sink(&tail, stokeslets())?.velocities()[0].z,
-        1e-2,
-    ));
+    let name = "ball with a tail that sinks: speed";
+    let expected = weight(&tail) / drag;
+    let got = -sink(&tail, stokeslets())?.velocities()[0].z;
+    checks.push(WITH_TAIL.of(name, "m/s").relative(expected, got, 1e-2));
     checks.push(spun()?);
     Ok(checks)
 }
@@ -114,11 +100,8 @@ fn spun() -> Result<Check, SimulationError> {
         ..Scene::default()
     };
     let spinning = run(&scene, Scheme::ImplicitEuler, 1e-2, 2.0)?;
-    Ok(SPINNING.relative(
-        "rod spun about its axis: moment of the motor",
-        "N m",
-        4.0 * PI * VISCOSITY * radius * radius * length * speed,
-        spinning.reaction_moment(0).z,
-        1e-6,
-    ))
+    let name = "rod spun about its axis: moment of the motor";
+    let expected = 4.0 * PI * VISCOSITY * radius * radius * length * speed;
+    let got = spinning.reaction_moment(0).z;
+    Ok(SPINNING.of(name, "N m").relative(expected, got, 1e-6))
 }

@@ -1,19 +1,16 @@
 //! Joined and held rods in a viscous fluid, through scenario files, against dense solutions.
 
-use super::scenario::simulation;
+use super::scenario::moved;
 use super::theory::stokeslet::{forces, forces_of_rods};
 use super::{Check, Expectation, GroupError};
 use nalgebra::{Matrix2, Vector2};
 use rodlab_engine::mechanics::Vector3;
 
-const GLIDE: Expectation = Expectation {
-    formula: "U = F/R",
-    source: "Cortez 2001, dense solution",
-};
-const BESIDE: Expectation = Expectation {
-    formula: "R (U, ω) = (F, 0), wall at rest",
-    source: "Cortez 2001, dense solution",
-};
+const GLIDE: Expectation = Expectation::new("U = F/R", "Cortez 2001, dense solution");
+const BESIDE: Expectation = Expectation::new(
+    "R (U, ω) = (F, 0), wall at rest",
+    "Cortez 2001, dense solution",
+);
 const BOUND: f64 = 1e-3;
 
 /// Length of the filaments, m, their edges, radius, m, and regularisation, m; the viscosity is 1 Pa s.
@@ -33,21 +30,14 @@ pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
         .iter()
         .map(|force| force.x)
         .sum();
+    let name = "filament of two joined pieces, L/r = 100, pulled along: speed";
     Ok(vec![
-        GLIDE.relative(
-            "filament of two joined pieces, L/r = 100, pulled along: speed",
-            "m/s",
-            PULL * LENGTH / drag,
-            speed(&scene(""))?,
-            BOUND,
-        ),
-        BESIDE.relative(
-            "the same beside a held rod, five radii away: speed",
-            "m/s",
-            speed_beside_wall(&nodes),
-            speed(&scene(WALL))?,
-            BOUND,
-        ),
+        GLIDE
+            .of(name, "m/s")
+            .relative(PULL * LENGTH / drag, speed(&scene(""))?, BOUND),
+        BESIDE
+            .of("the same beside a held rod, five radii away: speed", "m/s")
+            .relative(speed_beside_wall(&nodes), speed(&scene(WALL))?, BOUND),
     ])
 }
 
@@ -137,9 +127,5 @@ end = "5 ms"
 
 /// Speed along x at the middle of the filament when it is steady.
 fn speed(text: &str) -> Result<f64, GroupError> {
-    let mut simulation = simulation(text, &[])?;
-    while simulation.time() < 5e-3 {
-        simulation.advance(5e-3)?;
-    }
-    Ok(simulation.velocities()[11].x)
+    Ok(moved(text, &[], 5e-3)?.velocities()[11].x)
 }

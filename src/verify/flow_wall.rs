@@ -8,18 +8,12 @@ use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::fluid::{Fluid, FluidError, FluidModel, Wall};
 
-const IMAGES: Expectation = Expectation {
-    formula: "8πη u(xᵢ) = Σ ∫ (S + S*) f ds",
-    source: "Ainley et al. 2008, dense solution",
-};
-const FREE: Expectation = Expectation {
-    formula: "8πη u(xᵢ) = Σ ∫ S f ds",
-    source: "Cortez 2001, dense solution",
-};
-const CYLINDER: Expectation = Expectation {
-    formula: "2πη/arcosh(H/a)",
-    source: "long cylinder",
-};
+const IMAGES: Expectation = Expectation::new(
+    "8πη u(xᵢ) = Σ ∫ (S + S*) f ds",
+    "Ainley et al. 2008, dense solution",
+);
+const FREE: Expectation = Expectation::new("8πη u(xᵢ) = Σ ∫ S f ds", "Cortez 2001, dense solution");
+const CYLINDER: Expectation = Expectation::new("2πη/arcosh(H/a)", "long cylinder");
 /// Regularisation in rod radii (thesis sec. 2.4.1).
 const REGULARIZATION: f64 = 1.02;
 /// The same beside a wall, by default.
@@ -38,36 +32,24 @@ fn filament() -> Result<Vec<Check>, GroupError> {
     let (length, radius, viscosity, pull) = (20e-3, 1e-4, 1.0, 1e-3);
     let (nodes, got) = speed(&[])?;
     let expected = drag_at_wall(&nodes, BESIDE_A_WALL * radius, viscosity);
-    let mut checks = vec![IMAGES.relative(
-        "filament three radii over a wall, pulled along itself: speed",
-        "m/s",
-        pull * length / expected[(0, 0)],
-        got,
-        BOUND,
-    )];
+    let name = "filament three radii over a wall, pulled along itself: speed";
+    let along = pull * length / expected[(0, 0)];
+    let mut checks = vec![IMAGES.of(name, "m/s").relative(along, got, BOUND)];
     for (name, axis) in [("sideways", 1), ("away", 2)] {
         let velocity = Vector3::ith(axis, 1.0);
         let forces = forces_at_wall(&nodes, &velocity, radius, viscosity)?;
         let got: f64 = forces.iter().map(|force| force[axis]).sum();
-        checks.push(IMAGES.relative(
-            format!("the same towed {name} at 1 m/s: drag"),
-            "N",
-            expected[(axis, axis)],
-            got,
-            BOUND,
-        ));
+        let name = format!("the same towed {name} at 1 m/s: drag");
+        let expected = expected[(axis, axis)];
+        checks.push(IMAGES.of(name, "N").relative(expected, got, BOUND));
     }
     let (nodes, got) = speed(&["planes.0.wall=false".into()])?;
     let velocities = vec![Vector3::x(); nodes.len()];
     let drag = forces(&nodes, &velocities, REGULARIZATION * radius, viscosity);
     let drag: f64 = drag.iter().map(|force| force.x).sum();
-    checks.push(FREE.relative(
-        "the same without the wall, pulled along itself: speed",
-        "m/s",
-        pull * length / drag,
-        got,
-        BOUND,
-    ));
+    let name = "the same without the wall, pulled along itself: speed";
+    let expected = pull * length / drag;
+    checks.push(FREE.of(name, "m/s").relative(expected, got, BOUND));
     Ok(checks)
 }
 
@@ -91,13 +73,10 @@ fn long_cylinder() -> Result<Vec<Check>, FluidError> {
             .map(|k| Vector3::new(edge * f64::from(k), 0.0, height))
             .collect();
         let forces = forces_at_wall(&nodes, &Vector3::x(), radius, viscosity)?;
-        checks.push(CYLINDER.relative(
-            format!("long cylinder gliding {height} radii over a wall: drag per length"),
-            "N/m",
-            gliding_cylinder(viscosity, radius, height),
-            forces[nodes.len() / 2].x / edge,
-            bound,
-        ));
+        let name = format!("long cylinder gliding {height} radii over a wall: drag per length");
+        let expected = gliding_cylinder(viscosity, radius, height);
+        let got = forces[nodes.len() / 2].x / edge;
+        checks.push(CYLINDER.of(name, "N/m").relative(expected, got, bound));
     }
     Ok(checks)
 }

@@ -1,29 +1,23 @@
 //! Coulomb friction: a rod on an incline, a rope around a post.
 
 use super::contact::contact_parameters;
-use super::rods::{line, steady, unit_rod};
+use super::rods::{clamp, force_on, line, run_until, steady, steps_of, unit_rod};
 use super::theory::friction::{Capstan, sliding_acceleration};
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::contact::{ContactModel, ContactParameters};
-use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation, StepSize};
+use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation};
 use rodlab_engine::mechanics::scene::{
     Clamp, LoadKind, Motion, Plane, RodDescription, Scene, Stiffness,
 };
 use std::f64::consts::PI;
 
-const SLIDING: Expectation = Expectation {
-    formula: "a = g (sin α − μ cos α)",
-    source: "Coulomb",
-};
-const STICKING: Expectation = Expectation {
-    formula: "v = 0 for μ > tan α",
-    source: "Coulomb",
-};
-const CAPSTAN: Expectation = Expectation {
-    formula: "T₂ = T₁ exp(μφ), corrected for EI",
-    source: "Euler; balance of the elastica",
-};
+const SLIDING: Expectation = Expectation::new("a = g (sin α − μ cos α)", "Coulomb");
+const STICKING: Expectation = Expectation::new("v = 0 for μ > tan α", "Coulomb");
+const CAPSTAN: Expectation = Expectation::new(
+    "T₂ = T₁ exp(μφ), corrected for EI",
+    "Euler; balance of the elastica",
+);
 const GRAVITY: f64 = 9.81;
 
 /// The contact models by their names in scenario files, with the speed at which each may creep instead of
@@ -38,28 +32,23 @@ const MODELS: [(ContactModel, &str, f64); 3] = [
 
 /// Sliding and sticking on an incline, and the capstan, by every contact model.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
-    let (steep, shallow) = (30f64.to_radians(), 20f64.to_radians());
+    let (steep_angle, shallow_angle) = (30f64.to_radians(), 20f64.to_radians());
     let slip_tolerance = ContactParameters::default().slip_tolerance;
     let mut checks = Vec::new();
     for (model, name, creep) in MODELS {
-        let sliding = slide(model, steep, 0.3)?;
-        let sticking = slide(model, shallow, 0.5)?;
+        let steep = slide(model, steep_angle, 0.3)?;
+        let shallow = slide(model, shallow_angle, 0.5)?;
+        let sliding = format!("rod on an incline of 30°, μ = 0.3, {name}: acceleration");
+        let sticking =
+            format!("rod on an incline of 20°, μ = 0.5, {name}: speed over slip tolerance");
+        let expected = sliding_acceleration(GRAVITY, steep_angle, 0.3);
         checks.extend([
-            SLIDING.relative(
-                format!("rod on an incline of 30°, μ = 0.3, {name}: acceleration"),
-                "m/s²",
-                sliding_acceleration(GRAVITY, steep, 0.3),
-                sliding.acceleration,
-                1e-2,
-            ),
-            STICKING.scaled(
-                format!("rod on an incline of 20°, μ = 0.5, {name}: speed over slip tolerance"),
-                "",
-                0.0,
-                sticking.speed / slip_tolerance,
-                1.0,
-                creep,
-            ),
+            SLIDING
+                .of(sliding, "m/s²")
+                .relative(expected, steep.acceleration, 1e-2),
+            STICKING
+                .of(sticking, "")
+                .zero(shallow.speed / slip_tolerance, creep),
             capstan(model, name)?,
         ]);
     }
@@ -103,9 +92,7 @@ fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, Grou
     };
     let mut simulation = Simulation::new(&scene, &integration)?;
     let speed_at = |simulation: &mut Simulation, time: f64| -> Result<f64, GroupError> {
-        while simulation.time() < time {
-            simulation.advance(time)?;
-        }
+        run_until(simulation, time)?;
         let velocities = simulation.velocities();
         Ok(velocities.iter().map(|v| v.x).sum::<f64>() / velocities.len() as f64)
     };
@@ -118,7 +105,7 @@ fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, Grou
 }
 
 /// Radius of the post, of the rope, and of the rope's centreline around the post, m.
-const POST_RADIUS: f64 = 0.02;
+pub(super) const POST_RADIUS: f64 = 0.02;
 const ROPE_RADIUS: f64 = 1e-3;
 const WRAP_RADIUS: f64 = POST_RADIUS + ROPE_RADIUS;
 /// Edges around the post and in each leg.
@@ -134,26 +121,25 @@ const PULL: f64 = 0.02;
 fn capstan(model: ContactModel, name: &str) -> Result<Check, GroupError> {
     let rope = rope();
     let (stiffness, nodes) = (rope.stiffness, rope.centreline.clone());
-    let parameters = IntegrationParameters {
-        step: StepSize::Fixed(5e-4),
-        ..IntegrationParameters::default()
-    };
-    let mut simulation = Simulation::new(&capstan_scene(model, rope), &parameters)?;
-    let [lesser, greater] = leg_tensions(&mut simulation, &nodes, stiffness.stretching, LEG_EDGES)?;
+    let mut simulation = Simulation::new(&capstan_scene(model, rope), &steps_of(5e-4))?;
+    let tensions = leg_tensions(&mut simulation, &nodes, stiffness.stretching, LEG_EDGES)?;
+    let name = format!("rope over a post, μ = 0.3, half a turn, {name}: T₂/T₁");
+    Ok(capstan_check(name, tensions, stiffness.bending[0], 3e-2))
+}
+
+/// The ratio of both tensions (N) of a rope with a bending stiffness (N m²) over the post, half a turn.
+pub(super) fn capstan_check(name: String, tensions: [f64; 2], bending: f64, bound: f64) -> Check {
+    let [lesser, greater] = tensions;
     let theory = Capstan {
         friction: ROPE_FRICTION,
         angle: PI,
-        bending: stiffness.bending[0],
+        bending,
         radius: WRAP_RADIUS,
     };
-    let expected = theory.greater_tension(lesser);
-    Ok(CAPSTAN.relative(
-        format!("rope over a post, μ = 0.3, half a turn, {name}: T₂/T₁"),
-        "",
-        expected / lesser,
-        greater / lesser,
-        3e-2,
-    ))
+    let expected = theory.greater_tension(lesser) / lesser;
+    CAPSTAN
+        .of(name, "")
+        .relative(expected, greater / lesser, bound)
 }
 
 /// Mean tensions of the straight parts of both legs, N, of a rope of a stretching stiffness (N) that was placed at `nodes`: from
@@ -185,24 +171,29 @@ pub(super) fn leg_tensions(
     Ok(sums.map(|sum| sum / samples))
 }
 
-/// A thin rope, placed over the post from the end with the weight to the end that is pulled.
-fn rope() -> RodDescription {
-    // The nodes stand outside, so that the edges between them touch the post in their middle.
-    let step = PI / WRAPPED_EDGES as f64;
+/// Nodes of a rope over the post, from the end with the weight to the end that is pulled, with so many edges around the post and in
+/// each leg. They stand outside, so that the edges between them touch the post in their middle, and a gap away, in parts of the radius.
+pub(super) fn rope_over_post(wrapped: usize, leg_edges: usize, gap: f64) -> Vec<Vector3> {
+    let step = PI / wrapped as f64;
     let edge = 2.0 * WRAP_RADIUS * libm::tan(0.5 * step);
     let corner = WRAP_RADIUS / libm::cos(0.5 * step);
-    let gap = 1.0 + 1e-4;
+    let gap = 1.0 + gap;
     let leg = |k: usize, side: f64| Vector3::new(side * corner, -edge * k as f64, 0.0) * gap;
     let around = |k: usize| {
         let angle = PI - step * k as f64;
         Vector3::new(libm::cos(angle), libm::sin(angle), 0.0) * (corner * gap)
     };
-    let centreline = (1..=LEG_EDGES)
+    (1..=leg_edges)
         .rev()
         .map(|k| leg(k, -1.0))
-        .chain((0..=WRAPPED_EDGES).map(around))
-        .chain((1..=LEG_EDGES).map(|k| leg(k, 1.0)))
-        .collect();
+        .chain((0..=wrapped).map(around))
+        .chain((1..=leg_edges).map(|k| leg(k, 1.0)))
+        .collect()
+}
+
+/// A thin rope, placed over the post.
+fn rope() -> RodDescription {
+    let centreline = rope_over_post(WRAPPED_EDGES, LEG_EDGES, 1e-4);
     // Bending is a small correction, EI/(2ρ² T₁) = 0.5 %; at the greater tension the rope stretches by 0.3 %.
     let bending = 0.01 * WEIGHT * WRAP_RADIUS * WRAP_RADIUS;
     let stiffness = Stiffness {
@@ -229,18 +220,12 @@ fn capstan_scene(model: ContactModel, rope: RodDescription) -> Scene {
     Scene {
         rods: vec![rope, post],
         clamps: vec![Clamp {
-            rod: 0,
-            node: last,
-            holds_position: true,
             holds_frame: false,
             motion: pull,
+            ..clamp(last)
         }],
         loads: vec![
-            steady(LoadKind::Force {
-                rod: 0,
-                node: 0,
-                force: -WEIGHT * Vector3::y(),
-            }),
+            steady(force_on(0, -WEIGHT * Vector3::y())),
             // Settles the swinging of the legs; along the rope it takes 3e-4 N.
             steady(LoadKind::Drag {
                 rod: Some(0),

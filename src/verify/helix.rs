@@ -9,18 +9,9 @@ use rodlab_lab::experiment::helix::stability::{
 };
 use std::f64::consts::TAU;
 
-const CONJUGATE_POINT: Expectation = Expectation {
-    formula: "det J(s) = 0",
-    source: "Borum & Bretl 2020",
-};
-const MIRRORED: Expectation = Expectation {
-    formula: "(κ, τ, ω) → (κ, −τ, −ω)",
-    source: "mirror image",
-};
-const HEAVY_LOOP: Expectation = Expectation {
-    formula: "θ'' = −(V + s/2) cos θ",
-    source: "elastica by shooting",
-};
+const CONJUGATE_POINT: Expectation = Expectation::new("det J(s) = 0", "Borum & Bretl 2020");
+const MIRRORED: Expectation = Expectation::new("(κ, τ, ω) → (κ, −τ, −ω)", "mirror image");
+const HEAVY_LOOP: Expectation = Expectation::new("θ'' = −(V + s/2) cos θ", "elastica by shooting");
 /// Height of a folded rod's loop in gravito-bending lengths: 0.906597 (EI/ρgA)^(1/3).
 const LOOP_HEIGHT: f64 = 1.142_240;
 /// Edges of the finer mesh of an extrapolation; the coarser has half as many.
@@ -29,14 +20,12 @@ const EDGES: usize = 100;
 /// taken there.
 const FAR: f64 = 12.0;
 
-const MATERIAL: Expectation = Expectation {
-    formula: "critical distance of (κ, τ, ω) L",
-    source: "Borum & Bretl 2020",
-};
-const PATH: Expectation = Expectation {
-    formula: "rod at once on the helix, or followed from straight",
-    source: "two ways to one boundary",
-};
+const MATERIAL: Expectation =
+    Expectation::new("critical distance of (κ, τ, ω) L", "Borum & Bretl 2020");
+const PATH: Expectation = Expectation::new(
+    "rod at once on the helix, or followed from straight",
+    "two ways to one boundary",
+);
 
 /// Critical distances on a mesh and extrapolated in it, their independence of material and path, the mirror image,
 /// the loop's height.
@@ -59,24 +48,19 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
             twisting_moment,
         };
         let expected = critical_distance(&helix).map_or(f64::NAN, |critical| critical.distance);
-        let far = expected > FAR;
-        let edges = if far { 2 * EDGES } else { EDGES };
+        let (edges, [of_mesh, of_limit]) = if expected > FAR {
+            (2 * EDGES, [5e-3, 1e-3])
+        } else {
+            (EDGES, [1e-3, 2e-4])
+        };
         let [coarse, fine] = [discrete(&helix, edges / 2)?, discrete(&helix, edges)?];
         let extrapolated = fine + (fine - coarse) / 3.0;
         for (how, got, bound) in [
-            (
-                format!("{edges} edges"),
-                fine,
-                if far { 5e-3 } else { 1e-3 },
-            ),
-            (
-                "extrapolated".into(),
-                extrapolated,
-                if far { 1e-3 } else { 2e-4 },
-            ),
+            (format!("{edges} edges"), fine, of_mesh),
+            ("extrapolated".into(), extrapolated, of_limit),
         ] {
-            let name = format!("{name}: critical distance, {how}");
-            checks.push(CONJUGATE_POINT.relative(name, "", expected, got, bound));
+            let quantity = CONJUGATE_POINT.of(format!("{name}: critical distance, {how}"), "");
+            checks.push(quantity.relative(expected, got, bound));
         }
     }
     checks.push(mirror_image()?);
@@ -84,7 +68,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     checks.push(path(if full { 100 } else { 5 })?);
     let height = HeavyLoop::new().height;
     let name = "folded heavy rod: height of the loop h/L_gb";
-    checks.push(HEAVY_LOOP.relative(name, "", LOOP_HEIGHT, height, 2e-4));
+    checks.push(HEAVY_LOOP.of(name, "").relative(LOOP_HEIGHT, height, 2e-4));
     Ok(checks)
 }
 
@@ -108,25 +92,24 @@ fn materials() -> Result<[Check; 2], SimulationError> {
         Ok(found.unwrap_or(f64::NAN))
     };
     let expected = critical(rod())?;
-    let other_ratio = critical(DiscreteRod {
+    let other_ratio = DiscreteRod {
         stiffness_ratio: 1.0,
         ..rod()
-    })?;
-    let stiffer = critical(DiscreteRod {
+    };
+    let stiffer = DiscreteRod {
         bending_stiffness: 1e3,
         ..rod()
-    })?;
+    };
+    let check = |what: &str, rod| -> Result<Check, SimulationError> {
+        let name = format!("helix (1, 1, 1)/√3, {what}: critical distance");
+        Ok(MATERIAL
+            .of(name, "")
+            .relative(expected, critical(rod)?, 1e-4))
+    };
     Ok([
-        (
-            "helix (1, 1, 1)/√3, GJ/EI = 1 and 2/3: critical distance",
-            other_ratio,
-        ),
-        (
-            "helix (1, 1, 1)/√3, Young's modulus 1000 and 1: critical distance",
-            stiffer,
-        ),
-    ]
-    .map(|(name, got)| MATERIAL.relative(name, "", expected, got, 1e-4)))
+        check("GJ/EI = 1 and 2/3", other_ratio)?,
+        check("Young's modulus 1000 and 1", stiffer)?,
+    ])
 }
 
 /// The direction, of `count` random ones, whose distance along the path from the straight rod differs most.
@@ -151,7 +134,7 @@ fn path(count: usize) -> Result<Check, SimulationError> {
         }
     }
     let name = format!("{count} random helices, reached along paths: critical distance");
-    Ok(PATH.relative(name, "", worst.0, worst.1, 2e-3))
+    Ok(PATH.of(name, "").relative(worst.0, worst.1, 2e-3))
 }
 
 fn mirror_image() -> Result<Check, SimulationError> {
@@ -160,10 +143,8 @@ fn mirror_image() -> Result<Check, SimulationError> {
         torsion: sign * 0.5,
         twisting_moment: sign * 0.3,
     };
-    let [expected, got] = [
-        discrete(&helix(1.0), EDGES)?,
-        discrete(&helix(-1.0), EDGES)?,
-    ];
+    let expected = discrete(&helix(1.0), EDGES)?;
+    let got = discrete(&helix(-1.0), EDGES)?;
     let name = "mirrored helix: critical distance";
-    Ok(MIRRORED.relative(name, "", expected, got, 1e-6))
+    Ok(MIRRORED.of(name, "").relative(expected, got, 1e-6))
 }

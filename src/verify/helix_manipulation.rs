@@ -1,9 +1,8 @@
 //! Helical rods manipulated slowly in time: where they leave the helix, against conjugate points.
 
+use super::rods::{run_until, steps_of};
 use super::{Check, Expectation, GroupError};
-use rodlab_engine::mechanics::dynamics::{
-    IntegrationParameters, Simulation, SimulationError, StepSize,
-};
+use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
 use rodlab_engine::mechanics::kirchhoff::{Helix, critical_distance};
 use rodlab_engine::random::uniform_numbers;
 use rodlab_lab::experiment::helix::manipulation::{
@@ -12,10 +11,7 @@ use rodlab_lab::experiment::helix::manipulation::{
 use rodlab_lab::experiment::helix::stability::DiscreteRod;
 use std::f64::consts::TAU;
 
-const SLOW: Expectation = Expectation {
-    formula: "e(‖(κ, τ, ω)‖) = 0.1, slowly",
-    source: "Borum & Bretl 2020",
-};
+const SLOW: Expectation = Expectation::new("e(‖(κ, τ, ω)‖) = 0.1, slowly", "Borum & Bretl 2020");
 const ROD: DiscreteRod = DiscreteRod {
     edges: 100,
     stiffness_ratio: 1.0 / 1.33,
@@ -57,7 +53,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
         }
     }
     let name = format!("{count} random helices, manipulated slowly: distance where they buckle");
-    Ok(vec![SLOW.relative(name, "", worst.0, worst.1, 3e-2)])
+    Ok(vec![SLOW.of(name, "").relative(worst.0, worst.1, 3e-2)])
 }
 
 /// Distance at which the manipulated rod leaves the helix; NaN where it does not.
@@ -72,18 +68,12 @@ fn leaves_helix(direction: Helix, critical: f64) -> Result<f64, SimulationError>
     });
     let mut scene = ROD.straight();
     scene.clamps[1].motion = path.motion();
-    let parameters = IntegrationParameters {
-        step: StepSize::Fixed(STEP),
-        ..IntegrationParameters::default()
-    };
-    let mut simulation = Simulation::new(&scene, &parameters)?;
+    let mut simulation = Simulation::new(&scene, &steps_of(STEP))?;
     let unit = direction.scaled(1.0 / direction.distance());
     let mut observations = Vec::new();
     for output in 1..=OUTPUTS {
         let until = path.duration() * output as f64 / OUTPUTS as f64;
-        while simulation.time() < until {
-            simulation.advance(until)?;
-        }
+        run_until(&mut simulation, until)?;
         let distance = path.distance(until);
         let helix = unit.scaled(distance);
         observations.push(Observation {

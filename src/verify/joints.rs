@@ -1,57 +1,35 @@
-//! Joints and bodies, through scenario files: frames against beam theory, pendulums and a heavy disk against their frequencies,
+//! Joints and bodies: frames against beam theory, pendulums and a heavy disk against their frequencies,
 //! a net and a gridshell against their symmetry; slides, and bodies whose centre is off
 //! their node, are files of their own.
 
-use super::frequencies::frequencies;
+use super::check::order;
+use super::frequencies::{ascending, frequencies, frequencies_of, nearest};
+use super::rods::{clamp, force_on, gravity, line, run, steady, steps_of};
+use super::scenario::{at_rest, moved};
 use super::{Check, Expectation, GroupError, bodies, slides};
 use nalgebra::{DMatrix, Matrix2};
-use rodlab_engine::mechanics::dynamics::Simulation;
-use rodlab_engine::mechanics::{Vector3, scene::Scene};
-use rodlab_lab::experiment;
-use rodlab_lab::run::PreparedRun;
-use std::fmt::Write;
-use std::path::Path;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{
+    IntegrationParameters, Scheme, Simulation, SimulationError,
+};
+use rodlab_engine::mechanics::scene::{
+    Body, Clamp, Inertia, Joint, JointKind, LoadKind, RodDescription, RodNode, Scene, Stiffness,
+    Strength,
+};
+use std::f64::consts::{PI, TAU};
 
-const PORTAL: Expectation = Expectation {
-    formula: "Δ = P H³ (2+3k)/12EI(1+6k), k = H/L",
-    source: "slope–deflection",
-};
-const HINGED_PORTAL: Expectation = Expectation {
-    formula: "Δ = P H³/6EI",
-    source: "Euler–Bernoulli",
-};
-const RIGID_STAR: Expectation = Expectation {
-    formula: "w = P L³/36EI",
-    source: "Euler–Bernoulli",
-};
-const BALL_STAR: Expectation = Expectation {
-    formula: "w = P L³/9EI",
-    source: "Euler–Bernoulli",
-};
-const CROSS: Expectation = Expectation {
-    formula: "w = P b² L/2GJ + P b³/3EI",
-    source: "Saint-Venant, Euler–Bernoulli",
-};
-const ORDER: Expectation = Expectation {
-    formula: "log₂(error at N / error at 2N)",
-    source: "second order",
-};
-const PENDULUM: Expectation = Expectation {
-    formula: "det(K − ω² M) = 0 of two rigid rods",
-    source: "Lagrange",
-};
-const DISK: Expectation = Expectation {
-    formula: "det(K − ω² diag(M, I)) = 0",
-    source: "Euler–Bernoulli",
-};
-const KEPT: Expectation = Expectation {
-    formula: "E(t) = E(0)",
-    source: "conservation",
-};
-const MIRRORED: Expectation = Expectation {
-    formula: "z(x, y) = z(−x, y) = z(x, −y) = z(y, x)",
-    source: "symmetry",
-};
+const PORTAL: Expectation =
+    Expectation::new("Δ = P H³ (2+3k)/12EI(1+6k), k = H/L", "slope–deflection");
+const HINGED_PORTAL: Expectation = Expectation::new("Δ = P H³/6EI", "Euler–Bernoulli");
+const RIGID_STAR: Expectation = Expectation::new("w = P L³/36EI", "Euler–Bernoulli");
+const BALL_STAR: Expectation = Expectation::new("w = P L³/9EI", "Euler–Bernoulli");
+const CROSS: Expectation =
+    Expectation::new("w = P b² L/2GJ + P b³/3EI", "Saint-Venant, Euler–Bernoulli");
+const PENDULUM: Expectation = Expectation::new("det(K − ω² M) = 0 of two rigid rods", "Lagrange");
+const DISK: Expectation = Expectation::new("det(K − ω² diag(M, I)) = 0", "Euler–Bernoulli");
+const KEPT: Expectation = Expectation::new("E(t) = E(0)", "conservation");
+const MIRRORED: Expectation =
+    Expectation::new("z(x, y) = z(−x, y) = z(x, −y) = z(y, x)", "symmetry");
 
 /// Rods of the frames: length (m), radius (m), EI = 1e-3 N m² and GJ = ⅔ EI with Poisson's ratio one half.
 const LENGTH: f64 = 0.2;
@@ -65,50 +43,37 @@ const BOUND: f64 = 1e-3;
 
 /// Frames under end loads, pendulums, a disk, nets, slides.
 pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
-    let mut checks = Vec::new();
     let stiff = LENGTH.powi(3) / BENDING;
     let portal = FORCE * stiff * 5.0 / 84.0;
-    let off = |edges: usize| Ok::<_, GroupError>(portal_sway(edges, "rigid")? / portal - 1.0);
-    checks.push(PORTAL.relative(
-        "portal frame, rigid joints, H = L: sway",
-        "m",
-        portal,
-        portal_sway(50, "rigid")?,
-        BOUND,
-    ));
-    let order = libm::log2(off(10)? / off(20)?);
-    checks.push(ORDER.scaled(
-        "portal frame, 10 to 20 edges: order",
-        "",
-        2.0,
-        order,
-        1.0,
-        0.2,
-    ));
-    checks.push(HINGED_PORTAL.relative(
-        "portal frame, beam on two hinges: sway",
-        "m",
-        FORCE * stiff / 6.0,
-        portal_sway(50, "hinge")?,
-        BOUND,
-    ));
-    for (kind, expectation, parts) in [("rigid", RIGID_STAR, 36.0), ("ball", BALL_STAR, 9.0)] {
-        checks.push(expectation.relative(
-            format!("Y-junction of three clamped rods, {kind} joints: sag under a load"),
-            "m",
-            FORCE * stiff / parts,
-            star_sag(50, kind)?,
-            BOUND,
-        ));
+    let off =
+        |edges: usize| Ok::<_, GroupError>(portal_sway(edges, JointKind::Rigid)? / portal - 1.0);
+    let hinge = JointKind::Hinge {
+        axis: Vector3::y(),
+        spring: None,
+    };
+    let mut checks = vec![
+        PORTAL
+            .of("portal frame, rigid joints, H = L: sway", "m")
+            .relative(portal, portal_sway(50, JointKind::Rigid)?, BOUND),
+        order("portal frame, 10 to 20 edges: order", off(10)? / off(20)?),
+        HINGED_PORTAL
+            .of("portal frame, beam on two hinges: sway", "m")
+            .relative(FORCE * stiff / 6.0, portal_sway(50, hinge)?, BOUND),
+    ];
+    for (name, kind, expectation, parts) in [
+        ("rigid", JointKind::Rigid, RIGID_STAR, 36.0),
+        ("ball", JointKind::Ball, BALL_STAR, 9.0),
+    ] {
+        let name = format!("Y-junction of three clamped rods, {name} joints: sag under a load");
+        let (expected, got) = (FORCE * stiff / parts, star_sag(50, kind)?);
+        checks.push(expectation.of(name, "m").relative(expected, got, BOUND));
     }
     let arm: f64 = 0.5 * LENGTH;
-    checks.push(CROSS.relative(
-        "cross, rigid joint, a pair of forces at the ends of one rod twists the other: deflection",
-        "m",
-        FORCE * (arm * arm * LENGTH / (2.0 * TWISTING) + arm.powi(3) / (3.0 * BENDING)),
-        cross_deflection(50)?,
-        BOUND,
-    ));
+    let name =
+        "cross, rigid joint, a pair of forces at the ends of one rod twists the other: deflection";
+    let expected = FORCE * (arm * arm * LENGTH / (2.0 * TWISTING) + arm.powi(3) / (3.0 * BENDING));
+    let got = cross_deflection(50)?;
+    checks.push(CROSS.of(name, "m").relative(expected, got, BOUND));
     checks.extend(double_pendulum()?);
     checks.extend(disk()?);
     checks.push(net(if full { 20 } else { 8 })?);
@@ -118,135 +83,126 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// A scene of straight rods with what follows them in the file.
-fn scene_of(rods: &[(&str, [f64; 3], [f64; 3])], edges: usize, rest: &str) -> String {
-    let youngs_modulus = BENDING / (std::f64::consts::PI * RADIUS.powi(4) / 4.0);
-    let mut text = format!(
-        "experiment = \"scene\"\n[material]\nyoungs_modulus = {youngs_modulus:?}\npoissons_ratio = 0.5\ndensity = 1000.0\n"
-    );
-    for (name, start, end) in rods {
-        writeln!(
-            text,
-            "[[rods]]\nname = \"{name}\"\nradius = {RADIUS:?}\nedges = {edges}\nshape = {{ kind = \"straight\", start = {start:?}, end = {end:?} }}"
-        )
-        .expect("writing to a string");
+/// A straight rod of the frames, of a density in kg/m³.
+fn bar(start: Vector3, end: Vector3, edges: usize, density: f64) -> RodDescription {
+    let section = PI * RADIUS * RADIUS;
+    let stiffness = Stiffness::circular(4.0 * BENDING / (section * RADIUS * RADIUS), 0.5, RADIUS);
+    let nodes = line(start, end, edges);
+    RodDescription {
+        inertia: Inertia::Consistent,
+        ..RodDescription::uniform("rod", nodes, stiffness, RADIUS, density * section)
     }
-    text + rest
 }
 
-fn prepared(text: &str) -> Result<PreparedRun, GroupError> {
-    let loaded = experiment::from_text("scene", text, Path::new(""), &[])?;
-    Ok(experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?)
+/// A joint of two nodes, each given by its rod and its number.
+fn joint(kind: JointKind, nodes: [(usize, usize); 2]) -> Joint {
+    Joint {
+        name: "joint".into(),
+        nodes: nodes.map(|(rod, node)| RodNode { rod, node }),
+        kind,
+        strength: Strength::default(),
+    }
 }
 
-/// The equilibrium of a scene.
-fn at_rest(text: &str) -> Result<Simulation, GroupError> {
-    let prepared = prepared(text)?;
-    let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
+/// Holds the first node of a rod.
+fn clamp_of(rod: usize) -> Clamp {
+    Clamp { rod, ..clamp(0) }
+}
+
+/// How far a node has moved at rest from where it was placed.
+fn deflection(scene: &Scene, rod: usize, node: usize) -> Result<Vector3, SimulationError> {
+    let mut simulation = Simulation::new(scene, &IntegrationParameters::default())?;
     simulation.find_equilibrium()?;
-    Ok(simulation)
+    let before = scene.rods[..rod].iter().map(|rod| rod.centreline.len());
+    let place = simulation.positions()[before.sum::<usize>() + node];
+    Ok(place - scene.rods[rod].centreline[node])
 }
 
-/// How far a node has moved from where it was placed.
-fn moved(simulation: &Simulation, scene: &Scene, rod: usize, node: usize) -> Vector3 {
-    let first: usize = scene.rods[..rod]
-        .iter()
-        .map(|rod| rod.centreline.len())
-        .sum();
-    simulation.positions()[first + node] - scene.rods[rod].centreline[node]
-}
-
-fn portal_sway(edges: usize, joint: &str) -> Result<f64, GroupError> {
-    let axis = if joint == "hinge" {
-        "axis = [0, 1, 0]\n"
-    } else {
-        ""
+fn portal_sway(edges: usize, kind: JointKind) -> Result<f64, SimulationError> {
+    let feet = [0.0, LENGTH].map(|x| Vector3::new(x, 0.0, 0.0));
+    let tops = feet.map(|foot| foot + LENGTH * Vector3::z());
+    let scene = Scene {
+        rods: [(feet[0], tops[0]), (tops[0], tops[1]), (feet[1], tops[1])]
+            .map(|(start, end)| bar(start, end, edges, 1000.0))
+            .to_vec(),
+        clamps: vec![clamp_of(0), clamp_of(2)],
+        joints: vec![
+            joint(kind, [(0, edges), (1, 0)]),
+            joint(kind, [(2, edges), (1, edges)]),
+        ],
+        loads: vec![steady(force_on(edges, FORCE * Vector3::x()))],
+        ..Scene::default()
     };
-    let rods = [
-        ("left", [0.0; 3], [0.0, 0.0, LENGTH]),
-        ("beam", [0.0, 0.0, LENGTH], [LENGTH, 0.0, LENGTH]),
-        ("right", [LENGTH, 0.0, 0.0], [LENGTH, 0.0, LENGTH]),
-    ];
-    let rest = format!(
-        "[[clamps]]\nrod = \"left\"\nat = \"start\"\n[[clamps]]\nrod = \"right\"\nat = \"start\"\n\
-         [[joints]]\nkind = \"{joint}\"\nrods = [\"left\", \"beam\"]\nat = [\"end\", \"start\"]\n{axis}\
-         [[joints]]\nkind = \"{joint}\"\nrods = [\"right\", \"beam\"]\nat = [\"end\", \"end\"]\n{axis}\
-         [[loads]]\nkind = \"force\"\nrod = \"left\"\nat = \"end\"\nforce = [{FORCE:?}, 0, 0]\n[time]\nmode = \"static\"\n"
-    );
-    let text = scene_of(&rods, edges, &rest);
-    let simulation = at_rest(&text)?;
-    Ok(moved(&simulation, &prepared(&text)?.scene, 0, edges).x)
+    Ok(deflection(&scene, 0, edges)?.x)
 }
 
-fn star_sag(edges: usize, joint: &str) -> Result<f64, GroupError> {
-    let arm = |turn: f64| {
-        let angle = std::f64::consts::TAU * turn;
-        [LENGTH * libm::cos(angle), LENGTH * libm::sin(angle), 0.0]
+fn star_sag(edges: usize, kind: JointKind) -> Result<f64, SimulationError> {
+    let arm = |part: u8| {
+        let (sine, cosine) = libm::sincos(TAU * f64::from(part) / 3.0);
+        let foot = LENGTH * Vector3::new(cosine, sine, 0.0);
+        bar(foot, Vector3::zeros(), edges, 1000.0)
     };
-    let rods = [
-        ("a", arm(0.0), [0.0; 3]),
-        ("b", arm(1.0 / 3.0), [0.0; 3]),
-        ("c", arm(2.0 / 3.0), [0.0; 3]),
-    ];
-    let mut rest = String::new();
-    for rod in ["a", "b", "c"] {
-        write!(rest, "[[clamps]]\nrod = \"{rod}\"\nat = \"start\"\n")?;
-    }
-    for rod in ["b", "c"] {
-        write!(
-            rest,
-            "[[joints]]\nkind = \"{joint}\"\nrods = [\"a\", \"{rod}\"]\nat = [\"end\", \"end\"]\n"
-        )?;
-    }
-    write!(
-        rest,
-        "[[loads]]\nkind = \"force\"\nrod = \"b\"\nat = \"end\"\nforce = [0, 0, {:?}]\n[time]\nmode = \"static\"\n",
-        -FORCE
-    )?;
-    let text = scene_of(&rods, edges, &rest);
-    let simulation = at_rest(&text)?;
-    Ok(-moved(&simulation, &prepared(&text)?.scene, 0, edges).z)
+    let scene = Scene {
+        rods: (0..3).map(arm).collect(),
+        clamps: (0..3).map(clamp_of).collect(),
+        joints: [1, 2]
+            .map(|rod| joint(kind, [(0, edges), (rod, edges)]))
+            .to_vec(),
+        loads: vec![steady(force_on(edges, -FORCE * Vector3::z()))],
+        ..Scene::default()
+    };
+    Ok(-deflection(&scene, 0, edges)?.z)
 }
 
 /// Deflection of the end of a rod that is welded across the middle of a clamped one.
-fn cross_deflection(edges: usize) -> Result<f64, GroupError> {
-    let half = 0.5 * LENGTH;
-    let rods = [
-        ("axle", [0.0, -half, 0.0], [0.0, half, 0.0]),
-        ("lever", [-half, 0.0, 0.0], [half, 0.0, 0.0]),
-    ];
-    let rest = format!(
-        "[[clamps]]\nrod = \"axle\"\nat = \"start\"\n[[clamps]]\nrod = \"axle\"\nat = \"end\"\n\
-         [[joints]]\nkind = \"rigid\"\nrods = [\"axle\", \"lever\"]\nat = [{0}, {0}]\n\
-         [[loads]]\nkind = \"force\"\nrod = \"lever\"\nat = \"end\"\nforce = [0, 0, {FORCE:?}]\n\
-         [[loads]]\nkind = \"force\"\nrod = \"lever\"\nat = \"start\"\nforce = [0, 0, {1:?}]\n[time]\nmode = \"static\"\n",
-        edges / 2,
-        -FORCE
-    );
-    let text = scene_of(&rods, edges, &rest);
-    let simulation = at_rest(&text)?;
-    Ok(moved(&simulation, &prepared(&text)?.scene, 1, edges).z)
+fn cross_deflection(edges: usize) -> Result<f64, SimulationError> {
+    let across = |half: Vector3| bar(-half, half, edges, 1000.0);
+    let pull = |node: usize, force: f64| {
+        steady(LoadKind::Force {
+            rod: 1,
+            node,
+            force: force * Vector3::z(),
+        })
+    };
+    let scene = Scene {
+        rods: [Vector3::y(), Vector3::x()]
+            .map(|axis| across(0.5 * LENGTH * axis))
+            .to_vec(),
+        clamps: vec![clamp(0), clamp(edges)],
+        joints: vec![joint(JointKind::Rigid, [(0, edges / 2), (1, edges / 2)])],
+        loads: vec![pull(edges, FORCE), pull(0, -FORCE)],
+        ..Scene::default()
+    };
+    Ok(deflection(&scene, 1, edges)?.z)
+}
+
+const GRAVITY: f64 = 9.81;
+
+/// Two rods that hang from a hinge and from each other, with places of hinge, joint and end.
+fn two_hanging(places: [Vector3; 3], edges: usize, density: f64) -> Scene {
+    let [hinge, middle, end] = places;
+    Scene {
+        rods: vec![
+            bar(hinge, middle, edges, density),
+            bar(middle, end, edges, density),
+        ],
+        clamps: vec![Clamp {
+            holds_frame: false,
+            ..clamp(0)
+        }],
+        joints: vec![joint(JointKind::Ball, [(0, edges), (1, 0)])],
+        loads: vec![gravity(GRAVITY)],
+        ..Scene::default()
+    }
 }
 
 /// Two stiff rods that hang from a hinge and from each other: frequencies, and energy in a wide swing.
 fn double_pendulum() -> Result<Vec<Check>, GroupError> {
-    let gravity = 9.81;
-    let rest = |time: &str| {
-        format!(
-            "[[clamps]]\nrod = \"upper\"\nat = \"start\"\nhold = \"position\"\n\
-             [[joints]]\nkind = \"ball\"\nrods = [\"upper\", \"lower\"]\nat = [\"end\", \"start\"]\n\
-             [[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, {:?}]\n[time]\n{time}\n",
-            -gravity
-        )
-    };
-    let hanging = [
-        ("upper", [0.0; 3], [0.0, 0.0, -LENGTH]),
-        ("lower", [0.0, 0.0, -LENGTH], [0.0, 0.0, -2.0 * LENGTH]),
-    ];
     // Spin about their own axes costs no energy: what is soft there is left out by a little drag of the static state.
-    let text = scene_of(&hanging, 20, &rest("mode = \"static\""))
-        .replace("density = 1000.0", "density = 10.0");
-    let mut simulation = at_rest(&text)?;
+    let hanging = [0.0, -LENGTH, -2.0 * LENGTH].map(|z| Vector3::new(0.0, 0.0, z));
+    let scene = two_hanging(hanging, 20, 10.0);
+    let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
+    simulation.find_equilibrium()?;
     let found = swinging(&mut simulation)?;
     // With λ = ω² l/g of two uniform rods: (3/2 − 4λ/3)(1/2 − λ/3) = λ²/4.
     let (a, b, c): (f64, f64, f64) = (7.0 / 36.0, -7.0 / 6.0, 0.75);
@@ -254,39 +210,27 @@ fn double_pendulum() -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for (mode, sign) in [(1, -1.0), (2, 1.0)] {
         let square = (-b + sign * root) / (2.0 * a);
-        checks.push(PENDULUM.relative(
-            format!("double pendulum of stiff rods in a ball joint, mode {mode}: ω"),
-            "rad/s",
-            (square * gravity / LENGTH).sqrt(),
-            found[2 * mode - 2],
-            BOUND,
-        ));
+        let name = format!("double pendulum of stiff rods in a ball joint, mode {mode}: ω");
+        let (expected, got) = ((square * GRAVITY / LENGTH).sqrt(), found[2 * mode - 2]);
+        checks.push(PENDULUM.of(name, "rad/s").relative(expected, got, BOUND));
     }
-    let raised = [
-        ("upper", [0.0; 3], [LENGTH, 0.0, 0.0]),
-        ("lower", [LENGTH, 0.0, 0.0], [LENGTH, LENGTH, 0.0]),
-    ];
-    let time = "scheme = \"implicit-midpoint\"\nstep = 2e-4\nend = 1.0";
-    let prepared = prepared(&scene_of(&raised, 10, &rest(time)))?;
-    let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
-    let total = |simulation: &Simulation| {
-        let energies = simulation.energies();
-        energies.total()
+    let raised = [[0.0, 0.0], [LENGTH, 0.0], [LENGTH, LENGTH]];
+    let scene = two_hanging(raised.map(|[x, y]| Vector3::new(x, y, 0.0)), 10, 1000.0);
+    let parameters = IntegrationParameters {
+        scheme: Scheme::ImplicitMidpoint,
+        ..steps_of(2e-4)
     };
-    let (start, mut kinetic, mut worst) = (total(&simulation), 0.0_f64, 0.0_f64);
+    let mut simulation = Simulation::new(&scene, &parameters)?;
+    let start = simulation.energies().total();
+    let (mut kinetic, mut worst) = (0.0_f64, 0.0_f64);
     while simulation.time() < 1.0 {
         simulation.advance(1.0)?;
-        kinetic = kinetic.max(simulation.energies().kinetic);
-        worst = worst.max((total(&simulation) - start).abs());
+        let energies = simulation.energies();
+        kinetic = kinetic.max(energies.kinetic);
+        worst = worst.max((energies.total() - start).abs());
     }
-    checks.push(KEPT.scaled(
-        "double pendulum, wide swing for 1 s, midpoint rule: energy gained or lost, of the largest kinetic energy",
-        "J",
-        0.0,
-        worst,
-        kinetic,
-        1e-3,
-    ));
+    let name = "double pendulum, wide swing for 1 s, midpoint rule: energy gained or lost, of the largest kinetic energy";
+    checks.push(KEPT.of(name, "J").scaled(0.0, worst, kinetic, 1e-3));
     Ok(checks)
 }
 
@@ -306,123 +250,100 @@ fn swinging(simulation: &mut Simulation) -> Result<Vec<f64>, GroupError> {
     let held = DMatrix::from_fn(unknowns.len(), unknowns.len(), |i, j| {
         stiffness[(i, j)] + if i == j { spring(i) } else { 0.0 }
     });
-    let factor = held.cholesky().ok_or("not stable")?.unpack();
-    let half = factor
-        .solve_lower_triangular(&simulation.mass_matrix())
-        .ok_or("not stable")?;
-    let matrix = factor
-        .solve_lower_triangular(&half.transpose())
-        .ok_or("not stable")?;
-    let eigenvalues = matrix.symmetric_eigenvalues();
-    let mut all: Vec<f64> = eigenvalues
-        .iter()
-        .map(|inverse| 1.0 / inverse.max(0.0).sqrt())
-        .collect();
-    all.sort_by(f64::total_cmp);
-    Ok(all)
+    frequencies_of(held, &simulation.mass_matrix())
 }
 
 /// A heavy disk at the end of a cantilever without mass of its own: frequencies, and its motion after an impulse.
 fn disk() -> Result<Vec<Check>, GroupError> {
     let (mass, radius): (f64, f64) = (0.1, 0.03);
     let inertia = 0.25 * mass * radius * radius;
-    let rods = [("rod", [0.0; 3], [LENGTH, 0.0, 0.0])];
-    let rest = |time: &str| {
-        format!(
-            "[[clamps]]\nrod = \"rod\"\nat = \"start\"\n\
-             [[bodies]]\nrod = \"rod\"\nat = \"end\"\nmass = {mass:?}\nshape = {{ kind = \"disk\", radius = {radius:?} }}\n\
-             [time]\n{time}\n"
-        )
+    let mut scene = Scene {
+        rods: vec![bar(Vector3::zeros(), LENGTH * Vector3::x(), 40, 0.1)],
+        clamps: vec![clamp(0)],
+        bodies: vec![Body {
+            inertia: Some([inertia, inertia, 2.0 * inertia]),
+            ball: None,
+            ..Body::uniform_ball(RodNode { rod: 0, node: 40 }, mass, radius)
+        }],
+        ..Scene::default()
     };
-    let light = |text: String| text.replace("density = 1000.0", "density = 0.1");
-    let mut simulation = at_rest(&light(scene_of(&rods, 40, &rest("mode = \"static\""))))?;
+    let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
+    simulation.find_equilibrium()?;
     let found = frequencies(&mut simulation)?;
     let stiffness = Matrix2::new(12.0, -6.0 * LENGTH, -6.0 * LENGTH, 4.0 * LENGTH * LENGTH)
         * (BENDING / LENGTH.powi(3));
     let scales = [1.0 / mass.sqrt(), 1.0 / inertia.sqrt()];
     let scaled = Matrix2::from_fn(|i, j| stiffness[(i, j)] * scales[i] * scales[j]);
     let eigen = scaled.symmetric_eigen();
-    let mut theory: Vec<f64> = eigen
-        .eigenvalues
-        .iter()
-        .map(|square| square.sqrt())
-        .collect();
-    theory.sort_by(f64::total_cmp);
-    let near = |expected: f64| {
-        let differences = found.iter().copied();
-        differences.min_by(|a, b| (a - expected).abs().total_cmp(&(b - expected).abs()))
-    };
+    let theory = ascending(eigen.eigenvalues.iter().map(|square| square.sqrt()));
     let mut checks = Vec::new();
-    for (mode, expected) in theory.iter().enumerate() {
-        checks.push(DISK.relative(
-            format!("heavy disk on a cantilever, bending mode {}: ω", mode + 1),
-            "rad/s",
-            *expected,
-            near(*expected).unwrap_or(f64::NAN),
-            BOUND,
-        ));
+    for (mode, &expected) in theory.iter().enumerate() {
+        let name = format!("heavy disk on a cantilever, bending mode {}: ω", mode + 1);
+        let got = nearest(&found, expected);
+        checks.push(DISK.of(name, "rad/s").relative(expected, got, BOUND));
     }
     // Thrown sideways with a small velocity it moves as the sum of both modes.
-    let (speed, end) = (1e-3, std::f64::consts::TAU / theory[0] * 3.2);
-    let time = format!(
-        "scheme = \"backward-differences\"\nstep = {:?}\nend = {end:?}",
-        end / 4000.0
-    );
-    let text = light(scene_of(&rods, 40, &rest(&time)));
-    let mut prepared = prepared(&text)?;
-    prepared.scene.rods[0].velocity = Vector3::new(0.0, speed, 0.0);
-    let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
-    while simulation.time() < end {
-        simulation.advance(end)?;
-    }
-    let expected: f64 = (0..2)
-        .map(|k| {
-            let frequency = eigen.eigenvalues[k].sqrt();
-            let part = eigen.eigenvectors[(0, k)];
-            speed * part * part * libm::sin(frequency * end) / frequency
-        })
-        .sum();
-    checks.push(DISK.scaled(
-        "heavy disk, thrown sideways: deflection after 3.2 periods, of its amplitude",
-        "m",
-        expected,
-        moved(&simulation, &prepared.scene, 0, 40).y,
-        speed / theory[0],
-        3e-3,
-    ));
+    let (speed, end) = (1e-3, TAU / theory[0] * 3.2);
+    scene.rods[0].velocity = Vector3::new(0.0, speed, 0.0);
+    let simulation = run(&scene, Scheme::BackwardDifferences, end / 4000.0, end)?;
+    let parts = (0..2).map(|k| {
+        let frequency = eigen.eigenvalues[k].sqrt();
+        let part = eigen.eigenvectors[(0, k)];
+        speed * part * part * libm::sin(frequency * end) / frequency
+    });
+    let (expected, amplitude) = (parts.sum(), speed / theory[0]);
+    let name = "heavy disk, thrown sideways: deflection after 3.2 periods, of its amplitude";
+    let got = simulation.positions()[40].y;
+    checks.push(DISK.of(name, "m").scaled(expected, got, amplitude, 3e-3));
     Ok(checks)
+}
+
+/// A square lattice of a material, by its keys, and so many rods each way, in pieces of so many edges.
+fn lattice(material: &str, rods: usize, edges: usize, rest: &str) -> String {
+    format!(
+        "experiment = \"scene\"\n[material]\n{material}\ndensity = 1000.0\n\
+         [[networks]]\nname = \"net\"\nrod = {{ radius = {RADIUS:?}, edges = {edges} }}\n\
+         shape = {{ kind = \"grid\", corner = [{0:?}, {0:?}, 0], sides = [[{LENGTH:?}, 0, 0], [0, {LENGTH:?}, 0]], rods = [{rods}, {rods}] }}\n{rest}",
+        -0.5 * LENGTH
+    )
 }
 
 /// A flat lattice whose corners are pushed towards each other: how far the dome is from symmetric, of its height.
 fn gridshell() -> Result<Check, GroupError> {
-    let (rods, half) = (5, 0.5 * LENGTH);
-    let text = format!(
-        "experiment = \"scene\"\n[material]\nyoungs_modulus = \"1 GPa\"\npoissons_ratio = 0.3\ndensity = 1000.0\n\
-         [[networks]]\nname = \"shell\"\nrod = {{ radius = {RADIUS:?}, edges = 3 }}\n\
-         shape = {{ kind = \"grid\", corner = [{0:?}, {0:?}, 0], sides = [[{LENGTH:?}, 0, 0], [0, {LENGTH:?}, 0]], rods = [{rods}, {rods}] }}\n\
-         boundary = {{ ends = \"corners\", scale = [[0.2, 1], [1, 0.9]] }}\n\
+    let rods = 5;
+    let text = lattice(
+        "youngs_modulus = \"1 GPa\"\npoissons_ratio = 0.3",
+        rods,
+        3,
+        "boundary = { ends = \"corners\", scale = [[0.2, 1], [1, 0.9]] }\n\
          [[loads]]\nkind = \"distributed\"\nforce_per_length = [0, 0, 0.05]\n\
          [[loads]]\nkind = \"drag\"\ntranslation = 0.1\n[time]\nstep = 2e-3\nend = 1.0\n",
-        -half
     );
-    let prepared = prepared(&text)?;
-    let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
-    while simulation.time() < 1.0 {
-        simulation.advance(1.0)?;
-    }
+    let mut simulation = moved(&text, &[], 1.0)?;
     simulation.find_equilibrium()?;
     let (worst, height) = asymmetry(&simulation, rods, 3 * (rods - 1) + 1);
     if height < 0.1 * LENGTH {
         return Err(format!("the lattice rose by {height} m only").into());
     }
-    Ok(MIRRORED.scaled(
-        "gridshell of 5 × 5 laths from a flat lattice, corners pushed in by 10 %: asymmetry, of its height",
-        "m",
-        0.0,
-        worst,
-        height,
-        1e-9,
-    ))
+    let name = "gridshell of 5 × 5 laths from a flat lattice, corners pushed in by 10 %: asymmetry, of its height";
+    Ok(MIRRORED.of(name, "m").scaled(0.0, worst, height, 1e-9))
+}
+
+/// A square net of balls under its weight, held at its corners: how far it is from symmetric, of its sag.
+fn net(rods: usize) -> Result<Check, GroupError> {
+    let text = lattice(
+        "youngs_modulus = \"1 MPa\"\npoissons_ratio = 0.5",
+        rods,
+        2,
+        "boundary = { ends = \"corners\" }\n\
+         [[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, -9.81]\n[time]\nmode = \"static\"\n",
+    );
+    let simulation = at_rest(&text, &[])?;
+    let (worst, sag) = asymmetry(&simulation, rods, 2 * (rods - 1) + 1);
+    let name = format!(
+        "net of {rods} × {rods} rods in ball joints under its weight: asymmetry, of its sag"
+    );
+    Ok(MIRRORED.of(name, "m").scaled(0.0, worst, sag, 1e-9))
 }
 
 /// Largest difference of heights (m) at places of a square grid that its symmetry makes the same, and the largest height.
@@ -445,29 +366,4 @@ fn asymmetry(simulation: &Simulation, rods: usize, nodes: usize) -> (f64, f64) {
         }
     }
     (worst, largest)
-}
-
-/// A square net of balls under its weight, held at its corners: how far it is from symmetric, of its sag.
-fn net(rods: usize) -> Result<Check, GroupError> {
-    let half = 0.5 * LENGTH;
-    let text = format!(
-        "experiment = \"scene\"\n[material]\nyoungs_modulus = \"1 MPa\"\npoissons_ratio = 0.5\ndensity = 1000.0\n\
-         [[networks]]\nname = \"net\"\nrod = {{ radius = {RADIUS:?}, edges = 2 }}\n\
-         shape = {{ kind = \"grid\", corner = [{0:?}, {0:?}, 0], sides = [[{LENGTH:?}, 0, 0], [0, {LENGTH:?}, 0]], rods = [{rods}, {rods}] }}\n\
-         boundary = {{ ends = \"corners\" }}\n\
-         [[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, -9.81]\n[time]\nmode = \"static\"\n",
-        -half
-    );
-    let simulation = at_rest(&text)?;
-    let (worst, sag) = asymmetry(&simulation, rods, 2 * (rods - 1) + 1);
-    Ok(MIRRORED.scaled(
-        format!(
-            "net of {rods} × {rods} rods in ball joints under its weight: asymmetry, of its sag"
-        ),
-        "m",
-        0.0,
-        worst,
-        sag,
-        1e-9,
-    ))
 }

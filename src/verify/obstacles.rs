@@ -1,32 +1,15 @@
 //! Obstacles of every shape, through scenario files: ropes over round ones, a beam lifted by an edge and by a ball, rods that
 //! buckle in a tube.
 
-use super::friction::leg_tensions;
-use super::scenario::simulation;
-use super::theory::friction::Capstan;
+use super::friction::{POST_RADIUS, capstan_check, leg_tensions, rope_over_post};
+use super::scenario::{moved, simulation};
 use super::{Check, Expectation, GroupError, sleeve, tube_buckling};
 use rodlab_engine::mechanics::Vector3;
 use std::f64::consts::PI;
-use std::fmt::Write;
 
-const CAPSTAN: Expectation = Expectation {
-    formula: "T₂ = T₁ exp(μφ), corrected for EI",
-    source: "Euler; balance of the elastica",
-};
-const LIFTED: Expectation = Expectation {
-    formula: "F = 3 EI w/a³",
-    source: "Euler–Bernoulli",
-};
-const FACETED: Expectation = Expectation {
-    formula: "force at a ball of formula",
-    source: "",
-};
+const LIFTED: Expectation = Expectation::new("F = 3 EI w/a³", "Euler–Bernoulli");
+const FACETED: Expectation = Expectation::new("force at a ball of formula", "");
 
-/// Rope and post, m; see the scene.
-const POST_RADIUS: f64 = 0.02;
-const ROPE_RADIUS: f64 = 1e-3;
-const WRAP_RADIUS: f64 = POST_RADIUS + ROPE_RADIUS;
-const FRICTION: f64 = 0.3;
 /// Bending and stretching stiffness of the rope, N m² and N.
 const BENDING: f64 = 4.41e-6;
 const STRETCHING: f64 = 1e3;
@@ -58,7 +41,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
 }
 
 fn capstan(over: &str, model: &str, shape: &str) -> Result<Check, GroupError> {
-    let nodes = rope();
+    let nodes = rope_over_post(WRAPPED_EDGES, LEG_EDGES, 3e-3);
     let points: Vec<[f64; 3]> = nodes.iter().map(|x| (*x).into()).collect();
     let overrides = [
         format!("rods.0.shape.points={points:?}"),
@@ -66,41 +49,9 @@ fn capstan(over: &str, model: &str, shape: &str) -> Result<Check, GroupError> {
         format!("contact.model={model}"),
     ];
     let mut simulation = simulation(include_str!("scenes/rope.toml"), &overrides)?;
-    let [lesser, greater] = leg_tensions(&mut simulation, &nodes, STRETCHING, LEG_EDGES)?;
-    let theory = Capstan {
-        friction: FRICTION,
-        angle: PI,
-        bending: BENDING,
-        radius: WRAP_RADIUS,
-    };
-    let expected = theory.greater_tension(lesser);
-    Ok(CAPSTAN.relative(
-        format!("rope over {over}, μ = 0.3, half a turn, {model}: T₂/T₁"),
-        "",
-        expected / lesser,
-        greater / lesser,
-        5e-3,
-    ))
-}
-
-/// The nodes of the rope, from the weight over the post to the end that is pulled. They stand outside, so that the edges between
-/// them touch the post in their middle.
-fn rope() -> Vec<Vector3> {
-    let step = PI / WRAPPED_EDGES as f64;
-    let edge = 2.0 * WRAP_RADIUS * libm::tan(0.5 * step);
-    let corner = WRAP_RADIUS / libm::cos(0.5 * step);
-    let gap = 1.0 + 3e-3;
-    let leg = |k: usize, side: f64| Vector3::new(side * corner, -edge * k as f64, 0.0) * gap;
-    let around = |k: usize| {
-        let angle = PI - step * k as f64;
-        Vector3::new(libm::cos(angle), libm::sin(angle), 0.0) * (corner * gap)
-    };
-    (1..=LEG_EDGES)
-        .rev()
-        .map(|k| leg(k, -1.0))
-        .chain((0..=WRAPPED_EDGES).map(around))
-        .chain((1..=LEG_EDGES).map(|k| leg(k, 1.0)))
-        .collect()
+    let tensions = leg_tensions(&mut simulation, &nodes, STRETCHING, LEG_EDGES)?;
+    let name = format!("rope over {over}, μ = 0.3, half a turn, {model}: T₂/T₁");
+    Ok(capstan_check(name, tensions, BENDING, 5e-3))
 }
 
 /// The cylinder as a mesh with so many faces around it; its corners lie on the cylinder.
@@ -171,12 +122,7 @@ fn ball(centre: [f64; 3], radius: f64, cuts: usize) -> String {
 }
 
 fn mesh(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> String {
-    let mut text = String::from("{ kind = \"mesh\", ");
-    let _ = write!(
-        text,
-        "vertices = {vertices:?}, triangles = {triangles:?} }}"
-    );
-    text
+    format!("{{ kind = \"mesh\", vertices = {vertices:?}, triangles = {triangles:?} }}")
 }
 
 /// Radius of the balls that lift the beam, m.
@@ -185,15 +131,9 @@ const BALL: f64 = 0.02;
 fn lifted_beam() -> Result<[Check; 2], GroupError> {
     let text = include_str!("scenes/pushed_beam.toml");
     let force = |overrides: &[String]| -> Result<f64, GroupError> {
-        let mut simulation = simulation(text, overrides)?;
-        while simulation.time() < 1.5 {
-            simulation.advance(1.5)?;
-        }
-        Ok(simulation
-            .contact_forces()
-            .iter()
-            .map(|force| force.z)
-            .sum())
+        let simulation = moved(text, overrides, 1.5)?;
+        let forces = simulation.contact_forces();
+        Ok(forces.iter().map(|force| force.z).sum())
     };
     // The centreline is lifted by what the edge has risen beyond its first touch, 1 mm.
     let (lift, arm, radius): (f64, f64, f64) = (0.005, 0.5, 2e-3);
@@ -206,19 +146,11 @@ fn lifted_beam() -> Result<[Check; 2], GroupError> {
     );
     let of_mesh = format!("obstacles.0.shape={}", ball(centre, BALL, 4));
     Ok([
-        LIFTED.relative(
-            "beam lifted by the edge of a box: force",
-            "N",
-            expected,
-            force(&[])?,
-            1e-2,
-        ),
-        FACETED.relative(
-            "beam lifted by a ball of 2048 triangles: force",
-            "N",
-            force(&[of_formula])?,
-            force(&[of_mesh])?,
-            1e-2,
-        ),
+        LIFTED
+            .of("beam lifted by the edge of a box: force", "N")
+            .relative(expected, force(&[])?, 1e-2),
+        FACETED
+            .of("beam lifted by a ball of 2048 triangles: force", "N")
+            .relative(force(&[of_formula])?, force(&[of_mesh])?, 1e-2),
     ])
 }

@@ -9,14 +9,8 @@ use rodlab_engine::mechanics::fluid::FluidModel;
 use rodlab_engine::mechanics::scene::{LoadKind, Scene};
 use std::f64::consts::PI;
 
-const GLIDING: Expectation = Expectation {
-    formula: "U = f L/(F/U)",
-    source: "dense solution of the rigid rod",
-};
-const AT_REST: Expectation = Expectation {
-    formula: "f L⁴/(8 EI)",
-    source: "Euler–Bernoulli beam",
-};
+const GLIDING: Expectation = Expectation::new("U = f L/(F/U)", "dense solution of the rigid rod");
+const AT_REST: Expectation = Expectation::new("f L⁴/(8 EI)", "Euler–Bernoulli beam");
 const LENGTH: f64 = 0.02;
 const RADIUS: f64 = 1e-4;
 const EDGES: usize = 40;
@@ -42,27 +36,17 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         ("backward differences", Scheme::BackwardDifferences),
     ] {
         let gliding = run(&scene(&nodes, Vector3::x(), false), scheme, 1e-3, 0.02)?;
-        checks.push(GLIDING.relative(
-            format!("filament without inertia pulled along itself, {name}: speed"),
-            "m/s",
-            LOAD * LENGTH / drag.x,
-            gliding.velocities()[EDGES / 2].x,
-            1e-3,
-        ));
+        let name = format!("filament without inertia pulled along itself, {name}: speed");
+        let expected = LOAD * LENGTH / drag.x;
+        let got = gliding.velocities()[EDGES / 2].x;
+        checks.push(GLIDING.of(name, "m/s").relative(expected, got, 1e-3));
     }
-    let bent = run(
-        &scene(&nodes, Vector3::z(), true),
-        Scheme::BackwardDifferences,
-        1e-2,
-        5.0,
-    )?;
-    checks.push(AT_REST.relative(
-        "clamped filament that has relaxed in a fluid, backward differences: tip",
-        "m",
-        LOAD * LENGTH.powi(4) / (8.0 * YOUNG * 0.25 * PI * RADIUS.powi(4)),
-        bent.positions()[EDGES].z,
-        1e-3,
-    ));
+    let clamped = scene(&nodes, Vector3::z(), true);
+    let bent = run(&clamped, Scheme::BackwardDifferences, 1e-2, 5.0)?;
+    let name = "clamped filament that has relaxed in a fluid, backward differences: tip";
+    let expected = LOAD * LENGTH.powi(4) / (8.0 * YOUNG * 0.25 * PI * RADIUS.powi(4));
+    let got = bent.positions()[EDGES].z;
+    checks.push(AT_REST.of(name, "m").relative(expected, got, 1e-3));
     Ok(checks)
 }
 

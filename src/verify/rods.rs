@@ -34,6 +34,30 @@ pub fn round_rod(centreline: Vec<Vector3>, youngs_modulus: f64, radius: f64) -> 
     RodDescription::uniform("rod", centreline, stiffness, radius, mass_per_length)
 }
 
+/// A rod of unit stiffness along x, from the origin.
+pub fn straight(edges: usize) -> RodDescription {
+    unit_rod(line(Vector3::zeros(), Vector3::x(), edges))
+}
+
+/// Time steps of one size, s.
+pub fn steps_of(step: f64) -> IntegrationParameters {
+    IntegrationParameters {
+        step: StepSize::Fixed(step),
+        ..IntegrationParameters::default()
+    }
+}
+
+/// Moves a simulation up to a time, s.
+///
+/// # Errors
+/// What ends it earlier.
+pub fn run_until(simulation: &mut Simulation, end: f64) -> Result<(), SimulationError> {
+    while simulation.time() < end {
+        simulation.advance(end)?;
+    }
+    Ok(())
+}
+
 /// The simulation of a scene with steps of a size (s) up to a time (s).
 ///
 /// # Errors
@@ -46,14 +70,17 @@ pub fn run(
 ) -> Result<Simulation, SimulationError> {
     let parameters = IntegrationParameters {
         scheme,
-        step: StepSize::Fixed(step),
-        ..IntegrationParameters::default()
+        ..steps_of(step)
     };
     let mut simulation = Simulation::new(scene, &parameters)?;
-    while simulation.time() < end {
-        simulation.advance(end)?;
-    }
+    run_until(&mut simulation, end)?;
     Ok(simulation)
+}
+
+/// Largest distance of a node of one list from that of the other, m.
+pub fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
+    let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
+    distances.fold(0.0, f64::max)
 }
 
 /// Equally spaced nodes from `start` to `end`.
@@ -87,4 +114,13 @@ pub fn gravity(acceleration: f64) -> Load {
     steady(LoadKind::Gravity {
         acceleration: -acceleration * Vector3::z(),
     })
+}
+
+/// A force on a node of the first rod, N.
+pub fn force_on(node: usize, force: Vector3) -> LoadKind {
+    LoadKind::Force {
+        rod: 0,
+        node,
+        force,
+    }
 }

@@ -11,10 +11,8 @@ use rodlab_lab::experiment;
 use rodlab_lab::run::Mode;
 use rodlab_lab::scenario::Scales;
 
-const SCALE_INVARIANCE: Expectation = Expectation {
-    formula: "x(L, T, M; t T) = L x(t)",
-    source: "dimensional analysis",
-};
+const SCALE_INVARIANCE: Expectation =
+    Expectation::new("x(L, T, M; t T) = L x(t)", "dimensional analysis");
 const BOUND: f64 = 1e-10;
 /// Outputs of each motion.
 const OUTPUTS: usize = 10;
@@ -56,7 +54,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
             worst = worst.max(reference.difference(&scaled, &scales));
         }
         let name = format!("{name}, in nm to km: largest difference");
-        checks.push(SCALE_INVARIANCE.scaled(name, "", 0.0, worst, 1.0, BOUND));
+        checks.push(SCALE_INVARIANCE.of(name, "").zero(worst, BOUND));
     }
     Ok(checks)
 }

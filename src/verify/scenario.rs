@@ -1,6 +1,7 @@
 //! Scenes from scenario files, so that what a user writes is what is checked.
 
 use super::GroupError;
+use super::rods::run_until;
 use rodlab_engine::mechanics::dynamics::Simulation;
 use rodlab_lab::experiment;
 use rodlab_lab::run::PreparedRun;
@@ -16,4 +17,18 @@ pub(super) fn prepared(text: &str, overrides: &[String]) -> Result<PreparedRun, 
 pub(super) fn simulation(text: &str, overrides: &[String]) -> Result<Simulation, GroupError> {
     let prepared = prepared(text, overrides)?;
     Ok(Simulation::new(&prepared.scene, &prepared.integration)?)
+}
+
+/// The same at rest.
+pub(super) fn at_rest(text: &str, overrides: &[String]) -> Result<Simulation, GroupError> {
+    let mut simulation = simulation(text, overrides)?;
+    simulation.find_equilibrium()?;
+    Ok(simulation)
+}
+
+/// The same after it has moved up to a time, s.
+pub(super) fn moved(text: &str, overrides: &[String], end: f64) -> Result<Simulation, GroupError> {
+    let mut simulation = simulation(text, overrides)?;
+    run_until(&mut simulation, end)?;
+    Ok(simulation)
 }

@@ -5,13 +5,13 @@
 //! the tube is what the end has of both: P sin θ for a dead load P across the tube at an end that has turned by θ. With little clearance it is M²/2EI
 //! for the moment M at the mouth, as in a sleeve (Bigoni, Dal Corso, Bosi and Misseroni 2015).
 
-use super::scenario::simulation;
+use super::scenario::moved;
 use super::{Check, Expectation, GroupError};
 
-const PUSHED_OUT: Expectation = Expectation {
-    formula: "T = P sin θ",
-    source: "M²/2EI + T along a rod; Bigoni, Dal Corso, Bosi and Misseroni 2015",
-};
+const PUSHED_OUT: Expectation = Expectation::new(
+    "T = P sin θ",
+    "M²/2EI + T along a rod; Bigoni, Dal Corso, Bosi and Misseroni 2015",
+);
 
 /// The load at the end, N; see the scene.
 const LOAD: f64 = 0.028;
@@ -26,7 +26,7 @@ pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     for model in ["imc", "ipc", "complementarity"] {
         let [expected, got] = tensions(model, EDGES)?;
         let name = format!("rod bent out of a tube, {model}: tension that holds it in");
-        checks.push(PUSHED_OUT.relative(name, "N", expected, got, 2e-2));
+        checks.push(PUSHED_OUT.of(name, "N").relative(expected, got, 2e-2));
     }
     Ok(checks)
 }
@@ -37,10 +37,7 @@ fn tensions(model: &str, edges: usize) -> Result<[f64; 2], GroupError> {
         format!("rods.0.edges={edges}"),
         format!("contact.model={model}"),
     ];
-    let mut simulation = simulation(include_str!("scenes/sleeve.toml"), &overrides)?;
-    while simulation.time() < REST {
-        simulation.advance(REST)?;
-    }
+    let simulation = moved(include_str!("scenes/sleeve.toml"), &overrides, REST)?;
     let nodes = simulation.positions();
     let last = nodes[edges] - nodes[edges - 1];
     let expected = LOAD * -last.z / last.norm();

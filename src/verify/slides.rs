@@ -1,28 +1,18 @@
 //! Nodes that slide along rods, from scenario files, against closed forms.
 
+use super::check::order;
+use super::scenario::{at_rest, simulation};
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::Simulation;
-use rodlab_lab::experiment;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::Path;
 
-const FALL: Expectation = Expectation {
-    formula: "s = ½ g sin α t²",
-    source: "Galileo",
-};
-const KEPT: Expectation = Expectation {
-    formula: "E(t) = E(0)",
-    source: "conservation",
-};
-const RING: Expectation = Expectation {
-    formula: "(L−2c) sin α + 2d cos α = D, c = 4λ sin²(θ/4), d = 2λ sin(θ/2), θ = π/2 − α, λ² = EI/T, 2T cos α = W",
-    source: "statics, elastica",
-};
-const ORDER: Expectation = Expectation {
-    formula: "log₂(error at N / error at 2N)",
-    source: "second order",
-};
+const FALL: Expectation = Expectation::new("s = ½ g sin α t²", "Galileo");
+const KEPT: Expectation = Expectation::new("E(t) = E(0)", "conservation");
+const RING: Expectation = Expectation::new(
+    "(L−2c) sin α + 2d cos α = D, c = 4λ sin²(θ/4), d = 2λ sin(θ/2), θ = π/2 − α, λ² = EI/T, 2T cos α = W",
+    "statics, elastica",
+);
 
 /// A shuttle on an incline, a ring on a slack rope.
 pub fn checks() -> Result<Vec<Check>, GroupError> {
@@ -30,14 +20,8 @@ pub fn checks() -> Result<Vec<Check>, GroupError> {
     Ok([fall, ring].into_iter().flatten().collect())
 }
 
-fn simulation(text: &str) -> Result<Simulation, GroupError> {
-    let loaded = experiment::from_text("scene", text, Path::new(""), &[])?;
-    let prepared = experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
-    Ok(Simulation::new(&prepared.scene, &prepared.integration)?)
-}
-
 fn incline() -> Result<[Check; 2], GroupError> {
-    let mut simulation = simulation(include_str!("scenes/shuttle_on_incline.toml"))?;
+    let mut simulation = simulation(include_str!("scenes/shuttle_on_incline.toml"), &[])?;
     let energy = |simulation: &Simulation| simulation.energies().total();
     let (start, end) = (energy(&simulation), 0.4);
     let mut worst = 0.0_f64;
@@ -47,22 +31,15 @@ fn incline() -> Result<[Check; 2], GroupError> {
     }
     let place = simulation.positions()[81];
     let kinetic = simulation.energies().kinetic;
+    let name = "shuttle that slides down a wire over fifty of its edges, midpoint rule: way";
     Ok([
-        FALL.relative(
-            "shuttle that slides down a wire over fifty of its edges, midpoint rule: way",
-            "m",
-            0.5 * 9.81 * 0.8 * end * end,
-            place.norm() - 0.05,
-            1e-9,
-        ),
-        KEPT.scaled(
+        FALL.of(name, "m")
+            .relative(0.5 * 9.81 * 0.8 * end * end, place.norm() - 0.05, 1e-9),
+        KEPT.of(
             "the same: energy gained or lost, of its kinetic energy",
             "J",
-            0.0,
-            worst,
-            kinetic,
-            1e-9,
-        ),
+        )
+        .scaled(0.0, worst, kinetic, 1e-9),
     ])
 }
 
@@ -82,29 +59,15 @@ fn ring_on_rope() -> Result<[Check; 2], GroupError> {
         let text = file
             .replace("edges = 80", &format!("edges = {edges}"))
             .replace("\"start\", 40", &format!("\"start\", {}", edges / 2));
-        let mut simulation = simulation(&text)?;
-        simulation.find_equilibrium()?;
-        Ok(simulation.positions()[edges + 1])
+        Ok(at_rest(&text, &[])?.positions()[edges + 1])
     };
     let fine = place(80)?;
     let off = (place(40)?.z - expected.z) / (fine.z - expected.z);
+    let name = "ring on a slack rope between posts of different heights: distance from where it rests, of the length of the rope";
+    let distance = (fine - expected).norm();
     Ok([
-        RING.scaled(
-            "ring on a slack rope between posts of different heights: distance from where it rests, of the length of the rope",
-            "m",
-            0.0,
-            (fine - expected).norm(),
-            LENGTH,
-            1e-3,
-        ),
-        ORDER.scaled(
-            "the same, height, 40 to 80 edges: order",
-            "",
-            2.0,
-            libm::log2(off),
-            1.0,
-            0.2,
-        ),
+        RING.of(name, "m").scaled(0.0, distance, LENGTH, 1e-3),
+        order("the same, height, 40 to 80 edges: order", off),
     ])
 }
 

@@ -4,30 +4,51 @@
 //! keys are understood: the sides of a section, the director, the signs of natural curvatures and twist, of forces and
 //! moments, the handedness of a helix. The theory has its own numbers.
 
+use super::check::order;
+use super::rods::farthest;
+use super::scenario::at_rest;
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::dynamics::Simulation;
 use rodlab_engine::mechanics::kirchhoff::SpatialCantilever;
-use rodlab_lab::experiment;
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 
-const KIRCHHOFF: Expectation = Expectation {
-    formula: "m' = −r' × n, m·dᵢ = Kᵢ (uᵢ − ûᵢ)",
-    source: "Kirchhoff rod, multiple shooting",
-};
-const ORDER: Expectation = Expectation {
-    formula: "log₂(error at N / error at 2N)",
-    source: "second order",
-};
+const KIRCHHOFF: Expectation = Expectation::new(
+    "m' = −r' × n, m·dᵢ = Kᵢ (uᵢ − ûᵢ)",
+    "Kirchhoff rod, multiple shooting",
+);
 /// Steps of the theory, a multiple of all numbers of edges.
 const STEPS: usize = 400;
 const GRAVITY: f64 = 9.81;
 
-/// A scenario file, and what the theory makes of what it says.
+/// Strips and springs of scenario files without loads.
+const STRIP: &str = include_str!("scenes/strip.toml");
+const SPRING: &str = include_str!("scenes/spring.toml");
+
+/// Loads, as they are added to the files.
+const WEIGHT: &str = "[[loads]]\nkind = 'gravity'\nacceleration = [0, 0, -9.81]\n";
+const WIND: &str =
+    "[[loads]]\nkind = 'distributed'\nrod = 'strip'\nforce_per_length = [0.1, -0.3, 0.2]\n";
+const MOMENT: &str =
+    "[[loads]]\nkind = 'moment'\nrod = 'strip'\nat = 'end'\nmoment = [0, -0.03, 0]\n";
+const PULL: &str =
+    "[[loads]]\nkind = 'force'\nrod = 'strip'\nat = 'end'\nforce = [-0.05, 0.2, 0.1]\n";
+const PULL_OF_SPRING: &str =
+    "[[loads]]\nkind = 'force'\nrod = 'spring'\nat = 'end'\nforce = [0.01, -0.02, -0.05]\n";
+
+/// A strip that would be a helix. It is placed straight, along the first tangent of that.
+const COILED: [&str; 3] = [
+    "rods.0.shape={ kind = \"straight\", start = [0, 0, 0], end = [0, 0.8, 0.6] }",
+    "rods.0.natural_shape={ kind = \"helix\", centre = [0, 0, 0], radius = \"0.2 m\", pitch = 0.9424777960769379, length = \"0.6 m\" }",
+    "rods.0.director=[-0.8, -0.36, 0.48]",
+];
+
+/// A scenario, and what the theory makes of what it says.
 struct Case {
     name: &'static str,
-    text: &'static str,
+    /// Its file, loads that are added, and keys that are set to other values.
+    file: &'static str,
+    loads: &'static [&'static str],
+    keys: &'static [&'static str],
     /// Edges of the coarser mesh; the finer has twice as many.
     edges: usize,
     theory: SpatialCantilever<fn(f64) -> [f64; 3]>,
@@ -46,81 +67,84 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
 
 fn cases() -> [Case; 7] {
     let weight = Vector3::new(0.0, 0.0, -1000.0 * GRAVITY * 12e-3 * 4e-3);
+    let weight_of_wire = Vector3::new(0.0, 0.0, -8000.0 * GRAVITY * PI * 1e-6);
     let tilted = Vector3::new(0.0, 0.8, 0.6);
-    let wire = Vector3::new(0.0, 0.0, -8000.0 * GRAVITY * PI * 1e-6);
+    let straight = || strip(Vector3::x(), tilted, |_| [0.0; 3]);
+    let of_strip = |name, loads, theory| Case {
+        name,
+        file: STRIP,
+        loads,
+        keys: &[],
+        edges: 50,
+        theory,
+        bound: 2e-5,
+    };
+    let of_spring = |name, loads, theory| Case {
+        file: SPRING,
+        edges: 100,
+        bound: 1e-4,
+        ..of_strip(name, loads, theory)
+    };
+    let own_weight = SpatialCantilever {
+        load_per_length: weight,
+        ..straight()
+    };
+    let pulled = SpatialCantilever {
+        load_per_length: weight,
+        end_force: Vector3::new(-0.05, 0.2, 0.1),
+        ..straight()
+    };
+    let turned = SpatialCantilever {
+        load_per_length: Vector3::new(0.1, -0.3, 0.2),
+        end_moment: Vector3::new(0.0, -0.03, 0.0),
+        ..straight()
+    };
+    let curved = SpatialCantilever {
+        load_per_length: weight,
+        ..strip(Vector3::x(), tilted, |_| [1.2, -0.7, 2.5])
+    };
+    let helical = SpatialCantilever {
+        load_per_length: weight,
+        ..strip(tilted, Vector3::new(-0.8, -0.36, 0.48), coiled)
+    };
+    let hanging = SpatialCantilever {
+        load_per_length: weight_of_wire,
+        ..spring()
+    };
+    let stretched = SpatialCantilever {
+        end_force: Vector3::new(0.01, -0.02, -0.05),
+        ..spring()
+    };
     [
+        of_strip("tilted strip, its weight", &[WEIGHT], own_weight),
+        of_strip(
+            "tilted strip, weight and end force",
+            &[WEIGHT, PULL],
+            pulled,
+        ),
+        of_strip("tilted strip, wind and end moment", &[WIND, MOMENT], turned),
         Case {
-            name: "tilted strip, its weight",
-            text: include_str!("scenes/tilted_strip.toml"),
-            edges: 50,
-            theory: SpatialCantilever {
-                load_per_length: weight,
-                ..strip(Vector3::x(), tilted, |_| [0.0; 3])
-            },
-            bound: 2e-5,
+            keys: &[
+                "rods.0.natural_curvature=[1.2, -0.7]",
+                "rods.0.natural_twist=2.5",
+            ],
+            ..of_strip(
+                "strip with natural curvatures and twist, its weight",
+                &[WEIGHT],
+                curved,
+            )
         },
         Case {
-            name: "tilted strip, weight and end force",
-            text: include_str!("scenes/pulled_strip.toml"),
-            edges: 50,
-            theory: SpatialCantilever {
-                load_per_length: weight,
-                end_force: Vector3::new(-0.05, 0.2, 0.1),
-                ..strip(Vector3::x(), tilted, |_| [0.0; 3])
-            },
-            bound: 2e-5,
-        },
-        Case {
-            name: "tilted strip, wind and end moment",
-            text: include_str!("scenes/turned_strip.toml"),
-            edges: 50,
-            theory: SpatialCantilever {
-                load_per_length: Vector3::new(0.1, -0.3, 0.2),
-                end_moment: Vector3::new(0.0, -0.03, 0.0),
-                ..strip(Vector3::x(), tilted, |_| [0.0; 3])
-            },
-            bound: 2e-5,
-        },
-        Case {
-            name: "strip with natural curvatures and twist, its weight",
-            text: include_str!("scenes/curved_strip.toml"),
-            edges: 50,
-            theory: SpatialCantilever {
-                load_per_length: weight,
-                ..strip(Vector3::x(), tilted, |_| [1.2, -0.7, 2.5])
-            },
-            bound: 2e-5,
-        },
-        Case {
-            name: "strip with a helix as natural shape, its weight",
-            text: include_str!("scenes/coiled_strip.toml"),
-            edges: 50,
-            theory: SpatialCantilever {
-                load_per_length: weight,
-                ..strip(tilted, Vector3::new(-0.8, -0.36, 0.48), coiled)
-            },
+            keys: &COILED,
             bound: 1e-4,
+            ..of_strip(
+                "strip with a helix as natural shape, its weight",
+                &[WEIGHT],
+                helical,
+            )
         },
-        Case {
-            name: "helical spring, its weight",
-            text: include_str!("scenes/hanging_spring.toml"),
-            edges: 100,
-            theory: SpatialCantilever {
-                load_per_length: wire,
-                ..spring()
-            },
-            bound: 1e-4,
-        },
-        Case {
-            name: "helical spring, end force",
-            text: include_str!("scenes/pulled_spring.toml"),
-            edges: 100,
-            theory: SpatialCantilever {
-                end_force: Vector3::new(0.01, -0.02, -0.05),
-                ..spring()
-            },
-            bound: 1e-4,
-        },
+        of_spring("helical spring, its weight", &[WEIGHT], hanging),
+        of_spring("helical spring, end force", &[PULL_OF_SPRING], stretched),
     ]
 }
 
@@ -208,48 +232,37 @@ impl Case {
     /// Order and extrapolated shape, with keys of the scenario set to other values.
     fn checks(&self, overrides: &[&str]) -> Result<[Check; 2], GroupError> {
         let exact = self.theory.points(STEPS).ok_or("no continuous solution")?;
-        let [coarse, fine] = [
-            equilibrium(self.text, self.edges, overrides)?,
-            equilibrium(self.text, 2 * self.edges, overrides)?,
-        ];
+        let coarse = self.equilibrium(self.edges, overrides)?;
+        let fine = self.equilibrium(2 * self.edges, overrides)?;
         let farthest = |nodes: &[Vector3]| {
-            let stride = STEPS / (nodes.len() - 1);
-            let points = exact.iter().step_by(stride);
-            let distances = nodes
-                .iter()
-                .zip(points)
-                .map(|(x, point)| (x - point).norm());
-            distances.fold(0.0, f64::max) / self.theory.length
+            let points = exact.iter().step_by(STEPS / (nodes.len() - 1));
+            farthest(nodes, &points.copied().collect::<Vec<_>>()) / self.theory.length
         };
         let extrapolated: Vec<Vector3> = coarse
             .iter()
             .zip(fine.iter().step_by(2))
             .map(|(coarse, fine)| fine + (fine - coarse) / 3.0)
             .collect();
-        let order = libm::log2(farthest(&coarse) / farthest(&fine));
         let (name, edges) = (self.name, self.edges);
-        let [of_order, of_limit] = [
-            format!("{name}, {edges} to {} edges: order", 2 * edges),
-            format!("{name}, extrapolated: farthest node"),
-        ];
-        let distance = farthest(&extrapolated);
+        let of_order = format!("{name}, {edges} to {} edges: order", 2 * edges);
+        let of_limit = format!("{name}, extrapolated: farthest node");
         Ok([
-            ORDER.scaled(of_order, "", 2.0, order, 1.0, 0.2),
-            KIRCHHOFF.scaled(of_limit, "L", 0.0, distance, 1.0, self.bound),
+            order(of_order, farthest(&coarse) / farthest(&fine)),
+            KIRCHHOFF
+                .of(of_limit, "L")
+                .zero(farthest(&extrapolated), self.bound),
         ])
     }
-}
 
-/// Nodes at rest, from the clamp.
-fn equilibrium(text: &str, edges: usize, overrides: &[&str]) -> Result<Vec<Vector3>, GroupError> {
-    let mut keys = vec![format!("rods.0.edges={edges}")];
-    keys.extend(overrides.iter().map(|&key| key.to_owned()));
-    let loaded = experiment::from_text("scene", text, Path::new(""), &keys)?;
-    let prepared = experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
-    let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
-    simulation.find_equilibrium()?;
-    let nodes = simulation.positions();
-    Ok(nodes.iter().map(|x| x - nodes[0]).collect())
+    /// Nodes at rest, from the clamp.
+    fn equilibrium(&self, edges: usize, overrides: &[&str]) -> Result<Vec<Vector3>, GroupError> {
+        let text = self.file.to_owned() + &self.loads.concat();
+        let mut keys = vec![format!("rods.0.edges={edges}")];
+        keys.extend(self.keys.iter().chain(overrides).map(|&key| key.into()));
+        let simulation = at_rest(&text, &keys)?;
+        let nodes = simulation.positions();
+        Ok(nodes.iter().map(|x| x - nodes[0]).collect())
+    }
 }
 
 #[cfg(test)]

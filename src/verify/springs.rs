@@ -1,7 +1,8 @@
 //! Springs between nodes and about hinges, from scenario files, against closed forms; those that turn frames are a file of
 //! their own.
 
-use super::scenario::simulation;
+use super::frequencies::frequencies_of;
+use super::scenario::{at_rest, moved, simulation};
 use super::{Check, Expectation, GroupError, turning_springs};
 use nalgebra::DMatrix;
 use rodlab_engine::mechanics::Vector3;
@@ -9,31 +10,13 @@ use rodlab_engine::mechanics::dynamics::Simulation;
 use rodlab_engine::mechanics::rod::STRIDE;
 use std::f64::consts::PI;
 
-const LENGTHENING: Expectation = Expectation {
-    formula: "Δ = Σ m g/k of all weights below",
-    source: "Hooke",
-};
-const ROW: Expectation = Expectation {
-    formula: "ω² = (3 ∓ √5)/2 k/m",
-    source: "Lagrange",
-};
-const ORBIT: Expectation = Expectation {
-    formula: "x = x₀ cos ωt, y = v₀/ω sin ωt, ω² = k/m",
-    source: "Newton",
-};
-const HINGE: Expectation = Expectation {
-    formula: "w = P L³/3EI + P b²/c",
-    source: "Euler–Bernoulli",
-};
+const LENGTHENING: Expectation = Expectation::new("Δ = Σ m g/k of all weights below", "Hooke");
+const ROW: Expectation = Expectation::new("ω² = (3 ∓ √5)/2 k/m", "Lagrange");
+const ORBIT: Expectation = Expectation::new("x = x₀ cos ωt, y = v₀/ω sin ωt, ω² = k/m", "Newton");
+const HINGE: Expectation = Expectation::new("w = P L³/3EI + P b²/c", "Euler–Bernoulli");
 
-const BREAK: Expectation = Expectation {
-    formula: "v √(km) sin ωt = F",
-    source: "Newton",
-};
-const FREED: Expectation = Expectation {
-    formula: "v cos ωt",
-    source: "Newton",
-};
+const BREAK: Expectation = Expectation::new("v √(km) sin ωt = F", "Newton");
+const FREED: Expectation = Expectation::new("v cos ωt", "Newton");
 
 /// Stiffness of the springs of the files, N/m, gravity, m/s², and mass of a body with its light rod, kg.
 const STIFFNESS: f64 = 50.0;
@@ -58,31 +41,19 @@ fn weights_in_a_row() -> Result<Vec<Check>, GroupError> {
     let hung = heights(&simulation);
     let fallen = [placed[0] - hung[0], placed[1] - hung[1]];
     let mut checks = Vec::new();
-    for (name, weights, lengthening) in [
+    for (name, weights, got) in [
         ("upper", 2.0, fallen[0]),
         ("lower", 1.0, fallen[1] - fallen[0]),
     ] {
-        checks.push(LENGTHENING.relative(
-            format!("two weights on springs in a row: lengthening of the {name} spring"),
-            "m",
-            weights * MASS * GRAVITY / STIFFNESS,
-            lengthening,
-            1e-6,
-        ));
+        let name = format!("two weights on springs in a row: lengthening of the {name} spring");
+        let expected = weights * MASS * GRAVITY / STIFFNESS;
+        checks.push(LENGTHENING.of(name, "m").relative(expected, got, 1e-6));
     }
     let found = vertical_frequencies(&mut simulation)?;
-    for (mode, sign) in [-1.0, 1.0].into_iter().enumerate() {
+    for (sign, mode, got) in [(-1.0, 1, found[0]), (1.0, 2, found[1])] {
         let square = 0.5 * (3.0 + sign * 5.0_f64.sqrt()) * STIFFNESS / MASS;
-        checks.push(ROW.relative(
-            format!(
-                "two weights on springs in a row, vertical mode {}: ω",
-                mode + 1
-            ),
-            "rad/s",
-            square.sqrt(),
-            found[mode],
-            1e-4,
-        ));
+        let name = format!("two weights on springs in a row, vertical mode {mode}: ω");
+        checks.push(ROW.of(name, "rad/s").relative(square.sqrt(), got, 1e-4));
     }
     Ok(checks)
 }
@@ -98,14 +69,8 @@ fn vertical_frequencies(simulation: &mut Simulation) -> Result<Vec<f64>, GroupEr
             of[(vertical[i], vertical[j])]
         })
     };
-    let (stiffness, masses) = (simulation.stiffness_matrix(), simulation.mass_matrix());
-    let factor = part(&masses).cholesky().ok_or("no mass")?.unpack();
-    let half = factor.solve_lower_triangular(&part(&stiffness));
-    let whole = factor.solve_lower_triangular(&half.ok_or("no mass")?.transpose());
-    let squares = whole.ok_or("no mass")?.symmetric_eigenvalues();
-    let mut all: Vec<f64> = squares.iter().map(|square| square.sqrt()).collect();
-    all.sort_by(f64::total_cmp);
-    Ok(all)
+    let stiffness = part(&simulation.stiffness_matrix());
+    frequencies_of(stiffness, &part(&simulation.mass_matrix()))
 }
 
 fn orbit() -> Result<Check, GroupError> {
@@ -120,57 +85,39 @@ fn orbit() -> Result<Check, GroupError> {
         let across = Vector3::y() * (speed / frequency * libm::sin(phase));
         worst = worst.max((simulation.positions()[4] - along - across).norm());
     }
-    Ok(ORBIT.scaled(
-        "weight about a spring without length for 2.4 turns, midpoint rule: farthest from the ellipse, of its axis",
-        "m",
-        0.0,
-        worst,
-        radius,
-        1e-3,
-    ))
+    let name = "weight about a spring without length for 2.4 turns, midpoint rule: farthest from the ellipse, of its axis";
+    Ok(ORBIT.of(name, "m").scaled(0.0, worst, radius, 1e-3))
 }
 
 fn broken_spring() -> Result<[Check; 2], GroupError> {
-    let mut simulation = simulation(include_str!("scenes/breaking_spring.toml"), &[])?;
-    let (speed, strength, end) = (2.0, 1.0, 0.02);
-    while simulation.time() < end {
-        simulation.advance(end)?;
-    }
+    let (speed, strength) = (2.0, 1.0);
+    let simulation = moved(include_str!("scenes/breaking_spring.toml"), &[], 0.02)?;
     let frequency = (STIFFNESS / MASS).sqrt();
     let phase = libm::asin(strength / (speed * (STIFFNESS * MASS).sqrt()));
     let [Some(found)] = simulation.breaks()[..] else {
         return Err("the spring holds".into());
     };
+    let name =
+        "weight that leaves on a spring: time at which it breaks at half of the largest force";
+    let velocity = simulation.velocities()[4].x;
     Ok([
-        BREAK.relative(
-            "weight that leaves on a spring: time at which it breaks at half of the largest force",
-            "s",
-            phase / frequency,
-            found.time,
-            1e-3,
-        ),
-        FREED.relative(
-            "the same: velocity after",
-            "m/s",
+        BREAK
+            .of(name, "s")
+            .relative(phase / frequency, found.time, 1e-3),
+        FREED.of("the same: velocity after", "m/s").relative(
             speed * libm::cos(phase),
-            simulation.velocities()[4].x,
+            velocity,
             1e-3,
         ),
     ])
 }
 
 fn hinge() -> Result<Check, GroupError> {
-    let mut simulation = simulation(include_str!("scenes/sprung_hinge.toml"), &[])?;
-    simulation.find_equilibrium()?;
+    let simulation = at_rest(include_str!("scenes/sprung_hinge.toml"), &[])?;
     let (force, arm, stiffness) = (1e-5, 0.1_f64, 0.01);
     let (length, bending) = (2.0 * arm, 1e9 * 0.25 * PI * 1e-12);
     let expected = force * (length.powi(3) / (3.0 * bending) + arm * arm / stiffness);
     let end = simulation.positions().last().ok_or("no nodes")?;
-    Ok(HINGE.relative(
-        "cantilever with a sprung hinge in its middle: deflection",
-        "m",
-        expected,
-        end.z,
-        1e-3,
-    ))
+    let name = "cantilever with a sprung hinge in its middle: deflection";
+    Ok(HINGE.of(name, "m").relative(expected, end.z, 1e-3))
 }

@@ -1,30 +1,19 @@
 //! Cantilevers that bend far, against the elastica.
 
-use super::rods::{clamp, gravity, line, steady, unit_rod};
+use super::check::order;
+use super::rods::{clamp, farthest, force_on, gravity, run_until, steady, steps_of, straight};
 use super::{Check, Expectation, GroupError};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{
-    IntegrationParameters, Scheme, Simulation, SimulationError, StepSize,
+    IntegrationParameters, Scheme, Simulation, SimulationError,
 };
 use rodlab_engine::mechanics::kirchhoff::{Cantilever, CantileverLoad};
 use rodlab_engine::mechanics::scene::{LoadKind, Scene};
 
-const HEAVY: Expectation = Expectation {
-    formula: "θ'' = −γ (1−s) cos θ",
-    source: "elastica by shooting",
-};
-const TIP_LOADED: Expectation = Expectation {
-    formula: "θ'' = −α cos θ",
-    source: "Bisshopp & Drucker 1945",
-};
-const ORDER: Expectation = Expectation {
-    formula: "log₂(error at N / error at 2N)",
-    source: "second order",
-};
-const RELAXED: Expectation = Expectation {
-    formula: "rest of damped motion = equilibrium",
-    source: "static solution",
-};
+const HEAVY: Expectation = Expectation::new("θ'' = −γ (1−s) cos θ", "elastica by shooting");
+const TIP_LOADED: Expectation = Expectation::new("θ'' = −α cos θ", "Bisshopp & Drucker 1945");
+const RELAXED: Expectation =
+    Expectation::new("rest of damped motion = equilibrium", "static solution");
 
 /// Ratio γ of weight to bending stiffness at which released codes were compared.
 const GAMMA: f64 = 15.696;
@@ -32,36 +21,27 @@ const GAMMA: f64 = 15.696;
 /// Shapes of heavy and tip-loaded cantilevers, order of convergence, and the same by damped motion.
 pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
-    let loads: &[(f64, f64)] = if full {
-        &[
-            (1.0, 3e-4),
-            (2.0, 3e-4),
-            (5.0, 3e-4),
-            (10.0, 3e-4),
-            (GAMMA, 3e-4),
-            (30.0, 7e-4),
-            (60.0, 7e-4),
-            (100.0, 7e-4),
-        ]
+    let gammas: &[f64] = if full {
+        &[1.0, 2.0, 5.0, 10.0, GAMMA, 30.0, 60.0, 100.0]
     } else {
-        &[(1.0, 3e-4), (GAMMA, 3e-4), (100.0, 7e-4)]
+        &[1.0, GAMMA, 100.0]
     };
-    for &(gamma, bound) in loads {
+    for &gamma in gammas {
+        let bound = if gamma > GAMMA { 7e-4 } else { 3e-4 };
         let error = shape_error(CantileverLoad::OwnWeight(gamma), 50)?;
         let name = format!("heavy cantilever, γ = {gamma}, 50 edges: farthest node");
-        checks.push(HEAVY.scaled(name, "m", 0.0, error, 1.0, bound));
+        checks.push(HEAVY.of(name, "m").zero(error, bound));
     }
     let error = |edges| shape_error(CantileverLoad::OwnWeight(GAMMA), edges);
     for edges in [50, 100] {
-        let order = libm::log2(error(edges)? / error(2 * edges)?);
         let name = format!("heavy cantilever, {edges} to {} edges: order", 2 * edges);
-        checks.push(ORDER.scaled(name, "", 2.0, order, 1.0, 0.2));
+        checks.push(order(name, error(edges)? / error(2 * edges)?));
     }
     checks.push(relaxation()?);
     for alpha in [1.0, 2.0, 5.0, 10.0] {
         let error = shape_error(CantileverLoad::TipForce(alpha), 50)?;
         let name = format!("tip-loaded cantilever, F L²/EI = {alpha}: farthest node");
-        checks.push(TIP_LOADED.scaled(name, "m", 0.0, error, 1.0, 5e-4));
+        checks.push(TIP_LOADED.of(name, "m").zero(error, 5e-4));
     }
     Ok(checks)
 }
@@ -69,14 +49,10 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
 fn cantilever(load: CantileverLoad, edges: usize) -> Scene {
     let force = match load {
         CantileverLoad::OwnWeight(gamma) => gravity(gamma),
-        CantileverLoad::TipForce(alpha) => steady(LoadKind::Force {
-            rod: 0,
-            node: edges,
-            force: -alpha * Vector3::z(),
-        }),
+        CantileverLoad::TipForce(alpha) => steady(force_on(edges, -alpha * Vector3::z())),
     };
     Scene {
-        rods: vec![unit_rod(line(Vector3::zeros(), Vector3::x(), edges))],
+        rods: vec![straight(edges)],
         clamps: vec![clamp(0)],
         loads: vec![force],
         ..Scene::default()
@@ -113,22 +89,13 @@ fn relaxation() -> Result<Check, SimulationError> {
     }));
     let parameters = IntegrationParameters {
         scheme: Scheme::ImplicitEuler,
-        step: StepSize::Fixed(0.05),
         force_tolerance: 1e-9,
         displacement_tolerance: 1e-7,
-        ..IntegrationParameters::default()
+        ..steps_of(0.05)
     };
     let mut simulation = Simulation::new(&scene, &parameters)?;
-    let end = 20.0;
-    while simulation.time() < end {
-        simulation.advance(end)?;
-    }
-    let distance = simulation
-        .positions()
-        .iter()
-        .zip(resting.positions())
-        .map(|(moved, rests)| (moved - rests).norm())
-        .fold(0.0, f64::max);
+    run_until(&mut simulation, 20.0)?;
+    let distance = farthest(simulation.positions(), resting.positions());
     let name = "heavy cantilever, damped motion to rest: farthest node";
-    Ok(RELAXED.scaled(name, "m", 0.0, distance, 1.0, 1e-6))
+    Ok(RELAXED.of(name, "m").zero(distance, 1e-6))
 }

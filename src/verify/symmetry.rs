@@ -1,23 +1,17 @@
 //! Answers that must not depend on where the axes point or how nodes and rods are numbered.
 
-use super::rods::{clamp, line, steady, unit_rod};
+use super::rods::{clamp, farthest, force_on, gravity, line, steady, steps_of, unit_rod};
 use super::{Check, Expectation, GroupError};
 use nalgebra::{Rotation3, Unit};
 use rodlab_engine::mechanics::contact::ContactParameters;
-use rodlab_engine::mechanics::dynamics::{
-    IntegrationParameters, Simulation, SimulationError, StepSize,
-};
+use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation, SimulationError};
 use rodlab_engine::mechanics::scene::{Clamp, LoadKind, NaturalShape, RodDescription, Scene};
 use rodlab_engine::mechanics::{Matrix3, Vector3};
 
-const RIGID_MOTION: Expectation = Expectation {
-    formula: "x(R scene + c) = R x(scene) + c",
-    source: "frame indifference",
-};
-const RELABELLING: Expectation = Expectation {
-    formula: "x(renumbered scene) = renumbered x(scene)",
-    source: "symmetry",
-};
+const RIGID_MOTION: Expectation =
+    Expectation::new("x(R scene + c) = R x(scene) + c", "frame indifference");
+const RELABELLING: Expectation =
+    Expectation::new("x(renumbered scene) = renumbered x(scene)", "symmetry");
 const BOUND: f64 = 1e-9;
 const EDGES: usize = 24;
 const STEP: f64 = 5e-3;
@@ -44,30 +38,15 @@ fn invariance(scene: &Scene, name: &str) -> Result<Vec<Check>, GroupError> {
     let mut swapped_rods = run(&swapped(scene))?;
     swapped_rods.rotate_left(EDGES + 1);
     Ok(vec![
-        RIGID_MOTION.scaled(
-            format!("{name} turned and shifted: farthest node"),
-            "m",
-            0.0,
-            farthest(&expected, &moved),
-            1.0,
-            BOUND,
-        ),
-        RELABELLING.scaled(
-            format!("{name}, nodes in reverse: farthest node"),
-            "m",
-            0.0,
-            farthest(&original, &reversed_nodes),
-            1.0,
-            BOUND,
-        ),
-        RELABELLING.scaled(
-            format!("{name}, swapped: farthest node"),
-            "m",
-            0.0,
-            farthest(&original, &swapped_rods),
-            1.0,
-            BOUND,
-        ),
+        RIGID_MOTION
+            .of(format!("{name} turned and shifted: farthest node"), "m")
+            .zero(farthest(&expected, &moved), BOUND),
+        RELABELLING
+            .of(format!("{name}, nodes in reverse: farthest node"), "m")
+            .zero(farthest(&original, &reversed_nodes), BOUND),
+        RELABELLING
+            .of(format!("{name}, swapped: farthest node"), "m")
+            .zero(farthest(&original, &swapped_rods), BOUND),
     ])
 }
 
@@ -93,14 +72,8 @@ fn two_rods() -> Scene {
         rods: vec![ribbon, twisted],
         clamps: vec![clamp(0)],
         loads: vec![
-            steady(LoadKind::Gravity {
-                acceleration: Vector3::new(0.0, 0.0, -5.0),
-            }),
-            steady(LoadKind::Force {
-                rod: 0,
-                node: EDGES,
-                force: Vector3::new(0.5, -1.0, 2.0),
-            }),
+            gravity(5.0),
+            steady(force_on(EDGES, Vector3::new(0.5, -1.0, 2.0))),
         ],
         ..Scene::default()
     }
@@ -129,9 +102,7 @@ fn touching_rods() -> Scene {
     Scene {
         rods: vec![lower, upper],
         clamps: vec![clamp(0), clamp(EDGES)],
-        loads: vec![steady(LoadKind::Gravity {
-            acceleration: Vector3::new(0.0, 0.0, -5.0),
-        })],
+        loads: vec![gravity(5.0)],
         contact: Some(contact),
         ..Scene::default()
     }
@@ -139,10 +110,9 @@ fn touching_rods() -> Scene {
 
 fn run(scene: &Scene) -> Result<Vec<Vector3>, SimulationError> {
     let parameters = IntegrationParameters {
-        step: StepSize::Fixed(STEP),
         force_tolerance: 1e-11,
         displacement_tolerance: 1e-9,
-        ..IntegrationParameters::default()
+        ..steps_of(STEP)
     };
     let mut simulation = Simulation::new(scene, &parameters)?;
     for step in 1..=20 {
@@ -216,13 +186,6 @@ fn swapped(scene: &Scene) -> Scene {
         }
     }
     scene
-}
-
-fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| (a - b).norm())
-        .fold(0.0, f64::max)
 }
 
 #[cfg(test)]

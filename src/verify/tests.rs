@@ -17,117 +17,38 @@ fn assert_passes(name: &str) {
     assert!(failed.is_empty(), "{failed:#?}");
 }
 
-#[test]
-fn statics_pass() {
-    assert_passes("statics");
+/// A test per group.
+macro_rules! groups_pass {
+    ($($test:ident: $group:literal,)*) => {
+        $(#[test]
+        fn $test() {
+            assert_passes($group);
+        })*
+    };
 }
 
-#[test]
-fn spatial_rods_pass() {
-    assert_passes("spatial rods");
-}
-
-#[test]
-fn vibration_passes() {
-    assert_passes("vibration");
-}
-
-#[test]
-fn actuation_passes() {
-    assert_passes("actuation");
-}
-
-#[test]
-fn damping_passes() {
-    assert_passes("damping");
-}
-
-#[test]
-fn buckling_passes() {
-    assert_passes("buckling");
-}
-
-#[test]
-fn helix_manipulation_passes() {
-    assert_passes("helix manipulation");
-}
-
-#[test]
-fn localized_buckling_passes() {
-    assert_passes("localised buckling");
-}
-
-#[test]
-fn conservation_passes() {
-    assert_passes("conservation");
-}
-
-#[test]
-fn helix_passes() {
-    assert_passes("helix");
-}
-
-#[test]
-fn scale_invariance_passes() {
-    assert_passes("scale invariance");
-}
-
-#[test]
-fn symmetry_passes() {
-    assert_passes("symmetry");
-}
-
-#[test]
-fn drag_passes() {
-    assert_passes("drag");
-}
-
-#[test]
-fn derivatives_pass() {
-    assert_passes("derivatives");
-}
-
-#[test]
-fn determinism_pass() {
-    assert_passes("determinism");
-}
-
-#[test]
-fn friction_pass() {
-    assert_passes("friction");
-}
-
-#[test]
-fn contact_passes() {
-    assert_passes("contact");
-}
-
-#[test]
-fn obstacles_pass() {
-    assert_passes("obstacles");
-}
-
-#[test]
-fn joints_pass() {
-    assert_passes("joints");
-}
-
-#[test]
-fn continuation_passes() {
-    assert_passes("continuation");
-}
-
-#[test]
-fn springs_pass() {
-    assert_passes("springs");
-}
-
-#[test]
-fn overdamped_passes() {
-    assert_passes("overdamped");
-}
-
-#[test]
-fn drag_of_bodies_passes() {
-    assert_passes("drag of bodies");
+groups_pass! {
+    statics_pass: "statics",
+    spatial_rods_pass: "spatial rods",
+    vibration_passes: "vibration",
+    actuation_passes: "actuation",
+    damping_passes: "damping",
+    buckling_passes: "buckling",
+    helix_manipulation_passes: "helix manipulation",
+    localized_buckling_passes: "localised buckling",
+    conservation_passes: "conservation",
+    helix_passes: "helix",
+    scale_invariance_passes: "scale invariance",
+    symmetry_passes: "symmetry",
+    drag_passes: "drag",
+    derivatives_pass: "derivatives",
+    determinism_pass: "determinism",
+    friction_pass: "friction",
+    contact_passes: "contact",
+    obstacles_pass: "obstacles",
+    joints_pass: "joints",
+    continuation_passes: "continuation",
+    springs_pass: "springs",
+    overdamped_passes: "overdamped",
+    drag_of_bodies_passes: "drag of bodies",
 }

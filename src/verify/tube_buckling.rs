@@ -10,18 +10,12 @@ use rodlab_engine::mechanics::dynamics::Simulation;
 use rodlab_lab::run::{Mode, PreparedRun};
 use std::f64::consts::TAU;
 
-const SNAKING: Expectation = Expectation {
-    formula: "F = 2 √(EI w/r)",
-    source: "Dawson and Paslay 1984",
-};
-const COILING: Expectation = Expectation {
-    formula: "F = 2√2 √(EI w/r)",
-    source: "Chen, Lin and Cheatham 1990",
-};
-const UNEVEN: Expectation = Expectation {
-    formula: "½ k⁴ − ½ f k² + 1 = 1/(28 k⁴ − 4 f k²)",
-    source: "energy of θ = kx + a sin kx",
-};
+const SNAKING: Expectation = Expectation::new("F = 2 √(EI w/r)", "Dawson and Paslay 1984");
+const COILING: Expectation = Expectation::new("F = 2√2 √(EI w/r)", "Chen, Lin and Cheatham 1990");
+const UNEVEN: Expectation = Expectation::new(
+    "½ k⁴ − ½ f k² + 1 = 1/(28 k⁴ − 4 f k²)",
+    "energy of θ = kx + a sin kx",
+);
 
 /// Swing of the snake over the clearance at which it is seen to grow: fifty times that by which the tube leans.
 const SEEN: f64 = 0.05;
@@ -77,13 +71,11 @@ fn snake_on_path() -> Result<Check, GroupError> {
     let rod = RodInTube::of(&prepared);
     // A millimetre of shortening at the end of the path, of a metre.
     let shortening = 1e-3 * critical_on_path(&prepared.scene, 1.0)?;
-    Ok(SNAKING.relative(
-        "rod pushed into a horizontal tube: push at which it begins to snake, by continuation",
-        "N",
-        SNAKE * rod.push(),
-        rod.stretching * shortening,
-        5e-3,
-    ))
+    let name =
+        "rod pushed into a horizontal tube: push at which it begins to snake, by continuation";
+    let expected = SNAKE * rod.push();
+    let got = rod.stretching * shortening;
+    Ok(SNAKING.of(name, "N").relative(expected, got, 5e-3))
 }
 
 /// The largest push that a rod bears before it is seen to snake.
@@ -101,13 +93,10 @@ fn snake_in_time() -> Result<Check, GroupError> {
         largest = f64::max(largest, simulation.reaction(0).x);
     }
     let seen = swing(&simulation) >= SEEN;
-    Ok(SNAKING.relative(
-        "rod pushed slowly into a horizontal tube: largest push before it is seen to snake",
-        "N",
-        SNAKE * rod.push(),
-        if seen { largest } else { f64::NAN },
-        LATE,
-    ))
+    let name = "rod pushed slowly into a horizontal tube: largest push before it is seen to snake";
+    let expected = SNAKE * rod.push();
+    let got = if seen { largest } else { f64::NAN };
+    Ok(SNAKING.of(name, "N").relative(expected, got, LATE))
 }
 
 /// The push at which a helix that is let out along equilibria has the energy of the straight rod.
@@ -136,26 +125,22 @@ fn helix() -> Result<[Check; 2], GroupError> {
         before = Some(here);
     }
     let [push, wave_number] = found;
-    let expected = if wave_number.is_finite() {
+    let uneven = if wave_number.is_finite() {
         uneven_helix(wave_number * rod.length())
     } else {
         f64::NAN
     };
+    let name = "rod coiled in a horizontal tube: push at which it has the energy of a straight one, by continuation";
+    let coiling = EVEN_HELIX * rod.push();
+    let ratio = push / (uneven * rod.push());
     Ok([
-        COILING.relative(
-            "rod coiled in a horizontal tube: push at which it has the energy of a straight one, by continuation",
-            "N",
-            EVEN_HELIX * rod.push(),
-            push,
-            EVEN,
-        ),
-        UNEVEN.relative(
-            "the same push over that of an uneven helix of its wave number",
-            "",
-            1.0,
-            push / (expected * rod.push()),
-            3e-3,
-        ),
+        COILING.of(name, "N").relative(coiling, push, EVEN),
+        UNEVEN
+            .of(
+                "the same push over that of an uneven helix of its wave number",
+                "",
+            )
+            .relative(1.0, ratio, 3e-3),
     ])
 }
 

@@ -1,26 +1,17 @@
 //! Springs that turn the frames of rods towards each other, from scenario files, against closed forms.
 
-use super::frequencies::frequencies;
-use super::scenario::simulation;
+use super::frequencies::{frequencies, nearest};
+use super::scenario::{at_rest, moved, simulation};
 use super::{Check, Expectation, GroupError};
 use std::f64::consts::PI;
 
-const ARCS: Expectation = Expectation {
-    formula: "two arcs of the curvature M/EI, with the angle M/c between them",
-    source: "Euler–Bernoulli",
-};
-const SWING: Expectation = Expectation {
-    formula: "ω² = 3c/mL²",
-    source: "Newton",
-};
-const SPIN: Expectation = Expectation {
-    formula: "ω² = 2c/mr²",
-    source: "Newton",
-};
-const HARMONIC: Expectation = Expectation {
-    formula: "θ = θ₀ (1 − cos ωt)",
-    source: "Newton",
-};
+const ARCS: Expectation = Expectation::new(
+    "two arcs of the curvature M/EI, with the angle M/c between them",
+    "Euler–Bernoulli",
+);
+const SWING: Expectation = Expectation::new("ω² = 3c/mL²", "Newton");
+const SPIN: Expectation = Expectation::new("ω² = 2c/mr²", "Newton");
+const HARMONIC: Expectation = Expectation::new("θ = θ₀ (1 − cos ωt)", "Newton");
 
 const PENDULUM: &str = include_str!("scenes/turning_pendulum.toml");
 /// Length and radius of its rod, m, the mass of that, kg, and the stiffness of its spring, N m/rad.
@@ -40,8 +31,7 @@ pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
 }
 
 fn arcs() -> Result<[Check; 2], GroupError> {
-    let mut simulation = simulation(include_str!("scenes/turning_spring.toml"), &[])?;
-    simulation.find_equilibrium()?;
+    let simulation = at_rest(include_str!("scenes/turning_spring.toml"), &[])?;
     let (length, moment, stiffness) = (0.1, 5e-3, 0.01);
     let radius = 1e9 * 0.25 * PI * 1e-12 / moment;
     let (arc, angle) = (length / radius, moment / stiffness);
@@ -53,8 +43,10 @@ fn arcs() -> Result<[Check; 2], GroupError> {
     let name = |axis| {
         format!("two beams that a turning spring ties, under an end moment: {axis} of the end")
     };
-    let check =
-        |axis, expected, got| ARCS.scaled(name(axis), "m", expected, got, 2.0 * length, BOUND);
+    let check = |axis, expected, got| {
+        ARCS.of(name(axis), "m")
+            .scaled(expected, got, 2.0 * length, BOUND)
+    };
     Ok([check("x", x, tip.x), check("z", z, tip.z)])
 }
 
@@ -66,29 +58,13 @@ fn swing() -> f64 {
 fn small_swings() -> Result<[Check; 2], GroupError> {
     let mut simulation = simulation(PENDULUM, &[])?;
     let found = frequencies(&mut simulation)?;
-    let near = |expected: f64| {
-        let distance = |one: &f64| (one - expected).abs();
-        let found = found.iter().copied();
-        found
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .unwrap_or(f64::NAN)
-    };
     let spin = (2.0 * STIFFNESS / (MASS * RADIUS * RADIUS)).sqrt();
+    let name = "stiff rod that a turning spring holds by its end: ω of its swing";
+    let got = [swing(), spin].map(|expected| nearest(&found, expected));
     Ok([
-        SWING.relative(
-            "stiff rod that a turning spring holds by its end: ω of its swing",
-            "rad/s",
-            swing(),
-            near(swing()),
-            BOUND,
-        ),
-        SPIN.relative(
-            "the same: ω of its spin about itself",
-            "rad/s",
-            spin,
-            near(spin),
-            BOUND,
-        ),
+        SWING.of(name, "rad/s").relative(swing(), got[0], BOUND),
+        SPIN.of("the same: ω of its spin about itself", "rad/s")
+            .relative(spin, got[1], BOUND),
     ])
 }
 
@@ -96,21 +72,12 @@ fn small_swings() -> Result<[Check; 2], GroupError> {
 fn wide_swing() -> Result<Check, GroupError> {
     let rest: f64 = 1.5;
     let rotation = format!("joints.1.rest_rotation=[0, {:?}, 0]", -rest);
-    let mut simulation = simulation(PENDULUM, &[rotation])?;
     let end = 1.3 * 2.0 * PI / swing();
-    while simulation.time() < end {
-        simulation.advance(end)?;
-    }
+    let simulation = moved(PENDULUM, &[rotation], end)?;
     let tip = simulation.positions().last().ok_or("no nodes")?;
     // It turns about −y from x to z.
     let angle = libm::atan2(tip.z, tip.x).rem_euclid(2.0 * PI);
     let expected = rest * (1.0 - libm::cos(swing() * end));
-    Ok(HARMONIC.scaled(
-        "the same, let go 1.5 rad from where its spring rests: angle after 1.3 periods, of its amplitude",
-        "rad",
-        expected,
-        angle,
-        rest,
-        3e-3,
-    ))
+    let name = "the same, let go 1.5 rad from where its spring rests: angle after 1.3 periods, of its amplitude";
+    Ok(HARMONIC.of(name, "rad").scaled(expected, angle, rest, 3e-3))
 }

@@ -8,26 +8,16 @@ use super::theory::beam::{
 use super::{Check, Expectation, GroupError};
 use std::f64::consts::TAU;
 
-const CLAMPED: Expectation = Expectation {
-    formula: "cos βL cosh βL = −1, ω = β² √(EI/ρA)",
-    source: "Euler–Bernoulli",
-};
-const FREE: Expectation = Expectation {
-    formula: "cos βL cosh βL = 1, ω = β² √(EI/ρA)",
-    source: "Euler–Bernoulli",
-};
-const TORSION: Expectation = Expectation {
-    formula: "ω = (2n − 1) π/2L √(G/ρ)",
-    source: "wave equation",
-};
-const AXIAL: Expectation = Expectation {
-    formula: "ω = π/2L √(E/ρ)",
-    source: "wave equation",
-};
-const STRING: Expectation = Expectation {
-    formula: "f = (n/2L) √(T/μ), corrected for EI and clamps",
-    source: "Timoshenko",
-};
+const CLAMPED: Expectation =
+    Expectation::new("cos βL cosh βL = −1, ω = β² √(EI/ρA)", "Euler–Bernoulli");
+const FREE: Expectation =
+    Expectation::new("cos βL cosh βL = 1, ω = β² √(EI/ρA)", "Euler–Bernoulli");
+const TORSION: Expectation = Expectation::new("ω = (2n − 1) π/2L √(G/ρ)", "wave equation");
+const AXIAL: Expectation = Expectation::new("ω = π/2L √(E/ρ)", "wave equation");
+const STRING: Expectation = Expectation::new(
+    "f = (n/2L) √(T/μ), corrected for EI and clamps",
+    "Timoshenko",
+);
 /// Fourth order, with 50 edges.
 const BOUND: f64 = 1e-5;
 /// The mass that serves bending leaves axial waves an error of second order, (kh)²/24.
@@ -36,6 +26,13 @@ const AXIAL_BOUND: f64 = 5e-5;
 /// edges long.
 const STRING_BOUND: f64 = 1e-3;
 
+const FREE_ROD: &str = include_str!("scenes/free_rod.toml");
+const CANTILEVER: &str = concat!(
+    include_str!("scenes/free_rod.toml"),
+    "[[clamps]]\nrod = \"rod\"\nat = \"start\"\n"
+);
+const STRETCHED_STRING: &str = include_str!("scenes/stretched_string.toml");
+
 /// Speed of axial waves √(E/ρ) in rods of the files, m/s.
 const AXIAL_SPEED: f64 = 1000.0;
 /// Their radius of gyration √(I/A), half the radius, m.
@@ -43,8 +40,8 @@ const GYRATION: f64 = 5e-3;
 
 /// First three modes of bending, clamped, free and stretched, and of torsion, and the first axial mode.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
-    let clamped = Modes::of(include_str!("scenes/cantilever.toml"), &[])?;
-    let free = Modes::of(include_str!("scenes/free_rod.toml"), &[])?;
+    let clamped = Modes::of(CANTILEVER, &[])?;
+    let free = Modes::of(FREE_ROD, &[])?;
     let mut checks = Vec::new();
     let cases = [
         (
@@ -59,58 +56,42 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         // Bending modes come in pairs, one in either plane.
         let bending = modes.frequencies(Motion::Bending);
         for mode in 1..=3 {
-            checks.push(expectation.relative(
-                format!("{name}, bending mode {mode}: ω"),
-                "rad/s",
-                wave_number(mode).powi(2) * GYRATION * AXIAL_SPEED,
-                bending[2 * mode - 2],
-                BOUND,
-            ));
+            let name = format!("{name}, bending mode {mode}: ω");
+            let expected = wave_number(mode).powi(2) * GYRATION * AXIAL_SPEED;
+            let got = bending[2 * mode - 2];
+            checks.push(expectation.of(name, "rad/s").relative(expected, got, BOUND));
         }
     }
     let torsion = clamped.frequencies(Motion::Torsion);
     for mode in 1..=3 {
         // G = E/3 with Poisson's ratio one half.
-        checks.push(TORSION.relative(
-            format!("cantilever, torsional mode {mode}: ω"),
-            "rad/s",
-            fixed_free_wave_number(mode) * AXIAL_SPEED / 3f64.sqrt(),
-            torsion[mode - 1],
-            BOUND,
-        ));
+        let name = format!("cantilever, torsional mode {mode}: ω");
+        let expected = fixed_free_wave_number(mode) * AXIAL_SPEED / 3f64.sqrt();
+        let got = torsion[mode - 1];
+        checks.push(TORSION.of(name, "rad/s").relative(expected, got, BOUND));
     }
-    checks.push(AXIAL.relative(
-        "cantilever, first axial mode: ω",
-        "rad/s",
-        fixed_free_wave_number(1) * AXIAL_SPEED,
-        clamped.frequencies(Motion::Axial)[0],
-        AXIAL_BOUND,
-    ));
-    checks.extend(stretched_string(
-        include_str!("scenes/stretched_string.toml"),
-        &[],
-    )?);
+    let name = "cantilever, first axial mode: ω";
+    let expected = fixed_free_wave_number(1) * AXIAL_SPEED;
+    let got = clamped.frequencies(Motion::Axial)[0];
+    checks.push(AXIAL.of(name, "rad/s").relative(expected, got, AXIAL_BOUND));
+    checks.extend(stretched_string(&[])?);
     Ok(checks)
 }
 
 /// The first modes of a string that begins under tension.
-fn stretched_string(text: &str, overrides: &[String]) -> Result<Vec<Check>, GroupError> {
-    let prepared = prepared(text, overrides)?;
+fn stretched_string(overrides: &[String]) -> Result<Vec<Check>, GroupError> {
+    let prepared = prepared(STRETCHED_STRING, overrides)?;
     let rod = &prepared.scene.rods[0];
     // Per length of the stretched string the mass is less, and a length of it bends as the shorter one without stress does.
     let stretch = 1.0 + rod.pretension / rod.stiffness.stretching;
     let bending = rod.stiffness.bending[0] * stretch;
     let mass = rod.mass_per_length / stretch;
-    let modes = Modes::of(text, overrides)?.frequencies(Motion::Bending);
+    let modes = Modes::of(STRETCHED_STRING, overrides)?.frequencies(Motion::Bending);
     let check = |mode: usize| {
         let expected = stretched_frequency(mode, rod.pretension, bending, mass, 1.0);
-        STRING.relative(
-            format!("stretched string, mode {mode}: f"),
-            "Hz",
-            expected / TAU,
-            modes[2 * mode - 2] / TAU,
-            STRING_BOUND,
-        )
+        STRING
+            .of(format!("stretched string, mode {mode}: f"), "Hz")
+            .relative(expected / TAU, modes[2 * mode - 2] / TAU, STRING_BOUND)
     };
     Ok((1..=3).map(check).collect())
 }
@@ -193,11 +174,9 @@ mod tests {
 
     #[test]
     fn consistent_inertia_is_of_fourth_order_and_lumped_of_second() {
-        let cantilever = include_str!("scenes/cantilever.toml");
-        let free = include_str!("scenes/free_rod.toml");
         for (inertia, order) in [("consistent", 4.0), ("lumped", 2.0)] {
-            let clamped = [15, 30].map(|n| errors(cantilever, n, inertia, cantilever_wave_number));
-            let unclamped = [15, 30].map(|n| errors(free, n, inertia, free_wave_number));
+            let clamped = [15, 30].map(|n| errors(CANTILEVER, n, inertia, cantilever_wave_number));
+            let unclamped = [15, 30].map(|n| errors(FREE_ROD, n, inertia, free_wave_number));
             println!("{inertia}: {clamped:?} {unclamped:?}");
             let largest =
                 |errors: &[f64]| errors.iter().fold(0.0, |m: f64, error| m.max(error.abs()));
@@ -213,13 +192,12 @@ mod tests {
 
     #[test]
     fn a_stretched_string_of_lumped_masses_is_of_second_order() {
-        let text = include_str!("scenes/stretched_string.toml");
         let of = |edges: usize| {
             let keys = [
                 format!("rods.0.edges={edges}"),
                 "rods.0.inertia=lumped".into(),
             ];
-            stretched_string(text, &keys).unwrap()
+            stretched_string(&keys).unwrap()
         };
         for (coarse, fine) in of(40).iter().zip(of(80)) {
             let found = libm::log2(coarse.error / fine.error);
@@ -234,7 +212,7 @@ mod tests {
     #[test]
     fn a_ring_is_left_to_lumped_masses_by_default() {
         // The nodes of a rod that is bent closely lie outside of its centreline, which consistent masses make worse.
-        let text = include_str!("scenes/free_rod.toml").replace(
+        let text = FREE_ROD.replace(
             "kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0]",
             "kind = \"ring\", centre = [0, 0, 0], normal = [0, 0, 1], radius = 1.0",
         );
