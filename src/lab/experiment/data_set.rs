@@ -1,4 +1,4 @@
-//! Experiments whose results are samples for a network to learn from: a table with a row per point, and its figure.
+//! Experiments that fill a table, a row per point, each solved on its own: samples for a network to learn from, and others.
 
 use super::kind::{FigureError, Kind, Page, SCENE_TABLES, SampleColumns, refuse_surroundings};
 use crate::run::{PreparedRun, TableRun};
@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The samples, a row per point.
+/// Samples, a row per point.
 pub const SAMPLES: &str = "samples.csv";
 
 /// The same as a figure.
@@ -27,32 +27,38 @@ pub struct Span {
     pub to: f64,
 }
 
-/// A kind of data set.
+/// A kind of experiment that fills a table.
 pub struct DataSet {
     /// Its name in scenario files.
     pub name: &'static str,
     /// A sentence about it.
     pub summary: &'static str,
-    /// Its table.
+    /// Its table of keys.
     pub tables: &'static [OwnTable],
     /// Why a scenario has no scene, and why it has no time, contact and fluid.
     pub refusals: [&'static str; 2],
-    /// Resolves the table; `None` if something is at fault, which is reported.
+    /// Resolves the table of keys; `None` if something is at fault, which is reported.
     pub resolve: fn(&Request<'_>) -> Option<Experiment>,
     /// The scenario file that `rodlab init` writes.
     pub template: &'static str,
-    /// The scene that stands for all samples.
+    /// The scene that stands for all rows.
     pub scene: fn(&Scenario) -> Result<Scene, Issue>,
-    /// The computation of the samples.
+    /// The computation of the rows.
     pub job: fn(&Scenario) -> Arc<dyn TableRun>,
-    /// Its files.
+    /// Its files, the table first.
     pub files: &'static [FileDescription],
-    /// The figure of the samples in a results directory.
-    pub figure: fn(&Path) -> Result<Figure, FigureError>,
-    /// What `rodlab view` shows of it.
-    pub page: &'static str,
-    /// What a network learns.
-    pub columns: SampleColumns,
+    /// The figures of the rows in a results directory, by the names of their files.
+    pub figures: fn(&Path) -> Result<Vec<(&'static str, Figure)>, FigureError>,
+    /// What `rodlab view` shows of the rows in a results directory.
+    pub page: fn(&Path) -> Result<Page, ResultsError>,
+    /// What a network learns from the rows, if one does.
+    pub columns: Option<SampleColumns>,
+}
+
+impl DataSet {
+    fn is_in(&self, directory: &Path) -> bool {
+        directory.join(self.files[0].names[0]).exists()
+    }
 }
 
 impl ExperimentKeys for DataSet {
@@ -68,7 +74,7 @@ impl ExperimentKeys for DataSet {
         self.tables
     }
 
-    /// All samples are equilibria.
+    /// All rows are equilibria.
     fn usual_time(&self) -> Option<Time> {
         Some(Time::Static)
     }
@@ -103,22 +109,21 @@ impl Kind for DataSet {
     }
 
     fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
-        if !directory.join(SAMPLES).exists() {
+        if !self.is_in(directory) {
             return Ok(Vec::new());
         }
-        Ok(vec![(SAMPLES_FIGURE, (self.figure)(directory)?)])
+        (self.figures)(directory)
     }
 
     fn page(&self, directory: &Path) -> Result<Page, ResultsError> {
-        Ok(if directory.join(SAMPLES).exists() {
-            Page::Nothing(self.page)
-        } else {
-            Page::RodsInMotion
-        })
+        if !self.is_in(directory) {
+            return Ok(Page::RodsInMotion);
+        }
+        (self.page)(directory)
     }
 
     fn samples(&self) -> Option<SampleColumns> {
-        Some(self.columns)
+        self.columns
     }
 }
 

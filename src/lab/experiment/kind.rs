@@ -91,15 +91,12 @@ pub(super) const SCENE_TABLES: [&str; 11] = [
 
 /// Refuses time, contact and fluid, for kinds that know none of them; `why` tells the user.
 pub(super) fn refuse_surroundings(top: &Section<'_>, common: &CommonTables<'_>, why: &str) {
-    for (key, present) in [
+    let keys = [
         ("time", *common.time != Time::Static),
         ("contact", *common.contact != Contact::None),
         ("fluid", *common.fluid != Fluid::None),
-    ] {
-        if present {
-            top.fault(key, why);
-        }
-    }
+    ];
+    top.refuse(&keys, why);
 }
 
 /// Numbers that follow from the scenario of one kind of experiment.
@@ -112,12 +109,19 @@ pub struct OwnNumbers {
 
 impl OwnNumbers {
     /// Numbers that JSON calls `key`, and the same in words: name and value of each line.
-    pub fn new(key: &'static str, numbers: &impl Serialize, lines: Vec<(String, String)>) -> Self {
+    pub fn new<'a>(
+        key: &'static str,
+        numbers: &impl Serialize,
+        lines: impl IntoIterator<Item = (&'a str, String)>,
+    ) -> Self {
         let json = serde_json::to_value(numbers);
+        let lines = lines.into_iter();
         Self {
             key,
             json: json.expect("numbers and names are JSON values"),
-            lines,
+            lines: lines
+                .map(|(name, value)| (name.to_owned(), value))
+                .collect(),
         }
     }
 

@@ -8,7 +8,7 @@
 //! | `kind` | what makes a kind of experiment |
 //! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
 //! | `probes` | what a scenario asks to be measured, in terms of its scene |
-//! | `data_set` | what kinds share whose results are samples for a network |
+//! | `data_set` | what kinds share that fill a table, such as samples for a network |
 //! | `derived` | numbers for `rodlab check` |
 //! | `scene`, `flagella`, `knot`, `helix`, `deployment`, `grasp_samples`, `fold_samples`, `folding` | the kinds |
 
@@ -74,9 +74,9 @@ use std::sync::LazyLock;
 pub static KINDS: &[&dyn Kind] = &[
     &scene::SceneKind,
     &flagella::FlagellaKind,
-    &knot::TighteningKind,
-    &knot::InversionKind,
-    &helix::stability::HelixStabilityKind,
+    &knot::TIGHTENING,
+    &knot::INVERSION,
+    &helix::stability::HELIX_STABILITY,
     &deployment::DeploymentKind,
     &grasp_samples::GRASP_SAMPLES,
     &fold_samples::FOLD_SAMPLES,

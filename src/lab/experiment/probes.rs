@@ -111,27 +111,27 @@ fn resolve(probe: &scenario::Probe, scene: &Scene, key: &KeyPath) -> Result<Prob
         ProbeKind::Reaction(place) => rods.reaction(place)?,
         ProbeKind::Distance(between) => rods.distance(between)?,
         ProbeKind::Tension(place) => {
-            let (rod, edge) = rods.edge_or_largest(place)?;
+            let (rod, edge) = rods.place_or_largest(place, "edge")?;
             Quantity::Tension { rod, edge }
         }
         ProbeKind::Torsion(place) => {
-            let (rod, edge) = rods.edge_or_largest(place)?;
+            let (rod, edge) = rods.place_or_largest(place, "edge")?;
             Quantity::Torsion { rod, edge }
         }
         ProbeKind::BendingMoment(place) => {
-            let (rod, node) = rods.node_or_largest(place)?;
+            let (rod, node) = rods.place_or_largest(place, "node")?;
             Quantity::BendingMoment { rod, node }
         }
         ProbeKind::TwistingMoment(place) => {
-            let (rod, node) = rods.node_or_largest(place)?;
+            let (rod, node) = rods.place_or_largest(place, "node")?;
             Quantity::TwistingMoment { rod, node }
         }
         ProbeKind::Curvature(place) => {
-            let (rod, node) = rods.node_or_largest(place)?;
+            let (rod, node) = rods.place_or_largest(place, "node")?;
             Quantity::Curvature { rod, node }
         }
         ProbeKind::Twist(place) => {
-            let (rod, node) = rods.node_or_largest(place)?;
+            let (rod, node) = rods.place_or_largest(place, "node")?;
             Quantity::Twist { rod, node }
         }
         ProbeKind::ContactForce(pressed) => rods.contact_force(pressed)?,
@@ -154,14 +154,12 @@ fn resolve(probe: &scenario::Probe, scene: &Scene, key: &KeyPath) -> Result<Prob
             Quantity::LinkingNumber { rods: [one, other] }
         }
         ProbeKind::SpringForce(OneSpring { joint }) => {
-            let springs = &scene.springs;
-            let found = springs.iter().position(|spring| spring.name == *joint);
+            let names: Vec<&str> = names_of(&scene.springs, |spring| &spring.name);
+            let found = names.iter().position(|name| name == joint);
             let spring = found.ok_or_else(|| {
-                let names: Vec<&str> = springs.iter().map(|spring| spring.name.as_str()).collect();
                 let help = match names[..] {
                     [] => "the scene has no springs between nodes".to_owned(),
-                    _ => did_you_mean(joint, names.iter().copied())
-                        .unwrap_or_else(|| format!("the springs are: {}", names.join(", "))),
+                    _ => help_with(joint, "springs", &names),
                 };
                 let message = format!("no spring between nodes is called `{joint}`");
                 Issue::new(key.key("joint"), message).with_help(help)
@@ -181,6 +179,16 @@ fn resolve(probe: &scenario::Probe, scene: &Scene, key: &KeyPath) -> Result<Prob
     })
 }
 
+fn names_of<T>(all: &[T], name: fn(&T) -> &String) -> Vec<&str> {
+    all.iter().map(|one| name(one).as_str()).collect()
+}
+
+/// The name that was meant, or all that there are.
+fn help_with(name: &str, what: &str, names: &[&str]) -> String {
+    let meant = did_you_mean(name, names.iter().copied());
+    meant.unwrap_or_else(|| format!("the {what} are: {}", names.join(", ")))
+}
+
 /// The rods of a scene as a probe calls them.
 struct Rods<'a> {
     scene: &'a Scene,
@@ -190,14 +198,15 @@ struct Rods<'a> {
 
 impl Rods<'_> {
     fn named(&self, name: &str, key: &str) -> Result<usize, Issue> {
-        let rods = &self.scene.rods;
-        rods.iter().position(|rod| rod.name == name).ok_or_else(|| {
-            let names: Vec<&str> = rods.iter().map(|rod| rod.name.as_str()).collect();
-            let help = did_you_mean(name, names.iter().copied())
-                .unwrap_or_else(|| format!("the rods are: {}", names.join(", ")));
-            let message = format!("no rod is called `{name}`");
-            Issue::new(self.key.key(key), message).with_help(help)
-        })
+        let names = names_of(&self.scene.rods, |rod| &rod.name);
+        names
+            .iter()
+            .position(|known| *known == name)
+            .ok_or_else(|| {
+                let message = format!("no rod is called `{name}`");
+                let help = help_with(name, "rods", &names);
+                Issue::new(self.key.key(key), message).with_help(help)
+            })
     }
 
     /// A rod by its name, or the only one.
@@ -206,7 +215,7 @@ impl Rods<'_> {
             (Some(name), _) => self.named(name, "rod"),
             (None, [_]) => Ok(0),
             (None, rods) => {
-                let names: Vec<&str> = rods.iter().map(|rod| rod.name.as_str()).collect();
+                let names = names_of(rods, |rod| &rod.name);
                 let help = format!("the rods are: {}", names.join(", "));
                 Err(Issue::new(self.key.clone(), "missing key `rod`").with_help(help))
             }
@@ -250,14 +259,6 @@ impl Rods<'_> {
     fn node(&self, place: &AtPlace) -> Result<usize, Issue> {
         let (rod, along) = self.place(place)?;
         Ok(self.first_node(rod) + along)
-    }
-
-    fn node_or_largest(&self, place: &AtPlace) -> Result<(usize, Option<usize>), Issue> {
-        self.place_or_largest(place, "node")
-    }
-
-    fn edge_or_largest(&self, place: &AtPlace) -> Result<(usize, Option<usize>), Issue> {
-        self.place_or_largest(place, "edge")
     }
 
     fn place_or_largest(
@@ -310,11 +311,13 @@ impl Rods<'_> {
             let message = "there is no contact in this scenario: a table [contact] is missing";
             return fault("kind", message.to_owned());
         }
+        let rod = |from| {
+            let rod = self.rod(pressed.rod.as_ref())?;
+            Ok(Quantity::ContactForce { rod, from })
+        };
         let planes = self.scene.planes.len();
         if let Some(name) = &pressed.from_obstacle {
-            let names: Vec<&str> = (self.scene.obstacles.iter())
-                .map(|obstacle| obstacle.name.as_str())
-                .collect();
+            let names = names_of(&self.scene.obstacles, |obstacle| &obstacle.name);
             let Some(obstacle) = names.iter().position(|known| known == name) else {
                 let message = match names.as_slice() {
                     [] => {
@@ -327,10 +330,7 @@ impl Rods<'_> {
                 };
                 return fault("from_obstacle", message);
             };
-            return Ok(Quantity::ContactForce {
-                rod: self.rod(pressed.rod.as_ref())?,
-                from: ContactPartner::Obstacle(obstacle),
-            });
+            return rod(ContactPartner::Obstacle(obstacle));
         }
         let from = match (&pressed.from_rod, pressed.from_plane) {
             (Some(name), _) => ContactPartner::Rod(self.named(name, "from_rod")?),
@@ -344,10 +344,7 @@ impl Rods<'_> {
             }
             (None, None) => ContactPartner::Anything,
         };
-        Ok(Quantity::ContactForce {
-            rod: self.rod(pressed.rod.as_ref())?,
-            from,
-        })
+        rod(from)
     }
 }
 

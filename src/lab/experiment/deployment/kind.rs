@@ -27,11 +27,6 @@ const END: f64 = 60.0;
 /// A rod that a gripper lays on a table along a pattern.
 pub struct DeploymentKind;
 
-fn tables(scenario: &Scenario) -> &DeploymentTables {
-    let tables = scenario.experiment.tables();
-    tables.expect("the tables of this experiment")
-}
-
 impl ExperimentKeys for DeploymentKind {
     fn name(&self) -> &'static str {
         "deployment"
@@ -75,13 +70,13 @@ impl Kind for DeploymentKind {
 
     fn build(&self, scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
         let paths = gripper_paths(scenario)?;
-        let deployment = &tables(scenario).deployment;
+        let DeploymentTables { deployment, .. } = scenario.experiment.own();
         scene::add(scene, deployment, paths, scenario.contact.friction());
         Ok(())
     }
 
     fn attach(&self, scenario: &Scenario, run: &mut PreparedRun) -> Result<(), Issue> {
-        let deployment = &tables(scenario).deployment;
+        let DeploymentTables { deployment, .. } = scenario.experiment.own();
         let paths = gripper_paths(scenario)?;
         let watched = scene::watched(scenario, deployment, paths);
         run.observers
@@ -133,42 +128,35 @@ impl Kind for DeploymentKind {
 
     fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
         let figure = laid_figure(directory)?;
-        Ok(figure
-            .map(|figure| (LAID_FIGURE, figure))
-            .into_iter()
-            .collect())
+        Ok(Vec::from_iter(figure.map(|figure| (LAID_FIGURE, figure))))
     }
 }
 
 fn gripper_paths(scenario: &Scenario) -> Result<&DeploymentPaths, Issue> {
-    let paths = tables(scenario).paths(scenario);
+    let tables: &DeploymentTables = scenario.experiment.own();
+    let paths = tables.paths(scenario);
     paths.map_err(|error| Issue::new(KeyPath::from("deployment.pattern"), error.to_string()))
 }
 
 /// The numbers of a rod in words.
-fn described(pattern: &str, numbers: &DerivedDeployment) -> Vec<(String, String)> {
-    let mut lines = Vec::new();
-    let mut line = |name: &str, text: String| lines.push((name.to_owned(), text));
+fn described<'a>(pattern: &'a str, numbers: &DerivedDeployment) -> Vec<(&'a str, String)> {
     let (length, lead_in) = (numbers.pattern_length, numbers.lead_in);
-    line(
+    let mut lines = vec![(
         pattern,
         format!("{length:.4} m, of which {lead_in:.4} m lead-in"),
+    )];
+    let radius = numbers.least_radius;
+    lines.extend(radius.map(|radius| ("  least radius", format!("{radius:.4} m"))));
+    let demand = format!(
+        "{:.3}; above that of the table for {:.1} % of its length",
+        numbers.largest_friction_demand,
+        1e2 * numbers.share_above_friction
     );
-    if let Some(radius) = numbers.least_radius {
-        line("  least radius", format!("{radius:.4} m"));
-    }
-    line(
-        "  largest friction demand",
-        format!(
-            "{:.3}; above that of the table for {:.1} % of its length",
-            numbers.largest_friction_demand,
-            1e2 * numbers.share_above_friction
-        ),
-    );
-    line(
-        "  gripper, at most",
-        format!("{:.1} cm/s", 1e2 * numbers.largest_gripper_speed),
-    );
+    let speed = format!("{:.1} cm/s", 1e2 * numbers.largest_gripper_speed);
+    lines.extend([
+        ("  largest friction demand", demand),
+        ("  gripper, at most", speed),
+    ]);
     lines
 }
 

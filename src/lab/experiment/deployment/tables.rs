@@ -3,7 +3,7 @@
 use super::keys::Deployment;
 use super::paths::DeploymentPaths;
 use super::planned::PathError;
-use crate::scenario::{Scenario, Step, Time};
+use crate::scenario::Scenario;
 use serde::Serialize;
 use std::sync::OnceLock;
 
@@ -33,16 +33,8 @@ impl DeploymentTables {
         if let Some(paths) = self.paths.get() {
             return Ok(paths);
         }
-        let (step, end) = match scenario.time {
-            Time::Dynamic {
-                step: Step::Fixed(step),
-                end,
-                ..
-            } => (Some(step), end),
-            Time::Dynamic { end, .. } => (None, end),
-            // Refused before.
-            Time::Static | Time::Continuation => (None, 1.0),
-        };
+        // Others are refused before.
+        let (step, end) = scenario.time.steps().unwrap_or((None, 1.0));
         let friction = scenario.contact.friction();
         let laid_by = end - self.deployment.release.unwrap_or(0.0);
         let planned = DeploymentPaths::new(&self.deployment, friction, laid_by, step)?;

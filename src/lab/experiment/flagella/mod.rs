@@ -61,8 +61,7 @@ impl Kind for FlagellaKind {
     }
 
     fn build(&self, scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
-        let tables = scenario.experiment.tables();
-        add(scene, tables.expect("the tables of this experiment"));
+        add(scene, scenario.experiment.own());
         Ok(())
     }
 }

@@ -5,8 +5,8 @@ use super::files::FILES;
 use super::keys::{FoldSamples, SampleTables, TABLES, resolve};
 use super::lifted_sheet::lifted_sheet;
 use super::samples::Samples;
-use crate::experiment::data_set::{DataSet, SAMPLES};
-use crate::experiment::kind::SampleColumns;
+use crate::experiment::data_set::{DataSet, SAMPLES, SAMPLES_FIGURE};
+use crate::experiment::kind::{Page, SampleColumns};
 use crate::experiment::load;
 use crate::scenario::{Experiment, Issue, KeyPath, Scenario};
 use rodlab_files::results::SCENARIO;
@@ -35,21 +35,22 @@ pub static FOLD_SAMPLES: DataSet = DataSet {
     },
     job: |scenario| Arc::new(Samples::new(plan(scenario).clone())),
     files: &FILES,
-    figure: |directory| {
+    figures: |directory| {
         let scenario = load(&directory.join(SCENARIO), &[])?.scenario;
-        Ok(samples_figure(directory, plan(&scenario))?)
+        let figure = samples_figure(directory, plan(&scenario))?;
+        Ok(vec![(SAMPLES_FIGURE, figure)])
     },
-    page: "samples of folds; rodlab plot draws them",
-    columns: SampleColumns {
+    page: |_| Ok(Page::Nothing("samples of folds; rodlab plot draws them")),
+    columns: Some(SampleColumns {
         file: SAMPLES,
         inputs: &NeuralFolds::INPUTS,
         outputs: &NeuralFolds::OUTPUTS,
         weights: &NeuralFolds::WEIGHTS,
         compared: &NeuralFolds::COMPARED,
-    },
+    }),
 };
 
 fn plan(scenario: &Scenario) -> &FoldSamples {
-    let tables: Option<&SampleTables> = scenario.experiment.tables();
-    &tables.expect("the tables of this experiment").fold_samples
+    let tables: &SampleTables = scenario.experiment.own();
+    &tables.fold_samples
 }

@@ -42,11 +42,6 @@ struct DerivedFold {
     largest_gripper_speed_m_s: f64,
 }
 
-fn tables(scenario: &Scenario) -> &FoldingTables {
-    let tables = scenario.experiment.tables();
-    tables.expect("the tables of this experiment")
-}
-
 impl ExperimentKeys for FoldingKind {
     fn name(&self) -> &'static str {
         "folding"
@@ -88,14 +83,14 @@ impl Kind for FoldingKind {
     }
 
     fn build(&self, scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
-        let folding = &tables(scenario).folding;
+        let FoldingTables { folding, .. } = scenario.experiment.own();
         let path = gripper_path(scenario)?;
         add(scene, folding, path, scenario.contact.friction());
         Ok(())
     }
 
     fn attach(&self, scenario: &Scenario, run: &mut PreparedRun) -> Result<(), Issue> {
-        let folding = &tables(scenario).folding;
+        let FoldingTables { folding, .. } = scenario.experiment.own();
         let path = gripper_path(scenario)?;
         let friction = scenario.contact.friction();
         run.observers
@@ -121,22 +116,14 @@ impl Kind for FoldingKind {
             poses: watched.poses,
             largest_gripper_speed_m_s: watched.largest_speed,
         };
-        let line = |name: &str, text: String| (name.to_owned(), text);
-        let lines = vec![
-            line(
-                "sheet",
-                format!(
-                    "{:.4} m = {:.3} L_gb; its edge goes {:.4} m",
-                    watched.length,
-                    watched.length / watched.gravito_bending_length,
-                    watched.target
-                ),
-            ),
-            line(
-                "  gripper, at most",
-                format!("{:.1} cm/s", 1e2 * watched.largest_speed),
-            ),
-        ];
+        let sheet = format!(
+            "{:.4} m = {:.3} L_gb; its edge goes {:.4} m",
+            watched.length,
+            watched.length / watched.gravito_bending_length,
+            watched.target
+        );
+        let speed = format!("{:.1} cm/s", 1e2 * watched.largest_speed);
+        let lines = [("sheet", sheet), ("  gripper, at most", speed)];
         Some(OwnNumbers::new("folding", &numbers, lines))
     }
 
@@ -146,15 +133,13 @@ impl Kind for FoldingKind {
 
     fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
         let figure = folded_figure(directory)?;
-        Ok(figure
-            .map(|figure| (FOLDED_FIGURE, figure))
-            .into_iter()
-            .collect())
+        Ok(Vec::from_iter(figure.map(|figure| (FOLDED_FIGURE, figure))))
     }
 }
 
 fn gripper_path(scenario: &Scenario) -> Result<&GripperPath, Issue> {
-    let path = tables(scenario).path(scenario);
+    let tables: &FoldingTables = scenario.experiment.own();
+    let path = tables.path(scenario);
     path.map_err(|error| Issue::new(KeyPath::from("folding.crease"), error.to_string()))
 }
 

@@ -3,7 +3,7 @@
 use super::gripper_path::GripperPath;
 use super::keys::Folding;
 use crate::experiment::load;
-use crate::scenario::{Scenario, Step, Time};
+use crate::scenario::Scenario;
 use rodlab_files::results::SCENARIO;
 use rodlab_planning::plan::fold::{FoldError, FoldPlanner, Sheet};
 use serde::Serialize;
@@ -36,16 +36,8 @@ impl FoldingTables {
         if let Some(path) = self.path.get() {
             return Ok(path);
         }
-        let (step, end) = match scenario.time {
-            Time::Dynamic {
-                step: Step::Fixed(step),
-                end,
-                ..
-            } => (Some(step), end),
-            Time::Dynamic { end, .. } => (None, end),
-            // Refused before.
-            Time::Static | Time::Continuation => (None, 1.0),
-        };
+        // Others are refused before.
+        let (step, end) = scenario.time.steps().unwrap_or((None, 1.0));
         let planner = planner(&self.folding, scenario.contact.friction());
         let tolerance = scenario.contact.distance_tolerance().unwrap_or(0.0);
         let planned = GripperPath::new(&self.folding, &planner, tolerance, end, step)?;

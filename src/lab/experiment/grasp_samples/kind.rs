@@ -5,8 +5,8 @@ use super::files::FILES;
 use super::hanging_rod::hanging_rod;
 use super::keys::{GraspSamples, SampleTables, TABLES, resolve};
 use super::samples::Samples;
-use crate::experiment::data_set::{DataSet, SAMPLES};
-use crate::experiment::kind::SampleColumns;
+use crate::experiment::data_set::{DataSet, SAMPLES, SAMPLES_FIGURE};
+use crate::experiment::kind::{Page, SampleColumns};
 use crate::scenario::{Experiment, Issue, KeyPath, Scenario};
 use rodlab_planning::plan::grasp::NeuralGrasps;
 use std::sync::Arc;
@@ -32,18 +32,18 @@ pub static GRASP_SAMPLES: DataSet = DataSet {
         })
     },
     files: &FILES,
-    figure: |directory| Ok(samples_figure(directory)?),
-    page: "samples of grasps; rodlab plot draws them",
-    columns: SampleColumns {
+    figures: |directory| Ok(vec![(SAMPLES_FIGURE, samples_figure(directory)?)]),
+    page: |_| Ok(Page::Nothing("samples of grasps; rodlab plot draws them")),
+    columns: Some(SampleColumns {
         file: SAMPLES,
         inputs: &NeuralGrasps::INPUTS,
         outputs: &NeuralGrasps::OUTPUTS,
         weights: &[],
         compared: &NeuralGrasps::COMPARED,
-    },
+    }),
 };
 
 fn plan(scenario: &Scenario) -> &GraspSamples {
-    let tables: Option<&SampleTables> = scenario.experiment.tables();
-    &tables.expect("the tables of this experiment").grasp_samples
+    let tables: &SampleTables = scenario.experiment.own();
+    &tables.grasp_samples
 }

@@ -19,11 +19,30 @@ use rodlab_files::results::FileDescription;
 use serde::Serialize;
 use std::path::Path;
 
+/// A kind of experiment in which the ends of a knot are pulled apart.
+pub struct PulledKnot {
+    name: &'static str,
+    summary: &'static str,
+    template: &'static str,
+    /// Whether it is an overhand knot, pulled until its loop has snapped onto the braid.
+    until_inverted: bool,
+}
+
 /// A knot whose ends are pulled apart.
-pub struct TighteningKind;
+pub static TIGHTENING: PulledKnot = PulledKnot {
+    name: "knot-tightening",
+    summary: "A knot whose ends are pulled apart.",
+    template: include_str!("tightening_template.toml"),
+    until_inverted: false,
+};
 
 /// An overhand knot whose ends are pulled apart until its loop has snapped onto the braid.
-pub struct InversionKind;
+pub static INVERSION: PulledKnot = PulledKnot {
+    name: "knot-inversion",
+    summary: "An overhand knot that is pulled until its loop snaps onto the braid.",
+    template: include_str!("inversion_template.toml"),
+    until_inverted: true,
+};
 
 /// Numbers of a knot.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -36,35 +55,13 @@ pub struct DerivedKnot {
     pub length_normalized: [f64; 2],
 }
 
-impl ExperimentKeys for TighteningKind {
+impl ExperimentKeys for PulledKnot {
     fn name(&self) -> &'static str {
-        "knot-tightening"
+        self.name
     }
 
     fn summary(&self) -> &'static str {
-        "A knot whose ends are pulled apart."
-    }
-
-    fn tables(&self) -> &'static [OwnTable] {
-        &TABLES
-    }
-
-    fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
-        Some(experiment(self.name(), resolve(request)?))
-    }
-
-    fn judge(&self, top: &Section<'_>, common: &CommonTables<'_>) {
-        need_contact(top, common);
-    }
-}
-
-impl ExperimentKeys for InversionKind {
-    fn name(&self) -> &'static str {
-        "knot-inversion"
-    }
-
-    fn summary(&self) -> &'static str {
-        "An overhand knot that is pulled until its loop snaps onto the braid."
+        self.summary
     }
 
     fn tables(&self) -> &'static [OwnTable] {
@@ -73,33 +70,62 @@ impl ExperimentKeys for InversionKind {
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
         let tables = resolve(request)?;
-        if !matches!(tables.knot.start.kind(), Some(KnotKind::Overhand { .. })) {
+        let kind = tables.knot.start.kind();
+        if self.until_inverted && !matches!(kind, Some(KnotKind::Overhand { .. })) {
             let message = "other knots do not invert; allowed: \"overhand\"";
             request.top.below("knot").fault("kind", message);
         }
-        Some(experiment(self.name(), tables))
+        let radius = tables.rod.radius;
+        Some(Experiment::new(self.name, tables).with_radius(radius))
     }
 
     fn judge(&self, top: &Section<'_>, common: &CommonTables<'_>) {
-        need_contact(top, common);
+        if *common.contact == Contact::None {
+            top.missing("contact", "a knot needs contact: a table [contact]");
+        }
     }
 }
 
-impl Kind for TighteningKind {
+impl Kind for PulledKnot {
     fn template(&self) -> &'static str {
-        include_str!("tightening_template.toml")
+        self.template
     }
 
     fn build(&self, scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
-        build(scenario, scene)
+        let end = match scenario.time {
+            Time::Static | Time::Continuation => 0.0,
+            Time::Dynamic { end, .. } => end,
+        };
+        tightening::add(scene, scenario.experiment.own(), end)
     }
 
     fn attach(&self, scenario: &Scenario, run: &mut PreparedRun) -> Result<(), Issue> {
-        attach(scenario, run, false)
+        let tables: &KnotTables = scenario.experiment.own();
+        if let Some(observer) = observer(tables, &run.scene, self.until_inverted) {
+            run.observers.push(Box::new(KnotMonitor::new(observer)));
+        }
+        if let KnotStart::Curve { .. } = tables.knot.start
+            && let Err(RunError::Scene(error)) = try_scene(run)
+        {
+            // A curve that is too near to itself for so thick a rod.
+            return Err(Issue::new(KeyPath::from("knot.curve"), error.to_string()));
+        }
+        Ok(())
     }
 
     fn derived(&self, run: &PreparedRun) -> Option<OwnNumbers> {
-        derived(run)
+        let monitor = run.observer::<KnotMonitor>()?;
+        let knot = derived_knot(&monitor.observer, run)?;
+        let [start, end] = knot.length_normalized;
+        let lines = [
+            ("knot", format!("determinant {}", knot.determinant)),
+            (
+                "  pull speed of each end",
+                format!("{:.3} mm/s", 1e3 * knot.pull_speed),
+            ),
+            ("  pulled from, to", format!("l̄_k = {start:.1}, {end:.1}")),
+        ];
+        Some(OwnNumbers::new("knot", &knot, lines))
     }
 
     fn files(&self) -> &'static [FileDescription] {
@@ -107,72 +133,11 @@ impl Kind for TighteningKind {
     }
 
     fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
-        figures(directory)
+        let figure = traction_figure(directory)?;
+        Ok(Vec::from_iter(
+            figure.map(|figure| (TRACTION_FIGURE, figure)),
+        ))
     }
-}
-
-impl Kind for InversionKind {
-    fn template(&self) -> &'static str {
-        include_str!("inversion_template.toml")
-    }
-
-    fn build(&self, scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
-        build(scenario, scene)
-    }
-
-    fn attach(&self, scenario: &Scenario, run: &mut PreparedRun) -> Result<(), Issue> {
-        attach(scenario, run, true)
-    }
-
-    fn derived(&self, run: &PreparedRun) -> Option<OwnNumbers> {
-        derived(run)
-    }
-
-    fn files(&self) -> &'static [FileDescription] {
-        &FILES
-    }
-
-    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
-        figures(directory)
-    }
-}
-
-fn experiment(name: &'static str, tables: KnotTables) -> Experiment {
-    let radius = tables.rod.radius;
-    Experiment::new(name, tables).with_radius(radius)
-}
-
-fn need_contact(top: &Section<'_>, common: &CommonTables<'_>) {
-    if *common.contact == Contact::None {
-        top.missing("contact", "a knot needs contact: a table [contact]");
-    }
-}
-
-fn tables(scenario: &Scenario) -> &KnotTables {
-    let tables = scenario.experiment.tables();
-    tables.expect("the tables of this experiment")
-}
-
-fn build(scenario: &Scenario, scene: &mut Scene) -> Result<(), Issue> {
-    let end = match scenario.time {
-        Time::Static | Time::Continuation => 0.0,
-        Time::Dynamic { end, .. } => end,
-    };
-    tightening::add(scene, tables(scenario), end)
-}
-
-fn attach(scenario: &Scenario, run: &mut PreparedRun, until_inverted: bool) -> Result<(), Issue> {
-    let tables = tables(scenario);
-    if let Some(observer) = observer(tables, &run.scene, until_inverted) {
-        run.observers.push(Box::new(KnotMonitor::new(observer)));
-    }
-    if let KnotStart::Curve { .. } = tables.knot.start
-        && let Err(RunError::Scene(error)) = try_scene(run)
-    {
-        // A curve that is too near to itself for so thick a rod.
-        return Err(Issue::new(KeyPath::from("knot.curve"), error.to_string()));
-    }
-    Ok(())
 }
 
 /// What measures the knot of a scene, whose first rods are those of the knot.
@@ -204,22 +169,6 @@ fn observer(tables: &KnotTables, scene: &Scene, until_inverted: bool) -> Option<
     })
 }
 
-fn derived(run: &PreparedRun) -> Option<OwnNumbers> {
-    let monitor = run.observer::<KnotMonitor>()?;
-    let knot = derived_knot(&monitor.observer, run)?;
-    let [start, end] = knot.length_normalized;
-    let lines = [
-        ("knot", format!("determinant {}", knot.determinant)),
-        (
-            "  pull speed of each end",
-            format!("{:.3} mm/s", 1e3 * knot.pull_speed),
-        ),
-        ("  pulled from, to", format!("l̄_k = {start:.1}, {end:.1}")),
-    ];
-    let lines = lines.map(|(name, value)| (name.to_owned(), value));
-    Some(OwnNumbers::new("knot", &knot, lines.into()))
-}
-
 fn derived_knot(knot: &KnotObserver, run: &PreparedRun) -> Option<DerivedKnot> {
     let Mode::Dynamic { end } = run.mode else {
         return None;
@@ -233,14 +182,6 @@ fn derived_knot(knot: &KnotObserver, run: &PreparedRun) -> Option<DerivedKnot> {
         pull_speed: knot.pull_speed,
         length_normalized: [start, start - pulled / knot.radius],
     })
-}
-
-fn figures(directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
-    let figure = traction_figure(directory)?;
-    Ok(figure
-        .map(|figure| (TRACTION_FIGURE, figure))
-        .into_iter()
-        .collect())
 }
 
 #[cfg(test)]

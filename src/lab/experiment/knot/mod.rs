@@ -21,7 +21,7 @@ pub mod tightening;
 mod traction_figure;
 
 pub use keys::{Knot, KnotEnds, KnotKind, KnotStart, KnotTables};
-pub use kind::{InversionKind, TighteningKind};
+pub use kind::{INVERSION, TIGHTENING};
 pub use monitor::KnotMonitor;
 pub use observer::{KnotObserver, KnotSample};
 pub use outcome::{KnotEnding, KnotOutcome};

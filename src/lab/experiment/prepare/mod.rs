@@ -48,12 +48,8 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     if let Err(issue) = kind.build(scenario, &mut scene) {
         issues.push(issue);
     }
-    for (index, rod) in scenario.rods.iter().enumerate() {
-        match place_rod(rod, &KeyPath::from("rods").index(index)) {
-            Ok(description) => scene.rods.push(description),
-            Err(issue) => issues.push(issue),
-        }
-    }
+    let rods = place_all("rods", &scenario.rods, &mut issues, place_rod);
+    scene.rods.extend(rods);
     if !issues.0.is_empty() {
         return Err(issues);
     }
@@ -74,39 +70,37 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             issues.push(issue);
         }
     }
-    for (index, body) in scenario.bodies.iter().enumerate() {
-        match place_body(body, &scene.rods, &KeyPath::from("bodies").index(index)) {
-            Ok(body) => scene.bodies.push(body),
-            Err(issue) => issues.push(issue),
-        }
-    }
+    let rods = &scene.rods;
+    let bodies = place_all("bodies", &scenario.bodies, &mut issues, |body, path| {
+        place_body(body, rods, path)
+    });
+    scene.bodies.extend(bodies);
     if issues.0.is_empty()
         && let Err(issue) = judge_joints(&scene, scenario)
     {
         issues.push(issue);
         return Err(issues);
     }
-    for (index, load) in scenario.loads.iter().enumerate() {
-        match place_load(load, &scene.rods, &KeyPath::from("loads").index(index)) {
-            Ok(load) => scene.loads.push(load),
-            Err(issue) => issues.push(issue),
-        }
-    }
-    for (index, actuation) in scenario.actuation.iter().enumerate() {
-        let path = KeyPath::from("actuation").index(index);
-        match place_actuation(actuation, &scene.rods, &path) {
-            Ok(actuation) => scene.actuations.push(actuation),
-            Err(issue) => issues.push(issue),
-        }
-    }
+    let rods = &scene.rods;
+    let loads = place_all("loads", &scenario.loads, &mut issues, |load, path| {
+        place_load(load, rods, path)
+    });
+    let actuations = place_all(
+        "actuation",
+        &scenario.actuation,
+        &mut issues,
+        |one, path| place_actuation(one, rods, path),
+    );
     scene.planes.extend(scenario.planes.iter().map(place_plane));
-    for (index, obstacle) in scenario.obstacles.iter().enumerate() {
-        let path = KeyPath::from("obstacles").index(index);
-        match place_obstacle(obstacle, &scene.rods, &path) {
-            Ok(obstacle) => scene.obstacles.push(obstacle),
-            Err(issue) => issues.push(issue),
-        }
-    }
+    let obstacles = place_all(
+        "obstacles",
+        &scenario.obstacles,
+        &mut issues,
+        |one, path| place_obstacle(one, rods, path),
+    );
+    scene.loads.extend(loads);
+    scene.actuations.extend(actuations);
+    scene.obstacles.extend(obstacles);
     if scene.obstacles.len() < scenario.obstacles.len() {
         // What follows may look for them.
         return Err(issues);
@@ -185,6 +179,24 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         found.0.into_iter().for_each(|issue| issues.push(issue));
     }
     issues.or_ok(prepared)
+}
+
+/// What becomes of a list of the scenario, the table `table`; what cannot be placed is reported.
+fn place_all<T, P>(
+    table: &str,
+    listed: &[T],
+    issues: &mut Issues,
+    place: impl Fn(&T, &KeyPath) -> Result<P, Issue>,
+) -> Vec<P> {
+    let path = KeyPath::from(table);
+    let mut placed = Vec::new();
+    for (index, one) in listed.iter().enumerate() {
+        match place(one, &path.index(index)) {
+            Ok(one) => placed.push(one),
+            Err(issue) => issues.push(issue),
+        }
+    }
+    placed
 }
 
 /// Names of the files that kinds of experiments write beside those of every run: one may take the place of another.

@@ -55,9 +55,7 @@ macro_rules! keys {
 
 /// Resolves all actuations.
 pub fn actuations(top: &Section<'_>, typed: &[typed::Actuation], time: &Time) -> Vec<Actuation> {
-    let section = top.below("actuation");
-    let one = |(index, typed): (usize, &typed::Actuation)| {
-        let section = section.below(&index.to_string());
+    let one = |(section, typed): (Section<'_>, &typed::Actuation)| {
         let resolved = match typed {
             typed::Actuation::Curvature { direction, .. } => {
                 let direction = section.count("direction", direction.or(Some(1)), 1..=2);
@@ -78,8 +76,8 @@ pub fn actuations(top: &Section<'_>, typed: &[typed::Actuation], time: &Time) ->
         }
         resolved
     };
-    let actuations: Vec<Actuation> = typed.iter().enumerate().map(one).collect();
-    refuse_vanishing_lengths(&section, &actuations);
+    let actuations: Vec<Actuation> = top.elements("actuation", typed).map(one).collect();
+    refuse_vanishing_lengths(&top.below("actuation"), &actuations);
     actuations
 }
 
@@ -93,10 +91,8 @@ fn actuation<D: Dimension>(
     if let Some(to) = to
         && to <= from
     {
-        section.fault(
-            "to",
-            format!("{to:?} m is out of range; allowed: greater than `from` = {from:?} m"),
-        );
+        let allowed = format_args!("greater than `from` = {from:?} m");
+        section.out_of_range("to", format_args!("{to:?} m"), allowed);
     }
     let rod = section.needed("rod", keys.rod.clone(), "the name of a rod");
     Actuation {

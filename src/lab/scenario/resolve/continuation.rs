@@ -23,17 +23,13 @@ pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Opti
     let to = section.required("to", &typed.to, FINITE);
     let range = (to - from).abs();
     if range == 0.0 {
-        section.fault(
-            "to",
-            format!("{to:?} is out of range; allowed: any but `from`"),
-        );
+        section.out_of_range("to", to, "any but `from`");
     }
     let step = |key, typed, default| {
         let step = section.with_default(key, typed, POSITIVE, default);
         if step > range {
-            let message =
-                format!("{step:?} is out of range; allowed: at most |to − from| = {range:?}");
-            section.fault(key, message);
+            let allowed = format_args!("at most |to − from| = {range:?}");
+            section.out_of_range(key, step, allowed);
         }
         step
     };

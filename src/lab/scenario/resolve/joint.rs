@@ -2,17 +2,15 @@
 
 use super::load::{place, rod};
 use super::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
-use crate::scenario::resolved::{Body, BodyShape, Joint, JointKind, Place, Time};
+use crate::scenario::resolved::{Body, BodyShape, Joint, JointKind, Time};
 use crate::scenario::typed;
 use std::f64::consts::PI;
 
 /// Resolves all joints of a run in `time`.
 pub fn joints(top: &Section<'_>, typed: &[typed::Joint], time: &Time) -> Vec<Joint> {
-    let section = top.below("joints");
-    typed
-        .iter()
-        .enumerate()
-        .filter_map(|(index, typed)| joint(&section.below(&index.to_string()), typed, index, time))
+    let joints = top.elements("joints", typed).enumerate();
+    joints
+        .filter_map(|(index, (section, typed))| joint(&section, typed, index, time))
         .collect()
 }
 
@@ -127,13 +125,12 @@ fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize, time: &Time)
     };
     let break_at = section.optional("break_at", strength.0, POSITIVE);
     let break_at_moment = section.optional("break_at_moment", strength.1, POSITIVE);
-    let keys = [("break_at", break_at), ("break_at_moment", break_at_moment)];
-    for (key, _) in keys.iter().filter(|(_, limit)| limit.is_some()) {
-        if matches!(time, Time::Dynamic { .. }) {
-            continue;
-        }
-        section.fault(
-            key,
+    if !matches!(time, Time::Dynamic { .. }) {
+        section.refuse(
+            &[
+                ("break_at", break_at.is_some()),
+                ("break_at_moment", break_at_moment.is_some()),
+            ],
             "a joint breaks at some time, which only a dynamic run has; allowed: time.mode = \"dynamic\"",
         );
     }
@@ -149,18 +146,7 @@ fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize, time: &Time)
     );
     let (rods, at) = (rods?, at?);
     let below = section.below("at");
-    let node = |k: usize| match at[k] {
-        typed::Place::Start => Place::Start,
-        typed::Place::End => Place::End,
-        typed::Place::Number(number) => match usize::try_from(number) {
-            Ok(number) => Place::Number(number),
-            Err(_) => {
-                let message = format!("{number} is out of range; allowed: 0 and up");
-                below.fault(&k.to_string(), message);
-                Place::Start
-            }
-        },
-    };
+    let node = |k: usize| below.place(&k.to_string(), at[k]);
     Some(Joint {
         name: name.clone().unwrap_or_else(|| format!("joint {index}")),
         at: [node(0), node(1)],
@@ -173,11 +159,9 @@ fn joint(section: &Section<'_>, typed: &typed::Joint, index: usize, time: &Time)
 
 /// Resolves all bodies.
 pub fn bodies(top: &Section<'_>, typed: &[typed::Body]) -> Vec<Body> {
-    let section = top.below("bodies");
-    typed
-        .iter()
-        .enumerate()
-        .map(|(index, typed)| body(&section.below(&index.to_string()), typed, index))
+    let bodies = top.elements("bodies", typed).enumerate();
+    bodies
+        .map(|(index, (section, typed))| body(&section, typed, index))
         .collect()
 }
 
@@ -231,15 +215,8 @@ fn shape(section: &Section<'_>, typed: &typed::BodyShape) -> BodyShape {
             radius: section.required("radius", radius, POSITIVE),
             thickness: section.with_default("thickness", thickness, NON_NEGATIVE, 0.0),
         },
-        typed::BodyShape::Box { size } => {
-            let size = section.required_vector("size", size);
-            for (axis, side) in size.iter().enumerate() {
-                if *side <= 0.0 {
-                    let message = format!("{side:?} is out of range; allowed: greater than 0");
-                    section.below("size").fault(&axis.to_string(), message);
-                }
-            }
-            BodyShape::Box { size }
-        }
+        typed::BodyShape::Box { size } => BodyShape::Box {
+            size: section.sides("size", size),
+        },
     }
 }

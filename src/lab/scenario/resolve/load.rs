@@ -8,11 +8,9 @@ use crate::scenario::typed;
 
 /// Resolves all clamps.
 pub fn clamps(context: &Context<'_>, top: &Section<'_>, typed: &[typed::Clamp]) -> Vec<Clamp> {
-    let section = top.below("clamps");
-    typed
-        .iter()
-        .enumerate()
-        .map(|(index, typed)| clamp(context, &section.below(&index.to_string()), typed))
+    let clamps = top.elements("clamps", typed);
+    clamps
+        .map(|(section, typed)| clamp(context, &section, typed))
         .collect()
 }
 
@@ -39,11 +37,9 @@ fn clamp(context: &Context<'_>, section: &Section<'_>, typed: &typed::Clamp) -> 
 
 /// Resolves all loads.
 pub fn loads(top: &Section<'_>, typed: &[typed::Load]) -> Vec<Load> {
-    let section = top.below("loads");
-    typed
-        .iter()
-        .enumerate()
-        .map(|(index, typed)| load(&section.below(&index.to_string()), typed))
+    let loads = top.elements("loads", typed);
+    loads
+        .map(|(section, typed)| load(&section, typed))
         .collect()
 }
 
@@ -129,22 +125,15 @@ fn load(section: &Section<'_>, typed: &typed::Load) -> Load {
 
 /// Resolves all planes.
 pub fn planes(top: &Section<'_>, typed: &[typed::Plane]) -> Vec<Plane> {
-    let section = top.below("planes");
-    typed
-        .iter()
-        .enumerate()
-        .map(|(index, typed)| {
-            let section = section.below(&index.to_string());
-            Plane {
-                point: section.vector("point", &typed.point).unwrap_or_default(),
-                normal: section
-                    .direction("normal", &typed.normal)
-                    .unwrap_or([0.0, 0.0, 1.0]),
-                friction: section.optional("friction", &typed.friction, NON_NEGATIVE),
-                wall: typed.wall,
-            }
-        })
-        .collect()
+    let plane = |(section, typed): (Section<'_>, &typed::Plane)| Plane {
+        point: section.vector("point", &typed.point).unwrap_or_default(),
+        normal: section
+            .direction("normal", &typed.normal)
+            .unwrap_or([0.0, 0.0, 1.0]),
+        friction: section.optional("friction", &typed.friction, NON_NEGATIVE),
+        wall: typed.wall,
+    };
+    top.elements("planes", typed).map(plane).collect()
 }
 
 /// The rod that the key `rod` names.
@@ -156,19 +145,7 @@ pub fn rod(section: &Section<'_>, typed: &Option<String>) -> String {
 
 /// Resolves a place along a rod, the key `at`.
 pub fn place(section: &Section<'_>, typed: Option<typed::Place>) -> Place {
-    match section.needed(
-        "at",
-        typed,
-        "\"start\", \"end\", or a number counted from zero",
-    ) {
-        None | Some(typed::Place::Start) => Place::Start,
-        Some(typed::Place::End) => Place::End,
-        Some(typed::Place::Number(number)) => match usize::try_from(number) {
-            Ok(number) => Place::Number(number),
-            Err(_) => {
-                section.fault("at", format!("{number} is out of range; allowed: 0 and up"));
-                Place::Start
-            }
-        },
-    }
+    let help = "\"start\", \"end\", or a number counted from zero";
+    let typed = section.needed("at", typed, help);
+    typed.map_or(Place::Start, |typed| section.place("at", typed))
 }

@@ -39,11 +39,10 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
         0.01 * smallest_radius,
     );
     if distance_tolerance > smallest_radius {
-        section.fault(
+        section.out_of_range(
             "distance_tolerance",
-            format!(
-                "{distance_tolerance:?} m is out of range; allowed: at most the smallest radius, {smallest_radius:?} m"
-            ),
+            format_args!("{distance_tolerance:?} m"),
+            format_args!("at most the smallest radius, {smallest_radius:?} m"),
         );
     }
     let slip_tolerance =
@@ -77,17 +76,13 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
         0.05,
     );
     if model == typed::ContactModel::Complementarity {
-        for (key, present) in [
-            ("slip_tolerance", typed.slip_tolerance.is_some()),
-            ("stiffness_factor", typed.stiffness_factor.is_some()),
-        ] {
-            if present {
-                section.fault(
-                    key,
-                    "the model \"complementarity\" is rigid and sticks; leave the key out",
-                );
-            }
-        }
+        section.refuse(
+            &[
+                ("slip_tolerance", typed.slip_tolerance.is_some()),
+                ("stiffness_factor", typed.stiffness_factor.is_some()),
+            ],
+            "the model \"complementarity\" is rigid and sticks; leave the key out",
+        );
         return Contact::Complementarity {
             friction,
             distance_tolerance,
@@ -156,10 +151,7 @@ pub fn fluid(
 fn far_field_error(section: &Section<'_>, typed: &typed::Fluid) -> f64 {
     let error = section.with_default("far_field_error", &typed.far_field_error, FINITE, 1e-4);
     if error != 0.0 && !(1e-6..=1e-2).contains(&error) {
-        section.fault(
-            "far_field_error",
-            format!("{error:?} is out of range; allowed: 0, or from 1e-6 to 1e-2"),
-        );
+        section.out_of_range("far_field_error", error, "0, or from 1e-6 to 1e-2");
     }
     error
 }
@@ -170,17 +162,14 @@ pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
     let typed = file.time.as_ref().unwrap_or(&nothing);
     let section = top.below("time");
     let refuse_steps = |message: &str| {
-        for (key, present) in [
+        let keys = [
             ("scheme", typed.scheme.is_some()),
             ("step", typed.step.is_some()),
             ("tolerance", typed.tolerance.is_some()),
             ("maximum_step", typed.maximum_step.is_some()),
             ("end", typed.end.is_some()),
-        ] {
-            if present {
-                section.fault(key, message);
-            }
-        }
+        ];
+        section.refuse(&keys, message);
     };
     match typed.mode.unwrap_or(typed::Mode::Dynamic) {
         typed::Mode::Static => {
@@ -242,14 +231,11 @@ fn step(section: &Section<'_>, typed: &typed::Time, interval: f64, end: f64) -> 
             maximum: section.with_default("maximum_step", &typed.maximum_step, POSITIVE, interval),
         };
     }
-    for (key, present) in [
+    let keys = [
         ("tolerance", typed.tolerance.is_some()),
         ("maximum_step", typed.maximum_step.is_some()),
-    ] {
-        if present {
-            section.fault(key, "this key goes with step = \"auto\" only");
-        }
-    }
+    ];
+    section.refuse(&keys, "this key goes with step = \"auto\" only");
     Step::Fixed(section.with_default("step", &typed.step, POSITIVE, PART_OF_END * end))
 }
 
@@ -351,10 +337,11 @@ pub fn refuse_small_steps(top: &Section<'_>, time: &Time, solver: &Solver) {
         Step::Auto { maximum, .. } => ("maximum_step", maximum),
     };
     if let Some(least) = solver.minimum_step.filter(|least| step < *least) {
-        let message = format!(
-            "{step:?} s is out of range; allowed: at least solver.minimum_step = {least:?} s"
+        top.below("time").out_of_range(
+            key,
+            format_args!("{step:?} s"),
+            format_args!("at least solver.minimum_step = {least:?} s"),
         );
-        top.below("time").fault(key, message);
     }
 }
 
@@ -399,11 +386,10 @@ fn interval(top: &Section<'_>, typed: &typed::Output, end: f64) -> f64 {
     let section = top.below("output");
     let interval = section.with_default("interval", &typed.interval, POSITIVE, end / 100.0);
     if interval * MOST_OUTPUTS < end {
-        section.fault(
+        section.out_of_range(
             "interval",
-            format!(
-                "{interval:?} s is out of range; allowed: at least a millionth of time.end = {end:?} s"
-            ),
+            format_args!("{interval:?} s"),
+            format_args!("at least a millionth of time.end = {end:?} s"),
         );
     }
     interval
@@ -411,20 +397,15 @@ fn interval(top: &Section<'_>, typed: &typed::Output, end: f64) -> f64 {
 
 /// Resolves what is written.
 pub fn output(top: &Section<'_>, typed: &typed::Output, time: &Time) -> Output {
+    let refuse_interval = |why: &str| {
+        let section = top.below("output");
+        section.refuse(&[("interval", typed.interval.is_some())], why);
+        None
+    };
     let interval = match time {
-        Time::Static => {
-            if typed.interval.is_some() {
-                top.below("output")
-                    .fault("interval", "a static run writes once; leave the key out");
-            }
-            None
-        }
+        Time::Static => refuse_interval("a static run writes once; leave the key out"),
         Time::Continuation => {
-            if typed.interval.is_some() {
-                let message = "a path is written point by point; leave the key out";
-                top.below("output").fault("interval", message);
-            }
-            None
+            refuse_interval("a path is written point by point; leave the key out")
         }
         Time::Dynamic { end, .. } => Some(interval(top, typed, *end)),
     };

@@ -39,11 +39,9 @@ pub fn networks(
     typed: &[typed::Network],
     common: &CommonMaterial<'_>,
 ) -> Networks {
-    let section = top.below("networks");
     let mut all = Networks::default();
     let mut names = Vec::new();
-    for (index, typed) in typed.iter().enumerate() {
-        let below = section.below(&index.to_string());
+    for (index, (below, typed)) in top.elements("networks", typed).enumerate() {
         let name = rod::name(&below, typed.name.as_deref().or(Some("net")), index);
         if names.contains(&name) {
             below.fault("name", format!("another network is called `{name}`"));
@@ -56,21 +54,14 @@ pub fn networks(
 
 /// Refuses a rim that moves where there is no time.
 pub fn refuse_static_motion(top: &Section<'_>, typed: &[typed::Network], time: &Time) {
-    let section = top.below("networks");
-    for (index, network) in typed.iter().enumerate() {
-        let moves = network
-            .boundary
-            .as_ref()
-            .is_some_and(|rim| rim.scale.is_some());
-        if moves && *time == Time::Static {
-            section
-                .below(&index.to_string())
-                .below("boundary")
-                .fault_with_help(
-                    "scale",
-                    "a static run has no time in which the rim could move",
-                    Some("take time.mode = \"dynamic\" or \"continuation\"".to_owned()),
-                );
+    for (section, network) in top.elements("networks", typed) {
+        let rim = network.boundary.as_ref();
+        if rim.is_some_and(|rim| rim.scale.is_some()) && *time == Time::Static {
+            section.below("boundary").fault_with_help(
+                "scale",
+                "a static run has no time in which the rim could move",
+                Some("take time.mode = \"dynamic\" or \"continuation\"".to_owned()),
+            );
         }
     }
 }
@@ -97,18 +88,14 @@ fn add(
         return;
     };
     let below = section.below("rod");
-    for (key, is_given) in [
-        ("name", of_rod.name.is_some()),
-        ("shape", of_rod.shape.is_some()),
-        ("closed", of_rod.closed.is_some()),
-    ] {
-        if is_given {
-            below.fault(
-                key,
-                "the network says this of each of its rods; leave the key out",
-            );
-        }
-    }
+    below.refuse(
+        &[
+            ("name", of_rod.name.is_some()),
+            ("shape", of_rod.shape.is_some()),
+            ("closed", of_rod.closed.is_some()),
+        ],
+        "the network says this of each of its rods; leave the key out",
+    );
     let edges = below.count("edges", of_rod.edges.or(Some(1)), 1..=MOST_EDGES);
     let layout = match of_shape {
         typed::NetworkShape::Grid { .. } => grid(&section.below("shape"), of_shape),

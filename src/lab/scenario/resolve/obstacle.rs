@@ -19,10 +19,8 @@ pub fn obstacles(
     top: &Section<'_>,
     typed: &[typed::Obstacle],
 ) -> Vec<Obstacle> {
-    let section = top.below("obstacles");
     let mut resolved: Vec<Obstacle> = Vec::with_capacity(typed.len());
-    for (index, typed) in typed.iter().enumerate() {
-        let below = section.below(&index.to_string());
+    for (index, (below, typed)) in top.elements("obstacles", typed).enumerate() {
         let name = typed.name.clone();
         let name = name.unwrap_or_else(|| format!("obstacle {index}"));
         if resolved.iter().any(|other| other.name == name) {
@@ -104,21 +102,15 @@ fn segment(section: &Section<'_>, typed: &typed::Capsule) -> ([[f64; 3]; 2], f64
 }
 
 fn cuboid(section: &Section<'_>, typed: &typed::Cuboid) -> ObstacleShape {
-    let size = section.required_vector("size", &typed.size);
-    for (axis, side) in size.iter().enumerate() {
-        if *side <= 0.0 {
-            let message = format!("{side:?} is out of range; allowed: greater than 0");
-            section.below("size").fault(&axis.to_string(), message);
-        }
-    }
+    let size = section.sides("size", &typed.size);
     let rounding = section.with_default("rounding", &typed.rounding, NON_NEGATIVE, 0.0);
     let shortest = size.iter().copied().fold(f64::INFINITY, f64::min);
     if shortest > 0.0 && rounding >= 0.5 * shortest {
-        let message = format!(
-            "{rounding:?} is out of range; allowed: less than half of the shortest side, {:?} m",
+        let allowed = format!(
+            "less than half of the shortest side, {:?} m",
             0.5 * shortest
         );
-        section.fault("rounding", message);
+        section.out_of_range("rounding", rounding, allowed);
     }
     ObstacleShape::Box {
         centre: section.required_vector("centre", &typed.centre),

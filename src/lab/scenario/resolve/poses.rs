@@ -39,10 +39,8 @@ fn listed(section: &Section<'_>, typed: &[typed::Pose]) -> Vec<Pose> {
     if typed.is_empty() {
         section.fault("poses", "a gripper needs at least one pose");
     }
-    let below = section.below("poses");
     let mut poses: Vec<Pose> = Vec::new();
-    for (index, (time, position, quaternion)) in typed.iter().enumerate() {
-        let corner = below.below(&index.to_string());
+    for (corner, (time, position, quaternion)) in section.elements("poses", typed) {
         let time = corner.number("0", time, NON_NEGATIVE);
         if let Some((before, ..)) = poses.last()
             && time <= *before

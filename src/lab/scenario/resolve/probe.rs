@@ -2,17 +2,15 @@
 
 use super::section::Section;
 use crate::scenario::resolved::{
-    AtPlace, Between, OneRod, OneSpring, Place, PressedRod, Probe, ProbeKind, StopWhen, Summary,
-    TwoNodes, TwoRods,
+    AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,
+    TwoRods,
 };
 use crate::scenario::typed;
 
 /// Resolves all probes.
 pub fn probes(top: &Section<'_>, typed: &[typed::Probe]) -> Vec<Probe> {
-    let section = top.below("probes");
     let mut probes: Vec<Probe> = Vec::new();
-    for (index, typed) in typed.iter().enumerate() {
-        let section = section.below(&index.to_string());
+    for (section, typed) in top.elements("probes", typed) {
         let Some(probe) = probe(&section, typed) else {
             continue;
         };
@@ -36,7 +34,7 @@ fn probe(section: &Section<'_>, typed: &typed::Probe) -> Option<Probe> {
     };
     let along = |rod: &Option<String>, at: Option<typed::Place>| AtPlace {
         rod: rod.clone(),
-        at: at.map(|at| super::load::place(section, Some(at))),
+        at: at.map(|at| section.place("at", at)),
     };
     let section_probe = |probe: &typed::SectionProbe| along(&probe.rod, probe.at);
     let edge_probe = |probe: &typed::EdgeProbe| along(&probe.rod, probe.at);
@@ -121,25 +119,22 @@ fn name_of_columns(section: &Section<'_>, name: &Option<String>) -> Option<Strin
 }
 
 fn between(section: &Section<'_>, probe: &typed::DistanceProbe) -> Between {
-    let place = |at: typed::Place| super::load::place(section, Some(at));
     let nodes = match (probe.at, probe.to) {
         (Some(at), Some(to)) => Some(TwoNodes {
-            at: place(at),
-            to: to_place(section, to),
+            at: section.place("at", at),
+            to: section.place("to", to),
         }),
         (None, None) => None,
-        (Some(_), None) => {
-            section.missing(
-                "to",
-                "the node of the other rod; without `at` and `to` the least distance of two rods",
+        (at, _) => {
+            let (key, rod) = if at.is_some() {
+                ("to", "other")
+            } else {
+                ("at", "one")
+            };
+            let help = format!(
+                "the node of the {rod} rod; without `at` and `to` the least distance of two rods"
             );
-            None
-        }
-        (None, Some(_)) => {
-            section.missing(
-                "at",
-                "the node of the one rod; without `at` and `to` the least distance of two rods",
-            );
+            section.missing(key, help);
             None
         }
     };
@@ -163,20 +158,6 @@ fn between(section: &Section<'_>, probe: &typed::DistanceProbe) -> Between {
     }
 }
 
-fn to_place(section: &Section<'_>, typed: typed::Place) -> Place {
-    match typed {
-        typed::Place::Start => Place::Start,
-        typed::Place::End => Place::End,
-        typed::Place::Number(number) => {
-            let found = usize::try_from(number).map(Place::Number);
-            found.unwrap_or_else(|_| {
-                section.fault("to", format!("{number} is out of range; allowed: 0 and up"));
-                Place::Start
-            })
-        }
-    }
-}
-
 fn pressed_rod(section: &Section<'_>, probe: &typed::ContactForceProbe) -> PressedRod {
     if probe.from_rod.is_some() && probe.from_plane.is_some() {
         section.fault(
@@ -190,14 +171,7 @@ fn pressed_rod(section: &Section<'_>, probe: &typed::ContactForceProbe) -> Press
             "either a rod, a plane or an obstacle presses; leave the other keys out",
         );
     }
-    let plane = |number: i64| {
-        let found = usize::try_from(number).ok();
-        if found.is_none() {
-            let message = format!("{number} is out of range; allowed: 0 and up");
-            section.fault("from_plane", message);
-        }
-        found
-    };
+    let plane = |number: i64| section.number_from_zero("from_plane", number);
     PressedRod {
         rod: probe.rod.clone(),
         from_rod: probe.from_rod.clone(),

@@ -20,20 +20,9 @@ pub fn rods(
     let vibrates = experiment == Some("scene") && !model::touches(file) && !model::flows(file);
     let common = CommonMaterial::of(top, file);
     let section = top.below("rods");
-    let rods: Vec<Rod> = file
-        .rods
-        .iter()
-        .enumerate()
-        .map(|(index, typed)| {
-            rod(
-                context,
-                &section.below(&index.to_string()),
-                typed,
-                index,
-                &common,
-                vibrates,
-            )
-        })
+    let rods = top.elements("rods", &file.rods).enumerate();
+    let rods: Vec<Rod> = rods
+        .map(|(index, (section, typed))| rod(context, &section, typed, index, &common, vibrates))
         .collect();
     for (index, rod) in rods.iter().enumerate() {
         if let Some(first) = rods[..index]
@@ -81,11 +70,10 @@ fn rod(
         && spacing <= 2.0 * rod.radius
     {
         let diameter = 2.0 * rod.radius;
-        section.below("shape").fault(
+        section.below("shape").out_of_range(
             "spacing",
-            format!(
-                "{spacing:?} m is out of range; allowed: greater than the diameter of the rod, {diameter:?} m"
-            ),
+            format_args!("{spacing:?} m"),
+            format_args!("greater than the diameter of the rod, {diameter:?} m"),
         );
     }
     let gains = vibrates && is_straight(&rod.natural_shape, &rod.shape);
@@ -194,10 +182,8 @@ fn pretension(
     }
     let least = -MOST_SHORTENED * stretching;
     if tension < least {
-        section.fault(
-            "pretension",
-            format!("{tension:?} N is out of range; allowed: at least -0.9 EA = {least:?} N"),
-        );
+        let allowed = format_args!("at least -0.9 EA = {least:?} N");
+        section.out_of_range("pretension", format_args!("{tension:?} N"), allowed);
     }
     tension
 }

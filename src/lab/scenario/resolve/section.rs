@@ -1,9 +1,11 @@
 //! Judging the values of one table, and collecting what is wrong.
 
 use crate::scenario::issue::{Issue, Issues, KeyPath};
-use crate::scenario::typed::{Quantity, Vector};
+use crate::scenario::resolved::Place;
+use crate::scenario::typed::{self, Quantity, Vector};
 use crate::scenario::units::Dimension;
 use std::cell::RefCell;
+use std::fmt;
 use std::ops::RangeInclusive;
 
 /// Which numbers a key allows.
@@ -73,6 +75,17 @@ impl<'a> Section<'a> {
         Self::new(self.path.key(key), self.issues)
     }
 
+    /// The elements of the array `key`, each with its place.
+    pub fn elements<'t, T>(
+        &self,
+        key: &str,
+        typed: &'t [T],
+    ) -> impl Iterator<Item = (Self, &'t T)> + use<'a, 't, T> {
+        let array = self.below(key);
+        let numbered = typed.iter().enumerate();
+        numbered.map(move |(index, typed)| (array.below(&index.to_string()), typed))
+    }
+
     /// Reports a fault of `key`.
     pub fn fault(&self, key: &str, message: impl Into<String>) {
         self.fault_with_help(key, message, None);
@@ -82,6 +95,21 @@ impl<'a> Section<'a> {
     pub fn fault_with_help(&self, key: &str, message: impl Into<String>, help: Option<String>) {
         let issue = Issue::new(self.path.key(key), message).with_help(help);
         self.issues.borrow_mut().push(issue);
+    }
+
+    /// Reports a value of `key` out of the range that is allowed.
+    pub fn out_of_range(&self, key: &str, value: impl fmt::Debug, allowed: impl fmt::Display) {
+        self.fault(
+            key,
+            format!("{value:?} is out of range; allowed: {allowed}"),
+        );
+    }
+
+    /// Reports those of some keys that are there.
+    pub fn refuse(&self, keys: &[(&str, bool)], why: &str) {
+        for (key, _) in keys.iter().filter(|(_, is_there)| *is_there) {
+            self.fault(key, why);
+        }
     }
 
     /// Reports that a key is missing.
@@ -136,18 +164,13 @@ impl<'a> Section<'a> {
     pub fn number<D: Dimension>(&self, key: &str, typed: &Quantity<D>, range: Range) -> f64 {
         match typed.si() {
             Ok(value) if (range.allows)(value) && value.abs() > LARGEST => {
-                self.fault(
-                    key,
-                    format!("{value:?} is out of range; allowed: at most {LARGEST:e} in magnitude"),
-                );
+                let allowed = format_args!("at most {LARGEST:e} in magnitude");
+                self.out_of_range(key, value, allowed);
                 f64::NAN
             }
             Ok(value) if (range.allows)(value) => value,
             Ok(value) => {
-                self.fault(
-                    key,
-                    format!("{value:?} is out of range; allowed: {}", range.words),
-                );
+                self.out_of_range(key, value, range.words);
                 f64::NAN
             }
             Err(message) => {
@@ -173,9 +196,40 @@ impl<'a> Section<'a> {
             .ok()
             .filter(|count| allowed.contains(count));
         if count.is_none() {
-            self.fault(key, format!("{typed} is out of range; allowed: {words}"));
+            self.out_of_range(key, typed, words);
         }
         count
+    }
+
+    /// A number counted from zero; `None` if it is negative, which is reported.
+    pub fn number_from_zero(&self, key: &str, typed: i64) -> Option<usize> {
+        let number = usize::try_from(typed).ok();
+        if number.is_none() {
+            self.out_of_range(key, typed, "0 and up");
+        }
+        number
+    }
+
+    /// A place along a rod; a faulty one reads as the start.
+    pub fn place(&self, key: &str, typed: typed::Place) -> Place {
+        match typed {
+            typed::Place::Start => Place::Start,
+            typed::Place::End => Place::End,
+            typed::Place::Number(number) => {
+                let number = self.number_from_zero(key, number);
+                number.map_or(Place::Start, Place::Number)
+            }
+        }
+    }
+
+    /// The sides of a box, which must be there.
+    pub fn sides<D: Dimension>(&self, key: &str, typed: &Option<Vector<D>>) -> [f64; 3] {
+        let sides = self.required_vector(key, typed);
+        for (axis, side) in sides.iter().enumerate().filter(|(_, side)| **side <= 0.0) {
+            let below = self.below(key);
+            below.out_of_range(&axis.to_string(), side, "greater than 0");
+        }
+        sides
     }
 
     /// A vector, if it is there.
@@ -237,10 +291,8 @@ impl<'a> Section<'a> {
         typed: &Option<Vec<(Quantity<crate::scenario::units::Time>, T)>>,
         mut value: impl FnMut(&Section<'_>, &T) -> V,
     ) -> Vec<(f64, V)> {
-        let below = self.below(key);
         let mut corners: Vec<(f64, V)> = Vec::new();
-        for (index, (time, typed)) in typed.iter().flatten().enumerate() {
-            let corner = below.below(&index.to_string());
+        for (corner, (time, typed)) in self.elements(key, typed.as_deref().unwrap_or_default()) {
             let time = corner.number("0", time, NON_NEGATIVE);
             if let Some((before, _)) = corners.last()
                 && time <= *before

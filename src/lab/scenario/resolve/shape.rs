@@ -126,11 +126,10 @@ fn slack(section: &Section<'_>, typed: &typed::Slack) -> Shape {
 fn refuse_taut(section: &Section<'_>, length: f64, distance: f64) -> bool {
     let taut = length <= distance;
     if taut {
-        section.fault(
+        section.out_of_range(
             "length",
-            format!(
-                "{length:?} m is out of range; allowed: greater than the distance of the ends, {distance:?} m"
-            ),
+            format_args!("{length:?} m"),
+            format_args!("greater than the distance of the ends, {distance:?} m"),
         );
     }
     taut
@@ -238,10 +237,8 @@ fn arc(section: &Section<'_>, typed: &typed::Arc) -> Shape {
     let normal = across.unwrap_or(normal);
     let angle = section.required("angle", &typed.angle, POSITIVE);
     if angle > TAU {
-        section.fault(
-            "angle",
-            format!("{angle} rad is out of range; allowed: greater than 0 and at most a full turn"),
-        );
+        let allowed = "greater than 0 and at most a full turn";
+        section.out_of_range("angle", format_args!("{angle} rad"), allowed);
     }
     Shape::Arc {
         start: section.required_vector("start", &typed.start),

@@ -16,7 +16,6 @@ pub struct Actuation {
     /// Where along the rod it begins, m.
     pub from: f64,
     /// Where along the rod it ends, m; `None` is its end.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub to: Option<f64>,
 }
 
@@ -49,7 +48,6 @@ pub enum Course {
         /// Largest strain.
         amplitude: f64,
         /// Wavelength, m; `None` where all of the rod does the same.
-        #[serde(skip_serializing_if = "Option::is_none")]
         wavelength: Option<f64>,
         /// Cycles per time, 1/s.
         frequency: f64,

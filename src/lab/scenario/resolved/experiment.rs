@@ -59,6 +59,12 @@ impl Experiment {
         self.smallest_radius
     }
 
+    /// Its tables as the kind that resolved them reads them.
+    pub fn own<T: Any>(&self) -> &T {
+        let tables = self.tables();
+        tables.expect("the tables of this experiment")
+    }
+
     /// Its tables; `None` if they are of another type.
     pub fn tables<T: Any>(&self) -> Option<&T> {
         self.typed.downcast_ref()

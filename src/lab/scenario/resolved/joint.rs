@@ -14,10 +14,8 @@ pub struct Joint {
     /// Node along each.
     pub at: [Place; 2],
     /// Largest force that it bears, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub break_at: Option<f64>,
     /// Largest moment that it bears, N m.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub break_at_moment: Option<f64>,
     /// What it leaves free.
     #[serde(flatten)]
@@ -44,10 +42,8 @@ pub enum JointKind {
         /// Unit vector, as placed.
         axis: [f64; 3],
         /// Moment per angle of a spring about it, N m/rad.
-        #[serde(skip_serializing_if = "Option::is_none")]
         stiffness: Option<f64>,
         /// Angle at which that exerts no moment, rad; `None` is as placed.
-        #[serde(skip_serializing_if = "Option::is_none")]
         rest_angle: Option<f64>,
     },
     /// Every rotation, and moves along the second rod.
@@ -55,16 +51,12 @@ pub enum JointKind {
     /// Everything, against a force or a moment.
     Spring {
         /// Force per lengthening, N/m.
-        #[serde(skip_serializing_if = "Option::is_none")]
         stiffness: Option<f64>,
         /// Length without force, m; `None` is the distance as placed.
-        #[serde(skip_serializing_if = "Option::is_none")]
         rest_length: Option<f64>,
         /// Moment per angle between the material frames, N m/rad.
-        #[serde(skip_serializing_if = "Option::is_none")]
         turning_stiffness: Option<f64>,
         /// Rotation vector of the second frame against the first without moment, rad; `None` is as placed.
-        #[serde(skip_serializing_if = "Option::is_none")]
         rest_rotation: Option<[f64; 3]>,
     },
 }
@@ -90,14 +82,11 @@ pub struct Body {
     /// Mass, kg.
     pub mass: f64,
     /// Its shape, of uniform density.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub shape: Option<BodyShape>,
     /// From the node to its centre of mass along the two material directors and the tangent, m; `None` is at the node.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub offset: Option<[f64; 3]>,
     /// Instead of a shape, principal moments of inertia about the centre of mass, and axes along the two material directors
     /// and the tangent, kg m².
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub inertia: Option<[f64; 3]>,
 }
 

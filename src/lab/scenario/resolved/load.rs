@@ -117,7 +117,6 @@ pub enum LoadKind {
     /// A force per natural length.
     Distributed {
         /// Name of the rod; `None` means all rods.
-        #[serde(skip_serializing_if = "Option::is_none")]
         rod: Option<String>,
         /// Force per length, N/m.
         force_per_length: [f64; 3],
@@ -128,7 +127,6 @@ pub enum LoadKind {
     /// Linear drag.
     Drag {
         /// Name of the rod; `None` means all rods.
-        #[serde(skip_serializing_if = "Option::is_none")]
         rod: Option<String>,
         /// Coefficient of the velocity per length, N s/m².
         translation: f64,
@@ -145,9 +143,7 @@ pub struct Plane {
     /// Unit normal.
     pub normal: [f64; 3],
     /// Friction coefficient; `None` takes that of the contact model.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
     /// Whether it is a no-slip wall of the flow; `None` is true with regularized Stokeslets, false otherwise.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub wall: Option<bool>,
 }

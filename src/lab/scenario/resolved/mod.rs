@@ -1,7 +1,8 @@
 //! The scenario as resolved: complete, validated, every number in SI units.
 //!
 //! A [`Scenario`] leaves no choice open: defaults are filled in, units converted, shape files read. Its
-//! serialised form uses the keys of scenario files, so that it is itself a scenario file.
+//! serialised form uses the keys of scenario files, so that it is itself a scenario file. It is TOML, which has no null:
+//! what is `None` is left out.
 
 mod actuation;
 mod continuation;
@@ -70,13 +71,11 @@ pub struct Scenario {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<Obstacle>,
     /// The state from which everything starts, where that is not as placed.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<Start>,
     /// What is measured at every output.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,
     /// The condition that ends the run.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_when: Option<StopWhen>,
     /// Contact model.
     pub contact: Contact,
@@ -85,7 +84,6 @@ pub struct Scenario {
     /// Dynamic, static or along a path, and the time steps.
     pub time: Time,
     /// The path, where there is one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub continuation: Option<Continuation>,
     /// Newton's method.
     pub solver: Solver,

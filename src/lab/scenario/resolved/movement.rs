@@ -17,10 +17,8 @@ pub struct Movement {
     /// Steady rate of turning, rad/s.
     pub angular_velocity: f64,
     /// Unit vector about which it turns; `None` is that of whatever moves.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<[f64; 3]>,
     /// Fixed point of the rotation; `None` is that of whatever moves.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pivot: Option<[f64; 3]>,
     /// Poses that are followed.
     #[serde(skip_serializing_if = "Vec::is_empty")]

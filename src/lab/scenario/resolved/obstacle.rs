@@ -11,7 +11,6 @@ pub struct Obstacle {
     /// Its shape at time zero.
     pub shape: ObstacleShape,
     /// Friction coefficient; `None` takes that of the contact model.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
     /// How it moves.
     #[serde(flatten)]

@@ -13,7 +13,6 @@ pub struct Probe {
     #[serde(flatten)]
     pub kind: ProbeKind,
     /// What of it stands in the summary.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub summary: Option<Summary>,
 }
 
@@ -76,10 +75,8 @@ pub enum ProbeKind {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AtPlace {
     /// Name of the rod; `None` means the only one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rod: Option<String>,
     /// Node or edge; `None` means the largest along the rod.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<Place>,
 }
 
@@ -87,10 +84,8 @@ pub struct AtPlace {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Between {
     /// Name of the one rod; `None` means the only one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rod: Option<String>,
     /// Name of the other rod; `None` means the same.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub to_rod: Option<String>,
     /// The nodes; `None` means the least distance of the rods.
     #[serde(flatten)]
@@ -110,16 +105,12 @@ pub struct TwoNodes {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PressedRod {
     /// Name of the rod; `None` means the only one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rod: Option<String>,
     /// Name of the rod that presses on it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub from_rod: Option<String>,
     /// The plane that presses on it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub from_plane: Option<usize>,
     /// Name of the obstacle that presses on it; `None` of all three means all rods, planes and obstacles.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub from_obstacle: Option<String>,
 }
 
@@ -127,7 +118,6 @@ pub struct PressedRod {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OneRod {
     /// Name of the rod; `None` means the only one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rod: Option<String>,
 }
 
@@ -153,9 +143,7 @@ pub struct StopWhen {
     /// Name of a probe or column.
     pub probe: String,
     /// It ends where the column exceeds this.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub above: Option<f64>,
     /// It ends where the column falls below this; exactly one of the two is given.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub below: Option<f64>,
 }

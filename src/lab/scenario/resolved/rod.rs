@@ -27,7 +27,6 @@ pub struct Rod {
     #[serde(skip_serializing_if = "is_zero")]
     pub pretension: f64,
     /// Direction of the first material director on the first edge.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub director: Option<[f64; 3]>,
     /// Material.
     pub material: Material,

@@ -24,6 +24,19 @@ pub enum Time {
     },
 }
 
+impl Time {
+    /// The size of steps that have one, and the end of a dynamic run, s; `None` for others.
+    pub fn steps(&self) -> Option<(Option<f64>, f64)> {
+        match *self {
+            Self::Static | Self::Continuation => None,
+            Self::Dynamic { step, end, .. } => match step {
+                Step::Fixed(step) => Some((Some(step), end)),
+                Step::Auto { .. } => Some((None, end)),
+            },
+        }
+    }
+}
+
 /// Time integration schemes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -80,7 +93,6 @@ pub struct Solver {
     /// Iterations after which a step counts as failed.
     pub maximum_iterations: usize,
     /// Smallest step before the run is given up, s; `None` where there is no time.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub minimum_step: Option<f64>,
 }
 
@@ -88,7 +100,6 @@ pub struct Solver {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Output {
     /// Time between outputs, s; `None` where there is no time.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub interval: Option<f64>,
     /// Whether node positions are written.
     pub nodes: bool,

@@ -39,10 +39,8 @@ fn own_pegs(
         section.fault("pegs", message);
         return None;
     }
-    let below = section.below("pegs");
     let points = curve.sampled(curve.length() / POINTS as f64);
-    let pegs = typed.iter().enumerate().map(|(index, typed)| {
-        let section = below.below(&index.to_string());
+    let pegs = section.elements("pegs", typed).map(|(section, typed)| {
         let position = typed.position.as_ref();
         let position = section.needed("position", position, "two lengths [x, y]");
         let position = position.map(|position| section.components("position", position));
@@ -113,10 +111,8 @@ fn clips(
         let key = index.to_string();
         let s = places.number(&key, typed, NON_NEGATIVE);
         if s > length {
-            let message = format!(
-                "{s:?} m is out of range; allowed: 0 to {length:.4} m, the length of the pattern"
-            );
-            places.fault(&key, message);
+            let allowed = format_args!("0 to {length:.4} m, the length of the pattern");
+            places.out_of_range(&key, format_args!("{s:?} m"), allowed);
         }
         is_known &= s <= length;
         if is_known {
@@ -142,10 +138,8 @@ fn size(
     let radius = section.required("radius", radius, POSITIVE);
     let height = section.required("height", height, POSITIVE);
     if height <= radius {
-        let message = format!(
-            "{height:?} m is out of range; allowed: more than the radius of its round top, {radius:?} m"
-        );
-        section.fault("height", message);
+        let allowed = format_args!("more than the radius of its round top, {radius:?} m");
+        section.out_of_range("height", format_args!("{height:?} m"), allowed);
     }
     (height > radius).then_some((radius, height))
 }

@@ -71,12 +71,8 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
         pattern.and_then(|pattern| pattern::resolve(request, &section.below("pattern"), pattern));
     let length_error = section.with_default("length_error", &typed.length_error, FINITE, 0.0);
     if length_error.abs() > LARGEST_ERROR {
-        section.fault(
-            "length_error",
-            format!(
-                "{length_error:?} is out of range; allowed: -{LARGEST_ERROR} to {LARGEST_ERROR}"
-            ),
-        );
+        let allowed = format_args!("-{LARGEST_ERROR} to {LARGEST_ERROR}");
+        section.out_of_range("length_error", length_error, allowed);
     }
     let number = |key: &str, typed, range: Range| section.with_default(key, typed, range, 0.0);
     let jitter = number("jitter", &typed.jitter, NON_NEGATIVE);
@@ -92,10 +88,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     );
     let seed = typed.seed.unwrap_or(0);
     if seed < 0 {
-        section.fault(
-            "seed",
-            format!("{seed} is out of range; allowed: 0 and above"),
-        );
+        section.out_of_range("seed", seed, "0 and above");
     }
     let (rod, pattern) = (rod?, pattern?);
     let is_tied = typed.knot.is_some();
@@ -150,10 +143,11 @@ fn release(
         return None;
     };
     if let Some(release) = release.filter(|release| *release >= end) {
-        let message = format!(
-            "{release:?} s is out of range; allowed: less than the time in which the rod is laid, {end:?} s (`time.end`)"
+        section.out_of_range(
+            "release",
+            format_args!("{release:?} s"),
+            format_args!("less than the time in which the rod is laid, {end:?} s (`time.end`)"),
         );
-        section.fault("release", message);
         return None;
     }
     Some(release)
@@ -244,8 +238,8 @@ fn resolve_rod(section: &Section<'_>, typed: &typed::Rod) -> Option<Rod> {
     let density = section.with_default("density", &typed.density, POSITIVE, DENSITY);
     for (name, friction) in typed.friction.iter().flatten() {
         if !(*friction >= 0.0 && friction.is_finite()) {
-            let message = format!("{friction:?} is out of range; allowed: at least 0");
-            section.below("friction").fault(name, message);
+            let below = section.below("friction");
+            below.out_of_range(name, friction, "at least 0");
         }
     }
     let is_known = [rod.gravito_bending_length, rod.radius, rod.length, density]

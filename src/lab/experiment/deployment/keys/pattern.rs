@@ -35,8 +35,7 @@ pub fn resolve(
         PatternKind::Sine => {
             let waves = section.required("waves", &typed.waves, POSITIVE);
             if waves > MOST_WAVES {
-                let message = format!("{waves:?} is out of range; allowed: at most {MOST_WAVES}");
-                section.fault("waves", message);
+                section.out_of_range("waves", waves, format_args!("at most {MOST_WAVES}"));
             }
             Pattern::Sine {
                 amplitude: section.required("amplitude", &typed.amplitude, POSITIVE),
@@ -60,30 +59,32 @@ pub fn resolve(
 
 /// Reports keys that say nothing of a pattern of this kind.
 fn refuse_keys_of_others(section: &Section<'_>, typed: &typed::Pattern, kind: PatternKind) {
-    use PatternKind::{Circle, Drawn, Line, Sine};
-    for (key, is_there, of) in [
-        ("file", typed.file.is_some(), Drawn),
-        ("points", typed.points.is_some(), Drawn),
-        ("size", typed.size.is_some(), Drawn),
-        ("stroke", typed.stroke.is_some(), Drawn),
-        ("reverse", typed.reverse.is_some(), Drawn),
-        ("deviation", typed.deviation.is_some(), Drawn),
-        ("length", typed.length.is_some(), Line),
-        ("radius", typed.radius.is_some(), Circle),
-        ("amplitude", typed.amplitude.is_some(), Sine),
-        ("wavelength", typed.wavelength.is_some(), Sine),
-        ("waves", typed.waves.is_some(), Sine),
+    let drawn = [
+        ("file", typed.file.is_some()),
+        ("points", typed.points.is_some()),
+        ("size", typed.size.is_some()),
+        ("stroke", typed.stroke.is_some()),
+        ("reverse", typed.reverse.is_some()),
+        ("deviation", typed.deviation.is_some()),
+    ];
+    let line = [("length", typed.length.is_some())];
+    let circle = [("radius", typed.radius.is_some())];
+    let sine = [
+        ("amplitude", typed.amplitude.is_some()),
+        ("wavelength", typed.wavelength.is_some()),
+        ("waves", typed.waves.is_some()),
+    ];
+    for (of, name, keys) in [
+        (PatternKind::Drawn, "drawn", &drawn[..]),
+        (PatternKind::Line, "line", &line),
+        (PatternKind::Circle, "circle", &circle),
+        (PatternKind::Sine, "sine", &sine),
     ] {
-        if is_there && of != kind {
-            let kinds = [
-                (Drawn, "drawn"),
-                (Line, "line"),
-                (Circle, "circle"),
-                (Sine, "sine"),
-            ];
-            let name = kinds.iter().find(|(kind, _)| *kind == of);
-            let name = name.map_or("", |(_, name)| name);
-            section.fault(key, format!("this key is for patterns of kind \"{name}\""));
+        if of != kind {
+            section.refuse(
+                keys,
+                &format!("this key is for patterns of kind \"{name}\""),
+            );
         }
     }
 }

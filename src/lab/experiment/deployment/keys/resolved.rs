@@ -32,23 +32,19 @@ pub struct Deployment {
     /// Seed of the jitter, and of the noise of observations.
     pub seed: u64,
     /// How the path is corrected while the rod is laid, if it is.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub correction: Option<Correction>,
     /// How long before the end of the run the gripper lets go, s; never without it.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub release: Option<f64>,
     /// Posts on the table; those of clips among them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pegs: Vec<Peg>,
     /// The knot that is tied, if one is.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub knot: Option<Knot>,
     /// The curve that the rod is to follow.
     pub pattern: Pattern,
     /// The rod.
     pub rod: Rod,
     /// A rod that is laid after it, if there is one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub second: Option<Second>,
 }
 

@@ -63,10 +63,8 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
     };
     let length_error = section.with_default("length_error", &typed.length_error, FINITE, 0.0);
     if length_error.abs() > LARGEST_ERROR {
-        let message = format!(
-            "{length_error:?} is out of range; allowed: -{LARGEST_ERROR} to {LARGEST_ERROR}"
-        );
-        section.fault("length_error", message);
+        let allowed = format_args!("-{LARGEST_ERROR} to {LARGEST_ERROR}");
+        section.out_of_range("length_error", length_error, allowed);
     }
     let jitter = section.with_default("jitter", &typed.jitter, NON_NEGATIVE, 0.0);
     let jitter_angle = section.with_default("jitter_angle", &typed.jitter_angle, NON_NEGATIVE, 0.0);
@@ -74,8 +72,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
     let jitter_period = section.with_default("jitter_period", period, POSITIVE, JITTER_PERIOD);
     let seed = typed.seed.unwrap_or(0);
     if seed < 0 {
-        let message = format!("{seed} is out of range; allowed: 0 and above");
-        section.fault("seed", message);
+        section.out_of_range("seed", seed, "0 and above");
     }
     let feedback = match &typed.feedback {
         Some(typed) => Some(resolve_feedback(&section.below("feedback"), typed)?),

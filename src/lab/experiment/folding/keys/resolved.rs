@@ -22,7 +22,6 @@ pub struct Folding {
     /// Seed of the jitter, and of the noise of observations.
     pub seed: u64,
     /// How the rest is planned anew, if it is.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub feedback: Option<Feedback>,
     /// The sheet.
     pub paper: Paper,
@@ -117,7 +116,6 @@ pub struct Paper {
     /// Least suspended length while it is bent, in L_gb.
     pub least_suspended_length: f64,
     /// Static friction on a table, where it is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
     /// Edges of the simulated strip.
     pub edges: usize,

@@ -31,6 +31,6 @@ pub use critical_distance::{discrete_critical_distance, estimated_critical_dista
 pub use discrete_rod::DiscreteRod;
 pub use files::SURFACE;
 pub use keys::{HelixSearch, HelixStability};
-pub use kind::HelixStabilityKind;
+pub use kind::HELIX_STABILITY;
 pub use row::{BoundaryRow, Part, read_boundary};
 pub use sections::sections_of;

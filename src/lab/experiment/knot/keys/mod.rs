@@ -58,11 +58,10 @@ pub fn resolve(request: &Request<'_>) -> Option<KnotTables> {
     let built = request.rod(FEWEST_NODES..=MOST_NODES)?;
     let (material, stiffness) = (built.material, built.stiffness);
     if end_to_end >= length {
-        section.fault(
+        section.out_of_range(
             "end_to_end",
-            format!(
-                "{end_to_end:?} m is out of range; allowed: less than the length of the rod, {length:?} m"
-            ),
+            format_args!("{end_to_end:?} m"),
+            format_args!("less than the length of the rod, {length:?} m"),
         );
     }
     // Bending waves of the loop, taken as a circle.

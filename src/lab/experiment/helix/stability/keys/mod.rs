@@ -38,10 +38,8 @@ pub fn resolve(request: &Request<'_>) -> Option<HelixTables> {
     );
     let radius = section.with_default("radius", &typed.radius, POSITIVE, RADIUS);
     if radius > 0.05 {
-        section.fault(
-            "radius",
-            format!("{radius:?} is out of range; allowed: greater than 0 and at most 0.05, a slender rod"),
-        );
+        let allowed = "greater than 0 and at most 0.05, a slender rod";
+        section.out_of_range("radius", radius, allowed);
     }
     let stiffness_ratio = section.with_default(
         "stiffness_ratio",
@@ -75,13 +73,11 @@ pub fn resolve(request: &Request<'_>) -> Option<HelixTables> {
         (0.25 * edges as f64).min(farthest),
     );
     if largest_distance > farthest {
-        section.fault(
-            "largest_distance",
-            format!(
-                "{largest_distance:?} is out of range; allowed: greater than 0 and at most {farthest}, where the \
-                 rod turns by half a radian from edge to edge of the coarsest mesh"
-            ),
+        let allowed = format_args!(
+            "greater than 0 and at most {farthest}, where the rod turns by half a radian from edge to edge of the \
+             coarsest mesh"
         );
+        section.out_of_range("largest_distance", largest_distance, allowed);
     }
     Some(HelixTables {
         helix_stability: HelixStability {
