@@ -1,12 +1,13 @@
 //! Experiments that fill a table, a row per point, each solved on its own: samples for a network to learn from, and others.
 
-use super::kind::{FigureError, Kind, Page, SCENE_TABLES, SampleColumns, refuse_surroundings};
+use super::kind::{
+    FigureError, Figures, Kind, Page, SCENE_TABLES, SampleColumns, refuse_surroundings,
+};
 use crate::run::{PreparedRun, TableRun};
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
 use crate::scenario::{Experiment, Issue, Scenario, Time};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Scene};
-use rodlab_files::figure::Figure;
 use rodlab_files::results::{FileDescription, ResultsError};
 use serde::Serialize;
 use std::path::Path;
@@ -48,7 +49,7 @@ pub struct DataSet {
     /// Its files, the table first.
     pub files: &'static [FileDescription],
     /// The figures of the rows in a results directory, by the names of their files.
-    pub figures: fn(&Path) -> Result<Vec<(&'static str, Figure)>, FigureError>,
+    pub figures: fn(&Path) -> Result<Figures, FigureError>,
     /// What `rodlab view` shows of the rows in a results directory.
     pub page: fn(&Path) -> Result<Page, ResultsError>,
     /// What a network learns from the rows, if one does.
@@ -108,7 +109,7 @@ impl Kind for DataSet {
         self.files
     }
 
-    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
+    fn figures(&self, directory: &Path) -> Result<Figures, FigureError> {
         if !self.is_in(directory) {
             return Ok(Vec::new());
         }

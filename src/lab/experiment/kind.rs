@@ -12,6 +12,9 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::path::Path;
 
+/// Figures of a run, by the names of their files as SVG.
+pub type Figures = Vec<(&'static str, Figure)>;
+
 /// A kind of experiment.
 ///
 /// Its name, its keys and how they are resolved are its [`ExperimentKeys`]; here is what becomes of them. A new kind
@@ -51,11 +54,11 @@ pub trait Kind: ExperimentKeys {
         None
     }
 
-    /// Its own figures of a run, with the names of their files as SVG; none where the run wrote nothing for them.
+    /// Its own figures of a run; none where the run wrote nothing for them.
     ///
     /// # Errors
     /// [`FigureError`] where files of the run cannot be read.
-    fn figures(&self, _directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
+    fn figures(&self, _directory: &Path) -> Result<Figures, FigureError> {
         Ok(Vec::new())
     }
 

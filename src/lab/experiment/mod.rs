@@ -9,6 +9,7 @@
 //! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
 //! | `probes` | what a scenario asks to be measured, in terms of its scene |
 //! | `data_set` | what kinds share that fill a table, such as samples for a network |
+//! | `on_table` | what kinds share in which a gripper handles a rod or a sheet on a table |
 //! | `derived` | numbers for `rodlab check` |
 //! | `scene`, `flagella`, `knot`, `helix`, `deployment`, `grasp_samples`, `fold_samples`, `folding` | the kinds |
 
@@ -32,6 +33,7 @@ mod kind;
 pub mod knot;
 #[cfg(test)]
 mod obstacle_tests;
+mod on_table;
 mod prepare;
 mod probes;
 #[cfg(test)]
@@ -59,7 +61,7 @@ pub use helix::manipulation::{ClampPoses, ClampedRod};
 pub use helix::stability::{
     HelixSearch, HelixStability, discrete_critical_distance, estimated_critical_distance,
 };
-pub use kind::{FigureError, Kind, OwnNumbers, Page, SampleColumns};
+pub use kind::{FigureError, Figures, Kind, OwnNumbers, Page, SampleColumns};
 pub use knot::{
     KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
 };

@@ -1,5 +1,6 @@
 //! Probes of a scenario: names and places become rods, nodes and edges of the scene.
 
+use super::prepare::find_place;
 use crate::run::probes::{
     ContactPartner, Limit, Probe, Probes, Quantity, STOPPED_BY, StopWhen, Summary,
 };
@@ -234,19 +235,7 @@ impl Rods<'_> {
             "edge" if !description.closed => nodes - 1,
             _ => nodes,
         };
-        match at {
-            Place::Start => Ok(0),
-            Place::End => Ok(count - 1),
-            Place::Number(number) if number < count => Ok(number),
-            Place::Number(number) => {
-                let message = format!(
-                    "rod `{}` has no {what} {number}; allowed: 0 to {}, \"start\" or \"end\"",
-                    description.name,
-                    count - 1
-                );
-                Err(Issue::new(self.key.key(key), message))
-            }
-        }
+        find_place(at, count, what, description, &self.key.key(key))
     }
 
     /// Rod and node along it.

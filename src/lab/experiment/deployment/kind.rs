@@ -11,17 +11,16 @@ use super::paths::DeploymentPaths;
 use super::release::Release;
 use super::scene;
 use super::tables::DeploymentTables;
-use crate::experiment::kind::{FigureError, Kind, OwnNumbers};
+use crate::experiment::kind::{FigureError, Figures, Kind, OwnNumbers};
+use crate::experiment::on_table;
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
-use crate::scenario::{Contact, Experiment, Issue, KeyPath, Scenario, Scheme, Step, Time};
+use crate::scenario::{Experiment, Issue, KeyPath, Scenario, Time};
 use rodlab_engine::mechanics::scene::Scene;
-use rodlab_files::figure::Figure;
 use rodlab_files::results::FileDescription;
 use std::path::Path;
 
-/// Step and duration where no table says otherwise, s.
-const STEP: f64 = 5e-3;
+/// Duration where no table says otherwise, s.
 const END: f64 = 60.0;
 
 /// A rod that a gripper lays on a table along a pattern.
@@ -41,11 +40,7 @@ impl ExperimentKeys for DeploymentKind {
     }
 
     fn usual_time(&self) -> Option<Time> {
-        Some(Time::Dynamic {
-            scheme: Scheme::ImplicitEuler,
-            step: Step::Fixed(STEP),
-            end: END,
-        })
+        Some(on_table::usual_time(END))
     }
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
@@ -57,9 +52,7 @@ impl ExperimentKeys for DeploymentKind {
     }
 
     fn judge(&self, top: &Section<'_>, common: &CommonTables<'_>) {
-        if *common.contact == Contact::None {
-            top.missing("contact", "a table that a rod is laid on: [contact]");
-        }
+        on_table::need_contact(top, common.contact, "a rod is laid");
     }
 }
 
@@ -126,7 +119,7 @@ impl Kind for DeploymentKind {
         &FILES
     }
 
-    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
+    fn figures(&self, directory: &Path) -> Result<Figures, FigureError> {
         let figure = laid_figure(directory)?;
         Ok(Vec::from_iter(figure.map(|figure| (LAID_FIGURE, figure))))
     }

@@ -8,16 +8,12 @@ use super::monitor::{Watched, WatchedRod};
 use super::outcome::DerivedDeployment;
 use super::paths::DeploymentPaths;
 use super::pegs;
+use crate::experiment::on_table;
 use crate::experiment::prepare::round_rod;
-use crate::scenario::{BuilderRod, Material, Scenario};
+use crate::scenario::{BuilderRod, Scenario};
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::scene::{
-    Clamp, Load, LoadKind, NaturalShape, Plane, RodDescription, Scene,
-};
+use rodlab_engine::mechanics::scene::{Clamp, NaturalShape, RodDescription, Scene};
 use std::ops::Range;
-
-/// Acceleration of free fall, m/s².
-const GRAVITY: f64 = 9.81;
 
 /// Adds all of them.
 pub fn add(scene: &mut Scene, deployment: &Deployment, paths: &DeploymentPaths, friction: f64) {
@@ -40,28 +36,11 @@ pub fn add(scene: &mut Scene, deployment: &Deployment, paths: &DeploymentPaths, 
     let standing = deployment.pegs.iter().enumerate();
     let standing = standing.map(|(number, peg)| pegs::post(&format!("peg_{}", number + 1), peg));
     scene.rods.extend(standing);
-    scene.loads.push(Load {
-        kind: LoadKind::Gravity {
-            acceleration: -GRAVITY * Vector3::z(),
-        },
-        schedule: Vec::new(),
-    });
-    scene.planes.push(Plane {
-        point: Vector3::zeros(),
-        normal: Vector3::z(),
-        friction: Some(friction),
-    });
+    on_table::add_table(scene, friction);
 }
 
 fn described(name: &str, rod: &Rod, path: &GripperPath) -> RodDescription {
-    let material = Material {
-        youngs_modulus: rod.deployed().youngs_modulus(rod.density, GRAVITY),
-        poissons_ratio: 0.5,
-        density: rod.density,
-        viscosity: 0.0,
-        relaxing_modulus: 0.0,
-        relaxation_time: 0.0,
-    };
+    let material = on_table::material(&rod.deployed(), rod.density);
     let section = BuilderRod {
         radius: rod.radius,
         nodes: rod.edges + 1,

@@ -4,27 +4,24 @@ use super::feedback::VisualFeedback;
 use super::files::{FILES, FOLDED_FIGURE};
 use super::folded_figure::folded_figure;
 use super::gripper_path::GripperPath;
-use super::keys::{Folding, GRAVITY, TABLES, resolve};
+use super::keys::{Folding, TABLES, resolve};
 use super::monitor::{FoldingMonitor, Watched};
 use super::tables::FoldingTables;
-use crate::experiment::kind::{FigureError, Kind, OwnNumbers};
+use crate::experiment::kind::{FigureError, Figures, Kind, OwnNumbers};
+use crate::experiment::on_table;
 use crate::experiment::prepare::round_rod;
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
-use crate::scenario::{
-    BuilderRod, Contact, Experiment, Issue, KeyPath, Material, Scenario, Scheme, Step, Time,
-};
+use crate::scenario::{BuilderRod, Experiment, Issue, KeyPath, Scenario, Time};
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::scene::{Clamp, Load, LoadKind, Plane, Scene};
-use rodlab_files::figure::Figure;
+use rodlab_engine::mechanics::scene::{Clamp, Scene};
 use rodlab_files::results::FileDescription;
 use rodlab_planning::plan::deployment::DeployedRod;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// Step and duration where no table says otherwise, s.
-const STEP: f64 = 5e-3;
+/// Duration where no table says otherwise, s.
 const END: f64 = 15.0;
 /// The edge is down where it is less than so many layers high, and no more than a part of L_gb.
 const LAYERS: f64 = 6.0;
@@ -56,11 +53,7 @@ impl ExperimentKeys for FoldingKind {
     }
 
     fn usual_time(&self) -> Option<Time> {
-        Some(Time::Dynamic {
-            scheme: Scheme::ImplicitEuler,
-            step: Step::Fixed(STEP),
-            end: END,
-        })
+        Some(on_table::usual_time(END))
     }
 
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment> {
@@ -71,9 +64,7 @@ impl ExperimentKeys for FoldingKind {
     }
 
     fn judge(&self, top: &Section<'_>, common: &CommonTables<'_>) {
-        if *common.contact == Contact::None {
-            top.missing("contact", "a table that a sheet is folded on: [contact]");
-        }
+        on_table::need_contact(top, common.contact, "a sheet is folded");
     }
 }
 
@@ -131,7 +122,7 @@ impl Kind for FoldingKind {
         &FILES
     }
 
-    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
+    fn figures(&self, directory: &Path) -> Result<Figures, FigureError> {
         let figure = folded_figure(directory)?;
         Ok(Vec::from_iter(figure.map(|figure| (FOLDED_FIGURE, figure))))
     }
@@ -154,14 +145,7 @@ fn add(scene: &mut Scene, folding: &Folding, path: &GripperPath, friction: f64) 
         radius,
         length: sheet.length,
     };
-    let material = Material {
-        youngs_modulus: strip.youngs_modulus(paper.density, GRAVITY),
-        poissons_ratio: 0.5,
-        density: paper.density,
-        viscosity: 0.0,
-        relaxing_modulus: 0.0,
-        relaxation_time: 0.0,
-    };
+    let material = on_table::material(&strip, paper.density);
     let section = BuilderRod {
         radius,
         nodes: paper.edges + 1,
@@ -181,17 +165,7 @@ fn add(scene: &mut Scene, folding: &Folding, path: &GripperPath, friction: f64) 
         holds_frame: true,
         motion: path.motion(),
     });
-    scene.loads.push(Load {
-        kind: LoadKind::Gravity {
-            acceleration: -GRAVITY * Vector3::z(),
-        },
-        schedule: Vec::new(),
-    });
-    scene.planes.push(Plane {
-        point: Vector3::zeros(),
-        normal: Vector3::z(),
-        friction: Some(friction),
-    });
+    on_table::add_table(scene, friction);
 }
 
 fn watched(folding: &Folding, path: &GripperPath) -> Watched {

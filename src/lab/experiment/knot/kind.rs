@@ -7,14 +7,13 @@ use super::observer::KnotObserver;
 use super::tied_knot::{determinant_of_kind, determinant_of_rods};
 use super::tightening;
 use super::traction_figure::traction_figure;
-use crate::experiment::kind::{FigureError, Kind, OwnNumbers};
+use crate::experiment::kind::{FigureError, Figures, Kind, OwnNumbers};
 use crate::experiment::prepare::try_scene;
 use crate::run::{Mode, PreparedRun, RunError};
 use crate::scenario::keys::{CommonTables, ExperimentKeys, OwnTable, Request, Section};
 use crate::scenario::{Contact, Experiment, Issue, KeyPath, Scenario, Time};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::Scene;
-use rodlab_files::figure::Figure;
 use rodlab_files::results::FileDescription;
 use serde::Serialize;
 use std::path::Path;
@@ -132,7 +131,7 @@ impl Kind for PulledKnot {
         &FILES
     }
 
-    fn figures(&self, directory: &Path) -> Result<Vec<(&'static str, Figure)>, FigureError> {
+    fn figures(&self, directory: &Path) -> Result<Figures, FigureError> {
         let figure = traction_figure(directory)?;
         Ok(Vec::from_iter(
             figure.map(|figure| (TRACTION_FIGURE, figure)),

@@ -299,7 +299,7 @@ fn find_edge(
 }
 
 /// The number of a place that stands at a key, among the `count` nodes or edges of a rod.
-pub(super) fn find_place(
+pub(in crate::experiment) fn find_place(
     place: Place,
     count: usize,
     what: &str,

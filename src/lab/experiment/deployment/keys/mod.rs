@@ -12,6 +12,7 @@ pub use pattern::stroke_of_svg;
 pub use resolved::Second;
 pub use resolved::{Correction, Deployment, Knot, Pattern, Peg, Rod, Scheme, Solver};
 
+use crate::experiment::on_table::{self, JITTER_PERIOD};
 use crate::scenario::Time;
 use crate::scenario::keys::{
     FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Quantity, Range, Request, Section,
@@ -19,23 +20,15 @@ use crate::scenario::keys::{
 use rodlab_planning::plan::deployment::{DeployedRod, lead_length, long_enough};
 use rodlab_planning::plan::pattern::Pattern as Curve;
 
-/// Edges per gravito-bending length of a simulated rod, and how many there are at least and at most where nothing is
-/// said.
+/// Edges per gravito-bending length of a simulated rod where nothing is said.
 const EDGES_PER_LENGTH: f64 = 4.0;
-const USUAL_EDGES: [f64; 2] = [80.0, 400.0];
-/// Edges that may be asked for.
-const EDGES: [usize; 2] = [10, 100_000];
 /// Density where none is given, kg/m³.
 const DENSITY: f64 = 1000.0;
-/// Largest relative error of a length.
-const LARGEST_ERROR: f64 = 0.9;
 /// Length between corrections over L_gb where none is given.
 const CORRECTED_EVERY: f64 = 0.8;
 /// Length of return over L_gb where none is given, and the shortest over L_gb and over the length between corrections.
 const RETURN_LENGTH: f64 = 3.5;
 const SHORTEST_RETURN: f64 = 3.0;
-/// Period of the fastest jitter where none is given, s.
-const JITTER_PERIOD: f64 = 1.0;
 
 /// The table of this experiment.
 pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::Deployment>(
@@ -43,23 +36,13 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::Deployment>(
     "Pattern, rod and gripper of the experiment \"deployment\".",
 )];
 
-/// Edges of the simulated rod where nothing is said.
-fn usual_edges(rod: &DeployedRod) -> usize {
-    let [fewest, most] = USUAL_EDGES;
-    let edges = EDGES_PER_LENGTH * rod.length / rod.gravito_bending_length;
-    edges.round().clamp(fewest, most) as usize
-}
-
 /// Resolves pattern, rod and gripper; `None` where a fault was reported that leaves nothing to go on with.
 pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     request.refuse(
         &["material", "rod"],
         "the rod of a deployment and its material are [deployment.rod]",
     );
-    if !matches!(request.time, Time::Dynamic { .. }) {
-        let message = "a rod is laid in time: use \"dynamic\"";
-        request.top.below("time").fault("mode", message);
-    }
+    on_table::need_time(request, "a rod is laid in time");
     let typed: &typed::Deployment = request.table("deployment")?;
     let section = request.top.below("deployment");
     let help = "a table [deployment.rod], or extends = \"rods/green_vps.toml\"";
@@ -69,11 +52,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     let pattern = section.needed("pattern", typed.pattern.as_ref(), help);
     let pattern =
         pattern.and_then(|pattern| pattern::resolve(request, &section.below("pattern"), pattern));
-    let length_error = section.with_default("length_error", &typed.length_error, FINITE, 0.0);
-    if length_error.abs() > LARGEST_ERROR {
-        let allowed = format_args!("-{LARGEST_ERROR} to {LARGEST_ERROR}");
-        section.out_of_range("length_error", length_error, allowed);
-    }
+    let length_error = on_table::length_error(&section, &typed.length_error);
     let number = |key: &str, typed, range: Range| section.with_default(key, typed, range, 0.0);
     let jitter = number("jitter", &typed.jitter, NON_NEGATIVE);
     let shift = typed.frame_shift.as_ref();
@@ -86,10 +65,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
         POSITIVE,
         JITTER_PERIOD,
     );
-    let seed = typed.seed.unwrap_or(0);
-    if seed < 0 {
-        section.out_of_range("seed", seed, "0 and above");
-    }
+    let seed = on_table::seed(&section, typed.seed);
     let (rod, pattern) = (rod?, pattern?);
     let is_tied = typed.knot.is_some();
     let curve = with_lead_in(&section, typed.lead_in.as_ref(), is_tied, &rod, &pattern)?;
@@ -121,7 +97,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
         jitter,
         jitter_angle,
         jitter_period,
-        seed: seed.max(0).unsigned_abs(),
+        seed,
         correction,
         release,
         pegs,
@@ -245,12 +221,8 @@ fn resolve_rod(section: &Section<'_>, typed: &typed::Rod) -> Option<Rod> {
     let is_known = [rod.gravito_bending_length, rod.radius, rod.length, density]
         .iter()
         .all(|value| value.is_finite());
-    let [fewest, most] = EDGES;
-    let edges = match typed.edges {
-        Some(_) => section.count("edges", typed.edges, fewest..=most)?,
-        None if is_known => usual_edges(&rod),
-        None => return None,
-    };
+    let usual = EDGES_PER_LENGTH * rod.length / rod.gravito_bending_length;
+    let edges = on_table::edges(section, typed.edges, usual)?;
     is_known.then_some(Rod {
         gravito_bending_length: rod.gravito_bending_length,
         radius: rod.radius,

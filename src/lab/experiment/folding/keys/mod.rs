@@ -6,29 +6,21 @@ mod typed;
 pub use resolved::{AlgorithmName, Crease, Feedback, Folding, Paper};
 pub use typed::Paper as TypedPaper;
 
-use crate::scenario::Time;
-use crate::scenario::keys::{FINITE, NON_NEGATIVE, OwnTable, POSITIVE, Request, Section};
+use crate::experiment::on_table::{self, GRAVITY, JITTER_PERIOD};
+use crate::scenario::keys::{NON_NEGATIVE, OwnTable, POSITIVE, Request, Section};
 use rodlab_planning::plan::fold::FoldedSheet;
 
-/// Acceleration of free fall, m/s².
-pub const GRAVITY: f64 = 9.81;
 /// Least suspended length of paper, in L_gb (thesis sec. 4.6.5).
 const LEAST_SUSPENDED: f64 = 0.958;
 /// Thickness (m) and mass per volume (kg/m³) of paper.
 const THICKNESS: f64 = 1e-4;
 const DENSITY: f64 = 800.0;
-/// Edges per gravito-bending length, and how many there are at least and at most where nothing is said.
+/// Edges per gravito-bending length where nothing is said.
 const EDGES_PER_LENGTH: f64 = 20.0;
-const USUAL_EDGES: [f64; 2] = [80.0, 400.0];
-/// Edges, and parts of a path, that may be asked for.
-const EDGES: [usize; 2] = [10, 100_000];
+/// Parts of a path that may be asked for.
 const PARTS: [usize; 2] = [2, 1000];
 /// Parts where none are given (thesis sec. 4.6.5).
 const USUAL_PARTS: usize = 5;
-/// Largest relative error of a length.
-const LARGEST_ERROR: f64 = 0.9;
-/// Period of the fastest jitter where none is given, s.
-const JITTER_PERIOD: f64 = 1.0;
 
 /// The table of this experiment.
 pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::Folding>(
@@ -42,10 +34,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
         &["material", "rod"],
         "the sheet of a fold and its material are [folding.paper]",
     );
-    if !matches!(request.time, Time::Dynamic { .. }) {
-        let message = "a sheet is folded in time: use \"dynamic\"";
-        request.top.below("time").fault("mode", message);
-    }
+    on_table::need_time(request, "a sheet is folded in time");
     let typed: &typed::Folding = request.table("folding")?;
     let section = request.top.below("folding");
     let help = "a table [folding.paper], or extends = \"papers/a4.toml\"";
@@ -61,19 +50,12 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
         }
         Some(typed) => Crease::At(section.number("crease", typed, POSITIVE)),
     };
-    let length_error = section.with_default("length_error", &typed.length_error, FINITE, 0.0);
-    if length_error.abs() > LARGEST_ERROR {
-        let allowed = format_args!("-{LARGEST_ERROR} to {LARGEST_ERROR}");
-        section.out_of_range("length_error", length_error, allowed);
-    }
+    let length_error = on_table::length_error(&section, &typed.length_error);
     let jitter = section.with_default("jitter", &typed.jitter, NON_NEGATIVE, 0.0);
     let jitter_angle = section.with_default("jitter_angle", &typed.jitter_angle, NON_NEGATIVE, 0.0);
     let period = &typed.jitter_period;
     let jitter_period = section.with_default("jitter_period", period, POSITIVE, JITTER_PERIOD);
-    let seed = typed.seed.unwrap_or(0);
-    if seed < 0 {
-        section.out_of_range("seed", seed, "0 and above");
-    }
+    let seed = on_table::seed(&section, typed.seed);
     let feedback = match &typed.feedback {
         Some(typed) => Some(resolve_feedback(&section.below("feedback"), typed)?),
         None => None,
@@ -96,7 +78,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
         jitter,
         jitter_angle,
         jitter_period,
-        seed: seed.max(0).unsigned_abs(),
+        seed,
         feedback,
         paper,
     })
@@ -149,15 +131,8 @@ pub fn resolve_paper(section: &Section<'_>, typed: &TypedPaper) -> Option<Paper>
     let is_known = numbers.iter().all(|number| number.is_finite())
         && least_suspended_length.is_finite()
         && friction.is_none_or(f64::is_finite);
-    let [fewest, most] = EDGES;
-    let edges = match typed.edges {
-        Some(_) => section.count("edges", typed.edges, fewest..=most)?,
-        None => {
-            let [fewest, most] = USUAL_EDGES;
-            let edges = EDGES_PER_LENGTH * length / gravito_bending_length;
-            edges.round().clamp(fewest, most) as usize
-        }
-    };
+    let usual = EDGES_PER_LENGTH * length / gravito_bending_length;
+    let edges = on_table::edges(section, typed.edges, usual)?;
     is_known.then_some(Paper {
         length,
         width,
