@@ -1,12 +1,12 @@
 //! The arguments of the program: its subcommands and what is common to them.
 
-use super::common::Common;
+use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, evaluate, explain, explore,
     fold_arguments, gather, guide, init, measure, place, plan, plot, reproduce, run, score, solve,
     status, stream, submit, tie, trace, train, verify, view,
 };
-use clap::{Parser, Subcommand};
+use clap::Parser;
 
 /// A laboratory for slender elastic rods: bending, twist, contact, friction, viscous fluid.
 #[derive(Debug, Parser)]

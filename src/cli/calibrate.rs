@@ -1,16 +1,11 @@
 //! `rodlab calibrate`: cameras and where they are mounted.
 
-use super::failure::Failure;
-use super::output::{print, print_json, write_file};
-use super::values::positive_length;
-use clap::{Args, Subcommand};
+use super::prelude::*;
 use nalgebra::Isometry3;
 use rodlab_vision::{
     Camera, Checkerboard, LensMisfit, Point, RejectedPair, VisionError, board_pose,
     calibrate as calibrate_lens, hand_eye, pictures_in, read_picture, read_poses,
 };
-use serde::Serialize;
-use std::path::PathBuf;
 
 /// Arguments of `rodlab calibrate`.
 #[derive(Debug, Args)]

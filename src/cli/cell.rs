@@ -1,14 +1,12 @@
 //! `rodlab cell`: the virtual robot cell.
 
-use super::failure::Failure;
 use super::folded_sheet::PaperFile;
 use super::interruption::watch_for_interruption;
-use super::output::print;
 use super::place::Scene;
 use super::plan::parse_place;
+use super::prelude::*;
 use super::task_arguments::GANTRY;
-use super::values::{self, positive_length};
-use clap::{Args, Subcommand};
+use super::values;
 use rodlab_lab::experiment::{Crease, Jitter};
 use rodlab_robot::Pose;
 use rodlab_workcell::cell::{Cell, Driver, Place};
@@ -17,7 +15,6 @@ use rodlab_workcell::virtual_cell::{
     ChuckedSupply, Fault, Response, RodSupply, Settings, SheetPlace, SimulatedSheet, VirtualCell,
 };
 use std::net::{SocketAddr, ToSocketAddrs};
-use std::path::{Path, PathBuf};
 
 /// Friction of the table where nobody says another.
 const FRICTION: f64 = 0.4;

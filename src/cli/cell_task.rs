@@ -1,15 +1,13 @@
 //! What the tasks of a robot cell have in common on the command line: whether they may begin, and how they end.
 
 use super::exit_code::NOT_SEEN_WHOLE;
-use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
-use super::output::print_json;
+use super::prelude::*;
 use rodlab_files::results::write_whole;
 use rodlab_robot::JointTrajectory;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{Status, TaskError, TaskRecord, TaskStage, Unfinished};
-use std::path::{Path, PathBuf};
 
 /// Refuses to move an arm whose last task did not come to its end, until somebody has looked at it and says so.
 pub fn refuse_unfinished(cell: &Cell, arm: usize) -> Result<(), Failure> {
@@ -42,9 +40,6 @@ fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
 }
 
 /// Refuses to begin a task that the arms of a cell cannot do, or must not do yet; `camera` says what the camera is for.
-///
-/// # Errors
-/// An arm left a task unfinished and was not `checked`, or the cell file lacks something.
 pub fn refuse_unready(
     cell: &Cell,
     file: &Path,
@@ -74,9 +69,6 @@ pub struct CellTask<'a> {
 
 impl<'a> CellTask<'a> {
     /// A task in an empty directory, see [`log_directory`].
-    ///
-    /// # Errors
-    /// The directory is not empty, or cannot be made.
     pub fn new(
         name: &str,
         out: Option<&Path>,
@@ -95,9 +87,6 @@ impl<'a> CellTask<'a> {
     }
 
     /// Writes the motion, and a page that shows it in no more than so many frames.
-    ///
-    /// # Errors
-    /// A file cannot be written.
     pub fn write_motion(&self, joints: &JointTrajectory, frames: usize) -> Result<(), Failure> {
         let page = self.cell.page(Some(joints), frames);
         let files = [("joints.csv", joints.to_csv()?), ("cell.html", page)];
@@ -109,9 +98,6 @@ impl<'a> CellTask<'a> {
 
     /// Carries a task out that was planned, or nothing of it where it is a `dry_run`; writes its record, clears the marks where the arms
     /// came to the end of their work, and prints the record. `run` does the task, and adds what it came to to the record.
-    ///
-    /// # Errors
-    /// It ended early, the rod is not seen whole, or something cannot be written.
     pub fn carry_out<R: TaskRecord, S: TaskStage>(
         &self,
         mut record: R,

@@ -1,15 +1,11 @@
 //! `rodlab check`.
 
-use super::common::Common;
-use super::failure::Failure;
-use super::output::print;
+use super::prelude::*;
 use super::run::prepare;
-use clap::Args;
 use rodlab_lab::experiment::{DerivedNumbers, case_set, derived_numbers, try_scene};
 use rodlab_lab::run::{Forecast, forecast};
 use rodlab_lab::sweep::check_every_value;
 use rodlab_workcell::cell::{Cell, CellReport};
-use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab check`.
 #[derive(Debug, Args)]

@@ -76,9 +76,6 @@ impl Common {
     }
 
     /// Sets the number of threads.
-    ///
-    /// # Errors
-    /// The system could not start them.
     pub fn start_threads(&self) -> Result<(), Failure> {
         let Some(threads) = self.threads else {
             return Ok(());
@@ -95,9 +92,6 @@ impl Common {
 const THREADS_OF_A_PROCESSOR: usize = 16;
 
 /// Refuses numbers of threads that take longer to start than any work would.
-///
-/// # Errors
-/// [`Failure::Input`] names the option and the largest number.
 pub fn refuse_too_many_threads(option: &str, threads: u16) -> Result<(), Failure> {
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let most = (THREADS_OF_A_PROCESSOR * processors).max(64);

@@ -1,8 +1,7 @@
 //! `rodlab completions`.
 
-use super::failure::Failure;
-use super::output::print;
-use clap::{Args, Command};
+use super::prelude::*;
+use clap::Command;
 use clap_complete::Shell;
 
 /// Arguments of `rodlab completions`.

@@ -1,9 +1,7 @@
 //! `rodlab dataset`.
 
-use super::common::Common;
-use super::failure::Failure;
+use super::prelude::*;
 use super::run::{RunArguments, run};
-use clap::Args;
 use rodlab_lab::experiment::{KINDS, case_set, kind_named};
 
 /// Arguments of `rodlab dataset`.

@@ -1,11 +1,9 @@
 //! `rodlab deploy`.
 
-use super::common::Common;
-use super::failure::Failure;
 use super::laying::{Laying, LayingArguments};
 use super::plan_deployment::DeploymentPlan;
+use super::prelude::*;
 use super::run::simulate;
-use clap::Args;
 use rodlab_lab::experiment::case_set;
 use rodlab_lab::run::RunOptions;
 use rodlab_planning::plan::deployment::Spare;

@@ -1,14 +1,12 @@
 //! Files of rods that are laid on a table.
 
-use super::failure::Failure;
-use super::values::is_positive;
+use super::prelude::*;
 use rodlab_lab::scenario::dimension::{Density, Length};
 use rodlab_lab::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
 use rodlab_planning::plan::deployment::DeployedRod;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// A rod by its file.
 pub struct RodFile {

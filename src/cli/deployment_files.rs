@@ -1,7 +1,7 @@
 //! Files of a planned deployment.
 
 use super::deployed_rod::RodFile;
-use super::failure::Failure;
+use super::prelude::*;
 use rodlab_files::finite::{self, NotFinite};
 use rodlab_planning::plan::deployment::{
     LaidPath, OptimalGrasps, Scheme, TimedPose, deployment_figure,
@@ -9,8 +9,6 @@ use rodlab_planning::plan::deployment::{
 use rodlab_planning::plan::pattern::{Crossing, PatternSource, Point};
 use rodlab_planning::plan::request::DeploymentRequest;
 use rodlab_planning::plan::tying::Pass;
-use serde::Serialize;
-use std::fmt::Write;
 
 /// Friction of the simulated table where none is given.
 const FRICTION: f64 = 0.4;
@@ -35,9 +33,6 @@ struct PoseEntry {
 }
 
 /// Columns time_s, x_m, y_m, z_m, qw, qx, qy, qz.
-///
-/// # Errors
-/// A number is not finite: no gripper is to follow it.
 pub fn trajectory_csv(poses: &[TimedPose]) -> Result<String, NotFinite> {
     check_finite(poses)?;
     let mut text = String::from("time_s,x_m,y_m,z_m,qw,qx,qy,qz\n");

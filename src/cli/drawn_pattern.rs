@@ -1,10 +1,9 @@
 //! Files of drawn patterns: SVG, and CSV files of points.
 
-use super::failure::Failure;
+use super::prelude::*;
 use rodlab_lab::experiment::stroke_of_svg;
 use rodlab_planning::plan::pattern::Point;
 use rodlab_vision::read_curve;
-use std::path::Path;
 
 /// Points of an SVG or CSV file in metres; none where the file has another ending. `stroke` counts the strokes of an
 /// SVG, or the strands of a CSV file, from 1.

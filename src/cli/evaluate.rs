@@ -1,16 +1,11 @@
 //! `rodlab evaluate`.
 
-use super::failure::Failure;
-use super::output::{print, print_json, write_file};
+use super::prelude::*;
 use super::samples::SampleFiles;
-use clap::Args;
 use rodlab_files::figure::Paper;
 use rodlab_planning::learn::{
     Errors, Model, Samples, error_figure, evaluate as errors_of, read_model,
 };
-use serde::Serialize;
-use std::fmt::Write;
-use std::path::PathBuf;
 
 /// Arguments of `rodlab evaluate`.
 #[derive(Debug, Args)]

@@ -1,12 +1,9 @@
 //! `rodlab explain`: keys of scenario files; files of results directories and their columns.
 
-use super::failure::Failure;
-use super::output::print;
-use clap::Args;
+use super::prelude::*;
 use rodlab_files::results::FileDescription;
 use rodlab_lab::experiment::{self, Described, describe, described_files, files_with_column};
 use rodlab_lab::scenario::did_you_mean;
-use std::fmt::Write;
 
 /// Arguments of `rodlab explain`.
 #[derive(Debug, Args)]

@@ -1,12 +1,9 @@
 //! `rodlab explore`.
 
-use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::log_directory::results_directory;
-use super::output::print_json;
+use super::prelude::*;
 use super::solve_arm::read_arm;
-use super::values::{number, positive};
-use clap::Args;
 use rodlab_files::results::{MANIFEST, write_whole};
 use rodlab_lab::experiment::ClampedRod;
 use rodlab_vision::ColourRule;
@@ -14,7 +11,6 @@ use rodlab_workcell::task::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationSummary, ExploreError, HandPlace,
     SearchSteps, Status, Stopped, quarter_sphere, read_directions, section, write_exploration,
 };
-use std::path::{Path, PathBuf};
 
 /// Distances ‖(κ, τ, ω)‖ that are allowed, in words.
 const DISTANCE: &str = "a distance from 0.01 to 100 is needed";

@@ -1,8 +1,6 @@
 //! Options of the commands that draw figures.
 
-use super::failure::Failure;
-use super::values::{Named, named};
-use clap::Args;
+use super::prelude::*;
 use rodlab_files::figure::{FigureOptions, Format, Paper};
 use rodlab_lab::scenario::metres;
 

@@ -1,11 +1,10 @@
 //! `rodlab fold`.
 
-use super::common::Common;
-use super::failure::Failure;
 use super::fold_arguments::FoldArguments;
 use super::fold_in_cell::fold_in_cell;
 use super::fold_simulation::fold_in_simulation;
 use super::folded_sheet::PaperFile;
+use super::prelude::*;
 
 /// Folds a sheet in a cell or in simulation.
 pub fn fold(arguments: &FoldArguments, common: &Common) -> Result<(), Failure> {

@@ -2,13 +2,11 @@
 
 use super::plan::parse_place;
 use super::plan_fold::crease;
+use super::prelude::*;
 use super::task_arguments::TaskArm;
-use super::values::{friction, positive, positive_length};
-use clap::Args;
 use clap::builder::PossibleValuesParser;
 use rodlab_lab::experiment::{AlgorithmName, Crease};
 use rodlab_workcell::cell::Place;
-use std::path::PathBuf;
 
 /// Arguments of `rodlab fold`.
 #[derive(Debug, Args)]

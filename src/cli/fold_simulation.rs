@@ -1,16 +1,13 @@
 //! `rodlab fold --simulate`.
 
-use super::common::Common;
-use super::failure::Failure;
 use super::fold_arguments::FoldArguments;
 use super::log_directory::results_directory;
+use super::prelude::*;
 use super::run::simulate;
 use super::view::show;
 use super::watchdog;
 use rodlab_lab::experiment::{Crease, case_set_from_text};
 use rodlab_lab::run::RunOptions;
-use std::fmt::Write;
-use std::path::Path;
 
 /// Time of a fold, s.
 const TIME: f64 = 15.0;

@@ -1,13 +1,12 @@
 //! Files of sheets that are folded.
 
-use super::failure::Failure;
+use super::prelude::*;
 use rodlab_lab::experiment::{Paper, TypedPaper, resolve_paper};
 use rodlab_lab::scenario::keys::Section;
 use rodlab_lab::scenario::{Issues, KeyPath, TypedFile};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::cell::RefCell;
-use std::path::Path;
 
 /// A sheet by its file.
 pub struct PaperFile {

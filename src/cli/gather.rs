@@ -1,13 +1,10 @@
 //! `rodlab gather`.
 
-use super::failure::Failure;
-use super::output::{print, print_paths};
+use super::prelude::*;
 use super::sweep::verdict;
-use clap::Args;
 use rodlab_files::figure::FigureOptions;
 use rodlab_lab::report::plot_results;
 use rodlab_lab::sweep;
-use std::path::PathBuf;
 
 /// Arguments of `rodlab gather`.
 #[derive(Debug, Args)]

@@ -1,11 +1,8 @@
 //! `rodlab guide`.
 
-use super::common::Common;
-use super::failure::Failure;
 use super::markdown::for_terminal;
-use super::output::print;
+use super::prelude::*;
 use crate::guide::{PAGES, page};
-use clap::Args;
 use rodlab_lab::scenario::did_you_mean;
 
 /// Arguments of `rodlab guide`.

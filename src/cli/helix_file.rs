@@ -1,12 +1,11 @@
 //! Files of helical rods with markers.
 
-use super::failure::Failure;
+use super::prelude::*;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use rodlab_lab::scenario::dimension::{Curvature, Length};
 use rodlab_lab::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
 use rodlab_vision::helix_points;
 use serde::Deserialize;
-use std::path::Path;
 
 /// Most markers of a rod.
 const MOST_MARKERS: usize = 1000;
@@ -37,9 +36,6 @@ struct TypedHelix {
 
 impl HelixFile {
     /// Reads the table `[helix]` of a file.
-    ///
-    /// # Errors
-    /// All wrong keys, with their places.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let file: TypedFile<Typed> = TypedFile::read(path)?;
         let typed = &file.typed.helix;

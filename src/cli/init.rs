@@ -1,8 +1,6 @@
 //! `rodlab init`.
 
-use super::failure::Failure;
-use super::output::print;
-use clap::Args;
+use super::prelude::*;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rodlab_lab::experiment::{KINDS, Kind, kind_named};
 

@@ -1,18 +1,16 @@
 //! How an arm of a cell lays a rod: what `rodlab deploy` and `rodlab place` have in common.
 
 use super::cell_task::{CellTask, refuse_unfinished};
-use super::failure::Failure;
 use super::log_directory::log_directory;
+use super::prelude::*;
 use super::solve_arm::read_arm;
 use super::task_arguments::{TaskArguments, TaskArm};
-use clap::Args;
 use rodlab_lab::experiment::Fixtures;
 use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, Spare};
 use rodlab_vision::{ColourRule, Point};
 use rodlab_workcell::task::{
     Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, TaskHead,
 };
-use std::path::{Path, PathBuf};
 
 /// Frames of the page of the arm in motion.
 const FRAMES: usize = 400;

@@ -1,7 +1,6 @@
 //! Directories for logs of what was moved.
 
-use super::failure::Failure;
-use std::path::{Path, PathBuf};
+use super::prelude::*;
 
 /// Where results go: as given, or in `results` by a name.
 pub fn results_directory(given: Option<&Path>, name: &str) -> PathBuf {

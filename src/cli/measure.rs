@@ -1,15 +1,11 @@
 //! `rodlab measure`: material lengths of real rods and strips from their shape under gravity, the knot of a curve, sheets
 //! and markers in photographs.
 
-use super::failure::Failure;
 use super::measure_knot::{KnotArguments, measure_knot};
 use super::measure_markers::{MarkerArguments, measure_markers};
 use super::measure_sheet::{SheetArguments, measure_sheet};
-use super::output::print_json;
-use super::values::positive_length;
-use clap::{Args, Subcommand};
+use super::prelude::*;
 use rodlab_engine::mechanics::kirchhoff::{HangingStrip, HeavyLoop};
-use serde::Serialize;
 
 /// Arguments of `rodlab measure`.
 #[derive(Debug, Args)]

@@ -1,13 +1,9 @@
 //! `rodlab measure knot`: the knot invariant of a curve.
 
-use super::failure::Failure;
-use super::output::print_json;
-use clap::Args;
+use super::prelude::*;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_lab::scenario::read_polyline;
 use rodlab_planning::knot::{closed_far_away, determinant_of_closed, fewest_crossings};
-use serde::Serialize;
-use std::path::PathBuf;
 
 /// Most points: crossings are looked for among all pairs.
 const MOST_POINTS: usize = 5000;

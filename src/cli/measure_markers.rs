@@ -1,19 +1,13 @@
 //! `rodlab measure markers`: whether a helical rod is still the helix that it should be.
 
-use super::failure::Failure;
 use super::helix_file::HelixFile;
-use super::output::{print, print_json, write_file, write_files};
 use super::picture_source::{RecordingArguments, SourcePicture, is_series, pictures};
-use super::values::{is_positive, number, positive_length};
-use clap::Args;
+use super::prelude::*;
 use nalgebra::Vector3;
 use rodlab_vision::{
     Camera, ColourRule, InstabilityRule, InstabilityWatch, MarkerErrors, Point, compare_markers,
     encode_picture, find_markers, marker_overlay,
 };
-use serde::Serialize;
-use std::fmt::Write;
-use std::path::PathBuf;
 
 /// Arguments of `rodlab measure markers`.
 #[derive(Debug, Args)]

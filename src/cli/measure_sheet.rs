@@ -1,15 +1,11 @@
 //! `rodlab measure sheet`: where a sheet of paper lies, and how far it slid.
 
-use super::failure::Failure;
-use super::output::{print_json, write_files};
+use super::prelude::*;
 use super::trace::mask_of_rule;
-use clap::Args;
 use rodlab_vision::{
     Camera, ColourRule, EdgePose, Point, Sheet, encode_picture, find_sheet, mask_overlay,
     read_picture, sheet_overlay, sliding,
 };
-use serde::Serialize;
-use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab measure sheet`.
 #[derive(Debug, Args)]

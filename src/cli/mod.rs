@@ -62,6 +62,7 @@ mod plan_deployment;
 mod plan_fold;
 mod plan_grippers;
 mod plot;
+mod prelude;
 mod reproduce;
 mod run;
 mod samples;

@@ -43,26 +43,17 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
 }
 
 /// Writes a file to a place that the user chose. Only a file of the same kind is replaced there.
-///
-/// # Errors
-/// Something else stands there, or it cannot be written.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(replace_own(path, bytes, |head| are_alike(head, bytes))?)
 }
 
 /// Makes a directory that may be there already.
-///
-/// # Errors
-/// It cannot be made.
 pub fn make_directory(path: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(path)
         .map_err(|error| Failure::System(format!("{} cannot be made: {error}", path.display())))
 }
 
 /// [`write_file`] of some into a directory, which is made where it is not there.
-///
-/// # Errors
-/// As [`write_file`].
 pub fn write_files(directory: &Path, files: Vec<(&str, Vec<u8>)>) -> Result<(), Failure> {
     std::fs::create_dir_all(directory).map_err(|error| {
         Failure::System(format!("{}: cannot be made: {error}", directory.display()))

@@ -1,16 +1,13 @@
 //! Patterns as arguments: formulas and drawings.
 
 use super::drawn_pattern::drawn_points;
-use super::failure::Failure;
 use super::picture_source::has_ending;
-use super::values::positive_length;
-use clap::Args;
+use super::prelude::*;
 use rodlab_lab::scenario::metres;
 use rodlab_planning::plan::pattern::{
     Circle, Drawing, Line, PatternError, PatternSource, Point, Sine,
 };
 use rodlab_vision::{Camera, ColourRule, Metric, TraceOptions, pattern, read_picture, trace};
-use std::path::{Path, PathBuf};
 
 /// Distance of the points of a photographed line, m, as of `rodlab trace --pattern`.
 const POINT_STEP: f64 = 1e-3;
@@ -53,9 +50,6 @@ impl PatternArguments {
     }
 
     /// A second pattern, in a file, drawn at the scale of this one; the same file where none is named.
-    ///
-    /// # Errors
-    /// It cannot be read, or this one is not as it was drawn.
     pub fn second(
         &self,
         file: Option<&Path>,
@@ -84,9 +78,6 @@ impl PatternArguments {
     }
 
     /// What the pattern is made from.
-    ///
-    /// # Errors
-    /// The pattern or a flag is faulty, or a file cannot be read.
     pub fn source(&self) -> Result<PatternSource, Failure> {
         let Some(formula) = self.analytic()? else {
             return Ok(PatternSource::Drawn {

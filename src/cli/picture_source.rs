@@ -1,13 +1,11 @@
 //! Where pictures come from: files, folders, recordings and cameras.
 
-use super::failure::Failure;
-use clap::Args;
+use super::prelude::*;
 use image::RgbImage;
 use rodlab_robot::{
     Bag, BagError, BagPicture, CameraError, CameraPicture, DriverError, PictureTopic, open_camera,
 };
 use rodlab_vision::{VisionError, decode_picture, pictures_in, read_picture};
-use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Longest wait for a picture of a camera.
@@ -42,9 +40,6 @@ pub fn is_series(source: &Path) -> bool {
 }
 
 /// The pictures of a source, in order of time.
-///
-/// # Errors
-/// There is no such source, or it holds no pictures.
 pub fn pictures(
     source: &Path,
     recording: &RecordingArguments,

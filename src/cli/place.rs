@@ -1,16 +1,13 @@
 //! `rodlab place`: a cable laid between pegs.
 
 use super::deployment_files::{path_files, trajectory_csv};
-use super::failure::Failure;
 use super::laying::{Laying, LayingArguments};
-use super::output::make_directory;
-use clap::Args;
+use super::prelude::*;
 use rodlab_files::results::{SCENARIO, write_whole};
 use rodlab_lab::experiment::{self, Deployment, DeploymentTables, Fixtures};
 use rodlab_planning::plan::deployment::{LaidPath, Spare, friction_demands, timed, times};
 use rodlab_planning::plan::pattern::crossings;
 use rodlab_planning::plan::request::DeploymentRequest;
-use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab place`.
 #[derive(Debug, Args)]
@@ -69,9 +66,6 @@ pub struct Scene {
 
 impl Scene {
     /// Reads a scenario.
-    ///
-    /// # Errors
-    /// It is faulty, or none of a cable that is laid between pegs.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, Failure> {
         let loaded = experiment::load(path, overrides)?;
         let scenario = &loaded.scenario;

@@ -1,15 +1,11 @@
 //! `rodlab plan`: trajectories.
 
-use super::failure::Failure;
-use super::output::{print, print_json, write_file};
 use super::plan_deployment::DeploymentArguments;
 use super::plan_fold::FoldPlanArguments;
 use super::plan_grippers::GripperPlanArguments;
+use super::prelude::*;
 use super::solve_arm::ArmChoice;
-use super::values::positive;
-use clap::{Args, Subcommand};
 use rodlab_workcell::cell::{Place, PlanError, PlanRequest, read_poses};
-use std::path::PathBuf;
 
 /// Arguments of `rodlab plan`.
 #[derive(Debug, Args)]

@@ -4,11 +4,8 @@ use super::deployed_rod::RodFile;
 use super::deployment_files::{
     DRAWING, Landing, drawing_csv, landing, path_files, trajectory_csv, trajectory_json,
 };
-use super::failure::Failure;
-use super::output::{make_directory, print_json, write_file};
 use super::pattern_source::PatternArguments;
-use super::values::{Named, named, positive_length, speed};
-use clap::{Args, ValueEnum};
+use super::prelude::*;
 use rodlab_files::finite::NotFinite;
 use rodlab_planning::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, LaidPath, MOST_POSES, OptimalGrasps,
@@ -19,9 +16,7 @@ use rodlab_planning::plan::pattern::{Crossing, PatternSource, Point};
 use rodlab_planning::plan::request::{DeploymentRequest, LeadLength, RequestError};
 use rodlab_planning::plan::tying::Pass;
 use rodlab_workcell::task::{KnotPlan, PlannedRod};
-use serde::Serialize;
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
 
 /// Ways of leading the rod.
 const SCHEMES: [Named<Scheme>; 2] = [
@@ -167,9 +162,6 @@ impl DeploymentArguments {
 impl DeploymentPlan {
     /// Plans, and writes trajectory, pattern and figure into a directory. `spare` says what is done with a rod that is longer
     /// than its pattern, unless the arguments do.
-    ///
-    /// # Errors
-    /// The rod, the pattern or an argument is faulty, or a file cannot be written.
     pub fn write(&self, out: &Path, spare: &Spare<'_>) -> Result<WrittenPlan, Failure> {
         let file = RodFile::read(&self.rod)?;
         let rod = file.rod;
@@ -287,9 +279,6 @@ impl DeploymentPlan {
     }
 
     /// The plan of a knot of this rod and of a second one, by its file, along another pattern.
-    ///
-    /// # Errors
-    /// A rod, a pattern or an argument is faulty, or they do not go together.
     pub fn knot_with(&self, second: &Path, source: &PatternSource) -> Result<KnotPlan, Failure> {
         let rods = [RodFile::read(&self.rod)?.rod, RodFile::read(second)?.rod];
         let first = self.source.source()?;
@@ -311,9 +300,6 @@ impl DeploymentPlan {
     }
 
     /// Refuses a knot that cannot be tied so.
-    ///
-    /// # Errors
-    /// The rod, the pattern or an argument is faulty, or they do not go together.
     pub fn check_knot(&self) -> Result<(), Failure> {
         let rod = RodFile::read(&self.rod)?.rod;
         let (request, source) = (self.request(), self.source.source()?);
@@ -324,9 +310,6 @@ impl DeploymentPlan {
     }
 
     /// The pattern without lead-in and lead-out, m.
-    ///
-    /// # Errors
-    /// The pattern or an argument is faulty.
     pub fn outline(&self) -> Result<Vec<Point>, Failure> {
         let pattern = self.source.source()?.pattern();
         let pattern = pattern.map_err(|error| self.source.no_pattern(&error))?;
@@ -337,9 +320,6 @@ impl DeploymentPlan {
     }
 
     /// The pattern of a second rod, see [`PatternArguments::second`].
-    ///
-    /// # Errors
-    /// As there.
     pub fn second_source(
         &self,
         file: Option<&Path>,

@@ -1,12 +1,9 @@
 //! `rodlab plan fold`.
 
 use super::deployment_files::trajectory_csv;
-use super::failure::Failure;
 use super::fold_figures::{fold_figure, friction_figure};
 use super::folded_sheet::PaperFile;
-use super::output::{print_json, write_files};
-use super::values::{friction, positive_length, speed};
-use clap::{Args, ValueEnum};
+use super::prelude::*;
 use rodlab_files::figure::Paper;
 use rodlab_lab::experiment::Crease;
 use rodlab_planning::plan::deployment::{GripperPose, timed};
@@ -14,9 +11,6 @@ use rodlab_planning::plan::fold::{
     Algorithm, FoldPath, FoldPlanner, FoldedSheet, NetworkCheck, NeuralFolds, Objective, Sheet,
     sliding,
 };
-use serde::Serialize;
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
 
 /// Fastest turn of the gripper, rad/s.
 const FASTEST_TURN: f64 = 1.0;

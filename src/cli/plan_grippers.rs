@@ -1,12 +1,8 @@
 //! `rodlab plan grippers`.
 
 use super::deployment_files::trajectory_csv;
-use super::failure::Failure;
-use super::output::{make_directory, print_json, write_file};
-use clap::Args;
+use super::prelude::*;
 use rodlab_lab::experiment::{DeploymentTables, GripperTask, GripperWork, load};
-use serde::Serialize;
-use std::path::PathBuf;
 
 /// Arguments of `rodlab plan grippers`.
 #[derive(Debug, Args)]

@@ -1,14 +1,10 @@
 //! `rodlab plot`.
 
-use super::failure::Failure;
 use super::figure_arguments::FigureArguments;
-use super::output::print_paths;
-use super::values::{Named, named};
-use clap::Args;
+use super::prelude::*;
 use rodlab_files::figure::AxisScale::{self, Linear, Logarithmic};
 use rodlab_files::figure::Format;
 use rodlab_lab::report::{CustomFigure, custom_figure, plot_results, write_figure};
-use std::path::PathBuf;
 
 /// Which axes are logarithmic: the horizontal one, and the vertical ones.
 const LOG_AXES: [Named<[AxisScale; 2]>; 4] = [

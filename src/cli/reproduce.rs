@@ -1,14 +1,10 @@
 //! `rodlab reproduce`.
 
-use super::common::Common;
-use super::failure::Failure;
 use super::figure_arguments::FigureArguments;
-use super::output::{print, print_paths};
+use super::prelude::*;
 use super::{standard_error, watchdog};
 use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
-use clap::Args;
 use rodlab_files::figure::Format;
-use std::path::PathBuf;
 
 /// Where pages go.
 const PUBLISHED: &str = "results/reproduced";

@@ -1,22 +1,17 @@
 //! `rodlab run`.
 
-use super::common::{Common, refuse_too_many_threads};
-use super::failure::Failure;
+use super::common::refuse_too_many_threads;
 use super::log_directory::results_directory;
-use super::output::{print, print_json};
+use super::prelude::*;
 use super::sweep;
-use super::values::{duration, shard};
 use super::watchdog;
-use clap::Args;
 use rodlab_files::results::PAGE;
 use rodlab_lab::experiment::{self, try_scene};
 use rodlab_lab::report::write_page;
 use rodlab_lab::run::{PreparedRun, RunOptions, RunOutcome, RunStatus};
 use rodlab_lab::scenario::CaseSet;
 use rodlab_lab::sweep::{Shard, SweepOptions};
-use std::fmt::Write;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Outputs that the page of a task in simulation shows at most.

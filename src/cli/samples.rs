@@ -1,9 +1,8 @@
 //! Samples in results directories, for `rodlab train` and `rodlab evaluate`.
 
-use super::failure::Failure;
+use super::prelude::*;
 use rodlab_files::results::{CASES, Manifest};
 use rodlab_lab::experiment::{KINDS, SampleColumns, kind_named};
-use std::path::{Path, PathBuf};
 
 /// Files of samples of one kind.
 pub struct SampleFiles {

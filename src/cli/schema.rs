@@ -1,7 +1,6 @@
 //! `rodlab schema`.
 
-use super::failure::Failure;
-use super::output::print;
+use super::prelude::*;
 use rodlab_lab::experiment::json_schema;
 
 /// Prints the JSON Schema of scenario files.

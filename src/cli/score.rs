@@ -2,10 +2,7 @@
 
 use super::drawn_pattern::drawn_points;
 use super::exit_code::NOT_SEEN_WHOLE;
-use super::failure::Failure;
-use super::output::{print, print_json, write_file};
-use super::values::{length_from_zero, positive_length};
-use clap::Args;
+use super::prelude::*;
 use rodlab_files::figure::{Format, Paper};
 use rodlab_lab::scenario::read_text_file;
 use rodlab_planning::plan::pattern::Drawing;
@@ -13,8 +10,6 @@ use rodlab_vision::{
     CurveError, Point, SCORE_POINTS, Score, SeenLength, part_of_curve, read_curve,
     score as score_curves, score_figure,
 };
-use serde::Serialize;
-use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab score`.
 #[derive(Debug, Args)]

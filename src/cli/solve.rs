@@ -1,16 +1,12 @@
 //! `rodlab solve`: one exact answer as JSON.
 
-use super::failure::Failure;
-use super::output::print_json;
+use super::prelude::*;
 use super::solve_arm::{ForwardArguments, InverseArguments};
 use super::solve_fold::FoldArguments;
 use super::solve_grasp::GraspArguments;
 use super::solve_knot::KnotInversionArguments;
-use super::values::{edges, positive_length};
-use clap::{Args, Subcommand, ValueEnum};
 use rodlab_engine::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
 use rodlab_lab::experiment::{HelixStability, estimated_critical_distance};
-use serde::Serialize;
 
 /// Most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
 const MOST_EDGES: usize = 2000;

@@ -1,12 +1,8 @@
 //! `rodlab solve fk` and `rodlab solve ik`: the kinematics of an arm of a cell.
 
-use super::failure::Failure;
-use super::values::number;
-use clap::Args;
+use super::prelude::*;
 use rodlab_robot::{Pose, Posture, parts, pose};
 use rodlab_workcell::cell::{Arm, Cell};
-use serde::Serialize;
-use std::path::{Path, PathBuf};
 
 /// Which arm.
 #[derive(Debug, Args)]
@@ -21,18 +17,12 @@ pub(super) struct ArmChoice {
 
 impl ArmChoice {
     /// Reads the cell; returns it with the index of the arm.
-    ///
-    /// # Errors
-    /// If the file is faulty, or the arm is not named where it must be, or not there.
     pub fn read(&self) -> Result<(Cell, usize), Failure> {
         read_arm(&self.cell, self.arm.as_deref())
     }
 }
 
 /// Reads a cell; returns it with the index of the arm of a name.
-///
-/// # Errors
-/// As [`ArmChoice::read`].
 pub(super) fn read_arm(file: &Path, arm: Option<&str>) -> Result<(Cell, usize), Failure> {
     let cell = Cell::read(file)?;
     let index = arm_named(&cell, "--arm", arm, file)?;
@@ -40,9 +30,6 @@ pub(super) fn read_arm(file: &Path, arm: Option<&str>) -> Result<(Cell, usize), 
 }
 
 /// The index of an arm of a cell by its name, as given by a flag, which may be left out where there is only one.
-///
-/// # Errors
-/// There is no such arm, or it must be named.
 pub(super) fn arm_named(
     cell: &Cell,
     flag: &str,
@@ -80,9 +67,6 @@ pub struct ForwardArguments {
 
 impl ForwardArguments {
     /// The posture.
-    ///
-    /// # Errors
-    /// If the cell is faulty or the number of joints is wrong.
     pub fn solve(&self) -> Result<Posture, Failure> {
         let (cell, index) = self.arm.read()?;
         let arm = &cell.arms[index];
@@ -143,9 +127,6 @@ pub enum InverseAnswer {
 
 impl InverseArguments {
     /// The posture or postures.
-    ///
-    /// # Errors
-    /// If the cell is faulty or no posture reaches the pose.
     pub fn solve(&self) -> Result<InverseAnswer, Failure> {
         let (cell, index) = self.arm.read()?;
         let arm = &cell.arms[index];

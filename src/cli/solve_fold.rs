@@ -1,11 +1,8 @@
 //! `rodlab solve fold`.
 
 use super::answers::Answers;
-use super::failure::Failure;
-use super::values::edges;
-use clap::{Args, ValueEnum};
+use super::prelude::*;
 use rodlab_planning::plan::fold::{Fold, FoldAtlas, FoldError};
-use serde::Serialize;
 use std::ops::RangeInclusive;
 
 /// Fewest and most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.

@@ -1,12 +1,9 @@
 //! `rodlab solve grasp`.
 
 use super::answers::Answers;
-use super::failure::Failure;
-use super::values::edges;
-use clap::{Args, ValueEnum};
+use super::prelude::*;
 use rodlab_engine::mechanics::rotation;
 use rodlab_planning::plan::grasp::{Grasp, GraspError, GraspMethod, GraspProblem, GraspSolver};
-use serde::Serialize;
 
 /// Most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
 const MOST_EDGES: usize = 2000;

@@ -1,11 +1,8 @@
 //! `rodlab solve knot-inversion`: the fold of the simplified knot.
 
-use super::failure::Failure;
-use super::values::{positive_length, within};
-use clap::{Args, ValueEnum};
+use super::prelude::*;
 use rodlab_engine::mechanics::kirchhoff::EndSpin;
 use rodlab_planning::knot::SimplifiedKnot;
-use serde::Serialize;
 
 /// Arguments of `rodlab solve knot-inversion`.
 #[derive(Debug, Args)]
@@ -59,9 +56,6 @@ pub struct KnotInversionAnswer {
 
 impl KnotInversionArguments {
     /// Solves for the fold.
-    ///
-    /// # Errors
-    /// If the knot has none in the range looked at.
     pub fn solve(&self) -> Result<KnotInversionAnswer, Failure> {
         let spin = match self.end_spin {
             EndSpinArgument::Clamped => EndSpin::Clamped {

@@ -1,16 +1,11 @@
 //! `rodlab status`.
 
-use super::failure::Failure;
-use super::output::{print, print_json};
-use clap::Args;
+use super::prelude::*;
 use rodlab_files::results::{CaseRecord, CaseStatus};
 use rodlab_lab::cluster::{self, ClusterError, Jobs, Task};
 use rodlab_lab::scenario::Case;
 use rodlab_lab::sweep::{self, CaseCounts, Shard};
-use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt::Write;
-use std::path::PathBuf;
 
 /// Arguments of `rodlab status`.
 #[derive(Debug, Args)]

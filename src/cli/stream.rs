@@ -1,17 +1,12 @@
 //! `rodlab stream`.
 
-use super::failure::Failure;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
-use super::output::print_json;
-use super::values::within;
-use clap::Args;
+use super::prelude::*;
 use rodlab_files::results::write_whole;
 use rodlab_robot::{Ending, JointTrajectory, StreamLog, stream as run};
 use rodlab_workcell::cell::{Cell, Driver, StreamReport};
 use rodlab_workcell::task::write_manifest;
-use serde::Serialize;
-use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab stream`.
 #[derive(Debug, Args)]

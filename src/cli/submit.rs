@@ -1,17 +1,14 @@
 //! `rodlab submit`.
 
-use super::failure::Failure;
 use super::log_directory::results_directory;
-use super::output::print;
+use super::prelude::*;
 use super::sweep::refuse_too_many;
-use clap::Args;
 use rodlab_files::results::{CaseRecord, SCENARIO};
 use rodlab_lab::cluster::{self, Jobs, Program, Request, TaskState};
 use rodlab_lab::experiment::case_set;
 use rodlab_lab::run::RunOptions;
 use rodlab_lab::scenario::{Case, CaseSet};
 use rodlab_lab::sweep::{self, Shard};
-use std::path::PathBuf;
 
 /// Tasks of a job array unless the user says otherwise.
 const TASKS: usize = 64;

@@ -1,13 +1,11 @@
 //! Sweeps of `rodlab run`: which cases there are, and what became of them.
 
 use super::exit_code::ExitCode;
-use super::failure::Failure;
-use super::output::{print, print_json};
+use super::prelude::*;
 use rodlab_lab::scenario::{CaseSet, Parameter};
 use rodlab_lab::sweep::{
     self, Found, SEARCH_TABLE, Shard, SweepOptions, SweepOutcome, forecast_of,
 };
-use std::fmt::Write;
 
 /// Cases beyond which `--yes` must be given.
 const MOST_CASES: u128 = 100_000;

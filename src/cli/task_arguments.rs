@@ -1,13 +1,10 @@
 //! How arms of a cell move in a task with rods, and where its results go.
 
-use super::failure::Failure;
 use super::plan::parse_place;
-use super::values::positive;
-use clap::Args;
+use super::prelude::*;
 use rodlab_vision::Point;
 use rodlab_workcell::cell::{Cell, Place};
 use rodlab_workcell::task::middle_of_table;
-use std::path::PathBuf;
 
 /// The cell of tasks with one arm.
 pub const GANTRY: &str = "scenarios/cells/gantry.toml";
@@ -55,9 +52,6 @@ pub struct TaskArguments {
 
 impl TaskArguments {
     /// Where patterns with these points, m, lie in a cell.
-    ///
-    /// # Errors
-    /// No place is given, and the cell has no table.
     pub fn place(&self, cell: &Cell, outline: &[Point]) -> Result<Place, Failure> {
         let place = self.place.or_else(|| middle_of_table(cell, outline));
         place.ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))

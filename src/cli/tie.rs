@@ -1,16 +1,14 @@
 //! `rodlab tie`.
 
 use super::cell_task::{CellTask, refuse_unready};
-use super::failure::Failure;
 use super::plan_deployment::DeploymentPlan;
+use super::prelude::*;
 use super::solve_arm::arm_named;
 use super::task_arguments::TaskArguments;
-use clap::Args;
 use rodlab_planning::plan::deployment::Spare;
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{KnotPlan, TaskHead, TieMotion, TieMotionRequest, TieRecord, TieTask};
-use std::path::PathBuf;
 
 /// Frames of the page of the arms in motion.
 const FRAMES: usize = 600;

@@ -1,18 +1,14 @@
 //! `rodlab trace`: from images to centrelines.
 
-use super::failure::Failure;
-use super::output::{print, print_json, write_file, write_files};
 use super::picture_source::{RecordingArguments, SourcePicture, is_series, pictures};
+use super::prelude::*;
 use super::trace_answer::{Answer, answer, counted, summary};
-use super::values::positive_length;
-use clap::Args;
 use image::{GrayImage, RgbImage};
 use rodlab_vision::{
     Camera, ColourRule, Contrast, Mask, Metric, Trace, TraceOptions, VisionError, centrelines_csv,
     centrelines_svg, clean_mask, encode_labels, encode_picture, instance_dice, mask_overlay,
     overlay, pattern, pattern_csv, read_labels, read_picture, trace_contrast,
 };
-use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab trace`.
 #[derive(Debug, Args)]

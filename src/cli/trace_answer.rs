@@ -1,10 +1,8 @@
 //! What `rodlab trace` answers.
 
+use super::prelude::*;
 use image::RgbImage;
 use rodlab_vision::{Camera, Passage, Point, Trace, VisionError};
-use serde::Serialize;
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
 
 /// What was found in an image.
 #[derive(Serialize)]
@@ -61,9 +59,6 @@ struct RejectedAnswer {
 }
 
 /// What a trace has found; lengths in metres where there is a camera.
-///
-/// # Errors
-/// A strand is seen where the camera sees no table.
 pub fn answer(
     path: &Path,
     picture: &RgbImage,

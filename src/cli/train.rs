@@ -1,15 +1,10 @@
 //! `rodlab train`.
 
-use super::common::Common;
-use super::failure::Failure;
-use super::output::{print, print_json};
+use super::prelude::*;
 use super::samples::SampleFiles;
-use super::values::{Named, duration, named, number};
-use clap::Args;
 use indicatif::ProgressBar;
 use rodlab_lab::run::{Interruption, StopRequest};
 use rodlab_planning::learn::{self, Plan, Processor, Schedule, Status, Task, Trainer};
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// How steps get smaller.

@@ -1,10 +1,7 @@
 //! `rodlab verify`.
 
-use super::failure::Failure;
-use super::output::{print, print_json};
+use super::prelude::*;
 use crate::verify::{self, Check, GroupResult, Verdict};
-use clap::Args;
-use serde::Serialize;
 
 /// Arguments of `rodlab verify`.
 #[derive(Debug, Args)]

@@ -1,15 +1,11 @@
 //! `rodlab view`.
 
-use super::common::Common;
-use super::failure::Failure;
-use super::output::{print, write_file};
-use clap::Args;
+use super::prelude::*;
 use indicatif::ProgressBar;
 use rodlab_files::results::PAGE;
 use rodlab_lab::report::write_page;
 use rodlab_robot::JointTrajectory;
 use rodlab_workcell::cell::Cell;
-use std::path::{Path, PathBuf};
 
 /// Arguments of `rodlab view`.
 #[derive(Debug, Args)]

@@ -1,0 +1,15 @@
+//! What the subcommands have in common: options, values, output and failures.
+
+pub(super) use super::common::Common;
+pub(super) use super::failure::Failure;
+pub(super) use super::output::{
+    make_directory, print, print_json, print_paths, write_file, write_files,
+};
+pub(super) use super::values::{
+    Named, duration, edges, friction, is_positive, length_from_zero, named, number, positive,
+    positive_length, shard, speed, within,
+};
+pub(super) use clap::{Args, Subcommand, ValueEnum};
+pub(super) use serde::Serialize;
+pub(super) use std::fmt::Write;
+pub(super) use std::path::{Path, PathBuf};
