@@ -3,7 +3,7 @@
 use super::prelude::*;
 use nalgebra::Isometry3;
 use rodlab_vision::{
-    Camera, Checkerboard, LensMisfit, Point, RejectedPair, VisionError, board_pose,
+    Camera, Checkerboard, LensMisfit, RejectedPair, VisionError, board_pose,
     calibrate as calibrate_lens, hand_eye, pictures_in, read_picture, read_poses,
 };
 
@@ -213,22 +213,21 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
             Err(error) => left_out.push(format!("{}: {error}", path.display())),
         }
     }
-    let nothing = || {
-        Failure::Input(format!(
-            "no image shows the board:\n{}",
-            left_out.join("\n")
-        ))
+    let Some((width, height)) = size.filter(|_| !views.is_empty()) else {
+        let faults = left_out.join("\n");
+        return Err(Failure::Input(format!(
+            "no image shows the board:\n{faults}"
+        )));
     };
-    let (width, height) = size.filter(|_| !views.is_empty()).ok_or_else(nothing)?;
     let found = calibrate_lens(&board, &views, width, height)?;
     let on_table = match &arguments.table {
         None => 0,
-        Some(table) => used.iter().position(|path| path == table).ok_or_else(|| {
-            Failure::Input(format!(
-                "{}: it does not show the whole board",
-                table.display()
-            ))
-        })?,
+        Some(table) => {
+            let place = used.iter().position(|path| path == table);
+            place
+                .ok_or("it does not show the whole board")
+                .at(table.display())?
+        }
     };
     let calibrated = found.camera(on_table, width, height);
     if let Some(out) = &arguments.out {
@@ -295,9 +294,7 @@ fn pose(arguments: &PoseArguments) -> Result<(), Failure> {
     let picture = read_picture(&arguments.image)?;
     known.check_size(picture.width(), picture.height())?;
     let board = arguments.board.board();
-    let corners: Vec<Point> = board
-        .find(&picture)
-        .map_err(|error| Failure::Input(format!("{}: {error}", arguments.image.display())))?;
+    let corners = board.find(&picture).at(arguments.image.display())?;
     let (seen, rms) = board_pose(&board, &corners, &known.lens)?;
     let camera = Camera {
         pose: seen.inverse(),

@@ -1,13 +1,12 @@
 //! `rodlab cell`: the virtual robot cell.
 
-use super::folded_sheet::PaperFile;
 use super::interruption::watch_for_interruption;
-use super::place::Scene;
+use super::place::read_placement;
 use super::plan::parse_place;
 use super::prelude::*;
 use super::task_arguments::GANTRY;
 use super::values;
-use rodlab_lab::experiment::{Crease, Jitter};
+use rodlab_lab::experiment::{Crease, Jitter, PaperFile};
 use rodlab_robot::Pose;
 use rodlab_workcell::cell::{Cell, Driver, Place};
 use rodlab_workcell::task::middle_of_table;
@@ -168,7 +167,7 @@ impl ServeArguments {
         let Some(file) = &self.scene else {
             return Ok(None);
         };
-        let scene = Scene::read(file, &[])?;
+        let scene = read_placement(file, &[])?;
         let place = self
             .scene_place
             .or_else(|| middle_of_table(cell, &scene.fixtures.outline()));
@@ -187,8 +186,7 @@ impl ServeArguments {
         } else {
             Crease::Half
         };
-        let target = file.paper.target(crease);
-        target.map_err(|error| Failure::Input(format!("--diagonal: {error}")))?;
+        file.paper.target(crease).at("--diagonal")?;
         let friction = self.friction.or(file.paper.friction).unwrap_or(FRICTION);
         let table = cell.table.map_or_else(Pose::identity, |table| table.top);
         let sheet = SimulatedSheet::new(paper, friction, self.diagonal, self.place, &table);

@@ -40,8 +40,7 @@ struct Answer<'a> {
 /// Compares a network with exact solutions.
 pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
     let files = SampleFiles::of(&arguments.samples)?;
-    let input = |error: &dyn std::error::Error| Failure::Input(error.to_string());
-    let model = read_model(&arguments.model, files.kind).map_err(|error| input(&error))?;
+    let model = read_model(&arguments.model, files.kind).or_input()?;
     let about = &model.about;
     if about.inputs != files.columns.inputs || about.outputs != files.columns.outputs {
         return Err(Failure::Input(format!(
@@ -54,7 +53,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
         )));
     }
     let samples = Samples::read_all(&files.files, &about.inputs, &about.outputs);
-    let samples = samples.map_err(|error| input(&error))?;
+    let samples = samples.or_input()?;
     let covered = in_range(&model, &samples);
     if covered.rows() == 0 {
         return Err(Failure::Input(format!(
@@ -64,8 +63,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
             arguments.model.display()
         )));
     }
-    let errors = errors_of(&model, &covered, files.columns.compared);
-    let errors = errors.map_err(|error| input(&error))?;
+    let errors = errors_of(&model, &covered, files.columns.compared).or_input()?;
     let is_finite = |errors: &Errors| errors.mean.is_finite() && errors.largest.is_finite();
     if let Some(wrong) = errors.iter().find(|errors| !is_finite(errors)) {
         return Err(Failure::Input(format!(
@@ -103,9 +101,6 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
 }
 
 fn in_range(model: &Model, samples: &Samples) -> Samples {
-    let rows = 0..samples.rows();
-    let rows: Vec<usize> = rows
-        .filter(|row| model.covers(samples.input(*row)))
-        .collect();
-    samples.chosen(&rows)
+    let is_covered = |row: &usize| model.covers(samples.input(*row));
+    samples.chosen(&(0..samples.rows()).filter(is_covered).collect::<Vec<_>>())
 }

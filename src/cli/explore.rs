@@ -1,7 +1,7 @@
 //! `rodlab explore`.
 
 use super::interruption::watch_for_interruption;
-use super::log_directory::results_directory;
+use super::log_directory::{no_directory, results_directory};
 use super::prelude::*;
 use super::solve_arm::read_arm;
 use rodlab_files::results::{MANIFEST, write_whole};
@@ -105,7 +105,7 @@ struct DirectionArguments {
 impl DirectionArguments {
     fn list(&self) -> Result<Vec<[f64; 3]>, Failure> {
         if let Some(file) = &self.directions {
-            return read_directions(file).map_err(Failure::input);
+            return read_directions(file).or_input();
         }
         let spread = self.spread.map(|count| quarter_sphere(count as usize));
         let flat = self.section.map(|count| section(count as usize));
@@ -129,11 +129,8 @@ pub fn explore(arguments: &ExploreArguments) -> Result<(), Failure> {
     let colour = ColourRule::parse(&arguments.colour)?;
     let rod = ClampedRod::read(&arguments.rod)?;
     let (cell, arm) = read_arm(&arguments.cell, arguments.arm.as_deref())?;
-    let stem = arguments
-        .rod
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy();
+    let stem = arguments.rod.file_stem().unwrap_or_default();
+    let stem = stem.to_string_lossy();
     let directory = results_directory(arguments.out.as_deref(), &format!("explore-{stem}"));
     let exploration = Exploration {
         cell: &cell,
@@ -154,27 +151,17 @@ pub fn explore(arguments: &ExploreArguments) -> Result<(), Failure> {
         keeps_pictures: !arguments.no_pictures,
         directory: &directory,
     };
-    let start = exploration
-        .start()
-        .map_err(|error| failed(error, &directory))?;
+    let failed = |error| failed(error, &directory);
+    let start = exploration.start().map_err(failed)?;
     let is_clamped = is_clamped(&directory, &exploration.plan())?;
-    let made = std::fs::create_dir_all(&directory);
-    made.map_err(|error| {
-        Failure::Input(format!(
-            "--out: {} cannot be made: {error}",
-            directory.display()
-        ))
-    })?;
+    std::fs::create_dir_all(&directory).map_err(|error| no_directory(&directory, &error))?;
     let mut record = exploration.record(std::env::args().collect());
     record.is_clamped = is_clamped;
     let first = exploration.ray(&start, 0);
-    let page = exploration
-        .page(&first, FRAMES)
-        .map_err(|error| failed(error, &directory))?;
+    let page = exploration.page(&first, FRAMES).map_err(failed)?;
     write_whole(&directory.join("cell.html"), page.as_bytes())?;
     if arguments.dry_run {
-        let planned = exploration.write_plan(&start);
-        planned.map_err(|error| failed(error, &directory))?;
+        exploration.write_plan(&start).map_err(failed)?;
         record.summary = ExplorationSummary::of(&exploration.rows()?);
         return finish(&mut record, &exploration, None);
     }
@@ -183,8 +170,7 @@ pub fn explore(arguments: &ExploreArguments) -> Result<(), Failure> {
     record.write(&directory)?;
     let ended = exploration.run(&mut record, &|| interrupted.is_raised());
     record.head.end = Some(jiff::Timestamp::now());
-    finish(&mut record, &exploration, ended.err())?;
-    Ok(())
+    finish(&mut record, &exploration, ended.err())
 }
 
 /// Writes manifest and page, and prints the record or says why it ended early.
@@ -201,9 +187,8 @@ fn finish(
         };
     }
     record.head.error = error.as_ref().map(ToString::to_string);
-    record.head.stopped = error
-        .as_ref()
-        .and_then(|error| left_by(error, record, exploration));
+    let left_by = |error| left_by(error, record, exploration);
+    record.head.stopped = error.as_ref().and_then(left_by);
     record.write(exploration.directory)?;
     write_exploration(record, &exploration.rows()?, exploration.directory)?;
     match error {

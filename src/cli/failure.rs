@@ -88,6 +88,25 @@ impl Failure {
     }
 }
 
+/// Faults of the input: what is wrong, and where.
+pub trait OrInput<T> {
+    /// The input is wrong, by what the error says.
+    fn or_input(self) -> Result<T, Failure>;
+
+    /// The same with its place in front: a file, an option.
+    fn at(self, place: impl Display) -> Result<T, Failure>;
+}
+
+impl<T, E: Display> OrInput<T> for Result<T, E> {
+    fn or_input(self) -> Result<T, Failure> {
+        self.map_err(Failure::input)
+    }
+
+    fn at(self, place: impl Display) -> Result<T, Failure> {
+        self.map_err(|error| Failure::Input(format!("{place}: {error}")))
+    }
+}
+
 /// Errors of the library that have exit codes.
 impl<E: ExitCode + Display> From<E> for Failure {
     fn from(error: E) -> Self {

@@ -1,11 +1,11 @@
 //! `rodlab fold` in a robot cell.
 
 use super::cell_task::{CellTask, refuse_unready};
-use super::failure::Failure;
 use super::fold_arguments::FoldArguments;
-use super::folded_sheet::PaperFile;
+use super::prelude::*;
 use super::solve_arm::read_arm;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
+use rodlab_lab::experiment::PaperFile;
 use rodlab_robot::Pose;
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::{Cell, Place};
@@ -46,10 +46,8 @@ pub fn fold_in_cell(
         algorithm: arguments.algorithm().on(friction),
         parts: usize::from(parts),
     };
-    let way = FoldWay::new(request).map_err(|error| {
-        let length = request.sheet.length;
-        Failure::Input(format!("{}, {length:.4} m long: {error}", file.title))
-    })?;
+    let length = request.sheet.length;
+    let way = FoldWay::new(request).at(format_args!("{}, {length:.4} m long", file.title))?;
     let frame = expected_frame(arguments, &cell, &request)?;
     let planned = FoldMotionRequest {
         cell: &cell,

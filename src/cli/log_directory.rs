@@ -18,9 +18,12 @@ pub fn log_directory(what: &str, given: Option<&Path>) -> Result<PathBuf, Failur
             "--out: {} is not empty; every log needs a directory of its own",
             directory.display()
         ))),
-        Err(error) => Err(Failure::Input(format!(
-            "--out: {} cannot be made: {error}",
-            directory.display()
-        ))),
+        Err(error) => Err(no_directory(&directory, &error)),
     }
+}
+
+/// Why there is no directory for results.
+pub fn no_directory(directory: &Path, error: &std::io::Error) -> Failure {
+    let directory = directory.display();
+    Failure::Input(format!("--out: {directory} cannot be made: {error}"))
 }

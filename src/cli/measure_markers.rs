@@ -149,14 +149,13 @@ impl MarkerArguments {
         expected: &[Vector3<f64>],
         watch: &mut InstabilityWatch,
     ) -> Result<PictureAnswer, Failure> {
-        let in_file = |error| Failure::Input(format!("{}: {error}", source.name.display()));
+        let file = source.name.display();
         let picture = source.picture?;
         camera
             .check_size(picture.width(), picture.height())
-            .map_err(in_file)?;
-        let found =
-            find_markers(&picture, rule, self.least_area, self.largest_area).map_err(in_file)?;
-        let errors = compare_markers(camera, expected, &found, self.gate).map_err(in_file)?;
+            .at(&file)?;
+        let found = find_markers(&picture, rule, self.least_area, self.largest_area).at(&file)?;
+        let errors = compare_markers(camera, expected, &found, self.gate).at(&file)?;
         if let Some(out) = &self.out {
             let shown = encode_picture(&marker_overlay(&picture, &found, &errors));
             write_files(&out.join(&source.folder), vec![("overlay.png", shown)])?;

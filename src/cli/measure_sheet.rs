@@ -93,12 +93,11 @@ pub fn measure_sheet(arguments: &SheetArguments) -> Result<(), Failure> {
     let camera = arguments.cell.as_deref().map(Camera::read).transpose()?;
     let rule = ColourRule::parse(&arguments.colour)?;
     let mut sheets: Vec<(PathBuf, Sheet)> = Vec::new();
-    for (number, path) in [Some(&arguments.image), arguments.after.as_ref()]
-        .into_iter()
-        .flatten()
-        .enumerate()
+    for (path, number) in std::iter::once(&arguments.image)
+        .chain(&arguments.after)
+        .zip(1..)
     {
-        let sheet = arguments.sheet(path, number + 1, &rule, camera.as_ref())?;
+        let sheet = arguments.sheet(path, number, &rule, camera.as_ref())?;
         let sheet = match sheets.first() {
             Some((_, first)) => sheet.numbered_like(first),
             None => sheet,
@@ -127,12 +126,10 @@ impl SheetArguments {
         rule: &ColourRule,
         camera: Option<&Camera>,
     ) -> Result<Sheet, Failure> {
-        let in_file = |error| Failure::Input(format!("{}: {error}", path.display()));
         let picture = read_picture(path)?;
         if let Some(camera) = camera {
-            camera
-                .check_size(picture.width(), picture.height())
-                .map_err(in_file)?;
+            let size = camera.check_size(picture.width(), picture.height());
+            size.at(path.display())?;
         }
         let found = match camera {
             Some(camera) => find_sheet(&picture, rule, |pixel| camera.on_table(pixel)),
@@ -146,7 +143,7 @@ impl SheetArguments {
             let name = format!("sheet_{number}.png");
             write_files(out, vec![(&name, encode_picture(&shown))])?;
         }
-        found.map_err(in_file)
+        found.at(path.display())
     }
 
     fn slid(&self, before: &EdgePose, after: &EdgePose) -> SlidingAnswer {

@@ -4,9 +4,7 @@ use super::drawn_pattern::drawn_points;
 use super::picture_source::has_ending;
 use super::prelude::*;
 use rodlab_lab::scenario::metres;
-use rodlab_planning::plan::pattern::{
-    Circle, Drawing, Line, PatternError, PatternSource, Point, Sine,
-};
+use rodlab_planning::plan::pattern::{Circle, Drawing, Line, PatternSource, Point, Sine};
 use rodlab_vision::{Camera, ColourRule, Metric, TraceOptions, pattern, read_picture, trace};
 
 /// Distance of the points of a photographed line, m, as of `rodlab trace --pattern`.
@@ -72,7 +70,7 @@ impl PatternArguments {
             reverse: false,
         };
         Ok(PatternSource::Drawn {
-            points: whole.of(points).map_err(|error| self.no_pattern(&error))?,
+            points: whole.of(points).at(&self.pattern)?,
             deviation: self.deviation,
         })
     }
@@ -100,11 +98,6 @@ impl PatternArguments {
         }
     }
 
-    /// Why it is none.
-    pub fn no_pattern(&self, error: &PatternError) -> Failure {
-        Failure::Input(format!("{}: {error}", self.pattern))
-    }
-
     /// `line:…`, `circle:…` or `sine:…`.
     fn analytic(&self) -> Result<Option<PatternSource>, Failure> {
         let Some((kind, text)) = self.pattern.split_once(':') else {
@@ -112,14 +105,15 @@ impl PatternArguments {
         };
         let values: Vec<&str> = text.split(',').collect();
         let fault = |needed: &str| Failure::Input(format!("--pattern {}: {needed}", self.pattern));
-        let length = |text: &str| positive_length(text).map_err(|error| fault(&error));
+        let place = format!("--pattern {}", self.pattern);
+        let length = |text: &str| positive_length(text).at(&place);
         Ok(Some(match (kind, values.as_slice()) {
             ("line", [end]) => PatternSource::Line(Line {
                 length: length(end)?,
             }),
             ("circle", [radius]) => {
                 // A negative radius turns to the right.
-                let radius = metres(radius).map_err(|error| fault(&error))?;
+                let radius = metres(radius).at(&place)?;
                 if radius == 0.0 || !radius.is_finite() {
                     return Err(fault("a radius other than 0 is needed"));
                 }
@@ -167,32 +161,30 @@ impl PatternArguments {
             size: self.size,
             reverse: self.reverse,
         };
-        drawing.of(points).map_err(|error| self.no_pattern(&error))
+        drawing.of(points).at(&self.pattern)
     }
 
     /// The line of a photographed drawing, m.
     fn photographed(&self, path: &Path) -> Result<Vec<Point>, Failure> {
-        let fault = |words: String| Failure::Input(format!("--pattern {}: {words}", self.pattern));
+        let place = format!("--pattern {}", self.pattern);
         let picture = read_picture(path)?;
         let options = TraceOptions {
             colour: ColourRule::parse(&self.drawing_colour)?,
             ..TraceOptions::default()
         };
-        let traced = trace(&picture, &options)
-            .map_err(|error| fault(format!("{error}; --drawing-colour says what its line is")))?;
+        let hint = |error| format!("{error}; --drawing-colour says what its line is");
+        let traced = trace(&picture, &options).map_err(hint).at(&place)?;
         let strand = traced.strand(self.stroke).ok_or_else(|| {
             let count = traced.strands.len();
-            fault(format!("--stroke: it has {count} lines, counted from 1"))
-        })?;
-        let camera = self
-            .drawing_camera
-            .as_deref()
-            .map(Camera::read)
-            .transpose()?;
+            format!("--stroke: it has {count} lines, counted from 1")
+        });
+        let strand = strand.at(&place)?;
+        let camera = self.drawing_camera.as_deref().map(Camera::read);
+        let camera = camera.transpose()?;
         let metric = match (&camera, self.size) {
             (Some(camera), _) => {
                 let size = camera.check_size(picture.width(), picture.height());
-                size.map_err(|error| fault(error.to_string()))?;
+                size.at(&place)?;
                 Metric::Camera(camera)
             }
             (None, Some(size)) => Metric::Scan {
@@ -200,13 +192,10 @@ impl PatternArguments {
                 height: picture.height(),
             },
             (None, None) => {
-                return Err(fault(
-                    "a photograph has no length: --size, that of the longer side of the drawing, or --drawing-camera is needed".into(),
-                ));
+                return Err("a photograph has no length: --size, that of the longer side of the drawing, or --drawing-camera is needed").at(place);
             }
         };
-        pattern(strand, metric, self.drawing_smoothing, POINT_STEP)
-            .map_err(|error| fault(error.to_string()))
+        pattern(strand, metric, self.drawing_smoothing, POINT_STEP).at(&place)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::prelude::*;
 use image::RgbImage;
 use rodlab_robot::{
-    Bag, BagError, BagPicture, CameraError, CameraPicture, DriverError, PictureTopic, open_camera,
+    Bag, BagError, BagPicture, CameraError, CameraPicture, PictureTopic, open_camera,
 };
 use rodlab_vision::{VisionError, decode_picture, pictures_in, read_picture};
 use std::time::Duration;
@@ -61,7 +61,7 @@ pub fn pictures(
         })));
     }
     if has_ending(source, &["bag"]) {
-        let bag = Bag::open(source, recording.topic.as_deref()).map_err(of_bag)?;
+        let bag = Bag::open(source, recording.topic.as_deref()).or_input()?;
         let path = source.to_owned();
         let taken = bag.enumerate().step_by(every);
         return Ok(Box::new(
@@ -94,16 +94,12 @@ pub fn has_ending(path: &Path, endings: &[&str]) -> bool {
     })
 }
 
-fn of_bag(error: BagError) -> Failure {
-    Failure::Input(error.to_string())
-}
-
 fn recorded(path: &Path, number: usize, frame: Result<BagPicture, BagError>) -> SourcePicture {
     let folder = PathBuf::from(format!("picture_{number:06}"));
     let name = path.join(&folder);
     let (time, picture) = match frame {
         Ok(frame) => (Some(frame.time), decoded(frame.picture, &name)),
-        Err(error) => (None, Err(of_bag(error))),
+        Err(error) => (None, Err(Failure::input(error))),
     };
     SourcePicture {
         name,
@@ -131,15 +127,11 @@ fn single(source: &Path) -> Result<RgbImage, Failure> {
     let Some(mut camera) = camera_at(source).transpose()? else {
         return Ok(read_picture(source)?);
     };
-    match camera.picture(CAMERA_PATIENCE).map_err(of_camera)? {
+    match camera.picture(CAMERA_PATIENCE).map_err(Failure::system)? {
         CameraPicture::Pixels(picture) => Ok(picture),
         CameraPicture::File(bytes) => decode_picture(&bytes)
             .map_err(|reason| Failure::System(format!("{}: {reason}", source.display()))),
     }
-}
-
-fn of_camera(error: DriverError) -> Failure {
-    Failure::System(error.to_string())
 }
 
 /// The camera that a source names; none where it is a file.
@@ -147,6 +139,6 @@ fn camera_at(source: &Path) -> Option<Result<Box<dyn PictureTopic>, Failure>> {
     let opened = open_camera(source.to_str()?)?;
     Some(opened.map_err(|error| match error {
         CameraError::Name(words) => Failure::Input(words),
-        CameraError::Driver(error) => of_camera(error),
+        CameraError::Driver(error) => Failure::system(error),
     }))
 }

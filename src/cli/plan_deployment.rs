@@ -1,16 +1,14 @@
 //! `rodlab plan deployment`.
 
-use super::deployed_rod::RodFile;
-use super::deployment_files::{
-    DRAWING, Landing, drawing_csv, landing, path_files, trajectory_csv, trajectory_json,
-};
 use super::pattern_source::PatternArguments;
 use super::prelude::*;
 use rodlab_files::finite::NotFinite;
+use rodlab_lab::experiment::{Landing, RodFile};
 use rodlab_planning::plan::deployment::{
     DeployedRod, DeploymentError, Feasibility, GripperPose, LaidPath, MOST_POSES, OptimalGrasps,
     Scheme, Spare, timed, when_laid,
 };
+use rodlab_planning::plan::files::{drawing_csv, path_files, trajectory_csv, trajectory_json};
 use rodlab_planning::plan::grasp::NeuralGrasps;
 use rodlab_planning::plan::pattern::{Crossing, PatternSource, Point};
 use rodlab_planning::plan::request::{DeploymentRequest, LeadLength, RequestError};
@@ -195,6 +193,7 @@ impl DeploymentPlan {
         let end = pattern.length() - pattern.lead_out();
         let name = self.source.name();
         let title = format!("{} along {name}", file.title);
+        let of_rod = (file.title.as_str(), rod.gravito_bending_length);
         let [pattern_file, figure] = path_files(
             &title,
             &path,
@@ -206,7 +205,7 @@ impl DeploymentPlan {
             ("trajectory.csv".to_owned(), trajectory_csv(&followed)?),
             (
                 "trajectory.json".to_owned(),
-                trajectory_json(&followed, name, &file)?,
+                trajectory_json(&followed, name, of_rod)?,
             ),
             pattern_file,
             figure,
@@ -217,18 +216,18 @@ impl DeploymentPlan {
         }
         // A scenario knows the network of the program only.
         if self.model.is_none() {
-            let simulated = landing(&Landing {
-                file: &file,
+            let simulated = Landing {
+                rod: &file,
                 name,
                 source: &source,
                 request: &request,
                 lead_in: planned.bent,
                 duration: when(end) - when(path.lead_in - planned.bent) + (duration - laid_by),
-            });
-            named.push(("landing.toml".to_owned(), simulated));
+            };
+            named.push(("landing.toml".to_owned(), simulated.scenario()));
         }
         if let PatternSource::Drawn { points, .. } = &source {
-            named.push((DRAWING.to_owned(), drawing_csv(points)));
+            named.push((Landing::DRAWING.to_owned(), drawing_csv(points)));
         }
         make_directory(out)?;
         let mut files = Vec::new();
@@ -311,8 +310,7 @@ impl DeploymentPlan {
 
     /// The pattern without lead-in and lead-out, m.
     pub fn outline(&self) -> Result<Vec<Point>, Failure> {
-        let pattern = self.source.source()?.pattern();
-        let pattern = pattern.map_err(|error| self.source.no_pattern(&error))?;
+        let pattern = self.source.source()?.pattern().at(self.source.name())?;
         // It may be very long.
         let step = self.step.max(pattern.length() / MOST_POSES);
         let points = pattern.sampled(step).into_iter();

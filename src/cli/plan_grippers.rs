@@ -1,8 +1,8 @@
 //! `rodlab plan grippers`.
 
-use super::deployment_files::trajectory_csv;
 use super::prelude::*;
 use rodlab_lab::experiment::{DeploymentTables, GripperTask, GripperWork, load};
+use rodlab_planning::plan::files::trajectory_csv;
 
 /// Arguments of `rodlab plan grippers`.
 #[derive(Debug, Args)]

@@ -1,7 +1,7 @@
 //! What the subcommands have in common: options, values, output and failures.
 
 pub(super) use super::common::Common;
-pub(super) use super::failure::Failure;
+pub(super) use super::failure::{Failure, OrInput};
 pub(super) use super::output::{
     make_directory, print, print_json, print_paths, write_file, write_files,
 };
@@ -11,5 +11,5 @@ pub(super) use super::values::{
 };
 pub(super) use clap::{Args, Subcommand, ValueEnum};
 pub(super) use serde::Serialize;
-pub(super) use std::fmt::Write;
+pub(super) use std::fmt::{Display, Write};
 pub(super) use std::path::{Path, PathBuf};

@@ -164,15 +164,14 @@ pub fn score(arguments: &ScoreArguments) -> Result<(), Failure> {
 
 impl ScoreArguments {
     fn pattern_points(&self) -> Result<Vec<Point>, Failure> {
-        let named =
-            |reason: String| Failure::Input(format!("{}: {reason}", self.pattern.display()));
-        let points = drawn_points(&self.pattern, self.stroke)?
-            .ok_or_else(|| named("an .svg or a .csv file is needed".into()))?;
+        let file = self.pattern.display();
+        let points = drawn_points(&self.pattern, self.stroke)?;
+        let points = points.ok_or("an .svg or a .csv file is needed").at(&file)?;
         let drawing = Drawing {
             size: self.size,
             reverse: false,
         };
-        drawing.of(points).map_err(|error| named(error.to_string()))
+        drawing.of(points).at(&file)
     }
 }
 
@@ -183,22 +182,21 @@ fn lead_in_of(results: &Path) -> Result<Option<f64>, Failure> {
     if !path.is_file() {
         return Ok(None);
     }
-    let named = |reason: &str| Failure::Input(format!("{}: {reason}", path.display()));
-    let bytes = read_text_file(&path).map_err(Failure::Input)?;
-    let text = String::from_utf8(bytes).map_err(|_| named("it is no text in UTF-8"))?;
-    let scenario: toml::Table = text.parse().map_err(|_| named("it is no TOML"))?;
+    let file = path.display();
+    let text = String::from_utf8(read_text_file(&path).or_input()?);
+    let text = text.map_err(|_| "it is no text in UTF-8").at(&file)?;
+    let scenario = text.parse::<toml::Table>();
+    let scenario = scenario.map_err(|_| "it is no TOML").at(&file)?;
     let kind = scenario.get("experiment").and_then(toml::Value::as_str);
     if kind != Some("deployment") {
         return Ok(None);
     }
-    let lead_in = scenario
-        .get("deployment")
-        .and_then(|deployment| deployment.get("lead_in"))
-        .and_then(toml::Value::as_float);
+    let deployment = scenario.get("deployment");
+    let lead_in = deployment.and_then(|deployment| deployment.get("lead_in")?.as_float());
     let lead_in = lead_in.filter(|length| *length >= 0.0 && length.is_finite());
-    lead_in.map(Some).ok_or_else(|| {
-        named("deployment.lead_in is no length; give --begin, where on the rod the pattern begins")
-    })
+    let advice =
+        "deployment.lead_in is no length; give --begin, where on the rod the pattern begins";
+    lead_in.map(Some).ok_or(advice).at(&file)
 }
 
 fn write_figure(out: &Path, found: &Score, result: &Path, pattern: &Path) -> Result<(), Failure> {

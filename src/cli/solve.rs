@@ -180,8 +180,7 @@ pub fn solve(arguments: &SolveArguments) -> Result<(), Failure> {
             length,
             gravito_bending_length,
         } => {
-            let strip =
-                HangingStrip::of_length(length / gravito_bending_length).map_err(Failure::input)?;
+            let strip = HangingStrip::of_length(length / gravito_bending_length).or_input()?;
             print_json(&StripAnswer {
                 drop_m: strip.drop * length,
                 reach_m: strip.reach * length,

@@ -70,14 +70,12 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
     };
     let files = &arguments.trajectories;
     let trajectories = files.iter().map(read).collect::<Result<Vec<_>, _>>();
-    let trajectories = trajectories.map_err(Failure::input)?;
-    let (mut parts, report) = cell.prepare_stream(&trajectories).map_err(|message| {
-        let names: Vec<String> = files
-            .iter()
-            .map(|file| file.display().to_string())
-            .collect();
-        Failure::Input(format!("{}: {message}", names.join(", ")))
-    })?;
+    let trajectories = trajectories.or_input()?;
+    let names: Vec<_> = files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
+    let (mut parts, report) = cell.prepare_stream(&trajectories).at(names.join(", "))?;
     if arguments.dry_run {
         return print_json(&report);
     }

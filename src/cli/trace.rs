@@ -127,17 +127,17 @@ fn trace_picture(
     camera: Option<&Camera>,
 ) -> Result<Answer, Failure> {
     let path = source.name;
-    let in_file = |error: VisionError| Failure::Input(format!("{}: {error}", path.display()));
+    let file = path.display();
     let picture = source.picture?;
     let out = arguments.out.as_ref().map(|out| out.join(source.folder));
     if let Some(camera) = camera {
         camera
             .check_size(picture.width(), picture.height())
-            .map_err(in_file)?;
+            .at(&file)?;
     }
     let contrast = match &arguments.mask {
         Some(mask) => Contrast::of_mask(&mask_of(mask, &picture)?),
-        None => Contrast::new(&picture, &options.colour).map_err(in_file)?,
+        None => Contrast::new(&picture, &options.colour).at(&file)?,
     };
     let traced = match trace_contrast(&picture, &contrast, options) {
         Ok(traced) => traced,
@@ -147,20 +147,19 @@ fn trace_picture(
                 let shown = encode_picture(&mask_overlay(&picture, &mask));
                 write_files(out, vec![("overlay.png", shown)])?;
             }
-            return Err(in_file(error));
+            return Err(error).at(&file);
         }
     };
     let mean_instance_dice = match &arguments.truth {
         Some(truth) => {
             let truth = read_labels(truth)?;
-            Some(instance_dice(&traced.labels, &truth).map_err(in_file)?.mean)
+            Some(instance_dice(&traced.labels, &truth).at(&file)?.mean)
         }
         None => None,
     };
-    let mut answer =
-        answer(&path, &picture, &traced, camera, mean_instance_dice).map_err(in_file)?;
+    let mut answer = answer(&path, &picture, &traced, camera, mean_instance_dice).at(&file)?;
     answer.time_s = source.time;
-    let csv = centrelines_csv(&traced.strands, camera).map_err(in_file)?;
+    let csv = centrelines_csv(&traced.strands, camera).at(&file)?;
     if let Some(pattern) = &arguments.pattern {
         write_pattern(arguments, pattern, &traced, camera, picture.height())?;
     }

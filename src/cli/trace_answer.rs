@@ -70,23 +70,13 @@ pub fn answer(
     let pixel = |point: &Point| [rounded(point.x), rounded(point.y)];
     let mut strands = Vec::new();
     for (number, strand) in traced.strands.iter().enumerate() {
-        let length_m = match camera {
-            Some(camera) => {
-                let located: Result<Vec<Point>, VisionError> = strand
-                    .points
-                    .iter()
-                    .map(|point| camera.on_table(*point))
-                    .collect();
-                let steps = located?;
-                Some(
-                    steps
-                        .windows(2)
-                        .map(|pair| (pair[1] - pair[0]).norm())
-                        .sum(),
-                )
-            }
-            None => None,
-        };
+        let on_table = camera.map(|camera| {
+            let points = strand.points.iter().map(|point| camera.on_table(*point));
+            points.collect::<Result<Vec<Point>, VisionError>>()
+        });
+        let length =
+            |points: Vec<Point>| points.windows(2).map(|two| (two[1] - two[0]).norm()).sum();
+        let length_m = on_table.transpose()?.map(length);
         let last = strand.points.len() - 1;
         strands.push(StrandAnswer {
             strand: number + 1,
@@ -111,15 +101,13 @@ pub fn answer(
         angle_degrees: rounded(crossing.angle_degrees),
         confidence: rounded(crossing.confidence),
     });
-    let rejected = traced
-        .rejected
-        .iter()
-        .map(|(point, length, width)| RejectedAnswer {
-            u_px: rounded(point.x),
-            v_px: rounded(point.y),
-            length_px: rounded(*length),
-            width_px: rounded(*width),
-        });
+    let rejected = traced.rejected.iter();
+    let rejected = rejected.map(|(point, length, width)| RejectedAnswer {
+        u_px: rounded(point.x),
+        v_px: rounded(point.y),
+        length_px: rounded(*length),
+        width_px: rounded(*width),
+    });
     Ok(Answer {
         image: path.into(),
         time_s: None,

@@ -38,11 +38,8 @@ The page needs no network and no other file. The rods can be coloured by curvatu
 
 /// Writes the page of a results directory and prints where it is.
 pub fn view(arguments: &ViewArguments, common: &Common) -> Result<(), Failure> {
-    if arguments
-        .directory
-        .extension()
-        .is_some_and(|end| end == "toml")
-    {
+    let ending = arguments.directory.extension();
+    if ending.is_some_and(|ending| ending == "toml") {
         return view_cell(arguments);
     }
     if arguments.trajectory.is_some() {
@@ -82,11 +79,8 @@ pub fn view(arguments: &ViewArguments, common: &Common) -> Result<(), Failure> {
 /// Writes the page of a robot cell, beside its file unless told otherwise.
 fn view_cell(arguments: &ViewArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.directory)?;
-    let trajectory = arguments.trajectory.as_ref();
-    let trajectory = trajectory
-        .map(|path| JointTrajectory::read(path))
-        .transpose()
-        .map_err(Failure::input)?;
+    let trajectory = arguments.trajectory.as_deref().map(JointTrajectory::read);
+    let trajectory = trajectory.transpose().or_input()?;
     let page = cell.page(trajectory.as_ref(), arguments.outputs as usize);
     let to = arguments.out.clone();
     let to = to.unwrap_or_else(|| arguments.directory.with_extension("html"));

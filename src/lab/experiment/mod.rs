@@ -48,14 +48,14 @@ mod tests;
 
 pub use deployment::{
     Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables, Fixtures, GripperTask,
-    GripperWork, LaidOutlines, Outline, PassedPegs, TiedKnot, knot_of_patterns, knot_on_table,
-    laid_outlines, stroke_of_svg,
+    GripperWork, LaidOutlines, Landing, Outline, PassedPegs, Placement, PlacementError, RodFile,
+    TiedKnot, knot_of_patterns, knot_on_table, laid_outlines, stroke_of_svg,
 };
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use described::{Described, describe, described_files, files_with_column};
 pub use folding::{
-    AlgorithmName, Crease, FoldedOutlines, FoldingOutcome, FoldingTables, Paper, TypedPaper,
-    folded_outlines, planned_fold, resolve_paper,
+    AlgorithmName, Crease, FoldedOutlines, FoldingOutcome, FoldingTables, Paper, PaperFile,
+    folded_outlines, planned_fold,
 };
 pub use helix::manipulation::{ClampPoses, ClampedRod};
 pub use helix::stability::{

@@ -15,6 +15,8 @@
 //! | `pegs` | posts on the table, and whether the rod passes them as its pattern does |
 //! | `fixtures` | the same on the table of a robot cell |
 //! | `hand`, `release` | a gripper takes hold of strands and ends; one that laid a rod lets go |
+//! | `placement` | a cable between pegs, with its plan, for a robot cell |
+//! | `rod_file`, `landing_scenario` | files of rods, and of scenarios that lay them along a plan |
 //! | `knot_proof` | which knot rods on the table are tied into |
 //! | `monitor`, `outcome` | what is measured, and what it came to |
 //! | `files`, `laid_figure` | what it leaves in a results directory |
@@ -28,13 +30,16 @@ mod kind;
 mod knot_proof;
 mod laid_figure;
 mod laid_rod;
+mod landing_scenario;
 mod monitor;
 mod online;
 mod outcome;
 mod paths;
 mod pegs;
+mod placement;
 mod planned;
 mod release;
+mod rod_file;
 mod scene;
 mod tables;
 mod tying;
@@ -44,7 +49,10 @@ pub use keys::{Deployment, stroke_of_svg};
 pub use kind::DeploymentKind;
 pub use knot_proof::{knot_of_patterns, knot_on_table};
 pub use laid_figure::{LaidOutlines, Outline, laid_outlines};
+pub use landing_scenario::Landing;
 pub use monitor::DeploymentMonitor;
 pub use outcome::{DeploymentOutcome, PassedPegs, TiedKnot};
 pub use paths::{GripperTask, GripperWork};
+pub use placement::{Placement, PlacementError};
+pub use rod_file::RodFile;
 pub use tables::DeploymentTables;

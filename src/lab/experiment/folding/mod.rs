@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `kind` | the experiment |
 //! | `keys` | its table `[folding]` |
+//! | `paper_file` | files of sheets |
 //! | `tables` | that table with what is planned of it |
 //! | `gripper_path` | the path of the gripper with its errors, planned before the run |
 //! | `feedback` | the rest of the path planned anew from how far the sheet is seen to have slid |
@@ -18,10 +19,12 @@ mod keys;
 mod kind;
 mod monitor;
 mod outcome;
+mod paper_file;
 mod tables;
 
 pub use folded_figure::{FoldedOutlines, folded_outlines};
-pub use keys::{AlgorithmName, Crease, Paper, TypedPaper, resolve_paper};
+pub use keys::{AlgorithmName, Crease, Paper};
 pub use kind::FoldingKind;
 pub use outcome::FoldingOutcome;
+pub use paper_file::PaperFile;
 pub use tables::{FoldingTables, planned_fold};

@@ -1,12 +1,12 @@
 //! Files of rods that are laid on a table.
 
-use super::prelude::*;
-use rodlab_lab::scenario::dimension::{Density, Length};
-use rodlab_lab::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
+use crate::scenario::dimension::{Density, Length};
+use crate::scenario::{Issue, Issues, KeyPath, Quantity, ScenarioError, TypedFile};
 use rodlab_planning::plan::deployment::DeployedRod;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// A rod by its file.
 pub struct RodFile {
@@ -51,13 +51,16 @@ struct TypedRod {
 
 impl RodFile {
     /// Reads a rod's file.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
+    ///
+    /// # Errors
+    /// All that is wrong with it, with file, line and key.
+    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let file: TypedFile<Typed> = TypedFile::read(path)?;
         let typed = &file.typed.deployment.rod;
         let root = KeyPath::from("deployment.rod");
         let mut issues = Issues::default();
         let mut positive = |key: &str, value: Result<f64, String>, unit: &str| {
-            let value = value.and_then(|value| match is_positive(value) {
+            let value = value.and_then(|value| match value > 0.0 && value.is_finite() {
                 true => Ok(value),
                 false => Err(format!("{value} {unit} must be above 0")),
             });
@@ -88,6 +91,6 @@ impl RodFile {
             edges: typed.edges,
             friction: typed.friction.clone(),
         };
-        Ok(issues.or_ok(found).map_err(|issues| file.locate(issues))?)
+        issues.or_ok(found).map_err(|issues| file.locate(issues))
     }
 }

@@ -1,12 +1,12 @@
 //! Files of sheets that are folded.
 
-use super::prelude::*;
-use rodlab_lab::experiment::{Paper, TypedPaper, resolve_paper};
-use rodlab_lab::scenario::keys::Section;
-use rodlab_lab::scenario::{Issues, KeyPath, TypedFile};
+use super::keys::{Paper, TypedPaper, resolve_paper};
+use crate::scenario::keys::Section;
+use crate::scenario::{Issues, KeyPath, ScenarioError, TypedFile};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::cell::RefCell;
+use std::path::Path;
 
 /// A sheet by its file.
 pub struct PaperFile {
@@ -31,7 +31,10 @@ struct TypedFolding {
 
 impl PaperFile {
     /// Reads a sheet's file.
-    pub fn read(path: &Path) -> Result<Self, Failure> {
+    ///
+    /// # Errors
+    /// All that is wrong with it, with file, line and key.
+    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let file: TypedFile<Typed> = TypedFile::read(path)?;
         let issues = RefCell::new(Issues::default());
         let section = Section::new(KeyPath::from("folding.paper"), &issues);
@@ -44,7 +47,7 @@ impl PaperFile {
         });
         match (issues.into_inner(), found) {
             (issues, Some(found)) if issues.0.is_empty() => Ok(found),
-            (issues, _) => Err(file.locate(issues).into()),
+            (issues, _) => Err(file.locate(issues)),
         }
     }
 }

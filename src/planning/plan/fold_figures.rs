@@ -1,7 +1,7 @@
 //! Figures of a planned fold.
 
+use super::fold::{Cell, Fold, FoldPath, ForceManifold};
 use rodlab_files::figure::{Curve, Figure, LinePlot, Look, line_plots, plot_to_scale};
-use rodlab_planning::plan::fold::{Cell, Fold, FoldPath, ForceManifold};
 
 /// Poses of the sheet that are drawn, and points of each.
 const POSES: usize = 7;
