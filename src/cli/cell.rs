@@ -238,10 +238,8 @@ fn place(text: &str) -> Result<[f64; 2], String> {
 }
 
 fn sheet_place(text: &str) -> Result<SheetPlace, String> {
-    let parts = text.split(',').map(|part| part.trim().parse::<f64>().ok());
-    let numbers: Option<Vec<f64>> = parts.collect();
     let is_near = |numbers: &Vec<f64>| numbers.iter().all(|number| number.abs() <= 1e3);
-    let (x, y, turn) = match numbers.filter(is_near).as_deref() {
+    let (x, y, turn) = match numbers(text).filter(is_near).as_deref() {
         Some([x, y]) => (*x, *y, 0.0),
         Some([x, y, turn]) => (*x, *y, *turn),
         _ => return Err("two or three numbers are needed, as in 0.1,-0.05,20".into()),

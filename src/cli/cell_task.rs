@@ -154,10 +154,7 @@ fn ended_early<S: TaskStage>(
         message += &format!("\nnext: {next}");
     }
     match error {
-        TaskError::Interrupted { .. } => Failure::Other {
-            exit_code: 130,
-            message,
-        },
+        TaskError::Interrupted { .. } => Failure::interrupted(message),
         TaskError::NotSeenWhole(_) => Failure::Other {
             exit_code: NOT_SEEN_WHOLE,
             message: format!(

@@ -30,33 +30,14 @@ pub struct CheckArguments {
 pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure> {
     let mut last: Option<Failure> = None;
     for path in &arguments.scenarios {
-        if is_cell(path) {
-            match Cell::read(path) {
-                Ok(cell) => print_cell(path, &CellReport::new(&cell), arguments.json)?,
-                Err(error) => {
-                    if let Some(earlier) = last.replace(error.into()) {
-                        earlier.report(common.colours_stderr());
-                    }
-                }
-            }
-            continue;
-        }
-        match check_one(path, &arguments.overrides) {
-            Ok(checked) if arguments.json => print(&format!("{}\n", checked.to_json()))?,
-            Ok(checked) => print(&format!(
-                "{}: {}\n{}{}  {:<26}{}\n",
-                path.display(),
-                checked.in_words(),
-                checked.numbers,
-                checked.notes_in_lines(),
-                "processor time",
-                checked.forecast
-            ))?,
-            Err(failure) => {
-                if let Some(earlier) = last.replace(failure) {
-                    earlier.report(common.colours_stderr());
-                }
-            }
+        let checked = match is_cell(path) {
+            true => check_cell(path, arguments.json),
+            false => check_scenario(path, arguments),
+        };
+        if let Err(failure) = checked
+            && let Some(earlier) = last.replace(failure)
+        {
+            earlier.report(common.colours_stderr());
         }
     }
     last.map_or(Ok(()), Err)
@@ -72,11 +53,28 @@ fn is_cell(path: &Path) -> bool {
     })
 }
 
-fn print_cell(path: &Path, report: &CellReport, json: bool) -> Result<(), Failure> {
-    if json {
-        return print(&format!("{}\n", report.to_json()));
+fn check_cell(path: &Path, json: bool) -> Result<(), Failure> {
+    let report = CellReport::new(&Cell::read(path)?);
+    print(&match json {
+        true => format!("{}\n", report.to_json()),
+        false => format!("{}: valid\n{report}", path.display()),
+    })
+}
+
+fn check_scenario(path: &Path, arguments: &CheckArguments) -> Result<(), Failure> {
+    let checked = check_one(path, &arguments.overrides)?;
+    if arguments.json {
+        return print(&format!("{}\n", checked.to_json()));
     }
-    print(&format!("{}: valid\n{report}", path.display()))
+    print(&format!(
+        "{}: {}\n{}{}  {:<26}{}\n",
+        path.display(),
+        checked.in_words(),
+        checked.numbers,
+        checked.notes_in_lines(),
+        "processor time",
+        checked.forecast
+    ))
 }
 
 /// What is known of a scenario; of a sweep, the numbers are those of its first case.

@@ -2,7 +2,8 @@
 
 use super::prelude::*;
 use super::run::{RunArguments, run};
-use rodlab_lab::experiment::{KINDS, case_set, kind_named};
+use super::samples::kinds_with_samples;
+use rodlab_lab::experiment::{case_set, kind_named};
 
 /// Arguments of `rodlab dataset`.
 #[derive(Debug, Args)]
@@ -30,15 +31,10 @@ pub fn dataset(arguments: &DatasetArguments, common: &Common) -> Result<(), Fail
     let first = cases.scenario_of(0)?;
     let experiment = first.scenario.experiment.name();
     if kind_named(experiment).is_none_or(|kind| kind.samples().is_none()) {
-        let kinds: Vec<&str> = KINDS
-            .iter()
-            .filter(|kind| kind.samples().is_some())
-            .map(|kind| kind.name())
-            .collect();
         return Err(Failure::Input(format!(
             "{}: `experiment = {experiment:?}` makes no samples; those that do: {}",
             arguments.run.scenario.display(),
-            kinds.join(", ")
+            kinds_with_samples()
         )));
     }
     run(&arguments.run, common)

@@ -233,10 +233,7 @@ fn failed(error: ExploreError, directory: &Path) -> Failure {
     let message = format!("{error}; the log is in {}", directory.display());
     match error {
         ExploreError::Input(words) => Failure::Input(words),
-        ExploreError::Interrupted => Failure::Other {
-            exit_code: 130,
-            message,
-        },
+        ExploreError::Interrupted => Failure::interrupted(message),
         ExploreError::Results(error) => error.into(),
         ExploreError::Failed { .. } => Failure::System(message),
     }

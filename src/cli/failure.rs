@@ -78,6 +78,14 @@ impl Failure {
         Self::System(error.to_string())
     }
 
+    /// A motion was interrupted.
+    pub fn interrupted(message: String) -> Self {
+        Self::Other {
+            exit_code: INTERRUPTED,
+            message,
+        }
+    }
+
     /// Why nothing was trained: files of the user's that do not serve are bad input.
     pub fn of_training(error: &TrainingError) -> Self {
         match error {

@@ -1,5 +1,6 @@
 //! Signals for programs that move something, or serve until they are stopped.
 
+use super::exit_code::INTERRUPTED;
 use super::failure::Failure;
 use rodlab_robot::Moving;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGUSR1, SIGUSR2};
@@ -8,8 +9,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::time::{Duration, Instant};
 
-/// Exit code of a program that the user, or the system, interrupted.
-const INTERRUPTED: i32 = 130;
 /// Signals that end the program, with their names: of the terminal (Ctrl-C, Ctrl-\, Ctrl-Z, a window that is closed), of the system and
 /// of batch systems.
 const SIGNALS: [(i32, &str); 7] = [
@@ -62,7 +61,7 @@ pub fn watch_for_interruption() -> Result<Interruption, Failure> {
             if is_first.is_ok() {
                 since = Instant::now();
             } else if since.elapsed() > SAME_REQUEST && !Moving::is_under_way() {
-                std::process::exit(INTERRUPTED);
+                std::process::exit(INTERRUPTED.into());
             }
         }
     });

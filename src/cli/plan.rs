@@ -135,13 +135,12 @@ pub(super) fn parse_place(text: &str) -> Result<Place, String> {
     if text == "auto" {
         return Ok(Place::Auto);
     }
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    match numbers.as_deref() {
-        Ok(numbers) if numbers.iter().any(|number: &f64| !number.is_finite()) => {
+    match numbers(text).as_deref() {
+        Some(numbers) if numbers.iter().any(|number| !number.is_finite()) => {
             Err("finite numbers are needed".into())
         }
-        Ok([x, y, z]) => Ok(Place::At([*x, *y, *z, 0.0])),
-        Ok([x, y, z, turn]) => Ok(Place::At([*x, *y, *z, turn.to_radians()])),
+        Some([x, y, z]) => Ok(Place::At([*x, *y, *z, 0.0])),
+        Some([x, y, z, turn]) => Ok(Place::At([*x, *y, *z, turn.to_radians()])),
         _ => Err("`auto` or x,y,z or x,y,z,degrees is needed".into()),
     }
 }

@@ -41,13 +41,11 @@ impl GripperPlanArguments {
         let mut overrides = self.set.clone();
         overrides.extend(["deployment.jitter=0", "deployment.jitter_angle=0"].map(str::to_owned));
         let scenario = load(&self.scenario, &overrides)?.scenario;
-        let refused =
-            |reason: &str| Failure::Input(format!("{}: {reason}", self.scenario.display()));
+        let file = self.scenario.display();
         let tables: Option<&DeploymentTables> = scenario.experiment.tables();
-        let tables = tables
-            .ok_or_else(|| refused("`experiment`: grippers are planned for \"deployment\" only"))?;
-        let paths = tables.paths(&scenario);
-        let paths = paths.map_err(|error| refused(&format!("`deployment.pattern`: {error}")))?;
+        let tables = tables.ok_or("`experiment`: grippers are planned for \"deployment\" only");
+        let paths = tables.at(&file)?.paths(&scenario);
+        let paths = paths.at(format_args!("{file}: `deployment.pattern`"))?;
         make_directory(&self.out)?;
         let mut tasks = Vec::new();
         for (index, task) in paths.tasks().iter().enumerate() {

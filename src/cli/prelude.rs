@@ -6,8 +6,8 @@ pub(super) use super::output::{
     make_directory, print, print_json, print_paths, write_file, write_files,
 };
 pub(super) use super::values::{
-    Named, duration, edges, friction, is_positive, length_from_zero, named, number, positive,
-    positive_length, shard, speed, within,
+    Named, duration, edges, friction, is_positive, length_from_zero, named, number, numbers,
+    positive, positive_length, shard, speed, within,
 };
 pub(super) use clap::{Args, Subcommand, ValueEnum};
 pub(super) use serde::Serialize;

@@ -14,6 +14,12 @@ pub struct SampleFiles {
     pub files: Vec<PathBuf>,
 }
 
+/// Names of the kinds of experiments that make samples.
+pub fn kinds_with_samples() -> String {
+    let kinds = KINDS.iter().filter(|kind| kind.samples().is_some());
+    kinds.map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
+}
+
 impl SampleFiles {
     /// Those of a results directory.
     pub fn of(directory: &Path) -> Result<Self, Failure> {
@@ -25,16 +31,13 @@ impl SampleFiles {
         let kind = kind_named(&manifest.experiment);
         let Some((kind, columns)) = kind.and_then(|kind| Some((kind.name(), kind.samples()?)))
         else {
-            let kinds = KINDS.iter().filter(|kind| kind.samples().is_some());
-            let kinds: Vec<&str> = kinds.map(|kind| kind.name()).collect();
             return Err(refused(format!(
                 "results of the experiment {:?}, which makes no samples; those that do: {}",
                 manifest.experiment,
-                kinds.join(", ")
+                kinds_with_samples()
             )));
         };
-        let single = directory.join(columns.file);
-        let mut files = vec![single];
+        let mut files = vec![directory.join(columns.file)];
         if !files[0].exists() {
             let cases = std::fs::read_dir(directory.join(CASES));
             let cases = cases.into_iter().flatten().flatten();

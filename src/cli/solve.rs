@@ -215,14 +215,13 @@ fn helix(arguments: &HelixArguments) -> Result<HelixAnswer, Failure> {
 }
 
 fn direction(text: &str) -> Result<Helix, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let Ok([curvature, torsion, twisting_moment]) = numbers.as_deref() else {
+    let Some(&[curvature, torsion, twisting_moment]) = numbers(text).as_deref() else {
         return Err("three numbers with commas between them are needed, as in 1,1,-1".into());
     };
     let helix = Helix {
-        curvature: *curvature,
-        torsion: *torsion,
-        twisting_moment: *twisting_moment,
+        curvature,
+        torsion,
+        twisting_moment,
     };
     if !helix.distance().is_finite() || helix.distance() == 0.0 {
         return Err("the direction must be finite and not zero".into());

@@ -181,8 +181,8 @@ fn out_of_reach(arm: &Arm, hand: &Pose, distance: f64, angle: f64) -> Failure {
 
 /// A pose as `x,y,z,qw,qx,qy,qz`.
 pub(super) fn parse_pose(text: &str) -> Result<Pose, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    let Ok([x, y, z, qw, qx, qy, qz]) = numbers.as_deref() else {
+    let numbers = numbers(text);
+    let Some([x, y, z, qw, qx, qy, qz]) = numbers.as_deref() else {
         return Err("seven numbers with commas between them are needed: x,y,z,qw,qx,qy,qz".into());
     };
     pose([*x, *y, *z], [*qw, *qx, *qy, *qz])

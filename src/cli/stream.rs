@@ -133,14 +133,11 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
             "{reason}\nthe log is in {}",
             directory.display()
         ))),
-        Ending::Interrupted => Err(Failure::Other {
-            exit_code: 130,
-            message: format!(
-                "interrupted by {}; everything holds; the log is in {}",
-                interrupted.signal().unwrap_or("a signal"),
-                directory.display()
-            ),
-        }),
+        Ending::Interrupted => Err(Failure::interrupted(format!(
+            "interrupted by {}; everything holds; the log is in {}",
+            interrupted.signal().unwrap_or("a signal"),
+            directory.display()
+        ))),
         Ending::Finished => {
             logged?;
             // A driver on standard output has it for itself.

@@ -4,7 +4,7 @@ use super::log_directory::results_directory;
 use super::prelude::*;
 use super::sweep::refuse_too_many;
 use rodlab_files::results::{CaseRecord, SCENARIO};
-use rodlab_lab::cluster::{self, Jobs, Program, Request, TaskState};
+use rodlab_lab::cluster::{self, Jobs, Program, Request, Task, TaskState};
 use rodlab_lab::experiment::case_set;
 use rodlab_lab::run::RunOptions;
 use rodlab_lab::scenario::{Case, CaseSet};
@@ -112,14 +112,9 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     }
     sweep::establish(&case_set, &RunOptions::new(&directory))?;
     let queue = cluster::tasks(&jobs.jobs)?;
-    let left: Vec<usize> = unfinished_tasks(&sweep::case_records(&directory)?, jobs.tasks)
-        .into_iter()
-        .filter(|task| {
-            queue
-                .get(task)
-                .is_none_or(|task| task.state == TaskState::Ended)
-        })
-        .collect();
+    let mut left = unfinished_tasks(&sweep::case_records(&directory)?, jobs.tasks);
+    let has_ended = |task: &Task| task.state == TaskState::Ended;
+    left.retain(|number| queue.get(number).is_none_or(has_ended));
     if left.is_empty() {
         return print("nothing to submit: every task is finished, or in the queue\n");
     }
@@ -142,17 +137,12 @@ fn tasks_of(case_set: &CaseSet, asked: Option<u32>) -> usize {
 
 /// Tasks with cases that are not over.
 fn unfinished_tasks(records: &[(Case, CaseRecord)], tasks: usize) -> Vec<usize> {
-    (1..=tasks)
-        .filter(|number| {
-            let shard = Shard {
-                number: *number,
-                of: tasks,
-            };
-            shard
-                .indices(records.len())
-                .any(|index| !records[index].1.status.is_final())
-        })
-        .collect()
+    let is_over = |index: usize| records[index].1.status.is_final();
+    let is_left = |number: &usize| {
+        let (number, of) = (*number, tasks);
+        !Shard { number, of }.indices(records.len()).all(is_over)
+    };
+    (1..=tasks).filter(is_left).collect()
 }
 
 fn request(arguments: &SubmitArguments, name: &str) -> Request {

@@ -76,13 +76,8 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
     let arms = arguments.arms(&cell)?;
     if !arguments.task.dry_run {
         let camera = "its picture shows whether the knot is tied";
-        refuse_unready(
-            &cell,
-            &arguments.cell,
-            &arms,
-            arguments.task.checked,
-            camera,
-        )?;
+        let is_checked = arguments.task.checked;
+        refuse_unready(&cell, &arguments.cell, &arms, is_checked, camera)?;
     }
     let second = arguments.second()?;
     let mut outline = arguments.plan.outline()?;
@@ -176,20 +171,19 @@ impl TieArguments {
         let file = &self.cell;
         let names: Vec<&str> = cell.arms.iter().map(|arm| arm.name.as_str()).collect();
         if names.len() < 2 {
+            let found = names
+                .first()
+                .map_or("none".into(), |name| format!("one: {name}"));
             return Err(Failure::Input(format!(
-                "{}: a knot takes two arms, one that leads the end and one that lifts strands; it has {}",
-                file.display(),
-                if names.is_empty() {
-                    "none".to_owned()
-                } else {
-                    format!("one: {}", names.join(", "))
-                }
+                "{}: a knot takes two arms, one that leads the end and one that lifts strands; it has {found}",
+                file.display()
             )));
         }
         let named = |flag: &str, name: &Option<String>| {
-            let name = name.as_deref();
-            name.map(|name| arm_named(cell, flag, Some(name), file))
-                .transpose()
+            let arm = name
+                .as_deref()
+                .map(|name| arm_named(cell, flag, Some(name), file));
+            arm.transpose()
         };
         let layer = named("--arm", &self.arm)?;
         let lifter = named("--second-arm", &self.second_arm)?;

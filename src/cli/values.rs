@@ -33,6 +33,12 @@ pub fn number(
     }
 }
 
+/// Numbers with commas between them; none where one of them is no number.
+pub fn numbers(text: &str) -> Option<Vec<f64>> {
+    let numbers = text.split(',').map(|part| part.trim().parse().ok());
+    numbers.collect()
+}
+
 /// A parser of numbers in a range.
 pub fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| match text.trim().parse() {

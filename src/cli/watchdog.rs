@@ -4,7 +4,7 @@
 //! iteration of an enormous system, may take minutes in between. Then the program ends all the same, as if it had been killed:
 //! files appear whole, and the same command goes on from the last checkpoint.
 
-use super::exit_code::TIME_LIMIT;
+use super::exit_code::{INTERRUPTED, TIME_LIMIT};
 use super::standard_error;
 use rodlab_files::results::UsageMeter;
 use rodlab_lab::run::{is_attended, is_deaf};
@@ -22,9 +22,6 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const SPENT: Duration = Duration::from_millis(700);
 /// Time in which it must have heard, whatever else the machine does.
 const LONGEST_PATIENCE: Duration = Duration::from_secs(10);
-
-/// Exit code of a program that a person, or the system, interrupted.
-const INTERRUPTED: u8 = 130;
 
 /// Watches until the end of the program over what it runs, with its time limit.
 pub fn watch(deadline: Option<Instant>) {
