@@ -17,7 +17,7 @@ mod training;
 
 pub use directory::{Status, Task, Trained, TrainingError, train};
 pub use evaluation::{Compared, Errors, error_figure, evaluate};
-pub use model::{About, Model, ModelError, read_model};
+pub use model::{About, Model, ModelError, ModelFault, read_model};
 pub use network::Network;
 pub use processor::Processor;
 pub use samples::{Samples, SamplesError};

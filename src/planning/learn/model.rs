@@ -65,86 +65,75 @@ pub struct About {
     checksum: Option<String>,
 }
 
-/// Why a file is no model.
+/// Why there is no model.
 #[derive(Debug, Error)]
 pub enum ModelError {
     /// There is no GPU that it could be trained on.
     #[error("no GPU can be used: {0}")]
     NoGpu(String),
-    /// It is no file of safetensors, or a part of one.
-    #[error("{path} is not a whole safetensors file: {error}")]
-    NotSafetensors {
+    /// A file is none that could be used.
+    #[error("{path} {fault}")]
+    File {
         /// The file.
         path: PathBuf,
-        /// What the reader says.
-        error: String,
+        /// Why not.
+        fault: ModelFault,
     },
+    /// The library of tensors failed.
+    #[error("the network failed: {0}")]
+    Tensors(#[from] candle_core::Error),
+}
+
+/// Why a file is no model, or not the one that is needed.
+#[derive(Debug, Error)]
+pub enum ModelFault {
+    /// It is no file of safetensors, or a part of one.
+    #[error("is not a whole safetensors file: {0}")]
+    NotSafetensors(safetensors::SafeTensorError),
     /// It is of another program.
     #[error(
-        "{path} holds weights, but says nothing of a model of rodlab (no text `rodlab` in its metadata): train one with `rodlab train`"
+        "holds weights, but says nothing of a model of rodlab (no text `rodlab` in its metadata): train one with `rodlab train`"
     )]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-    },
+    Foreign,
     /// It is of another version.
-    #[error(
-        "{path} is a model of version {version}; this program reads version {VERSION}: train it again"
-    )]
-    Version {
-        /// The file.
-        path: PathBuf,
-        /// Its version.
-        version: u32,
-    },
+    #[error("is a model of version {0}; this program reads version {VERSION}: train it again")]
+    Version(u32),
     /// Its bytes are not those that were written.
     #[error(
-        "{path} is damaged: its checksum is {found}, and {noted} was written with it; copy the file again, or train the model again \
+        "is damaged: its checksum is {found}, and {noted} was written with it; copy the file again, or train the model again \
          with `rodlab train`"
     )]
     Damaged {
-        /// The file.
-        path: PathBuf,
         /// Checksum of what is there.
         found: String,
         /// Checksum that was written.
         noted: String,
     },
     /// What it says does not fit together.
-    #[error("{path} contradicts itself: {fault}")]
-    Contradiction {
-        /// The file.
-        path: PathBuf,
-        /// What does not fit.
-        fault: String,
-    },
+    #[error("contradicts itself: {0}")]
+    Contradiction(String),
     /// It is a model of something else.
-    #[error("{path} is a model of `{found}`; a model of `{wanted}` is needed here")]
+    #[error("is a model of `{found}`; a model of `{wanted}` is needed here")]
     OtherKind {
-        /// The file.
-        path: PathBuf,
         /// What it is.
         found: String,
         /// What is needed.
         wanted: String,
     },
+    /// It has learned other columns.
+    #[error("predicts {found}; needed here: {wanted}")]
+    Columns {
+        /// Its outputs and inputs.
+        found: String,
+        /// Those that are needed.
+        wanted: String,
+    },
     /// The file could not be read.
-    #[error("{path} cannot be read: {error}")]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        error: std::io::Error,
-    },
+    #[error("cannot be read: {0}")]
+    Unreadable(std::io::Error),
     /// The file is too large for a model.
-    #[error("{path} is larger than {LARGEST_FILE} bytes: no model of rodlab is")]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The library of tensors failed.
-    #[error("the network failed: {0}")]
-    Tensors(#[from] candle_core::Error),
+    #[error("is larger than {LARGEST_FILE} bytes: no model of rodlab is")]
+    TooLarge,
 }
 
 impl About {
@@ -239,6 +228,49 @@ impl Model {
         Ok(self.about.output_scaling.restored(&outputs.to_vec1()?))
     }
 
+    /// Outputs for each row of inputs within the range of the samples, `None` for the others.
+    ///
+    /// # Errors
+    /// [`ModelError::Tensors`].
+    pub fn predict_covered<const WIDTH: usize>(
+        &self,
+        rows: &[[f64; WIDTH]],
+    ) -> Result<Vec<Option<Vec<f64>>>, ModelError> {
+        let covered = |row: &&[f64; WIDTH]| self.covers(&row[..]);
+        let inputs: Vec<f64> = rows.iter().filter(covered).flatten().copied().collect();
+        let outputs = self.predict(&inputs)?;
+        let mut outputs = outputs.chunks_exact(self.about.outputs.len());
+        let of = |row| covered(&row).then(|| outputs.next()).flatten();
+        Ok(rows
+            .iter()
+            .map(of)
+            .map(|row| row.map(<[f64]>::to_vec))
+            .collect())
+    }
+
+    /// The model from the file `path`, if it predicts these outputs from these inputs.
+    ///
+    /// # Errors
+    /// [`ModelFault::Columns`].
+    pub fn with_columns(
+        self,
+        path: &Path,
+        inputs: &[&str],
+        outputs: &[&str],
+    ) -> Result<Self, ModelError> {
+        if self.about.inputs == inputs && self.about.outputs == outputs {
+            return Ok(self);
+        }
+        let words = |outputs: String, inputs: String| format!("{outputs} from {inputs}");
+        Err(ModelError::File {
+            path: path.to_owned(),
+            fault: ModelFault::Columns {
+                found: words(self.about.outputs.join(", "), self.about.inputs.join(", ")),
+                wanted: words(outputs.join(", "), inputs.join(", ")),
+            },
+        })
+    }
+
     /// The bytes of its file.
     ///
     /// # Errors
@@ -282,46 +314,39 @@ impl Model {
     /// # Errors
     /// See [`ModelError`].
     pub fn from_bytes(path: &Path, bytes: &[u8], wanted: &str) -> Result<Self, ModelError> {
-        let path = || path.to_owned();
-        let broken = |error: safetensors::SafeTensorError| ModelError::NotSafetensors {
-            path: path(),
-            error: error.to_string(),
-        };
-        let contradiction = |fault: String| ModelError::Contradiction {
-            path: path(),
+        let refused = |fault| ModelError::File {
+            path: path.to_owned(),
             fault,
         };
+        let broken = |error| refused(ModelFault::NotSafetensors(error));
+        let contradiction = |fault: String| refused(ModelFault::Contradiction(fault));
         let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(broken)?;
         let text = metadata
             .metadata()
             .as_ref()
             .and_then(|texts| texts.get("rodlab"));
-        let text = text.ok_or_else(|| ModelError::Foreign { path: path() })?;
+        let text = text.ok_or_else(|| refused(ModelFault::Foreign))?;
         // The version first: other versions say other things.
         let value: serde_json::Value =
             serde_json::from_str(text).map_err(|error| contradiction(error.to_string()))?;
         if value["kind"] != KIND {
-            return Err(ModelError::Foreign { path: path() });
+            return Err(refused(ModelFault::Foreign));
         }
         match value["version"].as_u64() {
             Some(version)
                 if (u64::from(UNCHECKED_VERSION)..=u64::from(VERSION)).contains(&version) => {}
             version => {
                 let version = version.and_then(|version| u32::try_from(version).ok());
-                return Err(ModelError::Version {
-                    path: path(),
-                    version: version.unwrap_or(u32::MAX),
-                });
+                return Err(refused(ModelFault::Version(version.unwrap_or(u32::MAX))));
             }
         }
         let mut about: About =
             serde_json::from_value(value).map_err(|error| contradiction(error.to_string()))?;
         if about.samples != wanted {
-            return Err(ModelError::OtherKind {
-                path: path(),
+            return Err(refused(ModelFault::OtherKind {
                 found: about.samples,
                 wanted: wanted.to_owned(),
-            });
+            }));
         }
         if let Some(fault) = about.fault() {
             return Err(contradiction(fault));
@@ -372,11 +397,7 @@ impl Model {
                 let found = checksum_of_file(&about, &file, count);
                 let found = found.map_err(|error| contradiction(error.to_string()))?;
                 if found != noted {
-                    return Err(ModelError::Damaged {
-                        path: path(),
-                        found,
-                        noted,
-                    });
+                    return Err(refused(ModelFault::Damaged { found, noted }));
                 }
             }
             None if about.version > UNCHECKED_VERSION => {
@@ -384,7 +405,7 @@ impl Model {
             }
             None => tracing::warn!(
                 "{} has no checksum, so that damage to it is not noticed: it is of an earlier version; train it again to give it one",
-                path().display()
+                path.display()
             ),
         }
         about.version = VERSION;
@@ -407,19 +428,18 @@ pub fn is_model(head: &[u8]) -> bool {
 /// # Errors
 /// See [`ModelError`].
 pub fn read_model(path: &Path, wanted: &str) -> Result<Model, ModelError> {
-    let failed = |error| ModelError::File {
+    let refused = |fault| ModelError::File {
         path: path.to_owned(),
-        error,
+        fault,
     };
+    let failed = |error| refused(ModelFault::Unreadable(error));
     let file = File::open(path).map_err(failed)?;
     let mut bytes = Vec::new();
     file.take(LARGEST_FILE + 1)
         .read_to_end(&mut bytes)
         .map_err(failed)?;
     if bytes.len() as u64 > LARGEST_FILE {
-        return Err(ModelError::TooLarge {
-            path: path.to_owned(),
-        });
+        return Err(refused(ModelFault::TooLarge));
     }
     Model::from_bytes(path, &bytes, wanted)
 }

@@ -53,6 +53,29 @@ fn trained(plan: &Plan) -> Trainer {
     trainer
 }
 
+/// A model of one round, with these hidden layers.
+fn small_model(hidden: &[usize]) -> Model {
+    let plan = Plan {
+        hidden: hidden.to_vec(),
+        most_epochs: 1,
+        ..plan()
+    };
+    trained(&plan).model(&[]).unwrap()
+}
+
+/// A training that goes on where another one stopped.
+fn resumed(plan: &Plan, stopped: &Trainer) -> Trainer {
+    let mut trainer = trainer(plan);
+    let model = stopped.model(&[]).unwrap();
+    trainer
+        .resume(&model, stopped.epochs().to_vec(), stopped.next_phase())
+        .unwrap();
+    trainer
+        .train::<ModelError>(&mut |_| true, &mut |_| Ok(()))
+        .unwrap();
+    trainer
+}
+
 #[test]
 fn a_smooth_function_is_learned_from_its_values() {
     let model = trained(&plan()).model(&[]).unwrap();
@@ -105,16 +128,9 @@ fn training_goes_on_where_it_was_stopped() {
     );
     assert_eq!(standing.unwrap(), Standing::Stopped);
     assert_eq!((trainer_a.next_phase(), trainer_a.epochs().len()), (0, 3));
-    let model = trainer_a.model(&[]).unwrap();
     let reached = trainer_a.least_error().unwrap();
 
-    let mut trainer_b = trainer(&plan());
-    trainer_b
-        .resume(&model, trainer_a.epochs().to_vec(), trainer_a.next_phase())
-        .unwrap();
-    trainer_b
-        .train::<ModelError>(&mut |_| true, &mut |_| Ok(()))
-        .unwrap();
+    let trainer_b = resumed(&plan(), &trainer_a);
     assert!(trainer_b.epochs().len() > 3);
     assert!(trainer_b.least_error().unwrap() < 0.5 * reached);
 }
@@ -172,14 +188,7 @@ fn along_a_cosine_as_many_rounds_are_trained_as_were_asked_for() {
     let standing =
         stopped.train::<ModelError>(&mut |trainer| trainer.epochs().len() < 15, &mut |_| Ok(()));
     assert_eq!(standing.unwrap(), Standing::Stopped);
-    let mut again = trainer(&plan);
-    let model = stopped.model(&[]).unwrap();
-    again
-        .resume(&model, stopped.epochs().to_vec(), stopped.next_phase())
-        .unwrap();
-    again
-        .train::<ModelError>(&mut |_| true, &mut |_| Ok(()))
-        .unwrap();
+    let again = resumed(&plan, &stopped);
     assert_eq!(again.epochs().len(), 40);
 }
 
@@ -290,11 +299,7 @@ fn fault(bytes: &[u8]) -> String {
 
 #[test]
 fn files_that_are_no_models_are_named_with_what_they_are() {
-    let plan = Plan {
-        most_epochs: 1,
-        ..plan()
-    };
-    let bytes = trained(&plan).model(&[]).unwrap().to_bytes().unwrap();
+    let bytes = small_model(&[32, 32]).to_bytes().unwrap();
     for length in [0, 5, 200, bytes.len() - 1] {
         let said = fault(&bytes[..length]);
         assert!(
@@ -345,13 +350,7 @@ fn with_text(bytes: &[u8], change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
 
 #[test]
 fn a_file_with_any_number_changed_is_refused_as_damaged() {
-    let plan = Plan {
-        most_epochs: 1,
-        hidden: vec![3],
-        ..plan()
-    };
-    let model = trained(&plan).model(&[]).unwrap();
-    let bytes = model.to_bytes().unwrap();
+    let bytes = small_model(&[3]).to_bytes().unwrap();
     let data = 8 + u64::from_le_bytes(bytes[..8].try_into().unwrap()) as usize;
     for at in data..bytes.len() {
         // The lowest bit of any byte: the numbers stay finite, most of them nearly the same.
@@ -371,11 +370,7 @@ fn a_file_with_any_number_changed_is_refused_as_damaged() {
 
 #[test]
 fn only_files_of_the_earlier_version_may_lack_a_checksum() {
-    let plan = Plan {
-        most_epochs: 1,
-        ..plan()
-    };
-    let model = trained(&plan).model(&[]).unwrap();
+    let model = small_model(&[32, 32]);
     let bytes = model.to_bytes().unwrap();
     let without = with_text(&bytes, |about| {
         about.as_object_mut().unwrap().remove("checksum");
@@ -395,12 +390,7 @@ fn only_files_of_the_earlier_version_may_lack_a_checksum() {
 /// Whatever bytes are changed, an answer or an error comes, no panic.
 #[test]
 fn damaged_files_do_not_panic() {
-    let plan = Plan {
-        most_epochs: 1,
-        hidden: vec![3],
-        ..plan()
-    };
-    let bytes = trained(&plan).model(&[]).unwrap().to_bytes().unwrap();
+    let bytes = small_model(&[3]).to_bytes().unwrap();
     let mut random = Pcg64::seed_from_u64(1);
     use rand_pcg::rand_core::Rng;
     for _ in 0..5000 {

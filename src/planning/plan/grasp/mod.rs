@@ -41,7 +41,7 @@ mod solution;
 mod solver;
 mod stability;
 
-pub use neural::{LearnedGrasp, NeuralError, NeuralGrasps, hanging_height, log_length};
+pub use neural::{LearnedGrasp, NeuralGrasps, hanging_height, log_length};
 pub use region::{
     FreeGrasp, GraspBound, GraspStretch, PlanarGrasp, SidewaysAnswer, free_grasps, grasp_region,
     rod_along_ray,

@@ -8,9 +8,8 @@
 use super::{GraspProblem, Vector3};
 use crate::learn::{Compared, Model, ModelError, read_model};
 use rodlab_engine::mechanics::{UnitQuaternion, rotation};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::LazyLock;
-use thiserror::Error;
 
 /// A trained network for grasps.
 #[derive(Clone, Debug)]
@@ -25,24 +24,6 @@ pub struct LearnedGrasp {
     pub position: Vector3,
     /// Its rotation.
     pub rotation: UnitQuaternion,
-}
-
-/// Why there is no network for grasps.
-#[derive(Debug, Error)]
-pub enum NeuralError {
-    /// It is no model, or fails.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// It has learned other columns.
-    #[error("{path} predicts {found} from {from}; needed here: {outputs} from {inputs}", outputs = NeuralGrasps::OUTPUTS.join(", "), inputs = NeuralGrasps::INPUTS.join(", "))]
-    Columns {
-        /// The file.
-        path: PathBuf,
-        /// Its outputs.
-        found: String,
-        /// Its inputs.
-        from: String,
-    },
 }
 
 /// ln(1 + l̄_s).
@@ -98,28 +79,23 @@ impl NeuralGrasps {
     /// Reads a model.
     ///
     /// # Errors
-    /// See [`NeuralError`].
-    pub fn read(path: &Path) -> Result<Self, NeuralError> {
+    /// See [`ModelError`].
+    pub fn read(path: &Path) -> Result<Self, ModelError> {
         Self::of(path, read_model(path, Self::SAMPLES)?)
     }
 
-    fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, NeuralError> {
+    fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, ModelError> {
         Self::of(path, Model::from_bytes(path, bytes, Self::SAMPLES)?)
     }
 
     /// The network of a model that was read from a file.
     ///
     /// # Errors
-    /// [`NeuralError::Columns`].
-    pub fn of(path: &Path, model: Model) -> Result<Self, NeuralError> {
-        if model.about.inputs != Self::INPUTS || model.about.outputs != Self::OUTPUTS {
-            return Err(NeuralError::Columns {
-                path: path.to_owned(),
-                found: model.about.outputs.join(", "),
-                from: model.about.inputs.join(", "),
-            });
-        }
-        Ok(Self { model })
+    /// It has learned other columns.
+    pub fn of(path: &Path, model: Model) -> Result<Self, ModelError> {
+        Ok(Self {
+            model: model.with_columns(path, &Self::INPUTS, &Self::OUTPUTS)?,
+        })
     }
 
     /// The model.
@@ -142,12 +118,10 @@ impl NeuralGrasps {
                 problem.stretch_compliance,
             ]
         };
-        let covered = |problem: &&GraspProblem| self.model.covers(&input(problem));
-        let inputs: Vec<f64> = problems.iter().filter(covered).flat_map(input).collect();
-        let outputs = self.model.predict(&inputs)?;
-        let mut outputs = outputs.chunks_exact(Self::OUTPUTS.len());
-        let grasps = problems.iter().map(|problem| {
-            let output = covered(&problem).then(|| outputs.next()).flatten()?;
+        let inputs: Vec<_> = problems.iter().map(input).collect();
+        let outputs = self.model.predict_covered(&inputs)?;
+        let grasps = problems.iter().zip(outputs).map(|(problem, output)| {
+            let output = output?;
             Some(LearnedGrasp {
                 position: Vector3::new(
                     output[0],
