@@ -1,8 +1,9 @@
 //! The fisherman's knot: two rods, each tied around the other.
 
 use super::KnotSize;
-use super::polyline::{equally_spaced, smooth_step};
+use super::polyline::equally_spaced;
 use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::kirchhoff::numerics::smooth_step;
 use std::f64::consts::PI;
 
 /// Distance of the two core strands from the axis, in radii: their surfaces stand 0.4 radii apart.

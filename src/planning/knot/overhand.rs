@@ -1,9 +1,10 @@
 //! Open overhand knots: a loop, a braid of 2n + 1 crossings below it, and two straight tails on one line.
 
 use super::loop_elastica::LoopElastica;
-use super::polyline::{equally_spaced, length, smooth_step};
+use super::polyline::{equally_spaced, length};
 use super::traction::relaxed_loop;
 use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::kirchhoff::numerics::smooth_step;
 use std::f64::consts::PI;
 
 /// An open overhand knot of unknotting number n: the long (2, 2n+1) torus knot.

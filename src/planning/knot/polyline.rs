@@ -2,12 +2,6 @@
 
 use rodlab_engine::mechanics::Vector3;
 
-/// Grows from 0 to 1 between 0 and 1, at rest at both ends.
-pub fn smooth_step(part: f64) -> f64 {
-    let part = part.clamp(0.0, 1.0);
-    part * part * (3.0 - 2.0 * part)
-}
-
 /// Length of an open polyline, m.
 pub fn length(curve: &[Vector3]) -> f64 {
     curve

@@ -1,8 +1,9 @@
 //! Knots of two rods that are tied in two throws: reef, granny and surgeon's knot.
 
 use super::KnotSize;
-use super::polyline::{equally_spaced, smooth_step};
+use super::polyline::equally_spaced;
 use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::kirchhoff::numerics::smooth_step;
 use std::f64::consts::PI;
 
 /// Distance of the centrelines from the axis of a throw, in radii: the surfaces stand 0.4 radii apart.

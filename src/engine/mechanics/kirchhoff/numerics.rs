@@ -23,6 +23,12 @@ pub fn bisect(mut a: f64, mut b: f64, function: impl Fn(f64) -> f64) -> f64 {
     }
 }
 
+/// Grows from 0 to 1 between 0 and 1, at rest at both ends.
+pub fn smooth_step(part: f64) -> f64 {
+    let part = part.clamp(0.0, 1.0);
+    part * part * (3.0 - 2.0 * part)
+}
+
 /// Integrates y' = `slope`(s, y) from `start` to `end` by the classical Runge–Kutta method of fourth order
 /// in equal steps; returns y at all steps, the start included.
 pub fn runge_kutta<const N: usize>(

@@ -4,6 +4,7 @@ use super::{
     DeployedRod, ObservedContact, OptimalGrasps, Scheme, corrected_length, return_curve, trajectory,
 };
 use crate::plan::pattern::PatternPoint;
+use rodlab_engine::mechanics::kirchhoff::numerics::smooth_step;
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -155,8 +156,7 @@ impl CorrectedPath {
             } else {
                 1.0
             };
-            let part = there.min(back);
-            let part = part * part * (3.0 - 2.0 * part);
+            let part = smooth_step(there.min(back));
             pose.0 += part * (new.position - pose.0);
             pose.1 = rotation::from_vector(
                 part * rotation::to_vector(&(new.rotation * pose.1.inverse())),

@@ -238,11 +238,7 @@ mod tests {
     use crate::plan::grasp::{GraspMethod, GraspSolver};
     use crate::plan::pattern::{Circle, Line, Point};
 
-    const GREEN: DeployedRod = DeployedRod {
-        gravito_bending_length: 0.032,
-        radius: 0.0016,
-        length: 0.885,
-    };
+    const GREEN: DeployedRod = DeployedRod::GREEN;
 
     fn asked(pattern: &Pattern, scheme: Scheme, friction: f64) -> Feasibility {
         let poses =

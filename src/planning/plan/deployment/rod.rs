@@ -14,6 +14,14 @@ pub struct DeployedRod {
 }
 
 impl DeployedRod {
+    /// The green rod of the thesis.
+    #[cfg(test)]
+    pub(super) const GREEN: Self = Self {
+        gravito_bending_length: 0.032,
+        radius: 0.0016,
+        length: 0.885,
+    };
+
     /// k̄_s = k_s L_gb²/EI = 4 L_gb²/h² of a round rod (thesis Eq. 5.10).
     pub fn stretch_stiffness(&self) -> f64 {
         4.0 * (self.gravito_bending_length / self.radius).powi(2)
@@ -37,11 +45,7 @@ mod tests {
 
     #[test]
     fn stiffness_and_stretch_follow_from_the_gravito_bending_length() {
-        let rod = DeployedRod {
-            gravito_bending_length: 0.032,
-            radius: 0.0016,
-            length: 0.885,
-        };
+        let rod = DeployedRod::GREEN;
         let (density, gravity) = (1180.0, 9.81);
         let modulus = rod.youngs_modulus(density, gravity);
         let back = libm::cbrt(modulus * rod.radius.powi(2) / (8.0 * density * gravity));

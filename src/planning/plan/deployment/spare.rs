@@ -106,11 +106,7 @@ mod tests {
     use super::*;
     use crate::plan::pattern::{Circle, Line};
 
-    const GREEN: DeployedRod = DeployedRod {
-        gravito_bending_length: 0.032,
-        radius: 0.0016,
-        length: 0.885,
-    };
+    const GREEN: DeployedRod = DeployedRod::GREEN;
 
     fn line() -> Pattern {
         Pattern::new(Box::new(Line { length: 0.5 }), 0.0).unwrap()

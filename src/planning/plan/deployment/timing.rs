@@ -30,14 +30,25 @@ pub fn times(poses: &[GripperPose], speed: f64) -> Vec<f64> {
 /// Arc length laid at a time between the first and the last of `times`, m; that of the nearest beyond them.
 pub fn laid_after(poses: &[GripperPose], times: &[f64], time: f64) -> f64 {
     let after = times.partition_point(|known| *known < time);
-    match (after.checked_sub(1), poses.get(after)) {
-        (Some(before), Some(next)) => {
-            let part = (time - times[before]) / (times[after] - times[before]);
-            poses[before].s + part * (next.s - poses[before].s)
+    between(after, times.len(), time, |k| [times[k], poses[k].s])
+}
+
+/// When an arc length is laid (m), s: the inverse of [`laid_after`].
+pub fn when_laid(poses: &[GripperPose], times: &[f64], s: f64) -> f64 {
+    let after = poses.partition_point(|pose| pose.s < s);
+    between(after, times.len(), s, |k| [poses[k].s, times[k]])
+}
+
+/// The second of a row of pairs where the first is `at`, between the pairs before and at `after`; that of the nearest beyond them.
+fn between(after: usize, count: usize, at: f64, pair: impl Fn(usize) -> [f64; 2]) -> f64 {
+    match (after, count) {
+        (_, 0) => 0.0,
+        (0, _) => pair(0)[1],
+        _ if after >= count => pair(count - 1)[1],
+        _ => {
+            let ([from, before], [to, next]) = (pair(after - 1), pair(after));
+            before + (at - from) / (to - from) * (next - before)
         }
-        (None, Some(first)) => first.s,
-        (Some(last), None) => poses[last].s,
-        (None, None) => 0.0,
     }
 }
 
@@ -52,32 +63,12 @@ pub fn timed(poses: &[GripperPose], times: &[f64]) -> Vec<TimedPose> {
         .collect()
 }
 
-/// When an arc length is laid (m), s: the inverse of [`laid_after`].
-pub fn when_laid(poses: &[GripperPose], times: &[f64], s: f64) -> f64 {
-    let after = poses.partition_point(|pose| pose.s < s);
-    match (after.checked_sub(1), times.get(after)) {
-        (Some(before), Some(next)) => {
-            let part = (s - poses[before].s) / (poses[after].s - poses[before].s);
-            times[before] + part * (next - times[before])
-        }
-        (None, Some(first)) => *first,
-        (Some(last), None) => times[last],
-        (None, None) => 0.0,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn pose(s: f64, x: f64) -> GripperPose {
-        GripperPose {
-            s,
-            position: Vector3::new(x, 0.0, 0.0),
-            rotation: UnitQuaternion::identity(),
-            grasp: None,
-            contact_demand: None,
-        }
+        GripperPose::new(s, x * Vector3::x(), UnitQuaternion::identity())
     }
 
     #[test]

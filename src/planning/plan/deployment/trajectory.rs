@@ -62,6 +62,17 @@ pub struct GripperPose {
 }
 
 impl GripperPose {
+    /// A pose that no grasp belongs to.
+    pub fn new(s: f64, position: Vector3, rotation: UnitQuaternion) -> Self {
+        Self {
+            s,
+            position,
+            rotation,
+            grasp: None,
+            contact_demand: None,
+        }
+    }
+
     /// Whether all its numbers are finite.
     pub fn is_finite(&self) -> bool {
         let position = self.position.iter();
@@ -335,24 +346,14 @@ fn placed(
     rotation: UnitQuaternion,
 ) -> GripperPose {
     let lying = lying(point);
-    GripperPose {
-        s: point.s,
-        position: contact(point, rod) + rod.gravito_bending_length * (lying * position),
-        rotation: lying * rotation,
-        grasp: None,
-        contact_demand: None,
-    }
+    let position = contact(point, rod) + rod.gravito_bending_length * (lying * position);
+    GripperPose::new(point.s, position, lying * rotation)
 }
 
 fn intuitive(point: &PatternPoint, rod: &DeployedRod) -> GripperPose {
     let upright = rotation::from_vector(-FRAC_PI_2 * Vector3::y());
-    GripperPose {
-        s: point.s,
-        position: contact(point, rod) + (rod.hanging_length() - point.s) * Vector3::z(),
-        rotation: lying(point) * upright,
-        grasp: None,
-        contact_demand: None,
-    }
+    let position = contact(point, rod) + (rod.hanging_length() - point.s) * Vector3::z();
+    GripperPose::new(point.s, position, lying(point) * upright)
 }
 
 #[cfg(test)]
@@ -360,11 +361,7 @@ mod tests {
     use super::*;
     use crate::plan::pattern::{Circle, Line, Pattern, Point};
 
-    const GREEN: DeployedRod = DeployedRod {
-        gravito_bending_length: 0.032,
-        radius: 0.0016,
-        length: 0.885,
-    };
+    const GREEN: DeployedRod = DeployedRod::GREEN;
 
     /// A wavy curve, moved by a motion of the plane, mirrored about x first where asked for.
     fn wave(turn: f64, shift: Point, mirror: f64) -> Vec<PatternPoint> {

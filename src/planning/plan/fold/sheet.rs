@@ -49,13 +49,7 @@ impl FoldedSheet {
             let position = Vector3::new(x, 0.0, z);
             way += (position - before).norm();
             before = position;
-            GripperPose {
-                s: way,
-                position,
-                rotation: FoldPose::of(fold).orientation(),
-                grasp: None,
-                contact_demand: None,
-            }
+            GripperPose::new(way, position, FoldPose::of(fold).orientation())
         });
         poses.collect()
     }

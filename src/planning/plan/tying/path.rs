@@ -3,6 +3,7 @@
 use super::{Handling, Pass, Passage, Place, Schedule};
 use crate::plan::deployment::{DeployedRod, TimedPose};
 use crate::plan::pattern::{PatternPoint, Point};
+use rodlab_engine::mechanics::kirchhoff::numerics::smooth_step;
 use rodlab_engine::mechanics::scene::piecewise_linear;
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
 
@@ -58,7 +59,7 @@ impl TyingTask<'_> {
         let pose = |time: f64| {
             let s = piecewise_linear(&schedule.end, time).unwrap_or(rod.length);
             let point = along(s);
-            let part = smooth((s - rod.length) / (TRANSITION * unit));
+            let part = smooth_step((s - rod.length) / (TRANSITION * unit));
             let height = first.0.z + part * (self.end_height(number, s) - first.0.z);
             let position = at_height(&point.position, height) + (1.0 - part) * aside;
             let rotation = yaw(&point) * rotation::from_vector((1.0 - part) * turned);
@@ -102,7 +103,7 @@ impl TyingTask<'_> {
         let humps = self.passages.iter().filter(over).map(|passage| {
             let away = (s - passage.second.s).abs() / rod.gravito_bending_length;
             let high = 2.0 * self.rods[passage.first.rod].radius + HIGH * rod.radius;
-            smooth((LOW_BEYOND - away) / (LOW_BEYOND - HIGH_WITHIN)) * (high - low)
+            smooth_step((LOW_BEYOND - away) / (LOW_BEYOND - HIGH_WITHIN)) * (high - low)
         });
         low + humps.fold(0.0, f64::max)
     }
@@ -131,7 +132,7 @@ fn smoothly(corners: &[(f64, f64)], time: f64) -> f64 {
         };
         return nearest.map_or(0.0, |corner| corner.1);
     };
-    before.1 + smooth((time - before.0) / (next.0 - before.0)) * (next.1 - before.1)
+    before.1 + smooth_step((time - before.0) / (next.0 - before.0)) * (next.1 - before.1)
 }
 
 fn at_height(place: &Point, height: f64) -> Vector3 {
@@ -140,12 +141,6 @@ fn at_height(place: &Point, height: f64) -> Vector3 {
 
 fn yaw(point: &PatternPoint) -> UnitQuaternion {
     rotation::from_vector(point.angle * Vector3::z())
-}
-
-/// Grows from 0 to 1 between 0 and 1, at rest at both ends.
-fn smooth(part: f64) -> f64 {
-    let part = part.clamp(0.0, 1.0);
-    part * part * (3.0 - 2.0 * part)
 }
 
 #[cfg(test)]
