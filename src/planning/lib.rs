@@ -12,3 +12,5 @@
 pub mod knot;
 pub mod learn;
 pub mod plan;
+#[cfg(test)]
+mod reference;

@@ -186,7 +186,7 @@ fn exponential(matrix: &StateMatrix) -> StateMatrix {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::test_support::assert_close;
+    use crate::mechanics::test_support::{assert_close, reference_rows};
     use std::f64::consts::TAU;
 
     fn critical(curvature: f64, torsion: f64, twisting_moment: f64) -> Option<f64> {
@@ -239,19 +239,9 @@ mod tests {
 
     #[test]
     fn the_boundary_agrees_with_the_reference() {
-        let folder = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../..",
-            "/../shared/reference/helix/"
-        );
-        let Ok(text) = std::fs::read_to_string(format!("{folder}boundary_directions.csv")) else {
-            println!("skipped: boundary_directions.csv is not here");
+        let Some(rows) = reference_rows("helix/boundary_directions.csv") else {
             return;
         };
-        let rows = text.lines().filter_map(|line| {
-            let row: Result<Vec<f64>, _> = line.split(',').map(str::parse).collect();
-            row.ok()
-        });
         let mut count = 0;
         for row in rows {
             let found = critical(row[0], row[1], row[2]);

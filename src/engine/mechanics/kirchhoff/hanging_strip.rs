@@ -112,7 +112,7 @@ fn tip(length: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::test_support::assert_close;
+    use crate::mechanics::test_support::{assert_close, reference_rows};
 
     #[test]
     fn drop_and_length_are_inverse() {
@@ -139,22 +139,11 @@ mod tests {
 
     #[test]
     fn lengths_agree_with_the_reference() {
-        let folder = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../..",
-            "/../shared/reference/lengths/"
-        );
-        let Ok(text) = std::fs::read_to_string(format!("{folder}hanging_plate_epsilon.csv")) else {
-            println!("skipped: hanging_plate_epsilon.csv is not here");
+        let Some(rows) = reference_rows("lengths/hanging_plate_epsilon.csv") else {
             return;
         };
         let mut count = 0;
-        for line in text
-            .lines()
-            .filter(|line| line.starts_with("0."))
-            .step_by(4)
-        {
-            let row: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        for row in rows.iter().filter(|row| row[0] < 1.0).step_by(4) {
             let strip = HangingStrip::of_drop(row[0]).unwrap();
             assert_close(strip.length, row[1], 1e-8);
             assert!((strip.reach - row[3]).abs() < 1e-8, "{row:?} {strip:?}");

@@ -6,54 +6,27 @@
 //! > K θ + Cᵀ λ = 0,  C θ − m λ = Δ.
 
 use super::Vector3;
-use super::stability::{Element, Variation};
-use rodlab_engine::mechanics::Matrix3;
-
-/// What is left at a node when those before it are eliminated.
-struct Leg {
-    inverse: Matrix3,
-    across: Matrix3,
-    part: Matrix3,
-}
+use super::stability::{Element, Elimination, variations};
 
 /// Largest sideways displacement of the rod over that of its gripper, which keeps its direction; without a sign for rods that
 /// are unstable, too, and infinite where one is about to become so.
 pub fn largest_sideways(elements: &[Element], twist_stiffness: f64, compliance: f64) -> f64 {
-    let variations: Vec<Variation> = elements
-        .iter()
-        .map(|element| element.variation(twist_stiffness, compliance))
-        .collect();
-    let Some((first, rest)) = variations.split_first() else {
+    let variations = variations(elements, twist_stiffness, compliance);
+    if variations.is_empty() {
         return 1.0;
-    };
-    let mut legs: Vec<Leg> = Vec::with_capacity(rest.len());
-    let mut conditions = first.multiplier;
-    let (mut block, mut part) = (first.after, first.condition);
-    for variation in rest {
-        conditions += variation.multiplier;
-        block += variation.before;
-        part += variation.condition;
-        let Some(inverse) = block.try_inverse() else {
-            return f64::INFINITY;
-        };
-        conditions -= part * inverse * part.transpose();
-        legs.push(Leg {
-            inverse,
-            across: variation.across,
-            part,
-        });
-        part = variation.condition - part * inverse * variation.across;
-        block = variation.after - variation.across.transpose() * inverse * variation.across;
     }
+    let Elimination { legs, conditions } = Elimination::of(&variations);
     let Some(multiplier) = conditions.lu().solve(&Vector3::y()) else {
         return f64::INFINITY;
     };
     // Rotations from the gripper back to the contact node; both ends are held.
     let mut rotations = vec![Vector3::zeros(); elements.len() + 1];
     for (node, leg) in legs.iter().enumerate().rev() {
+        let Some(inverse) = leg.inverse else {
+            return f64::INFINITY;
+        };
         let after = rotations[node + 2];
-        rotations[node + 1] =
-            -(leg.inverse * (leg.part.transpose() * multiplier + leg.across * after));
+        rotations[node + 1] = -(inverse * (leg.part.transpose() * multiplier + leg.across * after));
     }
     let mut place = Vector3::zeros();
     let mut largest: f64 = 0.0;

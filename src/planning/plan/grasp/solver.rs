@@ -72,16 +72,7 @@ impl GraspSolver {
         problem: &GraspProblem,
         method: GraspMethod,
     ) -> Result<Vec<Grasp>, GraspError> {
-        let gentle = self.shape(problem)?;
-        let mut found = vec![method.grasp(gentle)?];
-        let force = gentle.force;
-        for shape in branches::others(problem, force, &mut self.march) {
-            // A discrete rod need not have them all.
-            found.extend(method.grasp(&shape));
-        }
-        let size = |grasp: &Grasp| grasp.contact_force.norm();
-        found[1..].sort_by(|one, other| size(one).total_cmp(&size(other)));
-        Ok(found)
+        self.all(problem, |shape| method.grasp(shape), |grasp| grasp)
     }
 
     /// Nodes of the suspended part on the gentle branch at equal arc lengths, from the contact node to the gripper, L_gb.
@@ -105,13 +96,24 @@ impl GraspSolver {
         problem: &GraspProblem,
         edges: usize,
     ) -> Result<Vec<(Grasp, Vec<Vector3>)>, GraspError> {
+        let of = |shape: &Shape| Ok((Grasp::of(shape), centreline(shape, edges)));
+        self.all(problem, of, |(grasp, _)| grasp)
+    }
+
+    /// What is asked of the gentle rod and of all others, which grow by the force at the contact node.
+    fn all<Answer>(
+        &mut self,
+        problem: &GraspProblem,
+        answer: impl Fn(&Shape) -> Result<Answer, GraspError>,
+        grasp: impl Fn(&Answer) -> &Grasp,
+    ) -> Result<Vec<Answer>, GraspError> {
         let gentle = self.shape(problem)?;
+        let mut found = vec![answer(gentle)?];
         let force = gentle.force;
-        let of = |shape: &Shape| (Grasp::of(shape), centreline(shape, edges));
-        let mut found = vec![of(gentle)];
+        // A discrete rod need not have them all.
         let others = branches::others(problem, force, &mut self.march);
-        found.extend(others.iter().map(of));
-        let size = |(grasp, _): &(Grasp, Vec<Vector3>)| grasp.contact_force.norm();
+        found.extend(others.iter().flat_map(answer));
+        let size = |answer: &Answer| grasp(answer).contact_force.norm();
         found[1..].sort_by(|one, other| size(one).total_cmp(&size(other)));
         Ok(found)
     }
@@ -135,6 +137,7 @@ impl GraspSolver {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reference;
     use GraspMethod::{Discrete, Theory};
     use rodlab_engine::mechanics::UnitQuaternion;
 
@@ -145,24 +148,14 @@ mod tests {
 
     /// Rows of the reference: problem, place and rotation vector of the gripper, n_y(0), n_z(0).
     fn reference() -> Vec<(GraspProblem, Vector3, Vector3, [f64; 2])> {
-        let file = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../..",
-            "/../shared/reference/grasp/optimal_grasp.csv"
-        );
-        let Ok(text) = std::fs::read_to_string(file) else {
-            println!("skipped: optimal_grasp.csv is not here");
-            return Vec::new();
-        };
-        let rows = text.lines().skip(1).map(|line| {
-            let row: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let rows = reference::rows("grasp/optimal_grasp.csv");
+        assert!(rows.is_empty() || rows.len() > 100);
+        let solution = |row: &Vec<f64>| {
             let problem = GraspProblem::new(row[1], row[2], row[0]).unwrap();
             let vector = |first: usize| Vector3::new(row[first], row[first + 1], row[first + 2]);
             (problem, vector(3), vector(6), [row[12], row[13]])
-        });
-        let rows: Vec<_> = rows.collect();
-        assert!(rows.len() > 100);
-        rows
+        };
+        rows.iter().map(solution).collect()
     }
 
     #[test]

@@ -60,35 +60,70 @@ pub fn unstable_modes(shape: &Shape) -> usize {
 /// Negative eigenvalues of the second variation, less those of the conditions: block LDLᵀ from end to end.
 pub fn negative_modes(elements: &[Element], twist_stiffness: f64, compliance: f64) -> usize {
     let compliance = compliance.max(LEAST_COMPLIANCE);
-    let mut negative = 0;
-    let mut conditions = Matrix3::zeros();
-    // Of the node before the element: what is left of its block, and of its part in the conditions.
-    let mut block = Matrix3::zeros();
-    let mut part = Matrix3::zeros();
-    for (index, element) in elements.iter().enumerate() {
-        let Variation {
-            before,
-            across,
-            after,
-            condition,
-            multiplier,
-        } = element.variation(twist_stiffness, compliance);
-        conditions += multiplier;
-        if index == 0 {
-            // The contact node is held: nothing of the block before.
-            (block, part) = (after, condition);
-            continue;
-        }
-        block += before;
-        part += condition;
-        negative += negatives(&block);
-        let inverse = block.try_inverse().unwrap_or_else(Matrix3::zeros);
-        conditions -= part * inverse * part.transpose();
-        part = condition - part * inverse * across;
-        block = after - across.transpose() * inverse * across;
-    }
-    // The last node is held at the gripper.
+    let variations = variations(elements, twist_stiffness, compliance);
+    let Elimination { legs, conditions } = Elimination::of(&variations);
+    let negative: usize = legs.iter().map(|leg| negatives(&leg.block)).sum();
     (negative + negatives(&conditions)).saturating_sub(CONDITIONS)
+}
+
+/// The second variations of elements.
+pub fn variations(elements: &[Element], twist_stiffness: f64, compliance: f64) -> Vec<Variation> {
+    let of = |element: &Element| element.variation(twist_stiffness, compliance);
+    elements.iter().map(of).collect()
+}
+
+/// The nodes between the two ends, which are held, eliminated one after the other.
+pub struct Elimination {
+    /// What each node left.
+    pub legs: Vec<Leg>,
+    /// What is left of the conditions.
+    pub conditions: Matrix3,
+}
+
+/// What is left at a node when those before it are eliminated.
+pub struct Leg {
+    /// Its block.
+    pub block: Matrix3,
+    /// The inverse of that, where there is one.
+    pub inverse: Option<Matrix3>,
+    /// Its block with the next node.
+    pub across: Matrix3,
+    /// Its part in the conditions.
+    pub part: Matrix3,
+}
+
+impl Elimination {
+    /// Of the second variations of a rod's elements.
+    pub fn of(variations: &[Variation]) -> Self {
+        let mut legs = Vec::with_capacity(variations.len());
+        let mut conditions = Matrix3::zeros();
+        let mut before: Option<(Matrix3, Matrix3)> = None;
+        for variation in variations {
+            conditions += variation.multiplier;
+            // The contact node is held: nothing of the block before the first element.
+            before = Some(match before {
+                None => (variation.after, variation.condition),
+                Some((block, part)) => {
+                    let (block, part) = (block + variation.before, part + variation.condition);
+                    let across = variation.across;
+                    let inverse = block.try_inverse();
+                    legs.push(Leg {
+                        block,
+                        inverse,
+                        across,
+                        part,
+                    });
+                    let inverse = inverse.unwrap_or_else(Matrix3::zeros);
+                    conditions -= part * inverse * part.transpose();
+                    (
+                        variation.after - across.transpose() * inverse * across,
+                        variation.condition - part * inverse * across,
+                    )
+                }
+            });
+        }
+        Self { legs, conditions }
+    }
 }
 
 /// Blocks of an element's second variation, for the rotations of its two ends.

@@ -266,13 +266,7 @@ fn a_pattern_whose_end_meets_its_start_at_a_corner_does_not_cross_itself() {
 
 #[test]
 fn patterns_of_the_reference_are_smooth_and_near() {
-    let file = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../..",
-        "/../shared/reference/patterns/patterns_raw.csv"
-    );
-    let Ok(text) = std::fs::read_to_string(file) else {
-        println!("skipped: patterns_raw.csv is not here");
+    let Some(text) = crate::reference::text("patterns/patterns_raw.csv") else {
         return;
     };
     for name in ["line", "circle", "sine", "U", "C", "L", "A"] {
