@@ -1,10 +1,8 @@
 //! Planar cantilevers that bend far: the elastica under its own weight or a load at its tip.
 
-use super::numerics::{bisect, runge_kutta};
+use super::elastica::{Elastica, Forces, Place, State};
+use super::numerics::bisect;
 use std::f64::consts::FRAC_PI_2;
-
-/// Steps of the integration; at γ = 100 the error of the tip is below 1e-11.
-const STEPS: usize = 4000;
 
 /// What bends the cantilever down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,50 +13,48 @@ pub enum CantileverLoad {
     TipForce(f64),
 }
 
-/// The shape of a horizontal cantilever of unit length.
+/// The shape of a horizontal cantilever of unit length, from the tip on: x towards the tip, z and θ downwards.
 #[derive(Clone, Debug)]
 pub struct Cantilever {
-    /// Equally spaced points from root to tip: x along the root's tangent, y downwards, θ below the
-    /// horizontal, κ = θ'.
-    points: Vec<[f64; 4]>,
+    elastica: Elastica,
+    tip: Place,
+    root: State,
 }
 
 impl Cantilever {
-    /// Solves θ'' = −q(s) cos θ, θ(0) = 0, θ'(1) = 0, with the transverse load that acts beyond s,
-    /// q = γ (1 − s) or q = α (Bisshopp & Drucker 1945), by shooting from the tip.
+    /// Solves θ'' = −q cos θ, θ'(tip) = 0, θ(root) = 0, with the transverse load q that acts between the tip and a place at
+    /// the length s from it, q = γ s or q = α (Bisshopp & Drucker 1945), by shooting from the tip.
     pub fn new(load: CantileverLoad) -> Self {
-        let load_beyond = |s: f64| match load {
-            CantileverLoad::OwnWeight(gamma) => gamma * (1.0 - s),
-            CantileverLoad::TipForce(alpha) => alpha,
+        let (vertical, load) = match load {
+            CantileverLoad::OwnWeight(gamma) => (0.0, gamma),
+            CantileverLoad::TipForce(alpha) => (alpha, 0.0),
         };
-        let shoot = |tip_angle: f64| {
-            runge_kutta(
-                1.0,
-                0.0,
-                [0.0, 0.0, tip_angle, 0.0],
-                STEPS,
-                |s, &[_, _, theta, curvature]| {
-                    let (sin, cos) = libm::sincos(theta);
-                    [cos, sin, curvature, -load_beyond(s) * cos]
-                },
-            )
+        let forces = Forces {
+            horizontal: 0.0,
+            vertical,
         };
+        let elastica = Elastica { forces, load };
+        let tip = |angle: f64| Place {
+            state: State {
+                angle,
+                ..State::default()
+            },
+            ..Place::default()
+        };
+        let root = |angle: f64| elastica.place_from(tip(angle), 1.0).state;
         // A horizontal tip means a root that points upwards, a vertical tip a vertical root.
-        let tip_angle = bisect(0.0, FRAC_PI_2, |tip| shoot(tip)[STEPS][2]);
-        let mut points = shoot(tip_angle);
-        points.reverse();
-        let [x, y, ..] = points[0];
-        for point in &mut points {
-            point[0] -= x;
-            point[1] -= y;
+        let angle = bisect(0.0, FRAC_PI_2, |angle| root(angle).angle);
+        Self {
+            elastica,
+            tip: tip(angle),
+            root: root(angle),
         }
-        Self { points }
     }
 
-    /// Position [x, y] at arc length s between 0 and 1, y downwards; s is rounded to the grid of 1/4000.
+    /// Position [x, y] at arc length s between 0 and 1 from the root on, y downwards.
     pub fn position(&self, s: f64) -> [f64; 2] {
-        let [x, y, ..] = self.points[(s * STEPS as f64).round() as usize];
-        [x, y]
+        let here = self.elastica.place_from(self.tip, 1.0 - s).state;
+        [self.root.x - here.x, self.root.z - here.z]
     }
 }
 
@@ -66,12 +62,13 @@ impl Cantilever {
 mod tests {
     use super::*;
     use crate::mechanics::kirchhoff::numerics::gauss_legendre;
+    use crate::mechanics::test_support::reference_rows;
 
     #[test]
     fn a_tip_load_satisfies_the_first_integral() {
         for alpha in [1.0, 2.0, 5.0, 10.0] {
             let shape = Cantilever::new(CantileverLoad::TipForce(alpha));
-            let ([_, _, tip, _], root) = (shape.points[STEPS], shape.points[0][3]);
+            let (tip, root) = (shape.tip.state.angle, shape.root.curvature);
             // θ'²/2 = α (sin θ_tip − sin θ), so the length is an integral over the angle; with
             // sin θ = sin θ_tip (1 − u²) its root at the tip is lifted.
             assert!((root * root - 2.0 * alpha * tip.sin()).abs() < 1e-9);
@@ -94,29 +91,22 @@ mod tests {
 
     #[test]
     fn tips_agree_with_the_reference_solutions() {
-        let folder = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../..",
-            "/../shared/reference/beams/"
-        );
         type Load = fn(f64) -> CantileverLoad;
         for (file, load) in [
             (
-                "heavy_cantilever_tip.csv",
+                "beams/heavy_cantilever_tip.csv",
                 CantileverLoad::OwnWeight as Load,
             ),
-            ("tip_load_cantilever.csv", CantileverLoad::TipForce as Load),
+            (
+                "beams/tip_load_cantilever.csv",
+                CantileverLoad::TipForce as Load,
+            ),
         ] {
-            let Ok(text) = std::fs::read_to_string(format!("{folder}{file}")) else {
-                println!("skipped: {file} is not here");
+            let Some(rows) = reference_rows(file) else {
                 return;
             };
-            let rows = text.lines().filter_map(|line| {
-                let row: Result<Vec<f64>, _> = line.split(',').map(str::parse).collect();
-                row.ok()
-            });
             let mut count = 0;
-            for row in rows.filter(|row| row[0] <= 100.0) {
+            for row in rows.iter().filter(|row| row[0] <= 100.0) {
                 let tip = Cantilever::new(load(row[0])).position(1.0);
                 assert!((tip[0] - row[1]).abs() < 1e-9 && (tip[1] - row[2]).abs() < 1e-9);
                 count += 1;

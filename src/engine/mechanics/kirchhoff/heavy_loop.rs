@@ -1,10 +1,9 @@
 //! A rod folded over onto itself: the loop that its weight leaves open.
 
-use super::numerics::{bisect, runge_kutta};
+use super::elastica::{Elastica, Forces};
+use super::numerics::bisect;
 use std::f64::consts::PI;
 
-/// Steps of the integration; the error of the height is below 1e-10.
-const STEPS: usize = 2000;
 const ITERATIONS: usize = 20;
 
 /// The loop of a heavy rod that lies on a table and is folded over onto itself (thesis Fig. 5.8).
@@ -33,16 +32,18 @@ impl HeavyLoop {
         // Digits enough to be drawn to the loop that winds once; Newton's method gives the rest.
         let (mut force, mut length) = (-2.36, 5.9);
         for _ in 0..ITERATIONS {
-            let [_, angle, slope, angle_by_force, slope_by_force] = shoot(force, length);
-            let slope_by_length = -(force + 0.5 * length) * libm::cos(angle);
-            let determinant = angle_by_force * slope_by_length - slope * slope_by_force;
-            let beyond = angle - PI;
-            force -= (beyond * slope_by_length - slope * slope) / determinant;
-            length -= (slope * angle_by_force - beyond * slope_by_force) / determinant;
+            let end = elastica(force).place(length);
+            let (by_force, by_length) = (end.by_vertical, elastica(force).slope(&end));
+            let determinant =
+                by_force.angle * by_length.curvature - by_length.angle * by_force.curvature;
+            let (beyond, slope) = (end.state.angle - PI, end.state.curvature);
+            force -= (beyond * by_length.curvature - slope * by_length.angle) / determinant;
+            length -= (slope * by_force.angle - beyond * by_force.curvature) / determinant;
         }
-        let top = bisect(0.0, 0.5 * length, |s| shoot(force, s)[1] - PI);
+        let at = |s: f64| elastica(force).place(s).state;
+        let top = bisect(0.0, 0.5 * length, |s| at(s).angle - PI);
         Self {
-            height: shoot(force, top)[0],
+            height: at(top).z,
             length,
             vertical_force: force,
         }
@@ -51,16 +52,11 @@ impl HeavyLoop {
     /// Nodes that divide the loop into `edges` equal parts, shape `[edges + 1][x, z]`, in L_gb: from where the rod leaves
     /// the table, along x, to where it comes down.
     pub fn places(&self, edges: usize) -> Vec<[f64; 2]> {
-        // The abscissa beside height and angle; a multiple of the edges, so that every node is a step.
-        let steps = edges * STEPS.div_ceil(edges);
-        let slope = |s: f64, &[_, _, angle, slope]: &[f64; 4]| {
-            let (sine, cosine) = libm::sincos(angle);
-            let load = self.vertical_force + 0.5 * s;
-            [cosine, sine, slope, -load * cosine]
-        };
-        let path = runge_kutta(0.0, self.length, [0.0; 4], steps, slope);
-        let nodes = path.iter().step_by(steps / edges);
-        nodes.map(|[x, z, ..]| [*x, *z]).collect()
+        let places = elastica(self.vertical_force).places(self.length, edges);
+        places
+            .iter()
+            .map(|place| [place.state.x, place.state.z])
+            .collect()
     }
 }
 
@@ -70,20 +66,12 @@ impl Default for HeavyLoop {
     }
 }
 
-/// At arc length `end`: height, angle and its slope, and the derivatives of the last two by the force.
-fn shoot(force: f64, end: f64) -> [f64; 5] {
-    let slope = |s: f64, &[_, angle, slope, by_force, slope_by_force]: &[f64; 5]| {
-        let load = force + 0.5 * s;
-        let (sine, cosine) = libm::sincos(angle);
-        [
-            sine,
-            slope,
-            -load * cosine,
-            slope_by_force,
-            -cosine + load * sine * by_force,
-        ]
-    };
-    runge_kutta(0.0, end, [0.0; 5], STEPS, slope)[STEPS]
+/// The rod from where it leaves the table.
+fn elastica(vertical: f64) -> Elastica {
+    Elastica::heavy(Forces {
+        horizontal: 0.0,
+        vertical,
+    })
 }
 
 #[cfg(test)]
@@ -114,12 +102,13 @@ mod tests {
     #[test]
     fn the_loop_comes_down_flat_and_without_moment_to_where_it_left() {
         let heavy = HeavyLoop::new();
-        let [height, angle, slope, ..] = shoot(heavy.vertical_force, heavy.length);
-        assert!((angle - PI).abs() < 1e-9 && slope.abs() < 1e-9 && height.abs() < 1e-9);
+        let at = |s: f64| elastica(heavy.vertical_force).place(s).state;
+        let end = at(heavy.length);
+        assert!((end.angle - PI).abs() < 1e-9);
+        assert!(end.curvature.abs() < 1e-9 && end.z.abs() < 1e-9);
         for part in 1..100 {
-            let [height, angle, ..] =
-                shoot(heavy.vertical_force, heavy.length * 0.01 * f64::from(part));
-            assert!(height > 0.0 && angle < 1.5 * PI);
+            let here = at(heavy.length * 0.01 * f64::from(part));
+            assert!(here.z > 0.0 && here.angle < 1.5 * PI);
         }
     }
 }

@@ -5,7 +5,8 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `cantilever` | elastica under its own weight or a load at its tip |
+//! | `elastica` | planar elasticas under a force and their weight, from one end on |
+//! | `cantilever` | the same clamped at one end, under its own weight or a load at its tip |
 //! | `hanging_strip` | strip held horizontally at one end, which hangs down |
 //! | `heavy_loop` | height of a rod that is folded over onto itself |
 //! | `helix` | helical equilibria and the linearised equations about them |
@@ -17,6 +18,7 @@
 
 mod cantilever;
 mod conjugate_point;
+pub mod elastica;
 mod hanging_strip;
 mod heavy_loop;
 mod helix;

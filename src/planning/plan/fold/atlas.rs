@@ -1,8 +1,8 @@
 //! Gentle folds all over the workspace, from which any other is a step of Newton's method away.
 
-use super::equilibrium::Fold;
+use super::FoldError;
+use super::equilibrium::{Fold, between};
 use super::search_all::{differ, folds_at};
-use super::{FoldError, Forces};
 
 /// Suspended lengths of the folds, L_gb: the first, the last, and how they grow.
 const LENGTHS: [f64; 2] = [0.1, Fold::LONGEST];
@@ -122,20 +122,28 @@ impl Default for FoldAtlas {
 
 /// The gentle fold at a gripper from another one, in as many steps as it takes.
 pub fn solve_from(start: &Fold, gripper: [f64; 2]) -> Option<Fold> {
-    let mut parts = 1;
-    while parts <= MOST_PARTS {
-        let found = (1..=parts).try_fold(*start, |fold, part| {
-            let part = part as f64 / parts as f64;
-            let between = |k: usize| start.gripper[k] + part * (gripper[k] - start.gripper[k]);
-            let next = Fold::at([between(0), between(1)], &fold);
-            next.filter(|next| is_near(next, &fold))
-        });
-        if found.is_some() {
-            return found;
-        }
-        parts *= 4;
-    }
-    None
+    in_parts(start, gripper, MOST_PARTS, |fold, place| {
+        Fold::at(place, fold).filter(|next| is_near(next, fold))
+    })
+}
+
+/// A fold with the gripper elsewhere, by steps over the whole of the way there or, where one fails, over ever smaller parts of it.
+pub(super) fn in_parts(
+    start: &Fold,
+    gripper: [f64; 2],
+    most: usize,
+    step: impl Fn(&Fold, [f64; 2]) -> Option<Fold>,
+) -> Option<Fold> {
+    let counts = std::iter::successors(Some(1_usize), |parts| Some(4 * parts));
+    let mut counts = counts.take_while(|parts| *parts <= most);
+    counts.find_map(|parts| {
+        (1..=parts).try_fold(*start, |fold, part| {
+            step(
+                &fold,
+                between(start.gripper, gripper, part as f64 / parts as f64),
+            )
+        })
+    })
 }
 
 /// The fold without a push that is longer.
@@ -193,11 +201,7 @@ impl Iterator for Angles {
             } else {
                 (angle - last.angle) / done
             };
-            let ahead = |last: f64, before: f64| last + ratio * (last - before);
-            let guess = Forces {
-                horizontal: ahead(last.forces.horizontal, before.forces.horizontal),
-                vertical: ahead(last.forces.vertical, before.forces.vertical),
-            };
+            let guess = last.forces.towards(&before.forces, -ratio);
             let fold = Fold::at_angle(last.suspended_length, angle, guess);
             if let Some(fold) = fold.filter(|fold| is_near(fold, &last)) {
                 let pull = fold.forces.horizontal * fold.suspended_length.powi(2);
@@ -225,22 +229,7 @@ pub(super) fn is_near(fold: &Fold, last: &Fold) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Rows of the reference: x̄, z̄, λ, α, l̄_s, H, V.
-    fn reference() -> Vec<Vec<f64>> {
-        let file = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../..",
-            "/../shared/reference/folding/folding_manifold.csv"
-        );
-        let Ok(text) = std::fs::read_to_string(file) else {
-            println!("skipped: folding_manifold.csv is not here");
-            return vec![];
-        };
-        let rows = text.lines().skip(1);
-        rows.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
-            .collect()
-    }
+    use crate::reference;
 
     fn off(fold: &Fold, row: &[f64]) -> f64 {
         let found = [fold.force_ratio(), fold.angle, fold.suspended_length];
@@ -255,7 +244,8 @@ mod tests {
     fn folds_agree_with_the_reference() {
         let atlas = FoldAtlas::new();
         let mut others = 0;
-        for row in reference() {
+        // x̄, z̄, λ, α, l̄_s, H, V.
+        for row in reference::rows("folding/folding_manifold.csv") {
             let gripper = [row[0], row[1]];
             let gentle = atlas.solve(gripper).unwrap();
             assert_eq!(gentle.unstable_modes(), 0, "{gentle:?}");

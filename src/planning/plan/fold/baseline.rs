@@ -102,10 +102,7 @@ mod tests {
     fn looking_at_the_next_step_alone_runs_into_a_large_push_later() {
         let atlas = FoldAtlas::new();
         let manifold = ForceManifold::new(&atlas, 0.11, 6.19);
-        let sheet = Sheet {
-            length: 0.297 / 0.048,
-            least_suspended: 0.958,
-        };
+        let sheet = Sheet::A4;
         let poses = step_by_step(&manifold, &sheet, sheet.length).unwrap();
         let last = poses[poses.len() - 1];
         assert!((last.gripper[0] - sheet.length).abs() < 1e-9 && last.gripper[1].abs() < 1e-9);

@@ -1,13 +1,9 @@
 //! The same equilibrium with a discrete elastic rod.
 
 use super::FoldError;
-use super::elastica::Forces;
-use super::equilibrium::Fold;
-use nalgebra::{Matrix3, Vector3};
-
-/// Iterations of Newton's method, and the change, relative, at which it has converged.
-const ITERATIONS: usize = 30;
-const CONVERGED: f64 = 1e-12;
+use super::equilibrium::{Condition, Fold};
+use nalgebra::Vector3;
+use rodlab_engine::mechanics::kirchhoff::elastica::{Forces, Place, State};
 
 /// A number and its derivatives by H, V and l̄_s.
 #[derive(Clone, Copy)]
@@ -31,71 +27,25 @@ impl Fold {
     /// # Errors
     /// Newton's method does not converge.
     pub fn discrete(&self, edges: usize) -> Result<Self, FoldError> {
-        discrete_fold(self, edges).ok_or(FoldError::NoConvergence {
+        let [x, z] = self.gripper;
+        let conditions = [Condition::NoMoment, Condition::Along(x), Condition::Up(z)];
+        let end = |forces, length| end(forces, length, edges);
+        let found = Self::solved(self.forces, self.suspended_length, conditions, end);
+        found.ok_or(FoldError::NoConvergence {
             gripper: self.gripper,
             edges,
         })
     }
 }
 
-/// The fold at a gripper with a planar discrete elastic rod of N equal edges of length l = l̄_s/N, from that of the
-/// continuous sheet. At node j the edges turn by φ_j and the moment is M_j = 2 tan(φ_j/2)/l (thesis Eq. 1.5); the moments of
-/// edge j balance:
+/// The end of a planar discrete elastic rod of N equal edges of length l = l̄_s/N. At node j the edges turn by φ_j and the moment
+/// is M_j = 2 tan(φ_j/2)/l (thesis Eq. 1.5); the moments of edge j balance:
 ///
 /// > M_{j+1} − M_j = l (H sin θ_j − (V + (j + ½) l/2) cos θ_j),  θ_j = θ_{j−1} + φ_j
 ///
-/// The first edge lies on the table, without moment before it; after the last one the moment vanishes. Second order in l.
-fn discrete_fold(near: &Fold, edges: usize) -> Option<Fold> {
-    let mut unknowns = Vector3::new(
-        near.forces.horizontal,
-        near.forces.vertical,
-        near.suspended_length,
-    );
-    for _ in 0..ITERATIONS {
-        let end = shoot(unknowns, edges);
-        let [x, z, moment] = [end.x, end.z, end.moment];
-        let residual = Vector3::new(
-            moment.value,
-            unknowns.z - x.value - near.gripper[0],
-            z.value - near.gripper[1],
-        );
-        let jacobian = Matrix3::from_rows(&[
-            moment.by.transpose(),
-            (Vector3::z() - x.by).transpose(),
-            z.by.transpose(),
-        ]);
-        let change = jacobian.lu().solve(&residual)?;
-        unknowns -= change;
-        if !unknowns.iter().all(|value| value.is_finite()) {
-            return None;
-        }
-        if change.amax() <= CONVERGED * unknowns.amax() {
-            let end = shoot(unknowns, edges);
-            return Some(Fold {
-                gripper: [unknowns.z - end.x.value, end.z.value],
-                angle: end.angle.value,
-                suspended_length: unknowns.z,
-                forces: Forces {
-                    horizontal: unknowns.x,
-                    vertical: unknowns.y,
-                },
-                moment: end.moment.value,
-            });
-        }
-    }
-    None
-}
-
-/// The last node: its position, the inclination of the edge before it, and its moment.
-struct End {
-    x: Dual,
-    z: Dual,
-    angle: Dual,
-    moment: Dual,
-}
-
-fn shoot(unknowns: Vector3<f64>, edges: usize) -> End {
-    let [h, v, length] = [unknowns.x, unknowns.y, unknowns.z];
+/// The first edge lies on the table, without moment before it. The inclination is that of the last edge; the
+/// derivatives by the length come beside the place.
+fn end(forces: Forces, length: f64, edges: usize) -> (Place, State) {
     let part = 1.0 / edges as f64;
     let edge = part * length;
     let nought = Dual {
@@ -113,9 +63,9 @@ fn shoot(unknowns: Vector3<f64>, edges: usize) -> End {
         let (sine, cosine) = libm::sincos(angle.value);
         let [sine, cosine] = [angle.map(sine, cosine), angle.map(cosine, -sine)];
         let middle = (j as f64 + 0.5) * part;
-        let load = v + 0.5 * middle * length;
-        let torque = h * sine.value - load * cosine.value;
-        let torque_by = h * sine.by + sine.value * Vector3::x()
+        let load = forces.vertical + 0.5 * middle * length;
+        let torque = forces.horizontal * sine.value - load * cosine.value;
+        let torque_by = forces.horizontal * sine.by + sine.value * Vector3::x()
             - load * cosine.by
             - cosine.value * Vector3::new(0.0, 1.0, 0.5 * middle);
         moment.value += edge * torque;
@@ -125,18 +75,24 @@ fn shoot(unknowns: Vector3<f64>, edges: usize) -> End {
             sum.by += edge * slope.by + part * slope.value * Vector3::z();
         }
     }
-    End {
-        x,
-        z,
-        angle,
-        moment,
-    }
+    let state = |part: &dyn Fn(&Dual) -> f64| State {
+        x: part(&x),
+        z: part(&z),
+        angle: part(&angle),
+        curvature: part(&moment),
+    };
+    let place = Place {
+        arc_length: length,
+        state: state(&|dual| dual.value),
+        by_horizontal: state(&|dual| dual.by.x),
+        by_vertical: state(&|dual| dual.by.y),
+    };
+    (place, state(&|dual| dual.by.z))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::FoldAtlas;
-    use super::*;
 
     #[test]
     fn the_discrete_rod_is_second_order_and_within_a_twentieth_of_a_per_cent() {
@@ -144,7 +100,7 @@ mod tests {
         for gripper in [[0.68, 0.77], [3.4, 1.7], [2.0, 3.2], [6.6, 1.9]] {
             let exact = atlas.solve(gripper).unwrap();
             let error = |edges| {
-                let found = discrete_fold(&exact, edges).unwrap();
+                let found = exact.discrete(edges).unwrap();
                 let ratio = found.force_ratio() - exact.force_ratio();
                 [
                     found.suspended_length - exact.suspended_length,

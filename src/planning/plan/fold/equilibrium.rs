@@ -1,7 +1,7 @@
 //! One equilibrium of a folded sheet, and Newton's method for it.
 
-use super::elastica::{Forces, Place, place, places};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
+use rodlab_engine::mechanics::kirchhoff::elastica::{Elastica, Forces, Place, State};
 
 /// Iterations of Newton's method.
 const ITERATIONS: usize = 30;
@@ -25,15 +25,54 @@ pub struct Fold {
     pub moment: f64,
 }
 
-/// What is given beside the place of the gripper.
+/// A condition on a fold; three of them make out one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Given {
+pub(super) enum Condition {
+    /// H.
+    Horizontal(f64),
+    /// l̄_s.
+    Length(f64),
+    /// x̄ of the gripper.
+    Along(f64),
+    /// z̄ of the gripper.
+    Up(f64),
     /// No moment at the gripper.
     NoMoment,
     /// α.
     Angle(f64),
     /// H over the weight of the lying rest and −V, for a sheet of length L̄.
     Push { ratio: f64, length: f64 },
+}
+
+impl Condition {
+    /// By how much it is missed at an end, and the derivatives of that by H, V and l̄_s.
+    fn fault(self, forces: Forces, (end, by_length): &(Place, State)) -> (f64, [f64; 3]) {
+        let of = |part: fn(&State) -> f64| {
+            let by = [&end.by_horizontal, &end.by_vertical, by_length].map(part);
+            (part(&end.state), by)
+        };
+        match self {
+            Self::Horizontal(horizontal) => (forces.horizontal - horizontal, [1.0, 0.0, 0.0]),
+            Self::Length(length) => (end.arc_length - length, [0.0, 0.0, 1.0]),
+            Self::Along(along) => {
+                let (x, [by_h, by_v, by_length]) = of(|state| state.x);
+                (end.arc_length - x - along, [-by_h, -by_v, 1.0 - by_length])
+            }
+            Self::Up(up) => {
+                let (z, by) = of(|state| state.z);
+                (z - up, by)
+            }
+            Self::NoMoment => of(|state| state.curvature),
+            Self::Angle(angle) => {
+                let (found, by) = of(|state| state.angle);
+                (found - angle, by)
+            }
+            Self::Push { ratio, length } => {
+                let press = 0.5 * (length - end.arc_length) - forces.vertical;
+                (forces.horizontal - ratio * press, [1.0, ratio, 0.5 * ratio])
+            }
+        }
+    }
 }
 
 impl Fold {
@@ -51,102 +90,61 @@ impl Fold {
 
     /// Without a force along the table: θ'(l̄_s) = 0 by the choice of V.
     pub fn without_push(suspended_length: f64, guess: Forces) -> Option<Self> {
-        let mut forces = guess;
-        for _ in 0..ITERATIONS {
-            let end = place(forces, suspended_length);
-            let change = -end.state.curvature / end.by_vertical.curvature;
-            let limit = LARGEST_CHANGE[0] / suspended_length.powi(2);
-            forces.vertical += change.clamp(-limit, limit);
-            if change.abs() <= CONVERGED * forces.vertical.abs() {
-                return Some(Self::of(forces, &place(forces, suspended_length)));
-            }
-        }
-        None
+        let conditions = [
+            Condition::Horizontal(guess.horizontal),
+            Condition::Length(suspended_length),
+            Condition::NoMoment,
+        ];
+        Self::solved(guess, suspended_length, conditions, end)
     }
 
     /// Of a suspended length and an angle: θ(l̄_s) = α and θ'(l̄_s) = 0 by the choice of H and V.
     pub fn at_angle(suspended_length: f64, angle: f64, guess: Forces) -> Option<Self> {
-        let mut forces = guess;
-        let unit = suspended_length.powi(-2);
-        for _ in 0..ITERATIONS {
-            let end = place(forces, suspended_length);
-            let [by_h, by_v] = [&end.by_horizontal, &end.by_vertical];
-            let residual = [end.state.angle - angle, end.state.curvature];
-            let determinant = by_h.angle * by_v.curvature - by_v.angle * by_h.curvature;
-            let change = [
-                (residual[0] * by_v.curvature - by_v.angle * residual[1]) / determinant,
-                (by_h.angle * residual[1] - by_h.curvature * residual[0]) / determinant,
-            ];
-            let largest = change[0].abs().max(change[1].abs());
-            let part = (LARGEST_CHANGE[0] * unit / largest).min(1.0);
-            forces.horizontal -= part * change[0];
-            forces.vertical -= part * change[1];
-            if largest <= CONVERGED * unit.max(forces.horizontal.abs()).max(forces.vertical.abs()) {
-                return Some(Self::of(forces, &place(forces, suspended_length)));
-            }
-            if !largest.is_finite() {
-                return None;
-            }
-        }
-        None
+        let conditions = [
+            Condition::Length(suspended_length),
+            Condition::Angle(angle),
+            Condition::NoMoment,
+        ];
+        Self::solved(guess, suspended_length, conditions, end)
     }
 
     /// With the gripper at (x̄, z̄), from another fold nearby.
     pub fn at(gripper: [f64; 2], near: &Self) -> Option<Self> {
-        Self::held(gripper, Given::NoMoment, near)
+        Self::held(gripper, Condition::NoMoment, near)
     }
 
     /// With the gripper at (x̄, z̄) and its angle held at α, by whatever moment that takes, from another fold nearby.
     pub fn clamped_at(gripper: [f64; 2], angle: f64, near: &Self) -> Option<Self> {
-        Self::held(gripper, Given::Angle(angle), near)
+        Self::held(gripper, Condition::Angle(angle), near)
     }
 
     /// With the gripper at (x̄, z̄) and its angle held so that a sheet of length L̄ pulls along the table with `ratio` of what it
     /// presses on it with, H = `ratio` ((L̄ − l̄_s)/2 − V), from another fold nearby.
     pub fn pushing_at(gripper: [f64; 2], ratio: f64, length: f64, near: &Self) -> Option<Self> {
-        Self::held(gripper, Given::Push { ratio, length }, near)
+        Self::held(gripper, Condition::Push { ratio, length }, near)
     }
 
-    fn held(gripper: [f64; 2], given: Given, near: &Self) -> Option<Self> {
-        let mut forces = near.forces;
-        let mut length = near.suspended_length;
+    fn held([x, z]: [f64; 2], condition: Condition, near: &Self) -> Option<Self> {
+        let conditions = [condition, Condition::Along(x), Condition::Up(z)];
+        Self::solved(near.forces, near.suspended_length, conditions, end)
+    }
+
+    /// Newton's method from forces and a suspended length nearby; `end` finds the end of a sheet from them, and its derivatives by
+    /// the length.
+    pub(super) fn solved(
+        mut forces: Forces,
+        mut length: f64,
+        conditions: [Condition; 3],
+        end: impl Fn(Forces, f64) -> (Place, State),
+    ) -> Option<Self> {
         for _ in 0..ITERATIONS {
-            let end = place(forces, length);
-            let state = &end.state;
-            let (sine, cosine) = libm::sincos(state.angle);
-            let [by_h, by_v] = [&end.by_horizontal, &end.by_vertical];
-            let (fault, faults_by) = match given {
-                Given::Angle(angle) => (
-                    state.angle - angle,
-                    [by_h.angle, by_v.angle, state.curvature],
-                ),
-                Given::NoMoment => {
-                    let load = forces.vertical + 0.5 * length;
-                    let slope = forces.horizontal * sine - load * cosine;
-                    (state.curvature, [by_h.curvature, by_v.curvature, slope])
-                }
-                Given::Push {
-                    ratio,
-                    length: whole,
-                } => {
-                    let press = 0.5 * (whole - length) - forces.vertical;
-                    let fault = forces.horizontal - ratio * press;
-                    (fault, [1.0, ratio, 0.5 * ratio])
-                }
-            };
-            let residual = Vector3::new(fault, length - state.x - gripper[0], state.z - gripper[1]);
-            let jacobian = Matrix3::new(
-                faults_by[0],
-                faults_by[1],
-                faults_by[2],
-                -by_h.x,
-                -by_v.x,
-                1.0 - cosine,
-                by_h.z,
-                by_v.z,
-                sine,
-            );
-            let change = jacobian.lu().solve(&residual)?;
+            let here = end(forces, length);
+            let faults = conditions.map(|condition| condition.fault(forces, &here));
+            let [(one, a), (two, b), (three, c)] =
+                faults.map(|(fault, by)| (fault, Vector3::from(by)));
+            let minors = [b.cross(&c), c.cross(&a), a.cross(&b)];
+            let change =
+                (one * minors[0] + two * minors[1] + three * minors[2]) / a.dot(&minors[0]);
             let unit = length.powi(-2);
             let force = change.x.abs().max(change.y.abs()) / unit;
             let stretch = change.z.abs() / length;
@@ -158,7 +156,7 @@ impl Fold {
             length -= part * change.z;
             let scale = 1.0 + forces.horizontal.abs().max(forces.vertical.abs()) / unit;
             if force <= CONVERGED * scale && stretch <= CONVERGED * scale {
-                return Some(Self::of(forces, &place(forces, length)));
+                return Some(Self::of(forces, &end(forces, length).0));
             }
             if !(force.is_finite() && stretch.is_finite()) {
                 return None;
@@ -200,8 +198,20 @@ impl Fold {
     /// Points of the suspended sheet from the touchdown point to the gripper, `[parts + 1][x̄, z̄]`, in the frame of
     /// [`gripper`](Self::gripper).
     pub fn shape(&self, parts: usize) -> Vec<[f64; 2]> {
-        let places = places(self.forces, self.suspended_length, parts);
+        let places = Elastica::heavy(self.forces).places(self.suspended_length, parts);
         let point = |place: &Place| [self.suspended_length - place.state.x, place.state.z];
         places.iter().map(point).collect()
     }
+}
+
+/// The sheet at the suspended length from the touchdown point, and its derivatives by that.
+fn end(forces: Forces, length: f64) -> (Place, State) {
+    let sheet = Elastica::heavy(forces);
+    let end = sheet.place(length);
+    (end, sheet.slope(&end))
+}
+
+/// A place between two, at a part of the way.
+pub(super) fn between(from: [f64; 2], to: [f64; 2], part: f64) -> [f64; 2] {
+    [0, 1].map(|k| from[k] + part * (to[k] - from[k]))
 }

@@ -9,27 +9,31 @@ use std::collections::BinaryHeap;
 /// A cell of the grid: column and row.
 pub type Cell = [usize; 2];
 
-/// A cell that waits for its turn; the cheapest first, equal costs in the order of the cells.
-struct Waiting {
-    cost: f64,
-    cell: Cell,
+/// A cell that waits for its turn, with what leads there; the cheapest first, equal costs in the order of the cells.
+pub struct Waiting<From = ()> {
+    /// What it costs.
+    pub cost: f64,
+    /// The cell.
+    pub cell: Cell,
+    /// What leads there.
+    pub from: From,
 }
 
-impl PartialEq for Waiting {
+impl<From> PartialEq for Waiting<From> {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Waiting {}
+impl<From> Eq for Waiting<From> {}
 
-impl PartialOrd for Waiting {
+impl<From> PartialOrd for Waiting<From> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Waiting {
+impl<From> Ord for Waiting<From> {
     fn cmp(&self, other: &Self) -> Ordering {
         let by_cost = other.cost.total_cmp(&self.cost);
         by_cost.then_with(|| other.cell.cmp(&self.cell))
@@ -83,9 +87,13 @@ fn search(
         waiting.push(Waiting {
             cost: 0.0,
             cell: *cell,
+            from: (),
         });
     }
-    while let Some(Waiting { cost: so_far, cell }) = waiting.pop() {
+    while let Some(Waiting {
+        cost: so_far, cell, ..
+    }) = waiting.pop()
+    {
         if cell == goal {
             let mut path = vec![cell];
             while let Some(previous) = before[index(path[path.len() - 1])] {
@@ -108,6 +116,7 @@ fn search(
                 waiting.push(Waiting {
                     cost: sum,
                     cell: next,
+                    from: (),
                 });
             }
         }

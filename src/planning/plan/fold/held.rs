@@ -1,11 +1,11 @@
 //! Folds whose edge is held by a moment, so that the sheet asks for no more friction than there is.
 
 use super::FoldError;
+use super::atlas::in_parts;
 use super::equilibrium::Fold;
-use super::graph_search::{Objective, uniform_cost_search};
+use super::graph_search::{Objective, Waiting, uniform_cost_search};
 use super::manifold::ForceManifold;
 use super::path::{FoldPath, Sheet, after_lift, lift_of, starts, way_over};
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Parts of the way to a neighbour that are tried when the whole fails.
@@ -27,19 +27,9 @@ const BELOW: f64 = 1e-6;
 ///
 /// Without a moment where the sheet asks for no more, else with a push or pull of that size.
 pub fn held_from(start: &Fold, gripper: [f64; 2], length: f64, friction: f64) -> Option<Fold> {
-    let mut parts = 1;
-    while parts <= MOST_PARTS {
-        let found = (1..=parts).try_fold(*start, |fold, part| {
-            let part = part as f64 / parts as f64;
-            let between = |k: usize| start.gripper[k] + part * (gripper[k] - start.gripper[k]);
-            held_next_to(&fold, [between(0), between(1)], length, friction)
-        });
-        if found.is_some() {
-            return found;
-        }
-        parts *= 4;
-    }
-    None
+    in_parts(start, gripper, MOST_PARTS, |fold, place| {
+        held_next_to(fold, place, length, friction)
+    })
 }
 
 fn held_next_to(near: &Fold, gripper: [f64; 2], length: f64, friction: f64) -> Option<Fold> {
@@ -76,7 +66,7 @@ impl ForceManifold {
         let mut waiting = BinaryHeap::new();
         for fold in &lift_of(sheet) {
             waiting.push(Waiting {
-                moment: 0.0,
+                cost: 0.0,
                 cell: manifold.cell(fold.gripper),
                 from: *fold,
             });
@@ -99,7 +89,7 @@ impl ForceManifold {
             ];
             for cell in beside {
                 waiting.push(Waiting {
-                    moment: fold.moment.abs(),
+                    cost: fold.moment.abs(),
                     cell,
                     from: fold,
                 });
@@ -181,43 +171,11 @@ fn is_above_the_table(fold: &Fold) -> bool {
     fold.shape(POINTS).iter().all(|[_, z]| *z > -BELOW)
 }
 
-/// A cell that waits for its turn, the smallest moment beside it first; equal ones in the order of the cells.
-struct Waiting {
-    moment: f64,
-    cell: [usize; 2],
-    from: Fold,
-}
-
-impl PartialEq for Waiting {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Waiting {}
-
-impl PartialOrd for Waiting {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Waiting {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let by_moment = other.moment.total_cmp(&self.moment);
-        by_moment.then_with(|| other.cell.cmp(&self.cell))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Half an A4 sheet, thesis sec. 4.6.3.
-    const A4: Sheet = Sheet {
-        length: 0.297 / 0.048,
-        least_suspended: 0.958,
-    };
+    const A4: Sheet = Sheet::A4;
 
     #[test]
     fn a_small_moment_brings_a_sheet_over_the_ridge_without_asking_for_friction() {

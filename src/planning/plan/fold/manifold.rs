@@ -85,6 +85,17 @@ impl ForceManifold {
         cell.map(|index| (index as f64 + 0.5) * self.spacing)
     }
 
+    /// The middles of all cells, row by row.
+    pub(super) fn places(&self) -> impl Iterator<Item = [f64; 2]> {
+        (0..self.rows)
+            .flat_map(move |row| (0..self.columns).map(move |column| self.place([column, row])))
+    }
+
+    /// The folds that are known, row by row.
+    pub(super) fn folds(&self) -> impl Iterator<Item = &Fold> {
+        self.folds.iter().flatten()
+    }
+
     /// Notes the fold of a cell.
     pub(super) fn set(&mut self, [column, row]: [usize; 2], fold: Fold) {
         self.folds[row * self.columns + column] = Some(fold);

@@ -13,7 +13,6 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `elastica` | the sheet from the touchdown point on, by Taylor series |
 //! | `equilibrium` | one fold, and Newton's method for it |
 //! | `atlas` | gentle folds all over the workspace |
 //! | `search_all` | all folds at a gripper |
@@ -34,7 +33,6 @@
 mod atlas;
 mod baseline;
 mod discrete;
-mod elastica;
 mod equilibrium;
 mod graph_search;
 mod held;
@@ -50,7 +48,6 @@ mod stability;
 mod workspace;
 
 pub use atlas::{FoldAtlas, solve_from};
-pub use elastica::Forces;
 pub use equilibrium::Fold;
 pub use graph_search::{Cell, Objective, uniform_cost_search};
 pub use held::held_path;
@@ -59,6 +56,7 @@ pub use neural::{LearnedFold, NetworkCheck, NeuralFoldError, NeuralFolds};
 pub use path::{FoldPath, Sheet, fold_path};
 pub use planner::{Algorithm, FoldPlanner, PART_OF_FRICTION};
 pub use pose::FoldPose;
+pub use rodlab_engine::mechanics::kirchhoff::elastica::Forces;
 pub use sheet::FoldedSheet;
 pub use sliding::sliding;
 pub use workspace::Workspace;

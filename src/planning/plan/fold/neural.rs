@@ -4,12 +4,12 @@
 //! a sign: smooth where λ has its kink, and bounded where λ is not.
 
 use super::atlas::FoldAtlas;
-use super::elastica::Forces;
 use super::equilibrium::Fold;
 use super::manifold::ForceManifold;
 use super::workspace::Workspace;
 use crate::learn::{Compared, Model, ModelError, read_model};
 use rayon::prelude::*;
+use rodlab_engine::mechanics::kirchhoff::elastica::Forces;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -45,16 +45,6 @@ pub enum NeuralFoldError {
     /// It is no model, or fails.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// It has learned other columns.
-    #[error("{path} predicts {found} from {from}; needed here: {outputs} from {inputs}", outputs = NeuralFolds::OUTPUTS.join(", "), inputs = NeuralFolds::INPUTS.join(", "))]
-    Columns {
-        /// The file.
-        path: PathBuf,
-        /// Its outputs.
-        found: String,
-        /// Its inputs.
-        from: String,
-    },
     /// It does not say what folds it has learned, or there are none like them.
     #[error("{0} does not say which suspended lengths it has learned: train it again")]
     Lengths(PathBuf),
@@ -107,13 +97,7 @@ impl NeuralFolds {
     }
 
     fn of(path: &Path, model: Model) -> Result<Self, NeuralFoldError> {
-        if model.about.inputs != Self::INPUTS || model.about.outputs != Self::OUTPUTS {
-            return Err(NeuralFoldError::Columns {
-                path: path.to_owned(),
-                found: model.about.outputs.join(", "),
-                from: model.about.inputs.join(", "),
-            });
-        }
+        let model = model.with_columns(path, &Self::INPUTS, &Self::OUTPUTS)?;
         let lengths = model.about.output_range.get(2).copied();
         let lengths = lengths.ok_or_else(|| NeuralFoldError::Lengths(path.to_owned()))?;
         Ok(Self { model, lengths })
@@ -129,26 +113,18 @@ impl NeuralFolds {
     /// # Errors
     /// [`ModelError::Tensors`].
     pub fn predict(&self, places: &[[f64; 2]]) -> Result<Vec<Option<LearnedFold>>, ModelError> {
-        let covered = |place: &&[f64; 2]| self.model.covers(&place[..]);
-        let inputs: Vec<f64> = places.iter().filter(covered).flatten().copied().collect();
-        let outputs = self.model.predict(&inputs)?;
-        let mut outputs = outputs.chunks_exact(Self::OUTPUTS.len());
-        let folds = places.iter().map(|place| {
-            let output = covered(&place).then(|| outputs.next()).flatten()?;
-            Some(LearnedFold {
-                force_inclination: output[0],
-                angle: output[1],
-                suspended_length: output[2],
-            })
-        });
-        Ok(folds.collect())
+        let fold = |output: Vec<f64>| LearnedFold {
+            force_inclination: output[0],
+            angle: output[1],
+            suspended_length: output[2],
+        };
+        let outputs = self.model.predict_covered(places)?.into_iter();
+        Ok(outputs.map(|output| output.map(fold)).collect())
     }
 
     /// Compares every fifth fold of a manifold of this network with the exact one, and looks whether all are finite.
     pub fn check(atlas: &FoldAtlas, manifold: &ForceManifold) -> NetworkCheck {
-        let [columns, rows] = manifold.size();
-        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
-        let folds: Vec<&Fold> = cells.filter_map(|cell| manifold.fold(cell)).collect();
+        let folds: Vec<&Fold> = manifold.folds().collect();
         let not_finite = folds.iter().filter(|fold| !is_finite(fold)).count();
         let compared: Vec<bool> = folds
             .par_iter()
@@ -187,20 +163,18 @@ impl NeuralFolds {
         }
         let from = from.max(Workspace::LENGTHS[0]);
         let workspace = Workspace::new([from, longest_learned]).ok_or_else(out_of_range)?;
-        let [columns, rows] = workspace
+        let size = workspace
             .reach()
             .map(|reach| (reach / spacing).ceil() as usize);
-        let place = |index: usize| (index as f64 + 0.5) * spacing;
-        let places: Vec<[f64; 2]> = (0..rows)
-            .flat_map(|row| (0..columns).map(move |column| [place(column), place(row)]))
+        let places: Vec<[f64; 2]> = ForceManifold::without_folds(spacing, size)
+            .places()
             .collect();
         let learned = self.predict(&places)?;
         let folds = places.par_iter().zip(&learned).map(|(place, learned)| {
             let learned = learned.filter(|_| workspace.contains(*place))?;
             Some(fold(*place, &learned, atlas))
         });
-        let folds = folds.collect();
-        Ok(ForceManifold::of(spacing, [columns, rows], folds))
+        Ok(ForceManifold::of(spacing, size, folds.collect()))
     }
 }
 
@@ -284,15 +258,13 @@ mod tests {
         let exact = ForceManifold::new(&atlas, 0.3, 5.0);
         let check = NeuralFolds::check(&atlas, &exact);
         assert!(check.compared > 20 && check.is_passed(), "{check:?}");
-        let [columns, rows] = exact.size();
         let changed = |change: &dyn Fn(&mut Fold)| {
-            let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
-            let folds = cells.map(|cell| {
-                let mut fold = *exact.fold(cell)?;
-                change(&mut fold);
-                Some(fold)
-            });
-            let manifold = ForceManifold::of(0.3, [columns, rows], folds.collect());
+            let mut manifold = exact.clone();
+            for fold in exact.folds() {
+                let mut moved = *fold;
+                change(&mut moved);
+                manifold.set(exact.cell(fold.gripper), moved);
+            }
             NeuralFolds::check(&atlas, &manifold)
         };
         let slightly = changed(&|fold| fold.angle += 0.02);
@@ -302,8 +274,7 @@ mod tests {
         let forces = changed(&|fold| fold.forces.horizontal -= 5.0);
         assert!(!forces.is_passed(), "{forces:?}");
         // One number in a fold that is not compared is enough.
-        let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
-        let second = cells.filter_map(|cell| exact.fold(cell)).nth(1).unwrap();
+        let second = exact.folds().nth(1).unwrap();
         let one = changed(&|fold| {
             if fold.gripper == second.gripper {
                 fold.angle = f64::NAN;

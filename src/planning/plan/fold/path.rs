@@ -2,7 +2,7 @@
 
 use super::FoldError;
 use super::atlas::{FoldAtlas, solve_from};
-use super::equilibrium::Fold;
+use super::equilibrium::{Fold, between};
 use super::graph_search::{Cell, Objective, uniform_cost_search};
 use super::manifold::ForceManifold;
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,13 @@ pub struct FoldPath {
 }
 
 impl Sheet {
+    /// Half an A4 sheet, thesis sec. 4.6.3.
+    #[cfg(test)]
+    pub(super) const A4: Self = Self {
+        length: 0.297 / 0.048,
+        least_suspended: 0.958,
+    };
+
     /// Whether a fold is allowed: neither too little nor more than the sheet suspended.
     pub(super) fn allows(&self, fold: &Fold) -> bool {
         self.allows_place(fold.gripper, fold.suspended_length)
@@ -267,10 +274,6 @@ fn exactly(way: &[Fold], places: &[[f64; 2]]) -> Result<Vec<Fold>, FoldError> {
     folds.collect()
 }
 
-fn between(from: [f64; 2], to: [f64; 2], part: f64) -> [f64; 2] {
-    [0, 1].map(|k| from[k] + part * (to[k] - from[k]))
-}
-
 fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
     libm::hypot(to[0] - from[0], to[1] - from[1])
 }
@@ -291,18 +294,12 @@ pub fn thin(folds: &mut Vec<Fold>, spacing: f64) {
 mod tests {
     use super::*;
 
-    /// Half an A4 sheet, thesis sec. 4.6.3.
-    const A4: Sheet = Sheet {
-        length: 0.297 / 0.048,
-        least_suspended: 0.958,
-    };
-
     #[test]
     fn a_fold_begins_flat_and_ends_at_the_crease_target() {
         let atlas = FoldAtlas::new();
         let manifold = ForceManifold::new(&atlas, 0.11, 6.84);
         for (target, objective) in [(6.1875, Objective::Sum), (5.2083, Objective::Largest)] {
-            let path = fold_path(&atlas, &manifold, &A4, target, objective).unwrap();
+            let path = fold_path(&atlas, &manifold, &Sheet::A4, target, objective).unwrap();
             let last = path.folds.last().unwrap();
             assert!((last.gripper[0] - target).abs() < 1e-9 && last.gripper[1].abs() < 1e-9);
             assert!(
@@ -325,10 +322,11 @@ mod tests {
     fn each_plan_is_best_in_what_it_is_made_for() {
         let atlas = FoldAtlas::new();
         let manifold = ForceManifold::new(&atlas, 0.11, 6.84);
-        let plan = |objective| fold_path(&atlas, &manifold, &A4, 6.1875, objective).unwrap();
+        let plan = |objective| fold_path(&atlas, &manifold, &Sheet::A4, 6.1875, objective).unwrap();
         let (sum, largest) = (plan(Objective::Sum), plan(Objective::Largest));
         assert!(sum.integral < largest.integral);
-        let [by_sum, by_largest] = [&sum, &largest].map(|path| path.friction_demand(A4.length));
+        let [by_sum, by_largest] =
+            [&sum, &largest].map(|path| path.friction_demand(Sheet::A4.length));
         assert!(by_largest < 0.5 * by_sum, "{by_sum} {by_largest}");
         assert!(sum.integral < 0.99 * sum.grid_integral);
     }
@@ -338,7 +336,7 @@ mod tests {
         let atlas = FoldAtlas::new();
         let manifold = ForceManifold::new(&atlas, 0.2, 6.84);
         for target in [0.3, 6.3] {
-            let refused = fold_path(&atlas, &manifold, &A4, target, Objective::Sum);
+            let refused = fold_path(&atlas, &manifold, &Sheet::A4, target, Objective::Sum);
             assert!(
                 matches!(refused, Err(FoldError::Target { .. })),
                 "{:?}",

@@ -220,10 +220,7 @@ mod tests {
 
     #[test]
     fn a_rest_that_is_planned_anew_begins_where_the_edge_is_held() {
-        let sheet = Sheet {
-            length: 0.297 / 0.048,
-            least_suspended: 0.958,
-        };
+        let sheet = Sheet::A4;
         let planner = FoldPlanner::new(sheet, Algorithm::Optimal(Objective::Sum));
         let poses = planner.poses(sheet.length).unwrap();
         let [from, to] = [poses[poses.len() / 2], poses[3 * poses.len() / 4]];

@@ -1,7 +1,7 @@
 //! All folds at a gripper that are found.
 
-use super::elastica::{Forces, Piece, Place};
 use super::equilibrium::Fold;
+use rodlab_engine::mechanics::kirchhoff::elastica::{Elastica, Forces, Piece, Place};
 
 /// Forces that are tried, from and to, in EI/L_gb².
 const HORIZONTAL: [f64; 2] = [-9.0, 5.0];
@@ -69,7 +69,7 @@ fn edges_of(forces: Forces) -> [Option<Fold>; INFLECTIONS] {
     // At the touchdown point itself there is no curvature, either.
     let mut sign = -forces.vertical;
     while place.arc_length < Fold::LONGEST && count < INFLECTIONS {
-        let piece = Piece::new(place, forces);
+        let piece = Piece::new(place, Elastica::heavy(forces));
         let end = piece.at(piece.reach.min(Fold::LONGEST));
         if end.state.curvature * sign < 0.0 {
             let (mut a, mut b) = (place.arc_length, end.arc_length);

@@ -1,7 +1,7 @@
 //! How far a sheet slides while it is folded.
 
 use super::FoldError;
-use super::equilibrium::Fold;
+use super::equilibrium::{Fold, between};
 
 /// Steps in which a sheet slides, L_gb, the farthest, and how well the end of a slide is found.
 const STEP: f64 = 0.004;
@@ -73,9 +73,10 @@ pub fn sliding(folds: &[Fold], length: f64, friction: f64) -> Result<Vec<f64>, F
 /// From one planned fold to the next, while the sheet stays where it has slid to.
 fn carried(from: &Fold, to: &Fold, slid: f64, state: &Fold) -> Option<Fold> {
     (1..=PARTS).try_fold(*state, |state, part| {
-        let between = |from: f64, to: f64| from + (to - from) * part as f64 / PARTS as f64;
-        let gripper = [0, 1].map(|k| between(from.gripper[k], to.gripper[k]));
-        held(gripper, between(from.angle, to.angle), slid, &state)
+        let part = part as f64 / PARTS as f64;
+        let gripper = between(from.gripper, to.gripper, part);
+        let angle = from.angle + part * (to.angle - from.angle);
+        held(gripper, angle, slid, &state)
     })
 }
 
@@ -95,10 +96,7 @@ mod tests {
     fn a_sheet_slides_only_where_the_demand_is_above_the_friction() {
         let atlas = FoldAtlas::new();
         let manifold = ForceManifold::new(&atlas, 0.11, 6.84);
-        let sheet = Sheet {
-            length: 0.297 / 0.048,
-            least_suspended: 0.958,
-        };
+        let sheet = Sheet::A4;
         for objective in [Objective::Sum, Objective::Largest] {
             let path = fold_path(&atlas, &manifold, &sheet, 6.1875, objective).unwrap();
             let demand = path.friction_demand(sheet.length);

@@ -1,7 +1,7 @@
 //! The second variation of the energy of a folded sheet.
 
-use super::elastica::places;
 use super::equilibrium::Fold;
+use rodlab_engine::mechanics::kirchhoff::elastica::Elastica;
 
 /// Parts into which the sheet is divided.
 const PARTS: usize = 200;
@@ -27,7 +27,7 @@ impl Fold {
 /// sheet leaves the table it does so without curvature, so that a little more or less of it lifted changes nothing to second
 /// order.
 fn unstable_modes(fold: &Fold, nodes: usize) -> usize {
-    let places = places(fold.forces, fold.suspended_length, PARTS);
+    let places = Elastica::heavy(fold.forces).places(fold.suspended_length, PARTS);
     let ds = fold.suspended_length / PARTS as f64;
     let mut negative = 0;
     // Pivot, and the two borders after elimination, of the last node.
@@ -80,7 +80,7 @@ mod tests {
         let folds = FoldAtlas::new().solve_all([0.347_207_809_1, 0.577_905_550_1]);
         let counts = folds.unwrap().into_iter().map(|fold| {
             let ds = fold.suspended_length / EDGES as f64;
-            let places = places(fold.forces, fold.suspended_length, 2 * EDGES);
+            let places = Elastica::heavy(fold.forces).places(fold.suspended_length, 2 * EDGES);
             let mut matrix = DMatrix::<f64>::zeros(EDGES, EDGES);
             let mut borders = DMatrix::<f64>::zeros(EDGES, 2);
             for edge in 0..EDGES {

@@ -1,9 +1,9 @@
 //! The workspace: where the gripper can be between a sheet that is pulled taut and one whose edge is back on the table.
 
 use super::atlas::{angles_from, lengthened};
-use super::elastica::Forces;
 use super::equilibrium::Fold;
 use rayon::prelude::*;
+use rodlab_engine::mechanics::kirchhoff::elastica::Forces;
 
 /// Growth of the suspended length from curve to curve, at most.
 const GROWTH: f64 = 1.02;
@@ -132,12 +132,8 @@ fn finer(curve: &[Fold]) -> Vec<Fold> {
 
 /// The fold between two of the same length at a part of the angle between theirs.
 fn between(one: &Fold, other: &Fold, part: f64) -> Option<Fold> {
-    let at = |from: f64, to: f64| from + part * (to - from);
-    let guess = Forces {
-        horizontal: at(one.forces.horizontal, other.forces.horizontal),
-        vertical: at(one.forces.vertical, other.forces.vertical),
-    };
-    let angle = at(one.angle, other.angle);
+    let guess = one.forces.towards(&other.forces, part);
+    let angle = one.angle + part * (other.angle - one.angle);
     Fold::at_angle(one.suspended_length, angle, guess)
 }
 

@@ -1,4 +1,8 @@
-//! The suspended part of a sheet from the touchdown point on, by Taylor series.
+//! Planar elasticas under a force and a uniform load, from one end on, by Taylor series.
+//!
+//! With EI = 1, the force (H, V) at the start and the load w per length, at the inclination θ:
+//!
+//! > θ'' = H sin θ − (V + w s) cos θ,  x' = cos θ,  z' = sin θ
 
 /// Coefficients of a series, the highest first to be left out.
 const TERMS: usize = 20;
@@ -7,7 +11,8 @@ const ACCURACY: f64 = 1e-15;
 
 type Series = [f64; TERMS + 2];
 
-/// Horizontal and vertical force that what is suspended exerts on the lying part, in EI/L_gb².
+/// Horizontal and vertical force that an elastica exerts on what is before its start. Of a sheet that is lifted off a table, in
+/// EI/L_gb²:
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forces {
     /// H; negative: it pushes the lying part away.
@@ -16,7 +21,27 @@ pub struct Forces {
     pub vertical: f64,
 }
 
-/// The sheet at an arc length from the touchdown point, lengths in L_gb, with the derivatives of all by H and by V.
+impl Forces {
+    /// A part of the way to others; beyond them, or before these, too.
+    pub fn towards(&self, other: &Self, part: f64) -> Self {
+        let between = |from: f64, to: f64| from + part * (to - from);
+        Self {
+            horizontal: between(self.horizontal, other.horizontal),
+            vertical: between(self.vertical, other.vertical),
+        }
+    }
+}
+
+/// What bends an elastica.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elastica {
+    /// H and V.
+    pub forces: Forces,
+    /// w.
+    pub load: f64,
+}
+
+/// An elastica at an arc length, with the derivatives of all by H and by V.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
     /// s.
@@ -32,7 +57,7 @@ pub struct Place {
 /// Position, inclination and curvature.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// x, along the lying part.
+    /// x, along the horizontal.
     pub x: f64,
     /// z, up.
     pub z: f64,
@@ -42,7 +67,8 @@ pub struct State {
     pub curvature: f64,
 }
 
-/// The sheet between two arc lengths: θ as a power series, from which all else follows.
+/// An elastica between two arc lengths: θ as a power series, from which all else follows.
+#[derive(Debug)]
 pub struct Piece {
     start: Place,
     /// θ, sin θ and cos θ.
@@ -56,12 +82,13 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The series of θ'' = H sin θ − (V + s/2) cos θ at a place:
+    /// The series at a place:
     ///
-    /// > (k + 2)(k + 1) θ_{k+2} = H (sin θ)_k − (V + s₀/2) (cos θ)_k − (cos θ)_{k−1}/2
+    /// > (k + 2)(k + 1) θ_{k+2} = H (sin θ)_k − (V + w s₀) (cos θ)_k − w (cos θ)_{k−1}
     /// > k (sin θ)_k = Σ_j j θ_j (cos θ)_{k−j},  k (cos θ)_k = −Σ_j j θ_j (sin θ)_{k−j}
-    pub fn new(start: Place, forces: Forces) -> Self {
-        let load = forces.vertical + 0.5 * start.arc_length;
+    pub fn new(start: Place, elastica: Elastica) -> Self {
+        let forces = elastica.forces;
+        let vertical = elastica.vertical_at(start.arc_length);
         let mut angle = [0.0; TERMS + 2];
         let [mut sine, mut cosine] = [[0.0; TERMS + 2]; 2];
         let mut tangents = [[[0.0; TERMS + 2]; 3]; 2];
@@ -90,14 +117,20 @@ impl Piece {
                     (sine_by[k], cosine_by[k]) = (product(&cosine), -product(&sine));
                 }
             }
-            let before = |series: &Series| if k > 0 { 0.5 * series[k - 1] } else { 0.0 };
+            let before = |series: &Series| {
+                if k > 0 {
+                    elastica.load * series[k - 1]
+                } else {
+                    0.0
+                }
+            };
             let divisor = ((k + 1) * (k + 2)) as f64;
             angle[k + 2] =
-                (forces.horizontal * sine[k] - load * cosine[k] - before(&cosine)) / divisor;
+                (forces.horizontal * sine[k] - vertical * cosine[k] - before(&cosine)) / divisor;
             let explicit = [sine[k], -cosine[k]];
             for ([angle_by, sine_by, cosine_by], explicit) in tangents.iter_mut().zip(explicit) {
                 let implicit =
-                    forces.horizontal * sine_by[k] - load * cosine_by[k] - before(cosine_by);
+                    forces.horizontal * sine_by[k] - vertical * cosine_by[k] - before(cosine_by);
                 angle_by[k + 2] = (explicit + implicit) / divisor;
             }
         }
@@ -143,46 +176,77 @@ impl Piece {
     }
 }
 
-/// The sheet at arc length `end` ≥ 0 from the touchdown point, where it is flat and has no curvature.
-pub fn place(forces: Forces, end: f64) -> Place {
-    let mut place = Place::default();
-    while place.arc_length < end {
-        let piece = Piece::new(place, forces);
-        place = piece.at(piece.reach.min(end));
+impl Elastica {
+    /// A heavy one, with lengths in L_gb and forces in EI/L_gb², so that its weight per length is 1/2.
+    pub fn heavy(forces: Forces) -> Self {
+        Self { forces, load: 0.5 }
     }
-    place
-}
 
-/// The sheet at `parts` + 1 places that divide its suspended length equally.
-pub fn places(forces: Forces, length: f64, parts: usize) -> Vec<Place> {
-    let mut piece = Piece::new(Place::default(), forces);
-    (0..=parts)
-        .map(|part| {
-            let arc_length = length * part as f64 / parts as f64;
-            while piece.reach < arc_length {
-                piece = Piece::new(piece.at(piece.reach), forces);
-            }
-            piece.at(arc_length)
-        })
-        .collect()
+    /// V + w s.
+    fn vertical_at(&self, arc_length: f64) -> f64 {
+        self.forces.vertical + self.load * arc_length
+    }
+
+    /// Derivatives by the arc length at a place.
+    pub fn slope(&self, place: &Place) -> State {
+        let (sine, cosine) = libm::sincos(place.state.angle);
+        State {
+            x: cosine,
+            z: sine,
+            angle: place.state.curvature,
+            curvature: self.forces.horizontal * sine - self.vertical_at(place.arc_length) * cosine,
+        }
+    }
+
+    /// The place at the arc length `end` ≥ 0 of an elastica that begins at `start`.
+    pub fn place_from(&self, start: Place, end: f64) -> Place {
+        let mut place = start;
+        while place.arc_length < end {
+            let piece = Piece::new(place, *self);
+            place = piece.at(piece.reach.min(end));
+        }
+        place
+    }
+
+    /// The same of one that begins flat and without curvature.
+    pub fn place(&self, end: f64) -> Place {
+        self.place_from(Place::default(), end)
+    }
+
+    /// The places of such an elastica that divide a length into equal parts.
+    pub fn places(&self, length: f64, parts: usize) -> Vec<Place> {
+        let mut piece = Piece::new(Place::default(), *self);
+        (0..=parts)
+            .map(|part| {
+                let arc_length = length * part as f64 / parts as f64;
+                while piece.reach < arc_length {
+                    piece = Piece::new(piece.at(piece.reach), *self);
+                }
+                piece.at(arc_length)
+            })
+            .collect()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn heavy(horizontal: f64, vertical: f64) -> Elastica {
+        Elastica::heavy(Forces {
+            horizontal,
+            vertical,
+        })
+    }
+
     #[test]
     fn the_series_solve_the_equation() {
-        let forces = Forces {
-            horizontal: -0.5387,
-            vertical: -1.9,
-        };
+        let elastica = heavy(-0.5387, -1.9);
         let h = 1e-4;
         for s in [0.3, 1.7, 4.4] {
-            let [before, here, after] = [s - h, s, s + h].map(|s| place(forces, s).state);
+            let [before, here, after] = [s - h, s, s + h].map(|s| elastica.place(s).state);
             let second = (after.angle - 2.0 * here.angle + before.angle) / (h * h);
-            let load = forces.vertical + 0.5 * s;
-            let expected = forces.horizontal * here.angle.sin() - load * here.angle.cos();
+            let expected = -0.5387 * here.angle.sin() - (-1.9 + 0.5 * s) * here.angle.cos();
             assert!((second - expected).abs() < 1e-6, "{second} {expected}");
             let slope = (after.angle - before.angle) / (2.0 * h);
             assert!((slope - here.curvature).abs() < 1e-7);
@@ -194,15 +258,11 @@ mod tests {
     #[test]
     fn derivatives_agree_with_differences() {
         let [horizontal, vertical] = [0.7, -1.3];
-        let at = |horizontal, vertical| {
-            let forces = Forces {
-                horizontal,
-                vertical,
-            };
-            place(forces, 5.0)
-        };
+        let at = |horizontal, vertical| heavy(horizontal, vertical).place(5.0);
         let h = 1e-6;
         let exact = at(horizontal, vertical);
+        let along = |length| heavy(horizontal, vertical).place(length);
+        let by_length = heavy(horizontal, vertical).slope(&exact);
         let parts = |state: State| [state.x, state.z, state.angle, state.curvature];
         let pairs = [
             (
@@ -215,6 +275,7 @@ mod tests {
                 at(horizontal, vertical - h),
                 exact.by_vertical,
             ),
+            (along(5.0 + h), along(5.0 - h), by_length),
         ];
         for (after, before, by) in pairs {
             for ((after, before), by) in parts(after.state)
@@ -233,12 +294,9 @@ mod tests {
 
     #[test]
     fn places_are_those_found_one_by_one() {
-        let forces = Forces {
-            horizontal: -0.3,
-            vertical: -1.1,
-        };
-        for found in places(forces, 6.0, 17) {
-            let alone = place(forces, found.arc_length).state;
+        let elastica = heavy(-0.3, -1.1);
+        for found in elastica.places(6.0, 17) {
+            let alone = elastica.place(found.arc_length).state;
             assert!((alone.x - found.state.x).abs() < 1e-12);
             assert!((alone.z - found.state.z).abs() < 1e-12);
         }
