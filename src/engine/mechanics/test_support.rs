@@ -297,7 +297,7 @@ pub(crate) fn assert_close_in(case: impl Debug, found: f64, expected: f64, toler
 }
 
 /// The rows of numbers of a table of the reference solutions; `None`, with a note, where it is not here.
-pub fn reference_rows(file: &str) -> Option<Vec<Vec<f64>>> {
+pub(crate) fn reference_rows(file: &str) -> Option<Vec<Vec<f64>>> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/reference/");
     let Ok(text) = std::fs::read_to_string(format!("{folder}{file}")) else {
         println!("skipped: {file} is not here");
