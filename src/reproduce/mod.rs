@@ -5,6 +5,7 @@
 
 mod applications;
 mod artifact;
+mod artifacts;
 mod auto_steps;
 mod bundling;
 mod cases;
@@ -69,7 +70,8 @@ mod tightening;
 mod virtual_laying;
 mod virtual_tying;
 
-pub use artifact::{ARTIFACTS, Artifact};
+pub use artifact::Artifact;
+pub use artifacts::ARTIFACTS;
 pub use redraw::redraw;
 
 use rodlab_files::figure::FigureOptions;

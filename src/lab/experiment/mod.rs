@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `kind` | what makes a kind of experiment |
 //! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
+//! | `places` | numbers of nodes and edges at keys |
 //! | `probes` | what a scenario asks to be measured, in terms of its scene |
 //! | `data_set` | what kinds share that fill a table, such as samples for a network |
 //! | `on_table` | what kinds share in which a gripper handles a rod or a sheet on a table |
@@ -34,6 +35,7 @@ pub mod knot;
 #[cfg(test)]
 mod obstacle_tests;
 mod on_table;
+mod places;
 mod prepare;
 mod probes;
 #[cfg(test)]

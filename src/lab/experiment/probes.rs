@@ -1,6 +1,6 @@
 //! Probes of a scenario: names and places become rods, nodes and edges of the scene.
 
-use super::prepare::find_place;
+use super::places::find_place;
 use crate::run::probes::{
     ContactPartner, Limit, Probe, Probes, Quantity, STOPPED_BY, StopWhen, Summary,
 };

@@ -34,7 +34,6 @@ use settings::{contact_parameters, fluid_model, integration_parameters, resists_
 
 pub use jitter::Jitter;
 pub use obstacle::place_obstacles;
-pub(super) use place::find_place;
 pub use round_rod::round_rod;
 
 /// Builds the mechanics of a scenario.

@@ -3,6 +3,7 @@
 use super::curve::{SampledCurve, sample};
 use super::gripper_motion::gripper_motion;
 use super::round_rod::relaxation;
+use crate::experiment::places::find_place;
 use crate::scenario::{
     Actuation, ActuationKind, Clamp, Course, Hold, Inertia, Issue, KeyPath, Load, LoadFrame,
     LoadKind, Movement, NaturalShape, Place, Plane, Rod, did_you_mean,
@@ -296,29 +297,6 @@ fn find_edge(
 ) -> Result<usize, Issue> {
     let edges = rod.centreline.len() - usize::from(!rod.closed);
     find_place(place, edges, "edge", rod, &path.key("at"))
-}
-
-/// The number of a place that stands at a key, among the `count` nodes or edges of a rod.
-pub(in crate::experiment) fn find_place(
-    place: Place,
-    count: usize,
-    what: &str,
-    rod: &mechanics::RodDescription,
-    key: &KeyPath,
-) -> Result<usize, Issue> {
-    match place {
-        Place::Start => Ok(0),
-        Place::End => Ok(count - 1),
-        Place::Number(number) if number < count => Ok(number),
-        Place::Number(number) => Err(Issue::new(
-            key.clone(),
-            format!(
-                "rod `{}` has no {what} {number}; allowed: 0 to {}, \"start\" or \"end\"",
-                rod.name,
-                count - 1
-            ),
-        )),
-    }
 }
 
 pub(super) fn place_plane(plane: &Plane) -> mechanics::Plane {
