@@ -1,4 +1,4 @@
-//! Tells the program from which commit it was built, so that results say so.
+//! Gives the program its commit, so that results state it, and the files of `scenarios`, its presets.
 //!
 //! Reads the files of a clone's `.git` and asks no program and no network. Where there is none, as in a package, the
 //! commit stays unknown. Only release builds are told: others would be built anew at every commit. Who
@@ -11,6 +11,7 @@ const COMMIT: &str = "RODLAB_COMMIT";
 
 fn main() {
     println!("cargo:rerun-if-changed=scripts/build.rs");
+    list_presets();
     println!("cargo:rerun-if-env-changed={COMMIT}");
     let is_release = std::env::var("PROFILE").is_ok_and(|profile| profile == "release");
     if !is_release || std::env::var_os(COMMIT).is_some() {
@@ -18,6 +19,41 @@ fn main() {
     }
     if let Some(commit) = git_directory().and_then(|git| commit(&git)) {
         println!("cargo:rustc-env={COMMIT}={commit}");
+    }
+}
+
+/// Writes the expression for the slice of all files of `scenarios`: paths below it, sorted, with their contents.
+fn list_presets() {
+    println!("cargo:rerun-if-changed=scenarios");
+    let variable = |name| PathBuf::from(std::env::var_os(name).expect("set by cargo"));
+    let scenarios = variable("CARGO_MANIFEST_DIR").join("scenarios");
+    let mut files = Vec::new();
+    list(&scenarios, &mut files);
+    files.sort();
+    let lines = files.iter().map(|file| {
+        let below = file.strip_prefix(&scenarios).expect("listed there");
+        let parts: Vec<_> = below.iter().map(|part| part.to_string_lossy()).collect();
+        format!(
+            "({:?}, include_bytes!({file:?}) as &[u8]),\n",
+            parts.join("/")
+        )
+    });
+    let expression = format!("&[\n{}]", lines.collect::<String>());
+    fs::write(variable("OUT_DIR").join("presets.rs"), expression).expect("OUT_DIR can be written");
+}
+
+/// Adds the files below a folder but documentation.
+fn list(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder)
+        .expect("a folder of the package")
+        .flatten()
+    {
+        let path = entry.path();
+        if path.is_dir() {
+            list(&path, files);
+        } else if path.extension().is_some_and(|ending| ending != "md") {
+            files.push(path);
+        }
     }
 }
 

@@ -581,3 +581,77 @@ fn an_unclosed_bracket_is_one_fault_on_its_line() {
     assert!(stderr.contains("swing.toml:11:"), "{stderr}");
     assert!(stderr.contains("is not closed"), "{stderr}");
 }
+
+#[test]
+fn presets_stand_for_files_in_an_empty_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = tempfile::tempdir().unwrap();
+    let outcome = |arguments: &[&str]| {
+        let mut command = rodlab(folder.path());
+        command.env("XDG_CACHE_HOME", cache.path());
+        let output = command.args(arguments).output().unwrap();
+        let [stdout, stderr] =
+            [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        (output.status.code().unwrap(), stdout, stderr)
+    };
+    let short = ["--set", "time.end=0.01"];
+    // It extends another preset.
+    let (code, _, stderr) = outcome(&[&["run", "flagella_quick"], &short[..]].concat());
+    assert_eq!((code, stderr.contains("preset")), (0, false), "{stderr}");
+    assert!(
+        folder
+            .path()
+            .join("results/flagella_quick/manifest.json")
+            .is_file()
+    );
+    let (code, _, stderr) = outcome(&[&["run", "scenarios/flagella_m2.toml"], &short[..]].concat());
+    assert_eq!(
+        (code, stderr.contains("the preset `flagella_m2` is taken")),
+        (0, true),
+        "{stderr}"
+    );
+    let (code, stdout, _) = outcome(&["check", "gantry", "net"]);
+    assert_eq!(code, 0, "{stdout}");
+    let (code, _, stderr) = outcome(&["run", "flagela_quick"]);
+    assert_eq!(
+        (code, stderr.contains("did you mean `flagella_quick`")),
+        (2, true),
+        "{stderr}"
+    );
+    let plan = [
+        "plan",
+        "deployment",
+        "--pattern",
+        "U",
+        "--rod",
+        "rope",
+        "--out",
+        "plan",
+    ];
+    let (code, _, stderr) = outcome(&plan);
+    assert_eq!(code, 0, "{stderr}");
+
+    let (code, list, _) = outcome(&["presets", "rod"]);
+    assert_eq!(
+        (code, list.contains("Green VPS"), list.contains("gantry")),
+        (0, true, false)
+    );
+    let (_, shown, _) = outcome(&["presets", "show", "rope"]);
+    let (_, begun, _) = outcome(&["init", "rod", "--like", "rope"]);
+    assert!(shown.contains("title = \"Rope\"") && shown == begun);
+    let refused: [(&[&str], &str); 3] = [
+        (&["presets", "show", "trefoil"], "--kind: scenario, pattern"),
+        (
+            &["init", "scene", "--like", "trefoil"],
+            "rodlab init knot-tightening --like trefoil",
+        ),
+        (
+            &["init", "flagella", "--like", "flagella_m2"],
+            "extends flagella_base.toml",
+        ),
+    ];
+    for (arguments, reason) in refused {
+        let (code, _, stderr) = outcome(arguments);
+        assert_eq!((code, stderr.contains(reason)), (2, true), "{stderr}");
+    }
+}

@@ -3,8 +3,8 @@
 use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, evaluate, explain, explore,
-    fold_arguments, gather, guide, init, measure, place, plan, plot, reproduce, run, score, solve,
-    status, stream, submit, tie, trace, train, verify, view,
+    fold_arguments, gather, guide, init, measure, place, plan, plot, presets, reproduce, run,
+    score, solve, status, stream, submit, tie, trace, train, verify, view,
 };
 use clap::Parser;
 
@@ -41,6 +41,8 @@ pub enum Command {
     Check(check::CheckArguments),
     /// Write a commented scenario template to standard output
     Init(init::InitArguments),
+    /// List the scenarios, rods, papers, cells and patterns that the program carries, or print one
+    Presets(presets::PresetsArguments),
     /// Print the JSON Schema of scenario files, for completion in editors
     Schema,
     /// Explain a key of scenario files, or a file or column of results

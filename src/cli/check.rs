@@ -1,6 +1,7 @@
 //! `rodlab check`.
 
 use super::prelude::*;
+use super::preset_file::scenario_or_cell;
 use super::run::prepare;
 use rodlab_lab::experiment::{DerivedNumbers, case_set, derived_numbers, try_scene};
 use rodlab_lab::run::{Forecast, forecast};
@@ -16,7 +17,7 @@ Examples:
   rodlab check scenarios/cells/*.toml            robot cells: a file with [[arms]] or [[axes]] is one")]
 pub struct CheckArguments {
     /// The scenario files
-    #[arg(required = true)]
+    #[arg(required = true, value_parser = scenario_or_cell())]
     pub scenarios: Vec<PathBuf>,
     /// Set a key of each scenario; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]

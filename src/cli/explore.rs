@@ -36,7 +36,7 @@ figures, plan.csv, cell.html, directions/ (looks.csv and a picture each), motion
 the way; the message and report.md say what; arm and chuck hold.")]
 pub struct ExploreArguments {
     /// The rod: TOML with youngs_modulus, poissons_ratio and density in [material], and radius, length and markers in [rod]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod))]
     rod: PathBuf,
     #[command(flatten)]
     directions: DirectionArguments,
@@ -44,7 +44,8 @@ pub struct ExploreArguments {
     #[arg(
         long,
         value_name = "FILE",
-        default_value = "scenarios/cells/helix_gantry.toml"
+        default_value = "helix_gantry",
+        value_parser = file_or_preset(PresetKind::Cell)
     )]
     cell: PathBuf,
     /// Name of the arm; not needed where the cell has only one

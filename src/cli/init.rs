@@ -1,30 +1,94 @@
 //! `rodlab init`.
 
 use super::prelude::*;
+use super::presets::found;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rodlab_lab::experiment::{KINDS, Kind, kind_named};
 
 /// Arguments of `rodlab init`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Example:
-  rodlab init scene > my_scene.toml && rodlab run my_scene.toml")]
+Examples:
+  rodlab init scene > my_scene.toml && rodlab run my_scene.toml
+  rodlab init scene --like net > my_net.toml
+  rodlab init rod --like rope > my_rod.toml      `rodlab presets rod` lists the rods")]
 pub struct InitArguments {
-    /// The experiment for which to write a template
-    #[arg(value_parser = kinds())]
-    pub experiment: &'static dyn Kind,
+    /// The experiment for which to write a template, or what else to describe in a file
+    #[arg(value_name = "KIND", value_parser = beginnings())]
+    beginning: Beginning,
+    /// Write the preset of this name instead [default of cells, rods and papers: the first one that the guide uses]
+    #[arg(long, value_name = "NAME")]
+    like: Option<String>,
 }
 
-/// Reads the name of a kind of experiment.
-fn kinds() -> impl TypedValueParser<Value = &'static dyn Kind> {
-    let values = KINDS
+/// What a file may begin as.
+#[derive(Clone, Copy, Debug)]
+enum Beginning {
+    Experiment(&'static dyn Kind),
+    /// A preset of a kind, with the name of the one that is taken where none is named.
+    Preset(PresetKind, &'static str),
+}
+
+/// Files that are no scenarios, with what they describe.
+const OTHERS: [(PresetKind, &str, &str); 3] = [
+    (
+        PresetKind::Cell,
+        "gantry",
+        "a robot cell: arms, axes, table, camera",
+    ),
+    (
+        PresetKind::Rod,
+        "green_vps",
+        "a rod to lay: stiffness, radius, length",
+    ),
+    (PresetKind::Paper, "a4", "a paper to fold"),
+];
+
+/// Reads the name of a kind of experiment, or of a kind of presets.
+fn beginnings() -> impl TypedValueParser<Value = Beginning> {
+    let experiments = KINDS
         .iter()
         .map(|kind| PossibleValue::new(kind.name()).help(kind.summary().trim_end_matches('.')));
-    PossibleValuesParser::new(values)
-        .map(|name| kind_named(&name).expect("only names of kinds are taken"))
+    let others = OTHERS.map(|(kind, _, what)| PossibleValue::new(kind.name()).help(what));
+    PossibleValuesParser::new(experiments.chain(others)).map(|name| {
+        let other = OTHERS.iter().find(|(kind, ..)| kind.name() == name);
+        match other {
+            Some((kind, usual, _)) => Beginning::Preset(*kind, usual),
+            None => {
+                Beginning::Experiment(kind_named(&name).expect("only names of kinds are taken"))
+            }
+        }
+    })
 }
 
-/// Writes a template.
+/// Writes a template or a preset.
 pub fn init(arguments: &InitArguments) -> Result<(), Failure> {
-    print(arguments.experiment.template())
+    let like = arguments.like.as_deref();
+    match (arguments.beginning, like) {
+        (Beginning::Experiment(kind), None) => print(kind.template()),
+        (Beginning::Experiment(kind), Some(name)) => {
+            let text = found(name, Some(PresetKind::Scenario))?.text;
+            let states = |key: &str| {
+                let value =
+                    |line: &'static str| line.strip_prefix(key)?.trim_start().strip_prefix('=');
+                text.lines()
+                    .find_map(value)
+                    .map(|value| value.trim().trim_matches('"'))
+            };
+            match (states("extends"), states("experiment")) {
+                (Some(base), _) => Err(Failure::Input(format!(
+                    "`{name}` is not a whole scenario: it extends {base}; `rodlab presets show` prints each"
+                ))),
+                (None, Some(experiment)) if experiment != kind.name() => {
+                    Err(Failure::Input(format!(
+                        "`{name}` is of the experiment `{experiment}`: rodlab init {experiment} --like {name}"
+                    )))
+                }
+                _ => print(text),
+            }
+        }
+        (Beginning::Preset(kind, usual), _) => {
+            print(found(like.unwrap_or(usual), Some(kind))?.text)
+        }
+    }
 }

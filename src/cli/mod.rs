@@ -59,6 +59,8 @@ mod plan_fold;
 mod plan_grippers;
 mod plot;
 mod prelude;
+mod preset_file;
+mod presets;
 mod reproduce;
 mod run;
 mod samples;
@@ -109,6 +111,7 @@ pub fn main() -> process::ExitCode {
 
 fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
     logging::start(&arguments.common);
+    preset_file::log_substitutes();
     arguments.common.start_threads()?;
     // A thread of the pool shares work out without waking another one first and waiting for it.
     rayon::scope(|_| run_command(arguments))
@@ -122,6 +125,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Evaluate(command) => evaluate::evaluate(command),
         Command::Check(command) => check::check(command, &arguments.common),
         Command::Init(command) => init::init(command),
+        Command::Presets(command) => presets::presets(command),
         Command::Schema => schema::schema(),
         Command::Explain(command) => explain::explain(command),
         Command::Guide(command) => guide::guide(command, &arguments.common),

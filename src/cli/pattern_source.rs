@@ -3,6 +3,7 @@
 use super::drawn_pattern::drawn_points;
 use super::picture_source::has_ending;
 use super::prelude::*;
+use super::preset_file::pattern_or_preset;
 use rodlab_lab::scenario::metres;
 use rodlab_planning::plan::pattern::{Circle, Drawing, Line, PatternSource, Point, Sine};
 use rodlab_vision::{Camera, ColourRule, Metric, TraceOptions, pattern, read_picture, trace};
@@ -15,7 +16,7 @@ const POINT_STEP: f64 = 1e-3;
 pub struct PatternArguments {
     /// The pattern: an SVG file; a CSV file with columns x_m and y_m; a photographed drawing (PNG or JPEG, with --size or
     /// --drawing-camera); or line:LENGTH, circle:RADIUS, sine:AMPLITUDE,WAVELENGTH,WAVES
-    #[arg(long, value_name = "PATTERN")]
+    #[arg(long, value_name = "PATTERN", value_parser = pattern_or_preset)]
     pattern: String,
     /// Length of the longer side of a drawn pattern [default: as drawn]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]

@@ -20,6 +20,7 @@ side on which the pattern does and does not lie on them. Everything is in one di
 the cable between its pegs. `rodlab cell serve --scene SCENARIO` is a cell to try it with.")]
 pub struct PlaceArguments {
     /// The scenario
+    #[arg(value_parser = file_or_preset(PresetKind::Scenario))]
     scenario: PathBuf,
     /// Set a key of the scenario, such as deployment.scheme=intuitive; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]

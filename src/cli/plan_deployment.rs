@@ -51,7 +51,7 @@ pub struct DeploymentPlan {
     #[command(flatten)]
     source: PatternArguments,
     /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod))]
     rod: PathBuf,
     /// How the gripper leads the rod
     #[arg(long, default_value = "optimal", value_parser = named(&SCHEMES))]

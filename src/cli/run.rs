@@ -31,6 +31,7 @@ A run that is interrupted continues when the same command is given again; a fini
 The same holds for each case of a sweep. Several processes may work on one results directory and share its cases.")]
 pub struct RunArguments {
     /// The scenario file
+    #[arg(value_parser = file_or_preset(PresetKind::Scenario))]
     pub scenario: PathBuf,
     /// Set a key of the scenario, such as rods.beam.radius=\"7 mm\"; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]

@@ -26,6 +26,7 @@ puts itself into the queue again. The same command submits what is neither finis
 after `scancel`. `rodlab status DIR` shows the progress, `rodlab gather DIR` makes the tables of the whole sweep.")]
 pub struct SubmitArguments {
     /// The scenario file, with what is varied
+    #[arg(value_parser = file_or_preset(PresetKind::Scenario))]
     pub scenario: PathBuf,
     /// Set a key of the scenario; may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]

@@ -1,0 +1,114 @@
+//! Arguments that are files or names of presets.
+
+use crate::presets::{Preset, PresetKind};
+use clap::builder::{PathBufValueParser, TypedValueParser};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+/// Presets that were taken for paths without a file, to be logged once there is a log.
+static SUBSTITUTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// Reads a path, or the name of a preset of a kind. A file that exists is taken before a preset of that name.
+pub fn file_or_preset(kind: PresetKind) -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(move |path| resolve(kind, path))
+}
+
+/// [`file_or_preset`] of a scenario or a cell.
+pub fn scenario_or_cell() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path: PathBuf| {
+        let kind = match Preset::in_place_of(PresetKind::Cell, &path) {
+            Some(_) => PresetKind::Cell,
+            None => PresetKind::Scenario,
+        };
+        resolve(kind, path)
+    })
+}
+
+/// [`file_or_preset`] of a pattern, which may be a formula, too.
+pub fn pattern_or_preset(text: &str) -> Result<String, Box<dyn Error + Send + Sync>> {
+    let file = resolve(PresetKind::Pattern, PathBuf::from(text))?;
+    Ok(file.to_string_lossy().into_owned())
+}
+
+/// Logs which presets were taken for paths without a file.
+pub fn log_substitutes() {
+    let mut lines = SUBSTITUTES
+        .lock()
+        .unwrap_or_else(|poisoned| poisoned.into_inner());
+    for line in lines.drain(..) {
+        tracing::warn!("{line}");
+    }
+}
+
+fn resolve(kind: PresetKind, path: PathBuf) -> Result<PathBuf, Box<dyn Error + Send + Sync>> {
+    if path.exists() {
+        return Ok(path);
+    }
+    let Some(preset) = Preset::in_place_of(kind, &path) else {
+        return match nearest(kind, &path) {
+            Some(name) => Err(format!(
+                "there is no such file, and no {kind} among the presets is called so; did you mean `{name}`? \
+                 `rodlab presets {kind}` lists them"
+            )
+            .into()),
+            None => Ok(path),
+        };
+    };
+    let file = preset.file()?;
+    if path.as_os_str() != preset.name {
+        let line = format!(
+            "{} is not there: the preset `{}` is taken",
+            path.display(),
+            preset.name
+        );
+        SUBSTITUTES
+            .lock()
+            .unwrap_or_else(|poisoned| poisoned.into_inner())
+            .push(line);
+    }
+    Ok(file)
+}
+
+/// The name of a preset that a bare name is nearly.
+fn nearest(kind: PresetKind, path: &Path) -> Option<&'static str> {
+    let typed = path
+        .to_str()
+        .filter(|text| !text.contains(['/', '\\', '.', ':']))?;
+    let names = Preset::all().filter(|preset| preset.kind == kind);
+    names
+        .map(|preset| (strsim::jaro_winkler(typed, preset.name), preset.name))
+        .filter(|(similarity, _)| *similarity > 0.85)
+        .max_by(|one, other| one.0.total_cmp(&other.0))
+        .map(|(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_goes_before_a_preset() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("rope.toml");
+        std::fs::write(&file, "").unwrap();
+        assert_eq!(resolve(PresetKind::Rod, file.clone()).unwrap(), file);
+    }
+
+    #[test]
+    fn a_name_that_is_nearly_one_of_a_preset_is_refused_with_it() {
+        let error = resolve(PresetKind::Rod, "gren_vps".into())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("`green_vps`") && error.contains("presets rod"),
+            "{error}"
+        );
+        for path in ["no_such_thing", "elsewhere/gren_vps", "line:0.3", "-"] {
+            assert_eq!(
+                resolve(PresetKind::Rod, path.into()).unwrap(),
+                Path::new(path)
+            );
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! `rodlab presets`.
+
+use super::prelude::*;
+use crate::presets::{Preset, PresetKind};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+/// Arguments of `rodlab presets`.
+#[derive(Debug, Args)]
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "\
+Examples:
+  rodlab presets                          all presets, a line each
+  rodlab presets rod                      the rods
+  rodlab presets show green_vps > my_rod.toml
+  rodlab run flagella_quick               a preset by its name
+
+Wherever a file of one of these kinds is expected, the name of a preset stands for it. A file of that name is taken before it."
+)]
+pub struct PresetsArguments {
+    #[command(subcommand)]
+    action: Option<PresetsAction>,
+    /// List only presets of this kind
+    #[arg(value_parser = kinds())]
+    kind: Option<PresetKind>,
+    /// Print the list as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum PresetsAction {
+    /// Print a preset
+    Show {
+        /// Its name
+        name: String,
+        /// Its kind, where presets of several kinds have that name
+        #[arg(long, value_parser = kinds())]
+        kind: Option<PresetKind>,
+    },
+}
+
+/// Reads a kind of presets.
+pub fn kinds() -> impl TypedValueParser<Value = PresetKind> {
+    let names = PresetKind::ALL.map(|kind| PossibleValue::new(kind.name()));
+    PossibleValuesParser::new(names).map(|name| {
+        let kind = PresetKind::ALL.into_iter().find(|kind| kind.name() == name);
+        kind.expect("only names of kinds are taken")
+    })
+}
+
+#[derive(Serialize)]
+struct Row {
+    kind: &'static str,
+    name: &'static str,
+    title: &'static str,
+}
+
+/// Lists presets, or prints one.
+pub fn presets(arguments: &PresetsArguments) -> Result<(), Failure> {
+    if let Some(PresetsAction::Show { name, kind }) = &arguments.action {
+        return print(found(name, *kind)?.text);
+    }
+    let wanted = |preset: &Preset| arguments.kind.is_none_or(|kind| preset.kind == kind);
+    let presets: Vec<_> = Preset::all().filter(wanted).collect();
+    if arguments.json {
+        let rows = presets.iter().map(|preset| Row {
+            kind: preset.kind.name(),
+            name: preset.name,
+            title: preset.title(),
+        });
+        return print_json(&rows.collect::<Vec<_>>());
+    }
+    let width = presets
+        .iter()
+        .map(|preset| preset.name.len())
+        .max()
+        .unwrap_or(0);
+    let lines = presets.iter().map(|preset| {
+        let kind = preset.kind.name();
+        format!("{kind:<8}  {:<width$}  {}\n", preset.name, preset.title())
+    });
+    print(&lines.collect::<String>())
+}
+
+/// The preset with a name, of a kind where that is given.
+pub fn found(name: &str, kind: Option<PresetKind>) -> Result<Preset, Failure> {
+    let is_meant =
+        |preset: &Preset| preset.name == name && kind.is_none_or(|kind| kind == preset.kind);
+    let all: Vec<_> = Preset::all().filter(is_meant).collect();
+    match all[..] {
+        [preset] => Ok(preset),
+        [] => Err(Failure::Input(format!(
+            "no preset is called `{name}`; `rodlab presets` lists them"
+        ))),
+        _ => {
+            let kinds: Vec<_> = all.iter().map(|preset| preset.kind.name()).collect();
+            Err(Failure::Input(format!(
+                "several presets are called `{name}`; choose one by --kind: {}",
+                kinds.join(", ")
+            )))
+        }
+    }
+}
