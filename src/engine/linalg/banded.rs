@@ -113,7 +113,7 @@ impl BandedFactor {
     /// Factors `matrix` and reports the signs of the pivots.
     ///
     /// # Errors
-    /// A pivot that is zero or not finite. Small pivots are not errors: `Inertia` tells their size.
+    /// A pivot that is zero or not finite. Small pivots are not errors: `Inertia` holds their size.
     pub fn factor(&mut self, matrix: &BandedSymmetric) -> Result<Inertia, SingularMatrix> {
         assert_eq!(matrix.dimension(), self.dimension);
         self.columns[..self.dimension].copy_from_slice(&matrix.columns);

@@ -63,7 +63,7 @@ fn small_model(hidden: &[usize]) -> Model {
     trained(&plan).model(&[]).unwrap()
 }
 
-/// A training that goes on where another one stopped.
+/// A training that continues where another one stopped.
 fn resumed(plan: &Plan, stopped: &Trainer) -> Trainer {
     let mut trainer = trainer(plan);
     let model = stopped.model(&[]).unwrap();

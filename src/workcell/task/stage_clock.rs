@@ -1,4 +1,4 @@
-//! The stages of a task under way: how long each took, and whether somebody asks for the end.
+//! The stages of a task under way: how long each took, and whether an interruption was requested.
 
 use super::error::{TaskError, TaskStage, WorkError};
 use std::time::Instant;
@@ -7,7 +7,7 @@ use std::time::Instant;
 pub struct StageClock<'a, S> {
     /// Stages that were done, with the time that each took, s.
     pub times: Vec<(S, f64)>,
-    /// Whether somebody asks for the end.
+    /// Whether an interruption was requested.
     pub is_interrupted: &'a dyn Fn() -> bool,
     begin: Instant,
 }
@@ -51,10 +51,10 @@ impl<'a, S: TaskStage> StageClock<'a, S> {
         Ok(())
     }
 
-    /// The same, and whether somebody asks for the end then.
+    /// The same, and whether an interruption was requested by then.
     ///
     /// # Errors
-    /// It was not done, or somebody asks for the end.
+    /// It was not done, or an interruption was requested.
     pub fn finish(&mut self, stage: S, work: Result<(), WorkError>) -> Result<(), TaskError<S>> {
         self.done(stage, work)?;
         self.check(stage)

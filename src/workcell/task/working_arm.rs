@@ -24,7 +24,7 @@ pub struct WorkingArm<'a> {
     pub directory: &'a Path,
     /// What says from its first motion on that the task was begun, if it is to be said.
     pub unfinished: Option<&'a Unfinished>,
-    /// Whether somebody asks for the end.
+    /// Whether an interruption was requested.
     pub is_interrupted: &'a dyn Fn() -> bool,
 }
 

@@ -137,7 +137,7 @@ impl VirtualCell {
         self.cell.sheet()
     }
 
-    /// Serves until somebody asks for the end.
+    /// Serves until an interruption is requested.
     ///
     /// # Errors
     /// What is on the table cannot be simulated any further.

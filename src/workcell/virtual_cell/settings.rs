@@ -26,7 +26,7 @@ pub struct Settings {
     pub sheet: Option<SimulatedSheet>,
     /// Rods between the chuck and a hand.
     pub chucked: Option<ChuckedSupply>,
-    /// How the hands tremble, which nobody is told.
+    /// How the hands tremble; clients are not informed of it.
     pub jitter: Option<Jitter>,
     /// What goes wrong.
     pub faults: Vec<Fault>,

@@ -125,7 +125,7 @@ impl TieTask<'_> {
         self.write("picture.png", &encode_picture(&picture))?;
         clock.finish(TieStage::Look, Ok(()))?;
         let score = self.score(&picture)?;
-        // It is done, whether somebody asks for the end now or not.
+        // It is done, whether an interruption is requested now or not.
         clock.note(TieStage::Score);
         Ok(score)
     }
