@@ -77,7 +77,7 @@ pub struct Piece {
     cosine: Series,
     /// Derivatives of θ, sin θ and cos θ by H and by V.
     tangents: [[Series; 3]; 2],
-    /// Arc length up to which the series is as good as [`ACCURACY`].
+    /// Arc length up to which the series is as good as `ACCURACY`.
     pub reach: f64,
 }
 
