@@ -235,7 +235,7 @@ fn what_cannot_be_planned_is_refused_and_leaves_nothing_behind() {
             vec!["--pattern", "line:0.1", "--size", "1", "--rod", GREEN],
             "--size",
         ),
-        (vec!["--pattern", "A", "--rod", GREEN], ".svg file"),
+        (vec!["--pattern", "B", "--rod", GREEN], ".svg file"),
         (
             vec!["--pattern", "missing.svg", "--rod", GREEN],
             "missing.svg",

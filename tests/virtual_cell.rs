@@ -732,3 +732,29 @@ fn a_dry_run_shows_the_plan_and_moves_nothing() {
     let far = deploy(&["--pattern", "line:0.2", "--out", "far", "--place", "3,0,0"]);
     assert_eq!(far.status.code(), Some(3), "{}", said(&far));
 }
+
+#[test]
+fn without_a_cell_file_the_rod_is_laid_in_a_cell_of_the_process() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("rod.toml"), ROD).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .args(["deploy", "--pattern", "line:0.15", "--rod", "rod.toml"])
+        .args(["--out", "laid"])
+        .env("XDG_CACHE_HOME", folder.path())
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(
+        said(&output).contains("virtual cell `gantry`"),
+        "{}",
+        said(&output)
+    );
+    let record: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(record["status"], "finished");
+    let mean = record["score"]["by_arc_length"]["mean_m"].as_f64().unwrap();
+    assert!(mean < 2e-3, "{mean}");
+    for name in ["picture.png", "score.svg", "report.md", "cell.html"] {
+        assert!(folder.path().join("laid").join(name).is_file(), "{name}");
+    }
+}

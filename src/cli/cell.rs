@@ -16,7 +16,7 @@ use rodlab_workcell::virtual_cell::{
 use std::net::{SocketAddr, ToSocketAddrs};
 
 /// Friction of the table where nobody says another.
-const FRICTION: f64 = 0.4;
+pub(super) const FRICTION: f64 = 0.4;
 /// Period of the fastest trembling, s.
 const JITTER_PERIOD: f64 = 1.0;
 

@@ -1,5 +1,6 @@
 //! `rodlab deploy`.
 
+use super::cell::FRICTION;
 use super::laying::{Laying, LayingArguments};
 use super::plan_deployment::DeploymentPlan;
 use super::prelude::*;
@@ -7,15 +8,16 @@ use super::run::simulate;
 use rodlab_lab::experiment::case_set;
 use rodlab_lab::run::RunOptions;
 use rodlab_planning::plan::deployment::Spare;
+use rodlab_workcell::virtual_cell::RodSupply;
 
 /// Arguments of `rodlab deploy`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  rodlab deploy --pattern scenarios/patterns/U.svg --rod scenarios/rods/green_vps.toml --dry-run
-  rodlab deploy --pattern scenarios/patterns/U.svg --rod scenarios/rods/green_vps.toml
-  rodlab deploy --pattern letter.csv --rod scenarios/rods/pink_vps.toml --cell cell.toml --colour red --hand-speed 0.02
-  rodlab deploy --pattern circle:0.08 --rod scenarios/rods/green_vps.toml --simulate
+  rodlab deploy --pattern A.svg                                 a drawing, or a preset; in a virtual cell
+  rodlab deploy --pattern U --rod green_vps --cell gantry --dry-run
+  rodlab deploy --pattern letter.csv --rod pink_vps --cell cell.toml --colour red --hand-speed 0.02
+  rodlab deploy --pattern circle:0.08 --rod green_vps --simulate
 
 The gripper's path is planned as by `rodlab plan deployment`, that of the joints as by `rodlab plan joints`. The arm goes
 straight to the first point, its gripper takes the rod, lays it and lets it go; the camera of the cell file looks, and what it
@@ -58,6 +60,7 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
         outline: &plan.outline()?,
         fixtures: None,
         is_corrected: arguments.correct,
+        supply: &|_| Ok(RodSupply::new(plan.rod_file()?, FRICTION)?),
     };
     laying.lay(&what, |spare, directory| {
         let plan = plan.write(directory, spare)?;

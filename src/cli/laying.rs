@@ -3,23 +3,33 @@
 use super::cell_task::{CellTask, refuse_unfinished};
 use super::log_directory::log_directory;
 use super::prelude::*;
+use super::preset_file::preset_file;
 use super::solve_arm::read_arm;
-use super::task_arguments::{TaskArguments, TaskArm};
+use super::task_arguments::{GANTRY, TaskArguments};
 use rodlab_lab::experiment::Fixtures;
 use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, Spare};
+use rodlab_robot::Pose;
 use rodlab_vision::{ColourRule, Point};
+use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
     Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, TaskHead,
 };
+use rodlab_workcell::virtual_cell::{RodSupply, Settings, with_cell};
 
 /// Frames of the page of the arm in motion.
 const FRAMES: usize = 400;
+/// How many times as fast as real time a virtual cell is that nothing else follows: as fast as it can be simulated.
+const FULL_SPEED: f64 = 100.0;
 
 /// Cell, arm, and how it moves.
 #[derive(Debug, Args)]
 pub struct LayingArguments {
-    #[command(flatten)]
-    arm: TaskArm,
+    /// The cell file [default: the preset cell `gantry`, simulated in this process at full speed]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell))]
+    cell: Option<PathBuf>,
+    /// Name of the arm; not needed where the cell has only one
+    #[arg(long, value_name = "NAME")]
+    arm: Option<String>,
     #[command(flatten)]
     task: TaskArguments,
 }
@@ -36,6 +46,8 @@ pub struct Laying<'a> {
     pub fixtures: Option<&'a Fixtures>,
     /// Whether its path is planned anew from where it is seen to lie.
     pub is_corrected: bool,
+    /// The rod for the gripper of a virtual cell, with the pose of the pattern in the cell.
+    pub supply: &'a dyn Fn(Pose) -> Result<RodSupply, Failure>,
 }
 
 impl LayingArguments {
@@ -51,12 +63,19 @@ impl LayingArguments {
         plan: impl Fn(&Spare<'_>, &Path) -> Result<(DeployedRod, LaidPath), Failure>,
     ) -> Result<(), Failure> {
         let colour = ColourRule::parse(&self.task.colour)?;
-        let (cell, arm) = read_arm(&self.arm.cell, self.arm.name.as_deref())?;
-        if !(self.task.dry_run || self.task.checked) {
+        let file = self.cell.clone();
+        let file = file.map_or_else(|| preset_file(PresetKind::Cell, GANTRY), Ok)?;
+        let is_virtual = self.cell.is_none() && !self.task.dry_run;
+        let (cell, arm) = read_arm(&file, self.arm.as_deref())?;
+        if is_virtual {
+            tracing::warn!("no --cell: the virtual cell `{GANTRY}` is simulated at full speed");
+        } else if !(self.task.dry_run || self.task.checked) {
             refuse_unfinished(&cell, arm)?;
         }
         let out = self.task.out.as_deref();
-        let task = CellTask::new(laying.task, out, &cell, &[arm])?;
+        // A virtual cell is new each time: nothing in it can be unfinished.
+        let marked: &[usize] = if is_virtual { &[] } else { &[arm] };
+        let task = CellTask::new(laying.task, out, &cell, marked)?;
         let motion = MotionRequest {
             cell: &cell,
             arm,
@@ -80,26 +99,41 @@ impl LayingArguments {
         let correction = laying
             .is_corrected
             .then(|| Correction::usual(rod.gravito_bending_length, self.task.hand_speed));
-        let deploying = DeployTask {
-            cell: &cell,
-            arm,
-            motion: &motion,
-            approach_speed: self.task.approach_speed,
-            pattern: laying.outline,
-            path: &path,
-            rod: &rod,
-            colour: &colour,
-            laying: correction.as_ref().map(|way| way as &dyn LayingMethod),
-            fixtures: laying.fixtures,
-            unfinished: task.unfinished.first(),
-            directory: &task.directory,
+        let deploy = |cell: &Cell| {
+            let deploying = DeployTask {
+                cell,
+                arm,
+                motion: &motion,
+                approach_speed: self.task.approach_speed,
+                pattern: laying.outline,
+                path: &path,
+                rod: &rod,
+                colour: &colour,
+                laying: correction.as_ref().map(|way| way as &dyn LayingMethod),
+                fixtures: laying.fixtures,
+                unfinished: task.unfinished.first(),
+                directory: &task.directory,
+            };
+            task.carry_out(record, self.task.dry_run, |record, is_interrupted| {
+                let end = deploying.run(is_interrupted);
+                record.times_s = end.times;
+                record.head.stopped = end.stopped;
+                record.seen_length = end.seen_length;
+                end.laid.map(|laid| record.take(&laid))
+            })
         };
-        task.carry_out(record, self.task.dry_run, |record, is_interrupted| {
-            let end = deploying.run(is_interrupted);
-            record.times_s = end.times;
-            record.head.stopped = end.stopped;
-            record.seen_length = end.seen_length;
-            end.laid.map(|laid| record.take(&laid))
-        })
+        if !is_virtual {
+            return deploy(&cell);
+        }
+        let begin = path.points[0].position;
+        let begin = motion.frame * nalgebra::Point3::new(begin.x, begin.y, 0.0);
+        let supply = (laying.supply)(motion.frame)?;
+        let settings = Settings {
+            // A person lays the free end where the rod is to begin.
+            supply: Some(supply.with_free_end([begin.x, begin.y])),
+            ..Settings::empty(FULL_SPEED)
+        };
+        let (done, _) = with_cell(&cell, settings, deploy)?;
+        done
     }
 }

@@ -19,6 +19,7 @@ mod calibrate;
 mod cell;
 mod cell_task;
 mod check;
+mod chosen_rod;
 mod common;
 mod completions;
 mod crash;

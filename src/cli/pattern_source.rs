@@ -3,7 +3,7 @@
 use super::drawn_pattern::drawn_points;
 use super::picture_source::has_ending;
 use super::prelude::*;
-use super::preset_file::pattern_or_preset;
+use super::preset_file::{GivenPattern, pattern_or_preset};
 use rodlab_lab::scenario::metres;
 use rodlab_planning::plan::pattern::{Circle, Drawing, Line, PatternSource, Point, Sine};
 use rodlab_vision::{Camera, ColourRule, Metric, TraceOptions, pattern, read_picture, trace};
@@ -17,7 +17,7 @@ pub struct PatternArguments {
     /// The pattern: an SVG file; a CSV file with columns x_m and y_m; a photographed drawing (PNG or JPEG, with --size or
     /// --drawing-camera); or line:LENGTH, circle:RADIUS, sine:AMPLITUDE,WAVELENGTH,WAVES
     #[arg(long, value_name = "PATTERN", value_parser = pattern_or_preset)]
-    pattern: String,
+    pattern: GivenPattern,
     /// Length of the longer side of a drawn pattern [default: as drawn]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     size: Option<f64>,
@@ -45,7 +45,7 @@ pub struct PatternArguments {
 impl PatternArguments {
     /// The pattern as it was given.
     pub fn name(&self) -> &str {
-        &self.pattern
+        &self.pattern.name
     }
 
     /// A second pattern, in a file, drawn at the scale of this one; the same file where none is named.
@@ -59,7 +59,7 @@ impl PatternArguments {
                 "--size and --reverse are for one rod: two patterns lie as they were drawn".into(),
             ));
         }
-        let file = file.unwrap_or(Path::new(&self.pattern));
+        let file = file.unwrap_or(Path::new(&self.pattern.source));
         let points = drawn_points(file, stroke)?.ok_or_else(|| {
             Failure::Input(format!(
                 "the pattern of a second rod is an .svg file or a .csv file, and {} is none",
@@ -71,7 +71,7 @@ impl PatternArguments {
             reverse: false,
         };
         Ok(PatternSource::Drawn {
-            points: whole.of(points).at(&self.pattern)?,
+            points: whole.of(points).at(&self.pattern.name)?,
             deviation: self.deviation,
         })
     }
@@ -93,7 +93,7 @@ impl PatternArguments {
         match given.iter().find(|(_, given)| *given) {
             Some((flag, _)) => Err(Failure::Input(format!(
                 "{flag} is for drawn patterns; {} has its size and direction",
-                self.pattern
+                self.pattern.name
             ))),
             None => Ok(formula),
         }
@@ -101,12 +101,13 @@ impl PatternArguments {
 
     /// `line:…`, `circle:…` or `sine:…`.
     fn analytic(&self) -> Result<Option<PatternSource>, Failure> {
-        let Some((kind, text)) = self.pattern.split_once(':') else {
+        let Some((kind, text)) = self.pattern.source.split_once(':') else {
             return Ok(None);
         };
         let values: Vec<&str> = text.split(',').collect();
-        let fault = |needed: &str| Failure::Input(format!("--pattern {}: {needed}", self.pattern));
-        let place = format!("--pattern {}", self.pattern);
+        let fault =
+            |needed: &str| Failure::Input(format!("--pattern {}: {needed}", self.pattern.name));
+        let place = format!("--pattern {}", self.pattern.name);
         let length = |text: &str| positive_length(text).at(&place);
         Ok(Some(match (kind, values.as_slice()) {
             ("line", [end]) => PatternSource::Line(Line {
@@ -141,13 +142,13 @@ impl PatternArguments {
 
     /// Points of a file, in its size and direction.
     fn drawn(&self) -> Result<Vec<Point>, Failure> {
-        let path = Path::new(&self.pattern);
+        let path = Path::new(&self.pattern.source);
         let points = if has_ending(path, &["png", "jpg", "jpeg"]) {
             Some(self.photographed(path)?)
         } else if self.drawing_camera.is_some() {
             return Err(Failure::Input(format!(
                 "--drawing-camera is for photographed drawings (PNG or JPEG), and {} is none",
-                self.pattern
+                self.pattern.name
             )));
         } else {
             drawn_points(path, self.stroke)?
@@ -155,19 +156,19 @@ impl PatternArguments {
         let points = points.ok_or_else(|| {
             Failure::Input(format!(
                 "--pattern {}: an .svg file, a .csv file, a photograph (.png, .jpg), line:…, circle:… or sine:… is needed",
-                self.pattern
+                self.pattern.name
             ))
         })?;
         let drawing = Drawing {
             size: self.size,
             reverse: self.reverse,
         };
-        drawing.of(points).at(&self.pattern)
+        drawing.of(points).at(&self.pattern.name)
     }
 
     /// The line of a photographed drawing, m.
     fn photographed(&self, path: &Path) -> Result<Vec<Point>, Failure> {
-        let place = format!("--pattern {}", self.pattern);
+        let place = format!("--pattern {}", self.pattern.name);
         let picture = read_picture(path)?;
         let options = TraceOptions {
             colour: ColourRule::parse(&self.drawing_colour)?,

@@ -4,14 +4,15 @@ use super::laying::{Laying, LayingArguments};
 use super::prelude::*;
 use rodlab_files::results::write_whole;
 use rodlab_lab::experiment::{Placement, PlacementError};
+use rodlab_workcell::virtual_cell::RodSupply;
 
 /// Arguments of `rodlab place`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  rodlab place scenarios/cable_placement_u.toml --dry-run
-  rodlab place scenarios/cable_placement_u.toml
-  rodlab place scenarios/cable_placement_s.toml --set deployment.scheme=intuitive --place 0.1,0,0,90
+  rodlab place cable_placement_u                     in a virtual cell
+  rodlab place cable_placement_u --cell gantry --dry-run
+  rodlab place cable_placement_s --cell cell.toml --set deployment.scheme=intuitive --place 0.1,0,0,90
 
 The scenario is one of the experiment \"deployment\" with [deployment.clips] or [[deployment.pegs]]: its rod is the cable, its
 pattern the way between the pegs, and `rodlab run` simulates the same. Pegs are fixed to the table where --place puts the frame of
@@ -40,6 +41,14 @@ pub fn place(arguments: &PlaceArguments) -> Result<(), Failure> {
         outline: &outline,
         fixtures: Some(&placement.fixtures),
         is_corrected: false,
+        supply: &|frame| {
+            let placement = &placement;
+            Ok(RodSupply::of(
+                &placement.deployment,
+                placement.friction,
+                frame,
+            )?)
+        },
     };
     arguments.laying.lay(&what, |spare, directory| {
         let path = placement.path(spare).at(&placement.title)?;

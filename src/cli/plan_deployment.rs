@@ -1,5 +1,6 @@
 //! `rodlab plan deployment`.
 
+use super::chosen_rod::rod_for;
 use super::pattern_source::PatternArguments;
 use super::prelude::*;
 use rodlab_files::finite::NotFinite;
@@ -15,6 +16,7 @@ use rodlab_planning::plan::request::{DeploymentRequest, LeadLength, RequestError
 use rodlab_planning::plan::tying::Pass;
 use rodlab_workcell::task::{KnotPlan, PlannedRod};
 use std::borrow::Cow;
+use std::sync::OnceLock;
 
 /// Ways of leading the rod.
 const SCHEMES: [Named<Scheme>; 2] = [
@@ -50,9 +52,12 @@ pub struct DeploymentArguments {
 pub struct DeploymentPlan {
     #[command(flatten)]
     source: PatternArguments,
-    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod]
+    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod] [default: of the preset rods the softest that is
+    /// long enough]
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod))]
-    rod: PathBuf,
+    rod: Option<PathBuf>,
+    #[arg(skip)]
+    chosen: OnceLock<PathBuf>,
     /// How the gripper leads the rod
     #[arg(long, default_value = "optimal", value_parser = named(&SCHEMES))]
     scheme: Scheme,
@@ -161,7 +166,7 @@ impl DeploymentPlan {
     /// Plans, and writes trajectory, pattern and figure into a directory. `spare` says what is done with a rod that is longer
     /// than its pattern, unless the arguments do.
     pub fn write(&self, out: &Path, spare: &Spare<'_>) -> Result<WrittenPlan, Failure> {
-        let file = RodFile::read(&self.rod)?;
+        let file = RodFile::read(self.rod_file()?)?;
         let rod = file.rod;
         let source = self.source.source()?;
         let network = self.network()?;
@@ -279,7 +284,10 @@ impl DeploymentPlan {
 
     /// The plan of a knot of this rod and of a second one, by its file, along another pattern.
     pub fn knot_with(&self, second: &Path, source: &PatternSource) -> Result<KnotPlan, Failure> {
-        let rods = [RodFile::read(&self.rod)?.rod, RodFile::read(second)?.rod];
+        let rods = [
+            RodFile::read(self.rod_file()?)?.rod,
+            RodFile::read(second)?.rod,
+        ];
         let first = self.source.source()?;
         let request = self.request();
         let mut planned = Vec::new();
@@ -300,12 +308,22 @@ impl DeploymentPlan {
 
     /// Refuses a knot that cannot be tied so.
     pub fn check_knot(&self) -> Result<(), Failure> {
-        let rod = RodFile::read(&self.rod)?.rod;
+        let rod = RodFile::read(self.rod_file()?)?.rod;
         let (request, source) = (self.request(), self.source.source()?);
         let pattern = request.pattern(&source, &rod).map_err(RequestError::from);
         let passages = pattern.and_then(|pattern| Ok(request.passages(&[(&rod, &pattern)])?));
         passages.map_err(|error| self.refused(error))?;
         Ok(())
+    }
+
+    /// The file of the rod, as given, or of the preset that is chosen for the pattern.
+    pub fn rod_file(&self) -> Result<&Path, Failure> {
+        if let Some(given) = self.rod.as_ref().or(self.chosen.get()) {
+            return Ok(given);
+        }
+        let pattern = self.source.source()?.pattern().at(self.source.name())?;
+        let chosen = rod_for(pattern.length())?;
+        Ok(self.chosen.get_or_init(|| chosen))
     }
 
     /// The pattern without lead-in and lead-out, m.
@@ -365,7 +383,7 @@ impl DeploymentPlan {
                 let names: Vec<&str> = file.friction.keys().map(String::as_str).collect();
                 Failure::Input(format!(
                     "--friction {text}: a number from 0 up is needed, or a name in {}: {}",
-                    self.rod.display(),
+                    self.rod_file().unwrap_or(Path::new("the rod")).display(),
                     if names.is_empty() {
                         "none there".into()
                     } else {

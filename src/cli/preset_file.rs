@@ -1,5 +1,6 @@
 //! Arguments that are files or names of presets.
 
+use super::failure::Failure;
 use crate::presets::{Preset, PresetKind};
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::error::Error;
@@ -25,10 +26,28 @@ pub fn scenario_or_cell() -> impl TypedValueParser<Value = PathBuf> {
     })
 }
 
+/// The file of a preset that the program itself names.
+pub fn preset_file(kind: PresetKind, name: &str) -> Result<PathBuf, Failure> {
+    let preset = Preset::named(kind, name).expect("a preset of the program");
+    preset.file().map_err(Failure::system)
+}
+
+/// A pattern as it was given, and the file that it stands for where it is no formula.
+#[derive(Clone, Debug)]
+pub struct GivenPattern {
+    /// As it was given.
+    pub name: String,
+    /// A file, or a formula.
+    pub source: String,
+}
+
 /// [`file_or_preset`] of a pattern, which may be a formula, too.
-pub fn pattern_or_preset(text: &str) -> Result<String, Box<dyn Error + Send + Sync>> {
+pub fn pattern_or_preset(text: &str) -> Result<GivenPattern, Box<dyn Error + Send + Sync>> {
     let file = resolve(PresetKind::Pattern, PathBuf::from(text))?;
-    Ok(file.to_string_lossy().into_owned())
+    Ok(GivenPattern {
+        name: text.to_owned(),
+        source: file.to_string_lossy().into_owned(),
+    })
 }
 
 /// Logs which presets were taken for paths without a file.

@@ -1,14 +1,13 @@
 //! Helical rods explored by the arm of a virtual cell (thesis 6.3 and 6.4).
 
 use super::cases::{Run, prepared};
-use super::served_cell;
 use rodlab_files::results::ResultsError;
 use rodlab_lab::experiment::ClampedRod;
 use rodlab_lab::run::{PreparedRun, TableJob};
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{Exploration, ExplorationRow, SearchSteps, quarter_sphere};
-use rodlab_workcell::virtual_cell::{ChuckedSupply, Settings};
+use rodlab_workcell::virtual_cell::{self, ChuckedSupply, Settings};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -184,11 +183,11 @@ fn with_cell<T>(
     let chucked = ChuckedSupply::new(&file, &cell).map_err(|error| in_words(&error))?;
     let settings = Settings {
         chucked,
-        ..served_cell::empty(RATE)
+        ..Settings::empty(RATE)
     };
     let directory = folder.path().join("explored");
     std::fs::create_dir_all(&directory).map_err(|error| in_words(&error))?;
-    let done = served_cell::with_cell(&cell, settings, |cell| task(cell, &rod, &directory));
+    let done = virtual_cell::with_cell(&cell, settings, |cell| task(cell, &rod, &directory));
     done.map_err(|error| in_words(&error))?.0
 }
 

@@ -3,14 +3,15 @@
 use super::Result;
 use super::cases::Case;
 use super::folds::{Folded, SCENARIOS};
-use super::served_cell::{empty, with_cell};
 use rodlab_files::results::{ResultsError, SCENARIO, write_whole};
 use rodlab_lab::experiment::{FoldingTables, from_text};
 use rodlab_planning::plan::fold::{Algorithm, Objective};
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{FoldEnd, FoldRequest, FoldTask};
-use rodlab_workcell::virtual_cell::{HeldSheet, RodError, ServeError, Settings, SimulatedSheet};
+use rodlab_workcell::virtual_cell::{
+    HeldSheet, RodError, ServeError, Settings, SimulatedSheet, with_cell,
+};
 use std::fs;
 use std::path::Path;
 
@@ -95,7 +96,7 @@ impl FoldInCell<'_> {
         let sheet = SimulatedSheet::new(&file, FRICTION, self.is_diagonal, None, &table)?;
         let settings = Settings {
             sheet: Some(sheet),
-            ..empty(RATE)
+            ..Settings::empty(RATE)
         };
         let (end, served) = with_cell(cell, settings, |cell| self.fold(cell))?;
         let held = served.sheet().and_then(SimulatedSheet::last_held);

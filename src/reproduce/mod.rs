@@ -54,7 +54,6 @@ mod overhand_law;
 mod page;
 mod prelude;
 mod redraw;
-mod served_cell;
 mod sideways_push;
 mod simplified_inversion;
 mod table;

@@ -4,7 +4,6 @@ use super::Result;
 use super::applications::Application;
 use super::cases::Case;
 use super::laying::{FRICTIONS, Laying, RODS};
-use super::served_cell::{empty, with_cell};
 use rodlab_files::results::{ResultsError, SCENARIO, write_whole};
 use rodlab_lab::experiment::{Deployment, DeploymentTables, Fixtures, Jitter, from_text};
 use rodlab_planning::plan::deployment::{
@@ -18,7 +17,7 @@ use rodlab_workcell::task::{
     Correction, DeployError, DeployMotion, DeployTask, Laid, LayingMethod, MotionRequest,
     middle_of_table,
 };
-use rodlab_workcell::virtual_cell::{RodError, RodSupply, ServeError, Settings};
+use rodlab_workcell::virtual_cell::{RodError, RodSupply, ServeError, Settings, with_cell};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -176,7 +175,7 @@ impl LayingInCell<'_> {
             // As in the laboratory: a person lays the free end where the rod is to begin.
             supply: Some(supply.with_free_end([start.x, start.y])),
             jitter,
-            ..empty(RATE)
+            ..Settings::empty(RATE)
         };
         let (laid, _) = with_cell(cell, settings, |cell| self.lay(cell, &planned))?;
         laid

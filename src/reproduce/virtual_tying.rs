@@ -3,7 +3,6 @@
 use super::Result;
 use super::applications::Application;
 use super::cases::Case;
-use super::served_cell::{empty, with_cell};
 use super::virtual_laying::{MARGIN, RATE, SPEEDS, STEP, cell_beside, deployment_of};
 use rodlab_lab::experiment::{Deployment, Jitter};
 use rodlab_planning::plan::deployment::{LaidPath, Spare};
@@ -13,7 +12,7 @@ use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
     KnotPlan, PlannedRod, TieMotion, TieMotionRequest, TieScore, TieTask, middle_of_table,
 };
-use rodlab_workcell::virtual_cell::{RodError, RodSupply, Settings};
+use rodlab_workcell::virtual_cell::{RodError, RodSupply, Settings, with_cell};
 use std::path::Path;
 
 /// The cell.
@@ -80,7 +79,7 @@ fn tied(
         supply: Some(supply(0)?),
         second_supply: second.transpose()?,
         jitter: Some(jitter),
-        ..empty(RATE)
+        ..Settings::empty(RATE)
     };
     let colour = ColourRule::parse("auto")?;
     let (end, _) = with_cell(cell, settings, |cell| {

@@ -1,7 +1,7 @@
 //! What tests share: cells that come with the program, and rods for them.
 
 use crate::cell::Cell;
-use crate::virtual_cell::{Response, RodSupply, Settings};
+use crate::virtual_cell::{RodSupply, Settings};
 use std::path::{Path, PathBuf};
 
 /// A file of the repository.
@@ -31,16 +31,5 @@ pub fn short_rods() -> RodSupply {
 
 /// Settings of a virtual cell with nothing in it, on a port that is free.
 pub fn settings() -> Settings {
-    Settings {
-        address: ([127, 0, 0, 1], 0).into(),
-        token: None,
-        rate: 1.0,
-        response: Response::default(),
-        supply: None,
-        second_supply: None,
-        sheet: None,
-        chucked: None,
-        jitter: None,
-        faults: Vec::new(),
-    }
+    Settings::empty(1.0)
 }

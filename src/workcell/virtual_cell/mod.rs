@@ -24,12 +24,14 @@
 //! | `pace` | how much of the cell's time a client has seen |
 //! | `connection` | a client, with bounds on all that comes and goes |
 //! | `settings` | what is in it, and how it is served |
+//! | `beside` | a cell served beside what is done in it, in the same process |
 //! | `server` | clients, goals, reports |
 
 mod arm;
 #[cfg(test)]
 mod attack_tests;
 mod axis;
+mod beside;
 mod camera;
 mod chuck;
 mod connection;
@@ -49,6 +51,7 @@ mod subscription;
 mod topics;
 
 pub use arm::Response;
+pub use beside::with_cell;
 pub use chuck::ChuckedSupply;
 pub use fault::{Fault, FaultKind};
 pub use rod::{RodError, RodSupply};

@@ -31,3 +31,24 @@ pub struct Settings {
     /// What goes wrong.
     pub faults: Vec<Fault>,
 }
+
+/// An address of this machine, on a port that is free.
+pub(super) const ANY_PORT: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
+
+impl Settings {
+    /// A cell with nothing in it, on a port that is free, that is so many times as fast as real time if it can.
+    pub fn empty(rate: f64) -> Self {
+        Self {
+            address: ANY_PORT.into(),
+            token: None,
+            rate,
+            response: Response::default(),
+            supply: None,
+            second_supply: None,
+            sheet: None,
+            chucked: None,
+            jitter: None,
+            faults: Vec::new(),
+        }
+    }
+}

@@ -1,34 +1,21 @@
-//! A virtual cell that is served beside what is done in it.
+//! A virtual cell that is served beside what is done in it, in the same process.
 
-use rodlab_workcell::cell::{Cell, Driver};
-use rodlab_workcell::virtual_cell::{Response, ServeError, Settings, VirtualCell};
+use super::server::{ServeError, VirtualCell};
+use super::settings::{ANY_PORT, Settings};
+use crate::cell::{Cell, Driver};
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// An address of this machine, on a port that is free.
-const ANY_PORT: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
 /// Longest silence of a driver: a hard step of what is simulated takes longer than a robot may be silent.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Settings of a cell without anything in it that is so many times as fast as real time, if it can.
-pub(super) fn empty(rate: f64) -> Settings {
-    Settings {
-        address: ANY_PORT.into(),
-        token: None,
-        rate,
-        response: Response::default(),
-        supply: None,
-        second_supply: None,
-        sheet: None,
-        chucked: None,
-        jitter: None,
-        faults: Vec::new(),
-    }
-}
-
-/// Does something with a cell that is served meanwhile, whose drivers and camera find it; what it came to, and the cell as it was left.
-pub(super) fn with_cell<T>(
+/// Does something with a cell that is served meanwhile, whose drivers and camera find it; returns what it came to, and the cell as it was
+/// left.
+///
+/// # Errors
+/// The cell cannot be served, or its simulation failed.
+pub fn with_cell<T>(
     cell: &Cell,
     settings: Settings,
     work: impl FnOnce(&Cell) -> T,
