@@ -14,7 +14,7 @@ const BESIDE_PATTERN: f64 = 4.0;
 /// The presets cannot be unpacked.
 pub fn rod_for(pattern: f64) -> Result<PathBuf, Failure> {
     let mut rods = Vec::new();
-    for preset in Preset::all().filter(|preset| preset.kind == PresetKind::Rod) {
+    for preset in Preset::of_kind(PresetKind::Rod) {
         let file = preset.file().map_err(Failure::system)?;
         // Rods of other tasks have no [deployment.rod].
         if let Ok(read) = RodFile::read(&file) {

@@ -32,12 +32,12 @@ pub fn preset_file(kind: PresetKind, name: &str) -> Result<PathBuf, Failure> {
     preset.file().map_err(Failure::system)
 }
 
-/// A pattern as it was given, and the file that it stands for where it is no formula.
+/// A pattern: a formula, a file, or the name of a preset.
 #[derive(Clone, Debug)]
 pub struct GivenPattern {
-    /// As it was given.
+    /// The argument as given.
     pub name: String,
-    /// A file, or a formula.
+    /// The formula, or the path of the file.
     pub source: String,
 }
 
@@ -94,8 +94,7 @@ fn nearest(kind: PresetKind, path: &Path) -> Option<&'static str> {
     let typed = path
         .to_str()
         .filter(|text| !text.contains(['/', '\\', '.', ':']))?;
-    let names = Preset::all().filter(|preset| preset.kind == kind);
-    names
+    Preset::of_kind(kind)
         .map(|preset| (strsim::jaro_winkler(typed, preset.name), preset.name))
         .filter(|(similarity, _)| *similarity > 0.85)
         .max_by(|one, other| one.0.total_cmp(&other.0))

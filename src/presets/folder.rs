@@ -5,6 +5,7 @@ use std::env;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use tempfile::NamedTempFile;
 use thiserror::Error;
 
@@ -16,13 +17,17 @@ pub struct CannotUnpack {
     error: io::Error,
 }
 
-/// The folder with all files, in the cache of the user.
-pub(super) fn unpacked() -> Result<PathBuf, CannotUnpack> {
+/// The folder with all files, in the cache of the user. They are compared and written once in a process.
+pub(super) fn unpacked() -> Result<&'static Path, CannotUnpack> {
+    static UNPACKED: OnceLock<PathBuf> = OnceLock::new();
+    if let Some(folder) = UNPACKED.get() {
+        return Ok(folder);
+    }
     let folder = cache()
         .join("rodlab")
         .join(concat!("presets-", env!("CARGO_PKG_VERSION")));
     unpack(&folder)?;
-    Ok(folder)
+    Ok(UNPACKED.get_or_init(|| folder))
 }
 
 /// `XDG_CACHE_HOME`, `~/.cache`, or the folder for temporary files.

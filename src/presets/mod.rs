@@ -106,9 +106,14 @@ impl Preset {
         })
     }
 
+    /// The presets of a kind, sorted by name.
+    pub fn of_kind(kind: PresetKind) -> impl Iterator<Item = Self> {
+        Self::all().filter(move |preset| preset.kind == kind)
+    }
+
     /// The preset of a kind with a name.
     pub fn named(kind: PresetKind, name: &str) -> Option<Self> {
-        Self::all().find(|preset| preset.kind == kind && preset.name == name)
+        Self::of_kind(kind).find(|preset| preset.name == name)
     }
 
     /// The preset that a path stands for where there is no such file: `green_vps`, or a path that ends in the name of its file, as
@@ -162,7 +167,7 @@ mod tests {
             .collect();
         assert_eq!(names.len(), all.len());
         for kind in PresetKind::ALL {
-            assert!(all.iter().filter(|preset| preset.kind == kind).count() > 3);
+            assert!(Preset::of_kind(kind).count() > 3);
         }
     }
 
