@@ -66,6 +66,7 @@ impl Served {
                 "wire.toml",
                 "--cell",
                 "client.toml",
+                "--yes",
                 "--out",
                 "out",
             ])
@@ -205,7 +206,7 @@ fn what_an_exploration_cannot_do_is_told_before_anything_moves() {
             .arg(scenarios("rods/nitinol_wire.toml"))
             .arg("--cell")
             .arg(scenarios("cells/helix_gantry.toml"))
-            .args(["--out", "out"])
+            .args(["--out", "out", "--yes"])
             .args(arguments)
             .current_dir(folder.path())
             .output()
@@ -240,7 +241,7 @@ fn what_an_exploration_cannot_do_is_told_before_anything_moves() {
         .arg(scenarios("rods/nitinol_wire.toml"))
         .arg("--cell")
         .arg(gantry)
-        .args(["--section", "2"])
+        .args(["--section", "2", "--yes"])
         .current_dir(folder.path())
         .output()
         .unwrap();
@@ -259,4 +260,21 @@ fn what_an_exploration_cannot_do_is_told_before_anything_moves() {
     // The ends of a ring come to each other before it closes, and with them chuck and hand.
     assert!(reach[0] < theory[0] && plan.contains("too near"), "{plan}");
     assert!(reach[1] > theory[1], "{plan}");
+}
+
+#[test]
+fn without_a_cell_file_a_rod_is_explored_in_a_cell_of_the_process() {
+    let list = "kappa,tau,omega\n1,1,-1\n";
+    let task = [
+        "explore",
+        "--rod",
+        "nitinol_wire",
+        "--directions",
+        "list.csv",
+    ];
+    let more = ["--farthest", "1", "--no-pictures", "--out", "explored"];
+    let task = [&task[..], &more].concat();
+    let (summary, folder) = crate::virtual_cell::alone("list.csv", list, &task);
+    assert_eq!(summary["directions"], 1, "{summary}");
+    assert!(folder.path().join("explored/report.html").is_file());
 }

@@ -70,6 +70,20 @@ fn a_sheet_is_folded_in_half_seen_and_scored() {
 }
 
 #[test]
+fn without_a_cell_file_the_sheet_is_folded_in_a_cell_of_the_process() {
+    let task = ["fold", "--paper", "paper.toml", "--place", "-0.1,0.03,0,10"];
+    let task = [&task[..], &["--out", "folded"]].concat();
+    let (record, folder) = crate::virtual_cell::alone("paper.toml", PAPER, &task);
+    assert_eq!(record["status"], "finished");
+    let place = |index: usize| record["sheet_place"][index].as_f64().unwrap();
+    assert!(
+        (place(0) + 0.1).abs() < 5e-4 && (place(2) - 10.0).abs() < 0.2,
+        "{record}"
+    );
+    assert!(folder.path().join("folded/left.png").is_file());
+}
+
+#[test]
 fn a_sheet_that_slides_is_seen_to_and_its_fold_is_corrected() {
     let error = |feedback: &[&str]| {
         let served = serve(&["--rate", "50"]);
@@ -141,6 +155,7 @@ fn refused(cell: &str, arguments: &[&str]) -> (i32, String) {
         "paper.toml",
         "--cell",
         "cell.toml",
+        "--yes",
         "--out",
         "folded",
     ]);

@@ -62,8 +62,12 @@ fn record(output: &Output) -> Value {
 
 #[test]
 fn a_trefoil_is_tied_by_two_arms_and_seen() {
-    let served = serve(&["--rate", "50"]);
-    let record = record(&tie(&served, "over,under,over"));
+    let rod = fs::read_to_string(scenarios("rods/thick_pink_vps.toml")).unwrap();
+    let task = ["tie", "--pattern", "trefoil", "--rod", "rod.toml"];
+    let more = ["--knot", "over,under,over", "--approach-speed", "0.5"];
+    let task = [&task[..], &more, &["--out", "tied"]].concat();
+    let (record, folder) = crate::virtual_cell::alone("rod.toml", &rod, &task);
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap_or_default();
     let score = &record["score"];
     assert_eq!(score["seen"]["determinant"], 3, "{record}");
     assert_eq!(score["seen"], score["drawn"], "{record}");
@@ -82,22 +86,22 @@ fn a_trefoil_is_tied_by_two_arms_and_seen() {
         "rod.csv",
         "report.md",
     ] {
-        assert!(!served.read(&format!("tied/{name}")).is_empty(), "{name}");
+        assert!(!read(&format!("tied/{name}")).is_empty(), "{name}");
     }
     for name in ["picture.png", "overlay.png"] {
-        let picture = served.folder.path().join("tied").join(name);
+        let picture = folder.path().join("tied").join(name);
         assert!(picture.is_file(), "{name}");
     }
-    let joints = served.read("tied/joints.csv");
+    let joints = read("tied/joints.csv");
     let header = joints.lines().next().unwrap();
     assert!(
         header.contains("left.x_m") && header.contains("right.x_m"),
         "{header}"
     );
     // Both moved in one motion.
-    let state = served.read("tied/tying/01_leading/state.csv");
+    let state = read("tied/tying/01_leading/state.csv");
     assert!(state.contains(",left,") && state.contains(",right,"));
-    assert!(served.read("tied/report.md").contains("tied as drawn"));
+    assert!(read("tied/report.md").contains("tied as drawn"));
 }
 
 /// What ties a reef knot in two rods, everything in a folder.
@@ -230,6 +234,7 @@ fn alone(
     fs::write(folder.path().join("client.toml"), cell).unwrap();
     let mut arguments = task("over,under,over", "shown");
     change(&mut arguments);
+    arguments.push("--yes".into());
     let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
     command.env("XDG_STATE_HOME", folder.path().join("state"));
     let output = command

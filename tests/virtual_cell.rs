@@ -82,6 +82,9 @@ impl Served {
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
         command.args(arguments).current_dir(self.folder.path());
+        if ["deploy", "place", "tie", "fold"].contains(&arguments[0]) {
+            command.arg("--yes");
+        }
         // Marks of tasks that did not come to their end are those of this test.
         command.env("XDG_STATE_HOME", self.folder.path().join("state"));
         command
@@ -698,7 +701,14 @@ fn a_dry_run_shows_the_plan_and_moves_nothing() {
     fs::write(folder.path().join("cell.toml"), gantry()).unwrap();
     let deploy = |arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
-        command.args(["deploy", "--rod", "rod.toml", "--cell", "cell.toml"]);
+        command.args([
+            "deploy",
+            "--rod",
+            "rod.toml",
+            "--cell",
+            "cell.toml",
+            "--yes",
+        ]);
         command
             .args(arguments)
             .current_dir(folder.path())
@@ -733,28 +743,81 @@ fn a_dry_run_shows_the_plan_and_moves_nothing() {
     assert_eq!(far.status.code(), Some(3), "{}", said(&far));
 }
 
-#[test]
-fn without_a_cell_file_the_rod_is_laid_in_a_cell_of_the_process() {
+/// A task in a folder with a file, without a cell file; its record, and the folder.
+pub fn alone(name: &str, text: &str, task: &[&str]) -> (Value, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("rod.toml"), ROD).unwrap();
+    fs::write(folder.path().join(name), text).unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
-        .args(["deploy", "--pattern", "line:0.15", "--rod", "rod.toml"])
-        .args(["--out", "laid"])
+        .args(task)
         .env("XDG_CACHE_HOME", folder.path())
         .current_dir(folder.path())
         .output()
         .unwrap();
-    assert!(output.status.success(), "{}", said(&output));
-    assert!(
-        said(&output).contains("virtual cell `gantry`"),
-        "{}",
-        said(&output)
-    );
-    let record: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let words = said(&output);
+    assert!(output.status.success(), "{words}");
+    assert!(words.contains("no --cell: the virtual cell"), "{words}");
+    (serde_json::from_slice(&output.stdout).unwrap(), folder)
+}
+
+#[test]
+fn without_a_cell_file_the_rod_is_laid_in_a_cell_of_the_process() {
+    let task = ["deploy", "--pattern", "line:0.15", "--rod", "rod.toml"];
+    let (record, folder) = alone("rod.toml", ROD, &[&task[..], &["--out", "laid"]].concat());
     assert_eq!(record["status"], "finished");
     let mean = record["score"]["by_arc_length"]["mean_m"].as_f64().unwrap();
     assert!(mean < 2e-3, "{mean}");
     for name in ["picture.png", "score.svg", "report.md", "cell.html"] {
         assert!(folder.path().join("laid").join(name).is_file(), "{name}");
     }
+    let page = fs::read_to_string(folder.path().join("laid/report.html")).unwrap();
+    assert!(page.contains("src=\"data:image/png;base64,"), "{page}");
+}
+
+#[test]
+fn the_rod_is_that_of_the_cell_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let cell = gantry() + "\n[rod]\nfile = \"mine.toml\"\n";
+    fs::write(folder.path().join("cell.toml"), cell).unwrap();
+    let deploy = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
+        command.args(["deploy", "--pattern", "line:0.15", "--cell", "cell.toml"]);
+        command.args(["--dry-run", "--out", "shown"]);
+        command.current_dir(folder.path()).output().unwrap()
+    };
+    let output = deploy();
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(
+        said(&output).contains("there is no file"),
+        "{}",
+        said(&output)
+    );
+    fs::write(folder.path().join("mine.toml"), ROD).unwrap();
+    let output = deploy();
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(
+        said(&output).contains("mine.toml of the cell"),
+        "{}",
+        said(&output)
+    );
+}
+
+#[test]
+fn an_arm_moves_only_after_a_confirmation() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("rod.toml"), ROD).unwrap();
+    fs::write(folder.path().join("cell.toml"), gantry()).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .args(["deploy", "--pattern", "line:0.2", "--rod", "rod.toml"])
+        .args(["--cell", "cell.toml", "--out", "laid"])
+        .stdin(Stdio::null())
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(
+        said(&output).contains("--yes is needed"),
+        "{}",
+        said(&output)
+    );
+    assert!(!folder.path().join("laid").exists());
 }

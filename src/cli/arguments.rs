@@ -7,10 +7,11 @@ use super::{
     score, solve, status, stream, submit, tie, trace, train, verify, view,
 };
 use clap::Parser;
+use std::sync::OnceLock;
 
 /// A laboratory for slender elastic rods: bending, twist, contact, friction, viscous fluid.
 #[derive(Debug, Parser)]
-#[command(version, propagate_version = true, after_help = EXAMPLES)]
+#[command(version = version(), propagate_version = true, after_help = EXAMPLES)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -31,6 +32,12 @@ Examples:
 
 Exit codes: 0 done, 1 failed, 2 bad input, 3 no convergence, 4 a physics check failed,
 5 time limit reached (run again to continue), 130 interrupted (run again to continue).";
+
+/// The version, with the commit where it is known.
+fn version() -> &'static str {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    TEXT.get_or_init(rodlab_files::origin::version)
+}
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]

@@ -4,6 +4,7 @@ use super::exit_code::NOT_SEEN_WHOLE;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
 use super::prelude::*;
+use super::task_cell::{CellChoice, TaskCell};
 use rodlab_files::results::write_whole;
 use rodlab_robot::JointTrajectory;
 use rodlab_workcell::cell::Cell;
@@ -60,7 +61,9 @@ pub fn refuse_unready(
 
 /// A task with arms of a cell, by its directory.
 pub struct CellTask<'a> {
-    cell: &'a Cell,
+    cell: &'a TaskCell,
+    choice: &'a CellChoice,
+    arms: Vec<usize>,
     /// Where everything is written.
     pub directory: PathBuf,
     /// The marks of its arms.
@@ -72,23 +75,25 @@ impl<'a> CellTask<'a> {
     pub fn new(
         name: &str,
         out: Option<&Path>,
-        cell: &'a Cell,
+        cell: &'a TaskCell,
         arms: &[usize],
+        choice: &'a CellChoice,
     ) -> Result<Self, Failure> {
         let directory = log_directory(name, out)?;
-        let marks = arms
-            .iter()
-            .map(|arm| Unfinished::of(cell, *arm, &directory));
+        let marks = cell.marked(arms).iter();
+        let marks = marks.map(|arm| Unfinished::of(&cell.cell, *arm, &directory));
         Ok(Self {
             unfinished: marks.collect(),
             cell,
+            choice,
+            arms: arms.to_vec(),
             directory,
         })
     }
 
     /// Writes the motion, and a page that shows it in no more than so many frames.
     pub fn write_motion(&self, joints: &JointTrajectory, frames: usize) -> Result<(), Failure> {
-        let page = self.cell.page(Some(joints), frames);
+        let page = self.cell.cell.page(Some(joints), frames);
         let files = [("joints.csv", joints.to_csv()?), ("cell.html", page)];
         for (name, text) in files {
             write_whole(&self.directory.join(name), text.as_bytes())?;
@@ -105,10 +110,11 @@ impl<'a> CellTask<'a> {
         run: impl FnOnce(&mut R, &dyn Fn() -> bool) -> Result<(), TaskError<S>>,
     ) -> Result<(), Failure> {
         let directory = &self.directory;
+        let report = record.write(directory)?;
         if dry_run {
-            record.write(directory)?;
-            return print_json(&record);
+            return self.choice.print(&report, &record, directory);
         }
+        self.cell.confirm(&self.arms, directory, self.choice)?;
         record.head().status = Status::Running;
         record.write(directory)?;
         let interrupted = watch_for_interruption()?;
@@ -127,10 +133,10 @@ impl<'a> CellTask<'a> {
                 Some(ended_early(&error, next.as_deref(), directory))
             }
         };
-        record.write(directory)?;
+        let report = record.write(directory)?;
         match failure {
             Some(failure) => Err(failure),
-            None => print_json(&record),
+            None => self.choice.print(&report, &record, directory),
         }
     }
 

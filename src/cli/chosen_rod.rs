@@ -7,46 +7,84 @@ use rodlab_lab::experiment::RodFile;
 /// Length of a rod that is not laid, in gravito-bending lengths: what hangs from the gripper at the end, and a straight start.
 const BESIDE_PATTERN: f64 = 4.0;
 
+/// A preset rod.
+struct PresetRod {
+    name: &'static str,
+    file: PathBuf,
+    length: f64,
+    gravito_bending_length: f64,
+}
+
 /// The file of the softest of the preset rods that is long enough for a pattern of a length, m; of the longest where none is. Soft rods
 /// follow tight curves.
 ///
 /// # Errors
 /// The presets cannot be unpacked.
 pub fn rod_for(pattern: f64) -> Result<PathBuf, Failure> {
+    let rods = preset_rods()?;
+    let is_long =
+        |rod: &&PresetRod| rod.length >= pattern + BESIDE_PATTERN * rod.gravito_bending_length;
+    let softest = least(rods.iter().filter(is_long), |rod| {
+        rod.gravito_bending_length
+    });
+    let reason = match softest {
+        Some(_) => "the softest preset that is long enough",
+        None => "the longest preset",
+    };
+    let longest = || least(rods.iter(), |rod| -rod.length);
+    Ok(chosen(softest.or_else(longest), reason, pattern))
+}
+
+/// The file of the longest of the preset rods that is shorter than the pattern of a knot of a length, m: the rest of the pattern is the
+/// path of its end.
+///
+/// # Errors
+/// The presets cannot be unpacked.
+pub fn rod_for_knot(pattern: f64) -> Result<PathBuf, Failure> {
+    let rods = preset_rods()?;
+    let shorter = rods.iter().filter(|rod| rod.length < pattern);
+    let longest = least(shorter, |rod| -rod.length);
+    let reason = match longest {
+        Some(_) => "the longest preset that is shorter",
+        None => "the shortest preset",
+    };
+    let shortest = || least(rods.iter(), |rod| rod.length);
+    Ok(chosen(longest.or_else(shortest), reason, pattern))
+}
+
+fn preset_rods() -> Result<Vec<PresetRod>, Failure> {
     let mut rods = Vec::new();
     for preset in Preset::of_kind(PresetKind::Rod) {
         let file = preset.file().map_err(Failure::system)?;
         // Rods of other tasks have no [deployment.rod].
         if let Ok(read) = RodFile::read(&file) {
-            rods.push((preset, file, read.rod));
+            rods.push(PresetRod {
+                name: preset.name,
+                file,
+                length: read.rod.length,
+                gravito_bending_length: read.rod.gravito_bending_length,
+            });
         }
     }
-    rods.sort_by(|(.., one), (.., other)| {
-        let [one, other] = [one, other].map(|rod| rod.gravito_bending_length);
-        one.total_cmp(&other)
-    });
-    let is_long = |length: f64, hanging: f64| length >= pattern + BESIDE_PATTERN * hanging;
-    let fitting = rods
-        .iter()
-        .position(|(.., rod)| is_long(rod.length, rod.gravito_bending_length));
-    let longest = || {
-        let lengths = rods.iter().enumerate();
-        let longest =
-            lengths.max_by(|(_, (.., one)), (_, (.., other))| one.length.total_cmp(&other.length));
-        longest.map(|(index, _)| index)
-    };
-    let index = fitting.or_else(longest).expect("there are preset rods");
-    let (preset, file, rod) = rods.swap_remove(index);
-    let reason = match fitting {
-        Some(_) => "the softest preset that is long enough",
-        None => "the longest preset",
-    };
+    Ok(rods)
+}
+
+fn least<'a>(
+    rods: impl Iterator<Item = &'a PresetRod>,
+    by: impl Fn(&PresetRod) -> f64,
+) -> Option<&'a PresetRod> {
+    rods.min_by(|one, other| by(one).total_cmp(&by(other)))
+}
+
+/// The file of a choice, which is logged with its reason.
+fn chosen(rod: Option<&PresetRod>, reason: &str, pattern: f64) -> PathBuf {
+    let rod = rod.expect("there are preset rods");
     tracing::warn!(
         "no --rod: `{}` ({:.2} m long) is taken, {reason} for a pattern of {pattern:.2} m",
-        preset.name,
+        rod.name,
         rod.length
     );
-    Ok(file)
+    rod.file.clone()
 }
 
 #[cfg(test)]
@@ -58,6 +96,19 @@ mod tests {
         // Nothing is long enough for 2 m; the rope is the longest.
         for (pattern, expected) in [(0.3, "pink_vps"), (2.0, "rope")] {
             let file = rod_for(pattern).unwrap();
+            assert_eq!(file.file_stem().unwrap(), expected, "{pattern} m");
+        }
+    }
+
+    #[test]
+    fn the_longest_rod_that_leaves_a_path_for_its_end_is_chosen_for_a_knot() {
+        // Nothing is shorter than 0.3 m; the cord is the shortest.
+        for (pattern, expected) in [
+            (1.0, "rope"),
+            (0.86, "thick_pink_vps"),
+            (0.3, "silicone_cord"),
+        ] {
+            let file = rod_for_knot(pattern).unwrap();
             assert_eq!(file.file_stem().unwrap(), expected, "{pattern} m");
         }
     }

@@ -22,9 +22,9 @@ Examples:
 The gripper's path is planned as by `rodlab plan deployment`, that of the joints as by `rodlab plan joints`. The arm goes
 straight to the first point, its gripper takes the rod, lays it and lets it go; the camera of the cell file looks, and what it
 saw is scored. Nothing moves with --dry-run: look at its page first. Everything is in one directory: manifest.json, report.md,
-plan/, joints.csv, cell.html, approach/ and laying/ (commanded.csv, state.csv, events.csv), picture.png, overlay.png, rod.csv
+report.html, plan/, joints.csv, cell.html, approach/ and laying/ (commanded.csv, state.csv, events.csv), picture.png, overlay.png, rod.csv
 (what was seen, in the frame of the pattern), score.svg. Exit code 1: something failed on the way; the message and report.md say
-what. `rodlab cell serve` is a cell to try it with.")]
+what. `rodlab cell serve` is a cell to try --cell with.")]
 pub struct DeployArguments {
     #[command(flatten)]
     plan: DeploymentPlan,
@@ -54,6 +54,8 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
         simulate(&case_set(&scenario, &[], &[])?, options, common)?;
         return Ok(());
     }
+    let cell = laying.cell()?;
+    plan.use_rod_of(&cell.cell);
     let what = Laying {
         task: "deploy",
         pattern: plan.pattern_name(),
@@ -62,7 +64,7 @@ pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failur
         is_corrected: arguments.correct,
         supply: &|_| Ok(RodSupply::new(plan.rod_file()?, FRICTION)?),
     };
-    laying.lay(&what, |spare, directory| {
+    laying.lay(&cell, &what, |spare, directory| {
         let plan = plan.write(directory, spare)?;
         Ok((plan.rod, plan.path))
     })

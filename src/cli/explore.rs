@@ -3,7 +3,8 @@
 use super::interruption::watch_for_interruption;
 use super::log_directory::{no_directory, results_directory};
 use super::prelude::*;
-use super::solve_arm::read_arm;
+use super::solve_arm::arm_named;
+use super::task_cell::{CellChoice, FULL_SPEED, TaskCell};
 use rodlab_files::results::{MANIFEST, write_whole};
 use rodlab_lab::experiment::ClampedRod;
 use rodlab_vision::ColourRule;
@@ -11,43 +12,41 @@ use rodlab_workcell::task::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationSummary, ExploreError, HandPlace,
     SearchSteps, Status, Stopped, quarter_sphere, read_directions, section, write_exploration,
 };
+use rodlab_workcell::virtual_cell::{ChuckedSupply, Settings};
 
 /// Distances ‖(κ, τ, ω)‖ that are allowed, in words.
 const DISTANCE: &str = "a distance from 0.01 to 100 is needed";
 /// Frames of the page of the arm in motion.
 const FRAMES: usize = 400;
+/// The preset cell with a chuck.
+const HELIX_GANTRY: &str = "helix_gantry";
 
 /// Arguments of `rodlab explore`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  rodlab cell serve --cell scenarios/cells/helix_gantry.toml --rod scenarios/rods/nitinol_wire.toml --rate 50
-  rodlab explore --rod scenarios/rods/nitinol_wire.toml --section 8 --dry-run
-  rodlab explore --rod scenarios/rods/nitinol_wire.toml --spread 328 --out results/explored
-  rodlab explore --rod scenarios/rods/nitinol_wire.toml --directions mine.csv --step 0.25 --precision 0.02
+  rodlab explore --rod nitinol_wire --section 3                 in a virtual cell
+  rodlab explore --rod nitinol_wire --section 8 --dry-run
+  rodlab explore --rod nitinol_wire --spread 328 --cell cell.toml --out results/explored
+  rodlab explore --rod nitinol_wire --directions mine.csv --step 0.25 --precision 0.02
 
 A rod is clamped between a chuck that a stepper turns and the hand of an arm. Along each direction of (κ, τ, ω) both clamps are led
 such that the rod is a helix, from the straight rod outwards; the camera looks at each step. Where the markers are not where those of
 the helix would be, it has lost its stability: the arm goes back until it is a helix again, finds the place by finer steps, and
 returns to the straight rod. Nothing moves with --dry-run, which tells how far each direction can be led. The same command with the same
 --out goes on after any end, at the direction in which it was.
-Everything is in one directory: manifest.json, exploration.csv (a row for each direction, written when it is done), report.md with
-figures, plan.csv, cell.html, directions/ (looks.csv and a picture each), motion/ (the last motion). Exit code 1: something failed on
-the way; the message and report.md say what; arm and chuck hold.")]
+Everything is in one directory: manifest.json, exploration.csv (a row for each direction, written when it is done), report.md and
+report.html with figures, plan.csv, cell.html, directions/ (looks.csv and a picture each), motion/ (the last motion). Exit code 1: something failed on
+the way; the message and report.md say what; arm and chuck hold. `rodlab cell serve --cell helix_gantry --rod nitinol_wire` is a cell to try --cell
+with.")]
 pub struct ExploreArguments {
     /// The rod: TOML with youngs_modulus, poissons_ratio and density in [material], and radius, length and markers in [rod]
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod))]
     rod: PathBuf,
     #[command(flatten)]
     directions: DirectionArguments,
-    /// The cell file, with a [chuck], a camera and an arm with a gripper
-    #[arg(
-        long,
-        value_name = "FILE",
-        default_value = "helix_gantry",
-        value_parser = file_or_preset(PresetKind::Cell)
-    )]
-    cell: PathBuf,
+    #[command(flatten)]
+    choice: CellChoice,
     /// Name of the arm; not needed where the cell has only one
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
@@ -129,49 +128,69 @@ pub fn explore(arguments: &ExploreArguments) -> Result<(), Failure> {
     let directions = arguments.directions.list()?;
     let colour = ColourRule::parse(&arguments.colour)?;
     let rod = ClampedRod::read(&arguments.rod)?;
-    let (cell, arm) = read_arm(&arguments.cell, arguments.arm.as_deref())?;
+    let chosen = arguments.choice.read(HELIX_GANTRY, arguments.dry_run)?;
+    let arm = arguments.arm.as_deref();
+    let arm = arm_named(&chosen.cell, "--arm", arm, &chosen.file)?;
     let stem = arguments.rod.file_stem().unwrap_or_default();
     let stem = stem.to_string_lossy();
     let directory = results_directory(arguments.out.as_deref(), &format!("explore-{stem}"));
-    let exploration = Exploration {
-        cell: &cell,
-        arm,
-        rod: &rod,
-        directions: &directions,
-        farthest: arguments.farthest,
-        margin: arguments.margin,
-        search: SearchSteps {
-            step: arguments.step,
-            precision: arguments.precision,
-            deviation: arguments.deviation,
-            speed: arguments.hand_speed,
-            return_speed: arguments.return_speed,
-        },
-        approach_speed: arguments.approach_speed,
-        colour: &colour,
-        keeps_pictures: !arguments.no_pictures,
-        directory: &directory,
+    let settings = || {
+        Ok(Settings {
+            chucked: ChuckedSupply::new(&arguments.rod, &chosen.cell)?,
+            ..Settings::empty(FULL_SPEED)
+        })
     };
-    let failed = |error| failed(error, &directory);
-    let start = exploration.start().map_err(failed)?;
-    let is_clamped = is_clamped(&directory, &exploration.plan())?;
-    std::fs::create_dir_all(&directory).map_err(|error| no_directory(&directory, &error))?;
-    let mut record = exploration.record(std::env::args().collect());
-    record.is_clamped = is_clamped;
-    let first = exploration.ray(&start, 0);
-    let page = exploration.page(&first, FRAMES).map_err(failed)?;
-    write_whole(&directory.join("cell.html"), page.as_bytes())?;
-    if arguments.dry_run {
-        exploration.write_plan(&start).map_err(failed)?;
-        record.summary = ExplorationSummary::of(&exploration.rows()?);
-        return finish(&mut record, &exploration, None);
+    chosen.work(settings, |cell| {
+        let exploration = Exploration {
+            cell,
+            arm,
+            rod: &rod,
+            directions: &directions,
+            farthest: arguments.farthest,
+            margin: arguments.margin,
+            search: SearchSteps {
+                step: arguments.step,
+                precision: arguments.precision,
+                deviation: arguments.deviation,
+                speed: arguments.hand_speed,
+                return_speed: arguments.return_speed,
+            },
+            approach_speed: arguments.approach_speed,
+            colour: &colour,
+            keeps_pictures: !arguments.no_pictures,
+            directory: &directory,
+        };
+        arguments.carry_out(&exploration, &chosen)
+    })
+}
+
+impl ExploreArguments {
+    /// Shows an exploration, and carries it out, unless it is a dry run.
+    fn carry_out(&self, exploration: &Exploration<'_>, chosen: &TaskCell) -> Result<(), Failure> {
+        let directory = exploration.directory;
+        let failed = |error| failed(error, directory);
+        let start = exploration.start().map_err(failed)?;
+        // A simulated cell is new each time, with its rod in the chuck.
+        let is_clamped = is_clamped(directory, &exploration.plan())? && !chosen.is_virtual;
+        std::fs::create_dir_all(directory).map_err(|error| no_directory(directory, &error))?;
+        let mut record = exploration.record(std::env::args().collect());
+        record.is_clamped = is_clamped;
+        let first = exploration.ray(&start, 0);
+        let page = exploration.page(&first, FRAMES).map_err(failed)?;
+        write_whole(&directory.join("cell.html"), page.as_bytes())?;
+        if self.dry_run {
+            exploration.write_plan(&start).map_err(failed)?;
+            record.summary = ExplorationSummary::of(&exploration.rows()?);
+            return finish(&mut record, exploration, None, &self.choice);
+        }
+        chosen.confirm(&[exploration.arm], directory, &self.choice)?;
+        let interrupted = watch_for_interruption()?;
+        record.head.status = Status::Running;
+        record.write(directory)?;
+        let ended = exploration.run(&mut record, &|| interrupted.is_raised());
+        record.head.end = Some(jiff::Timestamp::now());
+        finish(&mut record, exploration, ended.err(), &self.choice)
     }
-    let interrupted = watch_for_interruption()?;
-    record.head.status = Status::Running;
-    record.write(&directory)?;
-    let ended = exploration.run(&mut record, &|| interrupted.is_raised());
-    record.head.end = Some(jiff::Timestamp::now());
-    finish(&mut record, &exploration, ended.err())
 }
 
 /// Writes manifest and page, and prints the record or says why it ended early.
@@ -179,6 +198,7 @@ fn finish(
     record: &mut ExplorationRecord,
     exploration: &Exploration<'_>,
     error: Option<ExploreError>,
+    choice: &CellChoice,
 ) -> Result<(), Failure> {
     if record.head.status == Status::Running {
         record.head.status = match &error {
@@ -191,10 +211,10 @@ fn finish(
     let left_by = |error| left_by(error, record, exploration);
     record.head.stopped = error.as_ref().and_then(left_by);
     record.write(exploration.directory)?;
-    write_exploration(record, &exploration.rows()?, exploration.directory)?;
+    let report = write_exploration(record, &exploration.rows()?, exploration.directory)?;
     match error {
         Some(error) => Err(failed(error, exploration.directory)),
-        None => print_json(&record.summary),
+        None => choice.print(&report, &record.summary, exploration.directory),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::plan::parse_place;
 use super::plan_fold::crease;
 use super::prelude::*;
-use super::task_arguments::TaskArm;
+use super::task_cell::CellChoice;
 use clap::builder::PossibleValuesParser;
 use rodlab_lab::experiment::{AlgorithmName, Crease};
 use rodlab_workcell::cell::Place;
@@ -12,17 +12,17 @@ use rodlab_workcell::cell::Place;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  rodlab fold --paper scenarios/papers/a4.toml --dry-run
-  rodlab fold --paper scenarios/papers/a4.toml --feedback 5
-  rodlab fold --paper scenarios/papers/a4.toml --crease half --simulate --open
-  rodlab fold --paper scenarios/papers/us_letter.toml --crease half --algorithm optimal --feedback 5 --simulate
-  rodlab fold --paper scenarios/papers/a4.toml --crease \"25 cm\" --algorithm circle --simulate --out results/circle
+  rodlab fold --paper a4                                in a virtual cell
+  rodlab fold --paper a4 --cell cell.toml --feedback 5
+  rodlab fold --paper a4 --crease half --simulate --open
+  rodlab fold --paper us_letter --crease half --algorithm optimal --feedback 5 --simulate
+  rodlab fold --paper a4 --crease \"25 cm\" --algorithm circle --simulate --out results/circle
 
 In a cell the camera looks where the sheet lies; the arm takes its edge and folds it in parts. After each the camera looks how far
 the sheet has slid, and with --feedback the next is planned anew. What was seen is scored, then the gripper lets go. Nothing moves with
---dry-run: look at its page first. Everything is in one directory: manifest.json, report.md, joints.csv, cell.html, looks.csv, the
-pictures, and a folder with commanded.csv, state.csv and events.csv for each motion. Exit code 1: something failed on the way;
-the message and report.md say what. `rodlab cell serve --paper FILE` is a cell to try it with.
+--dry-run: look at its page first. Everything is in one directory: manifest.json, report.md, report.html, joints.csv, cell.html,
+looks.csv, the pictures, and a folder with commanded.csv, state.csv and events.csv for each motion. Exit code 1: something failed on the way;
+the message and report.md say what. `rodlab cell serve --paper FILE` is a cell to try --cell with.
 With --simulate the sheet is folded in plain simulation, without an arm; the results directory is that of any run, and its
 scenario can be taken on with `rodlab run`.")]
 pub struct FoldArguments {
@@ -43,7 +43,10 @@ pub struct FoldArguments {
     #[arg(long, value_name = "FRICTION", value_parser = friction)]
     pub friction: Option<f64>,
     #[command(flatten)]
-    pub arm: TaskArm,
+    pub choice: CellChoice,
+    /// Name of the arm; not needed where the cell has only one
+    #[arg(long, value_name = "NAME")]
+    pub arm: Option<String>,
     /// Where the middle of the edge lies in the cell: x,y,z in metres, and the direction over the sheet, degrees about z. The
     /// camera sees it more exactly; of the directions of the sheet that it sees the nearest is taken [default: the sheet in the
     /// middle of the table, along x]

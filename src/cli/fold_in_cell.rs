@@ -1,17 +1,20 @@
 //! `rodlab fold` in a robot cell.
 
-use super::cell_task::{CellTask, refuse_unready};
+use super::cell_task::CellTask;
 use super::fold_arguments::FoldArguments;
 use super::prelude::*;
-use super::solve_arm::read_arm;
+use super::solve_arm::arm_named;
+use super::task_arguments::GANTRY;
+use super::task_cell::FULL_SPEED;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
-use rodlab_lab::experiment::PaperFile;
+use rodlab_lab::experiment::{Crease, PaperFile};
 use rodlab_robot::Pose;
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::{Cell, Place};
 use rodlab_workcell::task::{
     FoldMotionRequest, FoldRecord, FoldRequest, FoldTask, FoldWay, TaskHead, heading,
 };
+use rodlab_workcell::virtual_cell::{Settings, SheetPlace, SimulatedSheet};
 
 /// Parts of a way that is not planned anew: after each the camera looks.
 const WATCHED_PARTS: u16 = 5;
@@ -32,11 +35,12 @@ pub fn fold_in_cell(
         let message = format!("--feedback: {parts}; allowed in a cell: 2 to {MOST_PARTS}");
         return Err(Failure::Input(message));
     }
-    let cell_file = &arguments.arm.cell;
-    let (cell, arm) = read_arm(cell_file, arguments.arm.name.as_deref())?;
+    let chosen = arguments.choice.read(GANTRY, arguments.dry_run)?;
+    let cell = &chosen.cell;
+    let arm = arm_named(cell, "--arm", arguments.arm.as_deref(), &chosen.file)?;
     if !arguments.dry_run {
         let camera = "it looks where the sheet lies and how far it slides";
-        refuse_unready(&cell, cell_file, &[arm], arguments.checked, camera)?;
+        chosen.refuse_unready(&[arm], arguments.checked, camera)?;
     }
     let colour = ColourRule::parse(&arguments.colour)?;
     let request = FoldRequest {
@@ -48,16 +52,22 @@ pub fn fold_in_cell(
     };
     let length = request.sheet.length;
     let way = FoldWay::new(request).at(format_args!("{}, {length:.4} m long", file.title))?;
-    let frame = expected_frame(arguments, &cell, &request)?;
+    let frame = expected_frame(arguments, cell, &request)?;
     let planned = FoldMotionRequest {
-        cell: &cell,
+        cell,
         arm,
         frame,
         speed: arguments.hand_speed,
         margin: arguments.margin,
     };
     let motion = planned.plan(&way)?;
-    let task = CellTask::new("fold", arguments.out.as_deref(), &cell, &[arm])?;
+    let task = CellTask::new(
+        "fold",
+        arguments.out.as_deref(),
+        &chosen,
+        &[arm],
+        &arguments.choice,
+    )?;
     task.write_motion(&motion.whole(), FRAMES)?;
     let record = FoldRecord {
         head: TaskHead::planned(std::env::args().collect()),
@@ -74,33 +84,55 @@ pub fn fold_in_cell(
         looks: Vec::new(),
         score: None,
     };
-    let folding = FoldTask {
-        cell: &cell,
-        arm,
-        paper: file.paper,
-        crease: arguments.crease,
-        request,
-        is_closed_loop: arguments.feedback.is_some(),
-        heading: heading(&frame),
-        colour: &colour,
-        speed: arguments.hand_speed,
-        approach_speed: arguments.approach_speed,
-        margin: arguments.margin,
-        unfinished: task.unfinished.first(),
-        directory: &task.directory,
+    let settings = || {
+        let table = cell.table.map_or_else(Pose::identity, |table| table.top);
+        let place = place_on(&table, &frame);
+        let is_diagonal = arguments.crease == Crease::Diagonal;
+        let sheet =
+            SimulatedSheet::new(&arguments.paper, friction, is_diagonal, Some(place), &table)?;
+        Ok(Settings {
+            sheet: Some(sheet),
+            ..Settings::empty(FULL_SPEED)
+        })
     };
-    task.carry_out(record, arguments.dry_run, |record, is_interrupted| {
-        let end = folding.run(is_interrupted);
-        record.times_s = end.times;
-        record.head.stopped = end.stopped;
-        record.looks = end.looks;
-        record.sheet_place = end.frame.map(|frame| {
-            let place = frame.translation.vector;
-            [place.x, place.y, heading(&frame).to_degrees()]
-        });
-        record.score = Some(end.score?);
-        Ok(())
+    chosen.work(settings, |cell| {
+        let folding = FoldTask {
+            cell,
+            arm,
+            paper: file.paper,
+            crease: arguments.crease,
+            request,
+            is_closed_loop: arguments.feedback.is_some(),
+            heading: heading(&frame),
+            colour: &colour,
+            speed: arguments.hand_speed,
+            approach_speed: arguments.approach_speed,
+            margin: arguments.margin,
+            unfinished: task.unfinished.first(),
+            directory: &task.directory,
+        };
+        task.carry_out(record, arguments.dry_run, |record, is_interrupted| {
+            let end = folding.run(is_interrupted);
+            record.times_s = end.times;
+            record.head.stopped = end.stopped;
+            record.looks = end.looks;
+            record.sheet_place = end.frame.map(|frame| {
+                let place = frame.translation.vector;
+                [place.x, place.y, heading(&frame).to_degrees()]
+            });
+            record.score = Some(end.score?);
+            Ok(())
+        })
     })
+}
+
+/// Where a sheet with a frame lies on a table.
+fn place_on(table: &Pose, frame: &Pose) -> SheetPlace {
+    let place = table.inverse() * frame;
+    SheetPlace {
+        edge: [place.translation.x, place.translation.y],
+        heading: heading(&place),
+    }
 }
 
 /// Where the sheet is expected: its middle in that of the table where nobody says.

@@ -1,11 +1,11 @@
 //! How an arm of a cell lays a rod: what `rodlab deploy` and `rodlab place` have in common.
 
-use super::cell_task::{CellTask, refuse_unfinished};
+use super::cell_task::CellTask;
 use super::log_directory::log_directory;
 use super::prelude::*;
-use super::preset_file::preset_file;
-use super::solve_arm::read_arm;
+use super::solve_arm::arm_named;
 use super::task_arguments::{GANTRY, TaskArguments};
+use super::task_cell::{CellChoice, FULL_SPEED, TaskCell};
 use rodlab_lab::experiment::Fixtures;
 use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, Spare};
 use rodlab_robot::Pose;
@@ -14,19 +14,16 @@ use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
     Correction, DeployRecord, DeployTask, LayingMethod, MotionRequest, TaskHead,
 };
-use rodlab_workcell::virtual_cell::{RodSupply, Settings, with_cell};
+use rodlab_workcell::virtual_cell::{RodSupply, Settings};
 
 /// Frames of the page of the arm in motion.
 const FRAMES: usize = 400;
-/// How many times as fast as real time a virtual cell is that nothing else follows: as fast as it can be simulated.
-const FULL_SPEED: f64 = 100.0;
 
 /// Cell, arm, and how it moves.
 #[derive(Debug, Args)]
 pub struct LayingArguments {
-    /// The cell file [default: the preset cell `gantry`, simulated in this process at full speed]
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell))]
-    cell: Option<PathBuf>,
+    #[command(flatten)]
+    choice: CellChoice,
     /// Name of the arm; not needed where the cell has only one
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
@@ -56,30 +53,30 @@ impl LayingArguments {
         log_directory(task, self.task.out.as_deref())
     }
 
+    /// The cell, see [`CellChoice::read`].
+    pub fn cell(&self) -> Result<TaskCell, Failure> {
+        self.choice.read(GANTRY, self.task.dry_run)
+    }
+
     /// Lays a rod along the path that `plan` gives for the room that there is and writes into a directory.
     pub fn lay(
         &self,
+        cell: &TaskCell,
         laying: &Laying<'_>,
         plan: impl Fn(&Spare<'_>, &Path) -> Result<(DeployedRod, LaidPath), Failure>,
     ) -> Result<(), Failure> {
         let colour = ColourRule::parse(&self.task.colour)?;
-        let file = self.cell.clone();
-        let file = file.map_or_else(|| preset_file(PresetKind::Cell, GANTRY), Ok)?;
-        let is_virtual = self.cell.is_none() && !self.task.dry_run;
-        let (cell, arm) = read_arm(&file, self.arm.as_deref())?;
-        if is_virtual {
-            tracing::warn!("no --cell: the virtual cell `{GANTRY}` is simulated at full speed");
-        } else if !(self.task.dry_run || self.task.checked) {
-            refuse_unfinished(&cell, arm)?;
+        let dry_run = self.task.dry_run;
+        let arm = arm_named(&cell.cell, "--arm", self.arm.as_deref(), &cell.file)?;
+        if !dry_run {
+            cell.refuse_unfinished(arm, self.task.checked)?;
         }
         let out = self.task.out.as_deref();
-        // A virtual cell is new each time: nothing in it can be unfinished.
-        let marked: &[usize] = if is_virtual { &[] } else { &[arm] };
-        let task = CellTask::new(laying.task, out, &cell, marked)?;
+        let task = CellTask::new(laying.task, out, cell, &[arm], &self.choice)?;
         let motion = MotionRequest {
-            cell: &cell,
+            cell: &cell.cell,
             arm,
-            place: self.task.place(&cell, laying.outline)?,
+            place: self.task.place(&cell.cell, laying.outline)?,
             speed: self.task.hand_speed,
             margin: self.task.margin,
         };
@@ -87,8 +84,8 @@ impl LayingArguments {
         task.write_motion(&motion.laying, FRAMES)?;
         let record = DeployRecord {
             head: TaskHead::planned(std::env::args().collect()),
-            cell: cell.title.clone(),
-            arm: cell.arms[arm].name.clone(),
+            cell: cell.cell.title.clone(),
+            arm: cell.cell.arms[arm].name.clone(),
             pattern: laying.pattern.to_owned(),
             motion: motion.report.clone(),
             times_s: Vec::new(),
@@ -114,7 +111,7 @@ impl LayingArguments {
                 unfinished: task.unfinished.first(),
                 directory: &task.directory,
             };
-            task.carry_out(record, self.task.dry_run, |record, is_interrupted| {
+            task.carry_out(record, dry_run, |record, is_interrupted| {
                 let end = deploying.run(is_interrupted);
                 record.times_s = end.times;
                 record.head.stopped = end.stopped;
@@ -122,18 +119,16 @@ impl LayingArguments {
                 end.laid.map(|laid| record.take(&laid))
             })
         };
-        if !is_virtual {
-            return deploy(&cell);
-        }
-        let begin = path.points[0].position;
-        let begin = motion.frame * nalgebra::Point3::new(begin.x, begin.y, 0.0);
-        let supply = (laying.supply)(motion.frame)?;
-        let settings = Settings {
-            // A person lays the free end where the rod is to begin.
-            supply: Some(supply.with_free_end([begin.x, begin.y])),
-            ..Settings::empty(FULL_SPEED)
+        let settings = || {
+            let begin = path.points[0].position;
+            let begin = motion.frame * nalgebra::Point3::new(begin.x, begin.y, 0.0);
+            let supply = (laying.supply)(motion.frame)?;
+            Ok(Settings {
+                // A person lays the free end where the rod is to begin.
+                supply: Some(supply.with_free_end([begin.x, begin.y])),
+                ..Settings::empty(FULL_SPEED)
+            })
         };
-        let (done, _) = with_cell(&cell, settings, deploy)?;
-        done
+        cell.work(settings, deploy)
     }
 }

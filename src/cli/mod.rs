@@ -78,6 +78,7 @@ mod stream;
 mod submit;
 mod sweep;
 mod task_arguments;
+mod task_cell;
 mod terminal;
 mod tie;
 mod trace;

@@ -18,7 +18,7 @@ The scenario is one of the experiment \"deployment\" with [deployment.clips] or 
 pattern the way between the pegs, and `rodlab run` simulates the same. Pegs are fixed to the table where --place puts the frame of
 the pattern. The arm lays the cable and lets it go; the camera looks, and pegs count as passed where the cable leaves them on the
 side on which the pattern does and does not lie on them. Everything is in one directory, as of `rodlab deploy`; pegs.svg shows
-the cable between its pegs. `rodlab cell serve --scene SCENARIO` is a cell to try it with.")]
+the cable between its pegs. `rodlab cell serve --scene SCENARIO` is a cell to try --cell with.")]
 pub struct PlaceArguments {
     /// The scenario
     #[arg(value_parser = file_or_preset(PresetKind::Scenario))]
@@ -50,7 +50,8 @@ pub fn place(arguments: &PlaceArguments) -> Result<(), Failure> {
             )?)
         },
     };
-    arguments.laying.lay(&what, |spare, directory| {
+    let cell = arguments.laying.cell()?;
+    arguments.laying.lay(&cell, &what, |spare, directory| {
         let path = placement.path(spare).at(&placement.title)?;
         make_directory(directory)?;
         for (name, text) in placement.files(&path)? {

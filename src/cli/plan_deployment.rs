@@ -1,6 +1,6 @@
 //! `rodlab plan deployment`.
 
-use super::chosen_rod::rod_for;
+use super::chosen_rod::{rod_for, rod_for_knot};
 use super::pattern_source::PatternArguments;
 use super::prelude::*;
 use rodlab_files::finite::NotFinite;
@@ -14,6 +14,7 @@ use rodlab_planning::plan::grasp::NeuralGrasps;
 use rodlab_planning::plan::pattern::{Crossing, PatternSource, Point};
 use rodlab_planning::plan::request::{DeploymentRequest, LeadLength, RequestError};
 use rodlab_planning::plan::tying::Pass;
+use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{KnotPlan, PlannedRod};
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -52,8 +53,8 @@ pub struct DeploymentArguments {
 pub struct DeploymentPlan {
     #[command(flatten)]
     source: PatternArguments,
-    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod] [default: of the preset rods the softest that is
-    /// long enough]
+    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod] [default: that of the cell; otherwise of the preset rods
+    /// the softest that is long enough, for a knot the longest that is shorter than the pattern]
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod))]
     rod: Option<PathBuf>,
     #[arg(skip)]
@@ -316,13 +317,24 @@ impl DeploymentPlan {
         Ok(())
     }
 
+    /// Takes the rod of a cell where the arguments name none.
+    pub fn use_rod_of(&self, cell: &Cell) {
+        if let (None, Some(file)) = (&self.rod, &cell.rod) {
+            tracing::warn!("no --rod: {} of the cell is taken", file.display());
+            self.chosen.get_or_init(|| file.clone());
+        }
+    }
+
     /// The file of the rod, as given, or of the preset that is chosen for the pattern.
     pub fn rod_file(&self) -> Result<&Path, Failure> {
         if let Some(given) = self.rod.as_ref().or(self.chosen.get()) {
             return Ok(given);
         }
         let pattern = self.source.source()?.pattern().at(self.source.name())?;
-        let chosen = rod_for(pattern.length())?;
+        let chosen = match self.ties_knot() {
+            true => rod_for_knot(pattern.length())?,
+            false => rod_for(pattern.length())?,
+        };
         Ok(self.chosen.get_or_init(|| chosen))
     }
 

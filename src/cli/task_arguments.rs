@@ -9,17 +9,6 @@ use rodlab_workcell::task::middle_of_table;
 /// The cell of tasks with one arm.
 pub const GANTRY: &str = "gantry";
 
-/// The cell, and the arm that does a task.
-#[derive(Debug, Args)]
-pub struct TaskArm {
-    /// The cell file
-    #[arg(long, value_name = "FILE", default_value = GANTRY, value_parser = file_or_preset(PresetKind::Cell))]
-    pub cell: PathBuf,
-    /// Name of the arm; not needed where the cell has only one
-    #[arg(long = "arm", id = "arm", value_name = "NAME")]
-    pub name: Option<String>,
-}
-
 /// Place, speeds, colour and results.
 #[derive(Debug, Args)]
 pub struct TaskArguments {

@@ -1,27 +1,31 @@
 //! `rodlab tie`.
 
-use super::cell_task::{CellTask, refuse_unready};
+use super::cell::FRICTION;
+use super::cell_task::CellTask;
 use super::plan_deployment::DeploymentPlan;
 use super::prelude::*;
 use super::solve_arm::arm_named;
 use super::task_arguments::TaskArguments;
+use super::task_cell::{CellChoice, FULL_SPEED, TaskCell};
 use rodlab_planning::plan::deployment::Spare;
 use rodlab_vision::ColourRule;
-use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{KnotPlan, TaskHead, TieMotion, TieMotionRequest, TieRecord, TieTask};
+use rodlab_workcell::virtual_cell::{RodSupply, Settings};
 
 /// Frames of the page of the arms in motion.
 const FRAMES: usize = 600;
+/// The preset cell with two arms.
+const TWO_GANTRIES: &str = "two_gantries";
 
 /// Arguments of `rodlab tie`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  rodlab tie --pattern scenarios/patterns/trefoil.svg --rod scenarios/rods/thick_pink_vps.toml --knot over,under,over --dry-run
-  rodlab tie --pattern scenarios/patterns/trefoil.svg --rod scenarios/rods/thick_pink_vps.toml --knot over,under,over
+  rodlab tie --pattern trefoil --knot over,under,over                   in a virtual cell
+  rodlab tie --pattern trefoil --rod thick_pink_vps --knot over,under,over --dry-run
   rodlab tie --pattern knot.svg --size \"30 cm\" --rod rod.toml --knot over,under,over --cell cell.toml --arm right --second-arm left
-  rodlab tie --pattern scenarios/patterns/reef.svg --stroke 1 --rod scenarios/rods/thick_pink_vps.toml --second-stroke 2 \
-    --second-rod scenarios/rods/green_vps.toml --knot over,over,under,over,over,under
+  rodlab tie --pattern reef --stroke 1 --rod thick_pink_vps --second-stroke 2 --second-rod green_vps \
+    --knot over,over,under,over,over,under
 
 Two arms tie a knot in one rod, or in two. The pattern crosses itself and is longer than the rod: one arm lays the rod along it, and leads its
 end along the rest, under the strands that the other arm lifts meanwhile, and over others. --knot says how it passes each crossing
@@ -29,21 +33,15 @@ when it comes there again; the first ones, which are laid, go over. Of two rods 
 leads its end, that of the second first; --knot counts the second rod as it is laid, then its end, then that of the first. Then both let go, the camera of the cell file looks, and the
 knot of the rod that it sees, by its determinant and signature, is compared with that of the pattern: `score.tied` is true or
 false, or null where the picture does not decide, and `score.undecided` says why. Nothing moves with --dry-run: look at its page
-first. Everything is in one directory: manifest.json, report.md, plan/, joints.csv, cell.html, approach/, laying/ and tying/
+first. Everything is in one directory: manifest.json, report.md, report.html, plan/, joints.csv, cell.html, approach/, laying/ and tying/
 (commanded.csv, state.csv, events.csv), picture.png, overlay.png, rod.csv. Exit code 1: something failed on the way; the message and
-report.md say what. A cell to try it with:
-  rodlab cell serve --cell scenarios/cells/two_gantries.toml --rod scenarios/rods/thick_pink_vps.toml")]
+report.md say what. A cell to try --cell with:
+  rodlab cell serve --cell two_gantries --rod thick_pink_vps")]
 pub struct TieArguments {
     #[command(flatten)]
     plan: DeploymentPlan,
-    /// The cell file, with two arms
-    #[arg(
-        long,
-        value_name = "FILE",
-        default_value = "two_gantries",
-        value_parser = file_or_preset(PresetKind::Cell)
-    )]
-    cell: PathBuf,
+    #[command(flatten)]
+    choice: CellChoice,
     /// Name of the arm that lays the rod and leads its end [default: the first]
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
@@ -73,23 +71,31 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
                 .into(),
         ));
     }
-    let cell = Cell::read(&arguments.cell)?;
-    let arms = arguments.arms(&cell)?;
-    if !arguments.task.dry_run {
+    let dry_run = arguments.task.dry_run;
+    let chosen = arguments.choice.read(TWO_GANTRIES, dry_run)?;
+    let arms = arguments.arms(&chosen)?;
+    let cell = &chosen.cell;
+    arguments.plan.use_rod_of(cell);
+    if !dry_run {
         let camera = "its picture shows whether the knot is tied";
-        let is_checked = arguments.task.checked;
-        refuse_unready(&cell, &arguments.cell, &arms, is_checked, camera)?;
+        chosen.refuse_unready(&arms, arguments.task.checked, camera)?;
     }
     let second = arguments.second()?;
     let mut outline = arguments.plan.outline()?;
     let second_points = second.iter().flat_map(|knot| knot.rods[1].points());
     outline.extend(second_points);
-    let place = arguments.task.place(&cell, &outline)?;
+    let place = arguments.task.place(cell, &outline)?;
     // Before a directory is made.
     if second.is_none() {
         arguments.plan.check_knot()?;
     }
-    let task = CellTask::new("tie", arguments.task.out.as_deref(), &cell, &arms)?;
+    let task = CellTask::new(
+        "tie",
+        arguments.task.out.as_deref(),
+        &chosen,
+        &arms,
+        &arguments.choice,
+    )?;
     let knot = match second {
         Some(knot) => knot,
         None => {
@@ -99,7 +105,7 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         }
     };
     let request = TieMotionRequest {
-        cell: &cell,
+        cell,
         arms,
         place,
         speed: arguments.task.hand_speed,
@@ -123,22 +129,41 @@ pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
         times_s: Vec::new(),
         score: None,
     };
-    let tying = TieTask {
-        cell: &cell,
-        arms,
-        motion: &motion,
-        knot: &knot,
-        free_speed: arguments.task.approach_speed,
-        colour: &colour,
-        unfinished: Some([0, 1].map(|which| &task.unfinished[which])),
-        directory: &task.directory,
+    let settings = || {
+        // A person lays the free ends where the patterns begin.
+        let supply = |number: usize, file: &Path| -> Result<RodSupply, Failure> {
+            let start = knot.rods[number].pattern.at(0.0).position;
+            let start = motion.frame * nalgebra::Point3::new(start.x, start.y, 0.0);
+            Ok(RodSupply::new(file, FRICTION)?.with_free_end([start.x, start.y]))
+        };
+        let second = arguments.second_rod.as_deref();
+        Ok(Settings {
+            supply: Some(supply(0, arguments.plan.rod_file()?)?),
+            second_supply: second.map(|file| supply(1, file)).transpose()?,
+            ..Settings::empty(FULL_SPEED)
+        })
     };
-    task.carry_out(record, arguments.task.dry_run, |record, is_interrupted| {
-        let end = tying.run(is_interrupted);
-        record.times_s = end.times;
-        record.head.stopped = end.stopped;
-        record.score = Some(end.score?);
-        Ok(())
+    chosen.work(settings, |cell| {
+        let tying = TieTask {
+            cell,
+            arms,
+            motion: &motion,
+            knot: &knot,
+            free_speed: arguments.task.approach_speed,
+            colour: &colour,
+            unfinished: match task.unfinished.as_slice() {
+                [one, other] => Some([one, other]),
+                _ => None,
+            },
+            directory: &task.directory,
+        };
+        task.carry_out(record, dry_run, |record, is_interrupted| {
+            let end = tying.run(is_interrupted);
+            record.times_s = end.times;
+            record.head.stopped = end.stopped;
+            record.score = Some(end.score?);
+            Ok(())
+        })
     })
 }
 
@@ -168,8 +193,8 @@ impl TieArguments {
     }
 
     /// Indices of the arm that lays and of the one that lifts.
-    fn arms(&self, cell: &Cell) -> Result<[usize; 2], Failure> {
-        let file = &self.cell;
+    fn arms(&self, chosen: &TaskCell) -> Result<[usize; 2], Failure> {
+        let TaskCell { cell, file, .. } = chosen;
         let names: Vec<&str> = cell.arms.iter().map(|arm| arm.name.as_str()).collect();
         if names.len() < 2 {
             let found = names

@@ -16,3 +16,11 @@ pub fn state_commit(commit: &'static str) {
 pub fn commit() -> Option<&'static str> {
     COMMIT.get().copied()
 }
+
+/// The version, with the commit where it is known.
+pub fn version() -> String {
+    commit().map_or_else(
+        || VERSION.to_owned(),
+        |commit| format!("{VERSION} ({commit})"),
+    )
+}

@@ -130,6 +130,7 @@ fn a_rod_is_laid_seen_and_scored_in_mujoco() {
             "rod.toml",
             "--cell",
             "cell.toml",
+            "--yes",
             "--speed",
             "0.04",
             "--hand-speed",
@@ -177,7 +178,7 @@ fn an_interruption_stops_the_arm_in_mujoco() {
     let Some(cell) = Cell::start() else { return };
     let mut child = Command::new(env!("CARGO_BIN_EXE_rodlab"))
         .args(["deploy", "--pattern", "line:0.35", "--rod", "rod.toml"])
-        .args(["--cell", "cell.toml", "--out", "laid"])
+        .args(["--cell", "cell.toml", "--yes", "--out", "laid"])
         .env("XDG_STATE_HOME", cell.folder.path())
         .current_dir(cell.folder.path())
         .stdout(Stdio::null())

@@ -1,7 +1,5 @@
 //! Text inside SVG, HTML and Markdown: one function for each context.
 
-use crate::origin::{VERSION, commit};
-
 /// Text as it stands between tags, and in quoted attributes. Control characters, which XML does not allow, are replaced.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
@@ -53,14 +51,6 @@ pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
         rest = after;
     }
     filled + rest
-}
-
-/// The version that makes pages, with the commit where that is known.
-pub fn version() -> String {
-    commit().map_or_else(
-        || VERSION.to_owned(),
-        |commit| format!("{VERSION} ({commit})"),
-    )
 }
 
 /// Whether the beginning of a file is that of a page of ours.

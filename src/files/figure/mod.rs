@@ -6,6 +6,7 @@
 
 mod axis;
 mod curve;
+mod document;
 mod drawing;
 mod font;
 mod legend;
@@ -26,6 +27,7 @@ mod viewer;
 
 pub use axis::AxisScale;
 pub use curve::{Curve, LinePlot, Look};
+pub use document::{document_page, markdown_html};
 pub use line_plot::{LineFigure, PlotStyle, line_plots, plot_to_scale, styled_line_plots};
 pub use markup::{escape_markdown, is_page, is_picture};
 pub use paper::{FigureOptions, Format, Paper};

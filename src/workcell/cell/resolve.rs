@@ -9,7 +9,7 @@ use rodlab_lab::scenario::{KeyPath, Quantity, ScenarioError, TypedFile};
 use rodlab_robot::{Limits, StreamBounds, Tolerance};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 impl Cell {
@@ -70,6 +70,7 @@ impl Resolver<'_> {
             obstacles,
             chuck: typed.chuck.as_ref().map(|chuck| self.chuck(chuck)),
             camera: typed.camera.as_ref().map(|camera| self.camera(camera)),
+            rod: typed.rod.as_ref().map(|rod| self.rod(rod)),
             streaming: self.streaming(),
             warnings: self.warnings.take(),
         }
@@ -114,6 +115,15 @@ impl Resolver<'_> {
                 self.driver(&path.key("driver"), driver, true, joints)
             }),
         }
+    }
+
+    fn rod(&self, rod: &typed::SuppliedRod) -> PathBuf {
+        let path = KeyPath::from("rod").key("file");
+        let file = self.file_at(&path, &rod.file);
+        if !file.is_file() {
+            self.fault(&path, format!("there is no file {}", file.display()));
+        }
+        file
     }
 
     fn chuck(&self, chuck: &typed::Chuck) -> Chuck {

@@ -20,6 +20,8 @@ pub struct Cell {
     pub obstacles: Vec<Obstacle>,
     /// The camera.
     pub camera: Option<Camera>,
+    /// File of the rod of tasks that name no other.
+    pub rod: Option<PathBuf>,
     /// How trajectories are streamed.
     pub streaming: StreamBounds,
     /// What was passed over when the file was read.

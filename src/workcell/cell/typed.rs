@@ -30,6 +30,8 @@ pub struct CellFile {
     pub obstacles: Vec<Obstacle>,
     /// The camera.
     pub camera: Option<Camera>,
+    /// The rod of tasks that name no other.
+    pub rod: Option<SuppliedRod>,
     /// How trajectories are streamed.
     pub streaming: Option<Streaming>,
 }
@@ -70,6 +72,12 @@ pub struct Gripper {
     pub closed: Option<Quantity<Length>>,
     pub max_effort: Option<Quantity<Force>>,
     pub joint: Option<String>,
+}
+
+/// The rod that is handed to the arms.
+#[derive(Debug, Deserialize)]
+pub struct SuppliedRod {
+    pub file: String,
 }
 
 /// A number for all joints, or one for each.

@@ -58,10 +58,10 @@ impl TaskRecord for DeployRecord {
         &mut self.head
     }
 
-    fn report(&self, directory: &Path) -> String {
+    fn report(&self, directory: &Path) -> Report {
         let mut report = Report::new(&format!("A rod laid along {}", self.pattern));
-        report.row("cell", &self.cell);
-        report.row("arm", &self.arm);
+        report.row("cell", self.cell.as_str());
+        report.row("arm", self.arm.as_str());
         report.head(&self.head);
         report.row("motion", format!("{:.1} s", self.motion.duration_s));
         let clearance = 1e3 * self.motion.least_clearance_m;
@@ -99,6 +99,7 @@ impl TaskRecord for DeployRecord {
             ("plan/deployment.svg", "The plan"),
         ];
         report.pictures(directory, pictures);
-        report.text + "\n[The arm in motion](cell.html)\n"
+        report.page("The arm in motion");
+        report
     }
 }

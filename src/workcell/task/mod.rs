@@ -48,7 +48,7 @@ pub use fold::{
     FoldTask, FoldTaskError, FoldWay, Look, heading,
 };
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
-pub use record::{Status, TaskHead, TaskRecord, write_manifest};
+pub use record::{Report, Status, TaskHead, TaskRecord, write_manifest};
 pub use stopped::{HandPlace, LaidLength, Stopped};
 pub use tie::{
     KnotPlan, PlannedRod, TieEnd, TieError, TieMotion, TieMotionRequest, TieRecord, TieScore,

@@ -2,7 +2,7 @@
 
 use super::error::{TaskError, TaskStage};
 use super::stopped::Stopped;
-use rodlab_files::figure::escape_markdown;
+use rodlab_files::figure::{document_page, escape_markdown};
 use rodlab_files::origin::VERSION;
 use rodlab_files::results::{MANIFEST, ResultsError, write_whole};
 use serde::Serialize;
@@ -100,17 +100,18 @@ pub trait TaskRecord: Serialize {
     /// What is known of any task.
     fn head(&mut self) -> &mut TaskHead;
 
-    /// The text of `report.md`, with the pictures that are in a directory.
-    fn report(&self, directory: &Path) -> String;
+    /// The report, with the pictures that are in a directory.
+    fn report(&self, directory: &Path) -> Report;
 
-    /// Writes `manifest.json` and `report.md`.
+    /// Writes `manifest.json` and the report, which is returned.
     ///
     /// # Errors
     /// They cannot be written.
-    fn write(&self, directory: &Path) -> Result<(), ResultsError> {
+    fn write(&self, directory: &Path) -> Result<Report, ResultsError> {
         write_manifest(self, directory)?;
         let report = self.report(directory);
-        write_whole(&directory.join("report.md"), report.as_bytes())
+        report.write(directory)?;
+        Ok(report)
     }
 }
 
@@ -133,25 +134,60 @@ pub const OVERLAY: (&str, &str) = (
     "What the camera saw, with the rod that was found",
 );
 
-/// A `report.md` that grows: first a table of two columns, then whatever is added to its text.
+/// A report: a title, a table of two columns, then text in Markdown.
 pub struct Report {
-    /// The text so far.
+    title: String,
+    rows: Vec<(String, String)>,
+    /// The text behind the table, Markdown.
     pub text: String,
 }
 
 impl Report {
-    /// A page with a title and a table without rows.
+    /// A report with a title and a table without rows.
     pub fn new(title: &str) -> Self {
-        let title = escape_markdown(title);
         Self {
-            text: format!("# {title}\n\n| | |\n|---|---|\n"),
+            title: title.to_owned(),
+            rows: Vec::new(),
+            text: String::new(),
         }
     }
 
     /// Adds a row to the table.
-    pub fn row(&mut self, name: &str, value: impl AsRef<str>) {
-        let value = escape_markdown(value.as_ref());
-        self.text += &format!("| {name} | {value} |\n");
+    pub fn row(&mut self, name: &str, value: impl Into<String>) {
+        self.rows.push((name.to_owned(), value.into()));
+    }
+
+    /// The table in aligned columns, with the title before it.
+    pub fn table(&self) -> String {
+        let width = |(name, _): &(String, String)| name.chars().count();
+        let widest = self.rows.iter().map(width).max().unwrap_or(0);
+        let rows = self.rows.iter();
+        let rows = rows.map(|(name, value)| format!("{name:<widest$}  {value}\n"));
+        format!("{}\n{}", self.title, rows.collect::<String>())
+    }
+
+    /// All of it as Markdown.
+    pub fn markdown(&self) -> String {
+        let rows = self.rows.iter();
+        let rows = rows.map(|(name, value)| format!("| {name} | {} |\n", escape_markdown(value)));
+        format!(
+            "# {}\n\n| | |\n|---|---|\n{}{}",
+            escape_markdown(&self.title),
+            rows.collect::<String>(),
+            self.text
+        )
+    }
+
+    /// Writes `report.md`, and `report.html`, which holds its pictures.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    pub fn write(&self, directory: &Path) -> Result<(), ResultsError> {
+        let markdown = self.markdown();
+        let picture = |name: &str| std::fs::read(directory.join(name)).ok();
+        let page = document_page(&self.title, &markdown, &picture);
+        write_whole(&directory.join("report.md"), markdown.as_bytes())?;
+        write_whole(&directory.join("report.html"), page.as_bytes())
     }
 
     /// Adds rows to the table: how far a task came, and why no further.
@@ -166,6 +202,11 @@ impl Report {
         for (stage, time) in times {
             self.row(stage.in_words(), format!("{time:.1} s"));
         }
+    }
+
+    /// Adds the 3-D page of a motion, with the words of the link.
+    pub fn page(&mut self, words: &str) {
+        self.text += &format!("\n[{words}](cell.html)\n");
     }
 
     /// Adds the pictures that are in a directory.

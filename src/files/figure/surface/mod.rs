@@ -1,6 +1,7 @@
 //! An interactive page of a surface in three dimensions: one HTML file that works without a network.
 
-use super::markup::{escape, fill, json_in_script, version};
+use super::markup::{escape, fill, json_in_script};
+use crate::origin::version;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;

@@ -9,8 +9,9 @@ pub use movie::{
     Field, Movie, MovieCase, MovieFrame, MovieObstacle, MoviePlane, MovieRod, MovieSeries,
 };
 
-use super::markup::{escape, fill, json_in_script, version};
+use super::markup::{escape, fill, json_in_script};
 use super::palette::Color;
+use crate::origin::version;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use packing::{Bounds, ColorRange, pack};

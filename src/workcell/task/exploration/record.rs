@@ -52,7 +52,7 @@ impl ExplorationRecord {
     }
 }
 
-/// Writes `report.md` and its figures.
+/// Writes the report and its figures; returns the report.
 ///
 /// # Errors
 /// They cannot be written.
@@ -60,12 +60,12 @@ pub fn write_page(
     record: &ExplorationRecord,
     rows: &[ExplorationRow],
     directory: &Path,
-) -> Result<(), ResultsError> {
+) -> Result<Report, ResultsError> {
     let plan = &record.plan;
     let mut report = Report::new("The stability of a helical rod, explored");
-    report.row("cell", &plan.cell);
-    report.row("arm", &plan.arm);
-    report.row("rod", &plan.rod.0);
+    report.row("cell", plan.cell.as_str());
+    report.row("arm", plan.arm.as_str());
+    report.row("rod", plan.rod.0.as_str());
     report.head(&record.head);
     let summary = &record.summary;
     let explored = format!("{} of {}", summary.directions, plan.directions.len());
@@ -132,9 +132,10 @@ pub fn write_page(
         );
     }
     if directory.join("cell.html").is_file() {
-        *text += "\n[The arm along the first direction](cell.html)\n";
+        report.page("The arm along the first direction");
     }
-    write_whole(&directory.join("report.md"), text.as_bytes())
+    report.write(directory)?;
+    Ok(report)
 }
 
 fn figure(

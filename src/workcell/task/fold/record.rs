@@ -44,12 +44,12 @@ impl TaskRecord for FoldRecord {
         &mut self.head
     }
 
-    fn report(&self, directory: &Path) -> String {
+    fn report(&self, directory: &Path) -> Report {
         let mut report = Report::new(&format!("{}, folded", self.paper));
         let mm = |metres: f64| format!("{:.2} mm", 1e3 * metres);
         let or_not_seen = |words: Option<String>| words.unwrap_or_else(|| "not seen".to_owned());
-        report.row("cell", &self.cell);
-        report.row("arm", &self.arm);
+        report.row("cell", self.cell.as_str());
+        report.row("arm", self.arm.as_str());
         report.row("its edge goes", mm(self.target_m));
         let how = if self.closed_loop {
             "planned anew where the sheet has slid"
@@ -97,7 +97,8 @@ impl TaskRecord for FoldRecord {
         let last = ("left.png".into(), "After it was let go".into());
         let pictures = std::iter::once(first).chain(parts).chain([last]);
         report.pictures(directory, pictures);
-        report.text + "\n[The arm in motion](cell.html)\n"
+        report.page("The arm in motion");
+        report
     }
 }
 
@@ -124,7 +125,7 @@ mod tests {
             score: FoldScore::of(&looks, 0.296),
             looks,
         };
-        let report = record.report(Path::new("nowhere"));
+        let report = record.report(Path::new("nowhere")).markdown();
         for line in [
             "| the free end slid | not seen |",
             "|   seen last | 28.00 mm, after part 1 |",

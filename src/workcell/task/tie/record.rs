@@ -44,19 +44,19 @@ impl TaskRecord for TieRecord {
         &mut self.head
     }
 
-    fn report(&self, directory: &Path) -> String {
+    fn report(&self, directory: &Path) -> Report {
         let mut report = Report::new(&format!(
             "A knot tied along {}",
             self.patterns.join(" and ")
         ));
         let [first, second] = &self.arms;
-        report.row("cell", &self.cell);
+        report.row("cell", self.cell.as_str());
         let [what, other] = match self.patterns.len() {
             1 => ["lays and leads", "lifts"],
             _ => ["lays the first rod", "lays the second rod"],
         };
-        report.row(what, first);
-        report.row(other, second);
+        report.row(what, first.as_str());
+        report.row(other, second.as_str());
         let passes = self.passes.iter().map(|pass| match pass {
             Pass::Over => "over",
             Pass::Under => "under",
@@ -93,6 +93,7 @@ impl TaskRecord for TieRecord {
         }
         let plan = ("plan/deployment.svg", "The plan of the laying");
         report.pictures(directory, [OVERLAY, plan]);
-        report.text + "\n[Both arms in motion](cell.html)\n"
+        report.page("Both arms in motion");
+        report
     }
 }

@@ -1,0 +1,152 @@
+//! The cell of a task: that of a file, or a preset one that is simulated in this process.
+
+use super::cell_task::{refuse_unfinished, refuse_unready};
+use super::prelude::*;
+use super::preset_file::preset_file;
+use rodlab_workcell::cell::Cell;
+use rodlab_workcell::task::Report;
+use rodlab_workcell::virtual_cell::{Settings, with_cell};
+use std::io::{IsTerminal, Write as _};
+
+/// How many times as fast as real time a virtual cell is that only this process uses: as fast as it can be simulated.
+pub const FULL_SPEED: f64 = 100.0;
+
+/// Which cell, and whether its arms move without a question.
+#[derive(Debug, Args)]
+pub struct CellChoice {
+    /// The cell file of a cell that is served, or of real arms [default: a preset cell, simulated in this process at full speed]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell))]
+    pub cell: Option<PathBuf>,
+    /// Move the arms of --cell without asking first
+    #[arg(long)]
+    pub yes: bool,
+    /// Print the record as JSON on a terminal, too
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The cell of a task.
+pub struct TaskCell {
+    /// The cell as its file states it.
+    pub cell: Cell,
+    /// Its file.
+    pub file: PathBuf,
+    /// Whether it is simulated in this process.
+    pub is_virtual: bool,
+}
+
+impl CellChoice {
+    /// Prints what a task reports: a short table on a terminal, its record as JSON elsewhere and with --json.
+    pub fn print(
+        &self,
+        report: &Report,
+        record: &impl Serialize,
+        directory: &Path,
+    ) -> Result<(), Failure> {
+        if self.json || !std::io::stdout().is_terminal() {
+            return print_json(record);
+        }
+        print(&report.table())?;
+        print_paths(&["report.html", "cell.html"].map(|name| directory.join(name)))
+    }
+
+    /// Reads the cell, or the preset of a name where none is given; that one is simulated, except in a `dry_run`.
+    pub fn read(&self, preset: &str, dry_run: bool) -> Result<TaskCell, Failure> {
+        let file = self.cell.clone();
+        let file = file.map_or_else(|| preset_file(PresetKind::Cell, preset), Ok)?;
+        let is_virtual = self.cell.is_none() && !dry_run;
+        let cell = Cell::read(&file)?;
+        let can_ask = self.yes || std::io::stdin().is_terminal();
+        if !(dry_run || is_virtual || can_ask) {
+            return Err(Failure::Input(
+                "--yes is needed: --cell names arms that will move, and standard input is no terminal to ask on".into(),
+            ));
+        }
+        if is_virtual {
+            tracing::warn!("no --cell: the virtual cell `{preset}` is simulated at full speed");
+        }
+        Ok(TaskCell {
+            cell,
+            file,
+            is_virtual,
+        })
+    }
+}
+
+impl TaskCell {
+    /// Refuses to move arms that cannot do a task, or must not yet; `camera` states what the camera is for, where one is needed. The
+    /// arms of a simulated cell are new.
+    pub fn refuse_unready(
+        &self,
+        arms: &[usize],
+        is_checked: bool,
+        camera: &str,
+    ) -> Result<(), Failure> {
+        match self.is_virtual {
+            true => Ok(()),
+            false => refuse_unready(&self.cell, &self.file, arms, is_checked, camera),
+        }
+    }
+
+    /// Refuses to move an arm whose last task did not finish, see [`refuse_unfinished`].
+    pub fn refuse_unfinished(&self, arm: usize, is_checked: bool) -> Result<(), Failure> {
+        match self.is_virtual || is_checked {
+            true => Ok(()),
+            false => refuse_unfinished(&self.cell, arm),
+        }
+    }
+
+    /// The arms whose tasks leave marks until they finish: none of a simulated cell.
+    pub fn marked<'a>(&self, arms: &'a [usize]) -> &'a [usize] {
+        if self.is_virtual { &[] } else { arms }
+    }
+
+    /// Asks on the terminal whether real arms may move, unless --yes stands for the answer.
+    ///
+    /// # Errors
+    /// The answer is no.
+    pub fn confirm(
+        &self,
+        arms: &[usize],
+        directory: &Path,
+        choice: &CellChoice,
+    ) -> Result<(), Failure> {
+        if self.is_virtual || choice.yes {
+            return Ok(());
+        }
+        let names = arms.iter().map(|arm| self.cell.arms[*arm].name.as_str());
+        let names = names.collect::<Vec<_>>().join(" and ");
+        let page = directory.join("cell.html");
+        let question = format!(
+            "{}: {names} will move as {} shows",
+            self.cell.title,
+            page.display()
+        );
+        let mut stderr = std::io::stderr();
+        let asked = write!(stderr, "{question}. Move? [y/N] ").and_then(|()| stderr.flush());
+        let mut answer = String::new();
+        asked
+            .and_then(|()| std::io::stdin().read_line(&mut answer))
+            .map_err(Failure::system)?;
+        match answer.trim().to_ascii_lowercase().as_str() {
+            "y" | "yes" => Ok(()),
+            _ => Err(Failure::interrupted(format!(
+                "nothing moved; the plan is in {}",
+                directory.display()
+            ))),
+        }
+    }
+
+    /// Does work in the cell. `settings` state what is in it where it is simulated.
+    pub fn work<T>(
+        &self,
+        settings: impl FnOnce() -> Result<Settings, Failure>,
+        work: impl FnOnce(&Cell) -> Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        if !self.is_virtual {
+            return work(&self.cell);
+        }
+        let (done, _) = with_cell(&self.cell, settings()?, work)?;
+        done
+    }
+}

@@ -1,0 +1,109 @@
+//! Markdown as a page for the browser.
+
+use super::markup::{escape, fill};
+use crate::origin::version;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, html};
+
+const PAGE: &str = include_str!("document.html");
+
+/// Markdown (CommonMark with tables) as HTML. `address` replaces the address of each link and picture.
+pub fn markdown_html(markdown: &str, address: &dyn Fn(&str) -> Option<String>) -> String {
+    let replaced = |url: CowStr<'_>| address(&url).map(CowStr::from).unwrap_or(url.into_static());
+    let events = Parser::new_ext(markdown, Options::ENABLE_TABLES).map(|event| match event {
+        Event::Start(Tag::Image {
+            link_type,
+            dest_url,
+            title,
+            id,
+        }) => Event::Start(Tag::Image {
+            link_type,
+            dest_url: replaced(dest_url),
+            title,
+            id,
+        }),
+        Event::Start(Tag::Link {
+            link_type,
+            dest_url,
+            title,
+            id,
+        }) => Event::Start(Tag::Link {
+            link_type,
+            dest_url: replaced(dest_url),
+            title,
+            id,
+        }),
+        event => event,
+    });
+    let mut text = String::with_capacity(2 * markdown.len());
+    html::push_html(&mut text, events);
+    text
+}
+
+/// A page that holds Markdown and its pictures: `picture` returns the bytes of one by its address, or `None` to leave the address.
+pub fn document_page(
+    title: &str,
+    markdown: &str,
+    picture: &dyn Fn(&str) -> Option<Vec<u8>>,
+) -> String {
+    let embedded = |url: &str| picture(url).and_then(|bytes| data_address(&bytes));
+    let body = markdown_html(markdown, &embedded);
+    let parts = [
+        ("version", escape(&version())),
+        ("title", escape(title)),
+        ("body", body),
+    ];
+    fill(
+        PAGE,
+        &parts.each_ref().map(|(name, text)| (*name, text.as_str())),
+    )
+}
+
+/// A picture, PNG or SVG, as an address that holds it.
+fn data_address(bytes: &[u8]) -> Option<String> {
+    let kinds: [(&[u8], &str); 3] = [
+        (b"\x89PNG", "png"),
+        (b"<svg", "svg+xml"),
+        (b"<?xml", "svg+xml"),
+    ];
+    let (_, kind) = kinds.iter().find(|(head, _)| bytes.starts_with(head))?;
+    let text = STANDARD.encode(bytes);
+    Some(format!("data:image/{kind};base64,{text}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::escape_markdown;
+
+    #[test]
+    fn a_page_holds_its_tables_and_pictures() {
+        let markdown = "# Rods\n\n| a | b |\n|---|---|\n| 1 | 2 |\n\n![A rod](rod.png)\n\n[more](other.html)\n";
+        let png = [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n'];
+        let page = document_page("Rods & <more>", markdown, &|name| {
+            (name == "rod.png").then(|| png.to_vec())
+        });
+        for part in [
+            "<title>Rods &amp; &lt;more&gt;</title>",
+            "<td>1</td><td>2</td>",
+            "src=\"data:image/png;base64,",
+            "href=\"other.html\"",
+        ] {
+            assert!(page.contains(part), "{part}: {page}");
+        }
+    }
+
+    #[test]
+    fn escaped_text_brings_no_markup() {
+        let hostile = "<script>alert(1)</script> [a](javascript:b) ![c](d) `e` | f";
+        let html = markdown_html(
+            &format!("| x |\n|---|\n| {} |\n", escape_markdown(hostile)),
+            &|_| None,
+        );
+        assert!(
+            !html.contains("<script") && !html.contains("<a ") && !html.contains("<img"),
+            "{html}"
+        );
+    }
+}
