@@ -451,9 +451,51 @@ fn schema_explanations_and_completions_are_printed() {
     let (code, stdout, _) = outcome(&directory, &["explain", "rods.radius"]);
     assert_eq!(code, 0);
     assert!(stdout.contains("radius"), "{stdout}");
-    let (code, stdout, _) = outcome(&directory, &["completions", "bash"]);
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let (code, stdout, _) = outcome(&directory, &["completions", shell]);
+        assert_eq!(code, 0);
+        assert!(stdout.contains("rodlab"), "{stdout}");
+    }
+    let (code, _, _) = outcome(&directory, &["man", "pages"]);
     assert_eq!(code, 0);
-    assert!(stdout.contains("rodlab"), "{stdout}");
+    for page in ["rodlab.1", "rodlab-run.1", "rodlab-plan-deployment.1"] {
+        assert!(
+            directory.path().join("pages").join(page).is_file(),
+            "{page}"
+        );
+    }
+}
+
+#[test]
+fn shells_complete_presets_files_topics_pages_and_keys() {
+    let directory = directory(SWING);
+    for (words, expected) in [
+        (&["run", "flagella_q"][..], "flagella_quick"),
+        (&["run", "sw"], "swing.toml"),
+        (&["deploy", "--rod", "green"], "green_vps"),
+        (&["deploy", "--pattern", "tref"], "trefoil"),
+        (&["guide", "exit"], "exit-codes"),
+        (&["reproduce", "tab2"], "tab2.1"),
+        (&["explain", "time.st"], "time.step"),
+        (&["run", "swing.toml", "--set", "time.st"], "time.step="),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+            .env("COMPLETE", "bash")
+            .env("_CLAP_COMPLETE_INDEX", words.len().to_string())
+            .env("_CLAP_COMPLETE_COMP_TYPE", "9")
+            .env("_CLAP_COMPLETE_SPACE", "false")
+            .env("IFS", "\n")
+            .args(["--", "rodlab"])
+            .args(words)
+            .current_dir(directory.path())
+            .output()
+            .unwrap();
+        let offered = String::from_utf8(output.stdout).unwrap();
+        assert!(
+            offered.lines().any(|line| line == expected),
+            "{words:?}: {offered}"
+        );
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, evaluate, explain, explore,
-    fold_arguments, gather, guide, init, measure, place, plan, plot, presets, reproduce, run,
+    fold_arguments, gather, guide, init, man, measure, place, plan, plot, presets, reproduce, run,
     score, solve, status, stream, submit, tie, trace, train, verify, view,
 };
 use clap::Parser;
@@ -104,6 +104,8 @@ pub enum Command {
     Calibrate(calibrate::CalibrateArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
+    /// Write the manual pages
+    Man(man::ManArguments),
 }
 
 #[cfg(test)]

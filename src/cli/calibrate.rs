@@ -79,7 +79,7 @@ struct PoseArguments {
     #[command(flatten)]
     board: BoardArguments,
     /// File whose table [camera] gives the lens
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: PathBuf,
     /// Where to write the table [camera] with the pose found
     #[arg(long, value_name = "FILE")]

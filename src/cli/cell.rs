@@ -53,14 +53,14 @@ faults are drop-link, freeze-joint, slip-grasp and lose-camera.")]
 #[derive(Debug, Args)]
 struct ServeArguments {
     /// The cell file; its arms have drivers of kind \"rosbridge\"
-    #[arg(long, value_name = "FILE", default_value = GANTRY, value_parser = file_or_preset(PresetKind::Cell))]
+    #[arg(long, value_name = "FILE", default_value = GANTRY, value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: PathBuf,
     /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod], or where the cell has a [chuck] with
     /// youngs_modulus, poissons_ratio and density in [material] and radius and length in [rod]; without one, grippers hold nothing
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     rod: Option<PathBuf>,
     /// Rod, pegs and friction of the table: a scenario as for `rodlab place`
-    #[arg(long, value_name = "SCENARIO", conflicts_with_all = ["rod", "paper"], value_parser = file_or_preset(PresetKind::Scenario))]
+    #[arg(long, value_name = "SCENARIO", conflicts_with_all = ["rod", "paper"], value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     scene: Option<PathBuf>,
     /// Where the frame of its pattern lies in the cell: x,y,z in metres and a turn about z in degrees [default: the middle of the pattern
     /// in that of the table]
@@ -71,10 +71,10 @@ struct ServeArguments {
     #[arg(long, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
     /// The rod that all arms but the first are handed, beside that of the first: as --rod [default: the same]
-    #[arg(long, value_name = "FILE", requires = "rod", value_parser = file_or_preset(PresetKind::Rod))]
+    #[arg(long, value_name = "FILE", requires = "rod", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     second_rod: Option<PathBuf>,
     /// The sheet: TOML with [folding.paper], as in scenarios/papers
-    #[arg(long, value_name = "FILE", conflicts_with = "rod", value_parser = file_or_preset(PresetKind::Paper))]
+    #[arg(long, value_name = "FILE", conflicts_with = "rod", value_parser = file_or_preset(PresetKind::Paper), add = presets(PresetKind::Paper))]
     paper: Option<PathBuf>,
     /// The sheet lies with a corner ahead, to be folded along its diagonal
     #[arg(long, requires = "paper")]

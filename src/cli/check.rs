@@ -1,5 +1,6 @@
 //! `rodlab check`.
 
+use super::candidates::keys;
 use super::prelude::*;
 use super::preset_file::scenario_or_cell;
 use super::run::prepare;
@@ -17,10 +18,10 @@ Examples:
   rodlab check scenarios/cells/*.toml            robot cells: a file with [[arms]] or [[axes]] is one")]
 pub struct CheckArguments {
     /// The scenario files
-    #[arg(required = true, value_parser = scenario_or_cell())]
+    #[arg(required = true, value_parser = scenario_or_cell(), add = presets(PresetKind::Scenario))]
     pub scenarios: Vec<PathBuf>,
     /// Set a key of each scenario; may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
+    #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     pub overrides: Vec<String>,
     /// Print the numbers as JSON, an object per file
     #[arg(long)]

@@ -1,22 +1,29 @@
 //! `rodlab completions`.
 
 use super::prelude::*;
-use clap::Command;
-use clap_complete::Shell;
+use clap_complete::env::Shells;
 
 /// Arguments of `rodlab completions`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Example:
-  rodlab completions bash > ~/.local/share/bash-completion/completions/rodlab")]
+Examples:
+  echo 'source <(rodlab completions bash)' >> ~/.bashrc
+  rodlab completions fish > ~/.config/fish/completions/rodlab.fish
+
+The script asks the program for presets, topics, pages and keys. Print it again after an update.")]
 pub struct CompletionsArguments {
     /// The shell
-    pub shell: Shell,
+    #[arg(value_parser = clap::builder::PossibleValuesParser::new(Shells::builtins().names()))]
+    shell: String,
 }
 
-/// Prints a completion script for the arguments of `program`.
-pub fn completions(arguments: &CompletionsArguments, mut program: Command) -> Result<(), Failure> {
+/// Prints a completion script.
+pub fn completions(arguments: &CompletionsArguments) -> Result<(), Failure> {
+    let shells = Shells::builtins();
+    let completer = shells.completer(&arguments.shell).expect("one of them");
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut program, "rodlab", &mut script);
+    completer
+        .write_registration("COMPLETE", "rodlab", "rodlab", "rodlab", &mut script)
+        .map_err(Failure::system)?;
     print(&String::from_utf8_lossy(&script))
 }

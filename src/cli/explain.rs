@@ -1,5 +1,6 @@
 //! `rodlab explain`: keys of scenario files; files of results directories and their columns.
 
+use super::candidates::keys;
 use super::prelude::*;
 use rodlab_files::results::FileDescription;
 use rodlab_lab::experiment::{self, Described, describe, described_files, files_with_column};
@@ -16,6 +17,7 @@ Examples:
   rodlab explain manifest.json")]
 pub struct ExplainArguments {
     /// A dotted key, a file of results directories or FILE.COLUMN; without one, what there is
+    #[arg(add = keys(""))]
     pub key: Option<String>,
 }
 

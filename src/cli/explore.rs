@@ -41,7 +41,7 @@ the way; the message and report.md say what; arm and chuck hold. `rodlab cell se
 with.")]
 pub struct ExploreArguments {
     /// The rod: TOML with youngs_modulus, poissons_ratio and density in [material], and radius, length and markers in [rod]
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     rod: PathBuf,
     #[command(flatten)]
     directions: DirectionArguments,

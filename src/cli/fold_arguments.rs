@@ -27,7 +27,7 @@ With --simulate the sheet is folded in plain simulation, without an arm; the res
 scenario can be taken on with `rodlab run`.")]
 pub struct FoldArguments {
     /// The sheet: TOML with [folding.paper], as in scenarios/papers
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Paper))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Paper), add = presets(PresetKind::Paper))]
     pub paper: PathBuf,
     /// Where the edge goes: `half`, onto the opposite edge; `diagonal-strip`, a corner of a square sheet onto the opposite one, planned and
     /// simulated as a strip of one width; or how far

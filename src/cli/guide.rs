@@ -1,5 +1,6 @@
 //! `rodlab guide`.
 
+use super::candidates::guide_topics;
 use super::markdown::for_terminal;
 use super::prelude::*;
 use crate::guide::{PAGES, page};
@@ -14,6 +15,7 @@ Examples:
   rodlab guide exit-codes | less")]
 pub struct GuideArguments {
     /// The topic; without one, all topics are listed
+    #[arg(add = guide_topics())]
     pub topic: Option<String>,
 }
 

@@ -33,7 +33,7 @@ pub struct MarkerArguments {
     #[command(flatten)]
     recording: RecordingArguments,
     /// File whose table [camera] says where the camera is
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: PathBuf,
     /// File whose table [helix] says which helix is expected
     #[arg(long, value_name = "FILE")]

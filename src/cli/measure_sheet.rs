@@ -26,7 +26,7 @@ pub struct SheetArguments {
     #[arg(long, value_name = "RULE", default_value = "auto")]
     colour: String,
     /// File whose table [camera] gives coordinates in metres
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: Option<PathBuf>,
     /// The edge whose sliding is measured
     #[arg(long, value_name = "1..4", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=4))]

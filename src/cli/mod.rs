@@ -16,6 +16,7 @@
 mod answers;
 mod arguments;
 mod calibrate;
+mod candidates;
 mod cell;
 mod cell_task;
 mod check;
@@ -45,6 +46,7 @@ mod interruption;
 mod laying;
 mod log_directory;
 mod logging;
+mod man;
 mod markdown;
 mod measure;
 mod measure_knot;
@@ -99,6 +101,7 @@ pub fn main() -> process::ExitCode {
     if let Some(commit) = option_env!("RODLAB_COMMIT") {
         rodlab_files::origin::state_commit(commit);
     }
+    candidates::answer_shell();
     crash::announce_panics();
     file_size::report_as_errors();
     let arguments = Arguments::parse();
@@ -151,6 +154,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Trace(command) => trace::trace(command),
         Command::Score(command) => score::score(command),
         Command::Calibrate(command) => calibrate::calibrate(command),
-        Command::Completions(command) => completions::completions(command, Arguments::command()),
+        Command::Completions(command) => completions::completions(command),
+        Command::Man(command) => man::man(command, Arguments::command()),
     }
 }

@@ -16,7 +16,7 @@ const POINT_STEP: f64 = 1e-3;
 pub struct PatternArguments {
     /// The pattern: an SVG file; a CSV file with columns x_m and y_m; a photographed drawing (PNG or JPEG, with --size or
     /// --drawing-camera); or line:LENGTH, circle:RADIUS, sine:AMPLITUDE,WAVELENGTH,WAVES
-    #[arg(long, value_name = "PATTERN", value_parser = pattern_or_preset)]
+    #[arg(long, value_name = "PATTERN", value_parser = pattern_or_preset, add = presets(PresetKind::Pattern))]
     pattern: GivenPattern,
     /// Length of the longer side of a drawn pattern [default: as drawn]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]

@@ -1,5 +1,6 @@
 //! `rodlab place`: a cable laid between pegs.
 
+use super::candidates::keys;
 use super::laying::{Laying, LayingArguments};
 use super::prelude::*;
 use rodlab_files::results::write_whole;
@@ -21,10 +22,10 @@ side on which the pattern does and does not lie on them. Everything is in one di
 the cable between its pegs. `rodlab cell serve --scene SCENARIO` is a cell to try --cell with.")]
 pub struct PlaceArguments {
     /// The scenario
-    #[arg(value_parser = file_or_preset(PresetKind::Scenario))]
+    #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     scenario: PathBuf,
     /// Set a key of the scenario, such as deployment.scheme=intuitive; may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
+    #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     overrides: Vec<String>,
     #[command(flatten)]
     laying: LayingArguments,

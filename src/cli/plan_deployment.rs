@@ -55,7 +55,7 @@ pub struct DeploymentPlan {
     source: PatternArguments,
     /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod] [default: that of the cell; otherwise of the preset rods
     /// the softest that is long enough, for a knot the longest that is shorter than the pattern]
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     rod: Option<PathBuf>,
     #[arg(skip)]
     chosen: OnceLock<PathBuf>,

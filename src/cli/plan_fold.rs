@@ -9,7 +9,7 @@ use rodlab_planning::plan::fold_request::{FoldNumbers, FoldPlanRequest, halvings
 #[derive(Debug, Args)]
 pub struct FoldPlanArguments {
     /// The sheet: TOML with length, width and gravito_bending_length (or youngs_modulus, thickness and density) in [folding.paper]
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Paper))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Paper), add = presets(PresetKind::Paper))]
     paper: PathBuf,
     /// Where the edge goes: `half`, onto the opposite edge; `diagonal-strip`, a corner of a square sheet onto the opposite one, planned as a
     /// strip of one width, as in the thesis; or how far (the thesis' C); the crease is pressed half way

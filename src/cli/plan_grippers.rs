@@ -8,7 +8,7 @@ use rodlab_planning::plan::files::trajectory_csv;
 #[derive(Debug, Args)]
 pub struct GripperPlanArguments {
     /// A scenario of the experiment "deployment"
-    #[arg(value_parser = file_or_preset(PresetKind::Scenario))]
+    #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     scenario: PathBuf,
     /// Set a key of the scenario: deployment.scheme=intuitive
     #[arg(long, value_name = "KEY=VALUE")]

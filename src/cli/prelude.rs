@@ -1,5 +1,6 @@
 //! What the subcommands have in common: options, values, output and failures.
 
+pub(super) use super::candidates::presets;
 pub(super) use super::common::Common;
 pub(super) use super::failure::{Failure, OrInput};
 pub(super) use super::output::{

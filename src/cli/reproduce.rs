@@ -1,5 +1,6 @@
 //! `rodlab reproduce`.
 
+use super::candidates::artifacts;
 use super::figure_arguments::FigureArguments;
 use super::prelude::*;
 use super::{standard_error, watchdog};
@@ -24,7 +25,7 @@ Finished runs are not repeated, interrupted ones continue. With --jobs 1 a run h
 wall times can be compared.")]
 pub struct ReproduceArguments {
     /// The table or figure, as --list shows it
-    #[arg(required_unless_present = "list", value_parser = artifact)]
+    #[arg(required_unless_present = "list", value_parser = artifact, add = artifacts())]
     pub artifact: Option<&'static Artifact>,
     /// List what can be reproduced and its rough cost
     #[arg(long, conflicts_with = "artifact")]

@@ -1,5 +1,6 @@
 //! `rodlab run`.
 
+use super::candidates::keys;
 use super::common::refuse_too_many_threads;
 use super::log_directory::results_directory;
 use super::prelude::*;
@@ -31,10 +32,10 @@ A run that is interrupted continues when the same command is given again; a fini
 The same holds for each case of a sweep. Several processes may work on one results directory and share its cases.")]
 pub struct RunArguments {
     /// The scenario file
-    #[arg(value_parser = file_or_preset(PresetKind::Scenario))]
+    #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     pub scenario: PathBuf,
     /// Set a key of the scenario, such as rods.beam.radius=\"7 mm\"; may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
+    #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     pub overrides: Vec<String>,
     /// Where the results go [default: results/<name of the scenario>]
     #[arg(long, value_name = "DIR")]

@@ -19,7 +19,7 @@ pub struct ScoreArguments {
     /// CSV with columns x_m and y_m
     pub result: PathBuf,
     /// The pattern: an SVG drawing, or CSV with columns x_m and y_m
-    #[arg(value_parser = file_or_preset(PresetKind::Pattern))]
+    #[arg(value_parser = file_or_preset(PresetKind::Pattern), add = presets(PresetKind::Pattern))]
     pub pattern: PathBuf,
     /// Strand of the result, from 1 [default: the first one]
     #[arg(long, value_name = "N")]

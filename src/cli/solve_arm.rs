@@ -8,7 +8,7 @@ use rodlab_workcell::cell::{Arm, Cell};
 #[derive(Debug, Args)]
 pub(super) struct ArmChoice {
     /// The cell file
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     pub cell: PathBuf,
     /// Name of the arm; not needed where the cell has only one
     #[arg(long, value_name = "NAME")]

@@ -17,7 +17,7 @@ pub struct StreamArguments {
     #[arg(required = true, value_name = "TRAJECTORY")]
     trajectories: Vec<PathBuf>,
     /// The cell file
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: PathBuf,
     /// How many times as fast as the trajectory says
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = within(0.01, 10.0))]

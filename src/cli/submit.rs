@@ -1,5 +1,6 @@
 //! `rodlab submit`.
 
+use super::candidates::keys;
 use super::log_directory::results_directory;
 use super::prelude::*;
 use super::sweep::refuse_too_many;
@@ -26,10 +27,10 @@ puts itself into the queue again. The same command submits what is neither finis
 after `scancel`. `rodlab status DIR` shows the progress, `rodlab gather DIR` makes the tables of the whole sweep.")]
 pub struct SubmitArguments {
     /// The scenario file, with what is varied
-    #[arg(value_parser = file_or_preset(PresetKind::Scenario))]
+    #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     pub scenario: PathBuf,
     /// Set a key of the scenario; may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
+    #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     pub overrides: Vec<String>,
     /// Run a case for each value of a key, as in `rodlab run`
     #[arg(long, value_name = "KEY=VALUES")]

@@ -15,7 +15,7 @@ pub const FULL_SPEED: f64 = 100.0;
 #[derive(Debug, Args)]
 pub struct CellChoice {
     /// The cell file of a cell that is served, or of real arms [default: a preset cell, simulated in this process at full speed]
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     pub cell: Option<PathBuf>,
     /// Move the arms of --cell without asking first
     #[arg(long)]

@@ -49,10 +49,10 @@ pub struct TieArguments {
     #[arg(long, value_name = "NAME")]
     second_arm: Option<String>,
     /// The second rod of a knot of two, as --rod: it is laid over the first, and its end is led before that of the first
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     second_rod: Option<PathBuf>,
     /// Its pattern, an SVG or CSV file in the same frame [default: --pattern]
-    #[arg(long, value_name = "FILE", requires = "second_rod", value_parser = file_or_preset(PresetKind::Pattern))]
+    #[arg(long, value_name = "FILE", requires = "second_rod", value_parser = file_or_preset(PresetKind::Pattern), add = presets(PresetKind::Pattern))]
     second_pattern: Option<PathBuf>,
     /// Which stroke of an SVG, or strand of a CSV file, from 1 [default: the only one]
     #[arg(long, value_name = "N", requires = "second_rod")]

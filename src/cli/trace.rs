@@ -33,7 +33,7 @@ pub struct TraceArguments {
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
     /// File whose table [camera] gives coordinates in metres
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell))]
+    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     pub cell: Option<PathBuf>,
     /// Parts with fewer pixels are noise
     #[arg(long, value_name = "PIXELS", default_value_t = 60)]
