@@ -53,6 +53,8 @@ impl ExitCode for ResultsError {
     fn exit_code(&self) -> u8 {
         match self {
             Self::AnotherScenario { .. }
+            | Self::AnotherKind { .. }
+            | Self::AnotherCommand { .. }
             | Self::NotResults { .. }
             | Self::Link { .. }
             | Self::NotOwn { .. }

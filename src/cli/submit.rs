@@ -112,6 +112,7 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
         let all: Vec<usize> = (1..=jobs.tasks).collect();
         return print(&cluster::script(&program, &request, &all)?);
     }
+    let is_new = !directory.exists();
     sweep::establish(&case_set, &RunOptions::new(&directory))?;
     let queue = cluster::tasks(&jobs.jobs)?;
     let mut left = unfinished_tasks(&sweep::case_records(&directory)?, jobs.tasks);
@@ -120,7 +121,13 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     if left.is_empty() {
         return print("nothing to submit: every task is finished, or in the queue\n");
     }
-    let job = cluster::submit(&program, &request, &left, &mut jobs)?;
+    let job = cluster::submit(&program, &request, &left, &mut jobs);
+    let job = job.inspect_err(|error| {
+        if is_new && error.is_refusal() {
+            // What was made for the job goes again; the refusal is what is reported.
+            let _ = std::fs::remove_dir_all(&directory);
+        }
+    })?;
     print(&format!(
         "{:<24}{job}\n{:<24}{} of {}\n{:<24}{}\n",
         "job",
@@ -134,6 +141,11 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
 
 fn tasks_of(case_set: &CaseSet, asked: Option<u32>) -> usize {
     let cases = usize::try_from(case_set.count()).unwrap_or(usize::MAX);
+    if let Some(asked) = asked.filter(|tasks| *tasks as usize > cases) {
+        tracing::warn!(
+            "--tasks {asked}: the sweep has {cases} cases, and as many tasks are submitted"
+        );
+    }
     asked.map_or(TASKS, |tasks| tasks as usize).min(cases)
 }
 

@@ -130,10 +130,26 @@ pub(super) fn recognise(
         };
     }
     match Manifest::read(path) {
+        Err(ResultsError::Damaged { .. }) if let Some(command) = task_in(path) => {
+            Err(ResultsError::AnotherCommand {
+                directory: path.to_owned(),
+                command,
+            })
+        }
         // A file of this name that is no manifest of ours: whatever lies beside it is not ours to remove.
         Err(ResultsError::Damaged { .. }) if force => Err(foreign(MANIFEST.to_owned())),
         Ok(_) if force => Ok(None),
         Ok(Some(manifest)) if !asked.is_that_of(&manifest) => {
+            let [held, wanted] = [&manifest.scenario, asked.scenario].map(kind_in_words);
+            if let (Some(held), Some(wanted)) = (held, wanted)
+                && held != wanted
+            {
+                return Err(ResultsError::AnotherKind {
+                    directory: path.to_owned(),
+                    held,
+                    asked: wanted,
+                });
+            }
             let mut keys = difference(&manifest.scenario, asked.scenario);
             if keys.is_empty() {
                 keys.push("a file that it reads has changed".to_owned());
@@ -145,6 +161,25 @@ pub(super) fn recognise(
         }
         found => found,
     }
+}
+
+/// What a resolved scenario describes: a run or a sweep of an experiment; `None` where it names none.
+fn kind_in_words(scenario: &str) -> Option<String> {
+    let table: toml::Table = scenario.parse().ok()?;
+    let experiment = table.get("experiment")?.as_str()?;
+    let what = match table.contains_key("sweep") {
+        true => "a sweep",
+        false => "a run",
+    };
+    Some(format!("{what} of the experiment `{experiment}`"))
+}
+
+/// The command whose manifest is in a directory, where it is that of a task of a robot cell.
+fn task_in(path: &Path) -> Option<String> {
+    let text = fs::read(path.join(MANIFEST)).ok()?;
+    let manifest: serde_json::Value = serde_json::from_slice(&text).ok()?;
+    let command = manifest["command_line"].as_array()?.get(1)?.as_str()?;
+    Some(format!("rodlab {command}"))
 }
 
 /// The first entry by name that a run cannot have left before its manifest.
@@ -283,6 +318,41 @@ mod tests {
             Opened::Ready(directory) => directory,
             Opened::Finished(_) => panic!("taken for finished"),
         })
+    }
+
+    #[test]
+    fn results_of_another_kind_are_named_in_the_first_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        let open = |text: &str| ResultsDirectory::open(path, text, text, &[], false).map(drop);
+        fs::write(
+            path.join(MANIFEST),
+            r#"{"command_line": ["rodlab", "deploy", "--pattern", "A"], "status": "finished"}"#,
+        )
+        .unwrap();
+        let error = open("experiment = \"scene\"").unwrap_err().to_string();
+        assert!(error.contains("what `rodlab deploy` wrote"), "{error}");
+        let scene = "experiment = \"scene\"\n";
+        let mut manifest = example("ab", CaseStatus::Running);
+        manifest.scenario = scene.into();
+        manifest.write(path).unwrap();
+        let sweep = open("experiment = \"scene\"\n[sweep]\na = [1, 2]\n")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            sweep.contains("a run of the experiment `scene`, and this is a sweep"),
+            "{sweep}"
+        );
+        let kind = open("experiment = \"flagella\"").unwrap_err().to_string();
+        assert!(
+            kind.contains("this is a run of the experiment `flagella`"),
+            "{kind}"
+        );
+        let value = open("experiment = \"scene\"\nseed = 1").unwrap_err();
+        assert!(
+            matches!(value, ResultsError::AnotherScenario { .. }),
+            "{value}"
+        );
     }
 
     #[test]

@@ -19,6 +19,27 @@ pub enum ResultsError {
         /// In what it differs, a key each.
         keys: Vec<String>,
     },
+    /// The directory holds results of another kind.
+    #[error(
+        "`{}` holds {held}, and this is {asked}; choose another directory with --out, or start over with --force",
+        directory.display()
+    )]
+    AnotherKind {
+        /// The directory.
+        directory: PathBuf,
+        /// What it holds.
+        held: String,
+        /// What is to be written.
+        asked: String,
+    },
+    /// The directory holds what another command wrote.
+    #[error("`{}` holds what `{command}` wrote; choose another directory with --out", directory.display())]
+    AnotherCommand {
+        /// The directory.
+        directory: PathBuf,
+        /// The command.
+        command: String,
+    },
     /// The directory holds files that are no results.
     #[error(
         "`{}` is not empty and not a results directory (it holds `{found}`, but no manifest.json of rodlab); choose another with --out",

@@ -22,6 +22,14 @@ pub enum ClusterError {
         /// What it said.
         message: String,
     },
+    /// `sbatch` took a job and printed no number of it (exit code 1).
+    #[error(
+        "`sbatch` printed `{said}` instead of the number of a job; `squeue` shows whether there is one"
+    )]
+    NoNumber {
+        /// What it printed.
+        said: String,
+    },
     /// A file of the results directory could not be read or written (exit code 1).
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
@@ -60,4 +68,11 @@ pub enum ClusterError {
         /// What is wrong with it.
         reason: String,
     },
+}
+
+impl ClusterError {
+    /// Whether it is certain that there is no job.
+    pub fn is_refusal(&self) -> bool {
+        !matches!(self, Self::NoNumber { .. } | Self::Io { .. })
+    }
 }

@@ -58,7 +58,7 @@ fn sbatch(script: &str) -> Result<u64, ClusterError> {
     }
     // `number` or, between clusters, `number;cluster`.
     let number = said.trim().split(';').next().unwrap_or_default();
-    number
-        .parse()
-        .map_err(|_| failed(&format!("it said `{}`", said.trim())))
+    number.parse().map_err(|_| ClusterError::NoNumber {
+        said: said.trim().to_owned(),
+    })
 }

@@ -87,6 +87,15 @@ pub fn parse(source: usize, text: &str) -> Result<Node, Vec<SyntaxError>> {
     })
 }
 
+/// Whether the bracket or brace at a place closes another kind than the one that was opened last.
+fn is_of_another_kind(bytes: &[u8], open: &[usize], place: usize) -> bool {
+    let opened = open.last().map(|at| bytes[*at]);
+    matches!(
+        (opened, bytes[place]),
+        (Some(b'['), b'}') | (Some(b'{'), b']')
+    )
+}
+
 /// The first bracket or brace of a value that is still open where the next key, the next table or the end of the text
 /// comes.
 fn unclosed_bracket(text: &str) -> Option<usize> {
@@ -103,6 +112,9 @@ fn unclosed_bracket(text: &str) -> Option<usize> {
             // A key in a list: what is open was to be closed before. Inline tables have keys of their own.
             b'=' if open.iter().all(|at| bytes[*at] == b'[') => return open.first().copied(),
             b'[' | b'{' if in_value => open.push(place),
+            b']' | b'}' if in_value && is_of_another_kind(bytes, &open, place) => {
+                return open.last().copied();
+            }
             b']' | b'}' if in_value => drop(open.pop()),
             _ => {}
         }
@@ -281,6 +293,13 @@ mod tests {
             );
             assert!(error.message.contains("is not closed"), "{error:?}");
         }
+    }
+
+    #[test]
+    fn the_bracket_that_another_kind_closes_is_the_unclosed_one() {
+        let text = "shape = { start = [0, 0, 0, end = [1, 0, 0] }\n[time]\n";
+        let errors = parse(0, text).unwrap_err();
+        assert_eq!(errors[0].bytes.start, text.find("[0").unwrap());
     }
 
     #[test]

@@ -29,6 +29,12 @@ pub fn read(source: usize, argument: &str) -> Result<Axis, String> {
         .collect();
     let values: Vec<Node> = match numbers.as_deref() {
         Some([from, to, step]) => stepped(from, to, step)?.into_iter().map(node).collect(),
+        Some([_, _]) => {
+            return Err(format!(
+                "{values:?} is a range without its step; expected from:to:step, as in {values}:{}",
+                parts[0].trim()
+            ));
+        }
         _ => {
             let mut offset = key.len() + 1;
             split_list(values)
@@ -131,6 +137,10 @@ mod tests {
                 .contains("key=from:to:step")
         );
         assert!(read(0, "friction=").unwrap_err().contains("empty"));
+        for range in ["3mm:7mm", "0.1 : 0.2"] {
+            let error = read(0, &format!("radius={range}")).unwrap_err();
+            assert!(error.contains("without its step"), "{error}");
+        }
         assert!(read(0, "radius=1 mm:2 mm:1").unwrap_err().contains("unit"));
         assert!(
             read(0, "friction=0:1:-1")
