@@ -28,7 +28,7 @@
 //! may import, too):
 //!
 //! ```text
-//! cli            ──> sweep, verify, reproduce, task, virtual_cell, guide, presets, cluster
+//! cli            ──> sweep, verify, reproduce, task, virtual_cell, guide, presets, site, cluster
 //! task           ──> cell, report
 //! sweep, verify  ──> experiment
 //! reproduce      ──> report, task, virtual_cell
@@ -37,7 +37,7 @@
 //! run            ──> mechanics, results
 //! knot           ──> mechanics
 //! plan           ──> mechanics, learn
-//! learn          ──> results, figure
+//! learn, site    ──> results, figure
 //! mechanics      ──> linalg
 //! virtual_cell   ──> cell, experiment
 //! cell           ──> robot, vision, scenario, figure
@@ -52,7 +52,7 @@
 //! Each room is in a crate of the workspace, below `src`; this one hands on the rooms of all:
 //!
 //! ```text
-//! rodlab            cli, guide, presets, verify, reproduce
+//! rodlab            cli, guide, presets, site, verify, reproduce
 //! rodlab-workcell   cell, virtual_cell, task
 //! rodlab-lab        scenario, experiment, run, sweep, report, cluster
 //! rodlab-planning   knot, learn, plan
@@ -66,6 +66,7 @@
 //! | [`cli`] | one file per subcommand: parse, call one library function, print |
 //! | [`guide`] | the guide's pages, here and in `rodlab guide` |
 //! | [`presets`] | scenarios, rods, papers, cells and patterns that the program carries |
+//! | [`site`] | the documentation as a web site |
 //! | [`scenario`] | the TOML schema as Rust types, units, validation with source positions |
 //! | [`experiment`] | one folder per kind of experiment: its keys, scene, observers, figures; the list of kinds |
 //! | [`run`] | the run loop on a results directory |
@@ -113,4 +114,5 @@ pub mod cli;
 pub mod guide;
 pub mod presets;
 pub mod reproduce;
+pub mod site;
 pub mod verify;

@@ -4,7 +4,7 @@ use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, evaluate, explain, explore,
     fold_arguments, gather, guide, init, man, measure, place, plan, plot, presets, reproduce, run,
-    score, solve, status, stream, submit, tie, trace, train, verify, view,
+    score, site, solve, status, stream, submit, tie, trace, train, verify, view,
 };
 use clap::Parser;
 use std::sync::OnceLock;
@@ -104,6 +104,9 @@ pub enum Command {
     Calibrate(calibrate::CalibrateArguments),
     /// Print a completion script for a shell
     Completions(completions::CompletionsArguments),
+    /// Write the documentation as a web site
+    #[command(hide = true)]
+    Site(site::SiteArguments),
     /// Write the manual pages
     Man(man::ManArguments),
 }

@@ -53,13 +53,18 @@ pub fn artifacts() -> ArgValueCandidates {
 /// Keys of scenario files, with an ending.
 pub fn keys(ending: &'static str) -> ArgValueCandidates {
     ArgValueCandidates::new(move || {
-        let schema = experiment::json_schema();
-        let mut keys = Vec::new();
-        list_keys(&schema, &schema, "", &mut keys);
-        let keys = keys.into_iter();
+        let keys = scenario_keys().into_iter();
         keys.map(|(key, words)| candidate(&(key + ending), &words))
             .collect()
     })
+}
+
+/// Keys of scenario files with their descriptions, tables before their keys.
+pub fn scenario_keys() -> Vec<(String, String)> {
+    let schema = experiment::json_schema();
+    let mut keys = Vec::new();
+    list_keys(&schema, &schema, "", &mut keys);
+    keys
 }
 
 fn candidate(name: &str, words: &str) -> CompletionCandidate {
@@ -106,9 +111,7 @@ mod tests {
 
     #[test]
     fn every_key_that_is_offered_can_be_explained() {
-        let schema = experiment::json_schema();
-        let mut keys = Vec::new();
-        list_keys(&schema, &schema, "", &mut keys);
+        let keys = scenario_keys();
         assert!(keys.iter().any(|(key, _)| key == "time.step"));
         for (key, _) in keys {
             assert!(experiment::explain(&key).is_ok(), "{key}");

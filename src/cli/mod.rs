@@ -69,6 +69,7 @@ mod run;
 mod samples;
 mod schema;
 mod score;
+mod site;
 mod solve;
 mod solve_arm;
 mod solve_fold;
@@ -155,6 +156,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Score(command) => score::score(command),
         Command::Calibrate(command) => calibrate::calibrate(command),
         Command::Completions(command) => completions::completions(command),
+        Command::Site(command) => site::site(command),
         Command::Man(command) => man::man(command, Arguments::command()),
     }
 }

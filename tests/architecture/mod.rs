@@ -23,6 +23,7 @@ const ROOMS: Table = &[
             "virtual_cell",
             "guide",
             "presets",
+            "site",
             "cluster",
         ],
     ),
@@ -51,6 +52,7 @@ const ROOMS: Table = &[
     ("cluster", &[]),
     ("guide", &[]),
     ("presets", &[]),
+    ("site", &["results", "figure"]),
     ("linalg", &["random"]),
     ("random", &[]),
 ];

@@ -1,44 +1,49 @@
 //! Markdown as a page for the browser.
 
 use super::markup::{escape, fill};
+use super::slug::Slugs;
 use crate::origin::version;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, html};
+use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html};
 
 const PAGE: &str = include_str!("document.html");
 
-/// Markdown (CommonMark with tables) as HTML. `address` replaces the address of each link and picture.
-pub fn markdown_html(markdown: &str, address: &dyn Fn(&str) -> Option<String>) -> String {
-    let replaced = |url: CowStr<'_>| address(&url).map(CowStr::from).unwrap_or(url.into_static());
-    let events = Parser::new_ext(markdown, Options::ENABLE_TABLES).map(|event| match event {
-        Event::Start(Tag::Image {
-            link_type,
-            dest_url,
-            title,
-            id,
-        }) => Event::Start(Tag::Image {
-            link_type,
-            dest_url: replaced(dest_url),
-            title,
-            id,
-        }),
-        Event::Start(Tag::Link {
-            link_type,
-            dest_url,
-            title,
-            id,
-        }) => Event::Start(Tag::Link {
-            link_type,
-            dest_url: replaced(dest_url),
-            title,
-            id,
-        }),
-        event => event,
-    });
+/// Markdown (CommonMark with tables) as HTML. `address` replaces the address of each link and picture. Headings have anchors, as on
+/// hosts of repositories.
+pub fn markdown_html(markdown: &str, address: &mut dyn FnMut(&str) -> Option<String>) -> String {
+    let mut events: Vec<Event<'_>> = Parser::new_ext(markdown, Options::ENABLE_TABLES).collect();
+    let mut slugs = Slugs::default();
+    for index in 0..events.len() {
+        let anchor = match &events[index] {
+            Event::Start(Tag::Heading { .. }) => Some(slugs.of(&words_of(&events[index + 1..]))),
+            _ => None,
+        };
+        match &mut events[index] {
+            Event::Start(Tag::Heading { id, .. }) => *id = anchor.map(CowStr::from),
+            Event::Start(Tag::Image { dest_url, .. } | Tag::Link { dest_url, .. }) => {
+                if let Some(other) = address(dest_url) {
+                    *dest_url = other.into();
+                }
+            }
+            _ => {}
+        }
+    }
     let mut text = String::with_capacity(2 * markdown.len());
-    html::push_html(&mut text, events);
+    html::push_html(&mut text, events.into_iter());
     text
+}
+
+/// The words of a heading that has begun.
+fn words_of(events: &[Event<'_>]) -> String {
+    let inside = events
+        .iter()
+        .take_while(|event| !matches!(event, Event::End(TagEnd::Heading(_))));
+    let words = inside.filter_map(|event| match event {
+        Event::Text(words) | Event::Code(words) => Some(words.as_ref()),
+        _ => None,
+    });
+    words.collect()
 }
 
 /// A page that holds Markdown and its pictures: `picture` returns the bytes of one by its address, or `None` to leave the address.
@@ -47,8 +52,8 @@ pub fn document_page(
     markdown: &str,
     picture: &dyn Fn(&str) -> Option<Vec<u8>>,
 ) -> String {
-    let embedded = |url: &str| picture(url).and_then(|bytes| data_address(&bytes));
-    let body = markdown_html(markdown, &embedded);
+    let mut embedded = |url: &str| picture(url).and_then(|bytes| data_address(&bytes));
+    let body = markdown_html(markdown, &mut embedded);
     let parts = [
         ("version", escape(&version())),
         ("title", escape(title)),

@@ -1,0 +1,106 @@
+//! Addresses of links: places in the repository.
+
+use std::fmt;
+
+/// Where a link leads in the repository.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Address {
+    /// The file, from the root of the repository.
+    pub path: String,
+    /// The anchor on its page.
+    pub anchor: Option<String>,
+}
+
+impl Address {
+    /// Where a link on a page leads; `None` out of the repository.
+    pub fn of(page: &str, link: &str) -> Option<Self> {
+        if link.contains("://") || link.starts_with("mailto:") || link.starts_with("data:") {
+            return None;
+        }
+        let (path, anchor) = match link.split_once('#') {
+            Some((path, anchor)) => (path, Some(anchor.to_owned())),
+            None => (link, None),
+        };
+        let path = match path {
+            "" => page.to_owned(),
+            path => joined(page, path),
+        };
+        Some(Self { path, anchor })
+    }
+
+    /// Whether it is a page of the site.
+    pub fn is_page(&self) -> bool {
+        self.path.ends_with(".md")
+    }
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.path)?;
+        match &self.anchor {
+            Some(anchor) => write!(formatter, "#{anchor}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A path beside a page, from the root.
+fn joined(page: &str, path: &str) -> String {
+    let mut parts: Vec<&str> = page.split('/').collect();
+    parts.pop();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => drop(parts.pop()),
+            part => parts.push(part),
+        }
+    }
+    parts.join("/")
+}
+
+/// Where a page is in the site.
+pub fn html_path(page: &str) -> String {
+    match page.strip_suffix(".md") {
+        Some("README") => "index.html".into(),
+        Some(stem) => format!("{stem}.html"),
+        None => page.to_owned(),
+    }
+}
+
+/// The address of a place as it is written on a page; the root where the place is empty, with a slash where it is not the page's folder.
+pub fn relative(page: &str, place: &str) -> String {
+    "../".repeat(page.matches('/').count()) + place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_lead_to_places_in_the_repository() {
+        for (page, link, expected) in [
+            ("README.md", "src/guide/time.md", Some("src/guide/time.md")),
+            (
+                "src/guide/a.md",
+                "../../scenarios/b.toml",
+                Some("scenarios/b.toml"),
+            ),
+            ("src/guide/a.md", "b.md#c", Some("src/guide/b.md#c")),
+            ("src/guide/a.md", "#c", Some("src/guide/a.md#c")),
+            ("a.md", "https://example.org/b.md", None),
+        ] {
+            let address = Address::of(page, link).map(|address| address.to_string());
+            assert_eq!(address.as_deref(), expected, "{link}");
+        }
+    }
+
+    #[test]
+    fn addresses_are_relative_to_the_page() {
+        assert_eq!(
+            relative("src/guide/a.html", "index.html"),
+            "../../index.html"
+        );
+        assert_eq!(relative("index.html", "a.html"), "a.html");
+        assert_eq!(html_path("scenarios/README.md"), "scenarios/README.html");
+    }
+}
