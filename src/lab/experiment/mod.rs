@@ -149,6 +149,11 @@ pub fn json_schema() -> serde_json::Value {
     scenario::json_schema(*EXPERIMENTS)
 }
 
+/// A scenario after expansion; see [`Loaded::expanded_toml`].
+pub fn expanded_toml(loaded: &Loaded) -> String {
+    loaded.expanded_toml(*EXPERIMENTS)
+}
+
 /// A scenario file in other units; see [`scenario::rescaled`].
 ///
 /// # Errors

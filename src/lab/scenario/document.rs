@@ -231,6 +231,18 @@ impl Node {
         }
     }
 
+    /// Adds a key to a table that does not have it; its place is that of the table.
+    pub fn insert(&mut self, key: &str, value: Value) {
+        let span = self.span.clone();
+        if let Value::Table(entries) = &mut self.value {
+            entries.push(Entry {
+                key: key.to_owned(),
+                key_span: span.clone(),
+                node: Node { value, span },
+            });
+        }
+    }
+
     /// Takes a key out of a table.
     pub fn remove(&mut self, key: &str) -> Option<Entry> {
         match &mut self.value {

@@ -12,6 +12,7 @@ use super::typed::ScenarioFile;
 use schemars::SchemaGenerator;
 use serde_json::{Map, Value as Json, json};
 use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The key that names the experiment.
 const EXPERIMENT: &str = "experiment";
@@ -80,6 +81,18 @@ impl Experiments {
             ))
             .with_help(did_you_mean(name, self.names()))
         })
+    }
+
+    /// [`Experiments::schema`], made once for each list of experiments.
+    pub(super) fn shared_schema(self) -> Arc<Json> {
+        static MADE: Mutex<Vec<(Experiments, Arc<Json>)>> = Mutex::new(Vec::new());
+        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, schema)) = made.iter().find(|(of, _)| std::ptr::eq(of.0, self.0)) {
+            return Arc::clone(schema);
+        }
+        let schema = Arc::new(self.schema());
+        made.push((self, Arc::clone(&schema)));
+        schema
     }
 
     /// Adds the key `experiment` and the tables of all kinds to the schema of the common tables.

@@ -1,13 +1,16 @@
 //! The JSON Schema of scenario files, and its keys in words.
 
+use super::expansion::PARAMETERS;
 use super::experiments::Experiments;
+use super::expression::FUNCTIONS;
 use super::issue::did_you_mean;
+use super::schema;
 use serde_json::Value;
 use std::fmt::Write;
 
 /// JSON Schema (draft 2020-12) of scenario files, for completion and checks in editors.
 pub fn json_schema(experiments: Experiments) -> Value {
-    experiments.schema()
+    schema::as_written(experiments.schema())
 }
 
 /// Explains a dotted key such as `rods.shape.radius`; indices and names of rods may be left out or in.
@@ -30,7 +33,20 @@ pub fn explain(experiments: Experiments, key: &str) -> Result<String, String> {
     for meaning in &meanings {
         explainer.describe(&mut text, &walked, meaning);
     }
+    if walked == PARAMETERS {
+        text.push_str(&functions());
+    }
     Ok(text)
+}
+
+/// The functions of expressions, a line each.
+fn functions() -> String {
+    let width = FUNCTIONS.iter().map(|of| of.usage.len()).max().unwrap_or(0);
+    let lines = FUNCTIONS
+        .iter()
+        .map(|of| format!("    {:<width$}  {}\n", of.usage, of.meaning));
+    let list: String = lines.collect();
+    format!("  functions of expressions, beside + - * / ^ ( ) and pi:\n{list}")
 }
 
 /// The SI unit of a dotted key, as its explanation names it; `None` where it has none, or there is no such key.
@@ -298,7 +314,7 @@ clamps.at
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "").unwrap(), @r###"
 A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
-keys: actuation, bodies, clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, joints, knot, loads, material, networks, obstacles, output, planes, probes, rod, rods, solver, start, stop_when, sweep, time, title, unset
+keys: actuation, bodies, clamps, contact, continuation, experiment, extends, flagella, fluid, helix_stability, include, joints, knot, loads, material, networks, obstacles, output, parameters, planes, probes, rod, rods, solver, start, stop_when, sweep, time, title, unset
 "###);
     }
 

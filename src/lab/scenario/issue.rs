@@ -56,6 +56,8 @@ pub struct Issue {
     pub help: Option<String>,
     /// Whether the key itself is at fault, rather than its value.
     pub labels_key: bool,
+    /// The number of the copy, in a table that is copied.
+    pub copy: Option<usize>,
 }
 
 impl Issue {
@@ -66,6 +68,7 @@ impl Issue {
             message: message.into(),
             help: None,
             labels_key: false,
+            copy: None,
         }
     }
 
@@ -79,10 +82,12 @@ impl Issue {
 
 impl fmt::Display for Issue {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.path.steps().is_empty() {
-            write!(formatter, "{}", self.message)
-        } else {
-            write!(formatter, "`{}`: {}", self.path, self.message)
+        match (self.path.steps(), self.copy) {
+            ([], _) => write!(formatter, "{}", self.message),
+            (_, None) => write!(formatter, "`{}`: {}", self.path, self.message),
+            (_, Some(copy)) => {
+                write!(formatter, "`{}` (copy {copy}): {}", self.path, self.message)
+            }
         }
     }
 }

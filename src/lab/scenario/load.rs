@@ -1,17 +1,23 @@
-//! Reading scenarios: the file, those it extends, overrides from the command line.
+//! Reading scenarios: the file, those it extends and includes, overrides from the command line.
 
 use super::document::{self, Entry, Node, Value};
+use super::document_text;
 use super::error::{Located, ScenarioError};
+use super::expansion::{self, Copied, Expanded, Origins};
 use super::experiments::{Experiments, TypedFile};
+use super::include::{self, INCLUDE};
 use super::input_file::{self, LARGEST_TEXT};
 use super::issue::{Issue, Issues, KeyPath};
+use super::named_files;
 use super::overrides;
 use super::resolve::{Context, resolve};
 use super::resolved::Scenario;
 use super::source::{Sources, Span};
+use std::collections::HashSet;
+use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 
-/// Most files that extend each other in a row.
+/// Most files that extend or include each other in a row.
 const MOST_ANCESTORS: usize = 64;
 
 /// A scenario, and what it takes to point at its keys.
@@ -20,7 +26,9 @@ pub struct Loaded {
     /// The resolved scenario.
     pub scenario: Scenario,
     sources: Sources,
+    /// After expansion.
     document: Node,
+    origins: Origins,
 }
 
 /// Reads, merges, overrides and resolves a scenario file. Each override is `key=value` with a dotted key,
@@ -45,7 +53,7 @@ pub(super) fn name_of(path: &Path) -> String {
     )
 }
 
-/// A scenario file with those that it extends and with overrides.
+/// A scenario file with those that it extends and includes, and with overrides.
 pub(super) fn merged(path: &Path, overrides: &[String]) -> Result<(Sources, Node), ScenarioError> {
     let mut sources = Sources::default();
     let mut ancestors = Vec::new();
@@ -111,6 +119,7 @@ pub(super) fn finish(
         };
         return Err(located(&sources, &document, issue.into()));
     }
+    let Expanded { document, origins } = expansion::expand(experiments, &sources, document)?;
     let resolved = TypedFile::decode(&document, experiments).and_then(|file| {
         let directory_of = |path: &KeyPath| {
             let (_, value) = document.locate(path);
@@ -129,16 +138,78 @@ pub(super) fn finish(
             scenario,
             sources,
             document,
+            origins,
         }),
-        Err(issues) => Err(located(&sources, &document, issues)),
+        Err(issues) => Err(located_as_written(&sources, &document, &origins, issues)),
     }
 }
 
 impl Loaded {
+    /// The scenario after expansion as a file that needs no other scenario file: parameters, expressions and copies are
+    /// numbers and tables. Names of files are absolute.
+    pub fn expanded_toml(&self, experiments: Experiments) -> String {
+        let mut document = self.document.clone();
+        document.remove("extends");
+        if document.entry("title").is_none() {
+            document.insert("title", Value::String(self.scenario.title.clone()));
+        }
+        let curve_of = |table: &str| experiments.curve_of(table);
+        let Ok(()) =
+            named_files::for_each(&mut document, &mut Vec::new(), &curve_of, &mut |node| {
+                if let Value::String(name) = &mut node.value {
+                    let path = self.sources.get(node.span.source).directory.join(&name);
+                    let absolute = std::path::absolute(&path).unwrap_or(path);
+                    *name = absolute.display().to_string();
+                }
+                Ok::<(), Infallible>(())
+            });
+        document_text::document(&document)
+    }
+
+    /// The names of files in the document after expansion that were typed at `span`.
+    pub(super) fn files_named_at(&self, experiments: &Experiments, span: &Span) -> Vec<String> {
+        let mut names = Vec::new();
+        let curve_of = |table: &str| experiments.curve_of(table);
+        let mut document = self.document.clone();
+        let Ok(()) =
+            named_files::for_each(&mut document, &mut Vec::new(), &curve_of, &mut |node| {
+                if let Value::String(name) = &node.value
+                    && node.span == *span
+                {
+                    names.push(name.clone());
+                }
+                Ok::<(), Infallible>(())
+            });
+        names
+    }
+
+    /// How many tables each array with copies has, before expansion and after.
+    pub fn copied(&self) -> Vec<Copied> {
+        self.origins.copied()
+    }
+
     /// Finds the places of faults that showed later, when the scene was built.
     pub fn locate(&self, issues: Issues) -> ScenarioError {
-        located(&self.sources, &self.document, issues)
+        located_as_written(&self.sources, &self.document, &self.origins, issues)
     }
+}
+
+/// [`located`] for a document after expansion: copies are those of tables as written. What is wrong with several copies is
+/// reported of the first.
+fn located_as_written(
+    sources: &Sources,
+    document: &Node,
+    origins: &Origins,
+    issues: Issues,
+) -> ScenarioError {
+    let mut error = located(sources, document, issues);
+    let mut seen = HashSet::new();
+    error.0.retain_mut(|located| {
+        located.issue = origins.restore(located.issue.clone());
+        let issue = &located.issue;
+        issue.copy.is_none() || seen.insert((issue.path.clone(), issue.message.clone()))
+    });
+    error
 }
 
 /// Faults with the places of their keys.
@@ -156,7 +227,7 @@ pub(super) fn located(sources: &Sources, document: &Node, issues: Issues) -> Sce
     ScenarioError(located)
 }
 
-/// Reads a file and what it extends. `ancestors` are the files that led here.
+/// Reads a file and what it extends and includes. `ancestors` are the files that led here.
 fn read(
     sources: &mut Sources,
     ancestors: &mut Vec<PathBuf>,
@@ -202,30 +273,65 @@ fn parse_and_extend(
     })?;
     let mut node = node;
     let unset = node.remove("unset");
-    let Some(entry) = node.entry("extends") else {
-        return match unset {
+    let includes = node.remove(INCLUDE);
+    let mut merged = match node.entry("extends") {
+        Some(entry) => {
+            let base = text_of(sources, entry)?;
+            let path = sources.get(source).directory.join(base);
+            let mut merged = read_beside(sources, ancestors, entry, &entry.node, &path)?;
+            if let Some(unset) = unset {
+                forget(sources, &mut merged, &unset)?;
+            }
+            merged.merge(node);
+            merged
+        }
+        None => match unset {
             Some(unset) => {
                 let message = "nothing is inherited here; this key stands beside `extends`";
                 let issue = Issue::new(KeyPath::from("unset"), message);
-                Err(Located::new(sources, issue, Some(unset.key_span)).into())
+                return Err(Located::new(sources, issue, Some(unset.key_span)).into());
             }
-            None => Ok(node),
-        };
+            None => node,
+        },
     };
+    if let Some(includes) = includes {
+        for (name, node) in include::names(sources, &includes)? {
+            let path = sources.get(source).directory.join(name);
+            merged.add(read_beside(sources, ancestors, &includes, node, &path)?);
+        }
+    }
+    Ok(merged)
+}
+
+fn text_of<'a>(sources: &Sources, entry: &'a Entry) -> Result<&'a str, ScenarioError> {
+    match &entry.node.value {
+        Value::String(text) => Ok(text),
+        _ => {
+            let found = entry.node.description();
+            let message = format!("expected the name of a file, found {found}");
+            let issue = Issue::new(KeyPath::from(entry.key.as_str()), message);
+            Err(Located::new(sources, issue, Some(entry.node.span.clone())).into())
+        }
+    }
+}
+
+/// Reads a file that another names by the value `node` of a key.
+fn read_beside(
+    sources: &mut Sources,
+    ancestors: &mut Vec<PathBuf>,
+    key: &Entry,
+    node: &Node,
+    path: &Path,
+) -> Result<Node, ScenarioError> {
     let refuse = |sources: &Sources, message: String| {
-        let issue = Issue::new(KeyPath::from("extends"), message);
-        ScenarioError::from(Located::new(sources, issue, Some(entry.node.span.clone())))
+        let issue = Issue::new(KeyPath::from(key.key.as_str()), message);
+        ScenarioError::from(Located::new(sources, issue, Some(node.span.clone())))
     };
-    let Value::String(base) = &entry.node.value else {
-        return Err(refuse(
-            sources,
-            format!(
-                "expected the name of a file, found {}",
-                entry.node.description()
-            ),
-        ));
+    let verb = if key.key == INCLUDE {
+        "include"
+    } else {
+        "extend"
     };
-    let path = sources.get(source).directory.join(base);
     let canonical = path.canonicalize().map_err(|error| {
         refuse(
             sources,
@@ -235,21 +341,16 @@ fn parse_and_extend(
     if ancestors.contains(&canonical) {
         return Err(refuse(
             sources,
-            format!("{} extends this file in turn: a circle", path.display()),
+            format!("{} {verb}s this file in turn: a circle", path.display()),
         ));
     }
     if ancestors.len() >= MOST_ANCESTORS {
         return Err(refuse(
             sources,
-            format!("{MOST_ANCESTORS} files extend each other in a row; allowed: no more"),
+            format!("{MOST_ANCESTORS} files {verb} each other in a row; allowed: no more"),
         ));
     }
-    let mut merged = read(sources, ancestors, &path)?;
-    if let Some(unset) = unset {
-        forget(sources, &mut merged, &unset)?;
-    }
-    merged.merge(node);
-    Ok(merged)
+    read(sources, ancestors, path)
 }
 
 /// Takes the inherited keys out that `unset` lists.

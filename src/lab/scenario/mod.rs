@@ -5,15 +5,16 @@
 //! | file | what |
 //! |---|---|
 //! | `source`, `document`, `document_text` | the texts; TOML as a tree whose every key knows its place, and back |
-//! | `input_file` | regular files of a bounded size |
-//! | `load`, `overrides` | reading a file and what it `extends`, `--set key=value` |
+//! | `input_file`, `named_files` | regular files of a bounded size; the keys that name them |
+//! | `load`, `include`, `overrides` | reading a file, what it `extends` and `include`s, `--set key=value` |
+//! | `expression`, `expansion` | `[parameters]`, `"2*radius"`, copies of tables: a tree without them |
 //! | `decode`, `typed` | serde from the tree to the file as typed: unknown keys, wrong types |
 //! | `experiments`, `own_tables`, [`keys`] | the experiments that there are, and what defines the keys of one |
 //! | `units`, `resolve` | SI units, defaults, ranges: from the file as typed to the scenario as resolved |
 //! | `sweep` | many cases of one scenario: lists, ranges, samples, searches |
 //! | `resolved`, `cross_section`, `canonical` | the [`Scenario`], its stiffnesses, its own TOML |
 //! | `issue`, `error` | faults by key path; the same with file, line and column |
-//! | `explain` | JSON Schema, and keys in words |
+//! | `schema`, `schema_tree`, `explain` | JSON Schema; what it says of each key of a document; keys in words |
 //!
 //! The room knows no mechanics and no experiment by name: vectors are arrays, models are names and numbers.
 
@@ -23,17 +24,23 @@ mod decode;
 mod document;
 mod document_text;
 mod error;
+mod expansion;
 mod experiments;
 mod explain;
+mod expression;
+mod include;
 mod input_file;
 mod issue;
 pub mod keys;
 mod load;
+mod named_files;
 mod overrides;
 mod own_tables;
 mod rescale;
 mod resolve;
 mod resolved;
+mod schema;
+mod schema_tree;
 mod source;
 mod sweep;
 #[cfg(test)]
@@ -43,11 +50,13 @@ mod typed_file;
 mod units;
 
 pub use error::{Located, ScenarioError};
+pub use expansion::Copied;
 pub use experiments::Experiments;
 pub use explain::{explain, json_schema, unit};
 pub use input_file::read_text_file;
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
 pub use load::{Loaded, from_text, load};
+pub use named_files::INPUTS;
 pub use rescale::{Scales, rescaled};
 pub use resolve::{END_STATE, read_polyline};
 pub use resolved::{
@@ -60,7 +69,7 @@ pub use resolved::{
     AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,
     TwoRods,
 };
-pub use sweep::{Case, CaseSet, INPUTS, InputFile, Parameter, Portable, Search, earlier_id};
+pub use sweep::{Case, CaseSet, InputFile, Parameter, Portable, Search, earlier_id};
 pub use typed::{Quantity, SearchMethod, Vector};
 pub use typed_file::TypedFile;
 pub use units::{metres, seconds};

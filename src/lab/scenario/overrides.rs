@@ -2,6 +2,8 @@
 
 use super::document::{self, Entry, Node, Value};
 use super::error::{Located, ScenarioError};
+use super::expansion::{PARAMETERS, SEED};
+use super::include::INCLUDE;
 use super::issue::{Issue, KeyPath, did_you_mean};
 use super::source::{Sources, Span};
 use std::path::Path;
@@ -37,7 +39,7 @@ pub fn apply(sources: &mut Sources, document: &mut Node, text: &str) -> Result<(
         let message = "expected keys joined by dots, such as time.end".to_owned();
         return Err(fault(sources, KeyPath::root(), message, None));
     }
-    if ["extends", "unset"].contains(&steps[0]) {
+    if ["extends", "unset", INCLUDE].contains(&steps[0]) {
         let message = "this key cannot be set from the command line".to_owned();
         return Err(fault(sources, path, message, None));
     }
@@ -65,7 +67,28 @@ pub fn assign(
         );
         return Err((message, None));
     }
+    if let [PARAMETERS, name] = steps[..] {
+        known_parameter(document, name)?;
+    }
     set(document, &steps, key_span, value)
+}
+
+/// Refuses a parameter that the file does not have, since nothing would use it.
+fn known_parameter(document: &Node, name: &str) -> Result<(), (String, Option<String>)> {
+    let entries = match document.entry(PARAMETERS).map(|entry| &entry.node.value) {
+        Some(Value::Table(entries)) => entries.as_slice(),
+        _ => &[],
+    };
+    let names: Vec<&str> = entries.iter().map(|entry| entry.key.as_str()).collect();
+    if name == SEED || names.contains(&name) {
+        return Ok(());
+    }
+    let list = match names.as_slice() {
+        [] => "the file has no [parameters]".to_owned(),
+        names => format!("the parameters are: {}", names.join(", ")),
+    };
+    let help = did_you_mean(name, names).unwrap_or(list);
+    Err((format!("there is no parameter `{name}`"), Some(help)))
 }
 
 /// Removes a dotted key; else says what is wrong and what to type instead.

@@ -5,6 +5,7 @@
 //! what does not is a constant with a dimension somewhere in the code.
 
 use super::experiments::Experiments;
+use super::schema_tree::SchemaTree;
 use super::units;
 use serde_json::Value as Json;
 use toml::{Table, Value};
@@ -31,7 +32,7 @@ impl Scales {
 const OF_PARAMETER: [&str; 4] = ["from", "to", "step", "largest_step"];
 
 /// The text of a scenario file in SI units, with every quantity multiplied by the factor of its dimension. Numbers in
-/// other files, sweeps and probes stay as they are.
+/// other files, expressions, sweeps and probes stay as they are.
 ///
 /// # Errors
 /// What is wrong with the text as TOML.
@@ -43,7 +44,7 @@ pub fn rescaled(
     let mut file: Table = text.parse()?;
     let root = experiments.schema();
     let rescaler = Rescaler {
-        root: &root,
+        tree: SchemaTree::new(&root),
         scales,
     };
     for (key, value) in &mut file {
@@ -62,13 +63,13 @@ pub fn rescaled(
 }
 
 struct Rescaler<'a> {
-    root: &'a Json,
+    tree: SchemaTree<'a>,
     scales: &'a Scales,
 }
 
 impl<'a> Rescaler<'a> {
     fn rescale_key(&self, table: &'a Json, key: &str, kind: Option<&str>, value: &mut Value) {
-        if let Some(schema) = self.property(table, key, kind) {
+        if let Some(schema) = self.tree.property(table, key, kind) {
             self.rescale(schema, value);
         }
     }
@@ -84,65 +85,21 @@ impl<'a> Rescaler<'a> {
             }
             Value::Array(items) => {
                 for (index, item) in items.iter_mut().enumerate() {
-                    if let Some(schema) = self.item(schema, index) {
+                    if let Some(schema) = self.tree.item(schema, index) {
                         self.rescale(schema, item);
                     }
                 }
             }
             number => {
-                let factor = self.powers(schema).map(|powers| self.scales.of(powers));
+                let factor = self
+                    .tree
+                    .powers(schema)
+                    .map(|powers| self.scales.of(powers));
                 if let (Some(factor), Some(si)) = (factor, in_si_units(number)) {
                     *number = Value::Float(si * factor);
                 }
             }
         }
-    }
-
-    /// The schemas that a schema stands for or is put together from.
-    fn parts(&self, schema: &'a Json) -> impl Iterator<Item = &'a Json> {
-        let named = self
-            .name(schema)
-            .and_then(|name| self.root["$defs"].get(name));
-        let lists = ["anyOf", "oneOf", "allOf"].into_iter();
-        let listed = lists.filter_map(|list| schema.get(list)?.as_array());
-        named.into_iter().chain(listed.flatten())
-    }
-
-    /// The name of the definition that a schema refers to.
-    fn name(&self, schema: &'a Json) -> Option<&'a str> {
-        schema.get("$ref")?.as_str()?.strip_prefix("#/$defs/")
-    }
-
-    /// The schema of a key of a table, of this kind where the table has several.
-    fn property(&self, schema: &'a Json, key: &str, kind: Option<&str>) -> Option<&'a Json> {
-        let properties = schema.get("properties");
-        let constant = properties.and_then(|all| all.get("kind")?.get("const")?.as_str());
-        if constant.is_some() && constant != kind {
-            return None;
-        }
-        properties.and_then(|all| all.get(key)).or_else(|| {
-            self.parts(schema)
-                .find_map(|part| self.property(part, key, kind))
-        })
-    }
-
-    /// The schema of an item of an array.
-    fn item(&self, schema: &'a Json, index: usize) -> Option<&'a Json> {
-        schema
-            .get("prefixItems")
-            .and_then(|items| items.get(index))
-            .or_else(|| schema.get("items").filter(|items| items.is_object()))
-            .or_else(|| self.parts(schema).find_map(|part| self.item(part, index)))
-    }
-
-    /// Powers of length, time and mass of a quantity, which its schema has for a title.
-    fn powers(&self, schema: &'a Json) -> Option<[i32; 3]> {
-        let is_quantity = schema["type"] == serde_json::json!(["number", "string"]);
-        schema["title"]
-            .as_str()
-            .filter(|_| is_quantity)
-            .and_then(units::powers_of)
-            .or_else(|| self.parts(schema).find_map(|part| self.powers(part)))
     }
 }
 

@@ -7,8 +7,11 @@ pub trait Dimension: 'static {
     /// Units in the order in which messages list them.
     const UNITS: &'static [Unit];
     /// Powers of metre, second and kilogram in the SI unit.
-    const POWERS: [i32; 3];
+    const POWERS: Powers;
 }
+
+/// Powers of metre, second and kilogram.
+pub type Powers = [i32; 3];
 
 /// A unit of measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +59,7 @@ macro_rules! dimensions {
             impl Dimension for $dimension {
                 const NAME: &'static str = $name;
                 const UNITS: &'static [Unit] = &[$($unit),*];
-                const POWERS: [i32; 3] = $powers;
+                const POWERS: Powers = $powers;
             }
         )*
 
@@ -65,7 +68,7 @@ macro_rules! dimensions {
             &[$((<$dimension as Dimension>::NAME, <$dimension as Dimension>::UNITS)),*];
 
         /// Every dimension's name and its powers of metre, second and kilogram.
-        const POWERS: &[(&str, [i32; 3])] =
+        const POWERS: &[(&str, Powers)] =
             &[$((<$dimension as Dimension>::NAME, <$dimension as Dimension>::POWERS)),*];
     };
 }
@@ -154,13 +157,60 @@ dimensions! {
     SpinDrag = "a drag coefficient of spin", [1, -1, 1], [decimal("Ns", 0), decimal("mNs", -3)];
 }
 
-/// Powers of metre, second and kilogram of the dimension of this name without its article.
-pub fn powers_of(name: &str) -> Option<[i32; 3]> {
+/// The name with its article, and the powers, of the dimension of this name without its article.
+pub fn with_article(name: &str) -> Option<(&'static str, Powers)> {
     let without_article = |known: &'static str| known.split_once(' ').map(|(_, name)| name);
-    POWERS
-        .iter()
-        .find(|(known, _)| without_article(known) == Some(name))
-        .map(|(_, powers)| *powers)
+    let mut known = POWERS.iter().copied();
+    known.find(|(known, _)| without_article(known) == Some(name))
+}
+
+/// The first dimension of these powers in words, or its unit where it has no name.
+pub fn dimension_of(powers: Powers) -> String {
+    if let Some((name, _)) = POWERS.iter().find(|(_, known)| *known == powers) {
+        return (*name).to_owned();
+    }
+    let parts = powers.iter().zip(["m", "s", "kg"]);
+    let parts = parts.filter(|(power, _)| **power != 0);
+    let symbols: Vec<String> = parts
+        .map(|(power, symbol)| match power {
+            1 => symbol.to_owned(),
+            power => format!("{symbol}^{power}"),
+        })
+        .collect();
+    format!("a quantity in {}", symbols.join(" "))
+}
+
+/// The longest unit at the beginning of `text`, written without spaces: its length in bytes, the unit, its powers.
+pub fn leading_unit(text: &str) -> Option<(usize, Unit, Powers)> {
+    let is_part = |character: char| {
+        character.is_alphanumeric() || matches!(character, '/' | '^' | '°' | '·' | '²' | '³')
+    };
+    let lexeme = text.split(|character| !is_part(character)).next()?;
+    let is_word =
+        |character: char| is_part(character) && !matches!(character, '/' | '^') || character == '_';
+    let ends = lexeme
+        .char_indices()
+        .map(|(at, character)| at + character.len_utf8());
+    let ends = ends
+        .filter(|end| !text[*end..].starts_with(is_word))
+        .collect::<Vec<_>>();
+    ends.into_iter().rev().find_map(|end| {
+        let symbol = normalised(&text[..end]);
+        let dimensions = DIMENSIONS.iter().zip(POWERS);
+        let mut units = dimensions
+            .flat_map(|((_, units), (_, powers))| units.iter().map(|unit| (*unit, *powers)));
+        let (unit, powers) = units.find(|(unit, _)| unit.symbol == symbol)?;
+        Some((end, unit, powers))
+    })
+}
+
+/// Whether a name stands below the line in some unit, so that `1 m/s` would be read as a unit.
+pub fn is_denominator(name: &str) -> bool {
+    let mut units = DIMENSIONS.iter().flat_map(|(_, units)| units.iter());
+    units.any(|unit| {
+        let below = unit.symbol.split_once('/').map(|(_, below)| below);
+        below.is_some_and(|below| below.split('^').next() == Some(name))
+    })
 }
 
 /// Converts a number with a unit, such as `"1.6 mm"`, to SI units.
@@ -250,7 +300,7 @@ pub fn allowed<D: Dimension>() -> String {
 }
 
 /// Length of the decimal number at the beginning of `text`, in bytes.
-fn number_length(text: &str) -> usize {
+pub fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |from: usize| {
         from + bytes[from..]
@@ -285,7 +335,8 @@ fn normalised(unit: &str) -> String {
         .collect()
 }
 
-fn scaled(number: &str, size: Size) -> f64 {
+/// A number as typed times the size of its unit.
+pub fn scaled(number: &str, size: Size) -> f64 {
     let parsed = |text: &str| text.parse::<f64>().unwrap_or(f64::NAN);
     match size {
         Size::Factor(factor) => parsed(number) * factor,
@@ -353,10 +404,12 @@ mod tests {
 
     #[test]
     fn powers_agree_with_the_symbols_of_units() {
-        assert_eq!(powers_of("force"), Some([1, -2, 1]));
-        assert_eq!(powers_of("bending stiffness"), Some([3, -2, 1]));
-        assert_eq!(powers_of("pure number"), Some([0, 0, 0]));
-        assert_eq!(powers_of("place"), None);
+        assert_eq!(with_article("force"), Some(("a force", [1, -2, 1])));
+        let rigidity = Some(("a bending stiffness", [3, -2, 1]));
+        assert_eq!(with_article("bending stiffness"), rigidity);
+        assert_eq!(with_article("place"), None);
+        assert_eq!(dimension_of([0, 0, 0]), "a pure number");
+        assert_eq!(dimension_of([2, -1, 0]), "a quantity in m^2 s^-1");
         // One symbol names one dimension; "1/m" and "Pas" name two of the same powers.
         let powers = |name: &str| POWERS.iter().find(|(known, _)| *known == name).unwrap().1;
         for (name, units) in DIMENSIONS {

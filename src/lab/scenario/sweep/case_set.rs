@@ -3,13 +3,14 @@
 use super::axis::{self, Axis, sweep_path};
 use super::case::{Case, Parameter};
 use super::search::Search;
-use super::{input_files, points, sample, vary};
+use super::{points, sample, vary};
 use crate::scenario::decode::decode;
 use crate::scenario::document::{Entry, Node, Value};
 use crate::scenario::error::{Located, ScenarioError};
 use crate::scenario::experiments::Experiments;
 use crate::scenario::issue::{Issue, Issues, KeyPath};
 use crate::scenario::load::{self, Loaded};
+use crate::scenario::named_files;
 use crate::scenario::overrides;
 use crate::scenario::source::{Sources, Span};
 use crate::scenario::typed;
@@ -190,7 +191,9 @@ impl CaseSet {
         for swept in self.axes.iter().flat_map(|axis| &axis.keys).chain(searched) {
             let steps = self.steps_of(&swept.key);
             let message = match steps[0].as_str() {
-                "extends" | "unset" | "sweep" => Some("this key cannot be varied".to_owned()),
+                "extends" | "unset" | "include" | "sweep" => {
+                    Some("this key cannot be varied".to_owned())
+                }
                 _ => seen
                     .iter()
                     .find_map(|(other, typed)| overlap(&steps, other, typed)),
@@ -307,9 +310,9 @@ impl CaseSet {
         let mut node = node.clone();
         let mut path = key.split('.').map(str::to_owned).collect();
         let curve_of = |table: &str| self.experiments.curve_of(table);
-        let Ok(()) = input_files::for_each(&mut node, &mut path, &curve_of, &mut |node| {
+        let Ok(()) = named_files::for_each(&mut node, &mut path, &curve_of, &mut |node| {
             if let Value::String(name) = &mut node.value {
-                *name = input_files::label(name);
+                *name = named_files::label(name);
             }
             Ok::<(), std::convert::Infallible>(())
         });

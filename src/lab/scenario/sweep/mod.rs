@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `case_set` | a scenario and all its cases |
 //! | `case` | one case: its values and its id |
-//! | `portable`, `input_files` | the scenario with copies of the files that it reads |
+//! | `portable` | the scenario with copies of the files that it reads |
 //! | `axis`, `range` | lists, ranges and zipped lists of values |
 //! | `sample` | samples of ranges |
 //! | `points`, `vary` | points from a CSV file and from the command line |
@@ -13,7 +13,6 @@
 mod axis;
 mod case;
 mod case_set;
-mod input_files;
 mod points;
 mod portable;
 mod range;
@@ -25,6 +24,5 @@ mod vary;
 
 pub use case::{Case, Parameter, earlier_id};
 pub use case_set::CaseSet;
-pub use input_files::INPUTS;
 pub use portable::{InputFile, Portable};
 pub use search::Search;

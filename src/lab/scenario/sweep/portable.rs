@@ -2,12 +2,12 @@
 
 use super::axis::Axis;
 use super::case_set::CaseSet;
-use super::input_files::{self, INPUTS};
-use crate::scenario::document::{Entry, Node, Value};
+use crate::scenario::document::{Node, Value};
 use crate::scenario::document_text;
 use crate::scenario::error::{Located, ScenarioError};
 use crate::scenario::input_file::{self, LARGEST_TABLE};
 use crate::scenario::issue::{Issue, KeyPath};
+use crate::scenario::named_files::{self, INPUTS};
 use crate::scenario::resolve::start_file_of;
 use crate::scenario::source::Span;
 use std::collections::BTreeMap;
@@ -39,7 +39,7 @@ impl CaseSet {
         let mut root = self.document.clone();
         root.remove("extends");
         if root.entry("title").is_none() {
-            push(&mut root, "title", Value::String(self.name().to_owned()));
+            root.insert("title", Value::String(self.name().to_owned()));
         }
         let mut copies = Copies {
             case_set: self,
@@ -58,13 +58,13 @@ impl CaseSet {
             zips.push(axis_table(&axis));
         }
         if !zips.is_empty() {
-            push(&mut sweep, "zip", Value::Array(zips));
+            sweep.insert("zip", Value::Array(zips));
         }
         if let Some(search) = self.search() {
-            push(&mut sweep, "search", search.typed.value.clone());
+            sweep.insert("search", search.typed.value.clone());
         }
         if self.is_sweep() {
-            push(&mut root, "sweep", sweep.value);
+            root.insert("sweep", sweep.value);
         }
         let inputs = copies.contents.into_iter();
         Ok(Portable {
@@ -89,34 +89,43 @@ impl Copies<'_> {
         let steps = key.split('.').filter(|step| !step.is_empty());
         let mut path = steps.map(str::to_owned).collect();
         let curve_of = |table: &str| case_set.experiments.curve_of(table);
-        input_files::for_each(node, &mut path, &curve_of, &mut |node| self.take_one(node))
+        named_files::for_each(node, &mut path, &curve_of, &mut |node| self.take_one(node))
     }
 
     fn take_one(&mut self, node: &mut Node) -> Result<(), ScenarioError> {
         let Value::String(name) = &mut node.value else {
             return Ok(());
         };
+        // In a copied table each copy may have a file of its own: "curve{i}.csv".
+        if name.contains('{') {
+            for index in self.case_set.probes() {
+                let loaded = self.case_set.scenario_of(index)?;
+                for name in loaded.files_named_at(&self.case_set.experiments, &node.span) {
+                    self.copy(&name, &node.span)?;
+                }
+            }
+        } else {
+            self.copy(name, &node.span)?;
+        }
+        *name = format!("{INPUTS}/{}", named_files::label(name));
+        Ok(())
+    }
+
+    /// Reads the file of a name that was typed at `span`.
+    fn copy(&mut self, name: &str, span: &Span) -> Result<(), ScenarioError> {
         let sources = &self.case_set.sources;
         let fault = |message: String| {
             let issue = Issue::new(KeyPath::root(), message);
-            ScenarioError::from(Located::new(sources, issue, Some(node.span.clone())))
+            ScenarioError::from(Located::new(sources, issue, Some(span.clone())))
         };
-        let directory = &sources.get(node.span.source).directory;
-        let contents = input_file::read(
-            &start_file_of(&directory.join(name.as_str())),
-            LARGEST_TABLE,
-        )
-        .map_err(fault)?;
-        let label = input_files::label(name);
-        if self
-            .contents
-            .get(&label)
-            .is_some_and(|known| *known != contents)
-        {
+        let path = sources.get(span.source).directory.join(name);
+        let contents = input_file::read(&start_file_of(&path), LARGEST_TABLE).map_err(fault)?;
+        let label = named_files::label(name);
+        let known = self.contents.get(&label);
+        if known.is_some_and(|known| *known != contents) {
             let message = format!("another file has the name `{label}`, too; rename one of them");
             return Err(fault(message));
         }
-        *name = format!("{INPUTS}/{label}");
         self.contents.insert(label, contents);
         Ok(())
     }
@@ -128,7 +137,7 @@ fn axis_table(axis: &Axis) -> Node {
     let mut table = empty_table(span);
     for (number, swept) in axis.keys.iter().enumerate() {
         let values = axis.points.iter().map(|point| point[number].clone());
-        push(&mut table, &swept.key, Value::Array(values.collect()));
+        table.insert(&swept.key, Value::Array(values.collect()));
     }
     table
 }
@@ -137,17 +146,5 @@ fn empty_table(span: &Span) -> Node {
     Node {
         value: Value::Table(Vec::new()),
         span: span.clone(),
-    }
-}
-
-/// Adds a key to a table.
-fn push(table: &mut Node, key: &str, value: Value) {
-    let span = table.span.clone();
-    if let Value::Table(entries) = &mut table.value {
-        entries.push(Entry {
-            key: key.to_owned(),
-            key_span: span.clone(),
-            node: Node { value, span },
-        });
     }
 }

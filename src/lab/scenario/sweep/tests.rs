@@ -1,6 +1,7 @@
 //! Sweeps as they are typed, from the text to the scenarios of the cases.
 
-use super::{CaseSet, INPUTS};
+use super::CaseSet;
+use crate::scenario::INPUTS;
 use crate::scenario::Scenario;
 use crate::scenario::tests::EXPERIMENTS;
 use crate::test_support::cases;

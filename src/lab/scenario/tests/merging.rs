@@ -8,7 +8,9 @@ use proptest::prelude::*;
 fn directory(files: &[(&str, &str)]) -> tempfile::TempDir {
     let directory = tempfile::tempdir().unwrap();
     for (name, text) in files {
-        std::fs::write(directory.path().join(name), text).unwrap();
+        let path = directory.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
     }
     directory
 }
@@ -49,6 +51,65 @@ fn a_scenario_extends_another() {
     insta::assert_snapshot!(fault("circle.toml"), @"circle.toml:1:11: `extends`: circle.toml extends this file in turn: a circle");
     insta::assert_snapshot!(fault("lost.toml"), @"lost.toml:1:11: `extends`: nowhere.toml cannot be read: No such file or directory (os error 2)");
     insta::assert_snapshot!(fault("none.toml"), @"none.toml cannot be read: No such file or directory (os error 2)");
+}
+
+#[test]
+fn included_files_add_to_a_scenario() {
+    let other = BEAM.replace("name = \"beam\"", "name = \"other\"");
+    let directory = directory(&[
+        ("parts/curve.csv", "x,y,z\n0,0,0\n1,0,0\n1,1,0\n"),
+        (
+            "parts/curve.toml",
+            "include = \"more.toml\"\n[parameters]\nr = \"2 mm\"\n[[rods]]\nname = \"curve\"\nradius = \"r\"\nshape = { kind = \"points\", file = \"curve.csv\" }\n",
+        ),
+        (
+            "parts/more.toml",
+            "[material]\ndensity = 7\nviscosity = \"1 Pa s\"\n",
+        ),
+        (
+            "one.toml",
+            &format!("include = \"parts/curve.toml\"\n{BEAM}"),
+        ),
+        (
+            "list.toml",
+            &format!(
+                "include = [\"one.toml\", \"other.toml\"]\n{}",
+                BEAM.replace("\"beam\"", "\"third\"")
+            ),
+        ),
+        ("other.toml", &other),
+        (
+            "extending.toml",
+            "extends = \"other.toml\"\ninclude = \"parts/curve.toml\"\n",
+        ),
+        ("circle.toml", "include = \"parts/circle.toml\"\n"),
+        ("parts/circle.toml", "extends = \"../circle.toml\"\n"),
+        (
+            "wrong.toml",
+            &format!("include = [\"other.toml\", 3]\n{BEAM}"),
+        ),
+        ("lost.toml", &format!("include = \"nowhere.toml\"\n{BEAM}")),
+    ]);
+    let scenario = load_from(&directory, "one.toml", &[]).unwrap();
+    let names = |scenario: &Scenario| -> Vec<String> {
+        scenario.rods.iter().map(|rod| rod.name.clone()).collect()
+    };
+    assert_eq!(names(&scenario), ["beam", "curve"]);
+    assert_eq!(scenario.rods[1].radius, 2e-3);
+    // What is set stays, and what is not is added.
+    assert_eq!(scenario.rods[0].material.density, 1000.0);
+    assert_eq!(scenario.rods[0].material.viscosity, 1.0);
+    let scenario = load_from(&directory, "list.toml", &["parameters.r=3mm"]).unwrap();
+    assert_eq!(names(&scenario), ["third", "beam", "curve", "other"]);
+    assert_eq!(scenario.rods[2].radius, 3e-3);
+    let scenario = load_from(&directory, "extending.toml", &[]).unwrap();
+    assert_eq!(names(&scenario), ["other", "curve"]);
+    let fault = |name| load_from(&directory, name, &[]).unwrap_err();
+    insta::assert_snapshot!(fault("circle.toml"), @"parts/circle.toml:1:11: `extends`: parts/../circle.toml extends this file in turn: a circle");
+    insta::assert_snapshot!(fault("wrong.toml"), @"wrong.toml:1:26: `include`: expected the name of a file, or a list of them, found a whole number");
+    insta::assert_snapshot!(fault("lost.toml"), @"lost.toml:1:11: `include`: nowhere.toml cannot be read: No such file or directory (os error 2)");
+    let set = load_from(&directory, "one.toml", &["include=other.toml"]);
+    insta::assert_snapshot!(set.unwrap_err(), @"--set:1:1: `include`: this key cannot be set from the command line");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Whole scenario files: what is accepted, what is refused and how.
 
+mod expansion;
 mod faults;
 mod merging;
 mod round_trip;

@@ -36,6 +36,7 @@ pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -50,6 +51,15 @@ pub struct ScenarioFile {
     /// Keys of that file that are not inherited, such as ["time.end", "rods.beam.twist"].
     #[expect(dead_code, reason = "files are merged before they are decoded")]
     pub unset: Option<Vec<String>>,
+    /// Another file, or a list of them, relative to this file, that adds to this one: tables are merged, keys that are set
+    /// already stay, and arrays of tables such as [[rods]] grow.
+    #[expect(dead_code, reason = "files are merged before they are decoded")]
+    pub include: Option<Included>,
+    /// Named numbers, with units or without, for expressions: radius = "2 mm" lets other keys be "2*radius + 1 mm". They may
+    /// use each other in any order. `seed` starts random numbers; 0 without it.
+    #[expect(dead_code, reason = "parameters are put in before files are decoded")]
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Parameter>,
     /// Material of all rods that have none of their own.
     pub material: Option<Material>,
     /// Rods that an experiment such as "flagella" builds; scenes use [[rods]].
@@ -105,4 +115,28 @@ pub struct ScenarioFile {
     /// Many cases of this scenario: keys with lists or ranges of values.
     #[expect(dead_code, reason = "sweeps are taken out before files are decoded")]
     pub sweep: Option<Sweep>,
+}
+
+/// A number, or text: a number with a unit, or an expression.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+#[expect(dead_code, reason = "parameters are put in before files are decoded")]
+pub enum Parameter {
+    /// A number.
+    Number(f64),
+    /// A number with a unit, or an expression.
+    Text(String),
+}
+
+/// A file, or several.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+#[expect(dead_code, reason = "files are merged before they are decoded")]
+pub enum Included {
+    /// Its name.
+    One(String),
+    /// Their names.
+    Several(Vec<String>),
 }

@@ -1,4 +1,4 @@
-//! Files that the cases of a sweep read: which they are, and what copies of them are called.
+//! Files that scenarios read: which they are, and what copies of them are called.
 //!
 //! A sweep's directory holds copies in a folder of their own, so that its scenario runs as it stands. In ids and tables
 //! a file has its name without that folder and without the way to it from elsewhere (`..`, `/`): the scenario and its

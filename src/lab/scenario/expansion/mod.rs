@@ -1,0 +1,100 @@
+//! From a scenario file with parameters, expressions and copies of tables to one without.
+//!
+//! | file | what |
+//! |---|---|
+//! | `parameters`, `definitions` | `[parameters]` and the names of a copied table, in whatever order they use each other |
+//! | `scope` | what a name in an expression stands for, and the random numbers |
+//! | `values` | expressions and names with `{...}` in the tree, guided by the JSON Schema |
+//! | `copies` | `count`: copies of a table |
+//! | `scatter` | `scatter`: random places without overlap |
+//! | `origins` | which table as written, and which copy of it, a table is |
+//!
+//! Files are merged and overridden before, and decoded after. A file without parameters, expressions and copies stays as it is.
+//! Text at a key that takes a number is an expression unless it is a number with a unit.
+
+mod copies;
+mod definitions;
+mod origins;
+mod parameters;
+mod scatter;
+mod scope;
+mod values;
+
+pub use copies::{COUNT, LET, SCATTER};
+pub use origins::{Copied, Origins};
+pub use scatter::Scatter;
+
+use super::document::{Node, Value};
+use super::error::{Located, ScenarioError};
+use super::experiments::Experiments;
+use super::issue::KeyPath;
+use super::schema_tree::SchemaTree;
+use super::source::Sources;
+use copies::is_copied;
+use definitions::read_parameters;
+use parameters::Parameters;
+use scope::Place;
+use values::{Evaluator, is_candidate};
+
+/// The table of parameters.
+pub const PARAMETERS: &str = "parameters";
+/// The parameter from which random numbers start.
+pub const SEED: &str = "seed";
+
+/// A document after expansion.
+pub struct Expanded {
+    /// Numbers and tables only.
+    pub document: Node,
+    /// Where its tables come from.
+    pub origins: Origins,
+}
+
+/// Expands a document.
+///
+/// # Errors
+/// Everything that is wrong with parameters, expressions and copies, where it was written.
+pub fn expand(
+    experiments: Experiments,
+    sources: &Sources,
+    mut document: Node,
+) -> Result<Expanded, ScenarioError> {
+    let mut faults: Vec<Located> = Vec::new();
+    let parameters = match document.remove(PARAMETERS) {
+        Some(table) => read_parameters(sources, &table, &mut faults),
+        None => Parameters::default(),
+    };
+    let mut origins = Origins::default();
+    let Value::Table(entries) = &mut document.value else {
+        return Ok(Expanded { document, origins });
+    };
+    let concerns = |node: &Node| has_copies(node) || is_candidate(node, &parameters);
+    if faults.is_empty() && entries.iter().any(|entry| concerns(&entry.node)) {
+        let schema = experiments.shared_schema();
+        let evaluator = Evaluator {
+            sources,
+            tree: SchemaTree::new(&schema),
+            parameters: &parameters,
+        };
+        for entry in entries.iter_mut().filter(|entry| concerns(&entry.node)) {
+            let path = KeyPath::from(entry.key.as_str());
+            let key_schema = evaluator.tree.property(&schema, &entry.key, None);
+            if has_copies(&entry.node) {
+                let of = copies::expand(&evaluator, entry, key_schema, &mut faults);
+                origins.insert(&entry.key, of);
+            } else {
+                let place = Place::uncopied(path);
+                evaluator.visit(&mut entry.node, key_schema, &place, &mut faults);
+            }
+        }
+    }
+    if faults.is_empty() {
+        return Ok(Expanded { document, origins });
+    }
+    faults.sort_by_key(Located::order);
+    Err(ScenarioError(faults))
+}
+
+/// Whether a value is an array with tables that are to be copied.
+fn has_copies(node: &Node) -> bool {
+    matches!(&node.value, Value::Array(elements) if elements.iter().any(is_copied))
+}

@@ -1,0 +1,64 @@
+//! `include`: files whose tables are added.
+//!
+//! `extends` is for variants: what stands in a file takes the place of what it extends, whole arrays too. `include` is for
+//! parts: an included file adds. Tables are merged, keys that are set already stay, and arrays of tables grow: first the tables
+//! of the file, then those of the included files in their order.
+
+use super::document::{Entry, Node, Value};
+use super::error::{Located, ScenarioError};
+use super::issue::{Issue, KeyPath};
+use super::source::Sources;
+
+/// The key.
+pub const INCLUDE: &str = "include";
+
+/// The names of the included files, and where each was typed.
+///
+/// # Errors
+/// If the value is something else than text or a list of texts.
+pub fn names<'a>(
+    sources: &Sources,
+    include: &'a Entry,
+) -> Result<Vec<(&'a str, &'a Node)>, ScenarioError> {
+    let nodes: Vec<&Node> = match &include.node.value {
+        Value::Array(nodes) => nodes.iter().collect(),
+        _ => vec![&include.node],
+    };
+    let name = |node: &'a Node| match &node.value {
+        Value::String(name) => Ok((name.as_str(), node)),
+        _ => {
+            let found = node.description();
+            let message = format!("expected the name of a file, or a list of them, found {found}");
+            let issue = Issue::new(KeyPath::from(INCLUDE), message);
+            let span = node.span.clone();
+            Err(Located::new(sources, issue, Some(span)).into())
+        }
+    };
+    nodes.into_iter().map(name).collect()
+}
+
+impl Node {
+    /// Adds what another tree has: keys that are not there, and elements of arrays of tables.
+    pub fn add(&mut self, other: Node) {
+        let is_list_of_tables = |elements: &[Node]| {
+            let mut elements = elements.iter();
+            elements.all(|element| matches!(element.value, Value::Table(_)))
+        };
+        match (&mut self.value, other.value) {
+            (Value::Table(entries), Value::Table(others)) => {
+                for other in others {
+                    match entries.iter_mut().find(|entry| entry.key == other.key) {
+                        Some(entry) => entry.node.add(other.node),
+                        None => entries.push(other),
+                    }
+                }
+            }
+            (Value::Array(elements), Value::Array(others))
+                if is_list_of_tables(elements) && is_list_of_tables(&others) =>
+            {
+                elements.extend(others);
+            }
+            _ => {}
+        }
+    }
+}
