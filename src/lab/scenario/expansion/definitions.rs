@@ -2,7 +2,7 @@
 
 use super::SEED;
 use super::parameters::Parameters;
-use super::scope::{INDICES, Place, Scope};
+use super::scope::{INDICES, Place, Scope, WORDS};
 use super::values::located;
 use crate::scenario::document::{Entry, Node, Value};
 use crate::scenario::error::Located;
@@ -11,9 +11,6 @@ use crate::scenario::issue::{Issue, KeyPath};
 use crate::scenario::source::Sources;
 use crate::scenario::units;
 use std::collections::BTreeMap;
-
-/// Words that stand at keys with numbers.
-const WORDS: [&str; 5] = ["auto", "start", "end", "half", "diagonal"];
 
 /// A name and how its value is computed.
 struct Definition<'a> {

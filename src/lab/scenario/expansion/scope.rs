@@ -8,6 +8,9 @@ use rodlab_engine::random::uniform_numbers;
 /// Names of the numbers of a copy.
 pub const INDICES: [&str; 3] = ["i", "j", "k"];
 
+/// Words that stand at keys with numbers.
+pub const WORDS: [&str; 5] = ["auto", "start", "end", "half", "diagonal"];
+
 /// Where an expression stands.
 #[derive(Clone, Debug, Default)]
 pub struct Place {

@@ -1,10 +1,10 @@
 //! Expressions and names with `{...}` in the tree, guided by the JSON Schema.
 
 use super::parameters::Parameters;
-use super::scope::{Place, Scope};
+use super::scope::{Place, Scope, WORDS};
 use crate::scenario::document::{Node, Value};
 use crate::scenario::error::Located;
-use crate::scenario::expression::{Amount, Mistake, Names, parse};
+use crate::scenario::expression::{Amount, Expression, Mistake, Names, parse};
 use crate::scenario::issue::{Issue, nearest};
 use crate::scenario::schema_tree::{Accepted, SchemaTree};
 use crate::scenario::source::{Sources, Span};
@@ -57,6 +57,16 @@ fn is_meant_as_quantity(text: &str) -> bool {
     let text = text.trim();
     let length = units::number_length(text);
     length > 0 && !text[length..].contains(['+', '-', '*', '(', ')', ','])
+}
+
+/// Whether names and signs are a word of some key, such as "auto" or "implicit-euler", rather than an expression: nothing in it
+/// is the name of a value, or nearly so.
+fn is_word(text: &str, expression: &Expression, scope: &Scope<'_>) -> bool {
+    let names = expression.names();
+    let all = scope.all();
+    let is_near = || nearest(text.trim(), all.iter().map(String::as_str)).is_some();
+    names.iter().all(|name| scope.value(name).is_none())
+        && (names.iter().any(|name| WORDS.contains(name)) || !is_near())
 }
 
 /// A mistake in the text of a node, at its place in that text where it stands there as it is.
@@ -165,13 +175,7 @@ impl Evaluator<'_> {
             Err(_) if is_meant_as_quantity(text) => return Ok(None),
             Err(mistake) => return Err(mistake),
         };
-        let is_unknown = |name: &str| scope.value(name).is_none();
-        let is_near = || {
-            let all = scope.all();
-            nearest(text.trim(), all.iter().map(String::as_str)).is_some()
-        };
-        if expression.is_wordlike() && expression.names().into_iter().all(is_unknown) && !is_near()
-        {
+        if expression.is_wordlike() && is_word(text, &expression, &scope) {
             return Ok(None);
         }
         let amount = expression.evaluate(&scope)?;

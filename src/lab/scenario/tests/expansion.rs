@@ -59,6 +59,16 @@ fn numbers_with_units_are_what_they_were() {
 }
 
 #[test]
+fn words_of_keys_are_not_taken_for_parameters() {
+    let text = beam(
+        "mode = \"static\"",
+        "step = \"auto\"\nend = \"end_time\"",
+        "auto_step = 1\nend_time = \"2 s\"",
+    );
+    assert!(read(&text, &[]).is_ok(), "{:?}", read(&text, &[]));
+}
+
+#[test]
 fn faults_of_expressions_name_the_place_and_the_dimensions() {
     insta::assert_snapshot!(fault(RADIUS, "radius = \"2*raduis\"", "radius = \"2 mm\""), @"scene.toml:14:13: `rods.0.radius`: unknown name `raduis` (did you mean `radius`?)");
     insta::assert_snapshot!(fault(RADIUS, "radius = \"raduis\"", "radius = \"2 mm\""), @"scene.toml:14:11: `rods.0.radius`: unknown name `raduis` (did you mean `radius`?)");
