@@ -2,7 +2,7 @@
 
 use super::prelude::*;
 use super::{
-    calibrate, cell, check, completions, dataset, deploy, evaluate, explain, explore,
+    calibrate, cell, check, completions, dataset, deploy, evaluate, expand, explain, explore,
     fold_arguments, gather, guide, init, man, measure, place, plan, plot, presets, reproduce, run,
     score, site, solve, status, stream, submit, tie, trace, train, verify, view,
 };
@@ -46,6 +46,8 @@ pub enum Command {
     Run(run::RunArguments),
     /// Validate scenarios and print derived numbers
     Check(check::CheckArguments),
+    /// Print a scenario with its parameters, expressions and copies as numbers and tables
+    Expand(expand::ExpandArguments),
     /// Write a commented scenario template to standard output
     Init(init::InitArguments),
     /// List the scenarios, rods, papers, cells and patterns that the program carries, or print one

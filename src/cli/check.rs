@@ -6,6 +6,7 @@ use super::preset_file::scenario_or_cell;
 use super::run::prepare;
 use rodlab_lab::experiment::{DerivedNumbers, case_set, derived_numbers, try_scene};
 use rodlab_lab::run::{Forecast, forecast};
+use rodlab_lab::scenario::Copied;
 use rodlab_lab::sweep::check_every_value;
 use rodlab_workcell::cell::{Cell, CellReport};
 
@@ -69,9 +70,10 @@ fn check_scenario(path: &Path, arguments: &CheckArguments) -> Result<(), Failure
         return print(&format!("{}\n", checked.to_json()));
     }
     print(&format!(
-        "{}: {}\n{}{}  {:<26}{}\n",
+        "{}: {}\n{}{}{}  {:<26}{}\n",
         path.display(),
         checked.in_words(),
+        checked.copies_in_lines(),
         checked.numbers,
         checked.notes_in_lines(),
         "processor time",
@@ -86,6 +88,8 @@ struct Checked {
     forecast: Forecast,
     /// What the scene leaves out, a sentence each.
     notes: Vec<String>,
+    /// Arrays with copies.
+    copied: Vec<Copied>,
 }
 
 impl Checked {
@@ -94,8 +98,22 @@ impl Checked {
         if !self.notes.is_empty() {
             json["notes"] = self.notes.clone().into();
         }
+        if !self.copied.is_empty() {
+            json["copies"] = serde_json::to_value(&self.copied).expect("numbers are JSON values");
+        }
         json["cost"] = serde_json::to_value(&self.forecast).expect("numbers are JSON values");
         json
+    }
+
+    fn copies_in_lines(&self) -> String {
+        let line = |copied: &Copied| {
+            let plural = if copied.written == 1 { "" } else { "s" };
+            format!(
+                "  {:<26}{} after expansion, from {} table{plural}\n",
+                copied.key, copied.expanded, copied.written
+            )
+        };
+        self.copied.iter().map(line).collect()
     }
 
     fn notes_in_lines(&self) -> String {
@@ -121,7 +139,12 @@ fn check_one(path: &Path, overrides: &[String]) -> Result<Checked, Failure> {
         prepare(&case_set)?
     };
     let notes = try_scene(&prepared)?;
+    let first = match case_set.search() {
+        Some(search) => case_set.searched_scenario(0, search.from)?,
+        None => case_set.scenario_of(0)?,
+    };
     Ok(Checked {
+        copied: first.copied(),
         cases: case_set.count(),
         numbers: derived_numbers(&prepared),
         forecast: forecast(&prepared),

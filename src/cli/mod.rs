@@ -29,6 +29,7 @@ mod deploy;
 mod drawn_pattern;
 mod evaluate;
 mod exit_code;
+mod expand;
 mod explain;
 mod explore;
 mod failure;
@@ -130,6 +131,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Train(command) => train::train(command, &arguments.common),
         Command::Evaluate(command) => evaluate::evaluate(command),
         Command::Check(command) => check::check(command, &arguments.common),
+        Command::Expand(command) => expand::expand(command),
         Command::Init(command) => init::init(command),
         Command::Presets(command) => presets::presets(command),
         Command::Schema => schema::schema(),

@@ -1,0 +1,37 @@
+//! `rodlab expand`.
+
+use super::prelude::*;
+use super::preset_file::file_or_preset;
+use crate::presets::PresetKind;
+use rodlab_lab::experiment::{case_set, expanded_toml};
+
+/// Arguments of `rodlab expand`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Parameters, expressions and copies become numbers and tables; what the file extends and includes is merged. The output
+runs to the same bytes. Names of files in it are absolute. Of a sweep, its first case is printed.
+
+Examples:
+  rodlab expand pile
+  rodlab expand scenarios/pile.toml --set rods.0.count=3 > three.toml")]
+pub struct ExpandArguments {
+    /// The scenario file, or the name of a preset
+    #[arg(value_parser = file_or_preset(PresetKind::Scenario))]
+    pub scenario: PathBuf,
+    /// Set a key of the scenario; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+}
+
+/// Prints a scenario after expansion.
+pub fn expand(arguments: &ExpandArguments) -> Result<(), Failure> {
+    let cases = case_set(&arguments.scenario, &arguments.overrides, &[])?;
+    if cases.is_sweep() {
+        tracing::warn!("this is a sweep; the first case is printed");
+    }
+    let loaded = match cases.search() {
+        Some(search) => cases.searched_scenario(0, search.from)?,
+        None => cases.scenario_of(0)?,
+    };
+    print(&expanded_toml(&loaded))
+}
