@@ -4,42 +4,25 @@
 
 use rodlab::experiment;
 use rodlab::mechanics::dynamics::Simulation;
-use std::fmt::Write;
 use std::path::Path;
 
 const STEPS: usize = 300;
 
 /// Rods of 20 edges in turns of the golden angle, 2.25 mm above each other, over a square of 10 cm.
 fn pile(rods: usize, model: &str) -> String {
-    let mut text = format!(
+    format!(
         "experiment = \"scene\"\n\
          [material]\nyoungs_modulus = \"10 MPa\"\npoissons_ratio = 0.5\ndensity = 1000\n\
          [[planes]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n\
          [[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, -9.81]\n\
          [contact]\nmodel = \"{model}\"\nfriction = 0.3\n\
-         [time]\nstep = 1e-3\nend = {}\n",
+         [time]\nstep = 1e-3\nend = {}\n\
+         [[rods]]\ncount = {rods}\nname = \"rod{{i}}\"\nradius = \"1 mm\"\nedges = 20\n\
+         shape = {{ kind = \"straight\", start = [\"x - u\", \"y - v\", \"z\"], end = [\"x + u\", \"y + v\", \"z\"] }}\n\
+         [rods.let]\nx = \"0.1*frac(0.7548776662466927*i)\"\ny = \"0.1*frac(0.5698402909980532*i)\"\n\
+         z = \"3e-3 + 2.25e-3*i\"\nu = \"0.05*cos(2.399963229728653*i)\"\nv = \"0.05*sin(2.399963229728653*i)\"\n",
         1e-3 * STEPS as f64
-    );
-    for rod in 0..rods {
-        let count = rod as f64;
-        let (sine, cosine) = (2.399963229728653 * count).sin_cos();
-        let x = 0.1 * (0.7548776662466927 * count).fract();
-        let y = 0.1 * (0.5698402909980532 * count).fract();
-        let height = 3e-3 + 2.25e-3 * count;
-        let end = |side: f64| {
-            let [dx, dy] = [cosine, sine].map(|part| 0.05 * side * part);
-            format!("[{:?}, {:?}, {height:?}]", x + dx, y + dy)
-        };
-        write!(
-            text,
-            "[[rods]]\nname = \"rod{rod}\"\nradius = \"1 mm\"\nedges = 20\n\
-             shape = {{ kind = \"straight\", start = {}, end = {} }}\n",
-            end(-1.0),
-            end(1.0)
-        )
-        .unwrap();
-    }
-    text
+    )
 }
 
 #[test]

@@ -83,28 +83,13 @@ const ONE_ROD: &str = "edges of a rod";
 /// Rods of 20 edges in turns of the golden angle, 2.25 mm above each other, over a square of 10 cm, as in
 /// `scenarios/pile.toml`.
 fn heap(rods: usize, end: f64) -> String {
-    let rod = |rod: usize| {
-        let count = rod as f64;
-        let (sine, cosine) = libm::sincos(2.399_963_229_728_653 * count);
-        let x = 0.1 * (0.754_877_666_246_692_7 * count).fract();
-        let y = 0.1 * (0.569_840_290_998_053_2 * count).fract();
-        let height = 3e-3 + 2.25e-3 * count;
-        let end = |side: f64| {
-            format!(
-                "[{:?}, {:?}, {height:?}]",
-                x + side * cosine,
-                y + side * sine
-            )
-        };
-        format!(
-            "[[rods]]\nname = \"rod{rod}\"\nradius = 1e-3\nedges = 20\n\
-             shape = {{ kind = \"straight\", start = {}, end = {} }}\n",
-            end(-0.05),
-            end(0.05)
-        )
-    };
-    let rods: String = (0..rods).map(rod).collect();
-    format!("{HEAP}time = {{ step = 1e-3, end = {end:?} }}\n{rods}")
+    format!(
+        "{HEAP}time = {{ step = 1e-3, end = {end:?} }}\n\
+         [[rods]]\ncount = {rods}\nname = \"rod{{i}}\"\nradius = 1e-3\nedges = 20\n\
+         shape = {{ kind = \"straight\", start = [\"x - u\", \"y - v\", \"z\"], end = [\"x + u\", \"y + v\", \"z\"] }}\n\
+         [rods.let]\nx = \"0.1*frac(i*0.7548776662466927)\"\ny = \"0.1*frac(i*0.5698402909980532)\"\n\
+         z = \"3e-3 + 2.25e-3*i\"\nu = \"0.05*cos(i*2.399963229728653)\"\nv = \"0.05*sin(i*2.399963229728653)\"\n"
+    )
 }
 
 impl Run for Costly {

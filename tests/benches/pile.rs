@@ -9,15 +9,11 @@ use std::path::Path;
 fn pile(rods: usize, model: &str) -> Simulation {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
     let text = std::fs::read_to_string(directory.join("pile.toml")).expect("a scenario");
-    let is_beyond = |line: &&str| {
-        let name = line.trim().strip_prefix("{ name = \"rod");
-        let number = name.and_then(|name| name.split('"').next()?.parse::<usize>().ok());
-        number.is_some_and(|number| number >= rods)
-    };
-    let lines: Vec<&str> = text.lines().filter(|line| !is_beyond(line)).collect();
-    let model = format!("contact.model={model}");
-    let text = lines.join("\n");
-    let loaded = experiment::from_text("pile", &text, &directory, &[model]).expect("valid");
+    let set = [
+        format!("parameters.n={rods}"),
+        format!("contact.model={model}"),
+    ];
+    let loaded = experiment::from_text("pile", &text, &directory, &set).expect("valid");
     let prepared = experiment::prepare(&loaded.scenario).expect("a valid scene");
     Simulation::new(&prepared.scene, &prepared.integration).expect("sound")
 }
