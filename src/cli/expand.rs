@@ -1,8 +1,7 @@
 //! `rodlab expand`.
 
+use super::candidates::keys;
 use super::prelude::*;
-use super::preset_file::file_or_preset;
-use crate::presets::PresetKind;
 use rodlab_lab::experiment::{case_set, expanded_toml};
 
 /// Arguments of `rodlab expand`.
@@ -16,10 +15,10 @@ Examples:
   rodlab expand scenarios/pile.toml --set rods.0.count=3 > three.toml")]
 pub struct ExpandArguments {
     /// The scenario file, or the name of a preset
-    #[arg(value_parser = file_or_preset(PresetKind::Scenario))]
+    #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     pub scenario: PathBuf,
     /// Set a key of the scenario; may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
+    #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     pub overrides: Vec<String>,
 }
 
