@@ -71,7 +71,7 @@ pub fn pictures(
     if has_ending(source, &["db3", "mcap"]) {
         return Err(Failure::Input(format!(
             "{source}: recordings of ROS 2 are not read; `rosbags-convert --src {source} --dst {bag}` makes one of ROS 1 of it. \
-             Allowed: PNG and JPEG files, folders of them, bags of ROS 1 (.bag), and cameras",
+             Allowed: PNG, JPEG, TIFF, BMP and WebP files, folders of them, bags of ROS 1 (.bag), and cameras",
             source = source.display(),
             bag = source.with_extension("bag").display()
         )));

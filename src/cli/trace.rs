@@ -14,7 +14,7 @@ use rodlab_vision::{
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct TraceArguments {
-    /// A PNG or JPEG image; a folder of them, taken in order of their names; a recording of ROS 1 or of a RealSense
+    /// A PNG, JPEG, TIFF, BMP or WebP image; a folder of them, taken in order of their names; a recording of ROS 1 or of a RealSense
     /// camera (.bag); or the next picture of a camera: ros1://host:port/topic, rosbridge://host:port/topic, ros2://domain/topic
     pub image: PathBuf,
     #[command(flatten)]

@@ -129,8 +129,8 @@ pub use overlay::{
 pub use passage::Passage;
 pub use pattern::{Metric, pattern, pattern_csv};
 pub use picture::{
-    LARGEST_FILE, LONGEST_SIDE, MOST_PIXELS, decode_labels, decode_picture, pictures_in,
-    read_labels, read_picture,
+    LARGEST_FILE, LONGEST_SIDE, MOST_PIXELS, PICTURE_ENDINGS, decode_labels, decode_picture,
+    pictures_in, read_labels, read_picture,
 };
 pub use pose_file::read_poses;
 pub use render::{RenderOptions, RenderedRod, render};

@@ -3,7 +3,9 @@
 use super::VisionError;
 use super::input::read_file;
 use super::jpeg::has_end_of_image;
-use image::{DynamicImage, ImageError, ImageReader, Limits, RgbImage};
+use image::{
+    DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits, Rgb, RgbImage,
+};
 use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -15,10 +17,13 @@ pub const MOST_PIXELS: u64 = 50_000_000;
 /// The most bytes of an image file.
 pub const LARGEST_FILE: u64 = 256 << 20;
 
-/// Reads a PNG or JPEG file as 8-bit RGB.
+/// Endings of the files that are read as pictures, in small letters.
+pub const PICTURE_ENDINGS: [&str; 7] = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "webp"];
+
+/// Reads a PNG, JPEG, TIFF, BMP or WebP file as 8-bit RGB, turned as its camera was held.
 ///
 /// # Errors
-/// The file cannot be read, is neither PNG nor JPEG, is damaged or truncated, or is larger than [`MOST_PIXELS`].
+/// The file cannot be read, is of none of these formats, is damaged or truncated, or is larger than [`MOST_PIXELS`].
 pub fn read_picture(path: &Path) -> Result<RgbImage, VisionError> {
     let bytes = read_file(path, LARGEST_FILE)?;
     decode_picture(&bytes).map_err(|reason| VisionError::Malformed {
@@ -39,12 +44,22 @@ pub fn read_labels(path: &Path) -> Result<image::GrayImage, VisionError> {
     })
 }
 
-/// Decodes the bytes of a PNG or JPEG file as 8-bit RGB. Transparent pixels lose their transparency.
+/// Decodes the bytes of a picture as 8-bit RGB, turned as its camera was held. What is transparent is laid on white.
 ///
 /// # Errors
-/// In words: the bytes are neither PNG nor JPEG, are damaged or truncated, or promise more than [`MOST_PIXELS`].
+/// In words: the bytes are of none of the formats of [`read_picture`], are damaged or truncated, or promise more than [`MOST_PIXELS`].
 pub fn decode_picture(bytes: &[u8]) -> Result<RgbImage, String> {
-    Ok(decode(bytes)?.into_rgb8())
+    let picture = decode(bytes)?;
+    if !picture.color().has_alpha() {
+        return Ok(picture.into_rgb8());
+    }
+    let (width, height) = (picture.width(), picture.height());
+    let layered = picture.into_rgba8();
+    Ok(RgbImage::from_fn(width, height, |u, v| {
+        let [red, green, blue, alpha] = layered.get_pixel(u, v).0.map(u16::from);
+        let on_white = |value: u16| ((value * alpha + 255 * (255 - alpha) + 127) / 255) as u8;
+        Rgb([red, green, blue].map(on_white))
+    }))
 }
 
 /// Decodes a label image: pixel = number of the strand, 0 = background. Colour is refused.
@@ -62,22 +77,21 @@ pub fn decode_labels(bytes: &[u8]) -> Result<image::GrayImage, String> {
 }
 
 fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
-    const NEITHER: &str = "neither a PNG nor a JPEG image";
+    const NEITHER: &str = "neither a PNG nor a JPEG, TIFF, BMP or WebP image";
     let format = image::guess_format(bytes).map_err(|_| NEITHER.to_string())?;
     match format {
-        image::ImageFormat::Png => {}
-        image::ImageFormat::Jpeg => {
-            // The decoder fills missing rows with grey and reports no error.
-            if !has_end_of_image(bytes) {
-                return Err("the JPEG is truncated: its end-of-image marker is missing".to_string());
-            }
+        ImageFormat::Png | ImageFormat::Tiff | ImageFormat::Bmp | ImageFormat::WebP => {}
+        // The decoder fills missing rows with grey and reports no error.
+        ImageFormat::Jpeg if has_end_of_image(bytes) => {}
+        ImageFormat::Jpeg => {
+            return Err("the JPEG is truncated: its end-of-image marker is missing".to_string());
         }
         _ => return Err(NEITHER.to_string()),
     }
     let mut limits = Limits::default();
     limits.max_image_width = Some(LONGEST_SIDE);
     limits.max_image_height = Some(LONGEST_SIDE);
-    // 16-bit RGBA is the widest pixel of either format.
+    // 16-bit RGBA is the widest pixel that is read.
     limits.max_alloc = Some(MOST_PIXELS * 8 + (1 << 20));
     let reader = |limits: &Limits| {
         let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
@@ -93,7 +107,20 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
             "the image has {width} × {height} pixels; the most is {MOST_PIXELS}, {LONGEST_SIDE} along a side"
         ));
     }
-    reader(&limits).decode().map_err(describe)
+    let mut decoder = reader(&limits).into_decoder().map_err(describe)?;
+    // Pixels of more bytes than these are refused before memory is taken for them.
+    if decoder.total_bytes() > MOST_PIXELS * 8 {
+        return Err(describe(ImageError::Limits(
+            image::error::LimitError::from_kind(image::error::LimitErrorKind::InsufficientMemory),
+        )));
+    }
+    // A damaged note about the orientation is no damaged picture.
+    let orientation = decoder
+        .orientation()
+        .unwrap_or(image::metadata::Orientation::NoTransforms);
+    let mut picture = DynamicImage::from_decoder(decoder).map_err(describe)?;
+    picture.apply_orientation(orientation);
+    Ok(picture)
 }
 
 fn describe(error: ImageError) -> String {
@@ -106,7 +133,7 @@ fn describe(error: ImageError) -> String {
     }
 }
 
-/// The image files of a folder (`.png`, `.jpg`, `.jpeg`), in order of time: by name, numbers in names by value.
+/// The image files of a folder, by the [`PICTURE_ENDINGS`], in order of time: by name, numbers in names by value.
 ///
 /// # Errors
 /// The folder cannot be read, or holds no image.
@@ -121,7 +148,7 @@ pub fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, VisionError> {
         let path = entry.map_err(|error| unreadable(error.to_string()))?.path();
         let extension = path.extension().and_then(|extension| extension.to_str());
         let is_picture = extension.is_some_and(|extension| {
-            ["png", "jpg", "jpeg"]
+            PICTURE_ENDINGS
                 .iter()
                 .any(|known| extension.eq_ignore_ascii_case(known))
         });
@@ -130,7 +157,10 @@ pub fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, VisionError> {
         }
     }
     if found.is_empty() {
-        return Err(unreadable("it holds no .png, .jpg or .jpeg file".into()));
+        return Err(unreadable(format!(
+            "it holds no file with one of the endings {}",
+            PICTURE_ENDINGS.join(", ")
+        )));
     }
     found.sort_by_cached_key(|path| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -205,6 +235,93 @@ pub(super) mod tests {
         bytes[29..33].copy_from_slice(&checksum.to_be_bytes());
         let error = decode_picture(&bytes).expect_err("16383 squared pixels");
         assert!(error.contains("16383"), "{error}");
+    }
+
+    #[test]
+    fn pictures_of_all_formats_and_depths_are_read() {
+        use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
+        let colours = RgbImage::from_fn(6, 4, |u, v| Rgb([40 * u as u8, 60 * v as u8, 200]));
+        let picture = DynamicImage::ImageRgb8(colours.clone());
+        let bytes = |picture: &DynamicImage, format: ImageFormat| {
+            let mut bytes = std::io::Cursor::new(Vec::new());
+            picture.write_to(&mut bytes, format).expect("a picture");
+            bytes.into_inner()
+        };
+        for format in [
+            ImageFormat::Png,
+            ImageFormat::Tiff,
+            ImageFormat::Bmp,
+            ImageFormat::WebP,
+        ] {
+            let whole = bytes(&picture, format);
+            assert_eq!(
+                decode_picture(&whole).expect("a picture"),
+                colours,
+                "{format:?}"
+            );
+            assert!(
+                decode_picture(&whole[..whole.len() / 2]).is_err(),
+                "{format:?}"
+            );
+        }
+        for format in [ImageFormat::Png, ImageFormat::Tiff] {
+            let deep = DynamicImage::ImageRgb16(picture.to_rgb16());
+            assert_eq!(
+                decode_picture(&bytes(&deep, format)).expect("16 bits"),
+                colours
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_transparent_is_laid_on_white() {
+        let mut bytes = Vec::new();
+        PngEncoder::new(&mut bytes)
+            .write_image(
+                &[0, 0, 0, 0, 10, 20, 30, 255, 0, 0, 0, 128],
+                3,
+                1,
+                ExtendedColorType::Rgba8,
+            )
+            .expect("a PNG");
+        let picture = decode_picture(&bytes).expect("a picture");
+        assert_eq!(
+            picture.as_raw()[..],
+            [255, 255, 255, 10, 20, 30, 127, 127, 127]
+        );
+    }
+
+    #[test]
+    fn a_picture_is_turned_as_its_camera_was_held() {
+        let picture = image::RgbImage::from_fn(16, 8, |u, _| image::Rgb([15 * u as u8; 3]));
+        let mut bytes = Vec::new();
+        image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, 95)
+            .encode_image(&picture)
+            .expect("a JPEG");
+        for (orientation, size, first_is_dark) in [
+            (1, (16, 8), true),
+            (3, (16, 8), false),
+            (6, (8, 16), true),
+            (8, (8, 16), false),
+            (99, (16, 8), true),
+        ] {
+            // An EXIF block with the one entry 0x0112 (EXIF 2.3, sec. 4.6).
+            let exif = [
+                &b"Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0"[..],
+                &[orientation],
+                &b"\0\0\0\0\0\0"[..],
+            ]
+            .concat();
+            let length = u16::try_from(exif.len() + 2).expect("short").to_be_bytes();
+            let turned = [&bytes[..2], &[0xff, 0xe1], &length, &exif, &bytes[2..]].concat();
+            let read = decode_picture(&turned).expect("a picture");
+            assert_eq!(read.dimensions(), size, "{orientation}");
+            assert_eq!(
+                read.get_pixel(0, 0).0[0] < 60,
+                first_is_dark,
+                "{orientation}"
+            );
+        }
     }
 
     #[test]
