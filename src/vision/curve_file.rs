@@ -2,13 +2,14 @@
 
 use super::input::read_text;
 use super::{Point, VisionError};
-use rodlab_files::finite;
+use rodlab_files::input::{Column, Table};
 use std::path::Path;
 
 /// Most points of a curve that is read.
 const MOST_POINTS: usize = 1_000_000;
 
-/// Reads a curve in the plane from a CSV file with a header, metres: columns `x_m` and `y_m`, or `x` and `y`.
+/// Reads a curve in the plane from a CSV file, see [`Table`]: columns `x` and `y`, with their unit in any of the usual forms, or the
+/// first two of a file without a header; metres unless the header says otherwise.
 ///
 /// Of several strands (a column `strand`, from 1) `strand` is taken, or the first one in the file; of several rods (a
 /// column `rod`) the first one; of several times (`time_s`) the last one.
@@ -24,50 +25,42 @@ pub fn read_curve(path: &Path, strand: Option<usize>) -> Result<Vec<Point>, Visi
 }
 
 fn parse_curve(text: &str, strand: Option<usize>) -> Result<Vec<Point>, String> {
-    let mut lines = text.lines().enumerate().filter(|(_, line)| {
-        let line = line.trim();
-        !line.is_empty() && !line.starts_with('#')
-    });
-    let (_, header) = lines.next().ok_or("it is empty")?;
-    let names: Vec<&str> = header
-        .trim_start_matches('\u{feff}')
-        .split(',')
-        .map(str::trim)
-        .collect();
-    let column = |wanted: [&str; 2]| names.iter().position(|name| wanted.contains(name));
-    let (Some(x), Some(y)) = (column(["x_m", "x"]), column(["y_m", "y"])) else {
+    let table = Table::new(text)?;
+    let names = table.header().unwrap_or_default();
+    let (Some(x), Some(y)) = (table.column("x", 0), table.column("y", 1)) else {
+        let has_pixels = names.iter().any(|name| name == "u_px");
         return Err(format!(
             "its header \"{}\" has no columns x_m and y_m{}",
-            header.trim(),
-            if names.contains(&"u_px") {
+            names.join(","),
+            if has_pixels {
                 "; rodlab trace writes them when it is given a camera by --cell"
             } else {
                 ""
             }
         ));
     };
-    let group = column(["strand", "rod"]);
-    let time = column(["time_s", "time_s"]);
+    // A file without a header has none of these.
+    let named = |name: &str| table.column(name, usize::MAX);
+    let group = named("strand").or_else(|| named("rod"));
+    let time = named("time");
     let mut wanted = strand.map(|strand| strand.to_string());
     if strand.is_some() && group.is_none() {
         return Err("it has no column strand".into());
     }
     let mut latest = f64::NEG_INFINITY;
     let mut points = Vec::new();
-    for (index, line) in lines {
-        let values: Vec<&str> = line.split(',').map(str::trim).collect();
-        let number = |column: usize| {
-            let text = values.get(column).copied().unwrap_or("");
-            finite::number(text).ok_or_else(|| {
-                let name = names[column];
-                format!(
-                    "line {}: {name} is \"{text}\", expected a number",
-                    index + 1
-                )
+    for (line, values) in table.rows() {
+        let number = |column: Column| {
+            table.value(&values, column).ok_or_else(|| {
+                let text = values.get(column.index).map_or("", String::as_str);
+                let name = names
+                    .get(column.index)
+                    .map_or("a coordinate", String::as_str);
+                format!("line {line}: {name} is \"{text}\", expected a number")
             })
         };
         if let Some(group) = group {
-            let found = values.get(group).copied().unwrap_or("");
+            let found = values.get(group.index).map_or("", String::as_str);
             if wanted.get_or_insert_with(|| found.to_string()) != found {
                 continue;
             }

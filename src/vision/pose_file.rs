@@ -3,12 +3,12 @@
 use super::VisionError;
 use super::input::read_text;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use rodlab_files::finite;
+use rodlab_files::input::{Column, Table};
 use std::path::Path;
 
 const COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
 
-/// Reads poses from a CSV file with a header and columns `x_m,y_m,z_m,qw,qx,qy,qz`; others are left alone.
+/// Reads poses from a CSV file, see [`Table`], with columns `x_m,y_m,z_m,qw,qx,qy,qz`; others are left alone.
 ///
 /// # Errors
 /// The file cannot be read, lacks a column, or a row is no pose.
@@ -21,27 +21,25 @@ pub fn read_poses(path: &Path) -> Result<Vec<Isometry3<f64>>, VisionError> {
 }
 
 fn parse_poses(text: &str) -> Result<Vec<Isometry3<f64>>, String> {
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty());
-    let (_, header) = lines.next().ok_or("it is empty")?;
-    let names: Vec<&str> = header.split(',').map(str::trim).collect();
-    let mut columns = [0; 7];
-    for (column, wanted) in columns.iter_mut().zip(COLUMNS) {
-        let place = names.iter().position(|name| *name == wanted);
-        *column = place.ok_or_else(|| format!("it has no column {wanted}"))?;
+    let table = Table::new(text)?;
+    let mut columns = [Column {
+        index: 0,
+        unit: 1.0,
+    }; 7];
+    for (place, column) in columns.iter_mut().enumerate() {
+        let wanted = COLUMNS[place];
+        let found = table.column(wanted.trim_end_matches("_m"), place);
+        *column = found.ok_or_else(|| format!("it has no column {wanted}"))?;
     }
-    lines
-        .map(|(index, line)| {
-            let values: Vec<&str> = line.split(',').map(str::trim).collect();
+    table
+        .rows()
+        .map(|(line, values)| {
             let mut pose = [0.0; 7];
             for (k, column) in columns.into_iter().enumerate() {
-                let text = values.get(column).copied().unwrap_or("");
-                pose[k] = finite::number(text).ok_or_else(|| {
+                pose[k] = table.value(&values, column).ok_or_else(|| {
+                    let text = values.get(column.index).map_or("", String::as_str);
                     format!(
-                        "line {}: {} is \"{text}\", expected a number",
-                        index + 1,
+                        "line {line}: {} is \"{text}\", expected a number",
                         COLUMNS[k]
                     )
                 })?;
@@ -51,8 +49,7 @@ fn parse_poses(text: &str) -> Result<Vec<Isometry3<f64>>, String> {
             if !((quaternion.norm() - 1.0).abs() < 1e-3) {
                 let norm = quaternion.norm();
                 return Err(format!(
-                    "line {}: the quaternion has norm {norm:.4}, expected 1",
-                    index + 1
+                    "line {line}: the quaternion has norm {norm:.4}, expected 1"
                 ));
             }
             let turn = UnitQuaternion::from_quaternion(quaternion);

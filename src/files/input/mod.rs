@@ -1,7 +1,11 @@
 //! The gate for files at the doors of the program: regular ones, of a bounded size and a bounded depth.
 
+mod encoding;
+mod table;
 mod xml;
 
+pub use encoding::xml_text;
+pub use table::{Column, Table};
 pub use xml::{DEEPEST, check_nesting};
 
 use std::fs::{self, File};

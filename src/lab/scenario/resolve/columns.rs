@@ -2,14 +2,11 @@
 
 use super::section::LARGEST;
 use crate::scenario::input_file::{self, LARGEST_TABLE};
-use rodlab_files::finite;
+use rodlab_files::input::{Column, Table};
 use std::path::Path;
 
-/// Units that may stand behind the name of a column.
-const UNITS: [&str; 2] = ["_m", "_s"];
-
-/// Reads columns of a CSV file, named in its header line with or without their unit, as in `x_m`; other columns are
-/// passed over. Lines that begin with `#` are comments. Returns each row with the number of its line.
+/// Reads columns of a CSV file, see [`Table`]: named in its header line with or without their unit, as in `x_m` or `x_mm`, or the
+/// first ones of a file without a header; other columns are passed over. Returns each row in SI units with the number of its line.
 ///
 /// # Errors
 /// A message that names the file and the line.
@@ -19,53 +16,36 @@ pub fn read_columns<const N: usize>(
 ) -> Result<Vec<(u64, [f64; N])>, String> {
     let place = path.display();
     let bytes = input_file::read(path, LARGEST_TABLE)?;
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(bytes.as_slice());
-    let headers = reader
-        .headers()
-        .map_err(|error| format!("{place}: {error}"))?
-        .clone();
-    let named = |header: &str, name: &str| {
-        let bare = UNITS.iter().find_map(|unit| header.strip_suffix(unit));
-        header == name || bare == Some(name)
-    };
-    let mut columns = [0; N];
-    for (column, name) in columns.iter_mut().zip(names) {
-        let found = headers.iter().position(|header| named(header, name));
-        *column = found.ok_or_else(|| {
+    let text = std::str::from_utf8(&bytes).map_err(|_| format!("{place} is no text in UTF-8"))?;
+    let table = Table::new(text).map_err(|error| format!("{place}: {error}"))?;
+    let mut columns = [Column {
+        index: 0,
+        unit: 1.0,
+    }; N];
+    for (index, (column, name)) in columns.iter_mut().zip(names).enumerate() {
+        *column = table.column(name, index).ok_or_else(|| {
             let (last, others) = names.split_last().unwrap_or((&name, &[]));
             let others = others.join(", ");
             format!("{place}, line 1: no column `{name}`; the header must name {others} and {last}")
         })?;
     }
     let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| match error.kind() {
-            csv::ErrorKind::UnequalLengths {
-                pos,
-                expected_len,
-                len,
-            } => format!(
-                "{place}, line {}: expected {expected_len} columns, found {len}",
-                pos.as_ref().map_or(0, csv::Position::line)
-            ),
-            _ => format!("{place}: {error}"),
-        })?;
-        let line = record.position().map_or(0, csv::Position::line);
+    for (line, fields) in table.rows() {
+        let at = |error: String| format!("{place}, line {line}: {error}");
+        table.check_length(&fields).map_err(at)?;
         let mut row = [0.0; N];
         for (component, column) in row.iter_mut().zip(columns) {
-            let field = &record[column];
-            *component = finite::number(field)
-                .ok_or_else(|| format!("{place}, line {line}: {field:?} is not a finite number"))?;
+            let field = &fields[column.index];
+            *component = table
+                .value(&fields, column)
+                .ok_or_else(|| at(format!("{field:?} is not a finite number")))?;
             if component.abs() > LARGEST {
-                return Err(format!(
-                    "{place}, line {line}: {field:?} is out of range; allowed: at most {LARGEST:e} in magnitude"
-                ));
+                return Err(at(format!(
+                    "{field:?} is out of range; allowed: at most {LARGEST:e} in magnitude"
+                )));
             }
         }
-        rows.push((line, row));
+        rows.push((line as u64, row));
     }
     Ok(rows)
 }

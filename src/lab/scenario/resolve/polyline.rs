@@ -119,6 +119,6 @@ mod tests {
         insta::assert_snapshot!(fault("x,y,z\n0,0,1\n0,0,2\n0,0,2\n"), @"shape.csv, line 4: the point repeats the one before it; consecutive points must differ");
         insta::assert_snapshot!(fault("x,y\n0,0\n"), @"shape.csv, line 1: no column `z`; the header must name x, y and z");
         insta::assert_snapshot!(fault("x,y,z\n0,0,1\n"), @"shape.csv has 1 points; a polyline needs at least 2");
-        insta::assert_snapshot!(fault(""), @"shape.csv, line 1: no column `x`; the header must name x, y and z");
+        insta::assert_snapshot!(fault(""), @"shape.csv: it is empty");
     }
 }
