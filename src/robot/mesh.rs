@@ -9,29 +9,22 @@ const LARGEST: u64 = 256 << 20;
 
 /// The file that a URDF means by a name: a path from the folder of the URDF, `file://` and a path, or `package://`, a
 /// package and a path in it. A package is looked for in the folder of the URDF and in all above it; `None` where it is
-/// in none of them, as of a URDF that came alone.
-///
-/// # Errors
-/// If a path leads nowhere, in words.
-pub(super) fn locate(name: &str, directory: &Path) -> Result<Option<PathBuf>, String> {
+/// in none of them, or nothing is at the path, as of a URDF that came alone.
+pub(super) fn locate(name: &str, directory: &Path) -> Option<PathBuf> {
     let Some(rest) = name.strip_prefix("package://") else {
         let path = directory.join(name.strip_prefix("file://").unwrap_or(name));
-        return if path.is_file() {
-            Ok(Some(path))
-        } else {
-            Err(format!("its mesh {} is not there", path.display()))
-        };
+        return path.is_file().then_some(path);
     };
     let (package, inside) = rest.split_once('/').unwrap_or((rest, ""));
     let start = directory
         .canonicalize()
         .unwrap_or_else(|_| directory.to_owned());
-    Ok(start.ancestors().find_map(|folder| {
+    start.ancestors().find_map(|folder| {
         let is_package = folder.file_name().is_some_and(|name| name == package);
         let within = is_package.then(|| folder.join(inside));
         let candidates = within.into_iter().chain([folder.join(rest)]);
         candidates.into_iter().find(|path| path.is_file())
-    }))
+    })
 }
 
 /// The corners of the triangles of an STL file, binary or text, each where the file has it.
@@ -64,11 +57,10 @@ mod tests {
             "package://arm_description/meshes/link.stl",
             "../meshes/link.stl",
         ] {
-            let found = locate(name, &urdf).unwrap().unwrap();
+            let found = locate(name, &urdf).unwrap();
             assert_eq!(read_stl(&found).unwrap().len(), 3, "{name}");
         }
-        assert_eq!(locate("package://other/meshes/link.stl", &urdf), Ok(None));
-        let error = locate("meshes/link.stl", &urdf).unwrap_err();
-        assert!(error.contains("meshes/link.stl is not there"), "{error}");
+        assert_eq!(locate("package://other/meshes/link.stl", &urdf), None);
+        assert_eq!(locate("meshes/link.stl", &urdf), None);
     }
 }

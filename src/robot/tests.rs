@@ -255,7 +255,10 @@ const FAULTS: &str = r#"
 lower="-1" upper="2" | lower="2" upper="-1" | joint `b`: its lower limit 2
 <axis xyz="0 0 1"/> | <axis xyz="0 0 0"/> | joint `c`: its axis
 mimic joint="b" | mimic joint="z" | `z`, which it mimics, is not in the file
-<cylinder radius="0.04" length="0.4"/> | <mesh filename="upper.stl"/> | upper.stl is not there
+<axis xyz="0 0 1"/> | <axis xyz="0 1"/> | line 7: <axis>: `xyz` is "0 1", expected three numbers
+<parent link="lower"/> | | line 7: joint `c` has no <parent>
+<link name="lower"/> | <link/> | line 4: <link> of `two` has no `name`
+<origin xyz="0 0 0.4"/> | <origin xyz="0 0 ${length}"/> | line 6: <origin>: it is a xacro file, of which a URDF is made first: `xacro arm.urdf > arm.urdf`
 <origin xyz="0 0 0.3" rpy="0 0 0"/> | <origin xyz="nan 0 0.3" rpy="0 0 0"/> | joint `c`: `xyz` of its origin is not a finite number
 <origin xyz="0 0 0.3" rpy="0 0 0"/> | <origin xyz="0 0 0.3" rpy="0 inf 0"/> | joint `c`: `rpy` of its origin
 <axis xyz="0 0 1"/> | <axis xyz="0 0 1e999"/> | joint `c`: `xyz` of its axis
@@ -287,6 +290,75 @@ fn faulty_urdfs_are_refused_with_the_name_of_what_is_wrong() {
             "{error}"
         );
     }
+}
+
+/// What is added to [`TWO_LINKS`] or replaced in it that kinematics does not use, or that has a default.
+const HARMLESS: &str = r#"
+<link name="slide"/> | <link name="slide"><inertial><mass/><inertia ixx="1"/></inertial><visual><geometry><mesh/></geometry><material name="m"><texture/><color rgba="1 0 0"/></material></visual></link> |
+<link name="slide"/> | <link name="slide"><visual/><visual><origin xyz="a"/><geometry><teapot/></geometry></visual></link> |
+<link name="slide"/> | <link name="slide"/><material/><transmission><joint name="a"/></transmission><gazebo reference="x"><link/></gazebo><self_collision_checking/> |
+<link name="slide"/> | <link name="slide"/><loop_joint name="l" type="spherical"><link1/></loop_joint><d:joint xmlns:d="http://d"/> |
+<cylinder radius="0.04" length="0.4"/> | <mesh filename="upper.stl"/> |
+<cylinder radius="0.04" length="0.4"/> | <mesh filename="upper.dae" scale="0.001"/> |
+<cylinder radius="0.04" length="0.4"/> | <plane/> | link `upper`: collision shapes <plane>
+<geometry><cylinder radius="0.04" length="0.4"/></geometry> | | without a shape
+<limit lower="-1" upper="2" effort="1" velocity="3"/> | | joint `b` does not state all of its <limit>; assumed: a range from -π to π, a velocity of at most 1 rad/s
+lower="-1" upper="2" effort="1" velocity="3" | lower="-1" upper="2" | velocity of at most 1 rad/s
+upper="0.1" effort="1" velocity="0.5" | upper="0.1" velocity="0" | velocity of at most 0.1 m/s
+</robot> | <joint name="f" type="floating"><parent link="base"/><child link="free"/></joint><link name="free"/></robot> | the tip is link `mirror`
+</robot> | <joint name="f" type="fixed"><parent link="upper"/><child link="base_frame"/></joint><link name="base_frame"/></robot> |
+"#;
+
+#[test]
+fn what_kinematics_does_not_use_refuses_no_urdf() {
+    for case in HARMLESS.trim().lines() {
+        let [good, other, note] = *case.split('|').map(str::trim).collect::<Vec<_>>() else {
+            panic!("{case}");
+        };
+        assert!(TWO_LINKS.contains(good), "{case}");
+        let text = TWO_LINKS.replacen(good, other, 1);
+        if text.contains("base_frame") {
+            // A second end that moves is a choice.
+            let error = urdf(&text).unwrap_err().to_string();
+            assert!(
+                error.contains("base_frame (1 moving joint), mirror (4 moving joints)"),
+                "{error}"
+            );
+            continue;
+        }
+        let arm = urdf(&text).unwrap_or_else(|error| panic!("{case}: {error}"));
+        assert_eq!(arm.chain.joints.len(), 3);
+        assert!(arm.notes.concat().contains(note), "{case}: {:?}", arm.notes);
+        assert_eq!(arm.notes.is_empty(), note.is_empty(), "{:?}", arm.notes);
+    }
+    for (text, expected) in [
+        (
+            "<mujoco/>",
+            "`python -c \"from mjcf_urdf_simple_converter import convert; convert('arm.urdf', 'arm.urdf')\"`",
+        ),
+        ("<sdf version='1.6'/>", "sdf2urdf.py arm.urdf"),
+        ("<html/>", "line 1: its root is <html>, expected <robot>"),
+        (
+            "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arm/></robot>",
+            "line 1: <arm>: it is a xacro file",
+        ),
+    ] {
+        let error = urdf(text).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    // Latin-1, as editors write it.
+    let latin = TWO_LINKS.replace(
+        "<robot",
+        "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><!-- gr\u{fc}n --><robot",
+    );
+    let bytes: Vec<u8> = latin
+        .chars()
+        .map(|letter| u32::from(letter) as u8)
+        .collect();
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("latin.urdf");
+    std::fs::write(&path, bytes).unwrap();
+    assert!(read_urdf(&path, None, None).is_ok());
 }
 
 #[test]

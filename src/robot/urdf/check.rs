@@ -1,8 +1,8 @@
 //! The gate for robots from URDF files: unique names, usable numbers, a bounded number of parts.
 
+use super::model::{self, Geometry, Robot};
 use rodlab_files::finite::{self, NotFinite};
 use std::collections::BTreeSet;
-use urdf_rs::{Geometry, Robot};
 
 /// Most links, joints and collision shapes of a file, each.
 const MOST: usize = 1000;
@@ -24,66 +24,71 @@ pub(super) fn check(robot: &Robot) -> Result<(), String> {
             return Err(format!("it has {count} {what}; allowed: at most {MOST}"));
         }
     }
-    unique("link", robot.links.iter().map(|link| link.name.as_str()))?;
+    unique(
+        "link",
+        robot.links.iter().map(|link| (&link.name, link.line)),
+    )?;
     unique(
         "joint",
-        robot.joints.iter().map(|joint| joint.name.as_str()),
+        robot.joints.iter().map(|joint| (&joint.name, joint.line)),
     )?;
     robot.joints.iter().try_for_each(joint)?;
     robot.links.iter().try_for_each(link)
 }
 
-fn unique<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<(), String> {
+fn unique<'a>(what: &str, names: impl Iterator<Item = (&'a String, u32)>) -> Result<(), String> {
     let mut known = BTreeSet::new();
-    for name in names {
+    for (name, line) in names {
         if !known.insert(name) {
             return Err(format!(
-                "{what} `{name}` is in the file twice; names must be unique"
+                "line {line}: {what} `{name}` is in the file twice; names must be unique"
             ));
         }
     }
     Ok(())
 }
 
-fn joint(joint: &urdf_rs::Joint) -> Result<(), String> {
-    let what = format!("joint `{}`", joint.name);
+fn joint(joint: &model::Joint) -> Result<(), String> {
+    let what = format!("line {}: joint `{}`", joint.line, joint.name);
     origin(&what, &joint.origin)?;
-    finite(&format!("{what}: `xyz` of its axis"), &joint.axis.xyz.0)?;
+    finite(&format!("{what}: `xyz` of its axis"), &joint.axis)?;
     let limit = &joint.limit;
     // Limits may be infinite.
     for (name, value) in [("lower", limit.lower), ("upper", limit.upper)] {
-        if value.is_nan() {
+        if value.is_some_and(f64::is_nan) {
             return Err(format!("{what}: `{name}` of its limit is not a number"));
         }
     }
-    // Zero is how a file without them is read: no limit.
+    // Zero is what exporters write where nothing is known.
     for (name, value) in [
         ("velocity", limit.velocity),
         ("acceleration", limit.acceleration),
         ("jerk", limit.jerk),
     ] {
-        if !(value >= 0.0) {
+        if let Some(value) = value.filter(|value| !(*value >= 0.0)) {
             return Err(format!(
                 "{what}: `{name}` of its limit is {value}; allowed: above 0, or 0 for none"
             ));
         }
     }
     if let Some(mimic) = &joint.mimic {
-        let numbers = [mimic.multiplier, mimic.offset].map(|number| number.unwrap_or(0.0));
         finite(
             &format!("{what}: `multiplier` or `offset` of its mimic"),
-            &numbers,
+            &[mimic.multiplier, mimic.offset],
         )?;
     }
     Ok(())
 }
 
-fn link(link: &urdf_rs::Link) -> Result<(), String> {
-    let what = format!("link `{}`: its collision shape", link.name);
+fn link(link: &model::Link) -> Result<(), String> {
+    let what = format!(
+        "line {}: link `{}`: its collision shape",
+        link.line, link.name
+    );
     link.collision.iter().try_for_each(|collision| {
         origin(&what, &collision.origin)?;
         match &collision.geometry {
-            Geometry::Box { size } => positive(&what, "size", &size.0),
+            Geometry::Box { size } => positive(&what, "size", size),
             Geometry::Sphere { radius } => positive(&what, "radius", &[*radius]),
             Geometry::Cylinder { radius, length } => {
                 positive(&what, "radius", &[*radius])?;
@@ -97,26 +102,18 @@ fn link(link: &urdf_rs::Link) -> Result<(), String> {
                     length => positive(&what, "length", &[length]),
                 }
             }
-            Geometry::Mesh { scale, .. } => match scale {
-                Some(scale) => scaled(&what, &scale.0),
-                None => Ok(()),
-            },
+            Geometry::Mesh { scale, .. } => scaled(&what, scale),
         }
     })
 }
 
-fn origin(what: &str, pose: &urdf_rs::Pose) -> Result<(), String> {
+fn origin(what: &str, pose: &model::Origin) -> Result<(), String> {
     let name = format!("{what}: `xyz` of its origin");
-    finite(&name, &pose.xyz.0)?;
-    if pose
-        .xyz
-        .0
-        .iter()
-        .any(|length| length.abs() > LARGEST_LENGTH)
-    {
+    finite(&name, &pose.xyz)?;
+    if pose.xyz.iter().any(|length| length.abs() > LARGEST_LENGTH) {
         return Err(format!("{name} is larger than {LARGEST_LENGTH} m"));
     }
-    finite(&format!("{what}: `rpy` of its origin"), &pose.rpy.0)
+    finite(&format!("{what}: `rpy` of its origin"), &pose.rpy)
 }
 
 fn finite(what: &str, numbers: &[f64]) -> Result<(), String> {

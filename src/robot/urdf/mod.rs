@@ -7,13 +7,20 @@ use crate::pose::{Pose, pose_of_angles};
 use nalgebra::{UnitVector3, Vector3};
 use rodlab_files::input;
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
-use urdf_rs::{Geometry, JointType, Robot};
 
 mod check;
+mod model;
+
+use model::{Geometry, JointType, Robot};
 
 /// Largest file, bytes.
 const LARGEST: u64 = 16 << 20;
+
+/// Velocities of joints of which a file states none: rad/s and m/s.
+const ASSUMED_TURNING: f64 = 1.0;
+const ASSUMED_SLIDING: f64 = 0.1;
 
 /// What is wrong with a URDF file.
 #[derive(Debug, thiserror::Error)]
@@ -46,6 +53,8 @@ pub struct UrdfArm {
     /// Collision meshes that were passed over: only STL files count, as their convex hulls, and of `package://` only
     /// those that are found in a folder above the URDF.
     pub meshes: Vec<String>,
+    /// What else was passed over or assumed, in words.
+    pub notes: Vec<String>,
 }
 
 /// Reads the chain from the link `base` to the link `tip` (the only link without a parent, and the only one without
@@ -60,10 +69,11 @@ pub fn read_urdf(path: &Path, base: Option<&str>, tip: Option<&str>) -> Result<U
         path: path.to_owned(),
         reason,
     };
-    let text = input::read_text(path, LARGEST)
+    let bytes = input::read(path, LARGEST)
         .map_err(|reason| unreadable(format!("cannot be read: {reason}")))?;
-    let robot = robot(&text).map_err(unreadable)?;
-    arm(&robot, base, tip, path.parent().unwrap_or(Path::new(""))).map_err(|reason| {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let robot = robot(&input::xml_text(&bytes), &name).map_err(unreadable)?;
+    arm(robot, base, tip, path.parent().unwrap_or(Path::new(""))).map_err(|reason| {
         UrdfError::Chain {
             path: path.to_owned(),
             reason,
@@ -72,35 +82,35 @@ pub fn read_urdf(path: &Path, base: Option<&str>, tip: Option<&str>) -> Result<U
 }
 
 /// The robot of a text whose names are unique and whose numbers are usable.
-fn robot(text: &str) -> Result<Robot, String> {
-    input::check_nesting(text)?;
-    let robot =
-        urdf_rs::read_from_string(text).map_err(|error| format!("not a URDF file: {error}"))?;
+fn robot(text: &str, name: &str) -> Result<Robot, String> {
+    let robot = Robot::read(text, name)?;
     check::check(&robot)?;
     Ok(robot)
 }
 
 fn arm(
-    robot: &Robot,
+    mut robot: Robot,
     base: Option<&str>,
     tip: Option<&str>,
     directory: &Path,
 ) -> Result<UrdfArm, String> {
+    let mut notes = std::mem::take(&mut robot.notes);
+    let robot = &robot;
     let links: BTreeSet<&str> = robot.links.iter().map(|link| link.name.as_str()).collect();
-    let mut parents: BTreeMap<&str, &urdf_rs::Joint> = BTreeMap::new();
+    let mut parents: BTreeMap<&str, &model::Joint> = BTreeMap::new();
     for joint in &robot.joints {
-        for (role, link) in [("parent", &joint.parent.link), ("child", &joint.child.link)] {
+        for (role, link) in [("parent", &joint.parent), ("child", &joint.child)] {
             if !links.contains(link.as_str()) {
                 return Err(format!(
-                    "joint `{}`: its {role} link `{link}` is not in the file",
-                    joint.name
+                    "line {}: joint `{}`: its {role} link `{link}` is not in the file",
+                    joint.line, joint.name
                 ));
             }
         }
-        if let Some(other) = parents.insert(&joint.child.link, joint) {
+        if let Some(other) = parents.insert(&joint.child, joint) {
             return Err(format!(
                 "link `{}` is the child of two joints, `{}` and `{}`: the chain has a loop",
-                joint.child.link, other.name, joint.name
+                joint.child, other.name, joint.name
             ));
         }
     }
@@ -108,7 +118,7 @@ fn arm(
         let mut at = *link;
         for _ in 0..links.len() {
             match parents.get(at) {
-                Some(joint) => at = &joint.parent.link,
+                Some(joint) => at = &joint.parent,
                 None => break,
             }
         }
@@ -119,9 +129,10 @@ fn arm(
     let base = end_of(base, "base_link", &links, |link| {
         !parents.contains_key(link)
     })?;
-    let tip = end_of(tip, "tip_link", &links, |link| {
-        !robot.joints.iter().any(|joint| joint.parent.link == link)
-    })?;
+    let tip = match tip {
+        Some(_) => end_of(tip, "tip_link", &links, |_| false)?,
+        None => moving_tip(robot, base, &links, &parents, &mut notes)?,
+    };
     let mut path = Vec::new();
     let mut at = tip;
     while at != base {
@@ -129,16 +140,70 @@ fn arm(
             .get(at)
             .ok_or_else(|| format!("no joints lead from link `{base}` to link `{tip}`"))?;
         path.push(*joint);
-        at = &joint.parent.link;
+        at = &joint.parent;
     }
     path.reverse();
-    let chain = chain(robot, &path)?;
+    let chain = chain(robot, &path, &mut notes)?;
     let (bodies, meshes) = bodies(robot, &chain, base, directory)?;
     Ok(UrdfArm {
         chain,
         bodies,
         meshes,
+        notes,
     })
+}
+
+/// The only link without children that moves; of several the only one whose joints move.
+fn moving_tip<'a>(
+    robot: &'a Robot,
+    base: &str,
+    links: &BTreeSet<&'a str>,
+    parents: &BTreeMap<&str, &'a model::Joint>,
+    notes: &mut Vec<String>,
+) -> Result<&'a str, String> {
+    let parent_links: BTreeSet<&str> = robot
+        .joints
+        .iter()
+        .map(|joint| joint.parent.as_str())
+        .collect();
+    let is_end = |link: &&&str| !parent_links.contains(**link);
+    let ends: Vec<&str> = links.iter().filter(is_end).copied().collect();
+    // Moving joints between the base and a link; none where nothing leads there.
+    let moving = |link: &str| {
+        let (mut at, mut count) = (link, 0);
+        while at != base {
+            let joint = parents.get(at)?;
+            count += usize::from(kind(joint).is_some());
+            at = &joint.parent;
+        }
+        Some(count)
+    };
+    let counted: Vec<(&str, usize)> = ends
+        .iter()
+        .filter_map(|end| Some((*end, moving(end)?)))
+        .filter(|(_, count)| *count > 0)
+        .collect();
+    match (counted.as_slice(), ends.as_slice()) {
+        ([(only, _)], [_, _, ..]) => {
+            notes.push(format!(
+                "the tip is link `{only}`, the only end that moves; `tip_link` names another"
+            ));
+            Ok(only)
+        }
+        ([(only, _)], _) | ([], [only]) => Ok(only),
+        ([], []) => Err("it has no links".into()),
+        ([], several) => Err(format!("`tip_link` must say which: {}", several.join(", "))),
+        (several, _) => {
+            let listed = several.iter().map(|(end, count)| match count {
+                1 => format!("{end} (1 moving joint)"),
+                _ => format!("{end} ({count} moving joints)"),
+            });
+            Err(format!(
+                "`tip_link` must say which: {}",
+                listed.collect::<Vec<_>>().join(", ")
+            ))
+        }
+    }
 }
 
 fn end_of<'a>(
@@ -164,8 +229,8 @@ fn end_of<'a>(
 }
 
 /// The joints of a path as a chain. Joints mimicked by those of the path must be on it too.
-fn chain(robot: &Robot, path: &[&urdf_rs::Joint]) -> Result<Chain, String> {
-    let own: Vec<&&urdf_rs::Joint> = path
+fn chain(robot: &Robot, path: &[&model::Joint], notes: &mut Vec<String>) -> Result<Chain, String> {
+    let own: Vec<&&model::Joint> = path
         .iter()
         .filter(|joint| joint.mimic.is_none() && kind(joint).is_some())
         .collect();
@@ -180,24 +245,26 @@ fn chain(robot: &Robot, path: &[&urdf_rs::Joint]) -> Result<Chain, String> {
     }
     let joints = own
         .iter()
-        .map(|joint| own_joint(joint))
+        .map(|joint| own_joint(joint, notes))
         .collect::<Result<Vec<Joint>, String>>()?;
     let index = |name: &str| own.iter().position(|joint| joint.name == name);
     let segments = path
         .iter()
         .map(|joint| {
             let motion = match kind(joint) {
-                _ if matches!(joint.joint_type, JointType::Floating | JointType::Planar | JointType::Spherical) => {
-                    return Err(format!(
-                        "joint `{}`: {:?} joints cannot be part of a chain; allowed: revolute, continuous, prismatic, fixed",
-                        joint.name, joint.joint_type
-                    ));
-                }
-                None => Motion::Fixed,
+                None => match &joint.joint_type {
+                    JointType::Other(kind) => {
+                        return Err(format!(
+                            "line {}: joint `{}`: {kind} joints cannot be part of a chain; allowed: revolute, continuous, prismatic, fixed",
+                            joint.line, joint.name
+                        ));
+                    }
+                    _ => Motion::Fixed,
+                },
                 Some(kind) => driven(robot, joint, kind, &index)?,
             };
             Ok(Segment {
-                link: joint.child.link.clone(),
+                link: joint.child.clone(),
                 origin: pose_of(&joint.origin),
                 motion,
             })
@@ -214,7 +281,7 @@ fn chain(robot: &Robot, path: &[&urdf_rs::Joint]) -> Result<Chain, String> {
 }
 
 /// The joints that mimic others, with their own limits.
-fn followers(path: &[&urdf_rs::Joint], segments: &[Segment]) -> Vec<Follower> {
+fn followers(path: &[&model::Joint], segments: &[Segment]) -> Vec<Follower> {
     let pairs = path.iter().zip(segments);
     let followers = pairs.filter_map(|(joint, segment)| match segment.motion {
         Motion::Driven {
@@ -236,19 +303,19 @@ fn followers(path: &[&urdf_rs::Joint], segments: &[Segment]) -> Vec<Follower> {
 
 fn driven(
     robot: &Robot,
-    joint: &urdf_rs::Joint,
+    joint: &model::Joint,
     kind: JointKind,
     index: &dyn Fn(&str) -> Option<usize>,
 ) -> Result<Motion, String> {
-    let axis = UnitVector3::try_new(Vector3::from(joint.axis.xyz.0), 1e-9)
-        .ok_or_else(|| format!("joint `{}`: its axis has no direction", joint.name))?;
+    let axis = UnitVector3::try_new(Vector3::from(joint.axis), 1e-9).ok_or_else(|| {
+        format!(
+            "line {}: joint `{}`: its axis has no direction",
+            joint.line, joint.name
+        )
+    })?;
     let (name, ratio, offset) = match &joint.mimic {
         None => (&joint.name, 1.0, 0.0),
-        Some(mimic) => (
-            &mimic.joint,
-            mimic.multiplier.unwrap_or(1.0),
-            mimic.offset.unwrap_or(0.0),
-        ),
+        Some(mimic) => (&mimic.joint, mimic.multiplier, mimic.offset),
     };
     let joint_index = index(name).ok_or_else(|| {
         let known = robot.joints.iter().any(|other| other.name == *name);
@@ -258,8 +325,8 @@ fn driven(
             "is not in the file"
         };
         format!(
-            "joint `{}`: joint `{name}`, which it mimics, {what}",
-            joint.name
+            "line {}: joint `{}`: joint `{name}`, which it mimics, {what}",
+            joint.line, joint.name
         )
     })?;
     Ok(Motion::Driven {
@@ -271,7 +338,7 @@ fn driven(
     })
 }
 
-fn kind(joint: &urdf_rs::Joint) -> Option<JointKind> {
+fn kind(joint: &model::Joint) -> Option<JointKind> {
     match joint.joint_type {
         JointType::Revolute | JointType::Continuous => Some(JointKind::Revolute),
         JointType::Prismatic => Some(JointKind::Prismatic),
@@ -279,31 +346,54 @@ fn kind(joint: &urdf_rs::Joint) -> Option<JointKind> {
     }
 }
 
-fn own_joint(joint: &urdf_rs::Joint) -> Result<Joint, String> {
-    let limits = limits_of(joint, false);
-    let Limits { lower, upper, .. } = limits;
-    if !(lower < upper) {
+/// A joint that moves on its own. A range and a speed that the file does not state are assumed, and noted.
+fn own_joint(joint: &model::Joint, notes: &mut Vec<String>) -> Result<Joint, String> {
+    let kind = kind(joint).unwrap_or(JointKind::Revolute);
+    let mut limits = limits_of(joint);
+    let model::Limit { lower, upper, .. } = joint.limit;
+    let mut assumed = Vec::new();
+    if joint.joint_type == JointType::Revolute && (lower, upper) == (None, None) {
+        (limits.lower, limits.upper) = (-PI, PI);
+        assumed.push("a range from -π to π".to_owned());
+    }
+    if limits.velocity.is_infinite() {
+        let unit;
+        (limits.velocity, unit) = match kind {
+            JointKind::Revolute => (ASSUMED_TURNING, "rad/s"),
+            JointKind::Prismatic => (ASSUMED_SLIDING, "m/s"),
+        };
+        assumed.push(format!("a velocity of at most {} {unit}", limits.velocity));
+    }
+    if !assumed.is_empty() {
+        notes.push(format!(
+            "line {}: joint `{}` does not state all of its <limit>; assumed: {}",
+            joint.line,
+            joint.name,
+            assumed.join(", ")
+        ));
+    }
+    if !(limits.lower < limits.upper) {
         return Err(format!(
-            "joint `{}`: its lower limit {lower} must be below its upper limit {upper}",
-            joint.name
+            "line {}: joint `{}`: its lower limit {} must be below its upper limit {}",
+            joint.line, joint.name, limits.lower, limits.upper
         ));
     }
     Ok(Joint {
         name: joint.name.clone(),
-        kind: kind(joint).unwrap_or(JointKind::Revolute),
+        kind,
         limits,
     })
 }
 
-/// Limits of a joint, of which a range without an end is that of a continuous one, or of one `without_range`.
-fn limits_of(joint: &urdf_rs::Joint, without_range: bool) -> Limits {
+/// Limits of a joint as they are stated, a side of its range that is not as 0. Velocity, acceleration and jerk of 0 are none.
+fn limits_of(joint: &model::Joint) -> Limits {
     let limit = &joint.limit;
-    let (lower, upper) = if joint.joint_type == JointType::Continuous || without_range {
+    let (lower, upper) = if joint.joint_type == JointType::Continuous {
         (f64::NEG_INFINITY, f64::INFINITY)
     } else {
-        (limit.lower, limit.upper)
+        (limit.lower.unwrap_or(0.0), limit.upper.unwrap_or(0.0))
     };
-    let positive = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
+    let positive = |value: Option<f64>| value.filter(|value| *value > 0.0).unwrap_or(f64::INFINITY);
     Limits {
         lower,
         upper,
@@ -314,12 +404,16 @@ fn limits_of(joint: &urdf_rs::Joint, without_range: bool) -> Limits {
 }
 
 /// Limits of a joint that mimics another. A range from 0 to 0 is that of a `<limit>` without a range.
-fn follower_limits(joint: &urdf_rs::Joint) -> Limits {
-    limits_of(joint, joint.limit.lower == 0.0 && joint.limit.upper == 0.0)
+fn follower_limits(joint: &model::Joint) -> Limits {
+    let mut limits = limits_of(joint);
+    if limits.lower == 0.0 && limits.upper == 0.0 {
+        (limits.lower, limits.upper) = (f64::NEG_INFINITY, f64::INFINITY);
+    }
+    limits
 }
 
-fn pose_of(origin: &urdf_rs::Pose) -> Pose {
-    pose_of_angles(origin.xyz.0, origin.rpy.0)
+fn pose_of(origin: &model::Origin) -> Pose {
+    pose_of_angles(origin.xyz, origin.rpy)
 }
 
 /// Collision shapes of the base, of the chain's links and of all that hangs on them; joints off the chain are at zero.
@@ -337,9 +431,9 @@ fn bodies(
     loop {
         let before = frames.len();
         for joint in &robot.joints {
-            if let Some((link, pose)) = frames.get(joint.parent.link.as_str()).copied() {
+            if let Some((link, pose)) = frames.get(joint.parent.as_str()).copied() {
                 let pose = pose * pose_of(&joint.origin);
-                frames.entry(&joint.child.link).or_insert((link, pose));
+                frames.entry(&joint.child).or_insert((link, pose));
             }
         }
         if frames.len() == before {
@@ -355,7 +449,7 @@ fn bodies(
             let pose = frame * pose_of(&collision.origin);
             let shape = match &collision.geometry {
                 Geometry::Box { size } => Shape::Box {
-                    half: size.0.map(|side| side / 2.0),
+                    half: size.map(|side| side / 2.0),
                 },
                 Geometry::Sphere { radius } => Shape::Capsule {
                     half_length: 0.0,
@@ -369,18 +463,18 @@ fn bodies(
                     }
                 }
                 Geometry::Mesh { filename, scale } => {
-                    let fault = |what: String| format!("link `{}`: {what}", link.name);
+                    let fault =
+                        |what: String| format!("line {}: link `{}`: {what}", link.line, link.name);
                     let is_stl = |path: &PathBuf| {
                         path.extension()
                             .is_some_and(|extension| extension.eq_ignore_ascii_case("stl"))
                     };
-                    let found = locate(filename, directory).map_err(fault)?;
+                    let found = locate(filename, directory);
                     let Some(path) = found.filter(is_stl) else {
                         meshes.push(filename.clone());
                         continue;
                     };
                     let mut corners = read_stl(&path).map_err(fault)?;
-                    let scale = scale.map_or([1.0; 3], |scale| scale.0);
                     for corner in &mut corners {
                         *corner = [0, 1, 2].map(|k| corner[k] * scale[k]);
                     }

@@ -40,6 +40,10 @@ pub(super) fn resolve_arm(
                             arm.meshes[0]
                         ));
                     }
+                    let notes = arm.notes.into_iter();
+                    let notes =
+                        notes.map(|note| format!("arm {}: {}: {note}", typed.name, file.display()));
+                    resolver.warnings.borrow_mut().extend(notes);
                     (arm.chain, arm.bodies)
                 }
                 Err(error) => {
