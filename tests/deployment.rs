@@ -209,7 +209,6 @@ fn what_cannot_be_planned_is_refused_and_leaves_nothing_behind() {
             vec!["--pattern", &text, "--rod", GREEN],
             "text must be made into paths",
         ),
-        (vec!["--pattern", &strokes, "--rod", GREEN], "2 strokes"),
         (
             vec!["--pattern", &strokes, "--stroke", "3", "--rod", GREEN],
             "no stroke 3",

@@ -10,6 +10,7 @@ mod cluster;
 mod continuation;
 mod cross_sections;
 mod deployment;
+mod drawn_files;
 mod exact_answers;
 mod explained;
 mod exploration;

@@ -1,20 +1,119 @@
 //! Files of drawn patterns: SVG, and CSV files of points.
 
 use super::prelude::*;
-use rodlab_lab::experiment::stroke_of_svg;
-use rodlab_planning::plan::pattern::Point;
+use rodlab_files::figure::numbered_strokes;
+use rodlab_lab::experiment::svg_drawing;
+use rodlab_planning::plan::pattern::{PatternError, Point, StrokeChoice, SvgDrawing};
 use rodlab_vision::read_curve;
 
-/// Points of an SVG or CSV file in metres; none where the file has another ending. `stroke` counts the strokes of an
-/// SVG, or the strands of a CSV file, from 1.
-pub fn drawn_points(path: &Path, stroke: Option<usize>) -> Result<Option<Vec<Point>>, Failure> {
+/// Which part of a drawn file is meant.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Part<'a> {
+    /// The stroke of an SVG, or strand of a CSV file.
+    pub stroke: Option<&'a StrokeChoice>,
+    /// Gap across which strokes of an SVG are joined first, m.
+    pub join: Option<f64>,
+}
+
+/// Points of an SVG or CSV file in metres; none where the file has another ending.
+pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, Failure> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     if extension == "svg" {
-        let points = stroke_of_svg(path, stroke);
-        points.map(Some).map_err(Failure::Input)
-    } else if extension == "csv" {
-        Ok(Some(read_curve(path, stroke)?))
+        return svg_points(path, part).map(Some);
+    }
+    if part.join.is_some() {
+        return Err(Failure::Input(format!(
+            "--join is for strokes of SVG drawings, and {} is none",
+            path.display()
+        )));
+    }
+    if extension == "csv" {
+        Ok(Some(read_curve(path, counted(part.stroke)?)?))
     } else {
         Ok(None)
     }
+}
+
+/// The number of a strand or a line, where one is named; `longest` is the default of lines in photographs.
+pub fn counted(stroke: Option<&StrokeChoice>) -> Result<Option<usize>, Failure> {
+    match stroke {
+        None | Some(StrokeChoice::Only | StrokeChoice::Longest) => Ok(None),
+        Some(StrokeChoice::Number(number)) => Ok(Some(*number)),
+        Some(StrokeChoice::Id(id)) => Err(Failure::Input(format!(
+            "--stroke {id}: a number from 1 is needed; only strokes of SVG drawings have an id"
+        ))),
+    }
+}
+
+/// A stroke of an SVG drawing. Where there are several to choose from, a picture of them is written.
+fn svg_points(path: &Path, part: Part<'_>) -> Result<Vec<Point>, Failure> {
+    let place = path.display();
+    let mut drawing = svg_drawing(path).map_err(Failure::Input)?;
+    if let Some(gap) = part.join {
+        drawing = drawing.joined(gap).at(&place)?;
+    }
+    let choice = part.stroke.cloned().unwrap_or_default();
+    let number = match drawing.choose(&choice) {
+        Ok(number) => number,
+        Err(error @ PatternError::SeveralStrokes { .. }) => {
+            return Err(Failure::Input(format!(
+                "{place}: {error}\n{}",
+                ways_out(path, &drawing)
+            )));
+        }
+        Err(error) => return Err(error).at(&place),
+    };
+    let stroke = drawing.strokes.swap_remove(number - 1);
+    if stroke.is_outline {
+        tracing::warn!(
+            "{place}: line {}: <{}> is a filled area without a line of its own: the rod follows its edge; --centreline follows \
+             its middle line",
+            stroke.line,
+            stroke.element
+        );
+    }
+    if let Some(line) = drawing.text_lines.first() {
+        tracing::warn!(
+            "{place}: line {line}: <text> is not followed; make it into paths first (Inkscape: Path, Object to Path), then \
+             --centreline follows the middle line of its letters"
+        );
+    }
+    Ok(stroke.points)
+}
+
+/// What chooses among several strokes, in words. A picture of them is written into the current folder.
+fn ways_out(path: &Path, drawing: &SvgDrawing) -> String {
+    let join = match drawing.gap_that_joins() {
+        Some(gap) => format!("; --join \"{:.3} mm\" joins all of them to one", 1e3 * gap),
+        None => "; --join GAP joins strokes whose ends are that near".into(),
+    };
+    let mut text = format!("--stroke takes a number, an id, or `longest`{join}");
+    let points: Vec<Vec<[f64; 2]>> = drawing
+        .strokes
+        .iter()
+        .map(|stroke| {
+            stroke
+                .points
+                .iter()
+                .map(|point| [point.x, point.y])
+                .collect()
+        })
+        .collect();
+    let views: Vec<&[[f64; 2]]> = points.iter().map(Vec::as_slice).collect();
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let picture = PathBuf::from(format!("{name}_strokes.svg"));
+    match write_file(&picture, numbered_strokes(&views).as_bytes()) {
+        Ok(()) => {
+            let _ = write!(
+                text,
+                "\na picture of them with their numbers: {}",
+                picture.display()
+            );
+        }
+        Err(_) => tracing::warn!(
+            "{} cannot be written: no picture of the strokes",
+            picture.display()
+        ),
+    }
+    text
 }

@@ -46,6 +46,14 @@ impl Failure {
         }
     }
 
+    /// Adds what may help to the message about an argument.
+    pub fn followed_by(self, more: &str) -> Self {
+        match self {
+            Self::Input(message) => Self::Input(message + more),
+            other => other,
+        }
+    }
+
     /// Says what is wrong on standard error.
     pub fn report(&self, colour: bool) {
         standard_error::report(&self.in_words(colour));

@@ -53,6 +53,7 @@ mod measure;
 mod measure_knot;
 mod measure_markers;
 mod measure_sheet;
+mod middle_line;
 mod output;
 mod pattern_source;
 mod picture_source;

@@ -1,30 +1,46 @@
 //! Patterns as arguments: formulas and drawings.
 
-use super::drawn_pattern::drawn_points;
+use super::drawn_pattern::{Part, counted, drawn_points};
+use super::middle_line::middle_line;
 use super::picture_source::has_ending;
 use super::prelude::*;
 use super::preset_file::{GivenPattern, pattern_or_preset};
 use rodlab_lab::scenario::metres;
-use rodlab_planning::plan::pattern::{Circle, Drawing, Line, PatternSource, Point, Sine};
-use rodlab_vision::{Camera, ColourRule, Metric, TraceOptions, pattern, read_picture, trace};
+use rodlab_planning::plan::pattern::{
+    Circle, Drawing, Line, PatternSource, Point, Sine, StrokeChoice,
+};
+use rodlab_vision::{
+    Camera, ColourRule, Metric, PICTURE_ENDINGS, TraceOptions, pattern, read_picture, trace,
+};
+use std::sync::OnceLock;
 
 /// Distance of the points of a photographed line, m, as of `rodlab trace --pattern`.
-const POINT_STEP: f64 = 1e-3;
+pub const POINT_STEP: f64 = 1e-3;
 
 /// What a rod is laid along.
 #[derive(Debug, Args)]
 pub struct PatternArguments {
-    /// The pattern: an SVG file; a CSV file with columns x_m and y_m; a photographed drawing (PNG or JPEG, with --size or
+    /// The pattern: an SVG file; a CSV file with columns x_m and y_m; a photographed drawing (PNG, JPEG, TIFF, BMP or WebP, with --size or
     /// --drawing-camera); or line:LENGTH, circle:RADIUS, sine:AMPLITUDE,WAVELENGTH,WAVES
     #[arg(long, value_name = "PATTERN", value_parser = pattern_or_preset, add = presets(PresetKind::Pattern))]
     pattern: GivenPattern,
     /// Length of the longer side of a drawn pattern [default: as drawn]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     size: Option<f64>,
-    /// Which stroke of an SVG, strand of a CSV file or line of a photographed drawing, from 1 [default: the only one; in a
-    /// photograph the longest]
-    #[arg(long, value_name = "N")]
-    stroke: Option<usize>,
+    /// Which stroke of an SVG: its number from 1, its id, or `longest`; which strand of a CSV file or line of a photographed
+    /// drawing, from 1 [default: the only one; in a photograph the longest]
+    #[arg(long, value_name = "N|ID|longest")]
+    stroke: Option<StrokeChoice>,
+    /// Join strokes of an SVG first whose ends are at most this far apart, in any order and direction
+    #[arg(long, value_name = "GAP", value_parser = length_from_zero)]
+    join: Option<f64>,
+    /// Follow the middle line of the filled areas of an SVG, such as text made into paths, instead of their edges; --stroke
+    /// counts the lines found [default: the longest]
+    #[arg(long, conflicts_with = "join")]
+    centreline: bool,
+    /// The pattern as it was read.
+    #[arg(skip)]
+    read: OnceLock<PatternSource>,
     /// Lay it from the last point to the first
     #[arg(long)]
     reverse: bool,
@@ -52,7 +68,7 @@ impl PatternArguments {
     pub fn second(
         &self,
         file: Option<&Path>,
-        stroke: Option<usize>,
+        stroke: Option<&StrokeChoice>,
     ) -> Result<PatternSource, Failure> {
         if self.size.is_some() || self.reverse {
             return Err(Failure::Input(
@@ -60,7 +76,8 @@ impl PatternArguments {
             ));
         }
         let file = file.unwrap_or(Path::new(&self.pattern.source));
-        let points = drawn_points(file, stroke)?.ok_or_else(|| {
+        let part = Part { stroke, join: None };
+        let points = drawn_points(file, part)?.ok_or_else(|| {
             Failure::Input(format!(
                 "the pattern of a second rod is an .svg file or a .csv file, and {} is none",
                 file.display()
@@ -76,8 +93,16 @@ impl PatternArguments {
         })
     }
 
-    /// What the pattern is made from.
+    /// What the pattern is made from. It is read once.
     pub fn source(&self) -> Result<PatternSource, Failure> {
+        if let Some(read) = self.read.get() {
+            return Ok(read.clone());
+        }
+        let read = self.read_source()?;
+        Ok(self.read.get_or_init(|| read).clone())
+    }
+
+    fn read_source(&self) -> Result<PatternSource, Failure> {
         let Some(formula) = self.analytic()? else {
             return Ok(PatternSource::Drawn {
                 points: self.drawn()?,
@@ -87,6 +112,8 @@ impl PatternArguments {
         let given = [
             ("--size", self.size.is_some()),
             ("--stroke", self.stroke.is_some()),
+            ("--join", self.join.is_some()),
+            ("--centreline", self.centreline),
             ("--reverse", self.reverse),
             ("--drawing-camera", self.drawing_camera.is_some()),
         ];
@@ -143,15 +170,28 @@ impl PatternArguments {
     /// Points of a file, in its size and direction.
     fn drawn(&self) -> Result<Vec<Point>, Failure> {
         let path = Path::new(&self.pattern.source);
-        let points = if has_ending(path, &["png", "jpg", "jpeg"]) {
+        let points = if has_ending(path, &PICTURE_ENDINGS) {
+            if self.centreline || self.join.is_some() {
+                return Err(Failure::Input(format!(
+                    "--centreline and --join are for SVG drawings, and {} is none",
+                    self.pattern.name
+                )));
+            }
             Some(self.photographed(path)?)
         } else if self.drawing_camera.is_some() {
             return Err(Failure::Input(format!(
                 "--drawing-camera is for photographed drawings (PNG or JPEG), and {} is none",
                 self.pattern.name
             )));
+        } else if self.centreline {
+            let line = counted(self.stroke.as_ref())?;
+            Some(middle_line(path, line, self.size, self.drawing_smoothing)?)
         } else {
-            drawn_points(path, self.stroke)?
+            let part = Part {
+                stroke: self.stroke.as_ref(),
+                join: self.join,
+            };
+            drawn_points(path, part)?
         };
         let points = points.ok_or_else(|| {
             Failure::Input(format!(
@@ -176,7 +216,8 @@ impl PatternArguments {
         };
         let hint = |error| format!("{error}; --drawing-colour says what its line is");
         let traced = trace(&picture, &options).map_err(hint).at(&place)?;
-        let strand = traced.strand(self.stroke).ok_or_else(|| {
+        let strand = traced.strand(counted(self.stroke.as_ref())?);
+        let strand = strand.ok_or_else(|| {
             let count = traced.strands.len();
             format!("--stroke: it has {count} lines, counted from 1")
         });
@@ -203,8 +244,14 @@ impl PatternArguments {
 
 /// The longer side of the box around points.
 fn longer_side(points: &[Point]) -> f64 {
+    let [width, height] = extent(points);
+    width.max(height)
+}
+
+/// Width and height of the box around points.
+pub fn extent(points: &[Point]) -> [f64; 2] {
     let first = points.first().copied().unwrap_or_default();
     let low = points.iter().fold(first, |low, point| low.inf(point));
     let high = points.iter().fold(first, |high, point| high.sup(point));
-    (high - low).max()
+    (high - low).into()
 }

@@ -1,7 +1,7 @@
 //! `rodlab plan deployment`.
 
 use super::chosen_rod::{rod_for, rod_for_knot};
-use super::pattern_source::PatternArguments;
+use super::pattern_source::{PatternArguments, extent};
 use super::prelude::*;
 use rodlab_files::finite::NotFinite;
 use rodlab_lab::experiment::{Landing, RodFile};
@@ -11,7 +11,7 @@ use rodlab_planning::plan::deployment::{
 };
 use rodlab_planning::plan::files::{drawing_csv, path_files, trajectory_csv, trajectory_json};
 use rodlab_planning::plan::grasp::NeuralGrasps;
-use rodlab_planning::plan::pattern::{Crossing, PatternSource, Point};
+use rodlab_planning::plan::pattern::{Crossing, PatternError, PatternSource, Point, StrokeChoice};
 use rodlab_planning::plan::request::{DeploymentRequest, LeadLength, RequestError};
 use rodlab_planning::plan::tying::Pass;
 use rodlab_workcell::cell::Cell;
@@ -177,7 +177,10 @@ impl DeploymentPlan {
             request.grasps = OptimalGrasps::Neural(network);
         }
         let planned = request.plan(&source, &rod, spare);
-        let planned = planned.map_err(|error| self.refused(error))?;
+        let planned = planned.map_err(|error| {
+            let way_out = way_out(&error, &request, &source, &rod, spare);
+            self.refused(error).followed_by(&way_out)
+        })?;
         let (path, pattern) = (planned.path, planned.pattern);
         let knot = planned.knot.map(|(pattern, passages)| {
             let laying = path.poses.clone();
@@ -330,10 +333,15 @@ impl DeploymentPlan {
         if let Some(given) = self.rod.as_ref().or(self.chosen.get()) {
             return Ok(given);
         }
-        let pattern = self.source.source()?.pattern().at(self.source.name())?;
+        let source = self.source.source()?;
+        // One with sharp corners is as long as it was drawn.
+        let length = match source.pattern() {
+            Err(PatternError::Deviation { .. }) => source.drawn_length(),
+            pattern => pattern.at(self.source.name())?.length(),
+        };
         let chosen = match self.ties_knot() {
-            true => rod_for_knot(pattern.length())?,
-            false => rod_for(pattern.length())?,
+            true => rod_for_knot(length)?,
+            false => rod_for(length)?,
         };
         Ok(self.chosen.get_or_init(|| chosen))
     }
@@ -351,7 +359,7 @@ impl DeploymentPlan {
     pub fn second_source(
         &self,
         file: Option<&Path>,
-        stroke: Option<usize>,
+        stroke: Option<&StrokeChoice>,
     ) -> Result<PatternSource, Failure> {
         self.source.second(file, stroke)
     }
@@ -424,6 +432,44 @@ impl DeploymentPlan {
             }
         }
     }
+}
+
+/// What a drawing measures, and with which options it can be planned; empty where its size and corners are not at fault.
+fn way_out(
+    error: &RequestError,
+    request: &DeploymentRequest<'_>,
+    source: &PatternSource,
+    rod: &DeployedRod,
+    spare: &Spare<'_>,
+) -> String {
+    let of_size = [
+        matches!(error, RequestError::Pattern(PatternError::Deviation { .. })),
+        matches!(error, RequestError::TooManyPoses { .. }),
+        matches!(
+            error,
+            RequestError::Deployment(
+                DeploymentError::TooLong { .. }
+                    | DeploymentError::TooSharp { .. }
+                    | DeploymentError::Grasp { .. }
+            )
+        ),
+    ];
+    let PatternSource::Drawn { points, .. } = source else {
+        return String::new();
+    };
+    if !of_size.contains(&true) {
+        return String::new();
+    }
+    let [width, height] = extent(points).map(|side| 1e3 * side);
+    let mut text = format!("\nThe drawing was read as {width:.1} mm × {height:.1} mm");
+    let _ = match request.remedy(source, rod, spare) {
+        Some(remedy) => write!(text, "; it can be laid with {remedy}"),
+        None => write!(
+            text,
+            "; no size and no deviation up to a tenth of it was found with which it can be laid"
+        ),
+    };
+    text
 }
 
 impl CrossingReport {

@@ -1,11 +1,11 @@
 //! `rodlab score`: how far a deployed curve is from its pattern.
 
-use super::drawn_pattern::drawn_points;
+use super::drawn_pattern::{Part, drawn_points};
 use super::exit_code::NOT_SEEN_WHOLE;
 use super::prelude::*;
 use rodlab_files::figure::{Format, Paper};
 use rodlab_lab::scenario::read_text_file;
-use rodlab_planning::plan::pattern::Drawing;
+use rodlab_planning::plan::pattern::{Drawing, StrokeChoice};
 use rodlab_vision::{
     CurveError, Point, SCORE_POINTS, Score, SeenLength, part_of_curve, read_curve,
     score as score_curves, score_figure,
@@ -24,9 +24,12 @@ pub struct ScoreArguments {
     /// Strand of the result, from 1 [default: the first one]
     #[arg(long, value_name = "N")]
     pub strand: Option<usize>,
-    /// Which stroke of an SVG pattern, or strand of a CSV one, from 1
-    #[arg(long, value_name = "N")]
-    pub stroke: Option<usize>,
+    /// Which stroke of an SVG pattern: its number from 1, its id, or `longest`; or which strand of a CSV one, from 1
+    #[arg(long, value_name = "N|ID|longest")]
+    pub stroke: Option<StrokeChoice>,
+    /// Join strokes of an SVG pattern first whose ends are at most this far apart
+    #[arg(long, value_name = "GAP", value_parser = length_from_zero)]
+    pub join: Option<f64>,
     /// Length of the longer side of the pattern [default: as drawn]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub size: Option<f64>,
@@ -166,7 +169,11 @@ pub fn score(arguments: &ScoreArguments) -> Result<(), Failure> {
 impl ScoreArguments {
     fn pattern_points(&self) -> Result<Vec<Point>, Failure> {
         let file = self.pattern.display();
-        let points = drawn_points(&self.pattern, self.stroke)?;
+        let part = Part {
+            stroke: self.stroke.as_ref(),
+            join: self.join,
+        };
+        let points = drawn_points(&self.pattern, part)?;
         let points = points.ok_or("an .svg or a .csv file is needed").at(&file)?;
         let drawing = Drawing {
             size: self.size,

@@ -8,6 +8,7 @@ use super::solve_arm::arm_named;
 use super::task_arguments::TaskArguments;
 use super::task_cell::{CellChoice, FULL_SPEED, TaskCell};
 use rodlab_planning::plan::deployment::Spare;
+use rodlab_planning::plan::pattern::StrokeChoice;
 use rodlab_vision::ColourRule;
 use rodlab_workcell::task::{KnotPlan, TaskHead, TieMotion, TieMotionRequest, TieRecord, TieTask};
 use rodlab_workcell::virtual_cell::{RodSupply, Settings};
@@ -54,9 +55,9 @@ pub struct TieArguments {
     /// Its pattern, an SVG or CSV file in the same frame [default: --pattern]
     #[arg(long, value_name = "FILE", requires = "second_rod", value_parser = file_or_preset(PresetKind::Pattern), add = presets(PresetKind::Pattern))]
     second_pattern: Option<PathBuf>,
-    /// Which stroke of an SVG, or strand of a CSV file, from 1 [default: the only one]
-    #[arg(long, value_name = "N", requires = "second_rod")]
-    second_stroke: Option<usize>,
+    /// Which stroke of an SVG: its number from 1, its id, or `longest`; or which strand of a CSV file, from 1 [default: the only one]
+    #[arg(long, value_name = "N|ID|longest", requires = "second_rod")]
+    second_stroke: Option<StrokeChoice>,
     #[command(flatten)]
     task: TaskArguments,
 }
@@ -174,7 +175,7 @@ impl TieArguments {
             return Ok(None);
         };
         let file = self.second_pattern.as_deref();
-        let source = self.plan.second_source(file, self.second_stroke)?;
+        let source = self.plan.second_source(file, self.second_stroke.as_ref())?;
         self.plan.knot_with(rod, &source).map(Some)
     }
 
@@ -184,8 +185,8 @@ impl TieArguments {
         let second = self.second_rod.as_ref().map(|_| {
             let file = self.second_pattern.as_ref();
             let file = file.map_or_else(|| first.clone(), |file| file.display().to_string());
-            match self.second_stroke {
-                Some(number) => format!("stroke {number} of {file}"),
+            match &self.second_stroke {
+                Some(stroke) => format!("stroke {stroke} of {file}"),
                 None => file,
             }
         });

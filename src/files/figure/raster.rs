@@ -23,6 +23,26 @@ pub(super) fn png(svg: &str) -> Vec<u8> {
     picture.encode_png().expect("memory takes all bytes")
 }
 
+/// Draws an SVG at a width in pixels, on white, as grey pixels row by row: width, height, pixels. None where it is no SVG, or has
+/// no size.
+pub fn grey_picture(svg: &str, width: u32) -> Option<(u32, u32, Vec<u8>)> {
+    let tree = Tree::from_str(svg, &Options::default()).ok()?;
+    let size = tree.size().to_int_size().scale_to_width(width)?;
+    let scale = width as f32 / tree.size().width();
+    let mut picture = Pixmap::new(size.width(), size.height())?;
+    picture.fill(resvg::tiny_skia::Color::WHITE);
+    resvg::render(
+        &tree,
+        Transform::from_scale(scale, scale),
+        &mut picture.as_mut(),
+    );
+    let grey = picture.pixels().iter().map(|pixel| {
+        let [red, green, blue] = [pixel.red(), pixel.green(), pixel.blue()].map(u16::from);
+        u8::try_from((red + green + blue) / 3).unwrap_or(u8::MAX)
+    });
+    Some((size.width(), size.height(), grey.collect()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::drawing::{Anchor, Drawing, Words};

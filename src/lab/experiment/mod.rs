@@ -51,7 +51,7 @@ mod tests;
 pub use deployment::{
     Deployment, DeploymentMonitor, DeploymentOutcome, DeploymentTables, Fixtures, GripperTask,
     GripperWork, LaidOutlines, Landing, Outline, PassedPegs, Placement, PlacementError, RodFile,
-    TiedKnot, knot_of_patterns, knot_on_table, laid_outlines, stroke_of_svg,
+    TiedKnot, knot_of_patterns, knot_on_table, laid_outlines, svg_drawing,
 };
 pub use derived::{DerivedNumbers, DerivedRod, derived_numbers};
 pub use described::{Described, describe, described_files, files_with_column};

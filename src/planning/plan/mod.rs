@@ -7,5 +7,6 @@ mod fold_figures;
 pub mod fold_request;
 pub mod grasp;
 pub mod pattern;
+pub mod remedy;
 pub mod request;
 pub mod tying;

@@ -45,7 +45,7 @@ mod tables;
 mod tying;
 
 pub use fixtures::Fixtures;
-pub use keys::{Deployment, stroke_of_svg};
+pub use keys::{Deployment, svg_drawing};
 pub use kind::DeploymentKind;
 pub use knot_proof::{knot_of_patterns, knot_on_table};
 pub use laid_figure::{LaidOutlines, Outline, laid_outlines};

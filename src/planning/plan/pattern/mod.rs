@@ -2,7 +2,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `svg`, `path_data` | the strokes of an SVG drawing, metres |
+//! | `svg` | the strokes of an SVG drawing, metres |
 //! | `spline` | a smooth curve along drawn points, as near to them as is asked for |
 //! | `analytic` | line, circle and sine |
 //! | `curve` | arc length, tangent, curvature and its derivatives |
@@ -15,7 +15,6 @@ mod check;
 mod curve;
 mod lead_in;
 mod lead_out;
-mod path_data;
 mod source;
 mod spline;
 mod svg;
@@ -26,7 +25,7 @@ pub use curve::{PatternPoint, PlaneCurve};
 pub use lead_in::LeadBend;
 pub use source::{Drawing, PatternSource, chosen_stroke};
 pub use spline::SmoothCurve;
-pub use svg::{Stroke, read_svg};
+pub use svg::{DrawnStroke, Stroke, StrokeChoice, SvgDrawing, read_svg};
 
 use curve::ArcLength;
 use lead_in::LeadIn;
@@ -59,8 +58,24 @@ pub enum PatternError {
         hint: &'static str,
     },
     /// There are several strokes.
-    #[error("it has {0} strokes that do not join; choose one, `stroke` 1 to {0}")]
-    SeveralStrokes(usize),
+    #[error("it has {count} strokes that do not join; choose one, `stroke` 1 to {count}{list}")]
+    SeveralStrokes {
+        /// How many.
+        count: usize,
+        /// The longest of them, a line each.
+        list: String,
+    },
+    /// Several strokes, or none, have an id.
+    #[error("id `{id}`: {found}")]
+    StrokeId {
+        /// What was asked for.
+        id: String,
+        /// What was found, in words.
+        found: String,
+    },
+    /// Strokes cannot be joined.
+    #[error("{0} strokes are too many to be joined; allowed: {most} at most", most = StrokeChoice::MOST_JOINED)]
+    TooManyToJoin(usize),
     /// There is no such stroke.
     #[error("there is no stroke {wanted}: it has {count}")]
     NoStroke {

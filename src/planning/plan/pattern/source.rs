@@ -21,6 +21,17 @@ pub enum PatternSource {
 }
 
 impl PatternSource {
+    /// Length of what was drawn, m; zero for a formula.
+    pub fn drawn_length(&self) -> f64 {
+        match self {
+            Self::Drawn { points, .. } => {
+                let pairs = points.windows(2);
+                pairs.map(|pair| (pair[1] - pair[0]).norm()).sum()
+            }
+            _ => 0.0,
+        }
+    }
+
     /// The pattern, without a lead-in.
     ///
     /// # Errors
@@ -80,7 +91,10 @@ pub fn chosen_stroke(
     let count = strokes.len();
     match wanted {
         None if count == 1 => Ok(strokes.remove(0)),
-        None => Err(PatternError::SeveralStrokes(count)),
+        None => Err(PatternError::SeveralStrokes {
+            count,
+            list: String::new(),
+        }),
         Some(wanted) if (1..=count).contains(&wanted) => Ok(strokes.remove(wanted - 1)),
         Some(wanted) => Err(PatternError::NoStroke { wanted, count }),
     }

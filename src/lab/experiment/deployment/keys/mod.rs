@@ -7,7 +7,7 @@ mod resolved;
 mod second;
 mod typed;
 
-pub use pattern::stroke_of_svg;
+pub use pattern::svg_drawing;
 #[cfg(test)]
 pub use resolved::Second;
 pub use resolved::{Correction, Deployment, Knot, Pattern, Peg, Rod, Scheme, Solver};

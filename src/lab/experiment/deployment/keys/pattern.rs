@@ -4,7 +4,8 @@ use super::resolved::Pattern;
 use super::typed::{self, PatternKind};
 use crate::scenario::keys::{FINITE, POSITIVE, Request, Section, read_columns};
 use crate::scenario::read_text_file;
-use rodlab_planning::plan::pattern::{Drawing, Point, chosen_stroke, read_svg};
+use rodlab_files::input::xml_text;
+use rodlab_planning::plan::pattern::{Drawing, Point, StrokeChoice, SvgDrawing};
 use std::path::Path;
 
 /// How far the smooth curve may be from what was drawn where nothing is said, m.
@@ -144,16 +145,18 @@ fn drawn(request: &Request<'_>, section: &Section<'_>, typed: &typed::Pattern) -
     }
 }
 
-/// A stroke of an SVG file by its number from 1; the only one without a number.
+/// Reads an SVG drawing, and logs what was left out of it.
 ///
 /// # Errors
 /// In words, with the name of the file.
-pub fn stroke_of_svg(path: &Path, stroke: Option<usize>) -> Result<Vec<Point>, String> {
+pub fn svg_drawing(path: &Path) -> Result<SvgDrawing, String> {
     let place = path.display();
-    let text = String::from_utf8(read_text_file(path)?)
-        .map_err(|_| format!("{place} is no text in UTF-8"))?;
-    let points = read_svg(&text).and_then(|strokes| chosen_stroke(strokes, stroke));
-    points.map_err(|error| format!("{place}: {error}"))
+    let text = xml_text(&read_text_file(path)?);
+    let drawing = SvgDrawing::read(&text).map_err(|error| format!("{place}: {error}"))?;
+    for note in &drawing.notes {
+        tracing::warn!("{place}: {note}");
+    }
+    Ok(drawing)
 }
 
 /// The points of an SVG or CSV file.
@@ -161,7 +164,11 @@ fn read(path: &Path, stroke: Option<usize>) -> Result<Vec<Point>, String> {
     let place = path.display();
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     if extension == "svg" {
-        return stroke_of_svg(path, stroke);
+        let choice = stroke.map_or(StrokeChoice::Only, StrokeChoice::Number);
+        let mut drawing = svg_drawing(path)?;
+        let number = drawing.choose(&choice);
+        let number = number.map_err(|error| format!("{place}: {error}"))?;
+        return Ok(drawing.strokes.swap_remove(number - 1).points);
     }
     if extension != "csv" {
         return Err(format!("{place}: an .svg or a .csv file is needed"));

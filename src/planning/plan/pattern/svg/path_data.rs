@@ -8,16 +8,16 @@ const ARC_ACCURACY: f64 = 1e-9;
 /// Smallest radius of an arc that is one.
 const SMALLEST_ARC: f64 = 1e-100;
 
-/// Reads path data.
-///
-/// # Errors
-/// It is faulty.
-pub fn bezier_path(data: &str) -> Result<BezPath, Error> {
+/// Reads path data up to its first fault, and that fault.
+pub fn bezier_path(data: &str) -> (BezPath, Option<Error>) {
     let mut pen = Pen::default();
     for segment in PathParser::from(data) {
-        pen.draw(&segment?);
+        match segment {
+            Ok(segment) => pen.draw(&segment),
+            Err(error) => return (pen.path, Some(error)),
+        }
     }
-    Ok(pen.path)
+    (pen.path, None)
 }
 
 #[derive(Default)]
@@ -146,7 +146,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn ends(data: &str) -> Vec<(f64, f64)> {
-        let path = bezier_path(data).unwrap();
+        let path = bezier_path(data).0;
         let ends = path
             .elements()
             .iter()
@@ -164,14 +164,16 @@ mod tests {
             ends("M0 0H3V4M5 5zL7 7"),
             [(0., 0.), (3., 0.), (3., 4.), (5., 5.), (5., 5.), (7., 7.)]
         );
-        assert!(bezier_path("L 1 1").is_err() || ends("L 1 1").is_empty());
-        assert!(bezier_path("M 0 0 L 1").is_err());
+        assert!(ends("L 1 1").is_empty());
+        assert!(bezier_path("M 0 0 L 1").1.is_some());
+        // What comes before a fault is drawn.
+        assert_eq!(ends("M 0 0 L 1 2 X 3"), [(0., 0.), (1., 2.)]);
     }
 
     #[test]
     fn smooth_curves_mirror_the_control_point() {
-        let long = bezier_path("M0 0 C1 0 2 1 3 1 C4 1 5 2 6 0 Q7 -2 8 0 Q9 2 10 0").unwrap();
-        let short = bezier_path("M0 0 C1 0 2 1 3 1 S5 2 6 0 Q7 -2 8 0 T10 0").unwrap();
+        let long = bezier_path("M0 0 C1 0 2 1 3 1 C4 1 5 2 6 0 Q7 -2 8 0 Q9 2 10 0").0;
+        let short = bezier_path("M0 0 C1 0 2 1 3 1 S5 2 6 0 Q7 -2 8 0 T10 0").0;
         assert_eq!(long, short);
     }
 
@@ -187,7 +189,7 @@ mod tests {
             let side = if sweep { 1.0 } else { -1.0 };
             let (x, y) = (radius * end.cos() - radius, side * radius * end.sin());
             let data = format!("M0 0 a{radius} {radius} 0 {} {} {x} {y}", u8::from(large), u8::from(sweep));
-            let path = bezier_path(&data).unwrap();
+            let path = bezier_path(&data).0;
             let centre = Point::new(-radius, 0.0);
             kurbo::flatten(&path, 1e-7 * radius, |element| {
                 if let Some(point) = element.end_point() {

@@ -1,0 +1,306 @@
+//! Which shapes of a drawing are seen, and where: `usvg` resolves styles, `<use>`, symbols, nested pages, conditions and clips.
+//!
+//! Its outlines are in single precision, and its arcs miss circles by more than patterns may. So it is given a copy of the drawing in
+//! which each shape is a small square at a place that states which shape it is, and the outlines are computed here.
+
+use super::shape::SHAPES;
+use super::units::Page;
+use super::{Fault, PatternError};
+use kurbo::{Affine, BezPath, PathEl, Point};
+use resvg::usvg::{self, tiny_skia_path::PathSegment};
+use roxmltree::{Document, Node};
+use std::fmt::Write;
+use std::str::FromStr;
+use svgtypes::Transform;
+
+/// Where the square of the first shape is. Below 2²⁴, so that single precision has every number.
+const FIRST: usize = 4_000_000;
+/// Height at which the squares are.
+const ROW: f32 = 7_000_000.0;
+/// Stack of the resolver, which recurses into groups, bytes.
+const STACK: usize = 64 << 20;
+/// Difference of transforms in single precision, over their size.
+const SINGLE: f64 = 1e-5;
+
+/// A shape that is seen.
+pub struct Seen {
+    /// Its number among all elements of [`shapes`].
+    pub shape: usize,
+    /// From its coordinates to user units of the page.
+    pub place: Affine,
+    /// Whether it has a colour inside, and no line around it.
+    pub is_filled: bool,
+    /// Indices of the clips that hide parts of it, into [`Visible::clips`].
+    pub clips: Vec<usize>,
+}
+
+/// The area that a clip leaves, in user units of the page.
+#[derive(Default)]
+pub struct Clip {
+    /// Shapes of the drawing that are its area, with their places.
+    pub shapes: Vec<(usize, Affine)>,
+    /// Frames of nested pages.
+    pub frames: Vec<BezPath>,
+}
+
+/// What is seen of a drawing, in the order in which it is drawn.
+#[derive(Default)]
+pub struct Visible {
+    /// The shapes.
+    pub seen: Vec<Seen>,
+    /// The clips.
+    pub clips: Vec<Clip>,
+}
+
+/// The shapes of a document, in its order.
+pub fn shapes<'a>(document: &'a Document<'a>) -> Vec<Node<'a, 'a>> {
+    let elements = document.descendants().filter(Node::is_element);
+    elements
+        .filter(|node| SHAPES.contains(&node.tag_name().name()))
+        .collect()
+}
+
+impl Visible {
+    /// Resolves a drawing.
+    ///
+    /// # Errors
+    /// It is nested too deep, or has too many elements after each `<use>` is replaced by what it shows.
+    pub fn of(text: &str, shapes: &[Node], page: &Page) -> Result<Self, PatternError> {
+        let copy = copy(text, shapes, page);
+        let resolve = || {
+            let options = usvg::Options {
+                // Pictures are not followed, and other files are never read.
+                image_href_resolver: usvg::ImageHrefResolver {
+                    resolve_data: Box::new(|_, _, _| None),
+                    resolve_string: Box::new(|_, _| None),
+                },
+                ..usvg::Options::default()
+            };
+            usvg::Tree::from_str(&copy, &options).map(|tree| {
+                let mut visible = Self::default();
+                visible.group(tree.root(), &mut Vec::new());
+                visible
+            })
+        };
+        let resolved = std::thread::scope(|scope| {
+            let resolver = std::thread::Builder::new().stack_size(STACK);
+            let running = resolver.spawn_scoped(scope, resolve).map_err(drop)?;
+            running.join().map_err(drop)
+        });
+        match resolved {
+            Ok(Ok(visible)) => Ok(visible),
+            Ok(Err(error)) => Err(PatternError::Syntax(error.to_string())),
+            Err(()) => Err(PatternError::Syntax("it cannot be resolved".into())),
+        }
+    }
+
+    fn group(&mut self, group: &usvg::Group, clips: &mut Vec<usize>) {
+        if group.opacity().get() == 0.0 {
+            return;
+        }
+        let depth = clips.len();
+        let mut clip = group.clip_path();
+        while let Some(path) = clip {
+            let place = affine(group.abs_transform()) * affine(path.transform());
+            clip = path.clip_path();
+            // In units of the box around what it hides, which is another one in the copy.
+            if path.transform().ty >= ROW {
+                continue;
+            }
+            let mut area = Clip::default();
+            area.add(path.root(), place);
+            clips.push(self.clips.len());
+            self.clips.push(area);
+        }
+        for node in group.children() {
+            match node {
+                usvg::Node::Group(below) => self.group(below, clips),
+                usvg::Node::Path(path) if path.is_visible() => {
+                    let has_fill = path.fill().is_some_and(|fill| fill.opacity().get() > 0.0);
+                    let has_line = path.stroke().is_some_and(|line| line.opacity().get() > 0.0);
+                    if let (Some(shape), true) = (shape_of(path), has_fill || has_line) {
+                        self.seen.push(Seen {
+                            shape,
+                            place: affine(path.abs_transform()),
+                            is_filled: !has_line,
+                            clips: clips.clone(),
+                        });
+                    }
+                }
+                _ => {}
+            }
+        }
+        clips.truncate(depth);
+    }
+}
+
+impl Clip {
+    fn add(&mut self, group: &usvg::Group, place: Affine) {
+        for node in group.children() {
+            match node {
+                usvg::Node::Group(below) => self.add(below, place),
+                usvg::Node::Path(path) => {
+                    let place = place * affine(path.abs_transform());
+                    match shape_of(path) {
+                        Some(shape) => self.shapes.push((shape, place)),
+                        None => self.frames.push(place * bezier(path)),
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Which shape a square stands for.
+fn shape_of(path: &usvg::Path) -> Option<usize> {
+    let bounds = path.data().bounds();
+    let place = bounds.left().round() as usize;
+    (bounds.top() == ROW).then(|| place.checked_sub(FIRST))?
+}
+
+fn affine(transform: usvg::Transform) -> Affine {
+    let usvg::Transform {
+        sx,
+        kx,
+        ky,
+        sy,
+        tx,
+        ty,
+    } = transform;
+    Affine::new([sx, ky, kx, sy, tx, ty].map(f64::from))
+}
+
+fn bezier(path: &usvg::Path) -> BezPath {
+    let point = |at: usvg::tiny_skia_path::Point| Point::new(f64::from(at.x), f64::from(at.y));
+    let elements = path.data().segments().map(|segment| match segment {
+        PathSegment::MoveTo(to) => PathEl::MoveTo(point(to)),
+        PathSegment::LineTo(to) => PathEl::LineTo(point(to)),
+        PathSegment::QuadTo(by, to) => PathEl::QuadTo(point(by), point(to)),
+        PathSegment::CubicTo(by, and, to) => PathEl::CurveTo(point(by), point(and), point(to)),
+        PathSegment::Close => PathEl::ClosePath,
+    });
+    elements.collect()
+}
+
+/// The drawing with squares for shapes, on a page whose units are those of the user.
+fn copy(text: &str, shapes: &[Node], page: &Page) -> String {
+    let mut edits: Vec<(usize, usize, String)> = Vec::new();
+    let mut edit = |node: &Node, attributes: &[(&str, String)]| {
+        let start = node.range().start;
+        let name = text.get(start..).and_then(|tag| tag.strip_prefix('<'));
+        let Some(name) = name.and_then(|tag| tag.split([' ', '\t', '\r', '\n', '/', '>']).next())
+        else {
+            return;
+        };
+        let mut added = String::new();
+        for (attribute, value) in attributes {
+            match node.attribute_node(*attribute) {
+                Some(there) => {
+                    let range = there.range_value();
+                    edits.push((range.start, range.end, value.clone()));
+                }
+                None => {
+                    let _ = write!(added, " {attribute}=\"{value}\"");
+                }
+            }
+        }
+        let behind = start + 1 + name.len();
+        edits.push((behind, behind, added));
+    };
+    if let Some(root) = shapes.first().map(|node| node.document().root_element()) {
+        let [width, height] = page.viewport;
+        let attributes = [
+            ("width", format!("{width}")),
+            ("height", format!("{height}")),
+            ("viewBox", format!("0 0 {width} {height}")),
+            ("preserveAspectRatio", "none".into()),
+            ("transform", "scale(1)".into()),
+        ];
+        edit(&root, &attributes);
+    }
+    for (index, node) in shapes.iter().enumerate() {
+        let (left, top) = (FIRST + index, ROW);
+        let (right, bottom) = (left + 1, top + 1.0);
+        let [middle, half] = [left as f64 + 0.5, f64::from(top) + 0.5];
+        let is = |pairs: &[(&'static str, String)]| pairs.to_vec();
+        let attributes = match node.tag_name().name() {
+            "path" => is(&[("d", format!("M{left} {top}H{right}V{bottom}H{left}z"))]),
+            "line" => is(&[
+                ("x1", format!("{left}")),
+                ("y1", format!("{top}")),
+                ("x2", format!("{right}")),
+                ("y2", format!("{bottom}")),
+            ]),
+            "polyline" | "polygon" => is(&[(
+                "points",
+                format!("{left},{top} {right},{top} {right},{bottom}"),
+            )]),
+            "circle" => is(&[
+                ("cx", format!("{middle}")),
+                ("cy", format!("{half}")),
+                ("r", "0.5".into()),
+            ]),
+            "ellipse" => is(&[
+                ("cx", format!("{middle}")),
+                ("cy", format!("{half}")),
+                ("rx", "0.5".into()),
+                ("ry", "0.5".into()),
+            ]),
+            _ => is(&[
+                ("x", format!("{left}")),
+                ("y", format!("{top}")),
+                ("width", "1".into()),
+                ("height", "1".into()),
+                ("rx", "0".into()),
+                ("ry", "0".into()),
+            ]),
+        };
+        edit(node, &attributes);
+    }
+    edits.sort_by_key(|(start, ..)| *start);
+    let mut copy = String::with_capacity(2 * text.len());
+    let mut at = 0;
+    for (start, end, with) in edits {
+        // Elements of an entity that is used twice are in one place.
+        if let Some(before) = text.get(at..start).filter(|_| start >= at && end >= start) {
+            copy += before;
+            copy += &with;
+            at = end;
+        }
+    }
+    copy += text.get(at..).unwrap_or_default();
+    copy
+}
+
+/// The place of an element, exactly, where it is that of `found`: the transforms around it, in double precision.
+///
+/// # Errors
+/// A transform around it cannot be read.
+pub fn exact(node: Node, page: &Page, found: Affine) -> Result<Affine, Fault> {
+    let mut place = Affine::IDENTITY;
+    let root = node.document().root_element();
+    for above in node.ancestors().take_while(|above| *above != root) {
+        if let Some(text) = above.attribute("transform") {
+            let Transform { a, b, c, d, e, f } = Transform::from_str(text)
+                .map_err(|error| super::fault(above, "transform", error))?;
+            place = Affine::new([a, b, c, d, e, f]) * place;
+        }
+    }
+    let (one, other) = (place.as_coeffs(), found.as_coeffs());
+    let size = one
+        .iter()
+        .chain(&page.viewport)
+        .fold(0.0, |size: f64, x| size.max(x.abs()));
+    let agree = |range: std::ops::Range<usize>, size: f64| {
+        range
+            .into_iter()
+            .all(|index| (one[index] - other[index]).abs() <= SINGLE * size)
+    };
+    let linear = one[..4].iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+    Ok(if agree(0..4, linear) && agree(4..6, size) {
+        place
+    } else {
+        found
+    })
+}

@@ -1,0 +1,223 @@
+//! What makes a pattern that is refused one that can be laid: another size, or a larger deviation from what was drawn.
+
+use super::deployment::{DeployedRod, DeploymentError, Spare, checked_points, long_enough};
+use super::grasp::{GraspError, GraspProblem};
+use super::pattern::{Drawing, PatternSource, Point};
+use super::request::{DeploymentRequest, RequestError};
+use std::fmt;
+
+/// Largest deviation that is proposed, over the longer side of the drawing.
+const LARGEST_DEVIATION: f64 = 0.1;
+/// Parts of the longest pattern that a rod can follow, which are tried as lengths of one of another size.
+const LENGTHS: [f64; 4] = [0.9, 0.75, 0.5, 0.25];
+/// Halvings, on a logarithmic scale, between a deviation that does not work and one that does.
+const HALVINGS: usize = 4;
+/// Factor between the deviations that are tried before.
+const STEP: f64 = 1.6;
+
+/// What is proposed, each for itself as the option takes it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Remedy {
+    /// Length of the longer side of the drawing, m; none where it may stay as it is.
+    pub size: Option<f64>,
+    /// Deviation from the drawing, m; none where it may stay as it is.
+    pub deviation: Option<f64>,
+}
+
+impl fmt::Display for Remedy {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let options = [("--size", self.size), ("--deviation", self.deviation)];
+        let given = options
+            .iter()
+            .filter_map(|(name, length)| Some((name, (*length)?)));
+        for (index, (name, length)) in given.enumerate() {
+            let space = if index == 0 { "" } else { " " };
+            write!(formatter, "{space}{name} \"{} mm\"", 1e3 * length)?;
+        }
+        Ok(())
+    }
+}
+
+impl DeploymentRequest<'_> {
+    /// The smallest change with which a drawing can be planned: its deviation if that is enough, otherwise its size too. It is
+    /// tried by a whole plan. None where nothing is found, or the pattern is a formula.
+    pub fn remedy(
+        &self,
+        source: &PatternSource,
+        rod: &DeployedRod,
+        spare: &Spare<'_>,
+    ) -> Option<Remedy> {
+        let PatternSource::Drawn { points, deviation } = source else {
+            return None;
+        };
+        let [length, side] = [source.drawn_length(), longer_side(points)];
+        if !(length > 0.0 && side > 0.0) {
+            return None;
+        }
+        let longest = rod.length - GraspProblem::LENGTHS[0] * rod.gravito_bending_length;
+        let as_drawn = (length < longest).then_some(1.0);
+        let scaled = LENGTHS.iter().map(|part| part * longest / length);
+        let scales = as_drawn
+            .into_iter()
+            .chain(scaled)
+            .filter(|scale| *scale > 0.0);
+        let mut scales = scales.map(|scale| {
+            let size = (scale != 1.0).then(|| rounded(scale * side, f64::floor));
+            (size, size.unwrap_or(side))
+        });
+        scales.find_map(|(size, side)| {
+            let whole = Drawing {
+                size,
+                reverse: false,
+            };
+            let points = whole.of(points.clone()).ok()?;
+            let drawn = |deviation: f64| PatternSource::Drawn {
+                points: points.clone(),
+                deviation,
+            };
+            let most = deviation.max(LARGEST_DEVIATION * side);
+            let least = self.least_deviation(*deviation, most, rod, &drawn)?;
+            // The whole plan may ask for more.
+            let works = [1.0, STEP, STEP * STEP]
+                .iter()
+                .map(|factor| match least == *deviation {
+                    true if *factor == 1.0 => *deviation,
+                    _ => rounded(factor * least, f64::ceil),
+                });
+            let deviation = works
+                .filter(|tried| *tried <= most)
+                .filter(|tried| self.plan(&drawn(*tried), rod, spare).is_ok())
+                .map(|tried| (tried != *deviation).then_some(tried))
+                .next()?;
+            Some(Remedy { size, deviation })
+        })
+    }
+
+    /// The least deviation up to `most` with which the rod is long enough and thin enough for a drawing, m.
+    fn least_deviation(
+        &self,
+        given: f64,
+        most: f64,
+        rod: &DeployedRod,
+        drawn: &dyn Fn(f64) -> PatternSource,
+    ) -> Option<f64> {
+        let can_be_laid = |deviation: f64| self.check(&drawn(deviation), rod).is_ok();
+        if can_be_laid(given) {
+            return Some(given);
+        }
+        let mut tried = (1..).map(|power| given * STEP.powi(power));
+        let mut high = tried.find(|deviation| *deviation > most || can_be_laid(*deviation))?;
+        if high > most {
+            return None;
+        }
+        let mut low = high / STEP;
+        for _ in 0..HALVINGS {
+            let middle = (low * high).sqrt();
+            match can_be_laid(middle) {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+        Some(high)
+    }
+
+    /// What a plan checks before it computes poses.
+    fn check(&self, source: &PatternSource, rod: &DeployedRod) -> Result<(), RequestError> {
+        let pattern = self.pattern(source, rod)?;
+        long_enough(rod, &pattern)?;
+        let most = GraspProblem::LARGEST_CURVATURE / rod.gravito_bending_length;
+        let points = checked_points(&pattern, self.step, rod)?;
+        match points.iter().find(|point| point.curvature.abs() > most) {
+            Some(point) => Err(DeploymentError::Grasp {
+                s_m: point.s,
+                error: GraspError::Curvature(point.curvature * rod.gravito_bending_length),
+            }
+            .into()),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The longer side of the box around points, m.
+fn longer_side(points: &[Point]) -> f64 {
+    let first = points.first().copied().unwrap_or_default();
+    let low = points.iter().fold(first, |low, point| low.inf(point));
+    let high = points.iter().fold(first, |high, point| high.sup(point));
+    (high - low).max()
+}
+
+/// A length to two digits in millimetres, m.
+fn rounded(length: f64, to: fn(f64) -> f64) -> f64 {
+    let digits = libm::floor(libm::log10(1e3 * length)) as i32 - 1;
+    // Whole powers of ten, so that the number is written with two digits.
+    let millimetres = match digits >= 0 {
+        true => to(1e3 * length / 10f64.powi(digits)) * 10f64.powi(digits),
+        false => to(1e3 * length * 10f64.powi(-digits)) / 10f64.powi(-digits),
+    };
+    millimetres / 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROD: DeployedRod = DeployedRod {
+        gravito_bending_length: 0.02,
+        radius: 1.6e-3,
+        length: 0.9,
+    };
+
+    fn corner(size: f64) -> PatternSource {
+        let points = [[0.0, 0.0], [size, 0.0], [size, size]].map(Point::from);
+        PatternSource::Drawn {
+            points: points.to_vec(),
+            deviation: 2.5e-4,
+        }
+    }
+
+    #[test]
+    fn what_is_proposed_works_and_what_is_less_does_not() {
+        let request = DeploymentRequest::default();
+        let spare = Spare::HANGS;
+        for (size, is_scaled) in [(0.1, false), (10.0, true), (0.002, true)] {
+            let source = corner(size);
+            let remedy = request.remedy(&source, &ROD, &spare).expect("a remedy");
+            assert_eq!(remedy.size.is_some(), is_scaled, "{size}: {remedy}");
+            let PatternSource::Drawn { points, deviation } = source else {
+                unreachable!("drawn above");
+            };
+            let drawing = Drawing {
+                size: remedy.size,
+                reverse: false,
+            };
+            let points = drawing.of(points).unwrap();
+            let changed = |deviation: f64| PatternSource::Drawn {
+                points: points.clone(),
+                deviation,
+            };
+            let deviation = remedy.deviation.unwrap_or(deviation);
+            assert!(
+                request.plan(&changed(deviation), &ROD, &spare).is_ok(),
+                "{remedy}"
+            );
+            if !is_scaled {
+                assert!(
+                    request.check(&changed(0.8 * deviation), &ROD).is_err(),
+                    "{remedy}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn options_are_written_as_they_are_taken() {
+        let remedy = Remedy {
+            size: Some(rounded(0.123_456, f64::floor)),
+            deviation: Some(rounded(0.000_512_3, f64::ceil)),
+        };
+        assert_eq!(
+            remedy.to_string(),
+            "--size \"120 mm\" --deviation \"0.52 mm\""
+        );
+    }
+}

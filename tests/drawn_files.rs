@@ -1,0 +1,135 @@
+//! Drawings and robots as people bring them: what is found in them, and the options that are proposed.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+/// Exit code, standard output and standard error of a plan, made in a folder.
+fn plan(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
+        .args(["plan", "deployment", "--rod", "green_vps", "--out", "out"])
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let code = output.status.code().unwrap();
+    (code, text(&output.stdout), text(&output.stderr))
+}
+
+fn drawing(folder: &Path, content: &str) {
+    let text = format!(
+        "<svg xmlns='http://www.w3.org/2000/svg' width='200mm' height='200mm' viewBox='0 0 200 200'>\n{content}</svg>"
+    );
+    fs::write(folder.join("d.svg"), text).unwrap();
+}
+
+#[test]
+fn several_strokes_are_listed_drawn_and_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drawing(
+        folder,
+        "<path d='M10 50H100'/><path id='b' d='M190 50H100.3'/>",
+    );
+    let (code, stdout, stderr) = plan(folder, &["--pattern", "d.svg"]);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    for part in [
+        "2 strokes",
+        "1: 90.0 mm long",
+        "line 2, <path>, id `b`",
+        "--join \"0.500 mm\" joins all",
+        "d_strokes.svg",
+    ] {
+        assert!(stderr.contains(part), "{stderr}");
+    }
+    let picture = fs::read_to_string(folder.join("d_strokes.svg")).unwrap();
+    assert!(picture.contains("aria-label=\"2\""));
+    assert!(!folder.join("out").exists());
+    for (arguments, length) in [
+        (vec!["--join", "0.5 mm"], 0.18),
+        (vec!["--stroke", "b"], 0.0897),
+        (vec!["--stroke", "longest"], 0.09),
+    ] {
+        let (code, stdout, stderr) =
+            plan(folder, &[&["--pattern", "d.svg"], &arguments[..]].concat());
+        assert_eq!(code, 0, "{stderr}");
+        let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        let found = record["length_m"].as_f64().unwrap();
+        assert!((found - length).abs() < 1e-3, "{arguments:?}: {found}");
+    }
+}
+
+#[test]
+fn the_options_that_are_proposed_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drawing(
+        folder,
+        "<path fill='none' stroke='red' d='M20 20L150 20L150 150'/>",
+    );
+    for more in [vec![], vec!["--size", "3 m"], vec!["--size", "4 mm"]] {
+        let arguments = [&["--pattern", "d.svg"], &more[..]].concat();
+        let (code, _, stderr) = plan(folder, &arguments);
+        assert_eq!(code, 2, "{stderr}");
+        let (_, options) = stderr.split_once("it can be laid with ").expect(&stderr);
+        let words: Vec<&str> = options.trim().split('"').map(str::trim).collect();
+        let proposed: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
+        let arguments = [&["--pattern", "d.svg"], &proposed[..]].concat();
+        let (code, _, stderr) = plan(folder, &arguments);
+        assert_eq!(code, 0, "{arguments:?}: {stderr}");
+    }
+}
+
+#[test]
+fn outlines_are_reported_and_have_a_middle_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    drawing(
+        folder,
+        "<path d='M10 20C60 0 120 60 190 20L190 40C120 80 60 20 10 40Z'/><text>A</text>",
+    );
+    let outline = ["--pattern", "d.svg", "--deviation", "3 mm"];
+    let (_, _, stderr) = plan(folder, &outline);
+    assert!(
+        stderr.contains("line 2: <path> is a filled area"),
+        "{stderr}"
+    );
+    assert!(
+        stderr.contains("line 2: <text> is not followed"),
+        "{stderr}"
+    );
+    let (code, stdout, stderr) = plan(folder, &["--pattern", "d.svg", "--centreline"]);
+    assert_eq!(code, 0, "{stderr}");
+    let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let found = record["length_m"].as_f64().unwrap();
+    // The middle line is that of the upper edge, 10 mm lower; its ends are rounded away.
+    assert!((0.16..0.20).contains(&found), "{found}");
+}
+
+#[test]
+fn files_of_many_people_are_read() {
+    let shared = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../shared/repro/files"
+    ));
+    let Ok(drawings) = fs::read_dir(shared.join("svg")) else {
+        println!("skipped: {} is not here", shared.display());
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for drawing in drawings {
+        let path = drawing.unwrap().path();
+        let arguments = ["--pattern", path.to_str().unwrap(), "--join", "0.1 mm"];
+        let (code, _, stderr) = plan(folder.path(), &arguments);
+        assert_eq!(code, 0, "{}: {stderr}", path.display());
+    }
+    for robot in fs::read_dir(shared.join("urdf")).unwrap() {
+        let path = robot.unwrap().path();
+        if path.extension().is_some_and(|ending| ending == "urdf") {
+            let arm = rodlab::robot::read_urdf(&path, None, None);
+            let arm = arm.unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(arm.chain.joints.len(), 2, "{}", path.display());
+        }
+    }
+}
