@@ -1,7 +1,8 @@
 //! Which shapes of a drawing are seen, and where: `usvg` resolves styles, `<use>`, symbols, nested pages, conditions and clips.
 //!
 //! Its outlines are in single precision, and its arcs miss circles by more than patterns may. So it is given a copy of the drawing in
-//! which each shape is a small square at a place that states which shape it is, and the outlines are computed here.
+//! which each shape is a small one of the same kind at the origin whose width states which shape it is, and the outlines are
+//! computed here. Fills that depend on the box around a shape do not matter; clips that do are left out.
 
 use super::shape::SHAPES;
 use super::units::Page;
@@ -13,12 +14,19 @@ use std::fmt::Write;
 use std::str::FromStr;
 use svgtypes::Transform;
 
-/// Where the square of the first shape is. Below 2²⁴, so that single precision has every number.
-const FIRST: usize = 4_000_000;
-/// Height at which the squares are.
-const ROW: f32 = 7_000_000.0;
 /// Stack of the resolver, which recurses into groups, bytes.
 const STACK: usize = 64 << 20;
+/// What is not followed, and in sizes that cannot be resolved would end the program.
+const BOX: [(&str, &str); 8] = [
+    ("x", "0"),
+    ("y", "0"),
+    ("width", "1"),
+    ("height", "1"),
+    ("patternUnits", "userSpaceOnUse"),
+    ("maskUnits", "userSpaceOnUse"),
+    ("filterUnits", "userSpaceOnUse"),
+    ("viewBox", "0 0 1 1"),
+];
 /// Difference of transforms in single precision, over their size.
 const SINGLE: f64 = 1e-5;
 
@@ -89,6 +97,13 @@ impl Visible {
         });
         match resolved {
             Ok(Ok(visible)) => Ok(visible),
+            Ok(Err(
+                usvg::Error::ElementsLimitReached
+                | usvg::Error::ParsingFailed(roxmltree::Error::NodesLimitReached),
+            )) => Err(PatternError::Syntax(
+                "it shows more than a million elements, or a <use> shows itself through others"
+                    .into(),
+            )),
             Ok(Err(error)) => Err(PatternError::Syntax(error.to_string())),
             Err(()) => Err(PatternError::Syntax("it cannot be resolved".into())),
         }
@@ -103,10 +118,6 @@ impl Visible {
         while let Some(path) = clip {
             let place = affine(group.abs_transform()) * affine(path.transform());
             clip = path.clip_path();
-            // In units of the box around what it hides, which is another one in the copy.
-            if path.transform().ty >= ROW {
-                continue;
-            }
             let mut area = Clip::default();
             area.add(path.root(), place);
             clips.push(self.clips.len());
@@ -152,11 +163,19 @@ impl Clip {
     }
 }
 
-/// Which shape a square stands for.
+/// Which shape of the drawing one of the copy stands for; none for the frame of a nested page, which is the only rectangle with
+/// sharp corners.
 fn shape_of(path: &usvg::Path) -> Option<usize> {
-    let bounds = path.data().bounds();
-    let place = bounds.left().round() as usize;
-    (bounds.top() == ROW).then(|| place.checked_sub(FIRST))?
+    let is_line = |segment: &PathSegment| matches!(segment, PathSegment::LineTo(_));
+    let is_curve = |segment: &PathSegment| {
+        matches!(segment, PathSegment::QuadTo(..) | PathSegment::CubicTo(..))
+    };
+    let segments = || path.data().segments();
+    if segments().filter(is_line).count() >= 3 && !segments().any(|segment| is_curve(&segment)) {
+        return None;
+    }
+    let half = (0.5 * path.data().bounds().right()).round() as usize;
+    half.checked_sub(1)
 }
 
 fn affine(transform: usvg::Transform) -> Affine {
@@ -220,43 +239,43 @@ fn copy(text: &str, shapes: &[Node], page: &Page) -> String {
         edit(&root, &attributes);
     }
     for (index, node) in shapes.iter().enumerate() {
-        let (left, top) = (FIRST + index, ROW);
-        let (right, bottom) = (left + 1, top + 1.0);
-        let [middle, half] = [left as f64 + 0.5, f64::from(top) + 0.5];
+        let half = index + 1;
+        let side = 2 * half;
         let is = |pairs: &[(&'static str, String)]| pairs.to_vec();
         let attributes = match node.tag_name().name() {
-            "path" => is(&[("d", format!("M{left} {top}H{right}V{bottom}H{left}z"))]),
+            "path" => is(&[("d", format!("M0 0H{side}V{side}z"))]),
             "line" => is(&[
-                ("x1", format!("{left}")),
-                ("y1", format!("{top}")),
-                ("x2", format!("{right}")),
-                ("y2", format!("{bottom}")),
+                ("x1", "0".into()),
+                ("y1", "0".into()),
+                ("x2", format!("{side}")),
+                ("y2", format!("{side}")),
             ]),
-            "polyline" | "polygon" => is(&[(
-                "points",
-                format!("{left},{top} {right},{top} {right},{bottom}"),
-            )]),
-            "circle" => is(&[
-                ("cx", format!("{middle}")),
-                ("cy", format!("{half}")),
-                ("r", "0.5".into()),
-            ]),
-            "ellipse" => is(&[
-                ("cx", format!("{middle}")),
-                ("cy", format!("{half}")),
-                ("rx", "0.5".into()),
-                ("ry", "0.5".into()),
-            ]),
+            "polyline" | "polygon" => is(&[("points", format!("0,0 {side},0 {side},{side}"))]),
+            "circle" => is(&["cx", "cy", "r"].map(|name| (name, format!("{half}")))),
+            "ellipse" => is(&["cx", "cy", "rx", "ry"].map(|name| (name, format!("{half}")))),
             _ => is(&[
-                ("x", format!("{left}")),
-                ("y", format!("{top}")),
-                ("width", "1".into()),
-                ("height", "1".into()),
-                ("rx", "0".into()),
-                ("ry", "0".into()),
+                ("x", "0".into()),
+                ("y", "0".into()),
+                ("width", format!("{side}")),
+                ("height", format!("{side}")),
+                ("rx", "1".into()),
+                ("ry", "1".into()),
             ]),
         };
         edit(node, &attributes);
+    }
+    if let Some(document) = shapes.first().map(Node::document) {
+        for node in document.descendants() {
+            match node.tag_name().name() {
+                "pattern" | "mask" | "filter" => {
+                    edit(&node, &BOX.map(|(name, value)| (name, value.to_owned())))
+                }
+                "clipPath" if node.attribute("clipPathUnits") == Some("objectBoundingBox") => {
+                    edit(&node, &[("id", String::new())]);
+                }
+                _ => {}
+            }
+        }
     }
     edits.sort_by_key(|(start, ..)| *start);
     let mut copy = String::with_capacity(2 * text.len());
