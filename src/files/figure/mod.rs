@@ -2,16 +2,19 @@
 //!
 //! A [`Figure`] holds what is shown: [`snapshots()`] rods as shaded tubes at several times, [`line_plots`] curves over
 //! a common axis. It is drawn on a [`Paper`], whose width and size of letters set everything else, and kept in a
-//! [`Format`]. [`movie_page`] makes the interactive page of rods in motion, [`surface_page`] that of a surface.
+//! [`Format`]. [`movie_page`] makes the interactive page of rods in motion, [`Film`] pictures of it one after the other,
+//! [`surface_page`] the page of a surface.
 
 mod axis;
 mod curve;
 mod document;
 mod drawing;
+mod film;
 mod font;
 mod legend;
 mod line_plot;
 mod markup;
+mod motion;
 mod numbered;
 mod palette;
 mod paper;
@@ -19,6 +22,7 @@ mod pdf;
 mod plot_axes;
 mod plot_curves;
 mod raster;
+mod scale_bar;
 mod slug;
 mod snapshots;
 mod surface;
@@ -30,8 +34,12 @@ mod viewer;
 pub use axis::AxisScale;
 pub use curve::{Curve, LinePlot, Look};
 pub use document::{document_page, markdown_html};
+pub use film::{Film, FilmError, FilmOptions, Pace};
 pub use line_plot::{LineFigure, PlotStyle, line_plots, plot_to_scale, styled_line_plots};
 pub use markup::{escape, escape_markdown, fill, is_page, is_picture};
+pub use motion::{
+    Field, Movie, MovieCase, MovieFrame, MovieObstacle, MoviePlane, MovieRod, MovieSeries, Strip,
+};
 pub use numbered::numbered_strokes;
 pub use paper::{FigureOptions, Format, Paper};
 pub use raster::grey_picture;
@@ -39,10 +47,7 @@ pub use snapshots::{Body, Plane, RodsFigure, Snapshot, snapshots};
 pub use surface::{ColouredSurface, surface_page};
 pub use tube::RodCurve;
 pub use view::View;
-pub use viewer::{
-    Field, Movie, MovieCase, MovieFrame, MovieObstacle, MoviePlane, MovieRod, MovieSeries,
-    movie_page,
-};
+pub use viewer::movie_page;
 
 /// A figure, not drawn yet.
 #[derive(Clone, Debug, PartialEq)]

@@ -62,6 +62,11 @@ pub trait Kind: ExperimentKeys {
         Ok(Vec::new())
     }
 
+    /// Whether its rods lie on a table, the plane z = 0, which pictures show.
+    fn has_table(&self) -> bool {
+        false
+    }
+
     /// The page of `rodlab view`, where it is not rods in motion.
     ///
     /// # Errors

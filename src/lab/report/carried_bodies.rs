@@ -16,7 +16,10 @@ use std::f64::consts::TAU;
 /// Corners of a disk.
 const AROUND: usize = 48;
 
-/// A body with a shape.
+/// Radius of the ball that a point mass is drawn as, over that of its rod.
+const POINT: f64 = 2.0;
+
+/// A body with a shape, or a point mass.
 #[derive(Clone, Debug)]
 pub struct CarriedBody {
     /// Its node.
@@ -44,6 +47,10 @@ pub fn carried_bodies(
             (node + 1).min(*nodes.end()),
         ];
         let described = scenario?.rods.iter().find(|one| one.name == body.rod);
+        let record = rods.iter().find(|one| one.name == body.rod)?;
+        let shape = body.shape.unwrap_or(BodyShape::Sphere {
+            radius: POINT * record.radius,
+        });
         let along_rod = start.get(between[1])? - start.get(between[0])?;
         let tangent = along_rod.try_normalize(0.0)?;
         let director = described.and_then(|rod| rod.director).map(Vector3::from);
@@ -51,7 +58,7 @@ pub fn carried_bodies(
         Some(CarriedBody {
             node,
             between,
-            triangles: surface(&body.shape?, body.offset),
+            triangles: surface(&shape, body.offset),
             placed: [tangent, director.unwrap_or_else(|| any_normal(&tangent))],
         })
     });
@@ -89,6 +96,8 @@ impl CarriedBody {
             poses: outputs
                 .map(|positions| self.pose(positions).matrix())
                 .collect(),
+            hollow: false,
+            is_carried: true,
         }
     }
 }

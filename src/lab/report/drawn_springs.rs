@@ -81,6 +81,8 @@ impl DrawnSpring {
         MovieObstacle {
             triangles: self.triangles(),
             poses: outputs.map(matrix).collect(),
+            hollow: false,
+            is_carried: true,
         }
     }
 

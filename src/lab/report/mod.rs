@@ -1,17 +1,20 @@
-//! Figures and pages of a results directory: what `plot` and `view` show.
+//! Figures, pages and films of a results directory: what `plot`, `view` and `movie` show.
 
 mod branches;
 mod carried_bodies;
 mod case_folders;
 mod drawn_springs;
+mod film;
 mod labels;
+mod motion;
 mod obstacles;
 mod plot;
 mod rod_places;
 mod view;
 
+pub use film::{FilmRequest, MovieError, WrittenFilm, write_film};
 pub use plot::rods_figure;
 pub use plot::{
     CustomFigure, PlotError, custom_figure, plot_results, write_figure, write_in_formats,
 };
-pub use view::{ViewError, WrittenPage, write_page};
+pub use view::{ViewError, WrittenPage, write_page, write_page_that_reloads};

@@ -50,6 +50,8 @@ pub fn movie_obstacles<'a>(
             } else {
                 Vec::new()
             },
+            hollow: obstacles[index].body.hollow,
+            is_carried: false,
         })
         .collect()
 }

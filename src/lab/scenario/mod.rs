@@ -72,7 +72,7 @@ pub use resolved::{
 pub use sweep::{Case, CaseSet, InputFile, Parameter, Portable, Search, earlier_id};
 pub use typed::{Quantity, SearchMethod, Vector};
 pub use typed_file::TypedFile;
-pub use units::{metres, seconds};
+pub use units::{angle, metres, seconds};
 
 /// Physical dimensions, for [`Quantity`].
 pub mod dimension {

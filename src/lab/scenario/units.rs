@@ -265,6 +265,17 @@ pub fn metres(text: &str) -> Result<f64, String> {
     text.trim().parse().or_else(|_| parse::<Length>(text))
 }
 
+/// Reads an angle that is given outside of scenario files, in radians: text with a unit, or a number of degrees.
+///
+/// # Errors
+/// A message that says what is wrong and which units are allowed.
+pub fn angle(text: &str) -> Result<f64, String> {
+    let degrees = text.trim().parse::<f64>();
+    degrees
+        .map(f64::to_radians)
+        .or_else(|_| parse::<Angle>(text))
+}
+
 /// The number in front of a unit, and the unit.
 ///
 /// # Errors

@@ -37,6 +37,7 @@ impl Cell {
             closed: false,
             radius: *radius,
             held: false,
+            strip: None,
         });
         let case = MovieCase {
             obstacles: Vec::new(),
@@ -66,6 +67,7 @@ impl Cell {
             title: self.title.clone(),
             subtitle: format!("cell · rodlab {}", rodlab_files::origin::VERSION),
             cases: vec![case],
+            reload: None,
         })
     }
 

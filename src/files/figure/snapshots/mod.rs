@@ -12,11 +12,12 @@ use super::drawing::{Anchor, Drawing, Stroke, Words, number};
 use super::legend::Legend;
 use super::palette::Color;
 use super::paper::Paper;
+use super::scale_bar::{length_label, round_length_below};
 use super::tube::{Placement, RodCurve, rod_color, tubes};
 use super::view::View;
 use bodies::faces;
 use ground::draw_plane;
-use layout::{Extent, Grid, length_label, round_length_below};
+use layout::{Extent, Grid};
 use nalgebra::{Vector2, Vector3};
 
 /// Rods at one time.

@@ -111,7 +111,7 @@ function showSurface() {
     canvas.width = canvas.clientWidth * ratio;
     canvas.height = canvas.clientHeight * ratio;
     const aspect = canvas.width / canvas.height;
-    if (!fitted) camera.fit(lower, add(upper, lower, -1), 0, aspect);
+    if (!fitted) camera.fit(lower, add(upper, lower, -1), { width: canvas.width, height: canvas.height, above: 0, below: 0 });
     fitted = true;
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.clearColor(0, 0, 0, 0);

@@ -2,14 +2,10 @@
 //!
 //! `page/` holds the page in its own languages; [`movie_page`] puts it together with the packed movie.
 
-mod movie;
 mod packing;
 
-pub use movie::{
-    Field, Movie, MovieCase, MovieFrame, MovieObstacle, MoviePlane, MovieRod, MovieSeries,
-};
-
 use super::markup::{escape, fill, json_in_script};
+use super::motion::{Field, Movie, MovieCase, Strip, room};
 use super::palette::Color;
 use crate::origin::version;
 use base64::Engine;
@@ -33,7 +29,7 @@ const PARTS: [(&str, &str); 9] = [
 ];
 
 /// The program of the page, in the order of its parts.
-const SCRIPTS: [&str; 9] = [
+const SCRIPTS: [&str; 10] = [
     include_str!("page/movie.js"),
     include_str!("page/colours.js"),
     include_str!("page/camera.js"),
@@ -42,6 +38,7 @@ const SCRIPTS: [&str; 9] = [
     include_str!("page/gestures.js"),
     include_str!("page/chart.js"),
     include_str!("page/export.js"),
+    include_str!("page/reload.js"),
     include_str!("page/page.js"),
 ];
 
@@ -85,6 +82,7 @@ fn data(movie: &Movie) -> (String, String) {
         "title": movie.title,
         "subtitle": movie.subtitle,
         "palette": palette,
+        "reload": movie.reload,
         "cases": cases,
     });
     (json_in_script(&header), blobs)
@@ -101,6 +99,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
                 "closed": rod.closed,
                 "radius": rod.radius,
                 "held": rod.held,
+                "strip": rod.strip.as_ref().map(describe_strip),
             })
         })
         .collect();
@@ -116,7 +115,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
             let corners = obstacle.triangles.iter().flatten();
             // Single precision is what graphics cards draw with.
             let numbers: Vec<f32> = corners.flat_map(|x| x.iter().map(|c| *c as f32)).collect();
-            json!({ "corners": numbers, "poses": obstacle.poses })
+            json!({ "corners": numbers, "poses": obstacle.poses, "carried": obstacle.is_carried })
         })
         .collect();
     let series: Vec<Value> = case
@@ -137,6 +136,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
             })
         })
         .collect();
+    let [lower, size] = room(case);
     json!({
         "name": case.name,
         "distinction": case.distinction,
@@ -145,6 +145,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         "planes": planes,
         "obstacles": obstacles,
         "eye": case.view.eye().as_slice(),
+        "room": { "lower": lower.as_slice(), "size": size.as_slice() },
         "lower": bounds.lower.as_slice(),
         "size": bounds.size.as_slice(),
         "frames": case.frames.len(),
@@ -154,10 +155,18 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
     })
 }
 
+/// A strip: its extents, and tangent and width of each node as placed, one after the other.
+fn describe_strip(strip: &Strip) -> Value {
+    let placed = strip.placed.iter().flatten();
+    let placed: Vec<f32> = placed.flat_map(|v| v.iter().map(|c| *c as f32)).collect();
+    json!({ "width": strip.width, "thickness": strip.thickness, "placed": placed })
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::View;
     use super::super::markup::is_page;
+    use super::super::motion::{MovieFrame, MovieRod, MovieSeries};
     use super::*;
     use nalgebra::Vector3;
 
@@ -169,6 +178,7 @@ mod tests {
             closed: false,
             radius: 0.05,
             held: false,
+            strip: None,
         };
         let frame = |k: usize| {
             let angle = 0.4 * k as f64;
@@ -215,6 +225,7 @@ mod tests {
             title: "Spin & <touch>".into(),
             subtitle: "scene".into(),
             cases: vec![spinning()],
+            reload: None,
         })
     }
 

@@ -1,6 +1,6 @@
 //! Movies as compact binary: positions in 16 bits of their bounding box, colours in 8 bits of their range.
 
-use super::movie::{Field, MovieCase};
+use super::super::motion::{Field, MovieCase};
 use nalgebra::Vector3;
 
 /// Levels of a coordinate.

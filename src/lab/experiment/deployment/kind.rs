@@ -57,6 +57,10 @@ impl ExperimentKeys for DeploymentKind {
 }
 
 impl Kind for DeploymentKind {
+    fn has_table(&self) -> bool {
+        true
+    }
+
     fn template(&self) -> &'static str {
         include_str!("template.toml")
     }

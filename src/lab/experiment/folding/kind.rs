@@ -69,6 +69,10 @@ impl ExperimentKeys for FoldingKind {
 }
 
 impl Kind for FoldingKind {
+    fn has_table(&self) -> bool {
+        true
+    }
+
     fn template(&self) -> &'static str {
         include_str!("template.toml")
     }

@@ -53,10 +53,10 @@ class Camera {
   }
 
   /** Shows the box whole in the free part of a canvas: all but `above` and `below`, pixels. */
-  fit(lower, size, margin, { width, height, above, below }) {
-    this.reach = 0.5 * norm(size) + margin;
+  fit(lower, size, { width, height, above, below }) {
+    this.reach = 0.5 * norm(size);
     const { right, up } = this.basis();
-    const half = (axis) => size.reduce((sum, extent, k) => sum + 0.5 * extent * Math.abs(axis[k]), margin);
+    const half = (axis) => size.reduce((sum, extent, k) => sum + 0.5 * extent * Math.abs(axis[k]), 0);
     const metresPerPixel = 1.18 * 2 * Math.max(half(up) / (height - above - below), half(right) / width);
     this.scale = 0.5 * height * metresPerPixel;
     const centre = lower.map((x, k) => x + 0.5 * size[k]);

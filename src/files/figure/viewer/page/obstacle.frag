@@ -1,16 +1,17 @@
 #version 300 es
-// Flat faces, pale and half clear, so that rods behind them show.
+// Flat faces, pale, and half clear where rods behind them are to show.
 precision highp float;
 
 in vec3 place;
 
 uniform vec3 light;
 uniform vec3 ink;
+uniform float opacity;
 
 out vec4 fragment;
 
 void main() {
   vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
   float shade = abs(dot(normal, light));
-  fragment = vec4(mix(ink, vec3(0.8, 0.83, 0.87), 0.35 + 0.6 * shade), 0.55);
+  fragment = vec4(mix(ink, vec3(0.8, 0.83, 0.87), 0.35 + 0.6 * shade), opacity);
 }

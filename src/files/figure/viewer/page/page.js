@@ -21,6 +21,8 @@ class Page {
     this.showCase(0);
     this.fit(true);
     this.watch();
+    takeUpState(this);
+    reloadLater(this);
   }
 
   fillChoices() {
@@ -106,9 +108,10 @@ class Page {
 
   /** Shows the whole motion; `fromStart`: from where the run is looked at first. */
   fit(fromStart = false) {
-    const { lower, size, eye, rods } = this.shown;
+    const { room, eye } = this.shown;
+    this.camera.moved = !fromStart;
     if (fromStart) this.camera.lookFrom(eye);
-    this.camera.fit(lower, size, Math.max(...rods.map((rod) => rod.radius)), this.freePart());
+    this.camera.fit(room.lower, room.size, this.freePart());
     this.changed();
   }
 
@@ -254,7 +257,7 @@ class Page {
     on("grid", "click", () => this.toggle("grid"));
     on("theme", "click", () => this.setTheme(!document.documentElement.classList.contains("dark")));
     on("help", "click", () => element("keys").showModal());
-    watchGestures(this.canvas, this.camera, () => this.changed());
+    watchGestures(this.canvas, this.camera, () => { this.camera.moved = true; this.changed(); });
     new ResizeObserver(() => this.changed()).observe(this.canvas);
     // All that the graphics card held is gone: begin again.
     this.canvas.addEventListener("webglcontextlost", () => location.reload());

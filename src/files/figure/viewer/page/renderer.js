@@ -2,8 +2,10 @@
 
 /** Nodes in a row of a texture; the shaders know it. */
 const ROW = 1024;
-/** Bytes of an instance: four node numbers, radius, colour. */
-const INSTANCE_BYTES = 24;
+/** Bytes of an instance: four node numbers; radius, colour; half width and thickness of a strip; how it lay at both ends as placed. */
+const INSTANCE_BYTES = 80;
+/** Components of its attributes after the node numbers. */
+const ROD_PARTS = [2, 2, 3, 3, 3, 3];
 /** Triangles that a modest graphics card draws smoothly. */
 const TRIANGLES = 400000;
 
@@ -12,7 +14,7 @@ class Renderer {
     const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: false });
     if (!gl) throw new Error("This page needs WebGL 2, which this browser does not offer or has switched off.");
     this.gl = gl;
-    this.tube = this.program("tube", ["ring", "nodes", "rod"]);
+    this.tube = this.program("tube", ["ring", "nodes", "rod", "strip", "tangentAtStart", "acrossAtStart", "tangentAtEnd", "acrossAtEnd"]);
     this.plane = this.program("plane", []);
     this.obstacle = this.program("obstacle", ["corner"]);
     this.corners = gl.createBuffer();
@@ -86,7 +88,10 @@ class Renderer {
       const last = first + rod.nodes - 1;
       const node = (k) => rod.closed ? first + (k + rod.nodes) % rod.nodes : Math.min(Math.max(first + k, first), last);
       for (let k = 0; k < (rod.closed ? rod.nodes : rod.nodes - 1); k++) {
-        segments.push({ nodes: [k - 1, k, k + 1, k + 2].map(node), radius: rod.radius, index: colourOfRod(rod, index) });
+        const nodes = [k - 1, k, k + 1, k + 2].map(node);
+        const { width, thickness, placed } = rod.strip ?? { width: 0, thickness: 0 };
+        const lay = [nodes[1], nodes[2]].flatMap((one) => placed ? placed.slice(6 * (one - first), 6 * (one - first + 1)) : Array(6).fill(0));
+        segments.push({ nodes, numbers: [rod.radius, colourOfRod(rod, index), 0.5 * width, 0.5 * thickness, ...lay] });
       }
       first += rod.nodes;
     });
@@ -98,8 +103,7 @@ class Renderer {
     [...segments, ...ends].forEach((segment, k) => {
       const at = INSTANCE_BYTES * k;
       segment.nodes.forEach((node, n) => view.setInt32(at + 4 * n, node, true));
-      view.setFloat32(at + 16, segment.radius, true);
-      view.setFloat32(at + 20, segment.index, true);
+      segment.numbers.forEach((number, n) => view.setFloat32(at + 16 + 4 * n, number, true));
     });
     const gl = this.gl;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.instances);
@@ -109,7 +113,8 @@ class Renderer {
   /** The meshes of a segment and of its round ends: rings as many and as fine as the number of segments allows. */
   makeRings() {
     const budget = TRIANGLES / Math.max(this.segments, 1);
-    const around = budget > 400 ? 20 : budget > 160 ? 14 : 8;
+    // Multiples of eight, so that strips have their corners.
+    const around = budget > 4000 ? 48 : budget > 400 ? 24 : budget > 160 ? 16 : 8;
     const along = Math.max(1, Math.min(6, Math.floor(budget / (2 * around))));
     const rings = [], triangles = [];
     // Rings at places (along, onto the round end), joined each to the one before.
@@ -124,7 +129,7 @@ class Renderer {
     });
     sleeve(Array.from({ length: along + 1 }, (_, k) => [k / along, 0]));
     this.bodyCorners = triangles.length;
-    const caps = [0, 0.25, 0.5, 0.75, 1];
+    const caps = Array.from({ length: around / 4 + 1 }, (_, k) => (4 * k) / around);
     sleeve(caps.map((cap) => [0, cap - 1]));
     sleeve(caps.map((cap) => [1, cap]));
     this.endCorners = triangles.length - this.bodyCorners;
@@ -221,19 +226,24 @@ class Renderer {
     gl.vertexAttribDivisor(0, 0);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.instances);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.triangles);
-    for (const location of [1, 2]) {
+    const locations = [1, ...ROD_PARTS.map((_, part) => part + 2)];
+    for (const location of locations) {
       gl.enableVertexAttribArray(location);
       gl.vertexAttribDivisor(location, 1);
     }
     const drawInstances = (first, count, firstCorner, corners) => {
       const at = INSTANCE_BYTES * first;
       gl.vertexAttribIPointer(1, 4, gl.INT, INSTANCE_BYTES, at);
-      gl.vertexAttribPointer(2, 2, gl.FLOAT, false, INSTANCE_BYTES, at + 16);
+      let offset = at + 16;
+      ROD_PARTS.forEach((components, part) => {
+        gl.vertexAttribPointer(part + 2, components, gl.FLOAT, false, INSTANCE_BYTES, offset);
+        offset += 4 * components;
+      });
       gl.drawElementsInstanced(gl.TRIANGLES, corners, gl.UNSIGNED_SHORT, 2 * firstCorner, count);
     };
     drawInstances(0, this.segments, 0, this.bodyCorners);
     if (this.ends) drawInstances(this.segments, this.ends, this.bodyCorners, this.endCorners);
-    for (const location of [0, 1, 2]) {
+    for (const location of [0, ...locations]) {
       gl.vertexAttribDivisor(location, 0);
       gl.disableVertexAttribArray(location);
     }
@@ -265,7 +275,7 @@ class Renderer {
     }
   }
 
-  /** Rigid bodies, half clear. */
+  /** Rigid bodies: those that rods carry, and others half clear. */
   drawObstacles(camera, projection, look) {
     const gl = this.gl, { program, uniforms } = this.obstacle;
     if (!this.shown.obstacles.length) return;
@@ -277,7 +287,8 @@ class Renderer {
     gl.bindBuffer(gl.ARRAY_BUFFER, this.corners);
     gl.enableVertexAttribArray(0);
     gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 12, 0);
-    for (const { corners, poses } of this.shown.obstacles) {
+    for (const { corners, poses, carried } of this.shown.obstacles) {
+      gl.uniform1f(uniforms.opacity, carried ? 1 : 0.55);
       const still = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
       const [from, to] = [poses[look.frame] || still, poses[look.next] || still];
       gl.uniformMatrix4fv(uniforms.pose, false, from.map((x, k) => x + look.blend * (to[k] - x)));

@@ -1,5 +1,5 @@
 #version 300 es
-// A tube of true radius around the Catmull–Rom spline through the nodes of a rod, one segment an instance.
+// A tube of true radius, or a strip of true width, around the Catmull–Rom spline through the nodes of a rod, one segment an instance.
 // Positions come from textures of the two outputs between which the shown time lies.
 precision highp float;
 precision highp int;
@@ -8,6 +8,8 @@ precision highp usampler2D;
 in vec3 ring;       // along the segment 0…1, onto the round ends −1…1, angle around
 in ivec4 nodes;     // before, start, end, after; the same as its neighbour where a rod ends
 in vec2 rod;        // radius in m, colour index
+in vec2 strip;      // half of its width and of its thickness in m; zero for a tube
+in vec3 tangentAtStart, acrossAtStart, tangentAtEnd, acrossAtEnd;   // of the segment as a strip was placed
 
 uniform usampler2D positions[2];
 uniform sampler2D values[2];
@@ -37,6 +39,14 @@ float valueAt(int node) {
   return mix(texelFetch(values[0], where, 0).r, texelFetch(values[1], where, 0).r, blend);
 }
 
+// A vector square to a tangent, turned with it the shortest way.
+vec3 turned(vec3 vector, vec3 from, vec3 to) {
+  float along = dot(from, to);
+  vec3 axis = cross(from, to);
+  vec3 result = along < -0.9999 ? vector : vector * along + cross(axis, vector) + axis * (dot(axis, vector) / (1.0 + along));
+  return normalize(result - to * dot(to, result));
+}
+
 void main() {
   vec3 a = at(nodes.y), b = at(nodes.z), chord = b - a;
   bool starts = nodes.x == nodes.y, ends = nodes.z == nodes.w;
@@ -48,15 +58,24 @@ void main() {
     + s * r * (r * leaving - s * arriving);
   vec3 tangent = normalize(6.0 * s * r * chord + r * (1.0 - 3.0 * s) * leaving + s * (3.0 * s - 2.0) * arriving);
 
-  // Directions around: fixed on the segment, made normal to the tangent of the ring.
-  vec3 along = normalize(chord);
-  vec3 aside = abs(along.z) < 0.8 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
-  vec3 first = normalize(aside - tangent * dot(tangent, aside));
-  vec3 second = cross(tangent, first);
-
   float cap = (ring.y < 0.0 && !starts) || (ring.y > 0.0 && !ends) ? 0.0 : 1.5707963 * ring.y;
-  normal = cos(cap) * (cos(ring.z) * first + sin(ring.z) * second) + sin(cap) * tangent;
-  place = centre + rod.x * normal;
+  vec2 around = vec2(cos(ring.z), sin(ring.z));
+  if (strip.x > 0.0) {
+    vec3 across = turned(normalize(mix(acrossAtStart, acrossAtEnd, s)), normalize(mix(tangentAtStart, tangentAtEnd, s)), tangent);
+    vec3 second = cross(tangent, across);
+    // From a circle to a square, whose corners are at an eighth of a turn; ends are flat.
+    vec2 square = around / max(abs(around.x), abs(around.y));
+    place = centre + cos(cap) * (strip.x * square.x * across + strip.y * square.y * second);
+    normal = cap != 0.0 ? sign(cap) * tangent : abs(square.y) > 0.999 ? sign(square.y) * second : sign(square.x) * across;
+  } else {
+    // Directions around: fixed on the segment, made normal to the tangent of the ring.
+    vec3 along = normalize(chord);
+    vec3 aside = abs(along.z) < 0.8 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+    vec3 first = normalize(aside - tangent * dot(tangent, aside));
+    vec3 second = cross(tangent, first);
+    normal = cos(cap) * (around.x * first + around.y * second) + sin(cap) * tangent;
+    place = centre + rod.x * normal;
+  }
   value = mix(valueAt(nodes.y), valueAt(nodes.z), s);
   colour = int(rod.y);
   gl_Position = projection * vec4(place, 1.0);

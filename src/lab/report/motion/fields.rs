@@ -116,6 +116,7 @@ mod tests {
             closed,
             radius: 1e-3,
             held: false,
+            strip: None,
         }
     }
 

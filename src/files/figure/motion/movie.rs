@@ -1,6 +1,7 @@
-//! Rods in motion: what the page shows.
+//! What moves in a film and on the page.
 
 use super::super::View;
+use super::strip::Strip;
 use nalgebra::Vector3;
 
 /// Everything that a page shows: a run, or the cases of a sweep.
@@ -12,6 +13,8 @@ pub struct Movie {
     pub subtitle: String,
     /// The cases; a single run is one.
     pub cases: Vec<MovieCase>,
+    /// Seconds after which the page loads itself again, while a run is at work; none for a page that stays as it is.
+    pub reload: Option<f64>,
 }
 
 /// A run in motion. Arrays over nodes run rod after rod.
@@ -65,6 +68,8 @@ pub struct MovieRod {
     pub radius: f64,
     /// Whether it is an obstacle, which does not move.
     pub held: bool,
+    /// Its cross-section where that is a rectangle; circles have none.
+    pub strip: Option<Strip>,
 }
 
 /// A rigid half space.
@@ -83,6 +88,10 @@ pub struct MovieObstacle {
     pub triangles: Vec<[Vector3<f64>; 3]>,
     /// The matrix that carries it from there to each frame, column after column; none where it stays.
     pub poses: Vec<[f64; 16]>,
+    /// Whether rods are inside: it is then drawn half clear.
+    pub hollow: bool,
+    /// Whether rods carry it: it then moves with them, and pictures leave room for it.
+    pub is_carried: bool,
 }
 
 /// The rods at one time.

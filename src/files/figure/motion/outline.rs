@@ -1,0 +1,139 @@
+//! How much room a scene in motion takes.
+
+use super::super::View;
+use super::movie::MovieCase;
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// What bounds the scene beside the nodes, and the box around all of it.
+pub(in crate::figure) struct Outline {
+    /// Farthest point of each carried body from its origin along each axis of its own: corners of a box.
+    boxes: Vec<Option<[Vector3<f64>; 8]>>,
+    lower: Vector3<f64>,
+    upper: Vector3<f64>,
+}
+
+/// The outline of a case; where a rod is followed, of that rod alone, about its middle.
+pub(in crate::figure) fn outline(case: &MovieCase, follow: Option<&Range<usize>>) -> Outline {
+    let boxes = case.obstacles.iter().map(|body| {
+        let corners = body.triangles.iter().flatten();
+        (body.is_carried && !body.triangles.is_empty()).then(|| {
+            let (lower, upper) = corners.fold(empty(), |(lower, upper), corner| {
+                (lower.inf(corner), upper.sup(corner))
+            });
+            std::array::from_fn(|corner| {
+                Vector3::from_fn(|axis, _| {
+                    if corner >> axis & 1 == 0 {
+                        lower[axis]
+                    } else {
+                        upper[axis]
+                    }
+                })
+            })
+        })
+    });
+    let mut outline = Outline {
+        boxes: boxes.collect(),
+        lower: Vector3::zeros(),
+        upper: Vector3::zeros(),
+    };
+    let (mut lower, mut upper) = empty();
+    for frame in 0..case.frames.len() {
+        outline.visit(case, frame, follow, &mut |point, reach| {
+            lower = lower.inf(&point.add_scalar(-reach));
+            upper = upper.sup(&point.add_scalar(reach));
+        });
+    }
+    (outline.lower, outline.upper) = (lower, upper);
+    outline
+}
+
+/// The box around all that moves in a case with its thickness: lowest corner and extents, m.
+pub(in crate::figure) fn room(case: &MovieCase) -> [Vector3<f64>; 2] {
+    let outline = outline(case, None);
+    [outline.lower, outline.upper - outline.lower]
+}
+
+impl MovieCase {
+    /// A view that shows all of its motion well, strips at their width.
+    pub fn fitting_view(&self) -> View {
+        if self.rods.iter().all(|rod| rod.strip.is_none()) {
+            return View::fitting(self.frames.iter().flat_map(|frame| &frame.positions));
+        }
+        let outline = outline(self, None);
+        let mut points = Vec::new();
+        for frame in 0..self.frames.len() {
+            outline.visit(self, frame, None, &mut |point, _| points.push(point));
+        }
+        View::fitting(points.iter())
+    }
+}
+
+fn empty() -> (Vector3<f64>, Vector3<f64>) {
+    (
+        Vector3::repeat(f64::INFINITY),
+        Vector3::repeat(f64::NEG_INFINITY),
+    )
+}
+
+impl Outline {
+    /// The middle of the box.
+    pub(in crate::figure) fn middle(&self) -> Vector3<f64> {
+        0.5 * (self.lower + self.upper)
+    }
+
+    /// Visits points that bound what is seen at a frame, with how far it reaches around each, m.
+    pub(in crate::figure) fn visit(
+        &self,
+        case: &MovieCase,
+        frame: usize,
+        follow: Option<&Range<usize>>,
+        take: &mut impl FnMut(Vector3<f64>, f64),
+    ) {
+        let positions = &case.frames[frame].positions;
+        let about = follow.map(|nodes| centre(&positions[nodes.clone()]));
+        let about = about.unwrap_or_else(Vector3::zeros);
+        let mut first = 0;
+        for rod in &case.rods {
+            let nodes = first..first + rod.nodes;
+            first += rod.nodes;
+            if follow.is_some_and(|followed| *followed != nodes) {
+                continue;
+            }
+            let points = &positions[nodes];
+            match &rod.strip {
+                None => points
+                    .iter()
+                    .for_each(|point| take(point - about, rod.radius)),
+                Some(strip) => {
+                    for node in 0..points.len() {
+                        let across = 0.5 * strip.width * strip.across(node, points, rod.closed);
+                        take(points[node] + across - about, 0.5 * strip.thickness);
+                        take(points[node] - across - about, 0.5 * strip.thickness);
+                    }
+                }
+            }
+        }
+        if follow.is_some() {
+            return;
+        }
+        for (body, corners) in case.obstacles.iter().zip(&self.boxes) {
+            for corner in corners.iter().flatten() {
+                let pose = body.poses.get(frame);
+                take(pose.map_or(*corner, |pose| placed(pose, corner)), 0.0);
+            }
+        }
+    }
+}
+
+/// Mean of some points.
+pub(in crate::figure) fn centre(points: &[Vector3<f64>]) -> Vector3<f64> {
+    points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
+}
+
+/// A point carried by a matrix, column after column.
+pub(in crate::figure) fn placed(pose: &[f64; 16], point: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::from_fn(|row, _| {
+        pose[row] * point.x + pose[4 + row] * point.y + pose[8 + row] * point.z + pose[12 + row]
+    })
+}

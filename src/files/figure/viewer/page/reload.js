@@ -1,0 +1,62 @@
+// A page of a run at work loads itself again and again. What the user has chosen is kept in the address after the #, which works for
+// files, too.
+
+/** What is kept: camera, colour, plot, case, and the output shown, or that it is the last one. */
+function keepState(page) {
+  const { target, scale, yaw, pitch, parallel } = page.camera;
+  const isLast = page.player.frame() === page.shown.frames - 1;
+  const state = {
+    camera: { target, scale, yaw, pitch, parallel },
+    frames: page.shown.frames,
+    index: page.index,
+    colour: page.colour,
+    plot: page.chart.name,
+    look: { contacts: page.look.contacts, grid: page.look.grid },
+    moved: page.camera.moved === true,
+    frame: isLast && !page.player.playing ? null : page.player.frame(),
+    playing: page.player.playing,
+    speed: page.player.speed,
+    smooth: page.player.smooth,
+  };
+  location.hash = encodeURIComponent(JSON.stringify(state));
+}
+
+/** Takes up what was kept before the page was loaded again; without it a run at work is shown at its last output. */
+function takeUpState(page) {
+  let state = null;
+  try {
+    state = JSON.parse(decodeURIComponent(location.hash.slice(1)));
+  } catch {
+    // An address without a state, or with one that is damaged.
+  }
+  if (!state?.camera) {
+    if (movie.reload) page.player.seek(page.shown.frames - 1);
+    return;
+  }
+  if (state.index > 0 && state.index < movie.cases.length) page.showCase(state.index);
+  // A camera that was not moved keeps fitting the motion, which grows.
+  if (state.moved) {
+    Object.assign(page.camera, state.camera, { moved: true });
+    page.setProjection(state.camera.parallel);
+  }
+  for (const what of ["contacts", "grid"]) if (page.look[what] !== state.look[what]) page.toggle(what);
+  page.setColour(state.colour);
+  page.setPlot(state.plot);
+  page.setSpeed(state.speed);
+  page.player.smooth = element("smooth").checked = state.smooth;
+  page.player.seek(state.frame ?? page.shown.frames - 1);
+  page.player.playing = state.playing;
+  page.changed();
+}
+
+/** Loads the page again later, but not while something is dragged. */
+function reloadLater(page) {
+  if (!movie.reload) return;
+  element("subtitle").textContent += " · running";
+  const reload = () => {
+    if (page.canvas.classList.contains("dragging") || page.exporter.recorder) return setTimeout(reload, 200);
+    keepState(page);
+    location.reload();
+  };
+  setTimeout(reload, 1000 * movie.reload);
+}
