@@ -25,6 +25,7 @@ mod learning;
 mod linking_number;
 mod long_steps;
 mod mathematical_library;
+mod movie;
 mod parts;
 mod passing_through;
 mod piles;

@@ -3,8 +3,8 @@
 use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, evaluate, expand, explain, explore,
-    fold_arguments, gather, guide, init, man, measure, place, plan, plot, presets, reproduce, run,
-    score, site, solve, status, stream, submit, tie, trace, train, verify, view,
+    fold_arguments, gather, guide, init, man, measure, movie, place, plan, plot, presets,
+    reproduce, run, score, site, solve, status, stream, submit, tie, trace, train, verify, view,
 };
 use clap::Parser;
 use std::sync::OnceLock;
@@ -88,6 +88,8 @@ pub enum Command {
     Plot(plot::PlotArguments),
     /// Write an interactive 3-D page of a results directory
     View(view::ViewArguments),
+    /// Write a film of a results directory: GIF, MP4 or pictures
+    Movie(movie::MovieArguments),
     /// Stream a joint trajectory to the arms and axes of a cell
     Stream(stream::StreamArguments),
     /// Serve a virtual robot cell: arms, grippers, a rod on a table and a camera, simulated

@@ -2,9 +2,10 @@
 
 use crate::reproduce::ReproduceError;
 use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_files::figure::FilmError;
 use rodlab_files::results::ResultsError;
 use rodlab_lab::cluster::ClusterError;
-use rodlab_lab::report::{PlotError, ViewError};
+use rodlab_lab::report::{MovieError, PlotError, ViewError};
 use rodlab_lab::run::{RunError, StopRequest};
 use rodlab_lab::sweep::SweepOutcome;
 
@@ -119,6 +120,18 @@ impl ExitCode for ViewError {
         match self {
             Self::NotResults(_) | Self::NoNodes(_) | Self::NoPage { .. } => 2,
             Self::Results(error) => error.exit_code(),
+        }
+    }
+}
+
+impl ExitCode for MovieError {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::View(error) => error.exit_code(),
+            Self::Results(error) => error.exit_code(),
+            Self::Film(FilmError::Interrupted) => INTERRUPTED,
+            Self::Film(FilmError::Encoding(_)) => 1,
+            _ => 2,
         }
     }
 }

@@ -54,6 +54,7 @@ mod measure_knot;
 mod measure_markers;
 mod measure_sheet;
 mod middle_line;
+mod movie;
 mod output;
 mod pattern_source;
 mod picture_source;
@@ -146,6 +147,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Fold(command) => fold::fold(command, &arguments.common),
         Command::Plot(command) => plot::plot(command),
         Command::View(command) => view::view(command, &arguments.common),
+        Command::Movie(command) => movie::movie(command, &arguments.common),
         Command::Stream(command) => stream::stream(command),
         Command::Deploy(command) => deploy::deploy(command, &arguments.common),
         Command::Place(command) => place::place(command),
