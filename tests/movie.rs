@@ -192,3 +192,24 @@ fn an_interrupted_film_leaves_nothing() {
         assert_eq!(names(directory.path()), before);
     }
 }
+
+#[test]
+fn a_watched_run_ends_with_the_same_results_and_a_page_at_rest() {
+    let directory = results();
+    // No browser is found, which is a warning.
+    rodlab(
+        directory.path(),
+        &["run", "fall.toml", "--out", "watched", "--watch"],
+    )
+    .env("PATH", "")
+    .assert()
+    .success();
+    let watched = directory.path().join("watched");
+    let page = fs::read_to_string(watched.join("view.html")).unwrap();
+    assert!(page.contains("\"reload\":null"));
+    for table in ["nodes.csv", "series.csv", "summary.csv"] {
+        let [one, other] = ["fall", "watched"]
+            .map(|name| fs::read(directory.path().join(name).join(table)).unwrap());
+        assert!(one == other, "{table}");
+    }
+}

@@ -358,6 +358,44 @@ fn series_are_plotted_and_pictures_and_videos_saved() {
     );
 }
 
+#[test]
+fn a_page_of_a_run_at_work_reloads_and_keeps_what_the_user_chose() {
+    let directory = tempfile::tempdir().unwrap();
+    let page = page(directory.path());
+    let text = fs::read_to_string(&page).unwrap();
+    let reloading = text.replace("\"reload\":null", "\"reload\":5");
+    assert!(reloading != text);
+    fs::write(&page, reloading).unwrap();
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    browser.open(&page);
+    // A run at work is shown at its last output.
+    let time = "document.getElementById('time').value";
+    assert_eq!(browser.evaluate(time), "24");
+    let before = browser.screenshot();
+    browser.set("colour", "Curvature");
+    browser.drag([600.0, 400.0], [700.0, 350.0]);
+    let turned = browser.screenshot();
+    let kind = "performance.getEntriesByType('navigation')[0].type + document.readyState";
+    while browser.evaluate(kind) != "reloadcomplete" {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    browser.settle();
+    assert_eq!(
+        browser.evaluate("document.getElementById('colour').value"),
+        "Curvature"
+    );
+    assert_eq!(browser.evaluate(time), "24");
+    let after = browser.screenshot();
+    assert!(changed(&before, &after) > 5_000);
+    assert!(
+        changed(&turned, &after) < 500,
+        "{}",
+        changed(&turned, &after)
+    );
+}
+
 /// Keeps a picture for people to look at.
 fn keep(name: &str, png: &[u8]) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("screenshots");

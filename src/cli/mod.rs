@@ -69,6 +69,7 @@ mod preset_file;
 mod presets;
 mod reproduce;
 mod run;
+mod run_watch;
 mod samples;
 mod schema;
 mod score;

@@ -4,6 +4,7 @@ use super::candidates::keys;
 use super::common::refuse_too_many_threads;
 use super::log_directory::results_directory;
 use super::prelude::*;
+use super::run_watch::Watch;
 use super::sweep;
 use super::watchdog;
 use rodlab_files::results::PAGE;
@@ -26,6 +27,7 @@ Examples:
   rodlab run scenarios/flagella_m2.toml --set flagella.count=4 --set time.end=\"1 min\" --out results/m4
   rodlab run scenarios/flagella_m10.toml --timeout 8h     ends with exit code 5; run again to continue
   rodlab run beam.toml --vary rods.beam.radius=\"2 mm:8 mm:1 mm\" --vary contact.friction=0,0.3 --jobs 4
+  rodlab run scenarios/pile.toml --watch                  see it in the browser while it runs
   rodlab run sweep.toml --shard 2/8                       the second eighth of the cases, for any scheduler
 
 A run that is interrupted continues when the same command is given again; a finished one is left alone.
@@ -64,6 +66,9 @@ pub struct RunArguments {
     /// Run more than 100000 cases
     #[arg(long)]
     pub yes: bool,
+    /// Open the 3-D page of `rodlab view` in the browser, and update it until the run has ended
+    #[arg(long, conflicts_with = "dry_run")]
+    pub watch: bool,
     /// Print what came out as JSON
     #[arg(long, conflicts_with = "dry_run")]
     pub json: bool,
@@ -105,8 +110,12 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
         deadline,
         ..RunOptions::new(directory)
     };
+    // Dropped when the run has ended, however it ends.
+    let watched = options.directory.clone();
+    let watch = || arguments.watch.then(|| Watch::start(&watched)).transpose();
     if case_set.is_sweep() {
         sweep::refuse_too_many(&case_set, arguments.yes)?;
+        let _watch = watch()?;
         let options = arguments.sweep_options(options);
         return if arguments.dry_run {
             sweep::list(&case_set, &options)
@@ -120,7 +129,9 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
         try_scene(&prepared)?;
         return print(&prepared.scenario_toml);
     }
+    let watch = watch()?;
     let outcome = rodlab_lab::run::run(&prepared, &options)?;
+    drop(watch);
     if arguments.json {
         return print_json(&as_json(&outcome));
     }

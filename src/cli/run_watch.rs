@@ -1,0 +1,100 @@
+//! `rodlab run --watch`: the 3-D page of a run, written again and again while the run is at work.
+
+use super::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use rodlab_files::results::PAGE;
+use rodlab_lab::report::{ViewError, WrittenPage, write_page_that_reloads};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// Outputs that the page shows at most: it is read again and again.
+const OUTPUTS: usize = 1000;
+/// Time between two pages, at least.
+const PERIOD: Duration = Duration::from_secs(3);
+/// Time between two pages over the time that writing one takes, at least: the run keeps the processor.
+const PATIENCE: u32 = 20;
+/// Time between two attempts to write the first page.
+const FIRST: Duration = Duration::from_millis(500);
+
+/// Writes the page of a results directory until it is dropped; the last page no longer reloads.
+pub struct Watch {
+    end: Option<Sender<()>>,
+    writer: Option<JoinHandle<()>>,
+}
+
+impl Watch {
+    /// Begins to write the page of a directory, which need not exist yet, and opens it in the browser.
+    pub fn start(directory: &Path) -> Result<Self, Failure> {
+        let fault =
+            |error: &dyn Display| Failure::System(format!("cannot start a thread: {error}"));
+        let (end, ended) = channel();
+        // The threads of the common pool belong to the run, and a pool of one is never free while it lasts.
+        let pool = ThreadPoolBuilder::new().num_threads(1).build();
+        let mut page = Page {
+            directory: directory.to_owned(),
+            pool: pool.map_err(|error| fault(&error))?,
+            is_open: false,
+        };
+        let writer = Builder::new()
+            .name("watch".into())
+            .spawn(move || page.keep(&ended));
+        Ok(Self {
+            end: Some(end),
+            writer: Some(writer.map_err(|error| fault(&error))?),
+        })
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        drop(self.end.take());
+        if let Some(writer) = self.writer.take() {
+            // A panic was reported on its thread; the run is done all the same.
+            let _ = writer.join();
+        }
+    }
+}
+
+/// The page of a run at work.
+struct Page {
+    directory: PathBuf,
+    pool: ThreadPool,
+    is_open: bool,
+}
+
+impl Page {
+    /// Writes the page again and again until the run has ended.
+    fn keep(&mut self, ended: &Receiver<()>) {
+        let mut wait = FIRST;
+        while ended.recv_timeout(wait) == Err(RecvTimeoutError::Timeout) {
+            let start = Instant::now();
+            match self.write(Some(PERIOD.as_secs_f64())) {
+                Ok(_) => wait = PERIOD.max(PATIENCE * start.elapsed()),
+                // A run that has just begun has no outputs yet, and one that starts over removes them.
+                Err(error) => tracing::debug!("no page yet: {error}"),
+            }
+        }
+        match self.write(None) {
+            Ok(_) => {}
+            // The run itself reports why it left no results.
+            Err(ViewError::NotResults(_) | ViewError::NoNodes(_)) => {}
+            Err(error) => tracing::warn!("the page of the run could not be written: {error}"),
+        }
+    }
+
+    fn write(&mut self, reload: Option<f64>) -> Result<WrittenPage, ViewError> {
+        let to = self.directory.join(PAGE);
+        let write = || write_page_that_reloads(&self.directory, &to, OUTPUTS, reload, &|_, _| {});
+        let written = self.pool.install(write)?;
+        if !self.is_open {
+            self.is_open = true;
+            // Not waited for: the browser may run as long as its window is open.
+            if let Err(error) = open::that_detached(&to) {
+                let page = to.display();
+                tracing::warn!("no browser could be started: {error}; open {page}");
+            }
+        }
+        Ok(written)
+    }
+}
