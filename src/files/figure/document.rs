@@ -104,7 +104,7 @@ mod tests {
         let hostile = "<script>alert(1)</script> [a](javascript:b) ![c](d) `e` | f";
         let html = markdown_html(
             &format!("| x |\n|---|\n| {} |\n", escape_markdown(hostile)),
-            &|_| None,
+            &mut |_| None,
         );
         assert!(
             !html.contains("<script") && !html.contains("<a ") && !html.contains("<img"),

@@ -138,8 +138,8 @@ impl SvgDrawing {
             if let Some(fault) = faults.into_iter().next() {
                 return Err(fault.into());
             }
-            let hint = elements().filter_map(|node| hint(node.tag_name().name()));
-            let hint = hint.last().unwrap_or_default();
+            let mut hints = elements().filter_map(|node| hint(node.tag_name().name()));
+            let hint = hints.next_back().unwrap_or_default();
             return Err(PatternError::NoPath { hint });
         }
         let count = faults.len();
