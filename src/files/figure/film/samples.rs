@@ -79,7 +79,11 @@ impl Samples {
             let start = [0, 1].map(|k| along_x[k] * dx + along_y[k] * dy);
             let first = row * self.width;
             let mut drawn = [self.width, 0];
-            for column in left..=right {
+            // Long thin triangles cover little of their box.
+            let at_left = [1.0 - start[0] - start[1], start[0], start[1]];
+            let slopes = [-along_x[0] - along_x[1], along_x[0], along_x[1]];
+            let [from, to] = inside(at_left, slopes, right - left);
+            for column in left + from..left + to {
                 let steps = (column - left) as f32;
                 let [v, w] = [0, 1].map(|k| start[k] + steps * along_x[k]);
                 let u = 1.0 - v - w;
@@ -103,6 +107,27 @@ impl Samples {
             *span = [span[0].min(drawn[0]), span[1].max(drawn[1])];
         }
     }
+}
+
+/// The steps, of 0 to `most`, at which three numbers that grow evenly from `start` may all be positive: first, and one beyond the last.
+fn inside(start: [f32; 3], slopes: [f32; 3], most: usize) -> [usize; 2] {
+    let (mut low, mut high) = (0.0, most as f32);
+    for (start, slope) in start.into_iter().zip(slopes) {
+        let zero = -start / slope;
+        if slope > 0.0 {
+            low = zero.max(low);
+        } else if slope < 0.0 {
+            high = zero.min(high);
+        }
+    }
+    // A step more to both sides makes up for rounding: what is outside is left out later.
+    let from = (low as usize).saturating_sub(1);
+    let to = if high < 0.0 {
+        0
+    } else {
+        (high as usize + 2).min(most + 1)
+    };
+    [from.min(to), to]
 }
 
 /// The samples whose centres may lie between the least and the largest of three coordinates; `None` where there are none in the picture.
