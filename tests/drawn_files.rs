@@ -99,7 +99,10 @@ fn outlines_are_reported_and_have_a_middle_line() {
         stderr.contains("line 2: <text> is not followed"),
         "{stderr}"
     );
-    let (code, stdout, stderr) = plan(folder, &["--pattern", "d.svg", "--centreline"]);
+    let (code, stdout, stderr) = plan(
+        folder,
+        &["--pattern", "d.svg", "--centreline", "--lead-in", "none"],
+    );
     assert_eq!(code, 0, "{stderr}");
     let record: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let found = record["length_m"].as_f64().unwrap();

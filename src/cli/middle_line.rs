@@ -1,6 +1,5 @@
 //! The middle line of the filled areas of an SVG drawing, found as in a photograph.
 
-use super::pattern_source::POINT_STEP;
 use super::prelude::*;
 use image::{Rgb, RgbImage};
 use rodlab_files::figure::grey_picture;
@@ -8,6 +7,8 @@ use rodlab_lab::experiment::svg_drawing;
 use rodlab_planning::plan::pattern::{DrawnStroke, Point};
 use rodlab_vision::{ColourRule, Metric, TraceOptions, pattern, trace};
 
+/// Distance of the points of a traced line, m, as of `rodlab trace --pattern`.
+pub const POINT_STEP: f64 = 1e-3;
 /// Width of the picture that is traced, pixels, and its margin as a part of that.
 const PIXELS: u32 = 1500;
 const MARGIN: f64 = 0.05;

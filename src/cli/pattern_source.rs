@@ -1,7 +1,7 @@
 //! Patterns as arguments: formulas and drawings.
 
 use super::drawn_pattern::{Part, counted, drawn_points};
-use super::middle_line::middle_line;
+use super::middle_line::{POINT_STEP, middle_line};
 use super::picture_source::has_ending;
 use super::prelude::*;
 use super::preset_file::{GivenPattern, pattern_or_preset};
@@ -13,9 +13,6 @@ use rodlab_vision::{
     Camera, ColourRule, Metric, PICTURE_ENDINGS, TraceOptions, pattern, read_picture, trace,
 };
 use std::sync::OnceLock;
-
-/// Distance of the points of a photographed line, m, as of `rodlab trace --pattern`.
-pub const POINT_STEP: f64 = 1e-3;
 
 /// What a rod is laid along.
 #[derive(Debug, Args)]

@@ -4,8 +4,6 @@
 //! unit in any of the usual forms (`x`, `x_m`, `X [mm]`, `x (cm)`); where the first line has numbers only, there is none. Where fields
 //! are not separated by commas, a comma is that of a decimal. Empty lines are passed over, and those that begin with `#`.
 
-use crate::finite;
-
 /// Units of columns, with their value in SI units.
 const UNITS: [(&str, f64); 10] = [
     ("m", 1.0),
@@ -127,9 +125,9 @@ impl<'a> Table<'a> {
     fn number(&self, field: &str) -> Option<f64> {
         let commas = field.matches(',').count();
         if self.has_decimal_commas && commas == 1 && !field.contains('.') {
-            return finite::number(&field.replace(',', "."));
+            return finite(&field.replace(',', "."));
         }
-        finite::number(field)
+        finite(field)
     }
 
     fn fields(&self, line: &str) -> Vec<String> {
@@ -158,6 +156,15 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
 }
 
+/// A finite number.
+fn finite(field: &str) -> Option<f64> {
+    field
+        .trim()
+        .parse()
+        .ok()
+        .filter(|number: &f64| number.is_finite())
+}
+
 fn unquoted(field: &str) -> String {
     field.trim().trim_matches('"').trim().to_owned()
 }
@@ -169,7 +176,7 @@ fn separator_of(line: &str) -> char {
             return separator;
         }
     }
-    let is_number = |field: &str| finite::number(field).is_some();
+    let is_number = |field: &str| finite(field).is_some();
     let fields = || line.split_whitespace();
     let are_names = fields().all(|field| {
         field
