@@ -190,7 +190,10 @@ mod tests {
             text: "# Keys\n".into(),
         };
         let menu = [("keys.md".to_owned(), "Keys".to_owned())];
-        assert_eq!(build(&from, &[keys.clone()], &menu, &to).unwrap(), 3);
+        assert_eq!(
+            build(&from, std::slice::from_ref(&keys), &menu, &to).unwrap(),
+            3
+        );
         let read = |name: &str| fs::read_to_string(to.join(name)).unwrap();
         assert!(read("index.html").contains("href=\"guide/knots.html#tight-knots\""));
         assert!(read("guide/knots.html").contains("href=\"../index.html\""));
@@ -202,7 +205,9 @@ mod tests {
             "# Knots\n[gone](no.md) [lost](../rod.png)\n",
         )
         .unwrap();
-        let error = build(&from, &[keys], &menu, &to).unwrap_err().to_string();
+        let error = build(&from, std::slice::from_ref(&keys), &menu, &to)
+            .unwrap_err()
+            .to_string();
         for broken in [
             "README.md: guide/knots.md#tight-knots",
             "guide/no.md",
