@@ -1,12 +1,8 @@
 //! What shells offer for the values of arguments: presets, topics, pages and keys.
 
-use super::arguments::Arguments;
-use super::prelude::*;
 use crate::guide::PAGES;
-use crate::presets::Preset;
+use crate::presets::{Preset, PresetKind};
 use crate::reproduce::ARTIFACTS;
-use clap::CommandFactory;
-use clap_complete::CompleteEnv;
 use clap_complete::engine::{
     ArgValueCandidates, ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter,
 };
@@ -16,11 +12,6 @@ use std::ffi::OsStr;
 
 /// Levels of tables of scenario files.
 const DEEPEST: usize = 5;
-
-/// Answers a shell that completes a command line, and ends the program then.
-pub fn answer_shell() {
-    CompleteEnv::with_factory(Arguments::command).complete();
-}
 
 /// Presets of a kind, and files.
 pub fn presets(kind: PresetKind) -> ArgValueCompleter {

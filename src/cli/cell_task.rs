@@ -1,63 +1,13 @@
-//! What the tasks of a robot cell have in common on the command line: whether they may begin, and how they end.
+//! What the tasks of a robot cell have in common on the command line: where their results go, and how they end.
 
+use super::chosen_cell::{CellChoice, TaskCell};
 use super::exit_code::NOT_SEEN_WHOLE;
 use super::interruption::watch_for_interruption;
 use super::log_directory::log_directory;
 use super::prelude::*;
-use super::task_cell::{CellChoice, TaskCell};
 use rodlab_files::results::write_whole;
 use rodlab_robot::JointTrajectory;
-use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{Status, TaskError, TaskRecord, TaskStage, Unfinished};
-
-/// Refuses to move an arm whose last task did not come to its end, until somebody has looked at it and says so.
-pub fn refuse_unfinished(cell: &Cell, arm: usize) -> Result<(), Failure> {
-    let Some(left) = Unfinished::of(cell, arm, Path::new("")).left() else {
-        return Ok(());
-    };
-    Err(Failure::Input(format!(
-        "the last task with arm {} did not come to its end ({left}): look at the arm and at what it holds, and then say --checked",
-        cell.arms[arm].name
-    )))
-}
-
-/// What a task with an arm needs and the cell file lacks, in words; `camera` says what the camera is for.
-fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
-    let known = &cell.arms[arm];
-    let name = &known.name;
-    let seen = cell.camera.as_ref();
-    if seen.is_none_or(|seen| seen.source.is_none()) {
-        return Some(format!("a [camera] with a `source` is needed: {camera}"));
-    }
-    if known.driver.is_none() {
-        return Some(format!("arm {name} needs a `driver`"));
-    }
-    if cell.gripper(arm).is_none() {
-        let needed =
-            "needs a `gripper`, and a driver of kind \"rosbridge\", \"ros1\" or \"ros2\" for it";
-        return Some(format!("arm {name} {needed}"));
-    }
-    None
-}
-
-/// Refuses to begin a task that the arms of a cell cannot do, or must not do yet; `camera` says what the camera is for.
-pub fn refuse_unready(
-    cell: &Cell,
-    file: &Path,
-    arms: &[usize],
-    checked: bool,
-    camera: &str,
-) -> Result<(), Failure> {
-    for arm in arms {
-        if !checked {
-            refuse_unfinished(cell, *arm)?;
-        }
-        if let Some(what) = missing_part(cell, *arm, camera) {
-            return Err(Failure::Input(format!("{}: {what}", file.display())));
-        }
-    }
-    Ok(())
-}
 
 /// A task with arms of a cell, by its directory.
 pub struct CellTask<'a> {

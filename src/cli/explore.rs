@@ -1,10 +1,10 @@
 //! `rodlab explore`.
 
+use super::chosen_cell::{CellChoice, FULL_SPEED, TaskCell};
 use super::interruption::watch_for_interruption;
 use super::log_directory::{no_directory, results_directory};
 use super::prelude::*;
 use super::solve_arm::arm_named;
-use super::task_cell::{CellChoice, FULL_SPEED, TaskCell};
 use rodlab_files::results::{MANIFEST, write_whole};
 use rodlab_lab::experiment::ClampedRod;
 use rodlab_vision::ColourRule;

@@ -1,9 +1,9 @@
 //! Arguments of `rodlab fold`.
 
+use super::chosen_cell::CellChoice;
 use super::plan::parse_place;
 use super::plan_fold::crease;
 use super::prelude::*;
-use super::task_cell::CellChoice;
 use clap::builder::PossibleValuesParser;
 use rodlab_lab::experiment::{AlgorithmName, Crease};
 use rodlab_workcell::cell::Place;

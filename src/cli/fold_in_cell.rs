@@ -1,11 +1,11 @@
 //! `rodlab fold` in a robot cell.
 
 use super::cell_task::CellTask;
+use super::chosen_cell::FULL_SPEED;
 use super::fold_arguments::FoldArguments;
 use super::prelude::*;
 use super::solve_arm::arm_named;
 use super::task_arguments::GANTRY;
-use super::task_cell::FULL_SPEED;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use rodlab_lab::experiment::{Crease, PaperFile};
 use rodlab_robot::Pose;

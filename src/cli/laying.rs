@@ -1,11 +1,11 @@
 //! How an arm of a cell lays a rod: what `rodlab deploy` and `rodlab place` have in common.
 
 use super::cell_task::CellTask;
+use super::chosen_cell::{CellChoice, FULL_SPEED, TaskCell};
 use super::log_directory::log_directory;
 use super::prelude::*;
 use super::solve_arm::arm_named;
 use super::task_arguments::{GANTRY, TaskArguments};
-use super::task_cell::{CellChoice, FULL_SPEED, TaskCell};
 use rodlab_lab::experiment::Fixtures;
 use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, Spare};
 use rodlab_robot::Pose;

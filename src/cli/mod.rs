@@ -20,6 +20,7 @@ mod candidates;
 mod cell;
 mod cell_task;
 mod check;
+mod chosen_cell;
 mod chosen_rod;
 mod common;
 mod completions;
@@ -85,7 +86,6 @@ mod stream;
 mod submit;
 mod sweep;
 mod task_arguments;
-mod task_cell;
 mod terminal;
 mod tie;
 mod trace;
@@ -98,6 +98,7 @@ mod watchdog;
 
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
+use clap_complete::CompleteEnv;
 use failure::Failure;
 use std::process;
 
@@ -106,7 +107,8 @@ pub fn main() -> process::ExitCode {
     if let Some(commit) = option_env!("RODLAB_COMMIT") {
         rodlab_files::origin::state_commit(commit);
     }
-    candidates::answer_shell();
+    // Answers a shell that completes a command line, and ends the program then.
+    CompleteEnv::with_factory(Arguments::command).complete();
     crash::announce_panics();
     file_size::report_as_errors();
     let arguments = Arguments::parse();
@@ -162,7 +164,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Score(command) => score::score(command),
         Command::Calibrate(command) => calibrate::calibrate(command),
         Command::Completions(command) => completions::completions(command),
-        Command::Site(command) => site::site(command),
+        Command::Site(command) => site::site(command, Arguments::command()),
         Command::Man(command) => man::man(command, Arguments::command()),
     }
 }

@@ -1,11 +1,10 @@
 //! `rodlab site`.
 
-use super::arguments::Arguments;
 use super::candidates::scenario_keys;
 use super::prelude::*;
 use crate::guide::PAGES;
 use crate::site::{Chapter, SiteError, build};
-use clap::{Command, CommandFactory};
+use clap::Command;
 use rodlab_lab::experiment::{self, described_files};
 
 /// Pages that are not part of the guide, behind it in the menu.
@@ -39,9 +38,13 @@ pub struct SiteArguments {
     repository: PathBuf,
 }
 
-/// Writes the documentation as a web site.
-pub fn site(arguments: &SiteArguments) -> Result<(), Failure> {
-    let chapters = [(COMMANDS, commands()), (KEYS, keys()), (FILES, files())];
+/// Writes the documentation of `program` as a web site.
+pub fn site(arguments: &SiteArguments, program: Command) -> Result<(), Failure> {
+    let chapters = [
+        (COMMANDS, commands(program)),
+        (KEYS, keys()),
+        (FILES, files()),
+    ];
     let chapters = chapters.map(|(path, text)| Chapter { path, text });
     let mut menu = vec![("README.md".to_owned(), "rodlab".to_owned())];
     menu.extend(PAGES.iter().map(|page| {
@@ -63,8 +66,7 @@ pub fn site(arguments: &SiteArguments) -> Result<(), Failure> {
 }
 
 /// The help of all subcommands.
-fn commands() -> String {
-    let mut program = Arguments::command();
+fn commands(mut program: Command) -> String {
     program.build();
     let mut text = "# Commands\n".to_owned();
     add_command(&mut text, &program, "rodlab");

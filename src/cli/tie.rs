@@ -2,11 +2,11 @@
 
 use super::cell::FRICTION;
 use super::cell_task::CellTask;
+use super::chosen_cell::{CellChoice, FULL_SPEED, TaskCell};
 use super::plan_deployment::DeploymentPlan;
 use super::prelude::*;
 use super::solve_arm::arm_named;
 use super::task_arguments::TaskArguments;
-use super::task_cell::{CellChoice, FULL_SPEED, TaskCell};
 use rodlab_planning::plan::deployment::Spare;
 use rodlab_planning::plan::pattern::StrokeChoice;
 use rodlab_vision::ColourRule;

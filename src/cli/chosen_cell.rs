@@ -1,10 +1,9 @@
 //! The cell of a task: that of a file, or a preset one that is simulated in this process.
 
-use super::cell_task::{refuse_unfinished, refuse_unready};
 use super::prelude::*;
 use super::preset_file::preset_file;
 use rodlab_workcell::cell::Cell;
-use rodlab_workcell::task::Report;
+use rodlab_workcell::task::{Report, Unfinished};
 use rodlab_workcell::virtual_cell::{Settings, with_cell};
 use std::io::{IsTerminal, Write as _};
 
@@ -149,4 +148,53 @@ impl TaskCell {
         let (done, _) = with_cell(&self.cell, settings()?, work)?;
         done
     }
+}
+
+/// Refuses to move an arm whose last task did not finish, until --checked states that it was inspected.
+fn refuse_unfinished(cell: &Cell, arm: usize) -> Result<(), Failure> {
+    let Some(left) = Unfinished::of(cell, arm, Path::new("")).left() else {
+        return Ok(());
+    };
+    Err(Failure::Input(format!(
+        "the last task with arm {} did not come to its end ({left}): look at the arm and at what it holds, and then say --checked",
+        cell.arms[arm].name
+    )))
+}
+
+/// What a task with an arm needs and the cell file lacks, in words; `camera` says what the camera is for.
+fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
+    let known = &cell.arms[arm];
+    let name = &known.name;
+    let seen = cell.camera.as_ref();
+    if seen.is_none_or(|seen| seen.source.is_none()) {
+        return Some(format!("a [camera] with a `source` is needed: {camera}"));
+    }
+    if known.driver.is_none() {
+        return Some(format!("arm {name} needs a `driver`"));
+    }
+    if cell.gripper(arm).is_none() {
+        let needed =
+            "needs a `gripper`, and a driver of kind \"rosbridge\", \"ros1\" or \"ros2\" for it";
+        return Some(format!("arm {name} {needed}"));
+    }
+    None
+}
+
+/// Refuses to begin a task that the arms of a cell cannot do, or must not do yet; `camera` says what the camera is for.
+fn refuse_unready(
+    cell: &Cell,
+    file: &Path,
+    arms: &[usize],
+    checked: bool,
+    camera: &str,
+) -> Result<(), Failure> {
+    for arm in arms {
+        if !checked {
+            refuse_unfinished(cell, *arm)?;
+        }
+        if let Some(what) = missing_part(cell, *arm, camera) {
+            return Err(Failure::Input(format!("{}: {what}", file.display())));
+        }
+    }
+    Ok(())
 }
