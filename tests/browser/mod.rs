@@ -164,8 +164,21 @@ impl Browser {
         &self.complaints
     }
 
-    /// Calls a method of the protocol and returns its result; notes what the page complains of meanwhile.
+    /// Calls a method of the protocol and returns its result; notes what the page complains of meanwhile. A page that reloads just
+    /// then is asked again.
     fn call(&mut self, method: &str, parameters: Value) -> Value {
+        loop {
+            let mut answer = self.answer(method, &parameters);
+            let error = answer["error"]["message"].as_str().unwrap_or_default();
+            if error.contains("navigated") {
+                continue;
+            }
+            assert!(answer["error"].is_null(), "{method}: {answer}");
+            return answer["result"].take();
+        }
+    }
+
+    fn answer(&mut self, method: &str, parameters: &Value) -> Value {
         self.calls += 1;
         let message = json!({ "id": self.calls, "method": method, "params": parameters });
         self.socket
@@ -176,10 +189,9 @@ impl Browser {
             let Message::Text(text) = message else {
                 continue;
             };
-            let mut answer: Value = serde_json::from_str(&text).expect("JSON");
+            let answer: Value = serde_json::from_str(&text).expect("JSON");
             if answer["id"] == self.calls {
-                assert!(answer["error"].is_null(), "{method}: {answer}");
-                return answer["result"].take();
+                return answer;
             }
             self.note(&answer);
         }

@@ -337,7 +337,7 @@ fn a_rod_is_laid_gripped_seen_and_scored_over_cyclone_dds() {
         return;
     };
     let folder = robot.folder.path();
-    let arguments = "deploy --pattern line:0.08 --rod rod.toml --cell cell.toml --out laid --hand-speed 0.1 --approach-speed 0.4";
+    let arguments = "deploy --pattern line:0.08 --rod rod.toml --cell cell.toml --yes --out laid --hand-speed 0.1 --approach-speed 0.4";
     let output = Command::new(env!("CARGO_BIN_EXE_rodlab"))
         .args(arguments.split(' '))
         .current_dir(folder)
