@@ -37,7 +37,8 @@
 //! run            ──> mechanics, results
 //! knot           ──> mechanics
 //! plan           ──> mechanics, learn
-//! learn, site    ──> results, figure
+//! learn          ──> results, figure
+//! site           ──> guide, results, figure
 //! mechanics      ──> linalg
 //! virtual_cell   ──> cell, experiment
 //! cell           ──> robot, vision, scenario, figure

@@ -4,9 +4,11 @@
 //! beside them, so that links lead to the same things as in the repository. Pages are found by following links from `README.md`.
 
 mod address;
+mod openings;
 mod page;
 
 use address::{Address, html_path, relative};
+use openings::opened;
 use page::{Rendered, render};
 use rodlab_files::results::{ResultsError, write_whole};
 use std::collections::{BTreeMap, VecDeque};
@@ -123,7 +125,7 @@ fn collect(
             // Reported with the page that links to it.
             None => continue,
         };
-        let page = render(&path, &text);
+        let page = render(&path, &opened(&path, &text));
         let pages = page.links.iter().filter(|link| link.is_page());
         waiting.extend(pages.map(|link| link.path.clone()));
         site.insert(path, page);

@@ -52,7 +52,7 @@ const ROOMS: Table = &[
     ("cluster", &[]),
     ("guide", &[]),
     ("presets", &[]),
-    ("site", &["results", "figure"]),
+    ("site", &["guide", "results", "figure"]),
     ("linalg", &["random"]),
     ("random", &[]),
 ];

@@ -1,0 +1,203 @@
+//! How pages of the guide open on the site: a picture, and the command to start with.
+
+/// Page of the guide, picture below `results/reproduced`, what it shows, command.
+const OPENINGS: &[[&str; 4]] = &[
+    [
+        "getting_started",
+        "flagella_quick.svg",
+        "Three flagella bundle in a fluid",
+        "rodlab run flagella_quick",
+    ],
+    [
+        "scenarios",
+        "y_junction.svg",
+        "Three rods meet in a joint",
+        "rodlab init scene",
+    ],
+    [
+        "actuation",
+        "swimmer.svg",
+        "A flagellum pushes a cell forward",
+        "rodlab run swimmer",
+    ],
+    [
+        "contact",
+        "pile.png",
+        "Two hundred rods in a heap",
+        "rodlab run pile",
+    ],
+    [
+        "joints",
+        "gridshell.svg",
+        "A gridshell of joined rods",
+        "rodlab run gridshell",
+    ],
+    [
+        "obstacles",
+        "mesh_obstacle.svg",
+        "A rod on a mesh",
+        "rodlab run mesh_obstacle",
+    ],
+    [
+        "time",
+        "auto-steps/auto-steps.svg",
+        "Automatic steps over 250 s, two and ten flagella",
+        "rodlab check elastic_pendulum",
+    ],
+    [
+        "exit_codes",
+        "plectoneme.svg",
+        "A twisted rod writhes",
+        "rodlab run twisted_ring --timeout \"10 min\"",
+    ],
+    [
+        "sweeps",
+        "tab2.2/tab2.2.svg",
+        "Two flagella with growing friction",
+        "rodlab run cantilever_sweep",
+    ],
+    [
+        "cluster",
+        "fig6.6/fig6.6.svg",
+        "Where 328 helices lose stability",
+        "rodlab submit cantilever_sweep --print",
+    ],
+    [
+        "equilibria",
+        "euler_column.svg",
+        "Euler's column buckles",
+        "rodlab run euler_column",
+    ],
+    [
+        "knots",
+        "trefoil.svg",
+        "A trefoil is pulled tight",
+        "rodlab run trefoil",
+    ],
+    [
+        "helices",
+        "fig6.2/section_kappa_tau.svg",
+        "Where clamped helices lose stability",
+        "rodlab run helix_boundary",
+    ],
+    [
+        "deployment",
+        "tab5.2/tab5.2_rod1.svg",
+        "A rod laid along patterns",
+        "rodlab plan deployment --pattern A --out results/a",
+    ],
+    [
+        "folding",
+        "fig4.11/fig4.11_ours.svg",
+        "Folds of sheets",
+        "rodlab fold --paper a4 --simulate",
+    ],
+    [
+        "fluid",
+        "flagella_quick.svg",
+        "Three flagella bundle in a fluid",
+        "rodlab run flagella_m5",
+    ],
+    [
+        "results",
+        "view.png",
+        "Results in the browser",
+        "rodlab explain series",
+    ],
+    [
+        "probes",
+        "whip_with_disk.svg",
+        "A whip with a disk",
+        "rodlab explain probes",
+    ],
+    [
+        "figures",
+        "reef.svg",
+        "A reef knot, drawn by `rodlab plot`",
+        "rodlab plot results/reef",
+    ],
+    [
+        "robots",
+        "tab5.2-cell/tab5.2-cell_laid.svg",
+        "Patterns laid by an arm",
+        "rodlab check gantry",
+    ],
+    [
+        "cell",
+        "tab5.4/tab5.4_trefoil.svg",
+        "A knot tied by two arms",
+        "rodlab deploy --pattern A.svg",
+    ],
+    [
+        "exploration",
+        "fig6.6-robot/fig6.6-robot_found.svg",
+        "Stability found by an arm",
+        "rodlab explore --rod nitinol_wire --section 3",
+    ],
+    [
+        "vision",
+        "trace_rods.png",
+        "Rods traced in a photograph",
+        "rodlab trace photograph.jpg --out traced",
+    ],
+    [
+        "theory",
+        "fig3.9/fig3.9_equilibria.svg",
+        "Energy and equilibria of the simplified knot",
+        "rodlab solve helix --direction=1,1,-1",
+    ],
+    [
+        "accuracy",
+        "knot-convergence/knot-convergence.svg",
+        "Convergence of a knot",
+        "rodlab verify",
+    ],
+    [
+        "performance",
+        "cost/cost.svg",
+        "Cost of a step over flagella, rods in a heap and edges",
+        "rodlab reproduce cost --quick",
+    ],
+    [
+        "library",
+        "net.svg",
+        "A net of joined threads",
+        "cargo doc --open",
+    ],
+];
+
+/// The text of a page with its opening behind the title; other pages as they are.
+pub fn opened(path: &str, text: &str) -> String {
+    let name = path.strip_prefix("src/guide/");
+    let name = name.and_then(|name| name.strip_suffix(".md"));
+    let opening = OPENINGS.iter().find(|[page, ..]| Some(*page) == name);
+    match (opening, text.split_once('\n')) {
+        (Some([_, picture, words, command]), Some((title, rest))) => format!(
+            "{title}\n\n![{words}](../../results/reproduced/{picture})\n\n```sh\n{command}\n```\n{rest}"
+        ),
+        _ => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::guide::PAGES;
+    use std::path::Path;
+
+    #[test]
+    fn every_page_of_the_guide_opens_with_a_picture_and_a_command() {
+        let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("results/reproduced");
+        for page in PAGES {
+            let path = format!("src/guide/{}.md", page.topic().replace('-', "_"));
+            let text = opened(&path, page.text);
+            assert!(
+                text.starts_with(&format!("# {}\n\n![", page.title())),
+                "{path}"
+            );
+        }
+        for [page, picture, ..] in OPENINGS {
+            assert!(pictures.join(picture).is_file(), "{page}: {picture}");
+        }
+    }
+}
