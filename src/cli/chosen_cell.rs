@@ -58,7 +58,7 @@ impl CellChoice {
         let can_ask = self.yes || std::io::stdin().is_terminal();
         if !(dry_run || is_virtual || can_ask) {
             return Err(Failure::Input(
-                "--yes is needed: --cell names arms that will move, and standard input is no terminal to ask on".into(),
+                "--yes is needed: --cell names arms that will move, and standard input is not a terminal to ask on".into(),
             ));
         }
         if is_virtual {
@@ -73,26 +73,38 @@ impl CellChoice {
 }
 
 impl TaskCell {
-    /// Refuses to move arms that cannot do a task, or must not yet; `camera` states what the camera is for, where one is needed. The
-    /// arms of a simulated cell are new.
+    /// Refuses to move arms that cannot do a task, or must not yet; `camera` states what the camera is for. The arms of a simulated
+    /// cell are ready.
     pub fn refuse_unready(
         &self,
         arms: &[usize],
         is_checked: bool,
         camera: &str,
     ) -> Result<(), Failure> {
-        match self.is_virtual {
-            true => Ok(()),
-            false => refuse_unready(&self.cell, &self.file, arms, is_checked, camera),
+        if self.is_virtual {
+            return Ok(());
         }
+        for arm in arms {
+            self.refuse_unfinished(*arm, is_checked)?;
+            if let Some(what) = missing_part(&self.cell, *arm, camera) {
+                return Err(Failure::Input(format!("{}: {what}", self.file.display())));
+            }
+        }
+        Ok(())
     }
 
-    /// Refuses to move an arm whose last task did not finish, see [`refuse_unfinished`].
+    /// Refuses to move an arm whose last task did not finish, until --checked states that it was inspected.
     pub fn refuse_unfinished(&self, arm: usize, is_checked: bool) -> Result<(), Failure> {
-        match self.is_virtual || is_checked {
-            true => Ok(()),
-            false => refuse_unfinished(&self.cell, arm),
+        if self.is_virtual || is_checked {
+            return Ok(());
         }
+        let Some(left) = Unfinished::of(&self.cell, arm, Path::new("")).left() else {
+            return Ok(());
+        };
+        Err(Failure::Input(format!(
+            "the last task with arm {} did not come to its end ({left}): look at the arm and at what it holds, and then say --checked",
+            self.cell.arms[arm].name
+        )))
     }
 
     /// The arms whose tasks leave marks until they finish: none of a simulated cell.
@@ -150,17 +162,6 @@ impl TaskCell {
     }
 }
 
-/// Refuses to move an arm whose last task did not finish, until --checked states that it was inspected.
-fn refuse_unfinished(cell: &Cell, arm: usize) -> Result<(), Failure> {
-    let Some(left) = Unfinished::of(cell, arm, Path::new("")).left() else {
-        return Ok(());
-    };
-    Err(Failure::Input(format!(
-        "the last task with arm {} did not come to its end ({left}): look at the arm and at what it holds, and then say --checked",
-        cell.arms[arm].name
-    )))
-}
-
 /// What a task with an arm needs and the cell file lacks, in words; `camera` says what the camera is for.
 fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
     let known = &cell.arms[arm];
@@ -178,23 +179,4 @@ fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
         return Some(format!("arm {name} {needed}"));
     }
     None
-}
-
-/// Refuses to begin a task that the arms of a cell cannot do, or must not do yet; `camera` says what the camera is for.
-fn refuse_unready(
-    cell: &Cell,
-    file: &Path,
-    arms: &[usize],
-    checked: bool,
-    camera: &str,
-) -> Result<(), Failure> {
-    for arm in arms {
-        if !checked {
-            refuse_unfinished(cell, *arm)?;
-        }
-        if let Some(what) = missing_part(cell, *arm, camera) {
-            return Err(Failure::Input(format!("{}: {what}", file.display())));
-        }
-    }
-    Ok(())
 }

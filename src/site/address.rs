@@ -67,7 +67,7 @@ pub fn html_path(page: &str) -> String {
     }
 }
 
-/// The address of a place as it is written on a page; the root where the place is empty, with a slash where it is not the page's folder.
+/// The address of a place relative to the folder of a page; that of the root, empty or with a slash at its end, if the place is empty.
 pub fn relative(page: &str, place: &str) -> String {
     "../".repeat(page.matches('/').count()) + place
 }

@@ -10,8 +10,9 @@ mod page;
 use address::{Address, html_path, relative};
 use openings::opened;
 use page::{Rendered, render};
+use rodlab_files::figure::{escape, fill};
 use rodlab_files::results::{ResultsError, write_whole};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fs;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -76,10 +77,10 @@ pub fn build(
             format!("<li><a href=\"{address}\">{title}</a></li>\n")
         });
         let root = relative(&place, "");
-        let text = rodlab_files::figure::fill(
+        let text = fill(
             FRAME,
             &[
-                ("title", &rodlab_files::figure::escape(&page.title)),
+                ("title", &escape(&page.title)),
                 ("root", &root),
                 ("menu", &entries.collect::<String>()),
                 ("body", &page.html),
@@ -158,7 +159,7 @@ fn broken_links(site: &BTreeMap<String, Rendered>, repository: &Path, out: &Path
 fn copied(site: &BTreeMap<String, Rendered>) -> impl Iterator<Item = &String> {
     let links = site.values().flat_map(|page| &page.links);
     let files = links.filter(|link| !link.is_page() && !link.path.starts_with("api/"));
-    let files: std::collections::BTreeSet<&String> = files.map(|link| &link.path).collect();
+    let files: BTreeSet<&String> = files.map(|link| &link.path).collect();
     files.into_iter()
 }
 

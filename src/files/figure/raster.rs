@@ -23,8 +23,8 @@ pub(super) fn png(svg: &str) -> Vec<u8> {
     picture.encode_png().expect("memory takes all bytes")
 }
 
-/// Draws an SVG at a width in pixels, on white, as grey pixels row by row: width, height, pixels. None where it is no SVG, or has
-/// no size.
+/// Draws an SVG at a width in pixels, on white; returns width, height and grey pixels row by row, or `None` if it is not an SVG file
+/// or has no size.
 pub fn grey_picture(svg: &str, width: u32) -> Option<(u32, u32, Vec<u8>)> {
     let tree = Tree::from_str(svg, &Options::default()).ok()?;
     let size = tree.size().to_int_size().scale_to_width(width)?;
