@@ -90,19 +90,18 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
     print_paths(&written)
 }
 
-/// A line per artefact: name, title, cost on one core.
+/// A line per artefact: name, cost on one core, title.
 fn list() -> String {
-    let line = |artifact: &Artifact| {
-        format!(
-            "{:<18}{:<68}{:>10}{:>10}\n",
-            artifact.name(),
-            artifact.title(),
-            duration(artifact.cost(false)),
-            duration(artifact.cost(true))
-        )
+    let names = ARTIFACTS.iter().map(|artifact| artifact.name().len());
+    let width = names.max().unwrap_or(0);
+    let line = |[name, whole, quick, title]: [&str; 4]| {
+        format!("{name:<width$}{whole:>10}{quick:>9}  {title}\n")
     };
-    let header = format!("{:<86}{:>10}{:>10}\n", "", "one core", "--quick");
-    header + &ARTIFACTS.each_ref().map(line).concat()
+    let artifact = |artifact: &Artifact| {
+        let [whole, quick] = [false, true].map(|quick| duration(artifact.cost(quick)));
+        line([artifact.name(), &whole, &quick, artifact.title()])
+    };
+    line(["", "one core", "--quick", ""]) + &ARTIFACTS.each_ref().map(artifact).concat()
 }
 
 /// A rough duration in words.

@@ -1,6 +1,6 @@
 //! What correction by the camera makes up for in the virtual cell, through drivers and pictures.
 
-use super::deployment_correction::{Errors, distances, verdict};
+use super::deployment_correction::{Errors, distances, disturbance, verdict};
 use super::laying::{Laying, PATTERNS};
 use super::prelude::*;
 use super::virtual_laying::lay_in_cell;
@@ -24,6 +24,14 @@ struct Row {
     /// In plain simulation.
     simulated_open_cm: Option<f64>,
     simulated_corrected_cm: Option<f64>,
+}
+
+impl Row {
+    /// The pattern, and what disturbed its laying.
+    fn trial(&self) -> (&str, String) {
+        let name = disturbance(self.jitter_mm, self.seed, self.length_error);
+        (&self.pattern, name)
+    }
 }
 
 /// Writes the table; means are over what was laid both ways.
@@ -97,7 +105,8 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     ];
     vec![PageFigure::new(
         "cell-correction",
-        "Distance from the pattern in the virtual cell as planned before and corrected by the camera, in the order of the table",
-        distances(rows, &quantities),
+        "Mean distance from each pattern in the virtual cell as planned before and corrected by the camera, over what disturbed the hand or \
+         the plan. Rods that were not laid to their end, or not seen whole, have no mark",
+        distances(rows, Row::trial, &quantities),
     )]
 }

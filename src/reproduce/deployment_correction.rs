@@ -23,6 +23,14 @@ struct Row {
     corrected_sliding_cm: Option<f64>,
 }
 
+impl Row {
+    /// The pattern, and what disturbed its laying.
+    fn trial(&self) -> (&str, String) {
+        let name = disturbance(self.jitter_mm, self.seed, self.length_error);
+        (&self.pattern, name)
+    }
+}
+
 /// Writes the table.
 fn write(page: &mut Page, _: &[Case<Laying>], rows: &[Row]) -> Result<()> {
     page.text(
@@ -110,21 +118,40 @@ pub(super) fn verdict(errors: &[Errors]) -> String {
 /// A quantity of rows with its name.
 type Quantity<Row> = (&'static str, fn(&Row) -> Option<f64>);
 
-/// Mean distances from the pattern, cm, in the order of the table.
-pub(super) fn distances<Row>(rows: &[Row], quantities: &[Quantity<Row>]) -> Figure {
-    let curves = quantities.iter().map(|(name, value)| {
-        let numbered = rows.iter().enumerate();
-        curve(*name, numbered, |(index, row)| {
-            (index as f64 + 1.0, value(row))
-        })
-        .looking(Look::Marks)
+/// What disturbed the laying of a rod, in words.
+pub(super) fn disturbance(jitter_mm: f64, seed: u64, length_error: f64) -> String {
+    match (jitter_mm > 0.0, length_error != 0.0) {
+        (true, _) => format!("jitter {jitter_mm} mm, seed {seed}"),
+        (_, true) => format!("L_{{gb}} {:+.0} %", 1e2 * length_error),
+        _ => "no error".into(),
+    }
+}
+
+/// Mean distances from each pattern over what disturbed its laying; `trial` gives both.
+pub(super) fn distances<Row>(
+    rows: &[Row],
+    trial: fn(&Row) -> (&str, String),
+    quantities: &[Quantity<Row>],
+) -> Figure {
+    let first = rows.first().map_or("", |row| trial(row).0);
+    let of_first = rows.iter().map(trial).filter(|(of, _)| *of == first);
+    let names: Vec<String> = of_first.map(|(_, name)| name).collect();
+    let laid = rows.chunks(names.len().max(1)).map(|rows| {
+        let curves = quantities.iter().map(|(name, value)| {
+            let numbered = rows.iter().enumerate();
+            let point = |(index, row): (usize, &Row)| (index as f64 + 1.0, value(row));
+            curve(*name, numbered, point).looking(Look::Marks)
+        });
+        let pattern = rows.first().map_or("", |row| trial(row).0);
+        plot(format!("{pattern}: distance in cm"), curves)
     });
-    line_plots([plot("mean distance in cm", curves)], "line of the table")
+    named_plots(laid.collect::<Vec<_>>(), names)
 }
 
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let figure = distances(
         rows,
+        Row::trial,
         &[
             ("open", |row| row.open_cm),
             ("corrected", |row| row.corrected_cm),
@@ -135,7 +162,8 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     );
     vec![PageFigure::new(
         "deployment-correction",
-        "Distance from the pattern as planned before and corrected online, in the order of the table",
+        "Mean distance from each pattern as planned before and corrected online, over what disturbed the hand or the plan. Runs that did not \
+         finish have no mark",
         figure,
     )]
 }

@@ -1,6 +1,6 @@
 //! Figure 4.11: seven folds by several ways: how far sheets slide, and where their creases come to be.
 
-use super::folds::{Folded, SCENARIOS, TRIALS, WAYS};
+use super::folds::{Folded, SCENARIOS, Scenario, TRIALS, WAYS};
 use super::prelude::*;
 
 pub(super) const ARTIFACT: Artifact = Artifact {
@@ -142,17 +142,16 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
             row.fold_length_error_mm.filter(|_| paper(row))
         }),
     ];
-    let axis = "scenario, in the order of the table";
     vec![
         PageFigure::new(
             "fig4.11_sliding",
             "How far sheets slide, by all ways",
-            line_plots([slid], axis),
+            named_plots([slid], Scenario::compared()),
         ),
         PageFigure::new(
             "fig4.11_ours",
             "Planned folds: sliding, and error of the fold length, where the fold is not too tight to be held",
-            line_plots(ours, axis),
+            named_plots(ours, Scenario::compared()),
         ),
     ]
 }

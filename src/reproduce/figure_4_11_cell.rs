@@ -1,6 +1,6 @@
 //! Figure 4.11 in the virtual cell: seven folds through drivers and camera, beside the plain simulation.
 
-use super::folds::{Folded, SCENARIOS, WAYS};
+use super::folds::{Folded, SCENARIOS, Scenario, WAYS};
 use super::folds_in_cell::{FRICTION, FoldedInCell, PARTS, fold_in_cell};
 use super::prelude::*;
 
@@ -130,8 +130,8 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         let points = held.filter_map(|row| Some((place(row)?, value(row))));
         Curve::new(name, points.collect()).looking(Look::Marks)
     };
-    let last = rows.iter().filter_map(place).fold(1.0, f64::max);
-    let bound = vec![(1.0, Some(BOUND)), (last.max(2.0), Some(BOUND))];
+    let ends = [0.5, Scenario::compared().count() as f64 + 0.5];
+    let bound = ends.map(|end| (end, Some(BOUND))).to_vec();
     let plot = plot(
         "slid in mm",
         [
@@ -143,6 +143,6 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     vec![PageFigure::new(
         "fig4.11-cell_sliding",
         "How far sheets slide that an arm folds in the virtual cell, where a moment can hold them",
-        line_plots([plot], "scenario, in the order of the table"),
+        named_plots([plot], Scenario::compared()),
     )]
 }

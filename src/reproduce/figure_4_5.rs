@@ -2,7 +2,7 @@
 
 use super::folds::{Folded, SCENARIOS};
 use super::prelude::*;
-use rodlab_files::figure::Figure;
+use rodlab_files::figure::{ColourField, Figure, LinePlot};
 use rodlab_lab::experiment::planned_fold;
 use rodlab_planning::plan::fold::{
     Algorithm, Fold, FoldAtlas, FoldPlanner, ForceManifold, Objective, Workspace,
@@ -14,19 +14,8 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Free::new(Folded::of_figure_4_5, write),
 };
 
-/// Bands of λ, and of α in degrees, that have a colour each: their upper ends and names.
-const RATIOS: [(f64, &str); 4] = [
-    (0.05, "λ up to 0.05"),
-    (0.2, "up to 0.2"),
-    (0.5, "up to 0.5"),
-    (f64::INFINITY, "above 0.5"),
-];
-const ANGLES: [(f64, &str); 4] = [
-    (60.0, "α up to 60°"),
-    (120.0, "up to 120°"),
-    (180.0, "up to 180°"),
-    (f64::INFINITY, "above 180°"),
-];
+/// λ from which folds have the last colour.
+const LARGEST_RATIO: f64 = 1.0;
 /// Cells of the grid between two that are drawn, and between two in the table.
 const DRAWN: usize = 4;
 const LISTED: usize = 8;
@@ -100,12 +89,22 @@ fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     page.figure(&PageFigure::new(
         "fig4.5_lambda",
         "λ over the places of the gripper, and ways of least Σλ",
-        banded(&drawn, &RATIOS, &|fold| fold.force_ratio(), &ways),
+        coloured(
+            &drawn,
+            ("λ", Some(LARGEST_RATIO)),
+            &|fold| fold.force_ratio(),
+            &ways,
+        ),
     ))?;
     page.figure(&PageFigure::new(
         "fig4.5_alpha",
         "α over the places of the gripper, and ways of least Σλ",
-        banded(&drawn, &ANGLES, &|fold| fold.angle.to_degrees(), &ways),
+        coloured(
+            &drawn,
+            ("α in degrees", None),
+            &|fold| fold.angle.to_degrees(),
+            &ways,
+        ),
     ))?;
     Ok(())
 }
@@ -119,25 +118,31 @@ fn spacing() -> f64 {
     ForceManifold::SPACING
 }
 
-/// Folds in bands of a value, with the outline of the workspace and ways over it.
-fn banded(
+/// A value of folds over the places of the gripper, with the outline of the workspace and ways over it.
+fn coloured(
     folds: &[&Fold],
-    bands: &[(f64, &str)],
+    (label, most): (&str, Option<f64>),
     value: &dyn Fn(&Fold) -> f64,
     ways: &[Curve],
 ) -> Figure {
-    let band = |fold: &Fold| {
-        bands
-            .iter()
-            .position(|(largest, _)| value(fold) <= *largest)
-    };
-    let marks = bands.iter().enumerate().map(|(index, (_, name))| {
-        let of = folds.iter().filter(|fold| band(fold) == Some(index));
-        curve(*name, of, |fold| (fold.gripper[0], fold.gripper[1])).looking(Look::Marks)
+    let cell = DRAWN as f64 * spacing();
+    let values = folds.iter().map(|fold| {
+        let [x, z] = fold.gripper;
+        [x, z, value(fold)]
     });
+    let field = ColourField {
+        label: label.into(),
+        values: values.collect(),
+        cell: Some([cell; 2]),
+        most,
+        ..ColourField::default()
+    };
     let outline = Workspace::new([SHORTEST, ForceManifold::LONGEST]).map(|workspace| {
         curve("workspace", workspace.outline(), |[x, z]| (*x, *z)).looking(Look::Dashed)
     });
-    let plot = plot("z/L_{gb}", marks.chain(ways.iter().cloned()).chain(outline));
+    let plot = LinePlot {
+        field: Some(field),
+        ..plot("z/L_{gb}", ways.iter().cloned().chain(outline))
+    };
     plot_to_scale(plot, "x/L_{gb}")
 }

@@ -3,7 +3,7 @@
 use super::figure_5_5::largest_sideways_at;
 use super::prelude::*;
 use super::sideways_push::{SUSPENDED, SidewaysPush, stretch_stiffness};
-use rodlab_files::figure::Figure;
+use rodlab_files::figure::{ColourField, Figure, LinePlot};
 use rodlab_planning::plan::grasp::{
     FreeGrasp, Grasp, GraspBound, GraspProblem, GraspSolver, PlanarGrasp, SidewaysAnswer,
     free_grasps, grasp_region, rod_along_ray,
@@ -25,9 +25,8 @@ const FORCE_STEP: f64 = 0.05;
 const PUSH: f64 = 0.12;
 /// Edges of drawn rods.
 const EDGES: usize = 200;
-/// Bounds of the classes of force in the figure, EI/L_gb², and of displacements over the push.
-const FORCES: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
-const DISPLACEMENTS: [f64; 3] = [1.01, 1.5, 3.0];
+/// Displacement over the push from which grasps have the last colour.
+const LARGEST_DISPLACEMENT: f64 = 3.0;
 
 /// A row of the CSV file; lengths in L_gb, forces in EI/L_gb².
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -227,6 +226,16 @@ fn verdict(rows: &[Row]) -> String {
 }
 
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let force = ColourField {
+        label: "F in EI/L_{gb}^{2}".into(),
+        scale: AxisScale::Logarithmic,
+        ..ColourField::default()
+    };
+    let displacement = ColourField {
+        label: "Δq/Δy".into(),
+        most: Some(LARGEST_DISPLACEMENT),
+        ..ColourField::default()
+    };
     vec![
         PageFigure::new(
             "fig5.4_rods",
@@ -236,56 +245,56 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         PageFigure::new(
             "fig5.4_force",
             "The region of grasps and the force of the lying part; the grasps without a contact moment as a line",
-            region(rows, |row| row.force(), &FORCES, "F", |_| false),
+            region(rows, force, |row| row.force(), |_| false),
         ),
         PageFigure::new(
             "fig5.4_sideways",
             "Largest sideways displacement of the rod over that of its gripper, and grasps that are unstable",
             region(
                 rows,
+                displacement,
                 |row| row.sideways_over_push,
-                &DISPLACEMENTS,
-                "Δq/Δy",
                 |row| row.unstable_modes > 0,
             ),
         ),
     ]
 }
 
-/// Grasps as marks, by classes of a value, with the line of those that are free of a contact moment.
+/// Grasps coloured by a value, with the unstable ones and the line of those that are free of a contact moment.
 fn region(
     rows: &[Row],
+    field: ColourField,
     value: fn(&Row) -> f64,
-    bounds: &[f64],
-    name: &str,
     is_unstable: fn(&Row) -> bool,
 ) -> Figure {
-    let rays = || rows.iter().filter(|row| row.of == "ray");
-    let places = |name: String, rows: Vec<&Row>, look: Look| {
+    let rays = |wanted: bool| {
+        let rays = rows.iter().filter(|row| row.of == "ray");
+        rays.filter(move |row| is_unstable(row) == wanted)
+    };
+    let places = |name: &str, rows: Vec<&Row>, look: Look| {
         curve(name, rows, |row| (row.x, row.z)).looking(look)
     };
+    let stable = rays(false).map(|row| [row.x, row.z, value(row)]);
+    let field = ColourField {
+        values: stable.collect(),
+        ..field
+    };
+    let unstable: Vec<&Row> = rays(true).collect();
     let mut curves = Vec::new();
-    for class in 0..=bounds.len() {
-        let low = class.checked_sub(1).map_or(0.0, |below| bounds[below]);
-        let high = bounds.get(class).copied().unwrap_or(f64::INFINITY);
-        let label = match class {
-            0 => format!("{name} below {high}"),
-            _ if high.is_finite() => format!("{low} to {high}"),
-            _ => format!("above {low}"),
-        };
-        let chosen = rays().filter(|row| !is_unstable(row) && (low..high).contains(&value(row)));
-        curves.push(places(label, chosen.collect(), Look::Marks));
+    if !unstable.is_empty() {
+        curves.push(places("unstable", unstable, Look::OpenMarks).like(6));
     }
-    let unstable = rays().filter(|row| is_unstable(row)).collect();
-    curves.push(places("unstable".into(), unstable, Look::OpenMarks));
-    curves.retain(|curve| !curve.points.is_empty());
     let free = rows.iter().filter(|row| row.of == "free").collect();
-    curves.push(places("M(0) = 0".into(), free, Look::Dashed));
+    curves.push(places("M(0) = 0", free, Look::Dashed).like(1));
     let minima = curve("local minima 1 (right) and 2", minima(), |grasp| {
         (grasp.position.x, grasp.position.z)
     });
-    curves.push(minima.looking(Look::Marks));
-    to_scale(curves)
+    curves.push(minima.looking(Look::Marks).like(1));
+    let plot = LinePlot {
+        field: Some(field),
+        ..plot("z/L_{gb}", curves)
+    };
+    plot_to_scale(plot, "x/L_{gb}")
 }
 
 fn rods() -> Figure {

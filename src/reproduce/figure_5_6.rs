@@ -4,6 +4,7 @@ use super::grasp_grid::{GraspGrid, LENGTH, STIFFNESS};
 use super::prelude::*;
 use super::table::rows_of;
 use rodlab_engine::mechanics::rotation;
+use rodlab_files::figure::Figure;
 use rodlab_planning::plan::grasp::{GraspProblem, NeuralGrasps};
 
 pub(super) const ARTIFACT: Artifact = Artifact {
@@ -147,42 +148,74 @@ fn line(part: &str, rows: &[Row]) -> Vec<String> {
     line
 }
 
+/// Quantities over the curvature for each value of a part, less those of its first value where `is_difference`.
+fn over_curvature(
+    rows: &[Row],
+    part: &str,
+    value: fn(&Row) -> f64,
+    name: &dyn Fn(f64) -> String,
+    is_difference: bool,
+) -> Figure {
+    let rows: Vec<&Row> = rows.iter().filter(|row| row.part == part).collect();
+    let mut values: Vec<f64> = rows.iter().map(|row| value(row)).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    let plots = QUANTITIES.map(|(label, exact, network)| {
+        let first = |curvature: f64| {
+            let same = |row: &&&Row| value(row) == values[0] && row.curvature == curvature;
+            let first = rows.iter().find(same).map(|row| exact(row));
+            first.filter(|_| is_difference).unwrap_or(0.0)
+        };
+        let mut curves: Vec<Curve> = Vec::new();
+        let mut marks = Vec::new();
+        for &chosen in &values {
+            let of_value = || rows.iter().filter(move |row| value(row) == chosen);
+            let exact = |row: &&Row| (row.curvature, exact(row) - first(row.curvature));
+            curves.push(curve(name(chosen), of_value(), exact));
+            // Every fourth, to be told apart.
+            let seen = of_value().step_by(4);
+            marks.extend(seen.map(|row| {
+                let learned = network(row).map(|learned| learned - first(row.curvature));
+                (row.curvature, learned)
+            }));
+        }
+        curves.push(Curve::new("network", marks).looking(Look::OpenMarks));
+        let label = if is_difference {
+            format!("Δ{label}")
+        } else {
+            label.to_owned()
+        };
+        plot(label, curves)
+    });
+    line_plots(plots, "curvature κ̄")
+}
+
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
-    let of = |part: &str, value: fn(&Row) -> f64, name: &dyn Fn(f64) -> String| {
-        let rows: Vec<&Row> = rows.iter().filter(|row| row.part == part).collect();
-        let mut values: Vec<f64> = rows.iter().map(|row| value(row)).collect();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        let plots = QUANTITIES.map(|(label, exact, network)| {
-            let mut curves: Vec<Curve> = Vec::new();
-            let mut marks = Vec::new();
-            for &chosen in &values {
-                let of_value = || rows.iter().filter(move |row| value(row) == chosen);
-                let exact = |row: &&Row| (row.curvature, exact(row));
-                curves.push(curve(name(chosen), of_value(), exact));
-                // Every fourth, to be told apart.
-                let seen = of_value().step_by(4);
-                marks.extend(seen.map(|row| (row.curvature, network(row))));
-            }
-            curves.push(Curve::new("network", marks).looking(Look::OpenMarks));
-            plot(label, curves)
-        });
-        line_plots(plots, "curvature κ̄")
-    };
+    let by_length = over_curvature(
+        rows,
+        "a",
+        |row| row.suspended_length,
+        &|length| format!("l̄_{{s}} = {length:.1}"),
+        false,
+    );
+    let by_compliance = over_curvature(
+        rows,
+        "b",
+        |row| row.stretch_compliance,
+        &|compliance| format!("1/k̄_{{s}} = {compliance:.5}"),
+        true,
+    );
     vec![
         PageFigure::new(
             "fig5.6a",
             "Grasps over the curvature for five suspended lengths, exact (lines) and by the network (marks)",
-            of("a", |row| row.suspended_length, &|length| {
-                format!("l̄_{{s}} = {length:.1}")
-            }),
+            by_length,
         ),
         PageFigure::new(
             "fig5.6b",
-            "Grasps over the curvature for five stretching stiffnesses, exact (lines) and by the network (marks)",
-            of("b", |row| row.stretch_compliance, &|compliance| {
-                format!("1/k̄_{{s}} = {compliance:.5}")
-            }),
+            "What stretching changes of grasps over the curvature: exact grasps (lines) and those of the network (marks) at five stretching \
+             compliances, less the exact grasp of a rod that does not stretch",
+            by_compliance,
         ),
     ]
 }

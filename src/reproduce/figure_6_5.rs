@@ -212,14 +212,17 @@ fn figure(parameter: &Parameter, runs: &[&Seen], predicted: Option<f64>) -> Page
     };
     let mut curves: Vec<Curve> = runs.iter().map(error).collect();
     let seen = runs.iter().flat_map(|(_, observations)| observations);
-    let largest = largest(seen.map(|at| at.error));
+    let errors = seen.map(|at| at.error).filter(|error| *error > 0.0);
+    let largest = largest(errors.clone());
+    let smallest = errors.fold(largest, f64::min);
     if let Some(predicted) = predicted {
-        let line = vec![(predicted, Some(0.0)), (predicted, Some(largest))];
+        let line = vec![(predicted, Some(smallest)), (predicted, Some(largest))];
         curves.push(Curve::new("predicted", line).looking(Look::Dashed).like(6));
     }
-    let plot = plot("Error e", curves);
+    let plot = plot("Mean distance from the helix over its radius, e", curves);
     let style = PlotStyle {
         height: 22.0,
+        vertical: vec![AxisScale::Logarithmic],
         ..PlotStyle::default()
     };
     let caption = format!(

@@ -117,17 +117,25 @@ fn figures(rows: &[ExplorationRow]) -> Vec<PageFigure> {
          wire to be a helix no longer, for |ω| below 0.15 of the direction",
         section_figure(rows, NEAR),
     )];
-    let errors = rows
-        .iter()
-        .filter_map(|row| Some((row.theory?, Some(1e2 * row.relative_difference?))));
-    let errors: Vec<(f64, Option<f64>)> = errors.collect();
-    if errors.is_empty() {
+    let errors = || {
+        let errors = rows.iter();
+        errors.filter_map(|row| Some((row.theory?, 1e2 * row.relative_difference?)))
+    };
+    if errors().next().is_none() {
         return figures;
     }
+    let later = curve("found later", errors(), |(theory, error)| (theory, error));
+    let earlier = curve("found earlier", errors(), |(theory, error)| {
+        (theory, -error)
+    });
     let plot = plot(
         "Difference from theory in %",
-        [Curve::new("directions", errors).looking(Look::Marks)],
+        [later.looking(Look::Marks), earlier.looking(Look::OpenMarks)],
     );
+    let style = PlotStyle {
+        vertical: vec![AxisScale::Logarithmic],
+        ..PlotStyle::default()
+    };
     figures.push(PageFigure::new(
         "fig6.6-robot_found",
         "Distances found over those of theory, all directions",
@@ -136,7 +144,7 @@ fn figures(rows: &[ExplorationRow]) -> Vec<PageFigure> {
     figures.push(PageFigure::new(
         "fig6.6-robot_difference",
         "Difference from theory over the distance at which theory has stability lost",
-        line_plots([plot], "Distance ‖(κ, τ, ω)‖ of theory"),
+        styled_line_plots([plot], "Distance ‖(κ, τ, ω)‖ of theory", style),
     ));
     figures
 }

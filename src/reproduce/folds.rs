@@ -63,6 +63,11 @@ const fn scenario(
 }
 
 impl Scenario {
+    /// Names of those that the thesis compares.
+    pub fn compared() -> impl Iterator<Item = &'static str> {
+        SCENARIOS[..COMPARED].iter().map(|scenario| scenario.name)
+    }
+
     /// The scenario with its paper in it.
     pub fn text(&self) -> String {
         let lines = SCENARIO.lines().filter(|line| !line.starts_with("extends"));

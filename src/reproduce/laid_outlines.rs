@@ -2,13 +2,13 @@
 
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS};
 use super::prelude::*;
-use rodlab_files::figure::Figure;
+use rodlab_files::figure::{Figure, Panel, panels};
 use rodlab_files::results::{SCENARIO, read_nodes};
 use rodlab_lab::experiment::{DeploymentTables, from_text};
 use std::path::Path;
 
-/// Distance between patterns in a figure, m.
-const GAP: f64 = 0.05;
+/// Panels in a row.
+const COLUMNS: usize = 4;
 /// Points of a drawn pattern.
 const POINTS: usize = 300;
 
@@ -38,7 +38,7 @@ pub(super) fn outlines_figure(
         }
         patterns.push(outlines);
     }
-    let Some(figure) = side_by_side(&["optimal", "intuitive", "pattern"], &patterns) else {
+    let Some(figure) = in_panels(&["optimal", "intuitive", "pattern"], &patterns) else {
         return Ok(None);
     };
     let number = RODS[rod].number;
@@ -58,33 +58,28 @@ pub(super) fn outlines_figure(
 /// Outlines from above, m, each with the index of its curve.
 pub(super) type NumberedOutlines = Vec<(usize, Vec<[f64; 2]>)>;
 
-/// Patterns side by side; the last of the curves is that of the patterns themselves. `None` where there is nothing.
-pub(super) fn side_by_side(names: &[&str], patterns: &[NumberedOutlines]) -> Option<Figure> {
-    let mut curves: Vec<Curve> = names.iter().map(|name| Curve::new(*name, vec![])).collect();
-    let of_patterns = names.len() - 1;
-    let mut left = 0.0;
-    for outlines in patterns {
-        let all = || outlines.iter().flat_map(|(_, points)| points);
-        let least = all().map(|[x, _]| *x).fold(f64::INFINITY, f64::min);
-        let most = all().map(|[x, _]| *x).fold(f64::NEG_INFINITY, f64::max);
-        let pattern = outlines.iter().find(|(curve, _)| *curve == of_patterns);
-        let heights = pattern.map(|(_, points)| points.iter().map(|[_, y]| *y));
-        let middle = heights.and_then(mean).unwrap_or(0.0);
-        for (curve, points) in outlines {
-            let list = &mut curves[*curve].points;
-            let placed = points.iter();
-            list.extend(placed.map(|[x, y]| (left + x - least, Some(y - middle))));
-            // A gap before the next pattern.
-            list.push((left, None));
+/// Panels of the patterns, in which the last of the curves is the pattern itself. `None` where there is nothing.
+pub(super) fn in_panels(names: &[&str], patterns: &[NumberedOutlines]) -> Option<Figure> {
+    let shown = patterns.iter().zip(&PATTERNS);
+    let shown = shown.filter(|(outlines, _)| !outlines.is_empty());
+    let shown = shown.map(|(outlines, pattern)| {
+        let curves = names.iter().enumerate().map(|(index, name)| {
+            let of = outlines.iter().filter(|(curve, _)| *curve == index);
+            let points = of.flat_map(|(_, points)| points);
+            let look = if index + 1 == names.len() {
+                Look::Ground
+            } else {
+                Look::Bare
+            };
+            curve(*name, points, |&[x, y]| (x, y)).looking(look)
+        });
+        Panel {
+            title: pattern.name.into(),
+            curves: curves.collect(),
         }
-        if most > least {
-            left += most - least + GAP;
-        }
-    }
-    curves[of_patterns].look = Look::Dashed;
-    let is_empty = curves.iter().all(|curve| curve.points.is_empty());
-    let plot = plot("y in m", curves);
-    (!is_empty).then(|| plot_to_scale(plot, "x in m, patterns side by side"))
+    });
+    let shown: Vec<Panel> = shown.collect();
+    (!shown.is_empty()).then(|| panels(shown, COLUMNS))
 }
 
 /// A rod as it lies along its pattern, and the pattern, from above, m.

@@ -104,8 +104,5 @@ pub(super) fn curve<Row, Value: Into<Option<f64>>>(
 
 /// A plot with the name of its vertical axis.
 pub(super) fn plot(label: impl Into<String>, curves: impl IntoIterator<Item = Curve>) -> LinePlot {
-    LinePlot {
-        label: label.into(),
-        curves: curves.into_iter().collect(),
-    }
+    LinePlot::new(label, curves)
 }

@@ -83,13 +83,13 @@ fn figure(rows: &[Row]) -> PageFigure {
     let plot = plot("time of a plan in s", curves);
     let style = PlotStyle {
         vertical: vec![AxisScale::Logarithmic],
+        names: rows.iter().map(|row| row.scenario.to_owned()).collect(),
         ..PlotStyle::default()
     };
-    let axis = "scenario, in the order of the table";
     PageFigure::new(
         "tab4.1_times",
         "Time of planning a fold, here and in the thesis",
-        styled_line_plots([plot], axis, style),
+        styled_line_plots([plot], "", style),
     )
 }
 

@@ -1,6 +1,6 @@
 //! Table 5.2 in the virtual cell: how well an arm lays a rod, through drivers and camera, beside the plain simulation.
 
-use super::laid_outlines::side_by_side;
+use super::laid_outlines::in_panels;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS, Substrate};
 use super::measured_deployments::measured;
 use super::prelude::*;
@@ -102,10 +102,13 @@ impl Row {
 /// The rods beside their patterns, from above.
 fn figure(laid: &[Result<LaidInCell, LayingError>]) -> Option<Figure> {
     let places = |points: &[Point]| points.iter().map(|point| [point.x, point.y]).collect();
-    let outlines = |laid: &LaidInCell| {
-        let score = &laid.laid.score;
-        vec![(0, places(&score.result)), (1, places(&score.pattern))]
+    let outlines = |laid: &Result<LaidInCell, LayingError>| match laid {
+        Ok(LaidInCell { laid, .. }) => {
+            let score = &laid.score;
+            vec![(0, places(&score.result)), (1, places(&score.pattern))]
+        }
+        Err(_) => Vec::new(),
     };
-    let laid = laid.iter().flatten().map(outlines);
-    side_by_side(&["rod", "pattern"], &laid.collect::<Vec<_>>())
+    let laid = laid.iter().map(outlines);
+    in_panels(&["rod", "pattern"], &laid.collect::<Vec<_>>())
 }

@@ -195,16 +195,10 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
             row.mean_angle_degrees
         }),
     ];
-    let names: Vec<&str> = PATTERNS.iter().map(|pattern| pattern.name).collect();
-    let numbered = names.iter().enumerate();
-    let numbered = numbered.map(|(index, name)| format!("{} {name}", index + 1));
-    let numbered = format!("pattern: {}", numbered.collect::<Vec<_>>().join(", "));
+    let names = PATTERNS.iter().map(|pattern| pattern.name);
     vec![PageFigure::new(
         "tab5.3",
-        &format!(
-            "Mean errors of the network's trajectories along the patterns {}",
-            names.join(", ")
-        ),
-        line_plots(plots, &numbered),
+        "Mean errors of the network's trajectories along each pattern",
+        named_plots(plots, names),
     )]
 }

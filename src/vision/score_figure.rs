@@ -18,16 +18,16 @@ pub fn score_figure(score: &Score, result: &str, pattern: &str) -> Figure {
     let differences_name = format!(
         "mean error {by_arc_length:.2} mm by arc length, {by_nearest_point:.2} mm to the nearest point"
     );
-    let plot = LinePlot {
-        label: "y in mm".into(),
-        curves: vec![
+    let plot = LinePlot::new(
+        "y in mm",
+        [
             Curve::new(differences_name, differences.collect())
                 .looking(Look::Dashed)
                 .like(6),
             Curve::new(pattern, curve(&score.pattern)).like(0),
             Curve::new(result, curve(&score.result)).like(1),
         ],
-    };
+    );
     let style = PlotStyle {
         is_to_scale: true,
         height: HEIGHT,

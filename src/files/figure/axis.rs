@@ -86,6 +86,15 @@ impl Axis {
         }
     }
 
+    /// A linear axis over a range.
+    pub fn over(range: Range<f64>) -> Self {
+        Self {
+            scale: AxisScale::Linear,
+            range,
+            is_whole: false,
+        }
+    }
+
     /// Place of a value along the axis, 0 to 1.
     pub fn part(&self, value: f64) -> f64 {
         let Range { start, end } = self.range;

@@ -2,16 +2,30 @@
 //! or print no colours.
 
 use super::axis::AxisScale;
+use super::colour_field::ColourField;
 use super::drawing::number;
 use super::palette::Color;
 
 /// A plot of one or more curves.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinePlot {
     /// Name and unit of the vertical axis.
     pub label: String,
     /// The curves.
     pub curves: Vec<Curve>,
+    /// Values below the curves, as colours.
+    pub field: Option<ColourField>,
+}
+
+impl LinePlot {
+    /// Curves over the name and unit of their vertical axis.
+    pub fn new(label: impl Into<String>, curves: impl IntoIterator<Item = Curve>) -> Self {
+        Self {
+            label: label.into(),
+            curves: curves.into_iter().collect(),
+            field: None,
+        }
+    }
 }
 
 /// A curve and its name.
@@ -43,6 +57,8 @@ pub enum Look {
     OpenMarks,
     /// A dashed line: a law, a prediction, what is unstable.
     Dashed,
+    /// A broad pale line below the others: what they are to follow.
+    Ground,
 }
 
 impl Curve {
@@ -92,6 +108,8 @@ pub(super) struct Style {
     pub color: Color,
     /// Its mark.
     pub mark: Mark,
+    /// Width of its line, em.
+    pub width: f64,
     /// Dashes and gaps, em; none where the line is unbroken.
     pub dashes: Vec<f64>,
     /// Whether there is a line.
@@ -101,6 +119,28 @@ pub(super) struct Style {
     /// Whether marks are open.
     pub is_open: bool,
 }
+
+impl Style {
+    /// The same in white and wider, to lie below it.
+    pub fn casing(&self) -> Self {
+        Self {
+            color: Color::WHITE,
+            width: self.width + 0.16,
+            ..self.clone()
+        }
+    }
+
+    /// Whether it lies below the others.
+    pub fn is_broad(&self) -> bool {
+        self.width > WIDTH
+    }
+}
+
+/// Width of a curve, and of one that others are to follow, em.
+const WIDTH: f64 = 0.13;
+const BROAD: f64 = 0.6;
+/// How pale the latter is.
+const PALE: f64 = 0.72;
 
 /// Which points of a curve have marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,14 +171,20 @@ pub(super) fn styles(curves: &[Curve]) -> Vec<Style> {
         } else {
             Vec::new()
         };
+        let is_ground = curve.look == Look::Ground;
         Style {
-            color: Color::of(number),
+            color: if is_ground {
+                Color::BLACK.towards(Color::WHITE, PALE)
+            } else {
+                Color::of(number)
+            },
+            width: if is_ground { BROAD } else { WIDTH },
             mark: Mark::ALL[number % Mark::ALL.len()],
             dashes,
             is_joined: !matches!(curve.look, Look::Marks | Look::OpenMarks),
             marked: match curve.look {
                 Look::Line if several => Marked::Few,
-                Look::Line | Look::Bare | Look::Dashed => Marked::None,
+                Look::Line | Look::Bare | Look::Dashed | Look::Ground => Marked::None,
                 Look::Marked | Look::Marks | Look::OpenMarks => Marked::All,
             },
             is_open: curve.look == Look::OpenMarks,

@@ -2,10 +2,12 @@
 
 use super::Figure;
 use super::axis::{Axis, AxisScale, Ticks};
+use super::colour_field::DrawnField;
 use super::curve::{LinePlot, styles};
 use super::drawing::{Anchor, Drawing, Words};
 use super::legend::Legend;
 use super::paper::Paper;
+use super::place_names::PlaceNames;
 use super::plot_axes::{
     Axes, Frame, GAP, TICK, draw_horizontal, draw_vertical, ticks_that_fit, widest_label,
 };
@@ -22,6 +24,8 @@ pub struct PlotStyle {
     pub height: f64,
     /// Whether a unit is as long upwards as to the right: for shapes.
     pub is_to_scale: bool,
+    /// Names of the places 1, 2, 3, ... of the horizontal axis, where it has no numbers.
+    pub names: Vec<String>,
 }
 
 /// Plots one above the other over the same horizontal axis.
@@ -35,6 +39,18 @@ pub struct LineFigure {
 /// Plots one above the other, all over the same horizontal axis, with linear axes.
 pub fn line_plots(plots: impl Into<Vec<LinePlot>>, horizontal_label: &str) -> Figure {
     styled_line_plots(plots, horizontal_label, PlotStyle::default())
+}
+
+/// Plots one above the other over places that have names: those at 1, 2, 3, ...
+pub fn named_plots(
+    plots: impl Into<Vec<LinePlot>>,
+    names: impl IntoIterator<Item = impl Into<String>>,
+) -> Figure {
+    let style = PlotStyle {
+        names: names.into_iter().map(Into::into).collect(),
+        ..PlotStyle::default()
+    };
+    styled_line_plots(plots, "", style)
 }
 
 /// A plot in which lengths along both axes are the same, as of a place seen from above.
@@ -87,13 +103,23 @@ impl LineFigure {
         let em = paper.em;
         let across = self.plots.iter().flat_map(points);
         let across = across.filter_map(|(x, y)| y.map(|_| x));
-        let horizontal = Axis::around(self.style.horizontal, across);
+        let places = self.style.names.len();
+        let horizontal = if places > 0 {
+            Axis::over(0.5..places as f64 + 0.5)
+        } else {
+            Axis::around(self.style.horizontal, across)
+        };
         let scale = |index: usize| self.style.vertical.get(index).copied().unwrap_or_default();
         let verticals: Vec<Axis> = self
             .plots
             .iter()
             .enumerate()
-            .map(|(index, plot)| Axis::around(scale(index), points(plot).filter_map(|(_, y)| y)))
+            .map(|(index, plot)| {
+                // Marks over names are read by their height above zero.
+                let zero = (places > 0 && scale(index) == AxisScale::Linear).then_some(0.0);
+                let values = points(plot).filter_map(|(_, y)| y);
+                Axis::around(scale(index), values.chain(zero))
+            })
             .collect();
         let height = self.height_of_a_plot(paper);
         let ticks: Vec<Ticks> = verticals
@@ -102,7 +128,11 @@ impl LineFigure {
             .collect();
         let widest = ticks.iter().map(widest_label).fold(0.0, f64::max);
         let left = em * (MARGIN + TEXT + GAP + widest + GAP + TICK);
-        let mut right = paper.width - em * (MARGIN + 0.8);
+        let fields: Vec<Option<DrawnField>> = (self.plots.iter())
+            .map(|plot| plot.field.as_ref().map(|field| DrawnField::new(field, em)))
+            .collect();
+        let bars = fields.iter().flatten().map(DrawnField::room);
+        let mut right = paper.width - em * (MARGIN + 0.8) - bars.fold(0.0, f64::max);
         let mut height = height;
         if self.style.is_to_scale
             && let [vertical] = &verticals[..]
@@ -112,12 +142,22 @@ impl LineFigure {
             let unit = ((right - left) / size(&horizontal)).min(most / size(vertical));
             (right, height) = (left + unit * size(&horizontal), unit * size(vertical));
         }
-        let below = ticks_that_fit(&horizontal, right - left, em);
+        let names = PlaceNames::within(right - left, &self.style.names, em);
+        let below = if places > 0 {
+            let between = (1..places).map(|place| (place as f64 + 0.5, String::new()));
+            Ticks {
+                labelled: between.collect(),
+                ..Ticks::default()
+            }
+        } else {
+            ticks_that_fit(&horizontal, right - left, em)
+        };
         let mut drawing = Drawing::new(paper.width);
         let mut top = em * MARGIN;
         for (index, plot) in self.plots.iter().enumerate() {
             let above = index.checked_sub(1).map(|above| &self.plots[above]);
-            let legend = Legend::between(left, paper.width - em * MARGIN, names(plot, above), em);
+            let listed = names_in_legend(plot, above);
+            let legend = Legend::between(left, paper.width - em * MARGIN, listed, em);
             let styles = styles(&plot.curves);
             legend.draw(top, &mut drawing, |index, ends, height, drawing| {
                 draw_sample(&styles[index], ends, height, em, drawing);
@@ -142,12 +182,25 @@ impl LineFigure {
             draw_vertical(&axes, &ticks[index], &plot.label, em, &mut drawing);
             let is_last = index + 1 == self.plots.len();
             draw_horizontal(&axes, &below, is_last, em, &mut drawing);
+            if let Some(field) = &fields[index] {
+                field.draw(&axes, &mut drawing);
+                field.draw_bar(frame, &mut drawing);
+            }
             for (curve, style) in plot.curves.iter().zip(&styles) {
+                if fields[index].is_some() {
+                    draw_curve(curve, &style.casing(), &axes, em, &mut drawing);
+                }
                 draw_curve(curve, style, &axes, em, &mut drawing);
             }
             top += height + em * TICK;
         }
-        let names = [
+        if places > 0 {
+            let axis = top - em * TICK;
+            let at = |place: f64| left + (right - left) * horizontal.part(place);
+            names.draw(axis, at, &mut drawing);
+            return drawing.finish(axis + names.height() + em * MARGIN);
+        }
+        let words = [
             (&self.horizontal_label, 0.5 * (left + right), Anchor::Middle),
             (
                 &below.factor.clone().unwrap_or_default(),
@@ -155,7 +208,7 @@ impl LineFigure {
                 Anchor::End,
             ),
         ];
-        for (text, x, anchor) in names {
+        for (text, x, anchor) in words {
             let base = top + em * (GAP + 2.0 * TEXT);
             drawing.text(Words {
                 text,
@@ -179,7 +232,7 @@ impl LineFigure {
 }
 
 /// The names of the curves where there are several, and not those of the plot above.
-fn names(plot: &LinePlot, above: Option<&LinePlot>) -> Vec<String> {
+fn names_in_legend(plot: &LinePlot, above: Option<&LinePlot>) -> Vec<String> {
     let of = |plot: &LinePlot| -> Vec<String> {
         plot.curves.iter().map(|curve| curve.name.clone()).collect()
     };
@@ -191,14 +244,15 @@ fn names(plot: &LinePlot, above: Option<&LinePlot>) -> Vec<String> {
 }
 
 fn points(plot: &LinePlot) -> impl Iterator<Item = (f64, Option<f64>)> + Clone {
-    plot.curves
-        .iter()
-        .flat_map(|curve| curve.points.iter().copied())
+    let of_curves = plot.curves.iter().flat_map(|curve| curve.points.iter());
+    let values = plot.field.iter().flat_map(|field| &field.values);
+    (of_curves.copied()).chain(values.map(|&[x, y, _]| (x, Some(y))))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::curve::Curve;
+    use super::super::colour_field::ColourField;
+    use super::super::curve::{Curve, Look};
     use super::super::palette::Color;
     use super::*;
 
@@ -209,10 +263,7 @@ mod tests {
     }
 
     fn plot(label: &str, curves: Vec<Curve>) -> LinePlot {
-        LinePlot {
-            label: label.into(),
-            curves,
-        }
+        LinePlot::new(label, curves)
     }
 
     fn svg(plots: Vec<LinePlot>) -> String {
@@ -264,6 +315,44 @@ mod tests {
         let points = vec![(0.0, Some(0.0)), (1.0, Some(1.0)), (1000.0, None)];
         let svg = svg(vec![plot("y", vec![Curve::new("one", points)])]);
         assert_eq!((count(&svg, "0.8"), count(&svg, "1000")), (2, 0));
+    }
+
+    #[test]
+    fn places_have_names_instead_of_numbers() {
+        let marks = [(1.0, Some(1.0)), (2.0, Some(4.0)), (3.0, None)];
+        let marks = Curve::new("found", marks.to_vec()).looking(Look::Marks);
+        let figure = named_plots([plot("y", vec![marks])], ["circle", "long name", "third"]);
+        let svg = figure.svg(&Paper::default());
+        for words in ["circle", "long name", "third"] {
+            assert_eq!(count(&svg, words), 1, "{words}");
+        }
+        assert_eq!(count(&svg, "1.5"), 0);
+    }
+
+    #[test]
+    fn values_are_colours_with_a_bar_beside_the_plot() {
+        let field = ColourField {
+            label: "force".into(),
+            values: vec![
+                [0.0, 0.0, 1.0],
+                [1.0, 0.0, 2.0],
+                [0.0, 1.0, 3.0],
+                [1.0, 1.0, 9.0],
+            ],
+            cell: Some([1.0, 1.0]),
+            most: Some(3.0),
+            ..ColourField::default()
+        };
+        let with_field = LinePlot {
+            field: Some(field),
+            ..plot("y", vec![curve("way", 0.5)])
+        };
+        let svg = plot_to_scale(with_field, "x").svg(&Paper::default());
+        assert_eq!((count(&svg, "force"), count(&svg, "and above")), (1, 1));
+        // A value above the largest has its colour.
+        let highest = Color::of_part(1.0 / 1.06 + 0.03 / 1.06).hex();
+        let cells = svg.lines().filter(|line| line.contains(&highest));
+        assert_eq!(cells.count(), 2, "{highest}");
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! [`surface_page`] the page of a surface.
 
 mod axis;
+mod colour_field;
 mod curve;
 mod document;
 mod drawing;
@@ -17,8 +18,10 @@ mod markup;
 mod motion;
 mod numbered;
 mod palette;
+mod panels;
 mod paper;
 mod pdf;
+mod place_names;
 mod plot_axes;
 mod plot_curves;
 mod raster;
@@ -32,15 +35,19 @@ mod view;
 mod viewer;
 
 pub use axis::AxisScale;
+pub use colour_field::ColourField;
 pub use curve::{Curve, LinePlot, Look};
 pub use document::{document_page, markdown_html};
 pub use film::{Film, FilmError, FilmOptions, Pace};
-pub use line_plot::{LineFigure, PlotStyle, line_plots, plot_to_scale, styled_line_plots};
+pub use line_plot::{
+    LineFigure, PlotStyle, line_plots, named_plots, plot_to_scale, styled_line_plots,
+};
 pub use markup::{escape, escape_markdown, fill, is_page, is_picture};
 pub use motion::{
     Field, Movie, MovieCase, MovieFrame, MovieObstacle, MoviePlane, MovieRod, MovieSeries, Strip,
 };
 pub use numbered::numbered_strokes;
+pub use panels::{Panel, PanelsFigure, panels};
 pub use paper::{FigureOptions, Format, Paper};
 pub use raster::grey_picture;
 pub use snapshots::{Body, Plane, RodsFigure, Snapshot, snapshots};
@@ -56,6 +63,8 @@ pub enum Figure {
     Lines(LineFigure),
     /// Rods at several times.
     Rods(RodsFigure),
+    /// Shapes in panels.
+    Panels(PanelsFigure),
 }
 
 impl Figure {
@@ -64,6 +73,7 @@ impl Figure {
         match self {
             Self::Lines(figure) => figure.svg(paper),
             Self::Rods(figure) => figure.svg(paper),
+            Self::Panels(figure) => figure.svg(paper),
         }
     }
 }

@@ -16,6 +16,19 @@ const OKABE_ITO: [[u8; 3]; 7] = [
     [110, 110, 110],
 ];
 
+/// Colours from low to high values, each lighter than the one before: viridis (van der Walt and Smith 2015) at equal steps.
+const SEQUENCE: [[u8; 3]; 9] = [
+    [68, 1, 84],
+    [71, 45, 123],
+    [59, 82, 139],
+    [44, 114, 142],
+    [33, 145, 140],
+    [40, 174, 128],
+    [94, 201, 98],
+    [173, 220, 48],
+    [253, 231, 37],
+];
+
 impl Color {
     pub const WHITE: Self = Self([1.0; 3]);
     pub const BLACK: Self = Self([0.0; 3]);
@@ -23,6 +36,17 @@ impl Color {
     /// Colour number `index`; they repeat after seven.
     pub fn of(index: usize) -> Self {
         Self(OKABE_ITO[index % OKABE_ITO.len()].map(|channel| f64::from(channel) / 255.0))
+    }
+
+    /// The colour of a value that lies a part of the way (0 to 1) from the lowest to the highest.
+    pub fn of_part(part: f64) -> Self {
+        let steps = (SEQUENCE.len() - 1) as f64;
+        let place = part.clamp(0.0, 1.0) * steps;
+        let below = place.floor().min(steps - 1.0);
+        let [low, high] = [0, 1].map(|step| {
+            Self(SEQUENCE[below as usize + step].map(|channel| f64::from(channel) / 255.0))
+        });
+        low.towards(high, place - below)
     }
 
     /// The colour a part of the way (0 to 1) towards another.
@@ -54,6 +78,11 @@ mod tests {
             assert_ne!(Color::of(index), Color::of(index + 1));
         }
         assert_eq!(Color::of(0).hex(), "#0072b2");
+        let ends = [-1.0, 0.0, 0.5, 1.0, 2.0].map(|part| Color::of_part(part).hex());
+        assert_eq!(
+            ends,
+            ["#440154", "#440154", "#21918c", "#fde725", "#fde725"]
+        );
         assert_eq!(Color::of(1).towards(Color::WHITE, 0.0), Color::of(1));
         assert_eq!(Color::of(1).towards(Color::WHITE, 1.0).hex(), "#ffffff");
     }

@@ -5,7 +5,6 @@ use super::drawing::{Drawing, Stroke, number};
 use super::plot_axes::Axes;
 
 /// Lengths over the size of the letters.
-const CURVE_WIDTH: f64 = 0.13;
 const MARK: f64 = 0.26;
 /// Marks along a curve that has few.
 const FEW: usize = 8;
@@ -13,7 +12,7 @@ const FEW: usize = 8;
 fn stroke(style: &Style, em: f64) -> Stroke {
     Stroke {
         color: style.color,
-        width: CURVE_WIDTH * em,
+        width: style.width * em,
         dashes: style.dashes.iter().map(|dash| dash * em).collect(),
     }
 }

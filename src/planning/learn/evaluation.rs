@@ -78,15 +78,15 @@ pub fn error_figure(errors: &[Errors]) -> Figure {
     let plots = errors.iter().map(|errors| {
         let count = errors.sizes.len().max(1) as f64;
         let points = errors.sizes.iter().enumerate();
-        LinePlot {
-            label: format!("share of samples in %, {}", errors.quantity),
-            curves: vec![Curve::new(
+        LinePlot::new(
+            format!("share of samples in %, {}", errors.quantity),
+            [Curve::new(
                 errors.quantity.clone(),
                 points
                     .map(|(index, size)| (*size, Some(1e2 * (index as f64 + 1.0) / count)))
                     .collect(),
             )],
-        }
+        )
     });
     let style = PlotStyle {
         horizontal: AxisScale::Logarithmic,

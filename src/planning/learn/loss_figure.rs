@@ -11,13 +11,13 @@ pub fn loss_figure(epochs: &[Epoch]) -> String {
             .map(|(index, epoch)| (index as f64 + 1.0, Some(value(epoch))))
             .collect::<Vec<_>>()
     };
-    let plot = LinePlot {
-        label: "mean absolute error of the standardised outputs".into(),
-        curves: vec![
+    let plot = LinePlot::new(
+        "mean absolute error of the standardised outputs",
+        [
             Curve::new("learned from", curve(|epoch| epoch.training)).looking(Look::Dashed),
             Curve::new("held back", curve(|epoch| epoch.held_back)),
         ],
-    };
+    );
     let style = PlotStyle {
         vertical: vec![AxisScale::Logarithmic],
         ..PlotStyle::default()

@@ -28,10 +28,7 @@ pub fn fold_figure(path: &FoldPath, manifold: &ForceManifold, length: f64) -> Fi
     );
     let free = Curve::new("no push: λ = 0", without_push(manifold));
     curves.push(free.looking(Look::OpenMarks).like(2));
-    let plot = LinePlot {
-        label: "z/L_{gb}".into(),
-        curves,
-    };
+    let plot = LinePlot::new("z/L_{gb}", curves);
     plot_to_scale(plot, "x/L_{gb}")
 }
 
@@ -63,16 +60,10 @@ pub fn friction_figure(
         let line = vec![(0.0, Some(friction)), (way, Some(friction))];
         curves.push(Curve::new("friction of the table", line).looking(Look::Dashed));
     }
-    let plot = LinePlot {
-        label: "friction".into(),
-        curves,
-    };
+    let plot = LinePlot::new("friction", curves);
     let slid = slid.map(|slid| {
         let points = ways.iter().copied().zip(slid.iter().copied().map(Some));
-        LinePlot {
-            label: "slid over L_{gb}".into(),
-            curves: vec![Curve::new("sheet", points.collect())],
-        }
+        LinePlot::new("slid over L_{gb}", [Curve::new("sheet", points.collect())])
     });
     let plots: Vec<LinePlot> = [plot].into_iter().chain(slid).collect();
     line_plots(plots, "way of the gripper over L_{gb}")

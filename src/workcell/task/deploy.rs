@@ -280,13 +280,13 @@ fn peg_figure(rod: &[Point], fixtures: &Fixtures) -> Figure {
         let points = points.iter();
         points.map(|point| (point.x, Some(point.y))).collect()
     };
-    let plot = LinePlot {
-        label: "y in m".into(),
-        curves: vec![
+    let plot = LinePlot::new(
+        "y in m",
+        [
             Curve::new("the rod", outline(rod)),
             Curve::new("the pattern", outline(&fixtures.outline())).looking(Look::Dashed),
             Curve::new("pegs", fixtures.circles()).looking(Look::Bare),
         ],
-    };
+    );
     plot_to_scale(plot, "x in m")
 }

@@ -144,10 +144,7 @@ pub fn laid_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
     if !outlines.pegs.is_empty() {
         curves.push(Curve::new("pegs", outlines.pegs).looking(Look::Bare));
     }
-    let plot = LinePlot {
-        label: "y in m".into(),
-        curves,
-    };
+    let plot = LinePlot::new("y in m", curves);
     Ok(Some(plot_to_scale(plot, "x in m")))
 }
 

@@ -54,9 +54,6 @@ pub fn figure(rows: &[Sample], plan: &FoldSamples) -> Figure {
         .then(|| Workspace::places_of_length(least))
         .flatten()
         .map(|places| line("penalty region", places).looking(Look::Dashed));
-    let plot = LinePlot {
-        label: "z/L_{gb}".into(),
-        curves: curves.chain(outline).chain(penalty).collect(),
-    };
+    let plot = LinePlot::new("z/L_{gb}", curves.chain(outline).chain(penalty));
     plot_to_scale(plot, "x/L_{gb}")
 }

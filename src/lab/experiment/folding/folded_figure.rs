@@ -62,12 +62,12 @@ pub fn folded_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
     let Some(outlines) = folded_outlines(directory)? else {
         return Ok(None);
     };
-    let plot = LinePlot {
-        label: "z in m".into(),
-        curves: vec![
+    let plot = LinePlot::new(
+        "z in m",
+        [
             Curve::new("sheet", outlines.sheets),
             Curve::new("gripper", outlines.gripper).looking(Look::Dashed),
         ],
-    };
+    );
     Ok(Some(plot_to_scale(plot, "x in m")))
 }

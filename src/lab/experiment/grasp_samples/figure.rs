@@ -37,10 +37,7 @@ pub fn figure(rows: &[Sample]) -> Figure {
             let points = rows.map(|row| (row.suspended_length, value(row)));
             Curve::new(*name, points.collect()).looking(Look::Marks)
         });
-        LinePlot {
-            label: label.into(),
-            curves: curves.collect(),
-        }
+        LinePlot::new(label, curves)
     };
     let plots = [
         plot("gripper ahead, x in L_{gb}", |row| row.x),

@@ -61,10 +61,7 @@ pub fn traction_figure(directory: &Path) -> Result<Option<Figure>, FigureError> 
         });
         curves.push(law.looking(Look::Dashed));
     }
-    let plot = LinePlot {
-        label: "F̄ = F h²/EI".into(),
-        curves,
-    };
+    let plot = LinePlot::new("F̄ = F h²/EI", curves);
     let style = PlotStyle {
         horizontal: AxisScale::Logarithmic,
         vertical: vec![AxisScale::Logarithmic],

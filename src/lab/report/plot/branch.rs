@@ -29,18 +29,19 @@ fn branch_plots(rows: &[BranchRow]) -> Vec<LinePlot> {
     ];
     columns
         .into_iter()
-        .map(|(label, column)| LinePlot {
-            label: label.into(),
-            curves: [
-                curve(STABLE, rows, column, |row| row.stable).like(0),
-                curve(UNSTABLE, rows, column, |row| !row.stable)
-                    .looking(Look::Dashed)
-                    .like(1),
-                critical(rows, column).looking(Look::Marks).like(2),
-            ]
-            .into_iter()
-            .filter(|curve| !curve.points.is_empty())
-            .collect(),
+        .map(|(label, column)| {
+            LinePlot::new(
+                label,
+                [
+                    curve(STABLE, rows, column, |row| row.stable).like(0),
+                    curve(UNSTABLE, rows, column, |row| !row.stable)
+                        .looking(Look::Dashed)
+                        .like(1),
+                    critical(rows, column).looking(Look::Marks).like(2),
+                ]
+                .into_iter()
+                .filter(|curve| !curve.points.is_empty()),
+            )
         })
         .collect()
 }

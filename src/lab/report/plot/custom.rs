@@ -100,10 +100,10 @@ fn over_cases(summary: &Table, figure: &CustomFigure) -> Result<Figure, PlotErro
     let plot = |y: &String| {
         let shown = quantity(summary, y);
         let values = in_unit(numbers(summary, y)?, &shown);
-        Ok(LinePlot {
-            label: shown.label(),
-            curves: curves(&horizontal, &values, &grouping),
-        })
+        Ok(LinePlot::new(
+            shown.label(),
+            curves(&horizontal, &values, &grouping),
+        ))
     };
     let plots = figure
         .y
@@ -181,10 +181,8 @@ fn over_outputs(series: &[Series], figure: &CustomFigure) -> Result<Figure, Plot
             };
             Ok(Curve::new(one.name.clone(), points))
         };
-        Ok(LinePlot {
-            label: quantity(&series[0].table, y).label(),
-            curves: series.iter().map(curve).collect::<Result<_, PlotError>>()?,
-        })
+        let curves: Vec<Curve> = series.iter().map(curve).collect::<Result<_, PlotError>>()?;
+        Ok(LinePlot::new(quantity(&series[0].table, y).label(), curves))
     };
     let plots = figure
         .y

@@ -43,14 +43,10 @@ pub(super) fn series_plots(series: &[SeriesRow], branches: Option<&Branches>) ->
             energies.any(|energy| energy != 0.0)
         })
         .collect();
-    let energy = LinePlot {
-        label: "Energy in J".into(),
-        curves: energies,
-    };
-    let others = others.into_iter().map(|(label, column)| LinePlot {
-        label: label.into(),
-        curves: vec![curve(label, column)],
-    });
+    let energy = LinePlot::new("Energy in J", energies);
+    let others = others
+        .into_iter()
+        .map(|(label, column)| LinePlot::new(label, [curve(label, column)]));
     let plots = std::iter::once(energy).chain(others);
     // What is always zero says nothing, be it the contacts of a single rod.
     let has_values = |curve: &Curve| {

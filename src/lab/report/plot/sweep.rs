@@ -55,10 +55,10 @@ pub(super) fn sweep_figure(summary: &Table) -> Option<Figure> {
     let plots: Vec<LinePlot> = outcomes
         .iter()
         .filter_map(|outcome| {
-            Some(LinePlot {
-                label: quantity(summary, outcome).label(),
-                curves: curves(&horizontal, &summary.numbers(outcome)?, &grouping),
-            })
+            Some(LinePlot::new(
+                quantity(summary, outcome).label(),
+                curves(&horizontal, &summary.numbers(outcome)?, &grouping),
+            ))
         })
         .collect();
     let style = PlotStyle {

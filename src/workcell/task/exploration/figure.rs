@@ -19,13 +19,13 @@ pub fn found_and_theory(rows: &[ExplorationRow]) -> Figure {
     let ends = found.iter().map(|(theory, _)| *theory);
     let low = ends.clone().fold(f64::INFINITY, f64::min);
     let high = ends.fold(f64::NEG_INFINITY, f64::max);
-    let plot = LinePlot {
-        label: "found".into(),
-        curves: vec![
+    let plot = LinePlot::new(
+        "found",
+        [
             Curve::new("the same", vec![(low, Some(low)), (high, Some(high))]),
             Curve::new("directions", found).looking(Look::Marks),
         ],
-    };
+    );
     line_plots([plot], "Distance ‖(κ, τ, ω)‖ of theory")
 }
 
@@ -54,9 +54,6 @@ pub fn section_figure(rows: &[ExplorationRow], near: f64) -> Figure {
     if !found.is_empty() {
         curves.push(Curve::new("found", found).looking(Look::Marks));
     }
-    let plot = LinePlot {
-        label: "κL".into(),
-        curves,
-    };
+    let plot = LinePlot::new("κL", curves);
     plot_to_scale(plot, "τL")
 }

@@ -68,13 +68,13 @@ fn section_figure(rows: &[&BoundaryRow], labels: &[&str; 2], axes: &[usize; 2]) 
         })
     });
     let theory = theory(rows);
-    let plot = LinePlot {
-        label: labels[1].into(),
-        curves: vec![
+    let plot = LinePlot::new(
+        labels[1],
+        [
             Curve::new("theory", theory.iter().map(place).collect()),
             Curve::new("discrete rod", rod.map(|at| place(&at)).collect()).looking(Look::Marks),
         ],
-    };
+    );
     plot_to_scale(plot, labels[0])
 }
 
