@@ -681,6 +681,12 @@ fn presets_stand_for_files_in_an_empty_folder() {
     let (_, shown, _) = outcome(&["presets", "show", "rope"]);
     let (_, begun, _) = outcome(&["init", "rod", "--like", "rope"]);
     assert!(shown.contains("title = \"Rope\"") && shown == begun);
+    // One that extends another stands alone.
+    let (code, whole, stderr) = outcome(&["init", "flagella", "--like", "flagella_m2"]);
+    assert_eq!((code, whole.contains("extends =")), (0, false), "{stderr}");
+    std::fs::write(folder.path().join("whole.toml"), whole).unwrap();
+    let (code, _, stderr) = outcome(&["check", "whole.toml"]);
+    assert_eq!(code, 0, "{stderr}");
     let refused: [(&[&str], &str); 3] = [
         (&["presets", "show", "trefoil"], "--kind: scenario, pattern"),
         (
@@ -688,8 +694,8 @@ fn presets_stand_for_files_in_an_empty_folder() {
             "rodlab init knot-tightening --like trefoil",
         ),
         (
-            &["init", "flagella", "--like", "flagella_m2"],
-            "extends flagella_base.toml",
+            &["init", "scene", "--like", "flagella_m2"],
+            "rodlab init flagella --like flagella_m2",
         ),
     ];
     for (arguments, reason) in refused {

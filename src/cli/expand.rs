@@ -24,7 +24,12 @@ pub struct ExpandArguments {
 
 /// Prints a scenario after expansion.
 pub fn expand(arguments: &ExpandArguments) -> Result<(), Failure> {
-    let cases = case_set(&arguments.scenario, &arguments.overrides, &[])?;
+    print(&expanded(&arguments.scenario, &arguments.overrides)?)
+}
+
+/// A scenario after expansion; of a sweep its first case.
+pub fn expanded(scenario: &Path, overrides: &[String]) -> Result<String, Failure> {
+    let cases = case_set(scenario, overrides, &[])?;
     if cases.is_sweep() {
         tracing::warn!("this is a sweep; the first case is printed");
     }
@@ -32,5 +37,5 @@ pub fn expand(arguments: &ExpandArguments) -> Result<(), Failure> {
         Some(search) => cases.searched_scenario(0, search.from)?,
         None => cases.scenario_of(0)?,
     };
-    print(&expanded_toml(&loaded))
+    Ok(expanded_toml(&loaded))
 }

@@ -1,6 +1,8 @@
 //! `rodlab init`.
 
+use super::expand::expanded;
 use super::prelude::*;
+use super::preset_file::preset_file;
 use super::presets::found;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rodlab_lab::experiment::{KINDS, Kind, kind_named};
@@ -67,28 +69,30 @@ pub fn init(arguments: &InitArguments) -> Result<(), Failure> {
     match (arguments.beginning, like) {
         (Beginning::Experiment(kind), None) => print(kind.template()),
         (Beginning::Experiment(kind), Some(name)) => {
-            let text = found(name, Some(PresetKind::Scenario))?.text;
-            let states = |key: &str| {
-                let value =
-                    |line: &'static str| line.strip_prefix(key)?.trim_start().strip_prefix('=');
-                text.lines()
-                    .find_map(value)
-                    .map(|value| value.trim().trim_matches('"'))
+            let preset = found(name, Some(PresetKind::Scenario))?;
+            let text = if stated(preset.text, "extends").is_some() {
+                let file = preset_file(PresetKind::Scenario, name)?;
+                let whole = expanded(&file, &[])?;
+                format!("# The preset `{name}` with the keys of the file that it extends.\n{whole}")
+            } else {
+                preset.text.to_owned()
             };
-            match (states("extends"), states("experiment")) {
-                (Some(base), _) => Err(Failure::Input(format!(
-                    "`{name}` is not a whole scenario: it extends {base}; `rodlab presets show` prints each"
+            match stated(&text, "experiment") {
+                Some(experiment) if experiment != kind.name() => Err(Failure::Input(format!(
+                    "`{name}` is of the experiment `{experiment}`: rodlab init {experiment} --like {name}"
                 ))),
-                (None, Some(experiment)) if experiment != kind.name() => {
-                    Err(Failure::Input(format!(
-                        "`{name}` is of the experiment `{experiment}`: rodlab init {experiment} --like {name}"
-                    )))
-                }
-                _ => print(text),
+                _ => print(&text),
             }
         }
         (Beginning::Preset(kind, usual), _) => {
             print(found(like.unwrap_or(usual), Some(kind))?.text)
         }
     }
+}
+
+/// The text of a key at the top of a scenario.
+fn stated<'a>(scenario: &'a str, key: &str) -> Option<&'a str> {
+    let value = |line: &'a str| line.strip_prefix(key)?.trim_start().strip_prefix('=');
+    let value = scenario.lines().find_map(value)?;
+    Some(value.trim().trim_matches('"'))
 }
