@@ -125,9 +125,18 @@ fn rod_pieces(
             let nearness = 0.5 * (projected[segment].nearness + projected[next].nearness);
             let color = color.towards(Color::WHITE, HAZE * farness(nearness));
             let outline = color.towards(Color::BLACK, 0.55);
-            let mut svg = stroke(&spline.path(segment, 0.3), outline, width, "");
+            let mut svg = String::new();
+            let is_thick = width > 2.0 * MINIMUM_WIDTH;
+            // A free end is round, its outline as well.
+            for (is_end, node) in [(segment == 0, 0), (next + 1 == pixels.len(), next)] {
+                if is_end && is_thick && !rod.closed {
+                    let dot = format!("M{}h0.01", pair(pixels[node]));
+                    svg += &stroke(&dot, outline, width, ROUND);
+                }
+            }
+            svg += &stroke(&spline.path(segment, 0.3), outline, width, "");
             svg += &stroke(&spline.path(segment, 0.0), color, BODY * width, ROUND);
-            if width > 2.0 * MINIMUM_WIDTH {
+            if is_thick {
                 let light = color.towards(Color::WHITE, 0.5);
                 let path = highlight.path(segment, 0.42 * BODY * width);
                 svg += &stroke(&path, light, 0.22 * width, "");
@@ -258,7 +267,8 @@ mod tests {
         let width = |svg: &str| svg.split("stroke-width=\"").nth(1).unwrap()[..4].to_owned();
         let svg = tubes(&[bar(0.0)], Vec::new(), &view(), &PLACEMENT);
         assert_eq!(width(&svg), "4.00");
-        assert_eq!(svg.matches("<path").count(), 3 * 3);
+        // Three segments of three layers each, and the outlines of two round ends.
+        assert_eq!(svg.matches("<path").count(), 3 * 3 + 2);
         let ring = RodCurve {
             closed: true,
             ..bar(0.0)

@@ -25,9 +25,7 @@ pub(super) fn faces(body: &Body, view: &View, placement: &Placement) -> Vec<Piec
         let [a, b, c] = corners;
         let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
         let shade = (normal.dot(&light).abs() * SHADES as f64).floor() / SHADES as f64;
-        let color = Color::BLACK
-            .towards(Color::WHITE, 0.68 + 0.25 * shade)
-            .hex();
+        let color = Color::BLACK.towards(Color::WHITE, 0.5 + 0.32 * shade).hex();
         let seen = corners.map(|corner| view.project(&corner));
         let nearness = seen.iter().map(|corner| corner.nearness);
         let nearness = nearness.fold(f64::INFINITY, f64::min);

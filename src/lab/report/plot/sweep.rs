@@ -3,12 +3,12 @@
 use super::curves::{Grouping, curves, in_unit, quantity, value_count, varies};
 use crate::report::case_folders::parameter_columns;
 use rodlab_files::figure::{AxisScale, Figure, LinePlot, PlotStyle, styled_line_plots};
-use rodlab_files::results::Table;
+use rodlab_files::results::{SummaryRow, Table};
 
 /// Outcomes in a figure, at most; more are asked for by name.
 const OUTCOMES: usize = 6;
 
-/// Outcomes that say how far and how hard the machine worked; they are drawn after those of physics.
+/// Outcomes that say how far and how hard the machine worked; they are drawn last.
 const EFFORT: [&str; 6] = [
     "simulated_time_s",
     "steps",
@@ -44,6 +44,9 @@ pub(super) fn sweep_figure(summary: &Table) -> Option<Figure> {
             !known.contains(column) && is_numeric(summary, column) && varies(summary, column)
         })
         .partition(|column| EFFORT.contains(column));
+    // What was asked for, by probes or by the experiment, stands before what every run has.
+    let of_every_run = SummaryRow::columns();
+    outcomes.sort_by_key(|column| of_every_run.iter().any(|known| known == column));
     outcomes.extend(effort);
     outcomes.truncate(OUTCOMES);
     if outcomes.is_empty() {
@@ -115,6 +118,18 @@ mod tests {
         // Discs, closed by a full turn, are the marks of the first curve: two in each plot and one in the legend.
         assert_eq!(svg.matches("0Z\" fill=\"#0072b2\"").count(), 2 + 2 + 1);
         assert!(svg.find("Peak force").unwrap() < svg.find("Steps").unwrap());
+    }
+
+    #[test]
+    fn probes_stand_before_what_every_run_has() {
+        let svg = sweep_figure(&table(
+            "case,contact.friction,status,elastic_energy_j,min_distance_m,tip_z_m\n\
+             a,0.1,finished,1.0,3.0,5\nb,0.2,finished,2.0,4.0,6\n",
+        ));
+        let svg = svg.unwrap().svg(&Paper::default());
+        let place = |words: &str| svg.find(&format!("aria-label=\"{words}")).expect(words);
+        assert!(place("Tip z") < place("Elastic energy"));
+        assert!(place("Elastic energy") < place("Min distance"));
     }
 
     #[test]
