@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 
 /// A laboratory for slender elastic rods: bending, twist, contact, friction, viscous fluid.
 #[derive(Debug, Parser)]
-#[command(version = version(), propagate_version = true, after_help = EXAMPLES)]
+#[command(version = version(), propagate_version = true, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]

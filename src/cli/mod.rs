@@ -57,6 +57,7 @@ mod measure_sheet;
 mod middle_line;
 mod movie;
 mod output;
+mod overview;
 mod pattern_source;
 mod picture_source;
 mod place;
@@ -97,7 +98,7 @@ mod view;
 mod watchdog;
 
 use arguments::{Arguments, Command};
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 use clap_complete::CompleteEnv;
 use failure::Failure;
 use std::process;
@@ -111,7 +112,8 @@ pub fn main() -> process::ExitCode {
     CompleteEnv::with_factory(Arguments::command).complete();
     crash::announce_panics();
     file_size::report_as_errors();
-    let arguments = Arguments::parse();
+    let matches = overview::with_groups(Arguments::command()).get_matches();
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     crash::guarded(|| match dispatch(&arguments) {
         Ok(()) => process::ExitCode::SUCCESS,
         Err(failure) => {

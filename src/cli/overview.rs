@@ -1,0 +1,82 @@
+//! `rodlab --help`: the subcommands in groups, by what they are for.
+
+use clap::Command;
+use std::fmt::Write;
+
+/// Groups of subcommands.
+const GROUPS: [(&str, &[&str]); 8] = [
+    ("Simulate", &["run", "check", "init", "presets", "expand"]),
+    ("Look at results", &["plot", "view", "movie"]),
+    ("Sweep on a cluster", &["submit", "status", "gather"]),
+    ("Solve, measure and plan", &["solve", "measure", "plan"]),
+    (
+        "Work in a robot cell",
+        &[
+            "deploy", "place", "tie", "fold", "explore", "stream", "cell",
+        ],
+    ),
+    ("See", &["trace", "score", "calibrate"]),
+    ("Learn", &["dataset", "train", "evaluate"]),
+    (
+        "Read and verify",
+        &[
+            "guide",
+            "explain",
+            "schema",
+            "verify",
+            "reproduce",
+            "completions",
+            "man",
+            "help",
+        ],
+    ),
+];
+
+/// The program with its subcommands in groups on the page of its help.
+pub fn with_groups(program: Command) -> Command {
+    let mut groups = String::new();
+    for (title, names) in GROUPS {
+        // Writing to a string cannot fail.
+        let _ = writeln!(groups, "{title}:");
+        for name in names {
+            let about = program.find_subcommand(name).and_then(Command::get_about);
+            let about = match about {
+                Some(about) => about.to_string(),
+                None => "Print this page, or the help of a subcommand".to_owned(),
+            };
+            let _ = writeln!(groups, "  {name:<12} {about}");
+        }
+        groups.push('\n');
+    }
+    program.help_template(format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::arguments::Arguments;
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn every_subcommand_is_in_one_group() {
+        let program = Arguments::command();
+        let shown = program
+            .get_subcommands()
+            .filter(|command| !command.is_hide_set());
+        let mut names: Vec<&str> = shown.map(Command::get_name).chain(["help"]).collect();
+        let mut grouped: Vec<&str> = GROUPS
+            .iter()
+            .flat_map(|(_, names)| *names)
+            .copied()
+            .collect();
+        names.sort_unstable();
+        grouped.sort_unstable();
+        assert_eq!(grouped, names);
+        let help = with_groups(program).render_help().to_string();
+        assert!(help.contains("Look at results:\n  plot "), "{help}");
+        let longest = help.lines().map(str::len).max();
+        assert!(longest <= Some(100), "{longest:?}");
+    }
+}
