@@ -50,7 +50,7 @@ pub enum Command {
     Expand(expand::ExpandArguments),
     /// Write a commented scenario template to standard output
     Init(init::InitArguments),
-    /// List the scenarios, rods, papers, cells and patterns that the program carries, or print one
+    /// List the presets (scenarios, rods, papers, cells, patterns), or print one
     Presets(presets::PresetsArguments),
     /// Print the JSON Schema of scenario files, for completion in editors
     Schema,
@@ -60,7 +60,7 @@ pub enum Command {
     Guide(guide::GuideArguments),
     /// Solve a problem exactly; the answer is JSON on standard output
     Solve(solve::SolveArguments),
-    /// Measure a gravito-bending length from the shape of a rod or strip, or identify the knot of a curve
+    /// Measure the gravito-bending length of a rod or strip, or identify the knot of a curve
     Measure(measure::MeasureArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
@@ -80,7 +80,7 @@ pub enum Command {
     Place(Box<place::PlaceArguments>),
     /// Tie a knot in a rod by two arms: plan, show, stream, look and score
     Tie(Box<tie::TieArguments>),
-    /// Explore where helical rods lose stability, by an arm and a chuck: plan, lead, look, return
+    /// Explore where helical rods lose stability, by an arm and a chuck
     Explore(explore::ExploreArguments),
     /// Fold a sheet: plan, simulate, show and score it
     Fold(fold_arguments::FoldArguments),
