@@ -39,8 +39,11 @@ mod own_tables;
 mod rescale;
 mod resolve;
 mod resolved;
+mod place;
+mod quantity;
 mod schema;
 mod schema_tree;
+mod section;
 mod source;
 mod sweep;
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Resolving natural strains that change over time.
 
-use super::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
+use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::resolved::{Actuation, ActuationKind, Course, Time};
 use crate::scenario::typed::{self, Quantity};
 use crate::scenario::units::{self, Angle, Dimension, Dimensionless, Frequency, Length};

@@ -1,6 +1,6 @@
 //! Named columns of numbers in CSV files that scenarios refer to.
 
-use super::section::LARGEST;
+use crate::scenario::section::LARGEST;
 use crate::scenario::input_file::{self, LARGEST_TABLE};
 use rodlab_files::input::{Column, Table};
 use std::path::Path;

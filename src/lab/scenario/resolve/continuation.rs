@@ -1,6 +1,6 @@
 //! Resolving paths of equilibria.
 
-use super::section::{FINITE, POSITIVE, Section};
+use crate::scenario::section::{FINITE, POSITIVE, Section};
 use crate::scenario::resolved::{Continuation, Fluid, Obstacle, PathMethod, Plane, Time};
 use crate::scenario::typed::ScenarioFile;
 

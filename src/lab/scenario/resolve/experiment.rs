@@ -1,7 +1,7 @@
 //! What a scenario file must know of a kind of experiment.
 
 use super::request::{CommonTables, Request};
-use super::section::Section;
+use crate::scenario::section::Section;
 use crate::scenario::own_tables::OwnTable;
 use crate::scenario::resolved::{Experiment, Time};
 

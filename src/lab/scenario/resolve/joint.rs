@@ -1,7 +1,7 @@
 //! Resolving joints and bodies.
 
 use super::load::{place, rod};
-use super::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
+use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::resolved::{Body, BodyShape, Joint, JointKind, Time};
 use crate::scenario::typed;
 use std::f64::consts::PI;

@@ -2,7 +2,7 @@
 
 use super::Context;
 use super::movement::{TypedMovement, movement};
-use super::section::{FINITE, NON_NEGATIVE, Section};
+use crate::scenario::section::{FINITE, NON_NEGATIVE, Section};
 use crate::scenario::resolved::{Clamp, Hold, Load, LoadKind, Place, Plane};
 use crate::scenario::typed;
 
@@ -144,7 +144,7 @@ pub fn rod(section: &Section<'_>, typed: &Option<String>) -> String {
 }
 
 /// Resolves a place along a rod, the key `at`.
-pub fn place(section: &Section<'_>, typed: Option<typed::Place>) -> Place {
+pub fn place(section: &Section<'_>, typed: Option<typed::TypedPlace>) -> Place {
     let help = "\"start\", \"end\", or a number counted from zero";
     let typed = section.needed("at", typed, help);
     typed.map_or(Place::Start, |typed| section.place("at", typed))

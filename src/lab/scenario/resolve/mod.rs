@@ -15,7 +15,6 @@ mod poses;
 mod probe;
 mod request;
 mod rod;
-mod section;
 mod shape;
 mod slip;
 mod start;
@@ -24,7 +23,7 @@ pub use columns::read_columns;
 pub use experiment::ExperimentKeys;
 pub use polyline::read as read_polyline;
 pub use request::{BuiltRod, CommonTables, Request};
-pub use section::{FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range, Section};
+pub use super::section::{FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range, Section};
 pub use start::{END_STATE, file_of as start_file_of};
 
 use super::document::Node;

@@ -1,7 +1,7 @@
 //! Resolving models, time, solver and output.
 
 use super::movement::refuse_motion;
-use super::section::{
+use crate::scenario::section::{
     DISPLACEMENT_TOLERANCE, FINITE, FORCE_TOLERANCE, FRACTION, NON_NEGATIVE, POSITIVE, Section,
 };
 use crate::scenario::resolved::{

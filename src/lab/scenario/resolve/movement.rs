@@ -1,6 +1,6 @@
 //! Resolving how a clamp or an obstacle moves.
 
-use super::section::{FINITE, Section};
+use crate::scenario::section::{FINITE, Section};
 use super::{Context, poses};
 use crate::scenario::resolved::Movement;
 use crate::scenario::typed::{Pose, Quantity, Vector};

@@ -3,7 +3,7 @@
 use super::columns::read_columns;
 use super::polyline;
 use super::rod::{CommonMaterial, MOST_EDGES, Member};
-use super::section::{POSITIVE, Section};
+use crate::scenario::section::{POSITIVE, Section};
 use super::{Context, rod};
 use crate::scenario::resolved::{
     Clamp, HeldEnds, Hold, Joint, JointKind, Movement, NetworkJoint, Place, Rod, Shape, Time,

@@ -2,7 +2,7 @@
 
 use super::Context;
 use super::movement::{TypedMovement, movement};
-use super::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
+use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::input_file;
 use crate::scenario::resolved::{Obstacle, ObstacleShape};
 use crate::scenario::typed;

@@ -2,7 +2,7 @@
 
 use super::Context;
 use super::columns::read_columns;
-use super::section::Section;
+use crate::scenario::section::Section;
 use crate::scenario::resolved::Shape;
 use crate::scenario::typed::{self, Vector};
 use crate::scenario::units::Length;

@@ -2,7 +2,7 @@
 
 use super::Context;
 use super::columns::read_columns;
-use super::section::{FINITE, NON_NEGATIVE, Section};
+use crate::scenario::section::{FINITE, NON_NEGATIVE, Section};
 use crate::scenario::resolved::Pose;
 use crate::scenario::typed;
 use std::path::Path;

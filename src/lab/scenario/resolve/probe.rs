@@ -1,6 +1,6 @@
 //! Resolving probes and the condition that ends a run.
 
-use super::section::Section;
+use crate::scenario::section::Section;
 use crate::scenario::resolved::{
     AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,
     TwoRods,
@@ -32,7 +32,7 @@ fn probe(section: &Section<'_>, typed: &typed::Probe) -> Option<Probe> {
         rod: probe.rod.clone(),
         at: super::load::place(section, probe.at).into(),
     };
-    let along = |rod: &Option<String>, at: Option<typed::Place>| AtPlace {
+    let along = |rod: &Option<String>, at: Option<typed::TypedPlace>| AtPlace {
         rod: rod.clone(),
         at: at.map(|at| section.place("at", at)),
     };

@@ -1,7 +1,7 @@
 //! What a kind of experiment is given to resolve its own tables.
 
 use super::rod::{material, refuse_degenerate};
-use super::section::{POSITIVE, Section};
+use crate::scenario::section::{POSITIVE, Section};
 use super::{Context, polyline};
 use crate::scenario::issue::KeyPath;
 use crate::scenario::own_tables::OwnTables;

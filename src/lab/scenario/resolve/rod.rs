@@ -1,6 +1,6 @@
 //! Resolving rods.
 
-use super::section::{FINITE, NON_NEGATIVE, POISSONS_RATIO, POSITIVE, Section};
+use crate::scenario::section::{FINITE, NON_NEGATIVE, POISSONS_RATIO, POSITIVE, Section};
 use super::{Context, model, shape};
 use crate::scenario::resolved::{
     CrossSection, Inertia, Material, NaturalShape, Rod, Shape, Stiffness,

@@ -1,6 +1,6 @@
 //! Resolving shapes.
 
-use super::section::{FINITE, POSITIVE, Section};
+use crate::scenario::section::{FINITE, POSITIVE, Section};
 use super::{Context, polyline};
 use crate::scenario::resolved::{Handedness, NaturalShape, Shape};
 use crate::scenario::typed;

@@ -1,6 +1,6 @@
 //! Joints and bodies as resolved.
 
-use super::load::Place;
+use crate::scenario::place::Place;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,29 +1,9 @@
 //! Clamps, loads and planes as resolved.
 
 use super::movement::Movement;
+use crate::scenario::place::Place;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize, Serializer};
-
-/// A place along a rod.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// The first node or edge.
-    Start,
-    /// The last node or edge.
-    End,
-    /// The node or edge of this number, counted from zero.
-    Number(usize),
-}
-
-impl Serialize for Place {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Start => serializer.serialize_str("start"),
-            Self::End => serializer.serialize_str("end"),
-            Self::Number(number) => number.serialize(serializer),
-        }
-    }
-}
+use serde::{Deserialize, Serialize};
 
 /// What a clamp holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

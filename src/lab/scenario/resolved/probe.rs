@@ -1,6 +1,6 @@
 //! Probes as resolved.
 
-use super::Place;
+use crate::scenario::place::Place;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

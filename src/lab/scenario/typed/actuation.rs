@@ -1,7 +1,7 @@
 //! Natural strains that change over time, as typed.
 
 use super::load::Schedule;
-use super::quantity::Quantity;
+use crate::scenario::quantity::Quantity;
 use crate::scenario::units::{Angle, Curvature, Dimensionless, Frequency, Length, Time, Twist};
 use schemars::JsonSchema;
 

@@ -1,6 +1,6 @@
 //! Paths of equilibria as typed.
 
-use super::quantity::Quantity;
+use crate::scenario::quantity::Quantity;
 use crate::scenario::resolved::PathMethod;
 use crate::scenario::units::Dimensionless;
 use schemars::JsonSchema;

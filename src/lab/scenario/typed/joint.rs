@@ -1,7 +1,7 @@
 //! Joints, bodies and networks as typed.
 
-use super::load::Place;
-use super::quantity::{Quantity, Vector};
+use crate::scenario::place::TypedPlace;
+use crate::scenario::quantity::{Quantity, Vector};
 use super::rod::Rod;
 use crate::scenario::resolved::{Hold, NetworkJoint};
 use crate::scenario::units::{
@@ -25,7 +25,7 @@ pub enum Joint {
         /// Names of the two rods; the same one twice to join a rod to itself.
         rods: Option<[String; 2]>,
         /// "start", "end", or the number of a node, of each: ["end", 4].
-        at: Option<[Place; 2]>,
+        at: Option<[TypedPlace; 2]>,
         /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Only of a joint that shares its
         /// nodes with no other one. Default: it never breaks.
         break_at: Option<Quantity<Force>>,
@@ -37,7 +37,7 @@ pub enum Joint {
         /// Names of the two rods; the same one twice to join a rod to itself.
         rods: Option<[String; 2]>,
         /// "start", "end", or the number of a node, of each: ["end", 4].
-        at: Option<[Place; 2]>,
+        at: Option<[TypedPlace; 2]>,
         /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Only of a joint that shares its
         /// nodes with no other one. Default: it never breaks.
         break_at: Option<Quantity<Force>>,
@@ -51,7 +51,7 @@ pub enum Joint {
         /// Names of the two rods.
         rods: Option<[String; 2]>,
         /// "start", "end", or the number of a node, of each: ["end", 4].
-        at: Option<[Place; 2]>,
+        at: Option<[TypedPlace; 2]>,
         /// Direction of the axis as placed; it turns with the first rod.
         axis: Option<Vector<Dimensionless>>,
         /// Moment per angle of a spring about the axis. Default: none.
@@ -72,7 +72,7 @@ pub enum Joint {
         /// Names of the rod with the node that slides, and of that along which it slides; the same one twice for a noose.
         rods: Option<[String; 2]>,
         /// "start", "end", or the number of a node, of each: the one that slides, and where it begins: ["end", 4].
-        at: Option<[Place; 2]>,
+        at: Option<[TypedPlace; 2]>,
         /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Default: it never breaks.
         break_at: Option<Quantity<Force>>,
     },
@@ -84,7 +84,7 @@ pub enum Joint {
         /// Names of the two rods; the same one twice to tie a rod to itself.
         rods: Option<[String; 2]>,
         /// "start", "end", or the number of a node, of each: ["end", 4].
-        at: Option<[Place; 2]>,
+        at: Option<[TypedPlace; 2]>,
         /// Force per lengthening.
         stiffness: Option<Quantity<ForcePerLength>>,
         /// Length without force. Default: the distance of the nodes as placed.
@@ -112,7 +112,7 @@ pub struct Body {
     /// Name of the rod.
     pub rod: Option<String>,
     /// "start", "end", or the number of a node.
-    pub at: Option<Place>,
+    pub at: Option<TypedPlace>,
     /// Its mass.
     pub mass: Option<Quantity<Mass>>,
     /// Its shape, of uniform density, which gives its inertia. With [contact] a sphere without `offset` touches rods, planes,

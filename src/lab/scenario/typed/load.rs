@@ -1,15 +1,13 @@
 //! Clamps, loads and planes as typed.
 
-use super::quantity::{Quantity, Vector};
+use crate::scenario::place::TypedPlace;
+use crate::scenario::quantity::{Quantity, Vector};
 use crate::scenario::resolved::{Hold, LoadFrame};
 use crate::scenario::units::{
     Acceleration, Angle, AngularVelocity, Dimensionless, Force, ForcePerLength, Length, LinearDrag,
     Moment, SpinDrag, Time,
 };
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{self, Deserialize, Deserializer, Visitor};
-use std::borrow::Cow;
-use std::fmt;
+use schemars::JsonSchema;
 
 /// A held or driven node.
 #[derive(Debug, Default, serde::Deserialize, JsonSchema)]
@@ -18,7 +16,7 @@ pub struct Clamp {
     /// Name of the rod.
     pub rod: Option<String>,
     /// "start", "end", or the number of a node, counted from zero.
-    pub at: Option<Place>,
+    pub at: Option<TypedPlace>,
     /// "position", "frame" (tangent and material frame), or "both" (the default).
     pub hold: Option<Hold>,
     /// Displacement at given times, [[time, [x, y, z]], ...], linear between them and constant outside. Default: none.
@@ -65,7 +63,7 @@ pub enum Load {
         /// Name of the rod.
         rod: Option<String>,
         /// "start", "end", or the number of a node.
-        at: Option<Place>,
+        at: Option<TypedPlace>,
         /// The force.
         force: Option<Vector<Force>>,
         /// "space" (the default: a fixed direction), or "material": components along the two material directors and the
@@ -79,7 +77,7 @@ pub enum Load {
         /// Name of the rod.
         rod: Option<String>,
         /// "start", "end", or the number of an edge.
-        at: Option<Place>,
+        at: Option<TypedPlace>,
         /// The moment.
         moment: Option<Vector<Moment>>,
         /// "space" (the default: a fixed direction), or "material": components along the two material directors and the
@@ -127,56 +125,4 @@ pub struct Plane {
     /// be; false leaves the plane out of the flow, which then passes through it. Default: true with the model "rss",
     /// otherwise false.
     pub wall: Option<bool>,
-}
-
-/// A place along a rod.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// "start".
-    Start,
-    /// "end".
-    End,
-    /// A number, not yet judged.
-    Number(i64),
-}
-
-impl<'de> Deserialize<'de> for Place {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(PlaceVisitor)
-    }
-}
-
-struct PlaceVisitor;
-
-impl Visitor<'_> for PlaceVisitor {
-    type Value = Place;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("\"start\", \"end\" or a number counted from zero")
-    }
-
-    fn visit_i64<E>(self, number: i64) -> Result<Place, E> {
-        Ok(Place::Number(number))
-    }
-
-    fn visit_str<E: de::Error>(self, text: &str) -> Result<Place, E> {
-        match text {
-            "start" => Ok(Place::Start),
-            "end" => Ok(Place::End),
-            _ => Err(E::invalid_value(de::Unexpected::Str(text), &self)),
-        }
-    }
-}
-
-impl JsonSchema for Place {
-    fn schema_name() -> Cow<'static, str> {
-        "place".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({
-            "description": "\"start\", \"end\", or a number counted from zero.",
-            "anyOf": [{ "enum": ["start", "end"] }, { "type": "integer", "minimum": 0 }],
-        })
-    }
 }

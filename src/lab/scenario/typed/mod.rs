@@ -11,7 +11,6 @@ mod load;
 mod model;
 mod obstacle;
 mod probe;
-mod quantity;
 mod rod;
 mod shape;
 mod start;
@@ -20,7 +19,7 @@ mod sweep;
 pub use actuation::Actuation;
 pub use continuation::Continuation;
 pub use joint::{Body, BodyShape, Boundary, Joint, Network, NetworkShape};
-pub use load::{Clamp, Load, Place, Plane, Pose};
+pub use load::{Clamp, Load, Plane, Pose};
 pub use model::{
     BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, Output, SchemeChoice, Solver, Time,
 };
@@ -28,7 +27,8 @@ pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
 pub use probe::{
     ContactForceProbe, DistanceProbe, EdgeProbe, NodeProbe, Probe, RodProbe, SectionProbe, StopWhen,
 };
-pub use quantity::{Quantity, Vector};
+pub use super::place::TypedPlace;
+pub use super::quantity::{Quantity, Vector};
 pub use rod::{CrossSection, InertiaChoice, Material, Rod, Stiffness};
 pub use shape::{Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, Slack, Straight};
 pub use start::Start;

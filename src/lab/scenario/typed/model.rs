@@ -1,6 +1,6 @@
 //! Models, time, solver, output and builders as typed.
 
-use super::quantity::Quantity;
+use crate::scenario::quantity::Quantity;
 use crate::scenario::units::{self, Dimensionless, Length, Velocity, Viscosity};
 use schemars::JsonSchema;
 use serde::Deserialize;

@@ -1,7 +1,7 @@
 //! Obstacles as typed.
 
 use super::load::Pose;
-use super::quantity::{Quantity, Vector};
+use crate::scenario::quantity::{Quantity, Vector};
 use crate::scenario::units::{Angle, AngularVelocity, Dimensionless, Length, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;

@@ -1,6 +1,6 @@
 //! Probes as typed.
 
-use super::Place;
+use crate::scenario::place::TypedPlace;
 use crate::scenario::resolved::Summary;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -59,7 +59,7 @@ pub struct NodeProbe {
     /// Name of the rod. Default: the only rod there is.
     pub rod: Option<String>,
     /// "start", "end", or the number of a node, counted from zero.
-    pub at: Option<Place>,
+    pub at: Option<TypedPlace>,
     /// What stands in `summary.csv`: the "last", "max", "min" or "mean" value of the rows. Default: nothing.
     pub summary: Option<Summary>,
 }
@@ -73,7 +73,7 @@ pub struct SectionProbe {
     /// Name of the rod. Default: the only rod there is.
     pub rod: Option<String>,
     /// "start", "end", or the number of a node. Default: where the value is largest in size along the rod.
-    pub at: Option<Place>,
+    pub at: Option<TypedPlace>,
     /// What stands in `summary.csv`: the "last", "max", "min" or "mean" value of the rows. Default: nothing.
     pub summary: Option<Summary>,
 }
@@ -87,7 +87,7 @@ pub struct EdgeProbe {
     /// Name of the rod. Default: the only rod there is.
     pub rod: Option<String>,
     /// "start", "end", or the number of an edge. Default: where the value is largest in size along the rod.
-    pub at: Option<Place>,
+    pub at: Option<TypedPlace>,
     /// What stands in `summary.csv`: the "last", "max", "min" or "mean" value of the rows. Default: nothing.
     pub summary: Option<Summary>,
 }
@@ -101,11 +101,11 @@ pub struct DistanceProbe {
     /// Name of the rod. Default: the only rod there is.
     pub rod: Option<String>,
     /// "start", "end", or the number of a node; goes with `to`.
-    pub at: Option<Place>,
+    pub at: Option<TypedPlace>,
     /// Name of the other rod. Default: the same rod.
     pub to_rod: Option<String>,
     /// Node of the other rod; goes with `at`.
-    pub to: Option<Place>,
+    pub to: Option<TypedPlace>,
     /// What stands in `summary.csv`: the "last", "max", "min" or "mean" value of the rows. Default: nothing.
     pub summary: Option<Summary>,
 }

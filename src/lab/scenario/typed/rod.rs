@@ -1,7 +1,7 @@
 //! Rods as typed.
 
 use super::kinds::allow_text;
-use super::quantity::{Quantity, Vector};
+use crate::scenario::quantity::{Quantity, Vector};
 use super::shape::{NaturalShape, Shape};
 use crate::scenario::units::{
     Angle, AngularVelocity, Curvature, Density, Dimensionless, Force, Frequency, Length, Pressure,

@@ -1,7 +1,7 @@
 //! Shapes as typed.
 
 use super::kinds::allow_text;
-use super::quantity::{Quantity, Vector};
+use crate::scenario::quantity::{Quantity, Vector};
 use crate::scenario::resolved::Handedness;
 use crate::scenario::units::{Angle, Curvature, Dimensionless, Length, Twist};
 use schemars::{JsonSchema, Schema};

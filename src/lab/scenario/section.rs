@@ -1,8 +1,8 @@
 //! Judging the values of one table, and collecting what is wrong.
 
 use crate::scenario::issue::{Issue, Issues, KeyPath};
-use crate::scenario::resolved::Place;
-use crate::scenario::typed::{self, Quantity, Vector};
+use crate::scenario::place::{Place, TypedPlace};
+use crate::scenario::quantity::{Quantity, Vector};
 use crate::scenario::units::Dimension;
 use std::cell::RefCell;
 use std::fmt;
@@ -211,11 +211,11 @@ impl<'a> Section<'a> {
     }
 
     /// A place along a rod; a faulty one reads as the start.
-    pub fn place(&self, key: &str, typed: typed::Place) -> Place {
+    pub fn place(&self, key: &str, typed: TypedPlace) -> Place {
         match typed {
-            typed::Place::Start => Place::Start,
-            typed::Place::End => Place::End,
-            typed::Place::Number(number) => {
+            TypedPlace::Start => Place::Start,
+            TypedPlace::End => Place::End,
+            TypedPlace::Number(number) => {
                 let number = self.number_from_zero(key, number);
                 number.map_or(Place::Start, Place::Number)
             }
