@@ -20,6 +20,7 @@
 
 mod canonical;
 mod cross_section;
+mod declaration;
 mod decode;
 mod document;
 mod document_text;
@@ -28,6 +29,7 @@ mod expansion;
 mod experiments;
 mod explain;
 mod expression;
+mod form;
 mod include;
 mod input_file;
 mod issue;
@@ -36,16 +38,17 @@ mod load;
 mod named_files;
 mod overrides;
 mod own_tables;
+mod place;
+mod quantity;
 mod rescale;
 mod resolve;
 mod resolved;
-mod place;
-mod quantity;
 mod schema;
 mod schema_tree;
 mod section;
 mod source;
 mod sweep;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod typed;

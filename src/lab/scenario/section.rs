@@ -3,7 +3,7 @@
 use crate::scenario::issue::{Issue, Issues, KeyPath};
 use crate::scenario::place::{Place, TypedPlace};
 use crate::scenario::quantity::{Quantity, Vector};
-use crate::scenario::units::Dimension;
+use crate::scenario::units::{Dimension, Time};
 use std::cell::RefCell;
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -13,6 +13,13 @@ use std::ops::RangeInclusive;
 pub struct Range {
     allows: fn(f64) -> bool,
     words: &'static str,
+}
+
+impl Range {
+    /// The range in words.
+    pub fn words(self) -> &'static str {
+        self.words
+    }
 }
 
 /// Greater than 0.
@@ -222,16 +229,6 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The sides of a box, which must be there.
-    pub fn sides<D: Dimension>(&self, key: &str, typed: &Option<Vector<D>>) -> [f64; 3] {
-        let sides = self.required_vector(key, typed);
-        for (axis, side) in sides.iter().enumerate().filter(|(_, side)| **side <= 0.0) {
-            let below = self.below(key);
-            below.out_of_range(&axis.to_string(), side, "greater than 0");
-        }
-        sides
-    }
-
     /// A vector, if it is there.
     pub fn vector<D: Dimension>(&self, key: &str, typed: &Option<Vector<D>>) -> Option<[f64; 3]> {
         typed.as_ref().map(|typed| self.components(key, typed))
@@ -246,20 +243,24 @@ impl<'a> Section<'a> {
     }
 
     /// A direction: a vector of any length but zero, made a unit vector.
+    pub fn unit_vector<D: Dimension>(&self, key: &str, typed: &Vector<D>) -> [f64; 3] {
+        let vector = self.components(key, typed);
+        if vector.iter().any(|component| component.is_nan()) {
+            return vector;
+        }
+        normalised(vector).unwrap_or_else(|| {
+            self.fault(key, "a direction cannot be [0, 0, 0]");
+            [f64::NAN; 3]
+        })
+    }
+
+    /// A direction, if it is there.
     pub fn direction<D: Dimension>(
         &self,
         key: &str,
         typed: &Option<Vector<D>>,
     ) -> Option<[f64; 3]> {
-        let vector = self.vector(key, typed)?;
-        if vector.iter().any(|component| component.is_nan()) {
-            return Some(vector);
-        }
-        let unit = normalised(vector);
-        if unit.is_none() {
-            self.fault(key, "a direction cannot be [0, 0, 0]");
-        }
-        Some(unit.unwrap_or([f64::NAN; 3]))
+        typed.as_ref().map(|typed| self.unit_vector(key, typed))
     }
 
     /// A direction that must be there.
@@ -288,11 +289,11 @@ impl<'a> Section<'a> {
     pub fn corners<T, V>(
         &self,
         key: &str,
-        typed: &Option<Vec<(Quantity<crate::scenario::units::Time>, T)>>,
+        typed: &[(Quantity<Time>, T)],
         mut value: impl FnMut(&Section<'_>, &T) -> V,
     ) -> Vec<(f64, V)> {
         let mut corners: Vec<(f64, V)> = Vec::new();
-        for (corner, (time, typed)) in self.elements(key, typed.as_deref().unwrap_or_default()) {
+        for (corner, (time, typed)) in self.elements(key, typed) {
             let time = corner.number("0", time, NON_NEGATIVE);
             if let Some((before, _)) = corners.last()
                 && time <= *before

@@ -1,7 +1,7 @@
 //! Resolving natural strains that change over time.
 
-use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::resolved::{Actuation, ActuationKind, Course, Time};
+use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::typed::{self, Quantity};
 use crate::scenario::units::{self, Angle, Dimension, Dimensionless, Frequency, Length};
 
@@ -115,9 +115,11 @@ fn course<D: Dimension>(section: &Section<'_>, keys: &Keys<'_, D>) -> Course {
             wavelength: section.optional("wavelength", keys.wavelength, POSITIVE),
             frequency: section.with_default("frequency", keys.frequency, FINITE, 0.0),
             phase: section.with_default("phase", keys.phase, FINITE, 0.0),
-            schedule: section.corners("schedule", keys.schedule, |corner, factor| {
-                corner.number("1", factor, FINITE)
-            }),
+            schedule: section.corners(
+                "schedule",
+                keys.schedule.as_deref().unwrap_or_default(),
+                |corner, factor| corner.number("1", factor, FINITE),
+            ),
         };
     };
     for (key, given) in [
@@ -138,7 +140,7 @@ fn course<D: Dimension>(section: &Section<'_>, keys: &Keys<'_, D>) -> Course {
         section.fault("values", "no values; give [[time, strain], ...]");
     }
     Course::Uniform {
-        values: section.corners("values", keys.values, |corner, value| {
+        values: section.corners("values", typed, |corner, value| {
             corner.number("1", value, FINITE)
         }),
     }

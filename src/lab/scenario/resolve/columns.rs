@@ -1,7 +1,7 @@
 //! Named columns of numbers in CSV files that scenarios refer to.
 
-use crate::scenario::section::LARGEST;
 use crate::scenario::input_file::{self, LARGEST_TABLE};
+use crate::scenario::section::LARGEST;
 use rodlab_files::input::{Column, Table};
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Resolving paths of equilibria.
 
-use crate::scenario::section::{FINITE, POSITIVE, Section};
 use crate::scenario::resolved::{Continuation, Fluid, Obstacle, PathMethod, Plane, Time};
+use crate::scenario::section::{FINITE, POSITIVE, Section};
 use crate::scenario::typed::ScenarioFile;
 
 /// Most points that a branch may have.

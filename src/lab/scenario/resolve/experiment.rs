@@ -1,9 +1,9 @@
 //! What a scenario file must know of a kind of experiment.
 
 use super::request::{CommonTables, Request};
-use crate::scenario::section::Section;
 use crate::scenario::own_tables::OwnTable;
 use crate::scenario::resolved::{Experiment, Time};
+use crate::scenario::section::Section;
 
 /// A kind of experiment as scenario files see it.
 pub trait ExperimentKeys: Sync {

@@ -4,7 +4,6 @@ mod actuation;
 mod columns;
 mod continuation;
 mod experiment;
-mod joint;
 mod load;
 mod model;
 mod movement;
@@ -19,17 +18,18 @@ mod shape;
 mod slip;
 mod start;
 
+pub use super::section::{FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range, Section};
 pub use columns::read_columns;
 pub use experiment::ExperimentKeys;
 pub use polyline::read as read_polyline;
 pub use request::{BuiltRod, CommonTables, Request};
-pub use super::section::{FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range, Section};
 pub use start::{END_STATE, file_of as start_file_of};
 
 use super::document::Node;
 use super::issue::{Issues, KeyPath};
 use super::own_tables::OwnTables;
-use super::resolved::{Contact, Experiment, Scenario};
+use super::resolved::{Contact, Experiment, Scenario, Time};
+use super::tables;
 use super::typed::ScenarioFile;
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -103,9 +103,9 @@ pub fn resolve(
         kind.judge(&top, &common);
     }
     let continuation = continuation::continuation(&top, file, &time);
-    let loads = load::loads(&top, &file.loads);
+    let loads = tables::loads(&top, &file.loads);
     let actuation = actuation::actuations(&top, &file.actuation, &time);
-    let planes = load::planes(&top, &file.planes);
+    let planes = tables::planes(&top, &file.planes);
     let obstacles = obstacle::obstacles(context, &top, &file.obstacles);
     if !obstacles.is_empty() && contact == Contact::None {
         top.fault(
@@ -130,9 +130,9 @@ pub fn resolve(
             &clamps,
         ));
     }
-    let mut joints = joint::joints(&top, &file.joints, &time);
+    let mut joints = tables::joints(&top, &file.joints, matches!(time, Time::Dynamic { .. }));
     joints.extend(networks.joints);
-    let bodies = joint::bodies(&top, &file.bodies);
+    let bodies = tables::bodies(&top, &file.bodies);
     model::refuse_turning_midpoint(&top, &joints, &bodies, &time);
     let scenario = experiment.map(|experiment| Scenario {
         name: context.name.to_owned(),

@@ -1,11 +1,11 @@
 //! Resolving models, time, solver and output.
 
 use super::movement::refuse_motion;
-use crate::scenario::section::{
-    DISPLACEMENT_TOLERANCE, FINITE, FORCE_TOLERANCE, FRACTION, NON_NEGATIVE, POSITIVE, Section,
-};
 use crate::scenario::resolved::{
     Body, Clamp, Contact, Fluid, Joint, Load, Obstacle, Output, Rod, Scheme, Solver, Step, Time,
+};
+use crate::scenario::section::{
+    DISPLACEMENT_TOLERANCE, FINITE, FORCE_TOLERANCE, FRACTION, NON_NEGATIVE, POSITIVE, Section,
 };
 use crate::scenario::typed::{self, ScenarioFile};
 

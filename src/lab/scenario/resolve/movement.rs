@@ -1,8 +1,8 @@
 //! Resolving how a clamp or an obstacle moves.
 
-use crate::scenario::section::{FINITE, Section};
 use super::{Context, poses};
 use crate::scenario::resolved::Movement;
+use crate::scenario::section::{FINITE, Section};
 use crate::scenario::typed::{Pose, Quantity, Vector};
 use crate::scenario::units::{Angle, AngularVelocity, Dimensionless, Length, Time};
 
@@ -24,12 +24,16 @@ pub fn movement(
     typed: &TypedMovement<'_>,
 ) -> Movement {
     let movement = Movement {
-        translation: section.corners("move", typed.translation, |corner, displacement| {
-            corner.components("1", displacement)
-        }),
-        angle: section.corners("turn", typed.angle, |corner, angle| {
-            corner.number("1", angle, FINITE)
-        }),
+        translation: section.corners(
+            "move",
+            typed.translation.as_deref().unwrap_or_default(),
+            |corner, displacement| corner.components("1", displacement),
+        ),
+        angle: section.corners(
+            "turn",
+            typed.angle.as_deref().unwrap_or_default(),
+            |corner, angle| corner.number("1", angle, FINITE),
+        ),
         angular_velocity: section.with_default(
             "angular_velocity",
             typed.angular_velocity,

@@ -3,11 +3,11 @@
 use super::columns::read_columns;
 use super::polyline;
 use super::rod::{CommonMaterial, MOST_EDGES, Member};
-use crate::scenario::section::{POSITIVE, Section};
 use super::{Context, rod};
 use crate::scenario::resolved::{
     Clamp, HeldEnds, Hold, Joint, JointKind, Movement, NetworkJoint, Place, Rod, Shape, Time,
 };
+use crate::scenario::section::{POSITIVE, Section};
 use crate::scenario::typed;
 use std::collections::BTreeMap;
 
@@ -365,9 +365,11 @@ fn hold(
     all: &mut Networks,
 ) {
     let hold = typed.hold.unwrap_or(Hold::Position);
-    let scale = section.corners("scale", &typed.scale, |corner, factor| {
-        corner.number("1", factor, POSITIVE)
-    });
+    let scale = section.corners(
+        "scale",
+        typed.scale.as_deref().unwrap_or_default(),
+        |corner, factor| corner.number("1", factor, POSITIVE),
+    );
     let is_end =
         |rod: usize, node: usize| node == 0 || node == edges * (layout.rods[rod].len() - 1);
     let held: Vec<(usize, Vec<(usize, usize)>)> = (visits.iter())

@@ -2,9 +2,10 @@
 
 use super::Context;
 use super::movement::{TypedMovement, movement};
-use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
+use crate::scenario::form::{Numbers, Requirable};
 use crate::scenario::input_file;
 use crate::scenario::resolved::{Obstacle, ObstacleShape};
+use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
 use crate::scenario::typed;
 use rodlab_files::mesh;
 
@@ -102,7 +103,7 @@ fn segment(section: &Section<'_>, typed: &typed::Capsule) -> ([[f64; 3]; 2], f64
 }
 
 fn cuboid(section: &Section<'_>, typed: &typed::Cuboid) -> ObstacleShape {
-    let size = section.sides("size", &typed.size);
+    let size = Numbers::new(POSITIVE).required(section, "size", &typed.size);
     let rounding = section.with_default("rounding", &typed.rounding, NON_NEGATIVE, 0.0);
     let shortest = size.iter().copied().fold(f64::INFINITY, f64::min);
     if shortest > 0.0 && rounding >= 0.5 * shortest {

@@ -2,8 +2,8 @@
 
 use super::Context;
 use super::columns::read_columns;
-use crate::scenario::section::Section;
 use crate::scenario::resolved::Shape;
+use crate::scenario::section::Section;
 use crate::scenario::typed::{self, Vector};
 use crate::scenario::units::Length;
 use std::path::Path;

@@ -2,8 +2,8 @@
 
 use super::Context;
 use super::columns::read_columns;
-use crate::scenario::section::{FINITE, NON_NEGATIVE, Section};
 use crate::scenario::resolved::Pose;
+use crate::scenario::section::{FINITE, NON_NEGATIVE, Section};
 use crate::scenario::typed;
 use std::path::Path;
 

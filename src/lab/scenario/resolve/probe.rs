@@ -1,10 +1,10 @@
 //! Resolving probes and the condition that ends a run.
 
-use crate::scenario::section::Section;
 use crate::scenario::resolved::{
     AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,
     TwoRods,
 };
+use crate::scenario::section::Section;
 use crate::scenario::typed;
 
 /// Resolves all probes.

@@ -1,13 +1,13 @@
 //! What a kind of experiment is given to resolve its own tables.
 
 use super::rod::{material, refuse_degenerate};
-use crate::scenario::section::{POSITIVE, Section};
 use super::{Context, polyline};
 use crate::scenario::issue::KeyPath;
 use crate::scenario::own_tables::OwnTables;
 use crate::scenario::resolved::{
     BuilderRod, Contact, CrossSection, Fluid, Material, Rod, Stiffness, Time,
 };
+use crate::scenario::section::{POSITIVE, Section};
 use crate::scenario::typed::{ScenarioFile, Vector};
 use crate::scenario::units::Length;
 use std::any::Any;

@@ -1,10 +1,10 @@
 //! Resolving rods.
 
-use crate::scenario::section::{FINITE, NON_NEGATIVE, POISSONS_RATIO, POSITIVE, Section};
 use super::{Context, model, shape};
 use crate::scenario::resolved::{
     CrossSection, Inertia, Material, NaturalShape, Rod, Shape, Stiffness,
 };
+use crate::scenario::section::{FINITE, NON_NEGATIVE, POISSONS_RATIO, POSITIVE, Section};
 use crate::scenario::typed::{self, ScenarioFile};
 
 /// More edges than any machine could step; a slip of the fingers.

@@ -1,8 +1,8 @@
 //! Resolving shapes.
 
-use crate::scenario::section::{FINITE, POSITIVE, Section};
 use super::{Context, polyline};
 use crate::scenario::resolved::{Handedness, NaturalShape, Shape};
+use crate::scenario::section::{FINITE, POSITIVE, Section};
 use crate::scenario::typed;
 use std::f64::consts::TAU;
 

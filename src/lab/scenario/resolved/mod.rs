@@ -7,24 +7,25 @@
 mod actuation;
 mod continuation;
 mod experiment;
-mod joint;
 mod load;
 mod model;
 mod movement;
+mod network;
 mod obstacle;
 mod probe;
 mod rod;
 mod run;
 mod start;
 
+pub use super::place::Place;
+pub use super::tables::{Body, BodyShape, Joint, JointKind, Load, LoadFrame, LoadKind, Plane};
 pub use actuation::{Actuation, ActuationKind, Course};
 pub use continuation::{Continuation, PathMethod};
 pub use experiment::{BuilderRod, Experiment};
-pub use joint::{Body, BodyShape, HeldEnds, Joint, JointKind, NetworkJoint};
-pub use super::place::Place;
-pub use load::{Clamp, Hold, Load, LoadFrame, LoadKind, Plane};
+pub use load::{Clamp, Hold};
 pub use model::{Contact, Fluid};
 pub use movement::{Movement, Pose};
+pub use network::{HeldEnds, NetworkJoint};
 pub use obstacle::{Obstacle, ObstacleShape};
 pub use probe::{
     AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,

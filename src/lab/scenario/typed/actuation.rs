@@ -1,9 +1,11 @@
 //! Natural strains that change over time, as typed.
 
-use super::load::Schedule;
 use crate::scenario::quantity::Quantity;
 use crate::scenario::units::{Angle, Curvature, Dimensionless, Frequency, Length, Time, Twist};
 use schemars::JsonSchema;
+
+/// Corners of a piecewise linear factor: [[time, factor], ...].
+type Schedule = Vec<(Quantity<Time>, Quantity<Dimensionless>)>;
 
 /// A natural strain that changes over time: the rod bends, twists or lengthens by itself. Give `values`, or a wave by its
 /// `amplitude`: amplitude · sin(2π (s/wavelength − t · frequency) + phase) at the distance s from the start of the rod.

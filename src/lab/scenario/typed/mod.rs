@@ -5,10 +5,10 @@
 
 mod actuation;
 mod continuation;
-mod joint;
 mod kinds;
 mod load;
 mod model;
+mod network;
 mod obstacle;
 mod probe;
 mod rod;
@@ -16,24 +16,25 @@ mod shape;
 mod start;
 mod sweep;
 
+pub use super::place::TypedPlace;
+pub use super::quantity::{Quantity, Vector};
 pub use actuation::Actuation;
 pub use continuation::Continuation;
-pub use joint::{Body, BodyShape, Boundary, Joint, Network, NetworkShape};
-pub use load::{Clamp, Load, Plane, Pose};
+pub use load::{Clamp, Pose};
 pub use model::{
     BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, Output, SchemeChoice, Solver, Time,
 };
+pub use network::{Boundary, Network, NetworkShape};
 pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
 pub use probe::{
     ContactForceProbe, DistanceProbe, EdgeProbe, NodeProbe, Probe, RodProbe, SectionProbe, StopWhen,
 };
-pub use super::place::TypedPlace;
-pub use super::quantity::{Quantity, Vector};
 pub use rod::{CrossSection, InertiaChoice, Material, Rod, Stiffness};
 pub use shape::{Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, Slack, Straight};
 pub use start::Start;
 pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};
 
+use super::tables::{BodyKeys, JointKeys, LoadKeys, PlaneKeys};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -72,22 +73,22 @@ pub struct ScenarioFile {
     pub clamps: Vec<Clamp>,
     /// Rods that are joined at one point.
     #[serde(default)]
-    pub joints: Vec<Joint>,
+    pub joints: Vec<JointKeys>,
     /// Masses and rigid bodies that rods carry.
     #[serde(default)]
-    pub bodies: Vec<Body>,
+    pub bodies: Vec<BodyKeys>,
     /// Nets, gridshells, trees: many rods joined at their crossings.
     #[serde(default)]
     pub networks: Vec<Network>,
     /// External loads.
     #[serde(default)]
-    pub loads: Vec<Load>,
+    pub loads: Vec<LoadKeys>,
     /// Natural strains that change over time.
     #[serde(default)]
     pub actuation: Vec<Actuation>,
     /// Rigid half spaces that rods may touch.
     #[serde(default)]
-    pub planes: Vec<Plane>,
+    pub planes: Vec<PlaneKeys>,
     /// Rigid bodies that rods may touch.
     #[serde(default)]
     pub obstacles: Vec<Obstacle>,

@@ -1,8 +1,8 @@
 //! Rods as typed.
 
 use super::kinds::allow_text;
-use crate::scenario::quantity::{Quantity, Vector};
 use super::shape::{NaturalShape, Shape};
+use crate::scenario::quantity::{Quantity, Vector};
 use crate::scenario::units::{
     Angle, AngularVelocity, Curvature, Density, Dimensionless, Force, Frequency, Length, Pressure,
     Rigidity, Time, Twist, Velocity, Viscosity,

@@ -1,0 +1,373 @@
+//! What a key holds: how its value is typed, judged and described. Declarations of tables ([`keys!`](super::declaration)) name
+//! a form for each key.
+
+use super::place::{Place, TypedPlace};
+use super::quantity::{Quantity, Vector};
+use super::section::{FINITE, NON_NEGATIVE, Range, Section};
+use super::units::{Dimension, Dimensionless, Time};
+use schemars::Schema;
+use schemars::transform::Transform;
+use serde::Serialize;
+use serde_json::Value as Json;
+use std::marker::PhantomData;
+use std::ops::RangeInclusive;
+
+/// The form of a key.
+pub trait Form {
+    /// The value as typed.
+    type Typed;
+    /// The value in SI units.
+    type Value;
+
+    /// The value; a fault is reported.
+    fn judge(&self, section: &Section<'_>, key: &str, typed: &Self::Typed) -> Self::Value;
+
+    /// The range in words.
+    fn range(&self) -> Option<String> {
+        None
+    }
+
+    /// The value, if it is there.
+    fn optional(
+        &self,
+        section: &Section<'_>,
+        key: &str,
+        typed: &Option<Self::Typed>,
+    ) -> Option<Self::Value> {
+        typed.as_ref().map(|typed| self.judge(section, key, typed))
+    }
+}
+
+/// The form of a key that may be required.
+pub trait Requirable: Form {
+    /// What to type where the key is missing.
+    fn help(&self) -> String;
+
+    /// The value of a key that is missing, after that was reported.
+    fn nothing(&self) -> Self::Value;
+
+    /// The value, which must be there.
+    fn required(
+        &self,
+        section: &Section<'_>,
+        key: &str,
+        typed: &Option<Self::Typed>,
+    ) -> Self::Value {
+        self.optional(section, key, typed).unwrap_or_else(|| {
+            section.missing(key, self.help());
+            self.nothing()
+        })
+    }
+}
+
+/// A number with a unit, in a range.
+pub struct Number<D>(Range, PhantomData<D>);
+
+impl<D: Dimension> Number<D> {
+    /// Numbers in this range.
+    pub fn new(range: Range) -> Self {
+        Self(range, PhantomData)
+    }
+}
+
+impl<D: Dimension> Form for Number<D> {
+    type Typed = Quantity<D>;
+    type Value = f64;
+
+    fn judge(&self, section: &Section<'_>, key: &str, typed: &Quantity<D>) -> f64 {
+        section.number(key, typed, self.0)
+    }
+
+    fn range(&self) -> Option<String> {
+        Some(self.0.words().to_owned())
+    }
+}
+
+impl<D: Dimension> Requirable for Number<D> {
+    fn help(&self) -> String {
+        format!("{}, {}", D::NAME, self.0.words())
+    }
+
+    fn nothing(&self) -> f64 {
+        f64::NAN
+    }
+}
+
+/// Several numbers of one unit, such as the components of a vector, each in a range.
+pub struct Numbers<D, const N: usize>(Range, PhantomData<D>);
+
+impl<D: Dimension, const N: usize> Numbers<D, N> {
+    /// Numbers in this range.
+    pub fn new(range: Range) -> Self {
+        Self(range, PhantomData)
+    }
+}
+
+impl<D: Dimension, const N: usize> Form for Numbers<D, N> {
+    type Typed = [Quantity<D>; N];
+    type Value = [f64; N];
+
+    fn judge(&self, section: &Section<'_>, key: &str, typed: &[Quantity<D>; N]) -> [f64; N] {
+        let below = section.below(key);
+        std::array::from_fn(|index| below.number(&index.to_string(), &typed[index], self.0))
+    }
+
+    fn range(&self) -> Option<String> {
+        Some(self.0.words().to_owned())
+    }
+}
+
+impl<D: Dimension, const N: usize> Requirable for Numbers<D, N> {
+    fn help(&self) -> String {
+        match N {
+            3 => format!("three numbers [x, y, z], each {}", D::NAME),
+            _ => format!("{N} numbers, each {}", D::NAME),
+        }
+    }
+
+    fn nothing(&self) -> [f64; N] {
+        [f64::NAN; N]
+    }
+}
+
+/// A direction, made a unit vector.
+pub struct Direction;
+
+impl Form for Direction {
+    type Typed = Vector<Dimensionless>;
+    type Value = [f64; 3];
+
+    fn judge(&self, section: &Section<'_>, key: &str, typed: &Vector<Dimensionless>) -> [f64; 3] {
+        section.unit_vector(key, typed)
+    }
+
+    fn range(&self) -> Option<String> {
+        Some("any length but 0".to_owned())
+    }
+}
+
+impl Requirable for Direction {
+    fn help(&self) -> String {
+        "a direction [x, y, z]".to_owned()
+    }
+
+    fn nothing(&self) -> [f64; 3] {
+        [f64::NAN; 3]
+    }
+}
+
+/// A value that needs no judgement, such as a word, true or false, or text.
+pub struct Plain<T> {
+    help: &'static str,
+    value: PhantomData<T>,
+}
+
+impl<T> Plain<T> {
+    /// Such a value; `help` says what to type where it is missing.
+    pub fn new(help: &'static str) -> Self {
+        Self {
+            help,
+            value: PhantomData,
+        }
+    }
+}
+
+impl<T: Clone> Form for Plain<T> {
+    type Typed = T;
+    type Value = T;
+
+    fn judge(&self, _: &Section<'_>, _: &str, typed: &T) -> T {
+        typed.clone()
+    }
+}
+
+impl<T: Clone + Default> Requirable for Plain<T> {
+    fn help(&self) -> String {
+        self.help.to_owned()
+    }
+
+    fn nothing(&self) -> T {
+        T::default()
+    }
+}
+
+/// A whole number.
+pub struct Count(pub RangeInclusive<usize>);
+
+impl Form for Count {
+    type Typed = i64;
+    type Value = usize;
+
+    fn judge(&self, section: &Section<'_>, key: &str, typed: &i64) -> usize {
+        let count = section.count(key, Some(*typed), self.0.clone());
+        count.unwrap_or(self.nothing())
+    }
+
+    fn range(&self) -> Option<String> {
+        Some(format!("{} to {}", self.0.start(), self.0.end()))
+    }
+}
+
+impl Requirable for Count {
+    fn help(&self) -> String {
+        format!("a whole number, {} to {}", self.0.start(), self.0.end())
+    }
+
+    fn nothing(&self) -> usize {
+        *self.0.start()
+    }
+}
+
+/// A place along a rod.
+pub struct Along;
+
+impl Form for Along {
+    type Typed = TypedPlace;
+    type Value = Place;
+
+    fn judge(&self, section: &Section<'_>, key: &str, typed: &TypedPlace) -> Place {
+        section.place(key, *typed)
+    }
+}
+
+impl Requirable for Along {
+    fn help(&self) -> String {
+        "\"start\", \"end\", or a number counted from zero".to_owned()
+    }
+
+    fn nothing(&self) -> Place {
+        Place::Start
+    }
+}
+
+/// A place along each of two rods.
+pub struct AlongBoth(pub &'static str);
+
+impl Form for AlongBoth {
+    type Typed = [TypedPlace; 2];
+    type Value = [Place; 2];
+
+    fn judge(&self, section: &Section<'_>, key: &str, typed: &[TypedPlace; 2]) -> [Place; 2] {
+        let below = section.below(key);
+        std::array::from_fn(|k| below.place(&k.to_string(), typed[k]))
+    }
+}
+
+impl Requirable for AlongBoth {
+    fn help(&self) -> String {
+        self.0.to_owned()
+    }
+
+    fn nothing(&self) -> [Place; 2] {
+        [Place::Start; 2]
+    }
+}
+
+/// Corners of a piecewise linear function of time, [[time, value], ...].
+pub struct Corners<D>(PhantomData<D>);
+
+impl<D: Dimension> Corners<D> {
+    /// Any values.
+    pub fn any() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<D: Dimension> Form for Corners<D> {
+    type Typed = Vec<(Quantity<Time>, Quantity<D>)>;
+    type Value = Vec<(f64, f64)>;
+
+    fn judge(&self, section: &Section<'_>, key: &str, typed: &Self::Typed) -> Vec<(f64, f64)> {
+        section.corners(key, typed, |corner, value| {
+            corner.number("1", value, FINITE)
+        })
+    }
+
+    fn range(&self) -> Option<String> {
+        Some(format!("times {} that grow", NON_NEGATIVE.words()))
+    }
+}
+
+impl<D: Dimension> Requirable for Corners<D> {
+    fn help(&self) -> String {
+        format!("corners [[time, value], ...], each value {}", D::NAME)
+    }
+
+    fn nothing(&self) -> Vec<(f64, f64)> {
+        Vec::new()
+    }
+}
+
+/// A table below the key.
+pub struct Nested<T, V>(pub fn(&T, &Section<'_>) -> V);
+
+impl<T, V> Form for Nested<T, V> {
+    type Typed = T;
+    type Value = V;
+
+    fn judge(&self, section: &Section<'_>, key: &str, typed: &T) -> V {
+        (self.0)(typed, &section.below(key))
+    }
+}
+
+/// What the schema says of a key beside its words: whether it is required, its range and its default.
+#[derive(Default)]
+pub struct Note {
+    range: Option<String>,
+    is_required: bool,
+    default: Option<Json>,
+}
+
+impl Note {
+    /// The note of a key that may be missing.
+    pub fn of(form: &impl Form) -> Self {
+        Self {
+            range: form.range(),
+            ..Self::default()
+        }
+    }
+
+    /// The same of a key that must be there.
+    #[must_use]
+    pub fn required(self) -> Self {
+        Self {
+            is_required: true,
+            ..self
+        }
+    }
+
+    /// The same of a key with a default.
+    #[must_use]
+    pub fn with_default(self, default: &impl Serialize) -> Self {
+        Self {
+            default: serde_json::to_value(default).ok().map(whole),
+            ..self
+        }
+    }
+}
+
+/// A default with whole numbers as people write them.
+fn whole(value: Json) -> Json {
+    match value {
+        Json::Array(elements) => elements.into_iter().map(whole).collect(),
+        Json::Number(number) => match number.as_f64() {
+            Some(float) if float.fract() == 0.0 && float.abs() < 1e6 => (float as i64).into(),
+            _ => Json::Number(number),
+        },
+        other => other,
+    }
+}
+
+impl Transform for Note {
+    fn transform(&mut self, schema: &mut Schema) {
+        if let Some(range) = self.range.take() {
+            schema.insert("x-range".to_owned(), range.into());
+        }
+        if self.is_required {
+            schema.insert("x-required".to_owned(), true.into());
+        }
+        if let Some(default) = self.default.take() {
+            schema.insert("x-default".to_owned(), default);
+        }
+    }
+}

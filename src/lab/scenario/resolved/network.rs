@@ -1,0 +1,28 @@
+//! Choices of networks.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What joins the rods of a network.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum NetworkJoint {
+    /// Balls.
+    #[default]
+    Ball,
+    /// Welds.
+    Rigid,
+}
+
+/// Which ends of the rods of a network are held.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum HeldEnds {
+    /// All.
+    #[default]
+    All,
+    /// Those at which ends of two rods meet.
+    Corners,
+}

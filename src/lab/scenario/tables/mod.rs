@@ -1,0 +1,11 @@
+//! Tables of keys, each declared once: as typed, as resolved, and the checks between its keys.
+
+mod body;
+mod joint;
+mod load;
+mod plane;
+
+pub use body::{Body, BodyKeys, BodyShape, bodies};
+pub use joint::{Joint, JointKeys, JointKind, joints};
+pub use load::{Load, LoadFrame, LoadKeys, LoadKind, loads};
+pub use plane::{Plane, PlaneKeys, planes};

@@ -1,0 +1,65 @@
+//! Networks as typed.
+
+use super::rod::Rod;
+use crate::scenario::quantity::{Quantity, Vector};
+use crate::scenario::resolved::{Hold, NetworkJoint};
+use crate::scenario::units::{Dimensionless, Length, Time};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Many rods joined at their crossings, from one table.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "network")]
+pub struct Network {
+    /// Its rods are called by it and a number: "net_0", "net_1", ... Default: "net", which then must be the only one.
+    pub name: Option<String>,
+    /// What all its rods are: the keys of [[rods]] but `name`, `shape` and `closed`. `edges` counts between neighbouring
+    /// crossings.
+    pub rod: Option<Rod>,
+    /// Where its rods lie.
+    pub shape: Option<NetworkShape>,
+    /// What joins them at crossings: "ball" (the default) or "rigid".
+    pub joint: Option<NetworkJoint>,
+    /// What of it is held.
+    pub boundary: Option<Boundary>,
+}
+
+/// Where the rods of a network lie.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "kind", deny_unknown_fields, rename = "network_shape")]
+pub enum NetworkShape {
+    /// Two families of straight rods across a parallelogram: first those along `sides[0]`, then those along `sides[1]`,
+    /// each in the order of the other side.
+    Grid {
+        /// A corner. Default: [0, 0, 0].
+        corner: Option<Vector<Length>>,
+        /// The two sides from there.
+        sides: Option<[Vector<Length>; 2]>,
+        /// Numbers of rods along the first side and along the second, at least 2 each; the outer ones lie on the rim.
+        rods: Option<[i64; 2]>,
+    },
+    /// Polylines through numbered points: a tree, a lattice, whatever was designed elsewhere.
+    Table {
+        /// CSV file of the points, relative to the scenario file: columns x_m, y_m, z_m; the first one is number 0.
+        points_file: Option<String>,
+        /// CSV file of the rods: columns rod and point, a row for each point that a rod runs through, in order.
+        rods_file: Option<String>,
+        /// The points themselves, instead of the file.
+        points: Option<Vec<Vector<Length>>>,
+        /// The points of each rod, instead of the file: [[0, 1, 2], [3, 1, 4], ...].
+        rods: Option<Vec<Vec<i64>>>,
+    },
+}
+
+/// The rim of a network: ends of its rods.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "boundary")]
+pub struct Boundary {
+    /// "position" (the default), "frame", or "both".
+    pub hold: Option<Hold>,
+    /// Which ends are held: "all" (the default), or only those at "corners", where ends of two rods meet.
+    pub ends: Option<crate::scenario::resolved::HeldEnds>,
+    /// How far they are from their centre, over how far they are as placed, at given times: [[time, factor], ...].
+    pub scale: Option<Vec<(Quantity<Time>, Quantity<Dimensionless>)>>,
+}
