@@ -1,11 +1,9 @@
 //! Resolving paths of equilibria.
 
-use crate::scenario::resolved::{Continuation, Fluid, Obstacle, PathMethod, Plane, Time};
-use crate::scenario::section::{FINITE, POSITIVE, Section};
+use crate::scenario::resolved::{Continuation, Fluid, Obstacle, Plane, Time};
+use crate::scenario::section::Section;
+use crate::scenario::tables;
 use crate::scenario::typed::ScenarioFile;
-
-/// Most points that a branch may have.
-const MOST_POINTS: usize = 1_000_000;
 
 /// Resolves the path; `None` where time.mode is another, or a fault was reported.
 pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Option<Continuation> {
@@ -19,36 +17,7 @@ pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Opti
     let help = "a table [continuation] with the end of the parameter, `to`";
     let typed = top.needed("continuation", file.continuation.as_ref(), help)?;
     let section = top.below("continuation");
-    let from = section.with_default("from", &typed.from, FINITE, 0.0);
-    let to = section.required("to", &typed.to, FINITE);
-    let range = (to - from).abs();
-    if range == 0.0 {
-        section.out_of_range("to", to, "any but `from`");
-    }
-    let step = |key, typed, default| {
-        let step = section.with_default(key, typed, POSITIVE, default);
-        if step > range {
-            let allowed = format_args!("at most |to − from| = {range:?}");
-            section.out_of_range(key, step, allowed);
-        }
-        step
-    };
-    let first = step("step", &typed.step, 0.01 * range);
-    let largest = step(
-        "largest_step",
-        &typed.largest_step,
-        first.max(0.02 * range).min(range),
-    );
-    let points = typed.most_points.or(Some(1000));
-    Some(Continuation {
-        from,
-        to,
-        step: first,
-        largest_step: largest,
-        method: typed.method.unwrap_or(PathMethod::Arclength),
-        switch_branches: typed.switch_branches.unwrap_or(true),
-        most_points: section.count("most_points", points, 2..=MOST_POINTS)?,
-    })
+    Some(tables::continuation(&section, typed))
 }
 
 /// Refuses friction, whose forces at rest depend on how the rods came there.

@@ -4,9 +4,8 @@ use super::movement::refuse_motion;
 use crate::scenario::resolved::{
     Body, Clamp, Contact, Fluid, Joint, Load, Obstacle, Output, Rod, Scheme, Solver, Step, Time,
 };
-use crate::scenario::section::{
-    DISPLACEMENT_TOLERANCE, FINITE, FORCE_TOLERANCE, FRACTION, NON_NEGATIVE, POSITIVE, Section,
-};
+use crate::scenario::section::Section;
+use crate::scenario::tables::{OutputKeys, SolverKeys};
 use crate::scenario::typed::{self, ScenarioFile};
 
 /// The factor s of the stiffness of "imc" (m) over the radius of the thinnest rod: the thesis has 1e5 m for 1 mm.
@@ -26,18 +25,12 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
         return Contact::None;
     };
     let section = top.below("contact");
-    let model = typed.model.unwrap_or(typed::ContactModel::Imc);
+    let model = typed.model(&section);
     if model == typed::ContactModel::None {
         return Contact::None;
     }
-    let number = |key, typed, range, default| section.with_default(key, typed, range, default);
-    let friction = number("friction", &typed.friction, NON_NEGATIVE, 0.0);
-    let distance_tolerance = section.with_default(
-        "distance_tolerance",
-        &typed.distance_tolerance,
-        POSITIVE,
-        0.01 * smallest_radius,
-    );
+    let friction = typed.friction(&section);
+    let distance_tolerance = typed.distance_tolerance(&section, 0.01 * smallest_radius);
     if distance_tolerance > smallest_radius {
         section.out_of_range(
             "distance_tolerance",
@@ -45,16 +38,7 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
             format_args!("at most the smallest radius, {smallest_radius:?} m"),
         );
     }
-    let slip_tolerance =
-        section.with_default("slip_tolerance", &typed.slip_tolerance, POSITIVE, 1e-4);
-    let stiffness_factor = |default| {
-        number(
-            "stiffness_factor",
-            &typed.stiffness_factor,
-            POSITIVE,
-            default,
-        )
-    };
+    let slip_tolerance = typed.slip_tolerance(&section, 1e-4);
     if model == typed::ContactModel::Ipc {
         if typed.maximum_penetration.is_some() {
             section.fault(
@@ -66,15 +50,10 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
             friction,
             distance_tolerance,
             slip_tolerance,
-            stiffness_factor: stiffness_factor(1.0),
+            stiffness_factor: typed.stiffness_factor(&section, 1.0),
         };
     }
-    let maximum_penetration = number(
-        "maximum_penetration",
-        &typed.maximum_penetration,
-        FRACTION,
-        0.05,
-    );
+    let maximum_penetration = typed.maximum_penetration(&section);
     if model == typed::ContactModel::Complementarity {
         section.refuse(
             &[
@@ -93,7 +72,7 @@ pub fn contact(top: &Section<'_>, typed: Option<&typed::Contact>, smallest_radiu
         friction,
         distance_tolerance,
         slip_tolerance,
-        stiffness_factor: stiffness_factor(STIFFNESS_PER_RADIUS * smallest_radius),
+        stiffness_factor: typed.stiffness_factor(&section, STIFFNESS_PER_RADIUS * smallest_radius),
         maximum_penetration,
     }
 }
@@ -116,7 +95,7 @@ pub fn fluid(
         return Fluid::None;
     };
     let section = top.below("fluid");
-    let model = typed.model.unwrap_or(typed::FluidModel::Rss);
+    let model = typed.model(&section);
     if model == typed::FluidModel::Resistive && typed.regularization.is_some() {
         section.fault("regularization", "only the model \"rss\" is regularised");
     }
@@ -127,33 +106,23 @@ pub fn fluid(
     match model {
         typed::FluidModel::None => Fluid::None,
         typed::FluidModel::Rss => Fluid::Rss {
-            viscosity: section.required("viscosity", &typed.viscosity, POSITIVE),
-            regularization: section.with_default(
-                "regularization",
-                &typed.regularization,
-                POSITIVE,
+            viscosity: typed.viscosity(&section),
+            regularization: typed.regularization(
+                &section,
                 if beside_wall {
                     REGULARIZATION_BESIDE_A_WALL
                 } else {
                     REGULARIZATION
                 },
             ),
-            far_field_error: far_field_error(&section, typed),
+            far_field_error: typed.far_field_error(&section),
             spin,
         },
         typed::FluidModel::Resistive => Fluid::Resistive {
-            viscosity: section.required("viscosity", &typed.viscosity, POSITIVE),
+            viscosity: typed.viscosity(&section),
             spin,
         },
     }
-}
-
-fn far_field_error(section: &Section<'_>, typed: &typed::Fluid) -> f64 {
-    let error = section.with_default("far_field_error", &typed.far_field_error, FINITE, 1e-4);
-    if error != 0.0 && !(1e-6..=1e-2).contains(&error) {
-        section.out_of_range("far_field_error", error, "0, or from 1e-6 to 1e-2");
-    }
-    error
 }
 
 /// Resolves mode and time steps.
@@ -171,7 +140,7 @@ pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
         ];
         section.refuse(&keys, message);
     };
-    match typed.mode.unwrap_or(typed::Mode::Dynamic) {
+    match typed.mode(&section) {
         typed::Mode::Static => {
             refuse_steps("a static run has no time steps; leave the key out");
             Time::Static
@@ -183,9 +152,9 @@ pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
             Time::Continuation
         }
         typed::Mode::Dynamic => {
-            let end = section.required("end", &typed.end, POSITIVE);
+            let end = typed.end(&section);
             Time::Dynamic {
-                scheme: scheme(file, typed.scheme),
+                scheme: scheme(file, typed.scheme(&section)),
                 step: step(&section, typed, interval(top, &file.output, end), end),
                 end,
             }
@@ -208,9 +177,9 @@ pub fn flows(file: &ScenarioFile) -> bool {
 /// The scheme that is named, or the best for what the scene holds. Where things touch, velocities jump, which only
 /// implicit Euler takes without ringing; otherwise backward differences follow a heavy cantilever's swing with a twentieth
 /// of its error, at the same cost.
-fn scheme(file: &ScenarioFile, choice: Option<typed::SchemeChoice>) -> Scheme {
+fn scheme(file: &ScenarioFile, choice: typed::SchemeChoice) -> Scheme {
     let touches = touches(file);
-    match choice.unwrap_or(typed::SchemeChoice::Auto) {
+    match choice {
         typed::SchemeChoice::Auto if touches => Scheme::ImplicitEuler,
         typed::SchemeChoice::Auto => Scheme::BackwardDifferences,
         typed::SchemeChoice::ImplicitEuler => Scheme::ImplicitEuler,
@@ -222,13 +191,8 @@ fn scheme(file: &ScenarioFile, choice: Option<typed::SchemeChoice>) -> Scheme {
 fn step(section: &Section<'_>, typed: &typed::Time, interval: f64, end: f64) -> Step {
     if typed.step.as_ref().is_some_and(|step| step.is_word("auto")) {
         return Step::Auto {
-            tolerance: section.with_default(
-                "tolerance",
-                &typed.tolerance,
-                DISPLACEMENT_TOLERANCE,
-                1e-2,
-            ),
-            maximum: section.with_default("maximum_step", &typed.maximum_step, POSITIVE, interval),
+            tolerance: typed.tolerance(section),
+            maximum: typed.maximum_step(section, interval),
         };
     }
     let keys = [
@@ -236,7 +200,7 @@ fn step(section: &Section<'_>, typed: &typed::Time, interval: f64, end: f64) -> 
         ("maximum_step", typed.maximum_step.is_some()),
     ];
     section.refuse(&keys, "this key goes with step = \"auto\" only");
-    Step::Fixed(section.with_default("step", &typed.step, POSITIVE, PART_OF_END * end))
+    Step::Fixed(typed.step(section, PART_OF_END * end))
 }
 
 /// Refuses rigid contact where it is not defined: it gives forces to the steps of implicit Euler.
@@ -346,7 +310,7 @@ pub fn refuse_small_steps(top: &Section<'_>, time: &Time, solver: &Solver) {
 }
 
 /// Resolves the solver; the size of the steps sets the default of the smallest.
-pub fn solver(top: &Section<'_>, typed: &typed::Solver, time: &Time) -> Solver {
+pub fn solver(top: &Section<'_>, typed: &SolverKeys, time: &Time) -> Solver {
     let section = top.below("solver");
     let least = match *time {
         Time::Static | Time::Continuation => None,
@@ -355,36 +319,17 @@ pub fn solver(top: &Section<'_>, typed: &typed::Solver, time: &Time) -> Solver {
             Step::Auto { maximum, .. } => LEAST_PART_OF_LARGEST * maximum,
         }),
     };
+    let solver = typed.resolve(&section);
     Solver {
-        force_tolerance: section.with_default(
-            "force_tolerance",
-            &typed.force_tolerance,
-            FORCE_TOLERANCE,
-            1e-6,
-        ),
-        displacement_tolerance: section.with_default(
-            "displacement_tolerance",
-            &typed.displacement_tolerance,
-            DISPLACEMENT_TOLERANCE,
-            1e-4,
-        ),
-        maximum_iterations: section
-            .count(
-                "maximum_iterations",
-                typed.maximum_iterations.or(Some(40)),
-                1..=100_000,
-            )
-            .unwrap_or(40),
-        minimum_step: section
-            .optional("minimum_step", &typed.minimum_step, POSITIVE)
-            .or(least),
+        minimum_step: solver.minimum_step.or(least),
+        ..solver
     }
 }
 
 /// Time between outputs of a run that ends at `end`.
-fn interval(top: &Section<'_>, typed: &typed::Output, end: f64) -> f64 {
+fn interval(top: &Section<'_>, typed: &OutputKeys, end: f64) -> f64 {
     let section = top.below("output");
-    let interval = section.with_default("interval", &typed.interval, POSITIVE, end / 100.0);
+    let interval = typed.resolve(&section).interval.unwrap_or(end / 100.0);
     if interval * MOST_OUTPUTS < end {
         section.out_of_range(
             "interval",
@@ -396,7 +341,7 @@ fn interval(top: &Section<'_>, typed: &typed::Output, end: f64) -> f64 {
 }
 
 /// Resolves what is written.
-pub fn output(top: &Section<'_>, typed: &typed::Output, time: &Time) -> Output {
+pub fn output(top: &Section<'_>, typed: &OutputKeys, time: &Time) -> Output {
     let refuse_interval = |why: &str| {
         let section = top.below("output");
         section.refuse(&[("interval", typed.interval.is_some())], why);
@@ -411,8 +356,6 @@ pub fn output(top: &Section<'_>, typed: &typed::Output, time: &Time) -> Output {
     };
     Output {
         interval,
-        nodes: typed.nodes.unwrap_or(true),
-        forces: typed.forces.unwrap_or(false),
-        vtk: typed.vtk.unwrap_or(false),
+        ..typed.resolve(&top.below("output"))
     }
 }

@@ -83,7 +83,7 @@ impl<'a> Request<'a> {
         let section = self.top.below("rod");
         let nodes = section.count("nodes", rod.nodes, nodes);
         let material = material(&self.top.below("material"), table);
-        let radius = section.required("radius", &rod.radius, POSITIVE);
+        let radius = rod.radius(&section);
         let stiffness = CrossSection::Circle.stiffness(radius, &material);
         refuse_degenerate(&section, &stiffness);
         Some(BuiltRod {

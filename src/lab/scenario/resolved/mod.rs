@@ -5,7 +5,6 @@
 //! what is `None` is left out.
 
 mod actuation;
-mod continuation;
 mod experiment;
 mod load;
 mod model;
@@ -18,9 +17,11 @@ mod run;
 mod start;
 
 pub use super::place::Place;
-pub use super::tables::{Body, BodyShape, Joint, JointKind, Load, LoadFrame, LoadKind, Plane};
+pub use super::tables::{
+    Body, BodyShape, Continuation, Joint, JointKind, Load, LoadFrame, LoadKind, Output, PathMethod,
+    Plane, Solver,
+};
 pub use actuation::{Actuation, ActuationKind, Course};
-pub use continuation::{Continuation, PathMethod};
 pub use experiment::{BuilderRod, Experiment};
 pub use load::{Clamp, Hold};
 pub use model::{Contact, Fluid};
@@ -32,7 +33,7 @@ pub use probe::{
     TwoRods,
 };
 pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape, Stiffness};
-pub use run::{Output, Scheme, Solver, Step, Time};
+pub use run::{Scheme, Step, Time};
 pub use start::Start;
 
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! Time, solver and output as resolved.
+//! Time as resolved.
 
 use schemars::JsonSchema;
 use serde::ser::SerializeMap;
@@ -81,30 +81,4 @@ impl Serialize for Step {
             }
         }
     }
-}
-
-/// Newton's method.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Solver {
-    /// Residual allowed, as a multiple of the force scale.
-    pub force_tolerance: f64,
-    /// Last correction allowed, as a multiple of the rod radius.
-    pub displacement_tolerance: f64,
-    /// Iterations after which a step counts as failed.
-    pub maximum_iterations: usize,
-    /// Smallest step before the run is given up, s; `None` where there is no time.
-    pub minimum_step: Option<f64>,
-}
-
-/// What a run writes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Output {
-    /// Time between outputs, s; `None` where there is no time.
-    pub interval: Option<f64>,
-    /// Whether node positions are written.
-    pub nodes: bool,
-    /// Whether velocities and forces of the nodes are written.
-    pub forces: bool,
-    /// Whether a VTK PolyData series is written.
-    pub vtk: bool,
 }

@@ -1,11 +1,15 @@
 //! Tables of keys, each declared once: as typed, as resolved, and the checks between its keys.
 
 mod body;
+mod continuation;
 mod joint;
 mod load;
 mod plane;
+mod run;
 
 pub use body::{Body, BodyKeys, BodyShape, bodies};
+pub use continuation::{Continuation, ContinuationKeys, PathMethod, continuation};
 pub use joint::{Joint, JointKeys, JointKind, joints};
 pub use load::{Load, LoadFrame, LoadKeys, LoadKind, loads};
 pub use plane::{Plane, PlaneKeys, planes};
+pub use run::{Output, OutputKeys, Solver, SolverKeys};

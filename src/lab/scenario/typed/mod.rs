@@ -4,7 +4,6 @@
 //! The comments of these types are the descriptions in the JSON Schema and the words of `rodlab explain`.
 
 mod actuation;
-mod continuation;
 mod kinds;
 mod load;
 mod model;
@@ -19,11 +18,8 @@ mod sweep;
 pub use super::place::TypedPlace;
 pub use super::quantity::{Quantity, Vector};
 pub use actuation::Actuation;
-pub use continuation::Continuation;
 pub use load::{Clamp, Pose};
-pub use model::{
-    BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, Output, SchemeChoice, Solver, Time,
-};
+pub use model::{BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, SchemeChoice, Time};
 pub use network::{Boundary, Network, NetworkShape};
 pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
 pub use probe::{
@@ -34,7 +30,9 @@ pub use shape::{Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, S
 pub use start::Start;
 pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};
 
-use super::tables::{BodyKeys, JointKeys, LoadKeys, PlaneKeys};
+use super::tables::{
+    BodyKeys, ContinuationKeys, JointKeys, LoadKeys, OutputKeys, PlaneKeys, SolverKeys,
+};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -106,13 +104,13 @@ pub struct ScenarioFile {
     /// Dynamic, static or along a path of equilibria, and the time steps.
     pub time: Option<Time>,
     /// The path of equilibria of time.mode = "continuation".
-    pub continuation: Option<Continuation>,
+    pub continuation: Option<ContinuationKeys>,
     /// Newton's method.
     #[serde(default)]
-    pub solver: Solver,
+    pub solver: SolverKeys,
     /// What is written, and how often.
     #[serde(default)]
-    pub output: Output,
+    pub output: OutputKeys,
     /// Many cases of this scenario: keys with lists or ranges of values.
     #[expect(dead_code, reason = "sweeps are taken out before files are decoded")]
     pub sweep: Option<Sweep>,
