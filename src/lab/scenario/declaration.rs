@@ -222,7 +222,7 @@ macro_rules! keys {
             $(
                 $(#[$doc])*
                 #[schemars(transform = keys!(@note $form $args $presence $(($default))?))]
-                pub $key: Option<keys!(@typed $form $args)>,
+                pub $key: keys!(@field $form $args),
             )*
         }
     };
@@ -254,7 +254,7 @@ macro_rules! keys {
     };
 
     // What the schema notes of a key.
-    (@note raw $args:tt raw) => { $crate::scenario::form::Note::default() };
+    (@note $form:ident $args:tt raw) => { $crate::scenario::form::Note::default() };
     (@note $form:ident $args:tt required) => { $crate::scenario::form::Note::of(&keys!(@form $form $args)).required() };
     (@note $form:ident $args:tt default ($default:expr)) => {
         $crate::scenario::form::Note::of(&keys!(@form $form $args)).with_default(&$default)
@@ -264,6 +264,10 @@ macro_rules! keys {
     // The type of a value.
     (@value $form:ident $args:tt optional) => { Option<keys!(@value $form $args)> };
     (@value $form:ident $args:tt $presence:ident) => { keys!(@value $form $args) };
+
+    // The type of a field as typed.
+    (@field tables($T:ty)) => { $T };
+    (@field $form:ident $args:tt) => { Option<keys!(@typed $form $args)> };
 
     // Forms: as typed, as resolved, and what judges them.
     (@typed number($D:ty, $range:expr)) => { $crate::scenario::quantity::Quantity<$D> };

@@ -63,6 +63,9 @@ pub const POISSONS_RATIO: Range = Range {
     words: "greater than -1 and at most 0.5",
 };
 
+/// Default of directions.
+pub const UP: [f64; 3] = [0.0, 0.0, 1.0];
+
 /// Largest magnitude of a number in SI units: squares and products of three must not overflow, and nothing that is
 /// measured comes near.
 pub const LARGEST: f64 = 1e100;

@@ -2,14 +2,11 @@
 
 use super::Context;
 use super::movement::{TypedMovement, movement};
-use crate::scenario::form::{Numbers, Requirable};
 use crate::scenario::input_file;
 use crate::scenario::resolved::{Obstacle, ObstacleShape};
-use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
+use crate::scenario::section::{FINITE, NON_NEGATIVE, Section};
 use crate::scenario::typed;
 use rodlab_files::mesh;
-
-const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// Most heights along a side of a grid.
 const MOST_HEIGHTS: usize = 1000;
@@ -67,8 +64,8 @@ fn shape(
 ) -> Option<ObstacleShape> {
     Some(match typed {
         typed::ObstacleShape::Sphere(sphere) => ObstacleShape::Sphere {
-            centre: section.required_vector("centre", &sphere.centre),
-            radius: section.required("radius", &sphere.radius, POSITIVE),
+            centre: sphere.centre(section),
+            radius: sphere.radius(section),
         },
         typed::ObstacleShape::Capsule(capsule) => {
             let ([start, end], radius) = segment(section, capsule);
@@ -79,9 +76,9 @@ fn shape(
             ObstacleShape::Tube { start, end, radius }
         }
         typed::ObstacleShape::Cylinder(cylinder) => ObstacleShape::Cylinder {
-            point: section.required_vector("point", &cylinder.point),
-            direction: section.required_direction("direction", &cylinder.direction),
-            radius: section.required("radius", &cylinder.radius, POSITIVE),
+            point: cylinder.point(section),
+            direction: cylinder.direction(section),
+            radius: cylinder.radius(section),
         },
         typed::ObstacleShape::Box(typed) => cuboid(section, typed),
         typed::ObstacleShape::Mesh(typed) => return mesh(context, section, typed),
@@ -90,21 +87,21 @@ fn shape(
 }
 
 fn segment(section: &Section<'_>, typed: &typed::Capsule) -> ([[f64; 3]; 2], f64) {
-    let start = section.required_vector("start", &typed.start);
-    let end = section.required_vector("end", &typed.end);
+    let start = typed.start(section);
+    let end = typed.end(section);
     if start == end {
         section.fault(
             "end",
             "`start` and `end` are the same: there is no axis between them",
         );
     }
-    let radius = section.required("radius", &typed.radius, POSITIVE);
+    let radius = typed.radius(section);
     ([start, end], radius)
 }
 
 fn cuboid(section: &Section<'_>, typed: &typed::Cuboid) -> ObstacleShape {
-    let size = Numbers::new(POSITIVE).required(section, "size", &typed.size);
-    let rounding = section.with_default("rounding", &typed.rounding, NON_NEGATIVE, 0.0);
+    let size = typed.size(section);
+    let rounding = typed.rounding(section);
     let shortest = size.iter().copied().fold(f64::INFINITY, f64::min);
     if shortest > 0.0 && rounding >= 0.5 * shortest {
         let allowed = format!(
@@ -114,11 +111,11 @@ fn cuboid(section: &Section<'_>, typed: &typed::Cuboid) -> ObstacleShape {
         section.out_of_range("rounding", rounding, allowed);
     }
     ObstacleShape::Box {
-        centre: section.required_vector("centre", &typed.centre),
+        centre: typed.centre(section),
         size,
         rounding,
-        axis: section.direction("axis", &typed.axis).unwrap_or(UP),
-        angle: section.with_default("angle", &typed.angle, FINITE, 0.0),
+        axis: typed.axis(section),
+        angle: typed.angle(section),
     }
 }
 
@@ -155,12 +152,10 @@ fn mesh(
             return None;
         }
     };
-    let unit = section.with_default("unit", &typed.unit, POSITIVE, 1.0);
-    let position = section
-        .vector("position", &typed.position)
-        .unwrap_or_default();
-    let axis = section.direction("axis", &typed.axis).unwrap_or(UP);
-    let angle = section.with_default("angle", &typed.angle, FINITE, 0.0);
+    let unit = typed.unit(section);
+    let position = typed.position(section);
+    let axis = typed.axis(section);
+    let angle = typed.angle(section);
     let placed = |vertex: &[f64; 3]| {
         let turned = turned(vertex.map(|coordinate| coordinate * unit), axis, angle);
         std::array::from_fn(|k| turned[k] + position[k])
@@ -168,7 +163,7 @@ fn mesh(
     Some(ObstacleShape::Mesh {
         vertices: vertices.iter().map(placed).collect(),
         triangles,
-        closed: typed.closed.unwrap_or(true),
+        closed: typed.closed(section),
     })
 }
 
@@ -225,8 +220,8 @@ fn turned(vector: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
 
 /// A grid of heights as a mesh of two triangles in every field.
 fn heights(section: &Section<'_>, typed: &typed::Heights) -> Option<ObstacleShape> {
-    let origin = section.vector("origin", &typed.origin).unwrap_or_default();
-    let spacing = section.required("spacing", &typed.spacing, POSITIVE);
+    let origin = typed.origin(section);
+    let spacing = typed.spacing(section);
     let Some(rows) = &typed.heights else {
         section.missing(
             "heights",

@@ -7,7 +7,7 @@ use crate::scenario::own_tables::OwnTables;
 use crate::scenario::resolved::{
     BuilderRod, Contact, CrossSection, Fluid, Material, Rod, Stiffness, Time,
 };
-use crate::scenario::section::{POSITIVE, Section};
+use crate::scenario::section::Section;
 use crate::scenario::typed::{ScenarioFile, Vector};
 use crate::scenario::units::Length;
 use std::any::Any;

@@ -4,7 +4,7 @@ use super::{Context, model, shape};
 use crate::scenario::resolved::{
     CrossSection, Inertia, Material, NaturalShape, Rod, Shape, Stiffness,
 };
-use crate::scenario::section::{FINITE, NON_NEGATIVE, POISSONS_RATIO, POSITIVE, Section};
+use crate::scenario::section::{POSITIVE, Section};
 use crate::scenario::typed::{self, ScenarioFile};
 
 /// More edges than any machine could step; a slip of the fingers.
@@ -79,7 +79,7 @@ fn rod(
     let gains = vibrates && is_straight(&rod.natural_shape, &rod.shape);
     Rod {
         closed,
-        inertia: inertia(typed.inertia, gains),
+        inertia: inertia(typed.inertia(section), gains),
         ..rod
     }
 }
@@ -105,19 +105,13 @@ pub fn member(
     let material = own_material(&section.below("material"), &typed.material, common);
     let cross_section = cross_section(&section.below("cross_section"), typed);
     let radius = match cross_section {
-        CrossSection::Circle => section.required("radius", &typed.radius, POSITIVE),
-        CrossSection::Rectangle { width, thickness } => section.with_default(
-            "radius",
-            &typed.radius,
-            POSITIVE,
-            width.min(thickness) / 2.0,
-        ),
+        CrossSection::Circle => typed.radius(section),
+        CrossSection::Rectangle { .. } if typed.radius.is_some() => typed.radius(section),
+        CrossSection::Rectangle { width, thickness } => width.min(thickness) / 2.0,
     };
-    let stiffness = stiffness(
-        &section.below("stiffness"),
-        &typed.stiffness,
-        cross_section.stiffness(radius, &material),
-    );
+    let derived = cross_section.stiffness(radius, &material);
+    let below = section.below("stiffness");
+    let stiffness = typed.stiffness.resolve(&below, derived);
     refuse_degenerate(section, &stiffness);
     let natural_shape = natural_shape(context, section, typed);
     Rod {
@@ -125,29 +119,25 @@ pub fn member(
         radius,
         edges: member.edges,
         closed: false,
-        held: typed.held.unwrap_or(false),
+        held: typed.held(section),
         inertia: Inertia::Lumped,
         pretension: pretension(section, typed, &natural_shape, stiffness.stretching),
         natural_shape,
-        twist: section.with_default("twist", &typed.twist, FINITE, 0.0),
-        director: section.direction("director", &typed.director),
+        twist: typed.twist(section),
+        director: typed.director(section),
         stiffness,
         material,
         cross_section,
-        velocity: section
-            .vector("velocity", &typed.velocity)
-            .unwrap_or_default(),
-        angular_velocity: section
-            .vector("angular_velocity", &typed.angular_velocity)
-            .unwrap_or_default(),
+        velocity: typed.velocity(section),
+        angular_velocity: typed.angular_velocity(section),
         shape: member.shape,
     }
 }
 
 /// The inertia that is named, or the best for the rod: consistent where vibrations are of fourth order by it, lumped where
 /// other errors rule.
-fn inertia(choice: Option<typed::InertiaChoice>, gains: bool) -> Inertia {
-    match choice.unwrap_or(typed::InertiaChoice::Auto) {
+fn inertia(choice: typed::InertiaChoice, gains: bool) -> Inertia {
+    match choice {
         typed::InertiaChoice::Auto if gains => Inertia::Consistent,
         typed::InertiaChoice::Auto | typed::InertiaChoice::Lumped => Inertia::Lumped,
         typed::InertiaChoice::Consistent => Inertia::Consistent,
@@ -174,7 +164,7 @@ fn pretension(
     natural_shape: &NaturalShape,
     stretching: f64,
 ) -> f64 {
-    let tension = section.with_default("pretension", &typed.pretension, FINITE, 0.0);
+    let tension = typed.pretension(section);
     if tension != 0.0 && matches!(natural_shape, NaturalShape::Curve(_)) {
         let message =
             "the natural shape has lengths of its own; give `pretension` or those, not both";
@@ -227,18 +217,17 @@ fn own_material(
     own: &typed::Material,
     common: &CommonMaterial<'_>,
 ) -> Material {
+    let nothing = typed::Material::default();
+    let of_all = common.typed.unwrap_or(&nothing);
     macro_rules! choose {
-        ($key:ident, $range:expr) => {
-            match (&own.$key, common.typed.map(|typed| &typed.$key)) {
-                (None, Some(typed @ Some(_))) => {
-                    common.section.required(stringify!($key), typed, $range)
-                }
-                (typed @ None, _) => common.section.required(stringify!($key), typed, $range),
-                (typed, _) => section.required(stringify!($key), typed, $range),
+        ($key:ident) => {
+            match own.$key {
+                Some(_) => own.$key(section),
+                None => of_all.$key(&common.section),
             }
         };
     }
-    let youngs_modulus = choose!(youngs_modulus, POSITIVE);
+    let youngs_modulus = choose!(youngs_modulus);
     let of_common = |typed| viscosity(&common.section, typed, youngs_modulus);
     let relaxing = relaxation(section, own).or_else(|| {
         common
@@ -248,8 +237,8 @@ fn own_material(
     let [relaxing_modulus, relaxation_time] = relaxing.unwrap_or_default();
     Material {
         youngs_modulus,
-        poissons_ratio: choose!(poissons_ratio, POISSONS_RATIO),
-        density: choose!(density, POSITIVE),
+        poissons_ratio: choose!(poissons_ratio),
+        density: choose!(density),
         viscosity: viscosity(section, own, youngs_modulus)
             .or_else(|| common.typed.and_then(of_common))
             .unwrap_or(0.0),
@@ -260,8 +249,8 @@ fn own_material(
 
 /// Modulus that relaxes, Pa, and relaxation time, s, if a material is given them.
 fn relaxation(section: &Section<'_>, typed: &typed::Material) -> Option<[f64; 2]> {
-    let modulus = section.optional("relaxing_modulus", &typed.relaxing_modulus, POSITIVE);
-    let time = section.optional("relaxation_time", &typed.relaxation_time, POSITIVE);
+    let modulus = typed.relaxing_modulus(section);
+    let time = typed.relaxation_time(section);
     match (modulus, time) {
         (Some(modulus), Some(time)) => return Some([modulus, time]),
         (None, None) => {}
@@ -278,9 +267,9 @@ fn relaxation(section: &Section<'_>, typed: &typed::Material) -> Option<[f64; 2]
 
 /// The viscosity that a material is given, Pa s, by itself or by its loss factor.
 fn viscosity(section: &Section<'_>, typed: &typed::Material, youngs_modulus: f64) -> Option<f64> {
-    let viscosity = section.optional("viscosity", &typed.viscosity, NON_NEGATIVE);
-    let factor = section.optional("loss_factor", &typed.loss_factor, NON_NEGATIVE);
-    let frequency = section.optional("loss_frequency", &typed.loss_frequency, POSITIVE);
+    let viscosity = typed.viscosity(section);
+    let factor = typed.loss_factor(section);
+    let frequency = typed.loss_frequency(section);
     match (viscosity, factor, frequency) {
         (_, None, Some(_)) => section.missing("loss_factor", "the loss factor at `loss_frequency`"),
         (_, Some(_), None) => {
@@ -302,12 +291,12 @@ fn viscosity(section: &Section<'_>, typed: &typed::Material, youngs_modulus: f64
 
 /// Resolves the material that holds for all rods.
 pub fn material(section: &Section<'_>, typed: &typed::Material) -> Material {
-    let youngs_modulus = section.required("youngs_modulus", &typed.youngs_modulus, POSITIVE);
+    let youngs_modulus = typed.youngs_modulus(section);
     let [relaxing_modulus, relaxation_time] = relaxation(section, typed).unwrap_or_default();
     Material {
         youngs_modulus,
-        poissons_ratio: section.required("poissons_ratio", &typed.poissons_ratio, POISSONS_RATIO),
-        density: section.required("density", &typed.density, POSITIVE),
+        poissons_ratio: typed.poissons_ratio(section),
+        density: typed.density(section),
         viscosity: viscosity(section, typed, youngs_modulus).unwrap_or(0.0),
         relaxing_modulus,
         relaxation_time,
@@ -321,20 +310,6 @@ fn cross_section(section: &Section<'_>, rod: &typed::Rod) -> CrossSection {
             width: section.required("width", width, POSITIVE),
             thickness: section.required("thickness", thickness, POSITIVE),
         },
-    }
-}
-
-fn stiffness(section: &Section<'_>, typed: &typed::Stiffness, derived: Stiffness) -> Stiffness {
-    Stiffness {
-        stretching: section.with_default(
-            "stretching",
-            &typed.stretching,
-            POSITIVE,
-            derived.stretching,
-        ),
-        bending_1: section.with_default("bending_1", &typed.bending_1, POSITIVE, derived.bending_1),
-        bending_2: section.with_default("bending_2", &typed.bending_2, POSITIVE, derived.bending_2),
-        twisting: section.with_default("twisting", &typed.twisting, POSITIVE, derived.twisting),
     }
 }
 
@@ -438,10 +413,8 @@ fn natural_shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Ro
         }
         Some(natural) => shape::natural_shape(context, &section.below("natural_shape"), natural),
         None if curved => NaturalShape::Curved {
-            curvature: typed.natural_curvature.as_ref().map_or([0.0; 2], |typed| {
-                section.components("natural_curvature", typed)
-            }),
-            twist: section.with_default("natural_twist", &typed.natural_twist, FINITE, 0.0),
+            curvature: typed.natural_curvature(section).unwrap_or_default(),
+            twist: typed.natural_twist(section).unwrap_or(0.0),
         },
         None => NaturalShape::AsPlaced,
     }

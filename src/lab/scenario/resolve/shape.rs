@@ -1,12 +1,10 @@
 //! Resolving shapes.
 
 use super::{Context, polyline};
-use crate::scenario::resolved::{Handedness, NaturalShape, Shape};
-use crate::scenario::section::{FINITE, POSITIVE, Section};
+use crate::scenario::resolved::{NaturalShape, Shape};
+use crate::scenario::section::Section;
 use crate::scenario::typed;
 use std::f64::consts::TAU;
-
-const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// Resolves a placed shape.
 pub fn shape(context: &Context<'_>, section: &Section<'_>, typed: &typed::Shape) -> Shape {
@@ -35,11 +33,8 @@ pub fn natural_shape(
         }
         typed::NaturalShape::Straight(line) => NaturalShape::Curve(straight(section, line)),
         typed::NaturalShape::Curved(curved) => NaturalShape::Curved {
-            curvature: curved
-                .curvature
-                .as_ref()
-                .map_or([0.0; 2], |typed| section.components("curvature", typed)),
-            twist: section.with_default("twist", &curved.twist, FINITE, 0.0),
+            curvature: curved.curvature(section).unwrap_or_default(),
+            twist: curved.twist(section),
         },
         typed::NaturalShape::Helix(curve) => NaturalShape::Curve(helix(section, curve)),
         typed::NaturalShape::Arc(curve) => NaturalShape::Curve(arc(section, curve)),
@@ -51,8 +46,8 @@ pub fn natural_shape(
 }
 
 fn straight(section: &Section<'_>, typed: &typed::Straight) -> Shape {
-    let start = section.required_vector("start", &typed.start);
-    let end = section.required_vector("end", &typed.end);
+    let start = typed.start(section);
+    let end = typed.end(section);
     if start == end {
         section.fault(
             "end",
@@ -66,11 +61,10 @@ fn straight(section: &Section<'_>, typed: &typed::Straight) -> Shape {
 const LEAST_SPAN: f64 = 1e-3;
 
 fn catenary(section: &Section<'_>, typed: &typed::Catenary) -> Shape {
-    let start = section.required_vector("start", &typed.start);
-    let end = section.required_vector("end", &typed.end);
-    let length = section.required("length", &typed.length, POSITIVE);
-    let down = section.direction("down", &typed.down);
-    let down = down.unwrap_or(UP.map(|component| -component));
+    let start = typed.start(section);
+    let end = typed.end(section);
+    let length = typed.length(section);
+    let down = typed.down(section);
     let along: [f64; 3] = std::array::from_fn(|i| end[i] - start[i]);
     let fall: f64 = (0..3).map(|i| along[i] * down[i]).sum();
     let span = norm(std::array::from_fn(|i| along[i] - fall * down[i]));
@@ -94,10 +88,10 @@ fn catenary(section: &Section<'_>, typed: &typed::Catenary) -> Shape {
 const MOST_SLACK: f64 = 1e3;
 
 fn slack(section: &Section<'_>, typed: &typed::Slack) -> Shape {
-    let start = section.required_vector("start", &typed.start);
-    let end = section.required_vector("end", &typed.end);
-    let length = section.required("length", &typed.length, POSITIVE);
-    let towards = section.required_direction("towards", &typed.towards);
+    let start = typed.start(section);
+    let end = typed.end(section);
+    let length = typed.length(section);
+    let towards = typed.towards(section);
     let along: [f64; 3] = std::array::from_fn(|i| end[i] - start[i]);
     let distance = norm(along);
     if !refuse_taut(section, length, distance) && length > MOST_SLACK * distance {
@@ -137,12 +131,12 @@ fn refuse_taut(section: &Section<'_>, length: f64, distance: f64) -> bool {
 
 fn coil(section: &Section<'_>, typed: &typed::Coil) -> Shape {
     Shape::Coil {
-        centre: section.required_vector("centre", &typed.centre),
-        normal: section.direction("normal", &typed.normal).unwrap_or(UP),
-        inner_radius: section.required("inner_radius", &typed.inner_radius, POSITIVE),
-        spacing: section.required("spacing", &typed.spacing, POSITIVE),
-        length: section.required("length", &typed.length, POSITIVE),
-        phase: section.with_default("phase", &typed.phase, FINITE, 0.0),
+        centre: typed.centre(section),
+        normal: typed.normal(section),
+        inner_radius: typed.inner_radius(section),
+        spacing: typed.spacing(section),
+        length: typed.length(section),
+        phase: typed.phase(section),
     }
 }
 
@@ -167,13 +161,13 @@ fn part_normal_to(direction: [f64; 3], axis: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 fn helix(section: &Section<'_>, typed: &typed::Helix) -> Shape {
-    let axis = section.direction("axis", &typed.axis).unwrap_or(UP);
-    let radius = section.required("radius", &typed.radius, POSITIVE);
-    let pitch = section.required("pitch", &typed.pitch, POSITIVE);
-    let handedness = typed.handedness.unwrap_or(Handedness::Right);
-    let phase = section.with_default("phase", &typed.phase, FINITE, 0.0);
-    let turns = section.optional("turns", &typed.turns, POSITIVE);
-    let length = section.optional("length", &typed.length, POSITIVE);
+    let axis = typed.axis(section);
+    let radius = typed.radius(section);
+    let pitch = typed.pitch(section);
+    let handedness = typed.handedness(section);
+    let phase = typed.phase(section);
+    let turns = typed.turns(section);
+    let length = typed.length(section);
     let length = match (turns, length) {
         (Some(turns), None) => turns * pitch,
         (None, Some(length)) => length,
@@ -189,8 +183,8 @@ fn helix(section: &Section<'_>, typed: &typed::Helix) -> Shape {
             f64::NAN
         }
     };
-    let start = section.vector("start", &typed.start);
-    let centre = section.vector("centre", &typed.centre);
+    let start = typed.start(section);
+    let centre = typed.centre(section);
     let centre = match (start, centre) {
         (None, Some(centre)) => centre,
         (Some(start), None) => {
@@ -228,31 +222,31 @@ fn radial_direction(axis: [f64; 3], phase: f64) -> [f64; 3] {
 }
 
 fn arc(section: &Section<'_>, typed: &typed::Arc) -> Shape {
-    let tangent = section.required_direction("tangent", &typed.tangent);
-    let normal = section.required_direction("normal", &typed.normal);
+    let tangent = typed.tangent(section);
+    let normal = typed.normal(section);
     let across = part_normal_to(normal, tangent);
     if across.is_none() {
         section.fault("normal", "the normal must not be along the tangent");
     }
     let normal = across.unwrap_or(normal);
-    let angle = section.required("angle", &typed.angle, POSITIVE);
+    let angle = typed.angle(section);
     if angle > TAU {
         let allowed = "greater than 0 and at most a full turn";
         section.out_of_range("angle", format_args!("{angle} rad"), allowed);
     }
     Shape::Arc {
-        start: section.required_vector("start", &typed.start),
+        start: typed.start(section),
         tangent,
         normal,
-        radius: section.required("radius", &typed.radius, POSITIVE),
+        radius: typed.radius(section),
         angle,
     }
 }
 
 fn ring(section: &Section<'_>, typed: &typed::Ring) -> Shape {
     Shape::Ring {
-        centre: section.required_vector("centre", &typed.centre),
-        normal: section.direction("normal", &typed.normal).unwrap_or(UP),
-        radius: section.required("radius", &typed.radius, POSITIVE),
+        centre: typed.centre(section),
+        normal: typed.normal(section),
+        radius: typed.radius(section),
     }
 }

@@ -19,7 +19,7 @@ mod start;
 pub use super::place::Place;
 pub use super::tables::{
     Body, BodyShape, Continuation, Joint, JointKind, Load, LoadFrame, LoadKind, Output, PathMethod,
-    Plane, Solver,
+    Plane, Solver, Stiffness,
 };
 pub use actuation::{Actuation, ActuationKind, Course};
 pub use experiment::{BuilderRod, Experiment};
@@ -32,7 +32,7 @@ pub use probe::{
     AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,
     TwoRods,
 };
-pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape, Stiffness};
+pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape};
 pub use run::{Scheme, Step, Time};
 pub use start::Start;
 

@@ -1,5 +1,6 @@
 //! Rods as resolved: material, cross-section, shape.
 
+use crate::scenario::tables::Stiffness;
 use schemars::JsonSchema;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
@@ -99,25 +100,13 @@ pub enum CrossSection {
     },
 }
 
-/// Stiffness of a cross-section.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Stiffness {
-    /// Stretching stiffness EA, N.
-    pub stretching: f64,
-    /// Bending stiffness EI₁ of the curvature κ¹ about the first material director, N m².
-    pub bending_1: f64,
-    /// Bending stiffness EI₂ of the curvature κ² about the second material director, N m².
-    pub bending_2: f64,
-    /// Twisting stiffness GJ, N m².
-    pub twisting: f64,
-}
-
 /// Sense of a helix.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum Handedness {
     /// Like an ordinary screw.
+    #[default]
     Right,
     /// Its mirror image.
     Left,

@@ -6,6 +6,7 @@ mod joint;
 mod load;
 mod plane;
 mod run;
+mod stiffness;
 
 pub use body::{Body, BodyKeys, BodyShape, bodies};
 pub use continuation::{Continuation, ContinuationKeys, PathMethod, continuation};
@@ -13,3 +14,4 @@ pub use joint::{Joint, JointKeys, JointKind, joints};
 pub use load::{Load, LoadFrame, LoadKeys, LoadKind, loads};
 pub use plane::{Plane, PlaneKeys, planes};
 pub use run::{Output, OutputKeys, Solver, SolverKeys};
+pub use stiffness::{Stiffness, StiffnessKeys};

@@ -25,7 +25,7 @@ pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
 pub use probe::{
     ContactForceProbe, DistanceProbe, EdgeProbe, NodeProbe, Probe, RodProbe, SectionProbe, StopWhen,
 };
-pub use rod::{CrossSection, InertiaChoice, Material, Rod, Stiffness};
+pub use rod::{CrossSection, InertiaChoice, Material, Rod};
 pub use shape::{Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, Slack, Straight};
 pub use start::Start;
 pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};

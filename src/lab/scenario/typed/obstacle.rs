@@ -1,7 +1,9 @@
 //! Obstacles as typed.
 
 use super::load::Pose;
+use crate::scenario::declaration::keys;
 use crate::scenario::quantity::{Quantity, Vector};
+use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, UP};
 use crate::scenario::units::{Angle, AngularVelocity, Dimensionless, Length, Time};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -57,87 +59,87 @@ pub enum ObstacleShape {
     Heights(Heights),
 }
 
-/// A sphere.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "sphere")]
-pub struct Sphere {
-    /// Centre.
-    pub centre: Option<Vector<Length>>,
-    /// Radius.
-    pub radius: Option<Quantity<Length>>,
+keys! {
+    /// A sphere.
+    table Sphere "sphere" {
+        /// Centre.
+        centre: vector(Length) required,
+        /// Radius.
+        radius: number(Length, POSITIVE) required,
+    }
 }
 
-/// A cylinder with round ends: all points within the radius of a segment; or the inside of a tube, with its inner radius.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "capsule")]
-pub struct Capsule {
-    /// First end of the segment.
-    pub start: Option<Vector<Length>>,
-    /// Last end.
-    pub end: Option<Vector<Length>>,
-    /// Radius.
-    pub radius: Option<Quantity<Length>>,
+keys! {
+    /// A cylinder with round ends: all points within the radius of a segment; or the inside of a tube, with its inner radius.
+    table Capsule "capsule" {
+        /// First end of the segment.
+        start: vector(Length) required,
+        /// Last end.
+        end: vector(Length) required,
+        /// Radius.
+        radius: number(Length, POSITIVE) required,
+    }
 }
 
-/// A cylinder without ends.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "cylinder")]
-pub struct Cylinder {
-    /// Any point of its axis.
-    pub point: Option<Vector<Length>>,
-    /// Direction of its axis.
-    pub direction: Option<Vector<Dimensionless>>,
-    /// Radius.
-    pub radius: Option<Quantity<Length>>,
+keys! {
+    /// A cylinder without ends.
+    table Cylinder "cylinder" {
+        /// Any point of its axis.
+        point: vector(Length) required,
+        /// Direction of its axis.
+        direction: direction() required,
+        /// Radius.
+        radius: number(Length, POSITIVE) required,
+    }
 }
 
-/// A box. Its sides lie along x, y and z, unless it is turned.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "box")]
-pub struct Cuboid {
-    /// Centre.
-    pub centre: Option<Vector<Length>>,
-    /// Lengths of the three sides, from surface to surface.
-    pub size: Option<Vector<Length>>,
-    /// Radius to which its edges are rounded, less than half of the shortest side. Default: 0.
-    pub rounding: Option<Quantity<Length>>,
-    /// Direction about which it is turned. Default: [0, 0, 1].
-    pub axis: Option<Vector<Dimensionless>>,
-    /// Angle by which it is turned about its centre. Default: 0.
-    pub angle: Option<Quantity<Angle>>,
+keys! {
+    /// A box. Its sides lie along x, y and z, unless it is turned.
+    table Cuboid "box" {
+        /// Centre.
+        centre: vector(Length) required,
+        /// Lengths of the three sides, from surface to surface.
+        size: vector(Length, POSITIVE) required,
+        /// Radius to which its edges are rounded, less than half of the shortest side.
+        rounding: number(Length, NON_NEGATIVE) default(0.0),
+        /// Direction about which it is turned.
+        axis: direction() default(UP),
+        /// Angle by which it is turned about its centre.
+        angle: number(Angle, FINITE) default(0.0),
+    }
 }
 
-/// A triangle mesh; give `file`, or `vertices` and `triangles`. It is scaled first, turned then, and moved last.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "mesh")]
-pub struct Mesh {
-    /// STL or OBJ file, relative to the scenario file.
-    pub file: Option<String>,
-    /// Length of a unit of the file, for example "1 mm". Default: 1 m.
-    pub unit: Option<Quantity<Length>>,
-    /// Where the origin of the file lies. Default: [0, 0, 0].
-    pub position: Option<Vector<Length>>,
-    /// Direction about which it is turned. Default: [0, 0, 1].
-    pub axis: Option<Vector<Dimensionless>>,
-    /// Angle by which it is turned about the origin of the file. Default: 0.
-    pub angle: Option<Quantity<Angle>>,
-    /// The vertices themselves, in m.
-    pub vertices: Option<Vec<[f64; 3]>>,
-    /// Three vertices of each triangle, counted from 0, anticlockwise as seen from outside.
-    pub triangles: Option<Vec<[i64; 3]>>,
-    /// Whether the triangles enclose a body, which rods touch from outside; false for a sheet, which they touch from both
-    /// sides. Default: true.
-    pub closed: Option<bool>,
+keys! {
+    /// A triangle mesh; give `file`, or `vertices` and `triangles`. It is scaled first, turned then, and moved last.
+    table Mesh "mesh" {
+        /// STL or OBJ file, relative to the scenario file.
+        file: raw(String) raw,
+        /// Length of a unit of the file, for example "1 mm".
+        unit: number(Length, POSITIVE) default(1.0),
+        /// Where the origin of the file lies.
+        position: vector(Length) default([0.0; 3]),
+        /// Direction about which it is turned.
+        axis: direction() default(UP),
+        /// Angle by which it is turned about the origin of the file.
+        angle: number(Angle, FINITE) default(0.0),
+        /// The vertices themselves, in m.
+        vertices: raw(Vec<[f64; 3]>) raw,
+        /// Three vertices of each triangle, counted from 0, anticlockwise as seen from outside.
+        triangles: raw(Vec<[i64; 3]>) raw,
+        /// Whether the triangles enclose a body, which rods touch from outside; false for a sheet, which they touch from both
+        /// sides.
+        closed: flag() default(true),
+    }
 }
 
-/// A surface over a grid along x and y.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "heights")]
-pub struct Heights {
-    /// Where the first height stands. Default: [0, 0, 0].
-    pub origin: Option<Vector<Length>>,
-    /// Distance of neighbours in the grid.
-    pub spacing: Option<Quantity<Length>>,
-    /// Heights above the origin: rows along y of values along x, at least two of each.
-    pub heights: Option<Vec<Vec<Quantity<Length>>>>,
+keys! {
+    /// A surface over a grid along x and y.
+    table Heights "heights" {
+        /// Where the first height stands.
+        origin: vector(Length) default([0.0; 3]),
+        /// Distance of neighbours in the grid.
+        spacing: number(Length, POSITIVE) required,
+        /// Heights above the origin: rows along y of values along x, at least two of each.
+        heights: raw(Vec<Vec<Quantity<Length>>>) raw,
+    }
 }

@@ -1,8 +1,10 @@
 //! Shapes as typed.
 
 use super::kinds::allow_text;
-use crate::scenario::quantity::{Quantity, Vector};
+use crate::scenario::declaration::keys;
+use crate::scenario::quantity::Vector;
 use crate::scenario::resolved::Handedness;
+use crate::scenario::section::{FINITE, POSITIVE, UP};
 use crate::scenario::units::{Angle, Curvature, Dimensionless, Length, Twist};
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
@@ -62,125 +64,125 @@ fn plain_natural_shapes(schema: &mut Schema) {
 #[schemars(deny_unknown_fields, rename = "as-placed")]
 pub struct AsPlaced {}
 
-/// A straight line.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "straight")]
-pub struct Straight {
-    /// First point.
-    pub start: Option<Vector<Length>>,
-    /// Last point.
-    pub end: Option<Vector<Length>>,
+keys! {
+    /// A straight line.
+    table Straight "straight" {
+        /// First point.
+        start: vector(Length) required,
+        /// Last point.
+        end: vector(Length) required,
+    }
 }
 
-/// Constant natural curvature and twist.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "curved")]
-pub struct Curved {
-    /// Natural curvatures about the first and the second material director. Default: none.
-    pub curvature: Option<[Quantity<Curvature>; 2]>,
-    /// Natural twist per length. Default: 0.
-    pub twist: Option<Quantity<Twist>>,
+keys! {
+    /// Constant natural curvature and twist.
+    table Curved "curved" {
+        /// Natural curvatures about the first and the second material director. Default: none.
+        curvature: numbers(Curvature, 2, FINITE) optional,
+        /// Natural twist per length.
+        twist: number(Twist, FINITE) default(0.0),
+    }
 }
 
-/// A helix; give `start` or `centre`, and `turns` or `length`.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "helix")]
-pub struct Helix {
-    /// First point of the helix itself.
-    pub start: Option<Vector<Length>>,
-    /// Point of the axis beside the first point of the helix.
-    pub centre: Option<Vector<Length>>,
-    /// Direction of the axis. Default: [0, 0, 1].
-    pub axis: Option<Vector<Dimensionless>>,
-    /// Radius of the helix.
-    pub radius: Option<Quantity<Length>>,
-    /// Advance along the axis per turn.
-    pub pitch: Option<Quantity<Length>>,
-    /// Number of turns.
-    pub turns: Option<Quantity<Dimensionless>>,
-    /// Length along the axis.
-    pub length: Option<Quantity<Length>>,
-    /// "right" (the default, an ordinary screw) or "left".
-    pub handedness: Option<Handedness>,
-    /// Angle of the first point about the axis, from the direction of x (of y about an axis along x).
-    /// Default: 0.
-    pub phase: Option<Quantity<Angle>>,
+keys! {
+    /// A helix; give `start` or `centre`, and `turns` or `length`.
+    table Helix "helix" {
+        /// First point of the helix itself.
+        start: vector(Length) optional,
+        /// Point of the axis beside the first point of the helix.
+        centre: vector(Length) optional,
+        /// Direction of the axis.
+        axis: direction() default(UP),
+        /// Radius of the helix.
+        radius: number(Length, POSITIVE) required,
+        /// Advance along the axis per turn.
+        pitch: number(Length, POSITIVE) required,
+        /// Number of turns.
+        turns: number(Dimensionless, POSITIVE) optional,
+        /// Length along the axis.
+        length: number(Length, POSITIVE) optional,
+        /// "right" (the default, an ordinary screw) or "left".
+        handedness: word(Handedness) default(Handedness::Right),
+        /// Angle of the first point about the axis, from the direction of x (of y about an axis along x).
+        ///
+        phase: number(Angle, FINITE) default(0.0),
+    }
 }
 
-/// An arc of a circle that begins at `start` along `tangent` and turns about `normal`.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "arc")]
-pub struct Arc {
-    /// First point.
-    pub start: Option<Vector<Length>>,
-    /// Direction at the first point.
-    pub tangent: Option<Vector<Dimensionless>>,
-    /// Direction about which the arc turns; its part normal to `tangent` counts.
-    pub normal: Option<Vector<Dimensionless>>,
-    /// Radius of the circle.
-    pub radius: Option<Quantity<Length>>,
-    /// Angle turned, greater than 0.
-    pub angle: Option<Quantity<Angle>>,
+keys! {
+    /// An arc of a circle that begins at `start` along `tangent` and turns about `normal`.
+    table Arc "arc" {
+        /// First point.
+        start: vector(Length) required,
+        /// Direction at the first point.
+        tangent: direction() required,
+        /// Direction about which the arc turns; its part normal to `tangent` counts.
+        normal: direction() required,
+        /// Radius of the circle.
+        radius: number(Length, POSITIVE) required,
+        /// Angle turned, greater than 0.
+        angle: number(Angle, POSITIVE) required,
+    }
 }
 
-/// A closed circle.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "ring")]
-pub struct Ring {
-    /// Centre.
-    pub centre: Option<Vector<Length>>,
-    /// Direction about which the ring runs. Default: [0, 0, 1].
-    pub normal: Option<Vector<Dimensionless>>,
-    /// Radius of the circle.
-    pub radius: Option<Quantity<Length>>,
+keys! {
+    /// A closed circle.
+    table Ring "ring" {
+        /// Centre.
+        centre: vector(Length) required,
+        /// Direction about which the ring runs.
+        normal: direction() default(UP),
+        /// Radius of the circle.
+        radius: number(Length, POSITIVE) required,
+    }
 }
 
-/// A chain that hangs between two points: near the equilibrium of a heavy, soft rod, which starts there without a fall.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "catenary")]
-pub struct Catenary {
-    /// First point.
-    pub start: Option<Vector<Length>>,
-    /// Last point; not above or below the first.
-    pub end: Option<Vector<Length>>,
-    /// Length of the chain, greater than the distance of its ends.
-    pub length: Option<Quantity<Length>>,
-    /// Direction in which it hangs. Default: [0, 0, -1].
-    pub down: Option<Vector<Dimensionless>>,
+keys! {
+    /// A chain that hangs between two points: near the equilibrium of a heavy, soft rod, which starts there without a fall.
+    table Catenary "catenary" {
+        /// First point.
+        start: vector(Length) required,
+        /// Last point; not above or below the first.
+        end: vector(Length) required,
+        /// Length of the chain, greater than the distance of its ends.
+        length: number(Length, POSITIVE) required,
+        /// Direction in which it hangs.
+        down: direction() default([0.0, 0.0, -1.0]),
+    }
 }
 
-/// A rod that is longer than its ends are apart, laid in the arc of a circle between them; its edges are equal and have exactly
-/// the stated length together.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "slack")]
-pub struct Slack {
-    /// First point.
-    pub start: Option<Vector<Length>>,
-    /// Last point.
-    pub end: Option<Vector<Length>>,
-    /// Length of the rod, greater than the distance of its ends and at most a thousand times that.
-    pub length: Option<Quantity<Length>>,
-    /// Direction in which its middle lies off the line of its ends; its part normal to that line counts.
-    pub towards: Option<Vector<Dimensionless>>,
+keys! {
+    /// A rod that is longer than its ends are apart, laid in the arc of a circle between them; its edges are equal and have exactly
+    /// the stated length together.
+    table Slack "slack" {
+        /// First point.
+        start: vector(Length) required,
+        /// Last point.
+        end: vector(Length) required,
+        /// Length of the rod, greater than the distance of its ends and at most a thousand times that.
+        length: number(Length, POSITIVE) required,
+        /// Direction in which its middle lies off the line of its ends; its part normal to that line counts.
+        towards: direction() required,
+    }
 }
 
-/// A rod coiled flat, in a spiral of Archimedes from its inner end outwards; its edges are equal and have exactly the stated
-/// length together.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "coil")]
-pub struct Coil {
-    /// Middle of the coil.
-    pub centre: Option<Vector<Length>>,
-    /// Direction about which it winds. Default: [0, 0, 1].
-    pub normal: Option<Vector<Dimensionless>>,
-    /// Distance of its inner end from the middle.
-    pub inner_radius: Option<Quantity<Length>>,
-    /// Distance of neighbouring turns from each other, greater than the diameter of the rod.
-    pub spacing: Option<Quantity<Length>>,
-    /// Length of the rod; it has as many turns as that makes.
-    pub length: Option<Quantity<Length>>,
-    /// Angle of the inner end about the normal, from the direction of x (of y about a normal along x). Default: 0.
-    pub phase: Option<Quantity<Angle>>,
+keys! {
+    /// A rod coiled flat, in a spiral of Archimedes from its inner end outwards; its edges are equal and have exactly the stated
+    /// length together.
+    table Coil "coil" {
+        /// Middle of the coil.
+        centre: vector(Length) required,
+        /// Direction about which it winds.
+        normal: direction() default(UP),
+        /// Distance of its inner end from the middle.
+        inner_radius: number(Length, POSITIVE) required,
+        /// Distance of neighbouring turns from each other, greater than the diameter of the rod.
+        spacing: number(Length, POSITIVE) required,
+        /// Length of the rod; it has as many turns as that makes.
+        length: number(Length, POSITIVE) required,
+        /// Angle of the inner end about the normal, from the direction of x (of y about a normal along x).
+        phase: number(Angle, FINITE) default(0.0),
+    }
 }
 
 /// A polyline; give `file` or `points`. With `edges` it is resampled to equal arc lengths, which cuts corners between nodes
