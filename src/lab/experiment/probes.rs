@@ -5,10 +5,7 @@ use crate::run::probes::{
     ContactPartner, Limit, Probe, Probes, Quantity, STOPPED_BY, StopWhen, Summary,
 };
 use crate::run::{Observer, PreparedRun};
-use crate::scenario::{
-    self, AtPlace, Between, Issue, Issues, KeyPath, OneRod, OneSpring, Place, PressedRod,
-    ProbeKind, Scenario, did_you_mean,
-};
+use crate::scenario::{self, Issue, Issues, KeyPath, Place, ProbeKind, Scenario, did_you_mean};
 use rodlab_engine::mechanics::scene::{RodDescription, Scene};
 use rodlab_files::results::{SummaryRow, series_columns};
 
@@ -96,65 +93,81 @@ impl Taken {
 fn resolve(probe: &scenario::Probe, scene: &Scene, key: &KeyPath) -> Result<Probe, Issue> {
     let rods = Rods { scene, key };
     let quantity = match &probe.kind {
-        ProbeKind::Position(place) => Quantity::Position {
-            node: rods.node(place)?,
+        ProbeKind::Position { rod, at } => Quantity::Position {
+            node: rods.node(rod.as_ref(), *at)?,
         },
-        ProbeKind::Displacement(place) => {
-            let (rod, along) = rods.place(place)?;
+        ProbeKind::Displacement { rod, at } => {
+            let (rod, along) = rods.place(rod.as_ref(), *at)?;
             Quantity::Displacement {
                 node: rods.first_node(rod) + along,
                 from: scene.rods[rod].centreline[along],
             }
         }
-        ProbeKind::Velocity(place) => Quantity::Velocity {
-            node: rods.node(place)?,
+        ProbeKind::Velocity { rod, at } => Quantity::Velocity {
+            node: rods.node(rod.as_ref(), *at)?,
         },
-        ProbeKind::Reaction(place) => rods.reaction(place)?,
-        ProbeKind::Distance(between) => rods.distance(between)?,
-        ProbeKind::Tension(place) => {
-            let (rod, edge) = rods.place_or_largest(place, "edge")?;
+        ProbeKind::Reaction { rod, at } => rods.reaction(rod.as_ref(), *at)?,
+        ProbeKind::Distance {
+            rod,
+            to_rod,
+            at,
+            to,
+        } => rods.distance(rod.as_ref(), to_rod.as_ref(), at.zip(*to))?,
+        ProbeKind::Tension { rod, at } => {
+            let (rod, edge) = rods.place_or_largest(rod.as_ref(), *at, "edge")?;
             Quantity::Tension { rod, edge }
         }
-        ProbeKind::Torsion(place) => {
-            let (rod, edge) = rods.place_or_largest(place, "edge")?;
+        ProbeKind::Torsion { rod, at } => {
+            let (rod, edge) = rods.place_or_largest(rod.as_ref(), *at, "edge")?;
             Quantity::Torsion { rod, edge }
         }
-        ProbeKind::BendingMoment(place) => {
-            let (rod, node) = rods.place_or_largest(place, "node")?;
+        ProbeKind::BendingMoment { rod, at } => {
+            let (rod, node) = rods.place_or_largest(rod.as_ref(), *at, "node")?;
             Quantity::BendingMoment { rod, node }
         }
-        ProbeKind::TwistingMoment(place) => {
-            let (rod, node) = rods.place_or_largest(place, "node")?;
+        ProbeKind::TwistingMoment { rod, at } => {
+            let (rod, node) = rods.place_or_largest(rod.as_ref(), *at, "node")?;
             Quantity::TwistingMoment { rod, node }
         }
-        ProbeKind::Curvature(place) => {
-            let (rod, node) = rods.place_or_largest(place, "node")?;
+        ProbeKind::Curvature { rod, at } => {
+            let (rod, node) = rods.place_or_largest(rod.as_ref(), *at, "node")?;
             Quantity::Curvature { rod, node }
         }
-        ProbeKind::Twist(place) => {
-            let (rod, node) = rods.place_or_largest(place, "node")?;
+        ProbeKind::Twist { rod, at } => {
+            let (rod, node) = rods.place_or_largest(rod.as_ref(), *at, "node")?;
             Quantity::Twist { rod, node }
         }
-        ProbeKind::ContactForce(pressed) => rods.contact_force(pressed)?,
-        ProbeKind::Energy(OneRod { rod }) => Quantity::Energy {
+        ProbeKind::ContactForce {
+            rod,
+            from_rod,
+            from_plane,
+            from_obstacle,
+        } => {
+            let from = rods.partner(from_rod.as_ref(), *from_plane, from_obstacle.as_ref())?;
+            Quantity::ContactForce {
+                rod: rods.rod(rod.as_ref())?,
+                from,
+            }
+        }
+        ProbeKind::Energy { rod } => Quantity::Energy {
             rod: rods.rod(rod.as_ref())?,
         },
-        ProbeKind::Writhe(OneRod { rod }) => Quantity::Writhe {
+        ProbeKind::Writhe { rod } => Quantity::Writhe {
             rod: rods.rod(rod.as_ref())?,
         },
-        ProbeKind::ArcLength(OneRod { rod }) => Quantity::ArcLength {
+        ProbeKind::ArcLength { rod } => Quantity::ArcLength {
             rod: rods.rod(rod.as_ref())?,
         },
-        ProbeKind::LinkingNumber(pair) => {
-            let one = rods.named(&pair.rod, "rod")?;
-            let other = rods.named(&pair.to_rod, "to_rod")?;
+        ProbeKind::LinkingNumber { rod, to_rod } => {
+            let one = rods.named(rod, "rod")?;
+            let other = rods.named(to_rod, "to_rod")?;
             if one == other {
                 let message = "a rod has no linking number with itself; ask for its writhe";
                 return Err(Issue::new(key.key("to_rod"), message));
             }
             Quantity::LinkingNumber { rods: [one, other] }
         }
-        ProbeKind::SpringForce(OneSpring { joint }) => {
+        ProbeKind::SpringForce { joint } => {
             let names: Vec<&str> = names_of(&scene.springs, |spring| &spring.name);
             let found = names.iter().position(|name| name == joint);
             let spring = found.ok_or_else(|| {
@@ -239,30 +252,30 @@ impl Rods<'_> {
     }
 
     /// Rod and node along it.
-    fn place(&self, place: &AtPlace) -> Result<(usize, usize), Issue> {
-        let rod = self.rod(place.rod.as_ref())?;
-        let at = place.at.unwrap_or(Place::Start);
+    fn place(&self, rod: Option<&String>, at: Place) -> Result<(usize, usize), Issue> {
+        let rod = self.rod(rod)?;
         Ok((rod, self.along(rod, at, "at", "node")?))
     }
 
-    fn node(&self, place: &AtPlace) -> Result<usize, Issue> {
-        let (rod, along) = self.place(place)?;
+    fn node(&self, rod: Option<&String>, at: Place) -> Result<usize, Issue> {
+        let (rod, along) = self.place(rod, at)?;
         Ok(self.first_node(rod) + along)
     }
 
     fn place_or_largest(
         &self,
-        place: &AtPlace,
+        rod: Option<&String>,
+        at: Option<Place>,
         what: &str,
     ) -> Result<(usize, Option<usize>), Issue> {
-        let rod = self.rod(place.rod.as_ref())?;
-        let at = place.at.map(|at| self.along(rod, at, "at", what));
+        let rod = self.rod(rod)?;
+        let at = at.map(|at| self.along(rod, at, "at", what));
         let first = self.first_node(rod);
         Ok((rod, at.transpose()?.map(|along| first + along)))
     }
 
-    fn reaction(&self, place: &AtPlace) -> Result<Quantity, Issue> {
-        let (rod, along) = self.place(place)?;
+    fn reaction(&self, rod: Option<&String>, at: Place) -> Result<Quantity, Issue> {
+        let (rod, along) = self.place(rod, at)?;
         let mut clamps = self.scene.clamps.iter();
         if !clamps.any(|clamp| (clamp.rod, clamp.node) == (rod, along)) {
             let name = &self.scene.rods[rod].name;
@@ -274,38 +287,45 @@ impl Rods<'_> {
         })
     }
 
-    fn distance(&self, between: &Between) -> Result<Quantity, Issue> {
-        let one = self.rod(between.rod.as_ref())?;
-        let other = match &between.to_rod {
+    fn distance(
+        &self,
+        rod: Option<&String>,
+        to_rod: Option<&String>,
+        nodes: Option<(Place, Place)>,
+    ) -> Result<Quantity, Issue> {
+        let one = self.rod(rod)?;
+        let other = match to_rod {
             Some(name) => self.named(name, "to_rod")?,
             None => one,
         };
-        let Some(nodes) = between.nodes else {
+        let Some((at, to)) = nodes else {
             if one == other {
                 let message = "a rod has no distance from itself; give the nodes `at` and `to`";
                 return Err(Issue::new(self.key.key("to_rod"), message));
             }
             return Ok(Quantity::RodDistance { rods: [one, other] });
         };
-        let at = self.along(one, nodes.at, "at", "node")?;
-        let to = self.along(other, nodes.to, "to", "node")?;
+        let at = self.along(one, at, "at", "node")?;
+        let to = self.along(other, to, "to", "node")?;
         Ok(Quantity::NodeDistance {
             nodes: [self.first_node(one) + at, self.first_node(other) + to],
         })
     }
 
-    fn contact_force(&self, pressed: &PressedRod) -> Result<Quantity, Issue> {
+    /// What presses on a rod.
+    fn partner(
+        &self,
+        rod: Option<&String>,
+        plane: Option<usize>,
+        obstacle: Option<&String>,
+    ) -> Result<ContactPartner, Issue> {
         let fault = |key: &str, message: String| Err(Issue::new(self.key.key(key), message));
         if self.scene.contact.is_none() {
             let message = "there is no contact in this scenario: a table [contact] is missing";
             return fault("kind", message.to_owned());
         }
-        let rod = |from| {
-            let rod = self.rod(pressed.rod.as_ref())?;
-            Ok(Quantity::ContactForce { rod, from })
-        };
         let planes = self.scene.planes.len();
-        if let Some(name) = &pressed.from_obstacle {
+        if let Some(name) = obstacle {
             let names = names_of(&self.scene.obstacles, |obstacle| &obstacle.name);
             let Some(obstacle) = names.iter().position(|known| known == name) else {
                 let message = match names.as_slice() {
@@ -319,9 +339,9 @@ impl Rods<'_> {
                 };
                 return fault("from_obstacle", message);
             };
-            return rod(ContactPartner::Obstacle(obstacle));
+            return Ok(ContactPartner::Obstacle(obstacle));
         }
-        let from = match (&pressed.from_rod, pressed.from_plane) {
+        Ok(match (rod, plane) {
             (Some(name), _) => ContactPartner::Rod(self.named(name, "from_rod")?),
             (None, Some(plane)) if plane < planes => ContactPartner::Plane(plane),
             (None, Some(plane)) => {
@@ -332,8 +352,7 @@ impl Rods<'_> {
                 return fault("from_plane", message);
             }
             (None, None) => ContactPartner::Anything,
-        };
-        rod(from)
+        })
     }
 }
 

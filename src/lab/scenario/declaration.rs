@@ -276,8 +276,10 @@ macro_rules! keys {
     (@typed direction()) => { $crate::scenario::quantity::Vector<$crate::scenario::units::Dimensionless> };
     (@typed corners($D:ty)) => { Vec<($crate::scenario::quantity::Quantity<$crate::scenario::units::Time>, $crate::scenario::quantity::Quantity<$D>)> };
     (@typed count($range:expr)) => { i64 };
+    (@typed index()) => { i64 };
     (@typed place()) => { $crate::scenario::place::TypedPlace };
     (@typed places($help:expr)) => { [$crate::scenario::place::TypedPlace; 2] };
+    (@typed column()) => { String };
     (@typed text($($help:expr)?)) => { String };
     (@typed flag()) => { bool };
     (@typed word($T:ty $(, $help:expr)?)) => { $T };
@@ -290,8 +292,10 @@ macro_rules! keys {
     (@value direction $args:tt) => { [f64; 3] };
     (@value corners $args:tt) => { Vec<(f64, f64)> };
     (@value count $args:tt) => { usize };
+    (@value index $args:tt) => { usize };
     (@value place $args:tt) => { $crate::scenario::place::Place };
     (@value places $args:tt) => { [$crate::scenario::place::Place; 2] };
+    (@value column $args:tt) => { String };
     (@value text $args:tt) => { String };
     (@value flag $args:tt) => { bool };
     (@value word($T:ty $(, $help:expr)?)) => { $T };
@@ -304,8 +308,10 @@ macro_rules! keys {
     (@form direction()) => { $crate::scenario::form::Direction };
     (@form corners($D:ty)) => { $crate::scenario::form::Corners::<$D>::any() };
     (@form count($range:expr)) => { $crate::scenario::form::Count($range) };
+    (@form index()) => { $crate::scenario::form::Index };
     (@form place()) => { $crate::scenario::form::Along };
     (@form places($help:expr)) => { $crate::scenario::form::AlongBoth($help) };
+    (@form column()) => { $crate::scenario::form::ColumnName };
     (@form text()) => { $crate::scenario::form::Plain::<String>::new("text") };
     (@form text($help:expr)) => { $crate::scenario::form::Plain::<String>::new($help) };
     (@form flag()) => { $crate::scenario::form::Plain::<bool>::new("true or false") };

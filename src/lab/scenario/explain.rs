@@ -226,23 +226,53 @@ impl<'a> Explainer<'a> {
             }
             said.push(description);
         }
-        let mut kinds: Vec<&str> = Vec::new();
-        for schema in self.expanded(meaning.schema) {
-            kinds.extend(kind(schema));
+        if let Some(range) = meaning.schema.get("x-range").and_then(Value::as_str) {
+            let _ = writeln!(text, "  range: {range}");
         }
-        if !kinds.is_empty() {
-            let _ = writeln!(text, "  kinds: {}", kinds.join(", "));
+        if meaning.schema.get("x-required").is_some() {
+            let _ = writeln!(text, "  required");
         }
-        let mut names: Vec<&str> = Vec::new();
+        let kinds = self.keys_of_kinds(meaning.schema);
+        let mut common: Vec<&str> = Vec::new();
         for (_, name) in self.keys(meaning.schema) {
-            let tells_kinds_apart = name == "kind" && !kinds.is_empty();
-            if !tells_kinds_apart && !names.contains(&name) {
-                names.push(name);
+            if kinds.iter().all(|(_, keys)| keys.contains(&name)) && !common.contains(&name) {
+                common.push(name);
             }
         }
-        if !names.is_empty() {
-            let _ = writeln!(text, "  keys: {}", names.join(", "));
+        let mut list = |what: &str, names: &[&str]| {
+            if !names.is_empty() {
+                let _ = writeln!(text, "  {what}: {}", names.join(", "));
+            }
+        };
+        let names: Vec<&str> = kinds.iter().map(|(kind, _)| *kind).collect();
+        list("kinds", &names);
+        let every = if kinds.is_empty() {
+            "keys"
+        } else {
+            "keys of every kind"
+        };
+        list(every, &common);
+        for (kind, mut keys) in kinds {
+            keys.retain(|key| !common.contains(key));
+            list(&format!("keys of {kind:?}"), &keys);
         }
+    }
+
+    /// The kinds of a table, each with its keys.
+    fn keys_of_kinds(&self, schema: &'a Value) -> Vec<(&'a str, Vec<&'a str>)> {
+        let of_kind = |schema: &'a Value| {
+            let tables = self.expanded(schema).into_iter();
+            let properties = tables.filter_map(|table| table.get("properties")?.as_object());
+            let names = properties.flat_map(|properties| properties.keys().map(String::as_str));
+            Some((
+                kind(schema)?,
+                names.filter(|name| *name != "kind").collect(),
+            ))
+        };
+        self.expanded(schema)
+            .into_iter()
+            .filter_map(of_kind)
+            .collect()
     }
 }
 

@@ -191,6 +191,39 @@ impl<T: Clone + Default> Requirable for Plain<T> {
     }
 }
 
+/// A name with which columns of results can begin.
+pub struct ColumnName;
+
+impl Form for ColumnName {
+    type Typed = String;
+    type Value = String;
+
+    fn judge(&self, section: &Section<'_>, key: &str, name: &String) -> String {
+        let allowed =
+            |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_';
+        let begins = name.starts_with(|letter: char| letter.is_ascii_lowercase());
+        if begins && name.chars().all(allowed) && !name.ends_with('_') {
+            return name.clone();
+        }
+        let message = format!(
+            "`{name}` cannot begin the name of a column; allowed: small letters, digits and underscores, a letter first \
+             and no underscore last"
+        );
+        section.fault(key, message);
+        self.nothing()
+    }
+}
+
+impl Requirable for ColumnName {
+    fn help(&self) -> String {
+        "the name with which the columns begin".to_owned()
+    }
+
+    fn nothing(&self) -> String {
+        String::new()
+    }
+}
+
 /// A whole number.
 pub struct Count(pub RangeInclusive<usize>);
 
@@ -215,6 +248,22 @@ impl Requirable for Count {
 
     fn nothing(&self) -> usize {
         *self.0.start()
+    }
+}
+
+/// A number counted from zero.
+pub struct Index;
+
+impl Form for Index {
+    type Typed = i64;
+    type Value = usize;
+
+    fn judge(&self, section: &Section<'_>, key: &str, typed: &i64) -> usize {
+        section.number_from_zero(key, *typed).unwrap_or(0)
+    }
+
+    fn range(&self) -> Option<String> {
+        Some("0 and up".to_owned())
     }
 }
 
@@ -358,6 +407,17 @@ fn whole(value: Json) -> Json {
     }
 }
 
+/// A default as people write it.
+fn in_words(value: &Json) -> String {
+    match value {
+        Json::Array(elements) => {
+            let elements: Vec<String> = elements.iter().map(in_words).collect();
+            format!("[{}]", elements.join(", "))
+        }
+        other => other.to_string(),
+    }
+}
+
 impl Transform for Note {
     fn transform(&mut self, schema: &mut Schema) {
         if let Some(range) = self.range.take() {
@@ -367,6 +427,13 @@ impl Transform for Note {
             schema.insert("x-required".to_owned(), true.into());
         }
         if let Some(default) = self.default.take() {
+            let words = schema.get("description").and_then(Json::as_str);
+            let words = words.filter(|words| !words.contains("efault"));
+            if let Some(words) =
+                words.map(|words| format!("{words} Default: {}.", in_words(&default)))
+            {
+                schema.insert("description".to_owned(), words.into());
+            }
             schema.insert("x-default".to_owned(), default);
         }
     }

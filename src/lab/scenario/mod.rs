@@ -71,10 +71,7 @@ pub use resolved::{
     LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, PathMethod, Place,
     Plane, Pose, Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
 };
-pub use resolved::{
-    AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,
-    TwoRods,
-};
+pub use resolved::{Probe, ProbeKind, StopWhen, Summary};
 pub use sweep::{Case, CaseSet, InputFile, Parameter, Portable, Search, earlier_id};
 pub use typed::{Quantity, SearchMethod, Vector};
 pub use typed_file::TypedFile;

@@ -11,7 +11,6 @@ mod network;
 mod obstacle;
 mod polyline;
 mod poses;
-mod probe;
 mod request;
 mod rod;
 mod shape;
@@ -149,8 +148,8 @@ pub fn resolve(
         planes,
         obstacles,
         start: start::start(context, &top, file.start.as_ref()),
-        probes: probe::probes(&top, &file.probes),
-        stop_when: probe::stop_when(&top, file.stop_when.as_ref()),
+        probes: tables::probes(&top, &file.probes),
+        stop_when: tables::stop_when(&top, file.stop_when.as_ref()),
         contact,
         fluid,
         output: model::output(&top, &file.output, &time),

@@ -11,7 +11,6 @@ mod model;
 mod movement;
 mod network;
 mod obstacle;
-mod probe;
 mod rod;
 mod run;
 mod start;
@@ -19,7 +18,7 @@ mod start;
 pub use super::place::Place;
 pub use super::tables::{
     Body, BodyShape, Continuation, Joint, JointKind, Load, LoadFrame, LoadKind, Output, PathMethod,
-    Plane, Solver, Stiffness,
+    Plane, Probe, ProbeKind, Solver, Stiffness, StopWhen, Summary,
 };
 pub use actuation::{Actuation, ActuationKind, Course};
 pub use experiment::{BuilderRod, Experiment};
@@ -28,10 +27,6 @@ pub use model::{Contact, Fluid};
 pub use movement::{Movement, Pose};
 pub use network::{HeldEnds, NetworkJoint};
 pub use obstacle::{Obstacle, ObstacleShape};
-pub use probe::{
-    AtPlace, Between, OneRod, OneSpring, PressedRod, Probe, ProbeKind, StopWhen, Summary, TwoNodes,
-    TwoRods,
-};
 pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape};
 pub use run::{Scheme, Step, Time};
 pub use start::Start;

@@ -5,6 +5,7 @@ mod continuation;
 mod joint;
 mod load;
 mod plane;
+mod probe;
 mod run;
 mod stiffness;
 
@@ -13,5 +14,6 @@ pub use continuation::{Continuation, ContinuationKeys, PathMethod, continuation}
 pub use joint::{Joint, JointKeys, JointKind, joints};
 pub use load::{Load, LoadFrame, LoadKeys, LoadKind, loads};
 pub use plane::{Plane, PlaneKeys, planes};
+pub use probe::{Probe, ProbeKeys, ProbeKind, StopKeys, StopWhen, Summary, probes, stop_when};
 pub use run::{Output, OutputKeys, Solver, SolverKeys};
 pub use stiffness::{Stiffness, StiffnessKeys};

@@ -9,7 +9,6 @@ mod load;
 mod model;
 mod network;
 mod obstacle;
-mod probe;
 mod rod;
 mod shape;
 mod start;
@@ -22,16 +21,14 @@ pub use load::{Clamp, Pose};
 pub use model::{BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, SchemeChoice, Time};
 pub use network::{Boundary, Network, NetworkShape};
 pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
-pub use probe::{
-    ContactForceProbe, DistanceProbe, EdgeProbe, NodeProbe, Probe, RodProbe, SectionProbe, StopWhen,
-};
 pub use rod::{CrossSection, InertiaChoice, Material, Rod};
 pub use shape::{Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, Slack, Straight};
 pub use start::Start;
 pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};
 
 use super::tables::{
-    BodyKeys, ContinuationKeys, JointKeys, LoadKeys, OutputKeys, PlaneKeys, SolverKeys,
+    BodyKeys, ContinuationKeys, JointKeys, LoadKeys, OutputKeys, PlaneKeys, ProbeKeys, SolverKeys,
+    StopKeys,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -94,9 +91,9 @@ pub struct ScenarioFile {
     pub start: Option<Start>,
     /// What is measured at every output: columns of series.csv and summary.csv.
     #[serde(default)]
-    pub probes: Vec<Probe>,
+    pub probes: Vec<ProbeKeys>,
     /// A condition on a probe that ends the run.
-    pub stop_when: Option<StopWhen>,
+    pub stop_when: Option<StopKeys>,
     /// Contact between rods, with planes and with obstacles; without this table everything passes through.
     pub contact: Option<Contact>,
     /// The surrounding fluid; without this table a vacuum.
