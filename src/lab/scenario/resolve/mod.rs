@@ -1,10 +1,10 @@
 //! From the scenario as typed to the scenario as resolved: units, defaults, ranges.
 
 mod actuation;
+mod clamp;
 mod columns;
 mod continuation;
 mod experiment;
-mod load;
 mod model;
 mod movement;
 mod network;
@@ -114,7 +114,7 @@ pub fn resolve(
     }
     continuation::refuse_friction(&top, &time, contact.friction(), &planes, &obstacles);
     continuation::refuse_fluid(&top, &time, &fluid);
-    let mut clamps = load::clamps(context, &top, &file.clamps);
+    let mut clamps = clamp::clamps(context, &top, &file.clamps);
     model::refuse_static_motion(&top, &time, &clamps, &loads, &obstacles);
     network::refuse_static_motion(&top, &file.networks, &time);
     clamps.extend(networks.clamps);

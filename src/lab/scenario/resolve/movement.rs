@@ -3,19 +3,7 @@
 use super::{Context, poses};
 use crate::scenario::resolved::Movement;
 use crate::scenario::section::{FINITE, Section};
-use crate::scenario::typed::{Pose, Quantity, Vector};
-use crate::scenario::units::{Angle, AngularVelocity, Dimensionless, Length, Time};
-
-/// The keys of a motion, wherever they stand.
-pub struct TypedMovement<'a> {
-    pub translation: &'a Option<Vec<(Quantity<Time>, Vector<Length>)>>,
-    pub angle: &'a Option<Vec<(Quantity<Time>, Quantity<Angle>)>>,
-    pub angular_velocity: &'a Option<Quantity<AngularVelocity>>,
-    pub axis: &'a Option<Vector<Dimensionless>>,
-    pub pivot: &'a Option<Vector<Length>>,
-    pub follow: &'a Option<String>,
-    pub poses: &'a Option<Vec<Pose>>,
-}
+use crate::scenario::typed::TypedMovement;
 
 /// Resolves a motion: by its own keys or by poses.
 pub fn movement(
@@ -24,24 +12,15 @@ pub fn movement(
     typed: &TypedMovement<'_>,
 ) -> Movement {
     let movement = Movement {
-        translation: section.corners(
-            "move",
-            typed.translation.as_deref().unwrap_or_default(),
-            |corner, displacement| corner.components("1", displacement),
-        ),
-        angle: section.corners(
-            "turn",
-            typed.angle.as_deref().unwrap_or_default(),
-            |corner, angle| corner.number("1", angle, FINITE),
-        ),
-        angular_velocity: section.with_default(
-            "angular_velocity",
-            typed.angular_velocity,
-            FINITE,
-            0.0,
-        ),
-        axis: section.direction("axis", typed.axis),
-        pivot: section.vector("pivot", typed.pivot),
+        translation: section.corners("move", typed.translation, |corner, displacement| {
+            corner.components("1", displacement)
+        }),
+        angle: section.corners("turn", typed.angle, |corner, angle| {
+            corner.number("1", angle, FINITE)
+        }),
+        angular_velocity: typed.angular_velocity,
+        axis: typed.axis,
+        pivot: typed.pivot,
         poses: poses::poses(context, section, typed.follow, typed.poses),
     };
     for (key, given) in given_keys(&movement) {

@@ -1,10 +1,10 @@
 //! Resolving obstacles.
 
 use super::Context;
-use super::movement::{TypedMovement, movement};
+use super::movement::movement;
 use crate::scenario::input_file;
 use crate::scenario::resolved::{Obstacle, ObstacleShape};
-use crate::scenario::section::{FINITE, NON_NEGATIVE, Section};
+use crate::scenario::section::{FINITE, Section};
 use crate::scenario::typed;
 use rodlab_files::mesh;
 
@@ -37,20 +37,8 @@ pub fn obstacles(
         resolved.push(Obstacle {
             name,
             shape,
-            friction: below.optional("friction", &typed.friction, NON_NEGATIVE),
-            movement: movement(
-                context,
-                &below,
-                &TypedMovement {
-                    translation: &typed.translation,
-                    angle: &typed.angle,
-                    angular_velocity: &typed.angular_velocity,
-                    axis: &typed.axis,
-                    pivot: &typed.pivot,
-                    follow: &typed.follow,
-                    poses: &typed.poses,
-                },
-            ),
+            friction: typed.friction(&below),
+            movement: movement(context, &below, &typed.movement(&below)),
         });
     }
     resolved

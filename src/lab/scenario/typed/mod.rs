@@ -4,9 +4,10 @@
 //! The comments of these types are the descriptions in the JSON Schema and the words of `rodlab explain`.
 
 mod actuation;
+mod clamp;
 mod kinds;
-mod load;
 mod model;
+mod movement;
 mod network;
 mod obstacle;
 mod rod;
@@ -14,11 +15,11 @@ mod shape;
 mod start;
 mod sweep;
 
-pub use super::place::TypedPlace;
 pub use super::quantity::{Quantity, Vector};
 pub use actuation::Actuation;
-pub use load::{Clamp, Pose};
+pub use clamp::Clamp;
 pub use model::{BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, SchemeChoice, Time};
+pub use movement::{Pose, TypedMovement};
 pub use network::{Boundary, Network, NetworkShape};
 pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
 pub use rod::{CrossSection, InertiaChoice, Material, Rod};

@@ -1,41 +1,23 @@
 //! Obstacles as typed.
 
-use super::load::Pose;
+use super::movement::{Pose, Translation, Turn, TypedMovement, moving};
 use crate::scenario::declaration::keys;
-use crate::scenario::quantity::{Quantity, Vector};
-use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, UP};
-use crate::scenario::units::{Angle, AngularVelocity, Dimensionless, Length, Time};
+use crate::scenario::quantity::Quantity;
+use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section, UP};
+use crate::scenario::units::{Angle, AngularVelocity, Dimensionless, Length};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A rigid body that rods may touch, fixed or moved.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "obstacle")]
-pub struct Obstacle {
-    /// Name by which probes and messages call it. Default: "obstacle 0", "obstacle 1", ...
-    pub name: Option<String>,
-    /// Its shape, and where it is at time zero.
-    pub shape: Option<ObstacleShape>,
-    /// Friction coefficient between obstacle and rods. Default: that of [contact].
-    pub friction: Option<Quantity<Dimensionless>>,
-    /// Displacement at given times, [[time, [x, y, z]], ...], linear between them and constant outside. Default: none.
-    #[serde(rename = "move")]
-    pub translation: Option<Vec<(Quantity<Time>, Vector<Length>)>>,
-    /// Angle about the axis at given times, [[time, angle], ...], linear between them. Default: 0 always.
-    #[serde(rename = "turn")]
-    pub angle: Option<Vec<(Quantity<Time>, Quantity<Angle>)>>,
-    /// Steady rate of turning about the axis, added to `turn`. Default: 0.
-    pub angular_velocity: Option<Quantity<AngularVelocity>>,
-    /// Direction about which it turns. Default: [0, 0, 1].
-    pub axis: Option<Vector<Dimensionless>>,
-    /// Fixed point of the rotation. Default: the centre of its shape, the mean of the vertices of a mesh.
-    pub pivot: Option<Vector<Length>>,
-    /// CSV file of poses that it follows as one rigid body, relative to the scenario file: columns time_s, x_m, y_m, z_m and
-    /// the quaternion qw, qx, qy, qz. At the first pose it is where its shape says. Instead of `move`, `turn`, `axis` and
-    /// `pivot`.
-    pub follow: Option<String>,
-    /// The poses themselves, [[time, [x, y, z], [qw, qx, qy, qz]], ...].
-    pub poses: Option<Vec<Pose>>,
+moving! {
+    /// A rigid body that rods may touch, fixed or moved.
+    table Obstacle "obstacle" {
+        /// Name by which probes and messages call it. Default: "obstacle 0", "obstacle 1", ...
+        name: raw(String) raw,
+        /// Its shape, and where it is at time zero.
+        shape: raw(ObstacleShape) raw,
+        /// Friction coefficient between obstacle and rods. Default: that of [contact].
+        friction: number(Dimensionless, NON_NEGATIVE) optional,
+    }
 }
 
 /// The shape of an obstacle.
