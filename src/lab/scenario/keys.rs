@@ -50,6 +50,7 @@
 //! }
 //! ```
 
+pub(crate) use super::declaration::keys;
 pub use super::own_tables::OwnTable;
 pub use super::resolve::{
     BuiltRod, CommonTables, ExperimentKeys, FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range,

@@ -1,7 +1,7 @@
 //! The keys of flagella: as typed, as resolved, and the way from the one to the other.
 
 use crate::scenario::keys::{
-    Angle, AngularVelocity, FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Quantity, Request,
+    Angle, AngularVelocity, FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Request, keys,
 };
 use crate::scenario::{BuilderRod, Material};
 use schemars::JsonSchema;
@@ -19,33 +19,33 @@ const MOST_FLAGELLA: usize = 10_000;
 /// Most nodes of one flagellum.
 const MOST_NODES: usize = 1_000_000;
 
-/// Helical flagella on the corners of a regular polygon around the origin, their axes along z.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "flagella")]
-pub struct TypedFlagella {
-    /// Number of flagella, at least 1.
-    pub count: Option<i64>,
-    /// Radius of the helices.
-    pub helix_radius: Option<Quantity<Length>>,
-    /// Pitch of the helices.
-    pub pitch: Option<Quantity<Length>>,
-    /// Length of the helices along their axes, without the hook.
-    pub axial_length: Option<Quantity<Length>>,
-    /// Side of the polygon on whose corners the axes stand. Not needed for a single flagellum.
-    pub side: Option<Quantity<Length>>,
-    /// Direction of the first axis from the centre of the polygon, an angle about z (axes point from head to tip) from the
-    /// direction in which every helix begins, seen from its own axis. Default: "180 deg", the first helix begins towards the
-    /// centre, as in the released code of the thesis. It matters for odd numbers of flagella; multiples of 360°/count are alike.
-    pub orientation: Option<Quantity<Angle>>,
-    /// Rate of turning of the heads. Positive makes right-handed helices push towards their heads, as
-    /// bacteria swim, and bundle: the heads then turn clockwise seen from the tips.
-    pub angular_velocity: Option<Quantity<AngularVelocity>>,
-    /// Whether a straight inlet of one edge along the axis and a ramp of two edges at 45° lead to the
-    /// helix. Default: true.
-    pub hook: Option<bool>,
-    /// What is held at the head: "node" (the default: the first node and the frame there) or "edge" (the
-    /// second node too, the usual clamp of other codes).
-    pub head: Option<Head>,
+keys! {
+    /// Helical flagella on the corners of a regular polygon around the origin, their axes along z.
+    table TypedFlagella "flagella" {
+        /// Number of flagella, at least 1.
+        count: raw(i64) raw,
+        /// Radius of the helices.
+        helix_radius: number(Length, POSITIVE) required,
+        /// Pitch of the helices.
+        pitch: number(Length, POSITIVE) required,
+        /// Length of the helices along their axes, without the hook.
+        axial_length: number(Length, POSITIVE) required,
+        /// Side of the polygon on whose corners the axes stand. Not needed for a single flagellum.
+        side: number(Length, POSITIVE) required,
+        /// Direction of the first axis from the centre of the polygon, an angle about z (axes point from head to tip) from the
+        /// direction in which every helix begins, seen from its own axis. Default: "180 deg", the first helix begins towards the
+        /// centre, as in the released code of the thesis. It matters for odd numbers of flagella; multiples of 360°/count are alike.
+        orientation: number(Angle, FINITE) default(PI),
+        /// Rate of turning of the heads. Positive makes right-handed helices push towards their heads, as
+        /// bacteria swim, and bundle: the heads then turn clockwise seen from the tips.
+        angular_velocity: number(AngularVelocity, FINITE) required,
+        /// Whether a straight inlet of one edge along the axis and a ramp of two edges at 45° lead to the
+        /// helix.
+        hook: flag() default(true),
+        /// What is held at the head: "node" (the default: the first node and the frame there) or "edge" (the
+        /// second node too, the usual clamp of other codes).
+        head: word(Head) default(Head::Node),
+    }
 }
 
 /// Helical flagella on the corners of a regular polygon.
@@ -100,19 +100,19 @@ pub fn resolve(request: &Request<'_>) -> Option<FlagellaTables> {
     let typed = typed.filter(|_| built)?;
     let section = request.top.below("flagella");
     let count = section.count("count", typed.count, 1..=MOST_FLAGELLA);
-    let hook = typed.hook.unwrap_or(true);
+    let hook = typed.hook(&section);
     let fewest_nodes = if hook { 8 } else { 5 };
     let built = request.rod(fewest_nodes..=MOST_NODES)?;
     let side = if count == Some(1) {
         section.with_default("side", &typed.side, NON_NEGATIVE, 0.0)
     } else {
-        section.required("side", &typed.side, POSITIVE)
+        typed.side(&section)
     };
-    let helix_radius = section.required("helix_radius", &typed.helix_radius, POSITIVE);
-    let pitch = section.required("pitch", &typed.pitch, POSITIVE);
-    let axial_length = section.required("axial_length", &typed.axial_length, POSITIVE);
-    let orientation = section.with_default("orientation", &typed.orientation, FINITE, PI);
-    let angular_velocity = section.required("angular_velocity", &typed.angular_velocity, FINITE);
+    let helix_radius = typed.helix_radius(&section);
+    let pitch = typed.pitch(&section);
+    let axial_length = typed.axial_length(&section);
+    let orientation = typed.orientation(&section);
+    let angular_velocity = typed.angular_velocity(&section);
     Some(FlagellaTables {
         material: built.material,
         rod: built.rod()?,
@@ -125,7 +125,7 @@ pub fn resolve(request: &Request<'_>) -> Option<FlagellaTables> {
             orientation,
             angular_velocity,
             hook,
-            head: typed.head.unwrap_or(Head::Node),
+            head: typed.head(&section),
         },
     })
 }

@@ -2,13 +2,13 @@
 
 use super::resolved::{Knot, Rod, Second};
 use super::typed;
-use crate::scenario::keys::{POSITIVE, Section};
+use crate::scenario::keys::Section;
 use rodlab_planning::plan::deployment::DeployedRod;
 use rodlab_planning::plan::pattern::Pattern;
 use rodlab_planning::plan::tying::{Handling, TiedRod, passages};
 
 /// How far a gripper reaches where nothing is said, m: fingers that open by 3 cm.
-const REACH: f64 = 0.015;
+pub const REACH: f64 = 0.015;
 
 /// The knot of a deployment, if there is one; `None` where a fault was reported.
 pub fn resolve(
@@ -40,9 +40,9 @@ pub fn resolve(
         return None;
     }
     let usual = Handling::usual(&rods);
-    let lift = section.with_default("lift", &knot.lift, POSITIVE, usual.lift);
-    let speed = section.with_default("speed", &knot.speed, POSITIVE, usual.speed);
-    let reach = section.with_default("reach", &knot.reach, POSITIVE, REACH);
+    let lift = knot.lift(&section, usual.lift);
+    let speed = knot.speed(&section, usual.speed);
+    let reach = knot.reach(&section);
     let is_known = [lift, speed, reach].iter().all(|value| value.is_finite());
     is_known.then_some(Some(Knot {
         crossings,

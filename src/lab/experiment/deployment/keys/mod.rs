@@ -12,11 +12,9 @@ pub use pattern::svg_drawing;
 pub use resolved::Second;
 pub use resolved::{Correction, Deployment, Knot, Pattern, Peg, Rod, Scheme, Solver};
 
-use crate::experiment::on_table::{self, JITTER_PERIOD};
+use crate::experiment::on_table;
 use crate::scenario::Time;
-use crate::scenario::keys::{
-    FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Quantity, Range, Request, Section,
-};
+use crate::scenario::keys::{Length, NON_NEGATIVE, OwnTable, Quantity, Request, Section};
 use rodlab_planning::plan::deployment::{DeployedRod, lead_length, long_enough};
 use rodlab_planning::plan::pattern::Pattern as Curve;
 
@@ -53,23 +51,16 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     let pattern =
         pattern.and_then(|pattern| pattern::resolve(request, &section.below("pattern"), pattern));
     let length_error = on_table::length_error(&section, &typed.length_error);
-    let number = |key: &str, typed, range: Range| section.with_default(key, typed, range, 0.0);
-    let jitter = number("jitter", &typed.jitter, NON_NEGATIVE);
-    let shift = typed.frame_shift.as_ref();
-    let frame_shift = shift.map_or([0.0; 2], |shift| section.components("frame_shift", shift));
-    let frame_turn = section.with_default("frame_turn", &typed.frame_turn, FINITE, 0.0);
-    let jitter_angle = section.with_default("jitter_angle", &typed.jitter_angle, NON_NEGATIVE, 0.0);
-    let jitter_period = section.with_default(
-        "jitter_period",
-        &typed.jitter_period,
-        POSITIVE,
-        JITTER_PERIOD,
-    );
+    let jitter = typed.jitter(&section);
+    let frame_shift = typed.frame_shift(&section).unwrap_or_default();
+    let frame_turn = typed.frame_turn(&section);
+    let jitter_angle = typed.jitter_angle(&section);
+    let jitter_period = typed.jitter_period(&section);
     let seed = on_table::seed(&section, typed.seed);
     let (rod, pattern) = (rod?, pattern?);
     let is_tied = typed.knot.is_some();
     let curve = with_lead_in(&section, typed.lead_in.as_ref(), is_tied, &rod, &pattern)?;
-    let scheme = typed.scheme.unwrap_or(Scheme::Optimal);
+    let scheme = typed.scheme(&section);
     let second = second::resolve(request, &section, typed, scheme)?;
     let pegs = fixtures::resolve(&section, typed, &rod, &curve)?;
     let release = release(request, &section, typed)?;
@@ -89,7 +80,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     };
     Some(Deployment {
         scheme,
-        solver: typed.solver.unwrap_or(Solver::Exact),
+        solver: typed.solver(&section),
         lead_in: curve.lead_in(),
         length_error,
         frame_shift,
@@ -114,7 +105,7 @@ fn release(
     section: &Section<'_>,
     typed: &typed::Deployment,
 ) -> Option<Option<f64>> {
-    let release = section.optional("release", &typed.release, POSITIVE);
+    let release = typed.release(section);
     let Time::Dynamic { end, .. } = *request.time else {
         return None;
     };
@@ -135,12 +126,11 @@ fn resolve_correction(
     rod: &Rod,
 ) -> Option<Correction> {
     let unit = rod.gravito_bending_length;
-    let every = section.with_default("every", &typed.every, POSITIVE, CORRECTED_EVERY * unit);
+    let every = typed.every(section, CORRECTED_EVERY * unit);
     let shortest = SHORTEST_RETURN * every.max(unit);
     let usual = shortest.max(RETURN_LENGTH * unit);
-    let return_length =
-        section.with_default("return_length", &typed.return_length, POSITIVE, usual);
-    let noise = section.with_default("noise", &typed.noise, NON_NEGATIVE, 0.0);
+    let return_length = typed.return_length(section, usual);
+    let noise = typed.noise(section);
     if ![every, return_length, noise]
         .iter()
         .all(|value| value.is_finite())
@@ -203,15 +193,11 @@ fn with_lead_in(
 
 fn resolve_rod(section: &Section<'_>, typed: &typed::Rod) -> Option<Rod> {
     let rod = DeployedRod {
-        gravito_bending_length: section.required(
-            "gravito_bending_length",
-            &typed.gravito_bending_length,
-            POSITIVE,
-        ),
-        radius: section.required("radius", &typed.radius, POSITIVE),
-        length: section.required("length", &typed.length, POSITIVE),
+        gravito_bending_length: typed.gravito_bending_length(section),
+        radius: typed.radius(section),
+        length: typed.length(section),
     };
-    let density = section.with_default("density", &typed.density, POSITIVE, DENSITY);
+    let density = typed.density(section);
     for (name, friction) in typed.friction.iter().flatten() {
         if !(*friction >= 0.0 && friction.is_finite()) {
             let below = section.below("friction");

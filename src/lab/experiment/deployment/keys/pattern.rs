@@ -2,14 +2,14 @@
 
 use super::resolved::Pattern;
 use super::typed::{self, PatternKind};
-use crate::scenario::keys::{FINITE, POSITIVE, Request, Section, read_columns};
+use crate::scenario::keys::{Request, Section, read_columns};
 use crate::scenario::read_text_file;
 use rodlab_files::input::xml_text;
 use rodlab_planning::plan::pattern::{Drawing, Point, StrokeChoice, SvgDrawing};
 use std::path::Path;
 
 /// How far the smooth curve may be from what was drawn where nothing is said, m.
-const DEVIATION: f64 = 0.25e-3;
+pub const DEVIATION: f64 = 0.25e-3;
 /// Most waves of a sine.
 const MOST_WAVES: f64 = 1000.0;
 
@@ -19,28 +19,28 @@ pub fn resolve(
     section: &Section<'_>,
     typed: &typed::Pattern,
 ) -> Option<Pattern> {
-    let kind = typed.kind.unwrap_or_default();
+    let kind = typed.kind(section);
     refuse_keys_of_others(section, typed, kind);
     let pattern = match kind {
         PatternKind::Drawn => return drawn(request, section, typed),
         PatternKind::Line => Pattern::Line {
-            length: section.required("length", &typed.length, POSITIVE),
+            length: typed.length(section),
         },
         PatternKind::Circle => {
-            let radius = section.required("radius", &typed.radius, FINITE);
+            let radius = typed.radius(section);
             if radius == 0.0 {
                 section.fault("radius", "a circle has a radius other than 0");
             }
             Pattern::Circle { radius }
         }
         PatternKind::Sine => {
-            let waves = section.required("waves", &typed.waves, POSITIVE);
+            let waves = typed.waves(section);
             if waves > MOST_WAVES {
                 section.out_of_range("waves", waves, format_args!("at most {MOST_WAVES}"));
             }
             Pattern::Sine {
-                amplitude: section.required("amplitude", &typed.amplitude, POSITIVE),
-                wavelength: section.required("wavelength", &typed.wavelength, POSITIVE),
+                amplitude: typed.amplitude(section),
+                wavelength: typed.wavelength(section),
                 waves,
             }
         }
@@ -91,10 +91,10 @@ fn refuse_keys_of_others(section: &Section<'_>, typed: &typed::Pattern, kind: Pa
 }
 
 fn drawn(request: &Request<'_>, section: &Section<'_>, typed: &typed::Pattern) -> Option<Pattern> {
-    let deviation = section.with_default("deviation", &typed.deviation, POSITIVE, DEVIATION);
+    let deviation = typed.deviation(section);
     let drawing = Drawing {
-        size: section.optional("size", &typed.size, POSITIVE),
-        reverse: typed.reverse.unwrap_or(false),
+        size: typed.size(section),
+        reverse: typed.reverse(section),
     };
     let stroke = match typed.stroke {
         Some(_) => Some(section.count("stroke", typed.stroke, 1..=usize::MAX)?),

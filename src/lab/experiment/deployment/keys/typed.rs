@@ -1,63 +1,70 @@
 //! Deployments as typed.
 
+use super::DENSITY;
+use super::knot::REACH;
+use super::pattern::DEVIATION;
 use super::resolved::{Scheme, Solver};
-use crate::scenario::keys::{Angle, Density, Dimensionless, Length, Quantity, Time, Velocity};
+use crate::experiment::on_table::JITTER_PERIOD;
+use crate::scenario::keys::{
+    Angle, Density, Dimensionless, FINITE, Length, NON_NEGATIVE, POSITIVE, Quantity, Time,
+    Velocity, keys,
+};
 use rodlab_planning::plan::tying::Pass;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A rod that a gripper lays on a table along a pattern.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "deployment")]
-pub struct Deployment {
-    /// The curve that the rod is to follow: a drawing (`file`, SVG or CSV, or its `points`), or of `kind` "line",
-    /// "circle" or "sine".
-    pub pattern: Option<Pattern>,
-    /// The rod. `scenarios/rods` has those of thesis Tab. 5.1, to be taken over by `extends`.
-    pub rod: Option<Rod>,
-    /// How the gripper leads the rod: "optimal" (the default, by the optimal grasp of each point) or "intuitive" (upright
-    /// above the contact node, thesis 5.1.1).
-    pub scheme: Option<Scheme>,
-    /// Who finds the optimal grasps: "exact" (the default), or "neural": the network of the program, which answers at once, within the range of its samples.
-    pub solver: Option<Solver>,
-    /// Length of a start in front of the pattern over which the curvature grows from zero to that of the pattern, or
-    /// "auto" (the default): as long as a friction demand of 0.1 needs it, none where the pattern begins straight.
-    pub lead_in: Option<Quantity<Length>>,
-    /// Relative error of the gravito-bending length for which the gripper's path is planned: 0.1 plans for a rod
-    /// whose L_gb is a tenth larger than that of the rod which is laid. Default: 0.
-    pub length_error: Option<Quantity<Dimensionless>>,
-    /// Displacement [x, y] of the pattern's frame for which the path is planned against the true one, as by a camera that is
-    /// out of place. Default: none.
-    pub frame_shift: Option<[Quantity<Length>; 2]>,
-    /// Turn of that frame about the first point of the pattern, counter-clockwise. Default: none.
-    pub frame_turn: Option<Quantity<Angle>>,
-    /// Root mean square, in each direction, of a smooth random displacement of the gripper from its path. Default: none.
-    pub jitter: Option<Quantity<Length>>,
-    /// Root mean square of a smooth random turn of the gripper about each axis. Default: none.
-    pub jitter_angle: Option<Quantity<Angle>>,
-    /// Period of the fastest jitter; the slowest takes five times as long. Default: 1 s.
-    pub jitter_period: Option<Quantity<Time>>,
-    /// Seed of the jitter, and of the noise of observations. Default: 0.
-    pub seed: Option<i64>,
-    /// Corrects the gripper's path while the rod is laid, from where it is seen to lie. Without this table the path is that
-    /// which was planned before.
-    pub correction: Option<Correction>,
-    /// Posts that stand on the table, beside the pattern, and hold the rod in its bends. A rod is placed when it passes all of
-    /// them on the side on which its pattern does, below their tops.
-    pub pegs: Option<Vec<Peg>>,
-    /// Clips along the pattern: pairs of pegs, between which it runs.
-    pub clips: Option<Clips>,
-    /// Ties a knot along a pattern that crosses itself and is longer than the rod: when the rod is laid, its end is led along the rest
-    /// of the pattern, under strands that another gripper lifts. With two rods each end is led so whose pattern is longer than its rod,
-    /// that of the second rod first.
-    pub knot: Option<Knot>,
-    /// A second rod, which another gripper lays when the first one lies, along a pattern of its own in the same frame. All other keys are
-    /// those of both.
-    pub second: Option<Second>,
-    /// How long before the end of the simulated time the gripper lets go. The pattern is laid by then, and what still hangs falls.
-    /// Default: it holds the rod to the end.
-    pub release: Option<Quantity<Time>>,
+keys! {
+    /// A rod that a gripper lays on a table along a pattern.
+    table Deployment "deployment" {
+        /// The curve that the rod is to follow: a drawing (`file`, SVG or CSV, or its `points`), or of `kind` "line",
+        /// "circle" or "sine".
+        pattern: raw(Pattern) raw,
+        /// The rod. `scenarios/rods` has those of thesis Tab. 5.1, to be taken over by `extends`.
+        rod: raw(Rod) raw,
+        /// How the gripper leads the rod: "optimal" (the default, by the optimal grasp of each point) or "intuitive" (upright
+        /// above the contact node, thesis 5.1.1).
+        scheme: word(Scheme) default(Scheme::Optimal),
+        /// Who finds the optimal grasps: "exact" (the default), or "neural": the network of the program, which answers at once, within the range of its samples.
+        solver: word(Solver) default(Solver::Exact),
+        /// Length of a start in front of the pattern over which the curvature grows from zero to that of the pattern, or
+        /// "auto" (the default): as long as a friction demand of 0.1 needs it, none where the pattern begins straight.
+        lead_in: raw(Quantity<Length>) raw,
+        /// Relative error of the gravito-bending length for which the gripper's path is planned: 0.1 plans for a rod
+        /// whose L_gb is a tenth larger than that of the rod which is laid. Default: 0.
+        length_error: raw(Quantity<Dimensionless>) raw,
+        /// Displacement [x, y] of the pattern's frame for which the path is planned against the true one, as by a camera that is
+        /// out of place. Default: none.
+        frame_shift: numbers(Length, 2, FINITE) optional,
+        /// Turn of that frame about the first point of the pattern, counter-clockwise. Default: none.
+        frame_turn: number(Angle, FINITE) default(0.0),
+        /// Root mean square, in each direction, of a smooth random displacement of the gripper from its path. Default: none.
+        jitter: number(Length, NON_NEGATIVE) default(0.0),
+        /// Root mean square of a smooth random turn of the gripper about each axis. Default: none.
+        jitter_angle: number(Angle, NON_NEGATIVE) default(0.0),
+        /// Period of the fastest jitter; the slowest takes five times as long.
+        jitter_period: number(Time, POSITIVE) default(JITTER_PERIOD),
+        /// Seed of the jitter, and of the noise of observations. Default: 0.
+        seed: raw(i64) raw,
+        /// Corrects the gripper's path while the rod is laid, from where it is seen to lie. Without this table the path is that
+        /// which was planned before.
+        correction: raw(Correction) raw,
+        /// Posts that stand on the table, beside the pattern, and hold the rod in its bends. A rod is placed when it passes all of
+        /// them on the side on which its pattern does, below their tops.
+        pegs: raw(Vec<Peg>) raw,
+        /// Clips along the pattern: pairs of pegs, between which it runs.
+        clips: raw(Clips) raw,
+        /// Ties a knot along a pattern that crosses itself and is longer than the rod: when the rod is laid, its end is led along the rest
+        /// of the pattern, under strands that another gripper lifts. With two rods each end is led so whose pattern is longer than its rod,
+        /// that of the second rod first.
+        knot: raw(Knot) raw,
+        /// A second rod, which another gripper lays when the first one lies, along a pattern of its own in the same frame. All other keys are
+        /// those of both.
+        second: raw(Second) raw,
+        /// How long before the end of the simulated time the gripper lets go. The pattern is laid by then, and what still hangs falls.
+        /// Default: it holds the rod to the end.
+        release: number(Time, POSITIVE) optional,
+    }
 }
 
 /// The second rod of a deployment.
@@ -74,20 +81,20 @@ pub struct Second {
     pub lead_in: Option<Quantity<Length>>,
 }
 
-/// A knot that is tied along the pattern.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "tied_knot")]
-pub struct Knot {
-    /// How the rod passes each crossing of the pattern when it comes there again, "over" or "under", in the order in which it does.
-    /// Where it is laid it goes over. With two rods: all crossings, first those that the second rod covers as it is laid, then those to
-    /// which its end is led, then those to which the end of the first is led.
-    pub crossings: Option<Vec<Pass>>,
-    /// Height to which strands are lifted. Default: eight radii of the rod, or of the thicker of two.
-    pub lift: Option<Quantity<Length>>,
-    /// Speed at which the end is led. Default: 4 cm/s.
-    pub speed: Option<Quantity<Velocity>>,
-    /// How far from where a strand should lie the gripper finds it. Default: 1.5 cm; beyond, it takes hold of nothing.
-    pub reach: Option<Quantity<Length>>,
+keys! {
+    /// A knot that is tied along the pattern.
+    table Knot "tied_knot" {
+        /// How the rod passes each crossing of the pattern when it comes there again, "over" or "under", in the order in which it does.
+        /// Where it is laid it goes over. With two rods: all crossings, first those that the second rod covers as it is laid, then those to
+        /// which its end is led, then those to which the end of the first is led.
+        crossings: raw(Vec<Pass>) raw,
+        /// Height to which strands are lifted. Default: eight radii of the rod, or of the thicker of two.
+        lift: number(Length, POSITIVE) derived,
+        /// Speed at which the end is led. Default: 4 cm/s.
+        speed: number(Velocity, POSITIVE) derived,
+        /// How far from where a strand should lie the gripper finds it. Default: 1.5 cm; beyond, it takes hold of nothing.
+        reach: number(Length, POSITIVE) default(REACH),
+    }
 }
 
 /// A post on the table that does not move.
@@ -116,53 +123,53 @@ pub struct Clips {
     pub height: Option<Quantity<Length>>,
 }
 
-/// Correction of the gripper's path while a rod is laid by the optimal scheme.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "correction")]
-pub struct Correction {
-    /// Length that is laid between two corrections. Default: 0.8 gravito-bending lengths. Much shorter ones make the rod
-    /// swing about its pattern: it answers the gripper over about a gravito-bending length.
-    pub every: Option<Quantity<Length>>,
-    /// Length over which the rod returns to the pattern, at least three times `every` and the gravito-bending length.
-    /// Default: 3.5 gravito-bending lengths, or three times `every`.
-    pub return_length: Option<Quantity<Length>>,
-    /// Root mean square, in each direction, by which the camera sees places of the lying rod wrongly. Default: none.
-    pub noise: Option<Quantity<Length>>,
+keys! {
+    /// Correction of the gripper's path while a rod is laid by the optimal scheme.
+    table Correction "correction" {
+        /// Length that is laid between two corrections. Default: 0.8 gravito-bending lengths. Much shorter ones make the rod
+        /// swing about its pattern: it answers the gripper over about a gravito-bending length.
+        every: number(Length, POSITIVE) derived,
+        /// Length over which the rod returns to the pattern, at least three times `every` and the gravito-bending length.
+        /// Default: 3.5 gravito-bending lengths, or three times `every`.
+        return_length: number(Length, POSITIVE) derived,
+        /// Root mean square, in each direction, by which the camera sees places of the lying rod wrongly. Default: none.
+        noise: number(Length, NON_NEGATIVE) default(0.0),
+    }
 }
 
-/// What a laid rod is to follow.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "pattern")]
-pub struct Pattern {
-    /// "drawn" (the default), or one with a formula: "line" along x, "circle" through the origin (once around), "sine" from
-    /// its crest.
-    pub kind: Option<PatternKind>,
-    /// Drawn: an SVG file, or a CSV file with columns x and y in m, relative to the scenario file.
-    pub file: Option<String>,
-    /// Drawn: its points [x, y] themselves.
-    pub points: Option<Vec<[Quantity<Length>; 2]>>,
-    /// Drawn: length of the longer side; without it the drawing is as large as it says.
-    pub size: Option<Quantity<Length>>,
-    /// Drawn: which stroke of an SVG file, from 1, where there are several.
-    pub stroke: Option<i64>,
-    /// Drawn: laid from the last point to the first.
-    pub reverse: Option<bool>,
-    /// Drawn: how far the smooth curve may be from what was drawn. Default: 0.25 mm.
-    pub deviation: Option<Quantity<Length>>,
-    /// Line: its length.
-    pub length: Option<Quantity<Length>>,
-    /// Circle: its radius; negative, it turns to the right.
-    pub radius: Option<Quantity<Length>>,
-    /// Sine: its amplitude.
-    pub amplitude: Option<Quantity<Length>>,
-    /// Sine: its wavelength.
-    pub wavelength: Option<Quantity<Length>>,
-    /// Sine: the number of waves.
-    pub waves: Option<Quantity<Dimensionless>>,
+keys! {
+    /// What a laid rod is to follow.
+    table Pattern "pattern" {
+        /// "drawn" (the default), or one with a formula: "line" along x, "circle" through the origin (once around), "sine" from
+        /// its crest.
+        kind: word(PatternKind) default(PatternKind::Drawn),
+        /// Drawn: an SVG file, or a CSV file with columns x and y in m, relative to the scenario file.
+        file: raw(String) raw,
+        /// Drawn: its points [x, y] themselves.
+        points: raw(Vec<[Quantity<Length>; 2]>) raw,
+        /// Drawn: length of the longer side; without it the drawing is as large as it says.
+        size: number(Length, POSITIVE) optional,
+        /// Drawn: which stroke of an SVG file, from 1, where there are several.
+        stroke: raw(i64) raw,
+        /// Drawn: laid from the last point to the first.
+        reverse: flag() default(false),
+        /// Drawn: how far the smooth curve may be from what was drawn.
+        deviation: number(Length, POSITIVE) default(DEVIATION),
+        /// Line: its length.
+        length: number(Length, POSITIVE) required,
+        /// Circle: its radius; negative, it turns to the right.
+        radius: number(Length, FINITE) required,
+        /// Sine: its amplitude.
+        amplitude: number(Length, POSITIVE) required,
+        /// Sine: its wavelength.
+        wavelength: number(Length, POSITIVE) required,
+        /// Sine: the number of waves.
+        waves: number(Dimensionless, POSITIVE) required,
+    }
 }
 
 /// Kinds of patterns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum PatternKind {
@@ -177,21 +184,21 @@ pub enum PatternKind {
     Sine,
 }
 
-/// The rod that is laid: round, naturally straight, incompressible.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "deployed_rod")]
-pub struct Rod {
-    /// Gravito-bending length L_gb = (E h²/(8 ρ g))^(1/3), by which Young's modulus is known.
-    pub gravito_bending_length: Option<Quantity<Length>>,
-    /// Radius h.
-    pub radius: Option<Quantity<Length>>,
-    /// Length.
-    pub length: Option<Quantity<Length>>,
-    /// Mass per volume, 1000 kg/m³ by default: forces are in proportion to it, shapes do not depend on it.
-    pub density: Option<Quantity<Density>>,
-    /// Edges of the simulated rod. Default: four to a gravito-bending length, 80 at least and 400 at most.
-    pub edges: Option<i64>,
-    /// Coefficients of friction with tables, by name, for `rodlab plan deployment --friction NAME`. The table of a
-    /// simulation has `contact.friction`.
-    pub friction: Option<BTreeMap<String, f64>>,
+keys! {
+    /// The rod that is laid: round, naturally straight, incompressible.
+    table Rod "deployed_rod" {
+        /// Gravito-bending length L_gb = (E h²/(8 ρ g))^(1/3), by which Young's modulus is known.
+        gravito_bending_length: number(Length, POSITIVE) required,
+        /// Radius h.
+        radius: number(Length, POSITIVE) required,
+        /// Length.
+        length: number(Length, POSITIVE) required,
+        /// Mass per volume, 1000 kg/m³ by default: forces are in proportion to it, shapes do not depend on it.
+        density: number(Density, POSITIVE) default(DENSITY),
+        /// Edges of the simulated rod. Default: four to a gravito-bending length, 80 at least and 400 at most.
+        edges: raw(i64) raw,
+        /// Coefficients of friction with tables, by name, for `rodlab plan deployment --friction NAME`. The table of a
+        /// simulation has `contact.friction`.
+        friction: raw(BTreeMap<String, f64>) raw,
+    }
 }

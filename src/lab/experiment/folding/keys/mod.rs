@@ -6,8 +6,8 @@ mod typed;
 pub use resolved::{AlgorithmName, Crease, Feedback, Folding, Paper};
 pub use typed::Paper as TypedPaper;
 
-use crate::experiment::on_table::{self, GRAVITY, JITTER_PERIOD};
-use crate::scenario::keys::{NON_NEGATIVE, OwnTable, POSITIVE, Request, Section};
+use crate::experiment::on_table::{self, GRAVITY};
+use crate::scenario::keys::{OwnTable, POSITIVE, Request, Section};
 use rodlab_planning::plan::fold::FoldedSheet;
 
 /// Least suspended length of paper, in L_gb (thesis sec. 4.6.5).
@@ -51,16 +51,15 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
         Some(typed) => Crease::At(section.number("crease", typed, POSITIVE)),
     };
     let length_error = on_table::length_error(&section, &typed.length_error);
-    let jitter = section.with_default("jitter", &typed.jitter, NON_NEGATIVE, 0.0);
-    let jitter_angle = section.with_default("jitter_angle", &typed.jitter_angle, NON_NEGATIVE, 0.0);
-    let period = &typed.jitter_period;
-    let jitter_period = section.with_default("jitter_period", period, POSITIVE, JITTER_PERIOD);
+    let jitter = typed.jitter(&section);
+    let jitter_angle = typed.jitter_angle(&section);
+    let jitter_period = typed.jitter_period(&section);
     let seed = on_table::seed(&section, typed.seed);
     let feedback = match &typed.feedback {
         Some(typed) => Some(resolve_feedback(&section.below("feedback"), typed)?),
         None => None,
     };
-    let algorithm = typed.algorithm.unwrap_or(AlgorithmName::Optimal);
+    let algorithm = typed.algorithm(&section);
     if feedback.is_some() && !algorithm.is_planned_anew() {
         let message = "this way of folding is not planned anew: use \"optimal\", \"least-friction\" or \"held\"";
         section.fault("feedback", message);
@@ -90,25 +89,25 @@ fn resolve_feedback(section: &Section<'_>, typed: &typed::Feedback) -> Option<Fe
         Some(_) => section.count("parts", typed.parts, fewest..=most)?,
         None => USUAL_PARTS,
     };
-    let noise = section.with_default("noise", &typed.noise, NON_NEGATIVE, 0.0);
+    let noise = typed.noise(section);
     Some(Feedback { parts, noise })
 }
 
 /// Resolves a sheet; `None` where a fault was reported.
 pub fn resolve_paper(section: &Section<'_>, typed: &TypedPaper) -> Option<Paper> {
-    let length = section.required("length", &typed.length, POSITIVE);
-    let width = section.required("width", &typed.width, POSITIVE);
+    let length = typed.length(section);
+    let width = typed.width(section);
     let given = (&typed.gravito_bending_length, &typed.youngs_modulus);
     let (thickness, density, gravito_bending_length) = match given {
-        (Some(unit), None) => (
-            section.with_default("thickness", &typed.thickness, POSITIVE, THICKNESS),
-            section.with_default("density", &typed.density, POSITIVE, DENSITY),
-            section.number("gravito_bending_length", unit, POSITIVE),
+        (Some(_), None) => (
+            typed.thickness(section).unwrap_or(THICKNESS),
+            typed.density(section).unwrap_or(DENSITY),
+            typed.gravito_bending_length(section),
         ),
-        (None, Some(modulus)) => {
+        (None, Some(_)) => {
             let thickness = section.required("thickness", &typed.thickness, POSITIVE);
             let density = section.required("density", &typed.density, POSITIVE);
-            let modulus = section.number("youngs_modulus", modulus, POSITIVE);
+            let modulus = typed.youngs_modulus(section);
             let unit = FoldedSheet::gravito_bending_length_of(modulus, thickness, density, GRAVITY);
             (thickness, density, unit)
         }
@@ -123,10 +122,8 @@ pub fn resolve_paper(section: &Section<'_>, typed: &TypedPaper) -> Option<Paper>
             return None;
         }
     };
-    let least = &typed.least_suspended_length;
-    let least_suspended_length =
-        section.with_default("least_suspended_length", least, POSITIVE, LEAST_SUSPENDED);
-    let friction = section.optional("friction", &typed.friction, NON_NEGATIVE);
+    let least_suspended_length = typed.least_suspended_length(section);
+    let friction = typed.friction(section);
     let numbers = [length, width, gravito_bending_length, thickness, density];
     let is_known = numbers.iter().all(|number| number.is_finite())
         && least_suspended_length.is_finite()

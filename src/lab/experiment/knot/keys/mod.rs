@@ -6,7 +6,7 @@ mod typed;
 
 pub use resolved::{Knot, KnotEnds, KnotKind, KnotStart};
 
-use crate::scenario::keys::{FRACTION, NON_NEGATIVE, OwnTable, POSITIVE, Request};
+use crate::scenario::keys::{OwnTable, Request};
 use crate::scenario::{BuilderRod, CrossSection, Material, Time};
 use serde::Serialize;
 use start::{PlacedKnot, knot_start};
@@ -68,30 +68,21 @@ pub fn resolve(request: &Request<'_>) -> Option<KnotTables> {
     let loop_radius = (length - end_to_end) / TAU;
     let mass_per_length = material.density * CrossSection::Circle.area(built.radius);
     let diffusivity = (stiffness.bending_1 / mass_per_length).sqrt();
-    let kinetic_bound = section.with_default(
-        "kinetic_bound",
-        &typed.kinetic_bound,
-        FRACTION,
-        Knot::KINETIC_BOUND,
-    );
+    let kinetic_bound = typed.kinetic_bound(&section);
     let given_speed = typed.pull_speed.as_ref();
     let pull_speed = match given_speed.filter(|typed| !typed.is_word("auto")) {
-        Some(typed) => section.number("pull_speed", typed, POSITIVE),
+        Some(_) => typed.pull_speed(&section, f64::NAN),
         None => {
             let elastic_energy = PI * stiffness.bending_1 / loop_radius;
             (2.0 * kinetic_bound * elastic_energy / (SWING * mass_per_length * length)).sqrt()
         }
     };
     let (periods, least) = SETTLING;
-    let settling_time = section.with_default(
-        "settling_time",
-        &typed.settling_time,
-        NON_NEGATIVE,
-        (periods * loop_radius * loop_radius / diffusivity).max(least),
-    );
+    let usual = (periods * loop_radius * loop_radius / diffusivity).max(least);
+    let settling_time = typed.settling_time(&section, usual);
     let given_damping = typed.damping.as_ref();
     let damping = match given_damping.filter(|typed| !typed.is_word("auto")) {
-        Some(typed) => section.number("damping", typed, NON_NEGATIVE),
+        Some(_) => typed.damping(&section, f64::NAN),
         None => {
             let traction = 0.5 * stiffness.bending_1 / (loop_radius * loop_radius);
             DRAG_SHARE * traction / (0.5 * pull_speed * length)
@@ -116,7 +107,7 @@ pub fn resolve(request: &Request<'_>) -> Option<KnotTables> {
         start: start?,
         length,
         end_to_end,
-        ends: typed.ends.unwrap_or(KnotEnds::Clamped),
+        ends: typed.ends(&section),
         pull_speed,
         kinetic_bound,
         settling_time,

@@ -79,7 +79,7 @@ fn along_curve(request: &Request<'_>, section: &Section<'_>, typed: &typed::Knot
     };
     let mut points = request.corners(section, "curve", &typed.curve, &typed.points);
     let placed = length(&points);
-    let length = section.with_default("length", &typed.length, POSITIVE, placed);
+    let length = typed.length(section).unwrap_or(placed);
     let scale = length / placed;
     if (scale - 1.0).abs() > SAME_LENGTH {
         let components = points.iter_mut().flatten();
@@ -104,7 +104,7 @@ fn along_curve(request: &Request<'_>, section: &Section<'_>, typed: &typed::Knot
             ),
         );
     }
-    if let Some(asked) = section.optional("end_to_end", &typed.end_to_end, POSITIVE)
+    if let Some(asked) = typed.end_to_end(section)
         && (asked - end_to_end).abs() > SAME_DISTANCE * end_to_end
     {
         section.fault(

@@ -5,7 +5,7 @@ mod typed;
 
 pub use resolved::{Directions, HelixSearch, HelixStability};
 
-use crate::scenario::keys::{OwnTable, POSITIVE, Request, Section, read_columns};
+use crate::scenario::keys::{OwnTable, Request, Section, read_columns};
 use serde::Serialize;
 
 /// The table of this experiment.
@@ -36,17 +36,12 @@ pub fn resolve(request: &Request<'_>) -> Option<HelixTables> {
         typed.edges.or(Some(100)),
         HelixStability::FEWEST_EDGES..=MOST_EDGES,
     );
-    let radius = section.with_default("radius", &typed.radius, POSITIVE, RADIUS);
+    let radius = typed.radius(&section);
     if radius > 0.05 {
         let allowed = "greater than 0 and at most 0.05, a slender rod";
         section.out_of_range("radius", radius, allowed);
     }
-    let stiffness_ratio = section.with_default(
-        "stiffness_ratio",
-        &typed.stiffness_ratio,
-        POSITIVE,
-        2.0 / 3.0,
-    );
+    let stiffness_ratio = typed.stiffness_ratio(&section);
     let section_directions = section.count(
         "section_directions",
         typed.section_directions.or(Some(0)),
@@ -54,7 +49,7 @@ pub fn resolve(request: &Request<'_>) -> Option<HelixTables> {
     );
     let directions = directions(request, &section, typed.directions.as_ref());
     let edges = edges?;
-    let extrapolate = typed.extrapolate.unwrap_or(false);
+    let extrapolate = typed.extrapolate(&section);
     if extrapolate && (edges % 2 == 1 || edges < 2 * HelixStability::FEWEST_EDGES) {
         section.fault(
             "edges",
@@ -66,12 +61,7 @@ pub fn resolve(request: &Request<'_>) -> Option<HelixTables> {
     }
     let coarsest = if extrapolate { edges / 2 } else { edges };
     let farthest = HelixStability::LARGEST_TURN * coarsest as f64;
-    let largest_distance = section.with_default(
-        "largest_distance",
-        &typed.largest_distance,
-        POSITIVE,
-        (0.25 * edges as f64).min(farthest),
-    );
+    let largest_distance = typed.largest_distance(&section, (0.25 * edges as f64).min(farthest));
     if largest_distance > farthest {
         let allowed = format_args!(
             "greater than 0 and at most {farthest}, where the rod turns by half a radian from edge to edge of the \
@@ -83,7 +73,7 @@ pub fn resolve(request: &Request<'_>) -> Option<HelixTables> {
         helix_stability: HelixStability {
             edges,
             extrapolate,
-            search: typed.search.unwrap_or(HelixSearch::Fast),
+            search: typed.search(&section),
             radius,
             stiffness_ratio,
             largest_distance,

@@ -1,34 +1,34 @@
 //! Stability of helical rods as typed.
 
+use super::RADIUS;
 use super::resolved::HelixSearch;
-use crate::scenario::keys::{Dimensionless, Quantity, Vector};
+use crate::scenario::keys::{Dimensionless, POSITIVE, Vector, keys};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Where clamped helical rods lose stability: from the straight rod outwards along directions of the
-/// (κ, τ, ω) space of curvature, torsion and twisting moment. The rod has length 1 and bending stiffness 1.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[schemars(deny_unknown_fields, rename = "helix_stability")]
-pub struct HelixStability {
-    /// Edges of the rod, at least 8. Default: 100. The error falls with the square of their length.
-    pub edges: Option<i64>,
-    /// Whether each direction is searched on half as many edges, too, and the limit of a fine mesh extrapolated.
-    /// Default: false.
-    pub extrapolate: Option<bool>,
-    /// How the rod gets to each point: "fast" (the default: at once, to the equilibrium next to the helix) or
-    /// "path" (its ends are moved along the direction from the straight rod, as in an experiment).
-    pub search: Option<HelixSearch>,
-    /// Radius over length, by which rods touch themselves. Default: 0.781e-3.
-    pub radius: Option<Quantity<Dimensionless>>,
-    /// Twisting over bending stiffness, GJ/EI. Default: 2/3, that of a round rod that keeps its volume.
-    pub stiffness_ratio: Option<Quantity<Dimensionless>>,
-    /// Distance ‖(κ, τ, ω)‖ at which the search ends; a rod stable up to there counts as unbounded. Default: a
-    /// quarter of the number of edges.
-    pub largest_distance: Option<Quantity<Dimensionless>>,
-    /// The directions.
-    pub directions: Option<Directions>,
-    /// Directions in each of the sections κτ, κω and τω, beside the others. Default: 0.
-    pub section_directions: Option<i64>,
+keys! {
+    /// Where clamped helical rods lose stability: from the straight rod outwards along directions of the
+    /// (κ, τ, ω) space of curvature, torsion and twisting moment. The rod has length 1 and bending stiffness 1.
+    table HelixStability "helix_stability" {
+        /// Edges of the rod, at least 8. Default: 100. The error falls with the square of their length.
+        edges: raw(i64) raw,
+        /// Whether each direction is searched on half as many edges, too, and the limit of a fine mesh extrapolated.
+        extrapolate: flag() default(false),
+        /// How the rod gets to each point: "fast" (the default: at once, to the equilibrium next to the helix) or
+        /// "path" (its ends are moved along the direction from the straight rod, as in an experiment).
+        search: word(HelixSearch) default(HelixSearch::Fast),
+        /// Radius over length, by which rods touch themselves.
+        radius: number(Dimensionless, POSITIVE) default(RADIUS),
+        /// Twisting over bending stiffness, GJ/EI. Default: 2/3, that of a round rod that keeps its volume.
+        stiffness_ratio: number(Dimensionless, POSITIVE) default(2.0 / 3.0),
+        /// Distance ‖(κ, τ, ω)‖ at which the search ends; a rod stable up to there counts as unbounded. Default: a
+        /// quarter of the number of edges.
+        largest_distance: number(Dimensionless, POSITIVE) derived,
+        /// The directions.
+        directions: raw(Directions) raw,
+        /// Directions in each of the sections κτ, κω and τω, beside the others. Default: 0.
+        section_directions: raw(i64) raw,
+    }
 }
 
 /// Directions of the (κ, τ, ω) space with κ ≥ 0; their length does not matter.
