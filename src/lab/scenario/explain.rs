@@ -292,35 +292,51 @@ mod tests {
 contact.friction
   Coulomb friction coefficient. Default: 0.
   A pure number.
+  range: at least 0
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "rods.0.radius").unwrap(), @r###"
 rods.radius
   Radius of the surface that touches other rods and the fluid, and of a circular cross-section.
   Default for a rectangle: half its smaller side.
   A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+  range: greater than 0
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "rods.shape.radius").unwrap(), @r###"
 rods.shape.radius (of kind "helix")
   Radius of the helix.
   A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+  range: greater than 0
+  required
 rods.shape.radius (of kind "arc")
   Radius of the circle.
   A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+  range: greater than 0
+  required
 rods.shape.radius (of kind "ring")
   Radius of the circle.
   A number in m, or text with a unit; allowed units: m, cm, mm, µm, um, nm, km, in.
+  range: greater than 0
+  required
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "rods.shape").unwrap(), @r###"
 rods.shape
   Where the rod is placed.
   A curve in space.
   kinds: straight, helix, arc, ring, catenary, slack, coil, points
-  keys: end, start, axis, centre, handedness, length, phase, pitch, radius, turns, angle, normal, tangent, down, towards, inner_radius, spacing, file, points
+  keys of "straight": end, start
+  keys of "helix": axis, centre, handedness, length, phase, pitch, radius, start, turns
+  keys of "arc": angle, normal, radius, start, tangent
+  keys of "ring": centre, normal, radius
+  keys of "catenary": down, end, length, start
+  keys of "slack": end, length, start, towards
+  keys of "coil": centre, inner_radius, length, normal, phase, spacing
+  keys of "points": file, points
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "loads.acceleration").unwrap(), @r###"
 loads.acceleration (of kind "gravity")
   Acceleration of free fall, for example [0, 0, -9.81].
   A number in m/s^2, or text with a unit; allowed units: m/s^2, cm/s^2, mm/s^2.
+  required
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "time").unwrap(), @r###"
 time
@@ -341,6 +357,7 @@ time.mode
 clamps.at
   "start", "end", or the number of a node, counted from zero.
   "start", "end", or a number counted from zero.
+  required
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "").unwrap(), @r###"
 A rodlab scenario. Numbers are in SI units; text may carry a unit, such as "1.6 mm".
@@ -383,6 +400,30 @@ keys: actuation, bodies, clamps, contact, continuation, experiment, extends, fla
         // A key that is called so and tells no tables apart is explained like any other.
         let text = explain(*EXPERIMENTS, "knot.kind").unwrap();
         assert!(text.starts_with("knot.kind\n  "), "{text}");
+    }
+
+    /// The kinds of a table as a table in Markdown: their keys and their words.
+    fn table_of_kinds(key: &str) -> String {
+        let schema = json_schema(*EXPERIMENTS);
+        let explainer = Explainer { root: &schema };
+        let (meanings, walked) = explainer.walk(key).unwrap();
+        let mut text = format!("| `{walked}.kind` | keys | what it is |\n|---|---|---|\n");
+        for (name, keys) in explainer.keys_of_kinds(meanings[0].schema) {
+            let schemas = explainer.expanded(meanings[0].schema).into_iter();
+            let mut of_kind = schemas.filter(|schema| kind(schema) == Some(name));
+            let words = of_kind.find_map(|schema| schema["description"].as_str());
+            let words = words.unwrap_or_default().replace('\n', " ");
+            let _ = writeln!(text, "| `{name}` | `{}` | {words} |", keys.join("`, `"));
+        }
+        text
+    }
+
+    /// A page that differs is given the table that the test prints.
+    #[test]
+    fn the_guide_has_the_keys_of_obstacles() {
+        let page = include_str!("../../guide/obstacles.md");
+        let table = table_of_kinds("obstacles.shape");
+        assert!(page.contains(&table), "src/guide/obstacles.md: {table}");
     }
 
     #[test]

@@ -420,18 +420,18 @@ fn in_words(value: &Json) -> String {
 
 impl Transform for Note {
     fn transform(&mut self, schema: &mut Schema) {
+        let words = schema.get("description").and_then(Json::as_str);
+        let words = words.unwrap_or_default().to_owned();
+        let names_default = words.contains("efault");
         if let Some(range) = self.range.take() {
             schema.insert("x-range".to_owned(), range.into());
         }
-        if self.is_required {
+        if self.is_required && !names_default {
             schema.insert("x-required".to_owned(), true.into());
         }
         if let Some(default) = self.default.take() {
-            let words = schema.get("description").and_then(Json::as_str);
-            let words = words.filter(|words| !words.contains("efault"));
-            if let Some(words) =
-                words.map(|words| format!("{words} Default: {}.", in_words(&default)))
-            {
+            if !names_default {
+                let words = format!("{words} Default: {}.", in_words(&default));
                 schema.insert("description".to_owned(), words.into());
             }
             schema.insert("x-default".to_owned(), default);

@@ -8,7 +8,10 @@
 //! | `input_file`, `named_files` | regular files of a bounded size; the keys that name them |
 //! | `load`, `include`, `overrides` | reading a file, what it `extends` and `include`s, `--set key=value` |
 //! | `expression`, `expansion` | `[parameters]`, `"2*radius"`, copies of tables: a tree without them |
+//! | `declaration`, `form` | one declaration for each key: words, unit, range, default; forms of values |
+//! | `tables` | tables that are resolved as they are typed, and the checks between their keys |
 //! | `decode`, `typed` | serde from the tree to the file as typed: unknown keys, wrong types |
+//! | `quantity`, `place`, `section` | values as typed; judging the values of one table |
 //! | `experiments`, `own_tables`, [`keys`] | the experiments that there are, and what defines the keys of one |
 //! | `units`, `resolve` | SI units, defaults, ranges: from the file as typed to the scenario as resolved |
 //! | `sweep` | many cases of one scenario: lists, ranges, samples, searches |

@@ -32,10 +32,11 @@ pub enum ObstacleShape {
     /// A cylinder without ends.
     Cylinder(Cylinder),
     /// The inside of a tube, open at both ends.
+    /// Rods inside stay inside, and a rod that leaves by an end bears on the rim; whatever is outside passes by.
     Tube(Capsule),
-    /// A box, with rounded edges if asked.
+    /// A box, with edges rounded to the radius `rounding`.
     Box(Cuboid),
-    /// A triangle mesh.
+    /// A triangle mesh: a body, touched from outside, or with `closed = false` a sheet, touched from both sides.
     Mesh(Mesh),
     /// A surface z(x, y) over a grid, touched from both sides.
     Heights(Heights),
