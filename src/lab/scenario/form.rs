@@ -79,7 +79,7 @@ impl<D: Dimension> Form for Number<D> {
     }
 
     fn range(&self) -> Option<String> {
-        Some(self.0.words().to_owned())
+        self.0.limits()
     }
 }
 
@@ -113,7 +113,7 @@ impl<D: Dimension, const N: usize> Form for Numbers<D, N> {
     }
 
     fn range(&self) -> Option<String> {
-        Some(self.0.words().to_owned())
+        self.0.limits()
     }
 }
 

@@ -20,6 +20,11 @@ impl Range {
     pub fn words(self) -> &'static str {
         self.words
     }
+
+    /// The range in words, where it excludes finite numbers.
+    pub fn limits(self) -> Option<String> {
+        (self.words != FINITE.words).then(|| self.words.to_owned())
+    }
 }
 
 /// Greater than 0.
