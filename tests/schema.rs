@@ -31,7 +31,7 @@ fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> 
                 Value::String(name) => is_of(value, name),
                 _ => list.iter().any(|name| is_of(value, name.as_str().unwrap())),
             },
-            "x-range" | "x-required" | "x-default" => true,
+            "x-range" | "x-unit" | "x-required" | "x-default" => true,
             "const" => value == argument,
             "enum" => list.contains(value),
             "anyOf" => list.iter().any(holds),

@@ -27,6 +27,11 @@ pub trait Form {
         None
     }
 
+    /// The SI unit.
+    fn unit(&self) -> Option<&'static str> {
+        None
+    }
+
     /// The value, if it is there.
     fn optional(
         &self,
@@ -60,6 +65,10 @@ pub trait Requirable: Form {
     }
 }
 
+fn si_unit<D: Dimension>() -> Option<&'static str> {
+    D::UNITS.first().map(|unit| unit.symbol)
+}
+
 /// A number with a unit, in a range.
 pub struct Number<D>(Range, PhantomData<D>);
 
@@ -80,6 +89,10 @@ impl<D: Dimension> Form for Number<D> {
 
     fn range(&self) -> Option<String> {
         self.0.limits()
+    }
+
+    fn unit(&self) -> Option<&'static str> {
+        si_unit::<D>()
     }
 }
 
@@ -114,6 +127,10 @@ impl<D: Dimension, const N: usize> Form for Numbers<D, N> {
 
     fn range(&self) -> Option<String> {
         self.0.limits()
+    }
+
+    fn unit(&self) -> Option<&'static str> {
+        si_unit::<D>()
     }
 }
 
@@ -359,10 +376,11 @@ impl<T, V> Form for Nested<T, V> {
     }
 }
 
-/// What the schema says of a key beside its words: whether it is required, its range and its default.
+/// What the schema says of a key beside its words: whether it is required, its range, unit and default.
 #[derive(Default)]
 pub struct Note {
     range: Option<String>,
+    unit: Option<&'static str>,
     is_required: bool,
     default: Option<Json>,
 }
@@ -372,6 +390,7 @@ impl Note {
     pub fn of(form: &impl Form) -> Self {
         Self {
             range: form.range(),
+            unit: form.unit(),
             ..Self::default()
         }
     }
@@ -426,12 +445,19 @@ impl Transform for Note {
         if let Some(range) = self.range.take() {
             schema.insert("x-range".to_owned(), range.into());
         }
+        if let Some(unit) = self.unit {
+            schema.insert("x-unit".to_owned(), unit.into());
+        }
         if self.is_required && !names_default {
             schema.insert("x-required".to_owned(), true.into());
         }
         if let Some(default) = self.default.take() {
             if !names_default {
-                let words = format!("{words} Default: {}.", in_words(&default));
+                let unit = self
+                    .unit
+                    .filter(|_| default.as_f64().is_some_and(|value| value != 0.0));
+                let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
+                let words = format!("{words} Default: {}{unit}.", in_words(&default));
                 schema.insert("description".to_owned(), words.into());
             }
             schema.insert("x-default".to_owned(), default);

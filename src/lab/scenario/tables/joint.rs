@@ -13,12 +13,12 @@ keys! {
     before {
         /// Name by which messages call it. Default: "joint 0", "joint 1", ...
         name: text() derived(format!("joint {index}")),
-        /// Names of the two rods; the same one twice to join a rod to itself. The node of the first slides along the second.
+        /// Names of the two rods; the same one twice to join a rod to itself. In a slide, a node of the first slides along the second.
         rods: word([String; 2], "the names of two rods, such as [\"mast\", \"boom\"]") required,
-        /// "start", "end", or the number of a node, of each: ["end", 4]. What slides begins at the second.
+        /// "start", "end", or the number of a node, of each: ["end", 4]. A slide begins at the second.
         at: places("a node of each rod, such as [\"end\", \"start\"]") required,
-        /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Only of a spring, or of a joint that
-        /// shares its nodes with no other one. Default: it never breaks.
+        /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Of balls, hinges and rigid joints
+        /// only where they share their nodes with no other joint. Default: it never breaks.
         break_at: number(Force, POSITIVE) optional,
     }
     also {
