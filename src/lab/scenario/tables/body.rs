@@ -15,7 +15,7 @@ keys! {
         at: place() required,
         /// Its mass.
         mass: number(Mass, POSITIVE) required,
-        /// Its shape, of uniform density, which gives its inertia. With [contact] a sphere without `offset` touches rods, planes,
+        /// Its shape, of uniform density, which gives its inertia. With `[contact]` a sphere without `offset` touches rods, planes,
         /// obstacles and other spheres; other shapes touch nothing. Default: a point mass.
         shape: table(BodyShapeKeys => BodyShape) optional,
         /// From the node to its centre of mass, along the two material directors and the tangent of the rod at the node. Default:
