@@ -7,9 +7,6 @@ use rodlab_planning::plan::deployment::DeployedRod;
 use rodlab_planning::plan::pattern::Pattern;
 use rodlab_planning::plan::tying::{Handling, TiedRod, passages};
 
-/// How far a gripper reaches where nothing is said, m: fingers that open by 3 cm.
-pub const REACH: f64 = 0.015;
-
 /// The knot of a deployment, if there is one; `None` where a fault was reported.
 pub fn resolve(
     section: &Section<'_>,

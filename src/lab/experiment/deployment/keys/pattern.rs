@@ -8,8 +8,6 @@ use rodlab_files::input::xml_text;
 use rodlab_planning::plan::pattern::{Drawing, Point, StrokeChoice, SvgDrawing};
 use std::path::Path;
 
-/// How far the smooth curve may be from what was drawn where nothing is said, m.
-pub const DEVIATION: f64 = 0.25e-3;
 /// Most waves of a sine.
 const MOST_WAVES: f64 = 1000.0;
 
