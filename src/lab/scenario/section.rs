@@ -247,14 +247,6 @@ impl<'a> Section<'a> {
         typed.as_ref().map(|typed| self.components(key, typed))
     }
 
-    /// A vector that must be there.
-    pub fn required_vector<D: Dimension>(&self, key: &str, typed: &Option<Vector<D>>) -> [f64; 3] {
-        self.vector(key, typed).unwrap_or_else(|| {
-            self.missing(key, format!("three numbers [x, y, z], each {}", D::NAME));
-            [f64::NAN; 3]
-        })
-    }
-
     /// A direction: a vector of any length but zero, made a unit vector.
     pub fn unit_vector<D: Dimension>(&self, key: &str, typed: &Vector<D>) -> [f64; 3] {
         let vector = self.components(key, typed);
@@ -263,27 +255,6 @@ impl<'a> Section<'a> {
         }
         normalised(vector).unwrap_or_else(|| {
             self.fault(key, "a direction cannot be [0, 0, 0]");
-            [f64::NAN; 3]
-        })
-    }
-
-    /// A direction, if it is there.
-    pub fn direction<D: Dimension>(
-        &self,
-        key: &str,
-        typed: &Option<Vector<D>>,
-    ) -> Option<[f64; 3]> {
-        typed.as_ref().map(|typed| self.unit_vector(key, typed))
-    }
-
-    /// A direction that must be there.
-    pub fn required_direction<D: Dimension>(
-        &self,
-        key: &str,
-        typed: &Option<Vector<D>>,
-    ) -> [f64; 3] {
-        self.direction(key, typed).unwrap_or_else(|| {
-            self.missing(key, "a direction [x, y, z]");
             [f64::NAN; 3]
         })
     }
