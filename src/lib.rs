@@ -29,7 +29,7 @@
 //!
 //! ```text
 //! cli            ──> sweep, verify, reproduce, task, virtual_cell, guide, presets, site, cluster
-//! task           ──> cell, report
+//! task           ──> virtual_cell, report
 //! sweep, verify  ──> experiment
 //! reproduce      ──> report, task, virtual_cell
 //! report         ──> experiment

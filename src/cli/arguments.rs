@@ -1,5 +1,6 @@
 //! The arguments of the program: its subcommands and what is common to them.
 
+use super::in_cell::InCell;
 use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, evaluate, expand, explain, explore,
@@ -75,15 +76,15 @@ pub enum Command {
     /// Plan a trajectory: joint positions along poses of a hand
     Plan(plan::PlanArguments),
     /// Lay a rod along a pattern by an arm: plan, show, stream, look and score
-    Deploy(Box<deploy::DeployArguments>),
+    Deploy(Box<InCell<deploy::DeployArguments>>),
     /// Lay a cable between pegs by an arm: plan, show, stream, look and score
-    Place(Box<place::PlaceArguments>),
+    Place(Box<InCell<place::PlaceArguments>>),
     /// Tie a knot in a rod by two arms: plan, show, stream, look and score
-    Tie(Box<tie::TieArguments>),
+    Tie(Box<InCell<tie::TieArguments>>),
     /// Explore where helical rods lose stability, by an arm and a chuck
-    Explore(explore::ExploreArguments),
+    Explore(InCell<explore::ExploreArguments>),
     /// Fold a sheet: plan, simulate, show and score it
-    Fold(fold_arguments::FoldArguments),
+    Fold(InCell<fold_arguments::FoldArguments>),
     /// Draw the figures of a results directory
     Plot(plot::PlotArguments),
     /// Write an interactive 3-D page of a results directory

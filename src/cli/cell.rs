@@ -2,9 +2,7 @@
 
 use super::interruption::watch_for_interruption;
 use super::place::read_placement;
-use super::plan::parse_place;
 use super::prelude::*;
-use super::task_arguments::GANTRY;
 use super::values;
 use rodlab_lab::experiment::{Crease, Jitter, PaperFile};
 use rodlab_robot::Pose;
@@ -53,7 +51,7 @@ faults are drop-link, freeze-joint, slip-grasp and lose-camera.")]
 #[derive(Debug, Args)]
 struct ServeArguments {
     /// The cell file; its arms have drivers of kind \"rosbridge\"
-    #[arg(long, value_name = "FILE", default_value = GANTRY, value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
+    #[arg(long, value_name = "FILE", default_value = "gantry", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: PathBuf,
     /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod], or where the cell has a [chuck] with
     /// youngs_modulus, poissons_ratio and density in [material] and radius and length in [rod]; without one, grippers hold nothing
@@ -64,7 +62,12 @@ struct ServeArguments {
     scene: Option<PathBuf>,
     /// Where the frame of its pattern lies in the cell: x,y,z in metres and a turn about z in degrees [default: the middle of the pattern
     /// in that of the table]
-    #[arg(long, value_name = "X,Y,Z[,TURN]", value_parser = parse_place, requires = "scene", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "X,Y,Z[,TURN]",
+        requires = "scene",
+        allow_hyphen_values = true
+    )]
     scene_place: Option<Place>,
     /// Where on the table a person lays the free end of a rod that is handed over: x,y in the cell, m [default: where the rod hangs by
     /// itself; of a scene, where its pattern begins]

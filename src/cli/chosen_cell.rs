@@ -7,9 +7,6 @@ use rodlab_workcell::task::{Report, Unfinished};
 use rodlab_workcell::virtual_cell::{Settings, with_cell};
 use std::io::{IsTerminal, Write as _};
 
-/// How many times as fast as real time a virtual cell is that only this process uses: as fast as it can be simulated.
-pub const FULL_SPEED: f64 = 100.0;
-
 /// Which cell, and whether its arms move without a question.
 #[derive(Debug, Args)]
 pub struct CellChoice {
@@ -73,43 +70,31 @@ impl CellChoice {
 }
 
 impl TaskCell {
-    /// Refuses to move arms that cannot do a task, or must not yet; `camera` states what the camera is for. The arms of a simulated
-    /// cell are ready.
+    /// Refuses to move arms whose last task did not finish, until --checked states that they were inspected, or that lack what a task
+    /// needs with a camera that is for something. The arms of a simulated cell are ready.
     pub fn refuse_unready(
         &self,
         arms: &[usize],
         is_checked: bool,
-        camera: &str,
+        camera: Option<&str>,
     ) -> Result<(), Failure> {
         if self.is_virtual {
             return Ok(());
         }
         for arm in arms {
-            self.refuse_unfinished(*arm, is_checked)?;
-            if let Some(what) = missing_part(&self.cell, *arm, camera) {
+            let left = Unfinished::of(&self.cell, *arm, Path::new("")).left();
+            if let Some(left) = left.filter(|_| !is_checked) {
+                return Err(Failure::Input(format!(
+                    "the last task with arm {} did not come to its end ({left}): look at the arm and at what it holds, and then say --checked",
+                    self.cell.arms[*arm].name
+                )));
+            }
+            let missing = camera.and_then(|camera| missing_part(&self.cell, *arm, camera));
+            if let Some(what) = missing {
                 return Err(Failure::Input(format!("{}: {what}", self.file.display())));
             }
         }
         Ok(())
-    }
-
-    /// Refuses to move an arm whose last task did not finish, until --checked states that it was inspected.
-    pub fn refuse_unfinished(&self, arm: usize, is_checked: bool) -> Result<(), Failure> {
-        if self.is_virtual || is_checked {
-            return Ok(());
-        }
-        let Some(left) = Unfinished::of(&self.cell, arm, Path::new("")).left() else {
-            return Ok(());
-        };
-        Err(Failure::Input(format!(
-            "the last task with arm {} did not come to its end ({left}): look at the arm and at what it holds, and then say --checked",
-            self.cell.arms[arm].name
-        )))
-    }
-
-    /// The arms whose tasks leave marks until they finish: none of a simulated cell.
-    pub fn marked<'a>(&self, arms: &'a [usize]) -> &'a [usize] {
-        if self.is_virtual { &[] } else { arms }
     }
 
     /// Asks on the terminal whether real arms may move, unless --yes stands for the answer.
@@ -151,13 +136,13 @@ impl TaskCell {
     /// Does work in the cell. `settings` state what is in it where it is simulated.
     pub fn work<T>(
         &self,
-        settings: impl FnOnce() -> Result<Settings, Failure>,
+        settings: Settings,
         work: impl FnOnce(&Cell) -> Result<T, Failure>,
     ) -> Result<T, Failure> {
         if !self.is_virtual {
             return work(&self.cell);
         }
-        let (done, _) = with_cell(&self.cell, settings()?, work)?;
+        let (done, _) = with_cell(&self.cell, settings, work)?;
         done
     }
 }

@@ -1,13 +1,16 @@
 //! `rodlab deploy`.
 
 use super::cell::FRICTION;
+use super::in_cell::InCell;
 use super::laying::{Laying, LayingArguments};
+use super::log_directory::log_directory;
 use super::plan_deployment::DeploymentPlan;
 use super::prelude::*;
 use super::run::simulate;
 use rodlab_lab::experiment::case_set;
 use rodlab_lab::run::RunOptions;
 use rodlab_planning::plan::deployment::Spare;
+use rodlab_workcell::task::{DeployTask, Planning, TaskCommand, Way};
 use rodlab_workcell::virtual_cell::RodSupply;
 
 /// Arguments of `rodlab deploy`.
@@ -39,33 +42,56 @@ pub struct DeployArguments {
 }
 
 /// Lays a rod along a pattern.
-pub fn deploy(arguments: &DeployArguments, common: &Common) -> Result<(), Failure> {
-    let DeployArguments { plan, laying, .. } = arguments;
+pub fn deploy(command: &InCell<DeployArguments>, common: &Common) -> Result<(), Failure> {
+    let DeployArguments {
+        plan,
+        laying,
+        simulate: is_simulated,
+        ..
+    } = &command.what;
     if plan.ties_knot() {
         return Err(Failure::Input(
             "--knot: a knot takes two grippers, and this lays with one; leave it out".into(),
         ));
     }
-    if arguments.simulate {
-        let directory = laying.directory("deploy")?;
-        plan.write(&directory.join("plan"), &Spare::HANGS)?;
-        let scenario = directory.join("plan").join("landing.toml");
-        let options = RunOptions::new(directory.join("landing"));
-        simulate(&case_set(&scenario, &[], &[])?, options, common)?;
-        return Ok(());
+    if !is_simulated {
+        return command.run();
     }
-    let cell = laying.cell()?;
-    plan.use_rod_of(&cell.cell);
-    let what = Laying {
-        task: "deploy",
-        pattern: plan.pattern_name(),
-        outline: &plan.outline()?,
-        fixtures: None,
-        is_corrected: arguments.correct,
-        supply: &|_| Ok(RodSupply::new(plan.rod_file()?, FRICTION)?),
-    };
-    laying.lay(&cell, &what, |spare, directory| {
-        let plan = plan.write(directory, spare)?;
-        Ok((plan.rod, plan.path))
-    })
+    let directory = log_directory(DeployArguments::NAME, laying.task.out.as_deref())?;
+    plan.write(&directory.join("plan"), &Spare::HANGS)?;
+    let scenario = directory.join("plan").join("landing.toml");
+    let options = RunOptions::new(directory.join("landing"));
+    simulate(&case_set(&scenario, &[], &[])?, options, common)?;
+    Ok(())
+}
+
+impl TaskCommand for DeployArguments {
+    const NAME: &'static str = "deploy";
+    type Task = DeployTask;
+    type Error = Failure;
+
+    fn way(&self) -> Way<'_> {
+        self.laying.task.way()
+    }
+
+    fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
+        self.laying.arms(planning)
+    }
+
+    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<DeployTask, Failure> {
+        let plan = &self.plan;
+        plan.use_rod_of(planning.cell);
+        let laying = Laying {
+            name: plan.pattern_name(),
+            outline: plan.outline()?,
+            fixtures: None,
+            is_corrected: self.correct,
+            supply: &|_| Ok(RodSupply::new(plan.rod_file()?, FRICTION)?),
+        };
+        self.laying
+            .plan(planning, arms[0], laying, |spare, directory| {
+                let written = plan.write(directory, spare)?;
+                Ok((written.rod, written.path))
+            })
+    }
 }

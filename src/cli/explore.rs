@@ -1,25 +1,16 @@
 //! `rodlab explore`.
 
-use super::chosen_cell::{CellChoice, FULL_SPEED, TaskCell};
-use super::interruption::watch_for_interruption;
-use super::log_directory::{no_directory, results_directory};
 use super::prelude::*;
-use super::solve_arm::arm_named;
-use rodlab_files::results::{MANIFEST, write_whole};
 use rodlab_lab::experiment::ClampedRod;
 use rodlab_vision::ColourRule;
 use rodlab_workcell::task::{
-    Exploration, ExplorationPlan, ExplorationRecord, ExplorationSummary, ExploreError, HandPlace,
-    SearchSteps, Status, Stopped, quarter_sphere, read_directions, section, write_exploration,
+    Exploration, ExplorationTask, ExploreError, Planning, SearchSteps, TaskCommand, Way,
+    quarter_sphere, read_directions, section,
 };
-use rodlab_workcell::virtual_cell::{ChuckedSupply, Settings};
+use rodlab_workcell::virtual_cell::ChuckedSupply;
 
 /// Distances ‖(κ, τ, ω)‖ that are allowed, in words.
 const DISTANCE: &str = "a distance from 0.01 to 100 is needed";
-/// Frames of the page of the arm in motion.
-const FRAMES: usize = 400;
-/// The preset cell with a chuck.
-const HELIX_GANTRY: &str = "helix_gantry";
 
 /// Arguments of `rodlab explore`.
 #[derive(Debug, Args)]
@@ -36,7 +27,7 @@ the helix would be, it has lost its stability: the arm goes back until it is a h
 returns to the straight rod. Nothing moves with --dry-run, which tells how far each direction can be led. The same command with the same
 --out goes on after any end, at the direction in which it was.
 Everything is in one directory: manifest.json, exploration.csv (a row for each direction, written when it is done), report.md and
-report.html with figures, plan.csv, cell.html, directions/ (looks.csv and a picture each), motion/ (the last motion). Exit code 1: something failed on
+report.html with figures, plan.csv, joints.csv, cell.html, directions/ (looks.csv and a picture each), motion/ (the last motion). Exit code 1: something failed on
 the way; the message and report.md say what; arm and chuck hold. `rodlab cell serve --cell helix_gantry --rod nitinol_wire` is a cell to try --cell
 with.")]
 pub struct ExploreArguments {
@@ -45,8 +36,6 @@ pub struct ExploreArguments {
     rod: PathBuf,
     #[command(flatten)]
     directions: DirectionArguments,
-    #[command(flatten)]
-    choice: CellChoice,
     /// Name of the arm; not needed where the cell has only one
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
@@ -117,172 +106,66 @@ fn is_distance(distance: f64) -> bool {
     (0.01..=100.0).contains(&distance)
 }
 
-/// Explores the stability of helical rods.
-pub fn explore(arguments: &ExploreArguments) -> Result<(), Failure> {
-    if arguments.precision > arguments.step {
-        return Err(Failure::Input(format!(
-            "--precision is {}; allowed: at most --step, {}",
-            arguments.precision, arguments.step
-        )));
+impl TaskCommand for ExploreArguments {
+    const NAME: &'static str = "explore";
+    const CELL: &'static str = "helix_gantry";
+    type Task = ExplorationTask;
+    type Error = Failure;
+
+    fn way(&self) -> Way<'_> {
+        Way {
+            dry_run: self.dry_run,
+            checked: None,
+            out: self.out.as_deref(),
+        }
     }
-    let directions = arguments.directions.list()?;
-    let colour = ColourRule::parse(&arguments.colour)?;
-    let rod = ClampedRod::read(&arguments.rod)?;
-    let chosen = arguments.choice.read(HELIX_GANTRY, arguments.dry_run)?;
-    let arm = arguments.arm.as_deref();
-    let arm = arm_named(&chosen.cell, "--arm", arm, &chosen.file)?;
-    let stem = arguments.rod.file_stem().unwrap_or_default();
-    let stem = stem.to_string_lossy();
-    let directory = results_directory(arguments.out.as_deref(), &format!("explore-{stem}"));
-    let settings = || {
-        Ok(Settings {
-            chucked: ChuckedSupply::new(&arguments.rod, &chosen.cell)?,
-            ..Settings::empty(FULL_SPEED)
-        })
-    };
-    chosen.work(settings, |cell| {
+
+    fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
+        Ok(vec![planning.arm("--arm", self.arm.as_deref())?])
+    }
+
+    fn resumed_in(&self) -> Option<String> {
+        let stem = self.rod.file_stem().unwrap_or_default();
+        Some(format!("explore-{}", stem.to_string_lossy()))
+    }
+
+    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<ExplorationTask, Failure> {
+        if self.precision > self.step {
+            return Err(Failure::Input(format!(
+                "--precision is {}; allowed: at most --step, {}",
+                self.precision, self.step
+            )));
+        }
         let exploration = Exploration {
-            cell,
-            arm,
-            rod: &rod,
-            directions: &directions,
-            farthest: arguments.farthest,
-            margin: arguments.margin,
+            arm: arms[0],
+            rod: ClampedRod::read(&self.rod)?,
+            directions: self.directions.list()?,
+            farthest: self.farthest,
+            margin: self.margin,
             search: SearchSteps {
-                step: arguments.step,
-                precision: arguments.precision,
-                deviation: arguments.deviation,
-                speed: arguments.hand_speed,
-                return_speed: arguments.return_speed,
+                step: self.step,
+                precision: self.precision,
+                deviation: self.deviation,
+                speed: self.hand_speed,
+                return_speed: self.return_speed,
             },
-            approach_speed: arguments.approach_speed,
-            colour: &colour,
-            keeps_pictures: !arguments.no_pictures,
-            directory: &directory,
+            approach_speed: self.approach_speed,
+            colour: ColourRule::parse(&self.colour)?,
+            keeps_pictures: !self.no_pictures,
         };
-        arguments.carry_out(&exploration, &chosen)
-    })
-}
-
-impl ExploreArguments {
-    /// Shows an exploration, and carries it out, unless it is a dry run.
-    fn carry_out(&self, exploration: &Exploration<'_>, chosen: &TaskCell) -> Result<(), Failure> {
-        let directory = exploration.directory;
-        let failed = |error| failed(error, directory);
-        let start = exploration.start().map_err(failed)?;
+        let Planning {
+            cell, is_virtual, ..
+        } = planning;
         // A simulated cell is new each time, with its rod in the chuck.
-        let is_clamped = is_clamped(directory, &exploration.plan())? && !chosen.is_virtual;
-        std::fs::create_dir_all(directory).map_err(|error| no_directory(directory, &error))?;
-        let mut record = exploration.record(std::env::args().collect());
-        record.is_clamped = is_clamped;
-        let first = exploration.ray(&start, 0);
-        let page = exploration.page(&first, FRAMES).map_err(failed)?;
-        write_whole(&directory.join("cell.html"), page.as_bytes())?;
-        if self.dry_run {
-            exploration.write_plan(&start).map_err(failed)?;
-            record.summary = ExplorationSummary::of(&exploration.rows()?);
-            return finish(&mut record, exploration, None, &self.choice);
-        }
-        chosen.confirm(&[exploration.arm], directory, &self.choice)?;
-        let interrupted = watch_for_interruption()?;
-        record.head.status = Status::Running;
-        record.write(directory)?;
-        let ended = exploration.run(&mut record, &|| interrupted.is_raised());
-        record.head.end = Some(jiff::Timestamp::now());
-        finish(&mut record, exploration, ended.err(), &self.choice)
+        let task = ExplorationTask::new(exploration, cell, planning.results(), *is_virtual);
+        let task = task.map_err(|error| match error {
+            ExploreError::Input(words) => Failure::Input(words),
+            ExploreError::Results(error) => error.into(),
+        })?;
+        planning.furnish(|settings| -> Result<(), Failure> {
+            settings.chucked = ChuckedSupply::new(&self.rod, cell)?;
+            Ok(())
+        })?;
+        Ok(task)
     }
-}
-
-/// Writes manifest and page, and prints the record or says why it ended early.
-fn finish(
-    record: &mut ExplorationRecord,
-    exploration: &Exploration<'_>,
-    error: Option<ExploreError>,
-    choice: &CellChoice,
-) -> Result<(), Failure> {
-    if record.head.status == Status::Running {
-        record.head.status = match &error {
-            None => Status::Finished,
-            Some(ExploreError::Interrupted) => Status::Interrupted,
-            Some(_) => Status::Failed,
-        };
-    }
-    record.head.error = error.as_ref().map(ToString::to_string);
-    let left_by = |error| left_by(error, record, exploration);
-    record.head.stopped = error.as_ref().and_then(left_by);
-    record.write(exploration.directory)?;
-    let report = write_exploration(record, &exploration.rows()?, exploration.directory)?;
-    match error {
-        Some(error) => Err(failed(error, exploration.directory)),
-        None => choice.print(&report, &record.summary, exploration.directory),
-    }
-}
-
-/// How an error left the cell.
-fn left_by(
-    error: &ExploreError,
-    record: &ExplorationRecord,
-    exploration: &Exploration<'_>,
-) -> Option<Stopped> {
-    let during = match error {
-        ExploreError::Failed { doing, .. } => doing.clone(),
-        ExploreError::Interrupted => {
-            let done = exploration.rows().map_or(0, |rows| rows.len());
-            format!(
-                "exploring direction {} of {}",
-                done + 1,
-                record.plan.directions.len()
-            )
-        }
-        ExploreError::Input(_) | ExploreError::Results(_) => return None,
-    };
-    let rod = match record.is_clamped {
-        true => "the rod is clamped between chuck and hand",
-        false => "no rod is clamped",
-    };
-    Some(Stopped {
-        during,
-        laid: Vec::new(),
-        hands: vec![HandPlace::of(exploration.cell, exploration.arm)],
-        next: format!(
-            "{rod}: look at arm, chuck and rod, then run the same command again; directions that are done are kept"
-        ),
-    })
-}
-
-fn failed(error: ExploreError, directory: &Path) -> Failure {
-    let message = format!("{error}; the log is in {}", directory.display());
-    match error {
-        ExploreError::Input(words) => Failure::Input(words),
-        ExploreError::Interrupted => Failure::interrupted(message),
-        ExploreError::Results(error) => error.into(),
-        ExploreError::Failed { .. } => Failure::System(message),
-    }
-}
-
-/// Whether a rod is clamped already, as an earlier call with the same plan says in its manifest.
-fn is_clamped(directory: &Path, plan: &ExplorationPlan) -> Result<bool, Failure> {
-    let refused = |what: &str| {
-        Err(Failure::Input(format!(
-            "--out: {} {what}; choose another directory",
-            directory.display()
-        )))
-    };
-    let Ok(mut entries) = std::fs::read_dir(directory) else {
-        return Ok(false);
-    };
-    if entries.next().is_none() {
-        return Ok(false);
-    }
-    let text = std::fs::read(directory.join(MANIFEST)).unwrap_or_default();
-    let Ok(manifest) = serde_json::from_slice::<serde_json::Value>(&text) else {
-        return refused("holds something else");
-    };
-    // Numbers as they are read back.
-    let plan = serde_json::to_string(plan).expect("names and numbers are JSON values");
-    let plan: serde_json::Value = serde_json::from_str(&plan).expect("as it was written");
-    if manifest["plan"] != plan {
-        return refused("holds another exploration");
-    }
-    Ok(manifest["is_clamped"] == true)
 }

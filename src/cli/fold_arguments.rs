@@ -1,11 +1,9 @@
 //! Arguments of `rodlab fold`.
 
-use super::chosen_cell::CellChoice;
-use super::plan::parse_place;
 use super::plan_fold::crease;
 use super::prelude::*;
 use clap::builder::PossibleValuesParser;
-use rodlab_lab::experiment::{AlgorithmName, Crease};
+use rodlab_lab::experiment::{AlgorithmName, Crease, PaperFile};
 use rodlab_workcell::cell::Place;
 
 /// Arguments of `rodlab fold`.
@@ -42,15 +40,13 @@ pub struct FoldArguments {
     /// Friction of the table [default: that in the sheet's file]
     #[arg(long, value_name = "FRICTION", value_parser = friction)]
     pub friction: Option<f64>,
-    #[command(flatten)]
-    pub choice: CellChoice,
     /// Name of the arm; not needed where the cell has only one
     #[arg(long, value_name = "NAME")]
     pub arm: Option<String>,
     /// Where the middle of the edge lies in the cell: x,y,z in metres, and the direction over the sheet, degrees about z. The
     /// camera sees it more exactly; of the directions of the sheet that it sees the nearest is taken [default: the sheet in the
     /// middle of the table, along x]
-    #[arg(long, value_name = "X,Y,Z[,TURN]", value_parser = parse_place, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z[,TURN]", allow_hyphen_values = true)]
     pub place: Option<Place>,
     /// Greatest speed of the hand while it folds, m/s
     #[arg(long, value_name = "SPEED", default_value_t = 0.05, value_parser = positive)]
@@ -99,10 +95,37 @@ const ALGORITHMS: [(&str, AlgorithmName); 5] = [
     ("step-by-step", AlgorithmName::StepByStep),
 ];
 
+/// A sheet that is to be folded.
+pub struct AskedSheet {
+    /// Its file.
+    pub file: PaperFile,
+    /// How far its edge goes, m.
+    pub target: f64,
+    /// Friction of the table.
+    pub friction: f64,
+}
+
 impl FoldArguments {
     /// The way of folding by its name.
     pub fn algorithm(&self) -> AlgorithmName {
         let named = ALGORITHMS.iter().find(|(name, _)| *name == self.algorithm);
         named.map_or(AlgorithmName::Held, |(_, algorithm)| *algorithm)
+    }
+
+    /// The sheet, and what is asked of it.
+    pub fn sheet(&self) -> Result<AskedSheet, Failure> {
+        let file = PaperFile::read(&self.paper)?;
+        let target = file.paper.target(self.crease).at("--crease")?;
+        if self.feedback.is_some() && !self.algorithm().is_planned_anew() {
+            let message = "--feedback: this way of folding is not planned anew: use `held`, `optimal` or `least-friction`";
+            return Err(Failure::Input(message.into()));
+        }
+        let friction = self.friction.or(file.paper.friction);
+        let needed = "the friction of the table is needed: --friction, or `folding.paper.friction`";
+        Ok(AskedSheet {
+            friction: friction.ok_or_else(|| Failure::Input(needed.into()))?,
+            file,
+            target,
+        })
     }
 }

@@ -1,129 +1,88 @@
 //! `rodlab fold` in a robot cell.
 
-use super::cell_task::CellTask;
-use super::chosen_cell::FULL_SPEED;
 use super::fold_arguments::FoldArguments;
 use super::prelude::*;
-use super::solve_arm::arm_named;
-use super::task_arguments::GANTRY;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
-use rodlab_lab::experiment::{Crease, PaperFile};
+use rodlab_lab::experiment::Crease;
 use rodlab_robot::Pose;
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::{Cell, Place};
 use rodlab_workcell::task::{
-    FoldMotionRequest, FoldRecord, FoldRequest, FoldTask, FoldWay, TaskHead, heading,
+    FoldPlan, FoldRequest, FoldTask, FoldWay, Planning, TaskCommand, Way, heading,
 };
-use rodlab_workcell::virtual_cell::{Settings, SheetPlace, SimulatedSheet};
+use rodlab_workcell::virtual_cell::{SheetPlace, SimulatedSheet};
 
 /// Parts of a way that is not planned anew: after each the camera looks.
 const WATCHED_PARTS: u16 = 5;
 /// Most parts of a way: in each the arm starts and stops.
 const MOST_PARTS: u16 = 20;
-/// Frames of the page of the arm in motion.
-const FRAMES: usize = 400;
 
-/// Folds a sheet with an arm, or shows how it would.
-pub fn fold_in_cell(
-    arguments: &FoldArguments,
-    file: &PaperFile,
-    target: f64,
-    friction: f64,
-) -> Result<(), Failure> {
-    let parts = arguments.feedback.unwrap_or(WATCHED_PARTS);
-    if parts > MOST_PARTS {
-        let message = format!("--feedback: {parts}; allowed in a cell: 2 to {MOST_PARTS}");
-        return Err(Failure::Input(message));
+impl TaskCommand for FoldArguments {
+    const NAME: &'static str = "fold";
+    const CAMERA: Option<&'static str> =
+        Some("it looks where the sheet lies and how far it slides");
+    type Task = FoldTask;
+    type Error = Failure;
+
+    fn way(&self) -> Way<'_> {
+        Way {
+            dry_run: self.dry_run,
+            checked: Some(self.checked),
+            out: self.out.as_deref(),
+        }
     }
-    let chosen = arguments.choice.read(GANTRY, arguments.dry_run)?;
-    let cell = &chosen.cell;
-    let arm = arm_named(cell, "--arm", arguments.arm.as_deref(), &chosen.file)?;
-    if !arguments.dry_run {
-        let camera = "it looks where the sheet lies and how far it slides";
-        chosen.refuse_unready(&[arm], arguments.checked, camera)?;
+
+    fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
+        let parts = self.feedback.unwrap_or(WATCHED_PARTS);
+        if parts > MOST_PARTS {
+            let message = format!("--feedback: {parts}; allowed in a cell: 2 to {MOST_PARTS}");
+            return Err(Failure::Input(message));
+        }
+        Ok(vec![planning.arm("--arm", self.arm.as_deref())?])
     }
-    let colour = ColourRule::parse(&arguments.colour)?;
-    let request = FoldRequest {
-        sheet: file.paper.sheet(arguments.crease),
-        thickness: file.paper.thickness,
-        target,
-        algorithm: arguments.algorithm().on(friction),
-        parts: usize::from(parts),
-    };
-    let length = request.sheet.length;
-    let way = FoldWay::new(request).at(format_args!("{}, {length:.4} m long", file.title))?;
-    let frame = expected_frame(arguments, cell, &request)?;
-    let planned = FoldMotionRequest {
-        cell,
-        arm,
-        frame,
-        speed: arguments.hand_speed,
-        margin: arguments.margin,
-    };
-    let motion = planned.plan(&way)?;
-    let task = CellTask::new(
-        "fold",
-        arguments.out.as_deref(),
-        &chosen,
-        &[arm],
-        &arguments.choice,
-    )?;
-    task.write_motion(&motion.whole(), FRAMES)?;
-    let record = FoldRecord {
-        head: TaskHead::planned(std::env::args().collect()),
-        cell: cell.title.clone(),
-        arm: cell.arms[arm].name.clone(),
-        paper: file.title.clone(),
-        target_m: target,
-        algorithm: arguments.algorithm.clone(),
-        parts: request.parts,
-        closed_loop: arguments.feedback.is_some(),
-        motion: motion.report,
-        sheet_place: None,
-        times_s: Vec::new(),
-        looks: Vec::new(),
-        score: None,
-    };
-    let settings = || {
-        let table = cell.table.map_or_else(Pose::identity, |table| table.top);
-        let place = place_on(&table, &frame);
-        let is_diagonal = arguments.crease == Crease::Diagonal;
-        let sheet =
-            SimulatedSheet::new(&arguments.paper, friction, is_diagonal, Some(place), &table)?;
-        Ok(Settings {
-            sheet: Some(sheet),
-            ..Settings::empty(FULL_SPEED)
-        })
-    };
-    chosen.work(settings, |cell| {
-        let folding = FoldTask {
-            cell,
-            arm,
-            paper: file.paper,
-            crease: arguments.crease,
-            request,
-            is_closed_loop: arguments.feedback.is_some(),
-            heading: heading(&frame),
-            colour: &colour,
-            speed: arguments.hand_speed,
-            approach_speed: arguments.approach_speed,
-            margin: arguments.margin,
-            unfinished: task.unfinished.first(),
-            directory: &task.directory,
+
+    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<FoldTask, Failure> {
+        let cell = planning.cell;
+        let sheet = self.sheet()?;
+        let paper = sheet.file.paper;
+        let colour = ColourRule::parse(&self.colour)?;
+        let request = FoldRequest {
+            sheet: paper.sheet(self.crease),
+            thickness: paper.thickness,
+            target: sheet.target,
+            algorithm: self.algorithm().on(sheet.friction),
+            parts: usize::from(self.feedback.unwrap_or(WATCHED_PARTS)),
         };
-        task.carry_out(record, arguments.dry_run, |record, is_interrupted| {
-            let end = folding.run(is_interrupted);
-            record.times_s = end.times;
-            record.head.stopped = end.stopped;
-            record.looks = end.looks;
-            record.sheet_place = end.frame.map(|frame| {
-                let place = frame.translation.vector;
-                [place.x, place.y, heading(&frame).to_degrees()]
-            });
-            record.score = Some(end.score?);
+        let length = request.sheet.length;
+        let title = sheet.file.title;
+        let way = FoldWay::new(request).at(format_args!("{title}, {length:.4} m long"))?;
+        let frame = expected_frame(self, cell, &request)?;
+        planning.furnish(|settings| -> Result<(), Failure> {
+            let table = cell.table.map_or_else(Pose::identity, |table| table.top);
+            let place = Some(place_on(&table, &frame));
+            let is_diagonal = self.crease == Crease::Diagonal;
+            let (file, friction) = (&self.paper, sheet.friction);
+            let sheet = SimulatedSheet::new(file, friction, is_diagonal, place, &table)?;
+            settings.sheet = Some(sheet);
             Ok(())
-        })
-    })
+        })?;
+        let plan = FoldPlan {
+            arm: arms[0],
+            title,
+            paper,
+            crease: self.crease,
+            algorithm: self.algorithm.clone(),
+            request,
+            is_closed_loop: self.feedback.is_some(),
+            frame,
+            colour,
+            speed: self.hand_speed,
+            approach_speed: self.approach_speed,
+            margin: self.margin,
+        };
+        let expected = plan.expected(cell, &way)?;
+        Ok(FoldTask::new(cell, plan, Some(expected)))
+    }
 }
 
 /// Where a sheet with a frame lies on a table.

@@ -18,7 +18,6 @@ mod arguments;
 mod calibrate;
 mod candidates;
 mod cell;
-mod cell_task;
 mod check;
 mod chosen_cell;
 mod chosen_rod;
@@ -43,6 +42,7 @@ mod fold_simulation;
 mod gather;
 mod guide;
 mod helix_file;
+mod in_cell;
 mod init;
 mod interruption;
 mod laying;
@@ -86,7 +86,6 @@ mod status;
 mod stream;
 mod submit;
 mod sweep;
-mod task_arguments;
 mod terminal;
 mod tie;
 mod trace;
@@ -155,9 +154,9 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Movie(command) => movie::movie(command, &arguments.common),
         Command::Stream(command) => stream::stream(command),
         Command::Deploy(command) => deploy::deploy(command, &arguments.common),
-        Command::Place(command) => place::place(command),
-        Command::Tie(command) => tie::tie(command),
-        Command::Explore(command) => explore::explore(command),
+        Command::Place(command) => command.run(),
+        Command::Tie(command) => command.run(),
+        Command::Explore(command) => command.run(),
         Command::Cell(command) => cell::cell(command),
         Command::Submit(command) => submit::submit(command),
         Command::Status(command) => status::status(command),

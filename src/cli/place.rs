@@ -5,6 +5,7 @@ use super::laying::{Laying, LayingArguments};
 use super::prelude::*;
 use rodlab_files::results::write_whole;
 use rodlab_lab::experiment::{Placement, PlacementError};
+use rodlab_workcell::task::{DeployTask, Planning, TaskCommand, Way};
 use rodlab_workcell::virtual_cell::RodSupply;
 
 /// Arguments of `rodlab place`.
@@ -31,35 +32,45 @@ pub struct PlaceArguments {
     laying: LayingArguments,
 }
 
-/// Lays a cable between pegs.
-pub fn place(arguments: &PlaceArguments) -> Result<(), Failure> {
-    let placement = read_placement(&arguments.scenario, &arguments.overrides)?;
-    let outline = placement.fixtures.outline();
-    let file = arguments.scenario.display().to_string();
-    let what = Laying {
-        task: "place",
-        pattern: &file,
-        outline: &outline,
-        fixtures: Some(&placement.fixtures),
-        is_corrected: false,
-        supply: &|frame| {
-            let placement = &placement;
-            Ok(RodSupply::of(
-                &placement.deployment,
-                placement.friction,
-                frame,
-            )?)
-        },
-    };
-    let cell = arguments.laying.cell()?;
-    arguments.laying.lay(&cell, &what, |spare, directory| {
-        let path = placement.path(spare).at(&placement.title)?;
-        make_directory(directory)?;
-        for (name, text) in placement.files(&path)? {
-            write_whole(&directory.join(name), text.as_bytes())?;
-        }
-        Ok((placement.deployment.rod.deployed(), path))
-    })
+impl TaskCommand for PlaceArguments {
+    const NAME: &'static str = "place";
+    type Task = DeployTask;
+    type Error = Failure;
+
+    fn way(&self) -> Way<'_> {
+        self.laying.task.way()
+    }
+
+    fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
+        self.laying.arms(planning)
+    }
+
+    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<DeployTask, Failure> {
+        let placement = read_placement(&self.scenario, &self.overrides)?;
+        let laying = Laying {
+            name: &self.scenario.display().to_string(),
+            outline: placement.fixtures.outline(),
+            fixtures: Some(placement.fixtures.clone()),
+            is_corrected: false,
+            supply: &|frame| {
+                let Placement {
+                    deployment,
+                    friction,
+                    ..
+                } = &placement;
+                Ok(RodSupply::of(deployment, *friction, frame)?)
+            },
+        };
+        self.laying
+            .plan(planning, arms[0], laying, |spare, directory| {
+                let path = placement.path(spare).at(&placement.title)?;
+                make_directory(directory)?;
+                for (name, text) in placement.files(&path)? {
+                    write_whole(&directory.join(name), text.as_bytes())?;
+                }
+                Ok((placement.deployment.rod.deployed(), path))
+            })
+    }
 }
 
 /// The cable and the pegs of a scenario.

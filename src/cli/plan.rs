@@ -74,7 +74,12 @@ struct JointsArguments {
     arm: ArmChoice,
     /// Where the path lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on
     /// the table
-    #[arg(long, value_name = "X,Y,Z[,TURN]|auto", default_value = "0,0,0", value_parser = parse_place, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "X,Y,Z[,TURN]|auto",
+        default_value = "0,0,0",
+        allow_hyphen_values = true
+    )]
     place: Place,
     /// Greatest speed of the hand, m/s
     #[arg(long, value_name = "SPEED", default_value_t = 0.25, value_parser = positive)]
@@ -128,19 +133,5 @@ impl From<PlanError> for Failure {
             PlanError::Path(message) => Self::Unreachable(message),
             PlanError::Timing(error) => Self::input(error),
         }
-    }
-}
-
-pub(super) fn parse_place(text: &str) -> Result<Place, String> {
-    if text == "auto" {
-        return Ok(Place::Auto);
-    }
-    match numbers(text).as_deref() {
-        Some(numbers) if numbers.iter().any(|number| !number.is_finite()) => {
-            Err("finite numbers are needed".into())
-        }
-        Some([x, y, z]) => Ok(Place::At([*x, *y, *z, 0.0])),
-        Some([x, y, z, turn]) => Ok(Place::At([*x, *y, *z, turn.to_radians()])),
-        _ => Err("`auto` or x,y,z or x,y,z,degrees is needed".into()),
     }
 }

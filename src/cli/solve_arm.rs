@@ -25,34 +25,8 @@ impl ArmChoice {
 /// Reads a cell; returns it with the index of the arm of a name.
 pub(super) fn read_arm(file: &Path, arm: Option<&str>) -> Result<(Cell, usize), Failure> {
     let cell = Cell::read(file)?;
-    let index = arm_named(&cell, "--arm", arm, file)?;
+    let index = cell.arm_named("--arm", arm, file)?;
     Ok((cell, index))
-}
-
-/// The index of an arm of a cell by its name, as given by a flag, which may be left out where there is only one.
-pub(super) fn arm_named(
-    cell: &Cell,
-    flag: &str,
-    name: Option<&str>,
-    file: &Path,
-) -> Result<usize, Failure> {
-    let names: Vec<&str> = cell.arms.iter().map(|arm| arm.name.as_str()).collect();
-    let index = match name {
-        None if names.len() == 1 => Some(0),
-        None => None,
-        Some(name) => names.iter().position(|known| *known == name),
-    };
-    index.ok_or_else(|| {
-        let what = match name {
-            Some(name) => format!("{flag}: there is no arm {name:?}"),
-            None => format!("{flag} must say which"),
-        };
-        Failure::Input(format!(
-            "{what}; arms of {}: {}",
-            file.display(),
-            names.join(", ")
-        ))
-    })
 }
 
 /// Arguments of `rodlab solve fk`.

@@ -1,22 +1,16 @@
 //! `rodlab tie`.
 
 use super::cell::FRICTION;
-use super::cell_task::CellTask;
-use super::chosen_cell::{CellChoice, FULL_SPEED, TaskCell};
 use super::plan_deployment::DeploymentPlan;
 use super::prelude::*;
-use super::solve_arm::arm_named;
-use super::task_arguments::TaskArguments;
 use rodlab_planning::plan::deployment::Spare;
 use rodlab_planning::plan::pattern::StrokeChoice;
 use rodlab_vision::ColourRule;
-use rodlab_workcell::task::{KnotPlan, TaskHead, TieMotion, TieMotionRequest, TieRecord, TieTask};
-use rodlab_workcell::virtual_cell::{RodSupply, Settings};
-
-/// Frames of the page of the arms in motion.
-const FRAMES: usize = 600;
-/// The preset cell with two arms.
-const TWO_GANTRIES: &str = "two_gantries";
+use rodlab_workcell::task::{
+    KnotPlan, Planning, TaskArguments, TaskCommand, TieMotion, TieMotionRequest, TiePlan, TieTask,
+    Way,
+};
+use rodlab_workcell::virtual_cell::RodSupply;
 
 /// Arguments of `rodlab tie`.
 #[derive(Debug, Args)]
@@ -41,8 +35,6 @@ report.md say what. A cell to try --cell with:
 pub struct TieArguments {
     #[command(flatten)]
     plan: DeploymentPlan,
-    #[command(flatten)]
-    choice: CellChoice,
     /// Name of the arm that lays the rod and leads its end [default: the first]
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
@@ -62,110 +54,76 @@ pub struct TieArguments {
     task: TaskArguments,
 }
 
-/// Ties a knot.
-pub fn tie(arguments: &TieArguments) -> Result<(), Failure> {
-    let colour = ColourRule::parse(&arguments.task.colour)?;
-    if !arguments.plan.ties_knot() {
-        return Err(Failure::Input(
-            "--knot is needed: over or under for each crossing, in the order in which the pattern comes there again, as in \
-             --knot over,under,over"
-                .into(),
-        ));
+impl TaskCommand for TieArguments {
+    const NAME: &'static str = "tie";
+    const CELL: &'static str = "two_gantries";
+    const CAMERA: Option<&'static str> = Some("its picture shows whether the knot is tied");
+    type Task = TieTask;
+    type Error = Failure;
+
+    fn way(&self) -> Way<'_> {
+        self.task.way()
     }
-    let dry_run = arguments.task.dry_run;
-    let chosen = arguments.choice.read(TWO_GANTRIES, dry_run)?;
-    let arms = arguments.arms(&chosen)?;
-    let cell = &chosen.cell;
-    arguments.plan.use_rod_of(cell);
-    if !dry_run {
-        let camera = "its picture shows whether the knot is tied";
-        chosen.refuse_unready(&arms, arguments.task.checked, camera)?;
-    }
-    let second = arguments.second()?;
-    let mut outline = arguments.plan.outline()?;
-    let second_points = second.iter().flat_map(|knot| knot.rods[1].points());
-    outline.extend(second_points);
-    let place = arguments.task.place(cell, &outline)?;
-    // Before a directory is made.
-    if second.is_none() {
-        arguments.plan.check_knot()?;
-    }
-    let task = CellTask::new(
-        "tie",
-        arguments.task.out.as_deref(),
-        &chosen,
-        &arms,
-        &arguments.choice,
-    )?;
-    let knot = match second {
-        Some(knot) => knot,
-        None => {
-            let plan = task.directory.join("plan");
-            let written = arguments.plan.write(&plan, &Spare::HANGS)?;
-            written.knot.expect("a plan with --knot")
+
+    fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
+        if !self.plan.ties_knot() {
+            return Err(Failure::Input(
+                "--knot is needed: over or under for each crossing, in the order in which the pattern comes there again, as in \
+                 --knot over,under,over"
+                    .into(),
+            ));
         }
-    };
-    let request = TieMotionRequest {
-        cell,
-        arms,
-        place,
-        speed: arguments.task.hand_speed,
-        free_speed: arguments.task.approach_speed,
-        margin: arguments.task.margin,
-    };
-    let motion = TieMotion::plan(&request, &knot)?;
-    let whole = &motion.whole;
-    task.write_motion(whole, FRAMES)?;
-    let record = TieRecord {
-        head: TaskHead::planned(std::env::args().collect()),
-        cell: cell.title.clone(),
-        arms: arms.map(|arm| cell.arms[arm].name.clone()),
-        patterns: arguments.pattern_names(),
-        passes: knot.passages.iter().map(|passage| passage.pass).collect(),
-        drawn: knot.drawn,
-        lifts: knot.lifts(),
-        motion: motion.report.clone(),
-        duration_s: whole.duration(),
-        least_clearance_m: motion.least_clearance,
-        times_s: Vec::new(),
-        score: None,
-    };
-    let settings = || {
-        // A person lays the free ends where the patterns begin.
-        let supply = |number: usize, file: &Path| -> Result<RodSupply, Failure> {
-            let start = knot.rods[number].pattern.at(0.0).position;
-            let start = motion.frame * nalgebra::Point3::new(start.x, start.y, 0.0);
-            Ok(RodSupply::new(file, FRICTION)?.with_free_end([start.x, start.y]))
+        self.two_arms(planning).map(Into::into)
+    }
+
+    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<TieTask, Failure> {
+        let (cell, arms) = (planning.cell, [arms[0], arms[1]]);
+        self.plan.use_rod_of(cell);
+        let colour = ColourRule::parse(&self.task.colour)?;
+        let second = self.second()?;
+        let mut outline = self.plan.outline()?;
+        let second_points = second.iter().flat_map(|knot| knot.rods[1].points());
+        outline.extend(second_points);
+        let place = self.task.place(cell, &outline)?;
+        let knot = match second {
+            Some(knot) => knot,
+            None => {
+                // Before a directory is made.
+                self.plan.check_knot()?;
+                let directory = planning.directory()?.join("plan");
+                let written = self.plan.write(&directory, &Spare::HANGS)?;
+                written.knot.expect("a plan with --knot")
+            }
         };
-        let second = arguments.second_rod.as_deref();
-        Ok(Settings {
-            supply: Some(supply(0, arguments.plan.rod_file()?)?),
-            second_supply: second.map(|file| supply(1, file)).transpose()?,
-            ..Settings::empty(FULL_SPEED)
-        })
-    };
-    chosen.work(settings, |cell| {
-        let tying = TieTask {
+        let request = TieMotionRequest {
             cell,
             arms,
-            motion: &motion,
-            knot: &knot,
-            free_speed: arguments.task.approach_speed,
-            colour: &colour,
-            unfinished: match task.unfinished.as_slice() {
-                [one, other] => Some([one, other]),
-                _ => None,
-            },
-            directory: &task.directory,
+            place,
+            speed: self.task.hand_speed,
+            free_speed: self.task.approach_speed,
+            margin: self.task.margin,
         };
-        task.carry_out(record, dry_run, |record, is_interrupted| {
-            let end = tying.run(is_interrupted);
-            record.times_s = end.times;
-            record.head.stopped = end.stopped;
-            record.score = Some(end.score?);
+        let motion = TieMotion::plan(&request, &knot)?;
+        planning.furnish(|settings| -> Result<(), Failure> {
+            let supply = |number: usize, file: &Path| -> Result<RodSupply, Failure> {
+                let start = knot.rods[number].pattern.at(0.0).position;
+                Ok(RodSupply::new(file, FRICTION)?.beginning_at(&motion.frame, start))
+            };
+            let second = self.second_rod.as_deref();
+            settings.supply = Some(supply(0, self.plan.rod_file()?)?);
+            settings.second_supply = second.map(|file| supply(1, file)).transpose()?;
             Ok(())
-        })
-    })
+        })?;
+        let plan = TiePlan {
+            arms,
+            names: self.pattern_names(),
+            motion,
+            knot,
+            free_speed: self.task.approach_speed,
+            colour,
+        };
+        Ok(TieTask::new(cell, plan))
+    }
 }
 
 impl TieArguments {
@@ -194,8 +152,8 @@ impl TieArguments {
     }
 
     /// Indices of the arm that lays and of the one that lifts.
-    fn arms(&self, chosen: &TaskCell) -> Result<[usize; 2], Failure> {
-        let TaskCell { cell, file, .. } = chosen;
+    fn two_arms(&self, planning: &Planning<'_>) -> Result<[usize; 2], Failure> {
+        let Planning { cell, file, .. } = planning;
         let names: Vec<&str> = cell.arms.iter().map(|arm| arm.name.as_str()).collect();
         if names.len() < 2 {
             let found = names
@@ -207,9 +165,7 @@ impl TieArguments {
             )));
         }
         let named = |flag: &str, name: &Option<String>| {
-            let arm = name
-                .as_deref()
-                .map(|name| arm_named(cell, flag, Some(name), file));
+            let arm = name.as_deref().map(|name| planning.arm(flag, Some(name)));
             arm.transpose()
         };
         let layer = named("--arm", &self.arm)?;

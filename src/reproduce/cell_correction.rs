@@ -72,7 +72,7 @@ fn rows(cases: &[Case<Laying>]) -> Result<Vec<Row>> {
     let mut laid = Vec::new();
     for case in cases {
         laid.push(match lay_in_cell(case)? {
-            Ok(laid) => Some(1e2 * laid.laid.score.by_arc_length.mean_m),
+            Ok(laid) => Some(1e2 * laid.score.by_arc_length.mean_m),
             Err(error) => {
                 tracing::warn!("{}: {error}", case.directory.display());
                 None

@@ -6,7 +6,10 @@ use rodlab_lab::experiment::ClampedRod;
 use rodlab_lab::run::{PreparedRun, TableJob};
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
-use rodlab_workcell::task::{Exploration, ExplorationRow, SearchSteps, quarter_sphere};
+use rodlab_workcell::task::{
+    Exploration, ExplorationRow, ExplorationTask, SearchSteps, Task, TaskRun, Workplace,
+    quarter_sphere,
+};
 use rodlab_workcell::virtual_cell::{self, ChuckedSupply, Settings};
 use std::path::Path;
 use std::sync::Arc;
@@ -128,47 +131,37 @@ fn explore(
     goes_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<ExplorationRow, String> {
     with_cell(|cell, rod, directory| {
-        let colour = ColourRule::parse("blue").map_err(|error| error.to_string())?;
-        let exploration = exploration(cell, rod, &colour, directory);
-        let exploration = Exploration {
-            directions: &[direction],
-            farthest,
-            ..exploration
-        };
-        let mut record = exploration.record(Vec::new());
-        let explored = exploration.run(&mut record, &|| !goes_on());
+        let exploration = exploration(rod, &[direction], farthest);
+        let task = ExplorationTask::new(exploration, cell, directory, true);
+        let mut run = TaskRun::planned(task.map_err(|error| error.to_string())?, Vec::new());
+        let explored = run.carry_out(&Workplace {
+            is_interrupted: &|| !goes_on(),
+            ..Workplace::alone(cell, directory)
+        });
         explored.map_err(|error| error.to_string())?;
-        let rows = exploration.rows().map_err(|error| error.to_string())?;
-        let row = rows.into_iter().next();
+        let row = run.task.record().rows.first().cloned();
         row.ok_or_else(|| "nothing was explored".to_owned())
     })
 }
 
-/// An exploration of nothing yet.
-fn exploration<'a>(
-    cell: &'a Cell,
-    rod: &'a ClampedRod,
-    colour: &'a ColourRule,
-    directory: &'a Path,
-) -> Exploration<'a> {
+/// An exploration of directions.
+fn exploration(rod: ClampedRod, directions: &[[f64; 3]], farthest: f64) -> Exploration {
     Exploration {
-        cell,
         arm: 0,
         rod,
-        directions: &[],
-        farthest: 0.0,
+        directions: directions.to_vec(),
+        farthest,
         margin: 5e-3,
         search: SEARCH,
         approach_speed: 0.1,
-        colour,
+        colour: ColourRule::parse("blue").expect("a rule"),
         keeps_pictures: false,
-        directory,
     }
 }
 
 /// Serves the cell in a thread, and gives the cell of its clients, the rod and an empty directory to what is done in it meanwhile.
 fn with_cell<T>(
-    task: impl FnOnce(&Cell, &ClampedRod, &Path) -> Result<T, String>,
+    task: impl FnOnce(&Cell, ClampedRod, &Path) -> Result<T, String>,
 ) -> Result<T, String> {
     let in_words = |error: &dyn std::fmt::Display| error.to_string();
     let folder = tempfile::tempdir().map_err(|error| in_words(&error))?;
@@ -187,14 +180,14 @@ fn with_cell<T>(
     };
     let directory = folder.path().join("explored");
     std::fs::create_dir_all(&directory).map_err(|error| in_words(&error))?;
-    let done = virtual_cell::with_cell(&cell, settings, |cell| task(cell, &rod, &directory));
+    let done = virtual_cell::with_cell(&cell, settings, |cell| task(cell, rod, &directory));
     done.map_err(|error| in_words(&error))?.0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rodlab_workcell::task::ExploreError;
+    use rodlab_workcell::task::{WorkError, read_exploration};
     use std::time::{Duration, Instant};
 
     /// Two directions that lose stability early.
@@ -209,15 +202,11 @@ mod tests {
     #[test]
     fn a_rod_that_snapped_is_another_one_until_it_is_taken_anew() {
         let rows = with_cell(|cell, rod, directory| {
-            let colour = ColourRule::parse("blue").unwrap();
-            let exploration = Exploration {
-                directions: &SNAPS,
-                farthest: 9.0,
-                ..exploration(cell, rod, &colour, directory)
-            };
-            let mut record = exploration.record(Vec::new());
-            exploration.run(&mut record, &|| false).unwrap();
-            Ok(exploration.rows().unwrap())
+            let exploration = exploration(rod, &SNAPS, 9.0);
+            let task = ExplorationTask::new(exploration, cell, directory, true);
+            let mut run = TaskRun::planned(task.unwrap(), Vec::new());
+            run.carry_out(&Workplace::alone(cell, directory)).unwrap();
+            Ok(run.task.record().rows.clone())
         });
         let row = &rows.unwrap()[0];
         assert!(row.relative_difference.unwrap().abs() < 0.05, "{row:?}");
@@ -226,29 +215,37 @@ mod tests {
     #[test]
     fn an_interrupted_exploration_goes_on_at_its_direction_and_finds_what_theory_says() {
         let rows = with_cell(|cell, rod, directory| {
-            let colour = ColourRule::parse("blue").unwrap();
-            let exploration = Exploration {
-                directions: &TWO,
-                farthest: 9.0,
-                ..exploration(cell, rod, &colour, directory)
+            let planned = |is_new| {
+                let exploration = exploration(rod.clone(), &TWO, 9.0);
+                let task = ExplorationTask::new(exploration, cell, directory, is_new);
+                TaskRun::planned(task.unwrap(), Vec::new())
             };
-            let mut record = exploration.record(Vec::new());
+            let mut run = planned(true);
             // Some time after the first row is there, somewhere on the second ray.
             let first = std::cell::Cell::new(None::<Instant>);
             let is_interrupted = || {
-                let has_row = || exploration.rows().is_ok_and(|rows| rows.len() == 1);
+                let has_row = || read_exploration(directory).is_ok_and(|rows| rows.len() == 1);
                 if first.get().is_none() && has_row() {
                     first.set(Some(Instant::now()));
                 }
                 let since = first.get().map(|since| since.elapsed());
                 since.is_some_and(|since| since > Duration::from_millis(700))
             };
-            let ended = exploration.run(&mut record, &is_interrupted);
-            assert!(matches!(ended, Err(ExploreError::Interrupted)), "{ended:?}");
-            let before = exploration.rows().unwrap();
-            assert!(before.len() == 1 && record.is_clamped);
-            exploration.run(&mut record, &|| false).unwrap();
-            let rows = exploration.rows().unwrap();
+            let at = Workplace {
+                is_recorded: true,
+                ..Workplace::alone(cell, directory)
+            };
+            let ended = run.carry_out(&Workplace {
+                is_interrupted: &is_interrupted,
+                ..at
+            });
+            let error = ended.unwrap_err();
+            assert!(matches!(error.error, WorkError::Interrupted), "{error}");
+            let before = run.task.record().rows.clone();
+            assert!(before.len() == 1 && run.task.record().is_clamped);
+            let mut run = planned(false);
+            run.carry_out(&at).unwrap();
+            let rows = run.task.record().rows.clone();
             assert_eq!(rows[0], before[0]);
             Ok(rows)
         });

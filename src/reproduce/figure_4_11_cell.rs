@@ -74,8 +74,9 @@ fn rows(case: &Case<Folded>) -> Result<Vec<Row>> {
     let folded = fold_in_cell(case)?;
     let mm = |metres: f64| 1e3 * metres;
     let known = folded.as_ref().ok();
-    let score = known.and_then(|folded| folded.end.score.as_ref().ok());
-    let looks = known.map_or(&[][..], |folded| &folded.end.looks);
+    let ended = known.filter(|folded| folded.ended.is_ok());
+    let score = ended.and_then(|folded| folded.record.score.as_ref());
+    let looks = known.map_or(&[][..], |folded| &folded.record.looks);
     let seen = looks.last().and_then(|look| look.slid_m);
     let simulated = case.outcome();
     let error = |folded: &FoldedInCell| folded.held.edge[0] - folded.target - folded.held.sliding;
@@ -83,14 +84,14 @@ fn rows(case: &Case<Folded>) -> Result<Vec<Row>> {
         scenario: SCENARIOS[case.run.scenario].id.into(),
         way: WAYS[case.run.way].id.into(),
         status: match &folded {
-            Ok(folded) => match &folded.end.score {
-                Ok(score) if score.is_end_hidden => format!(
+            Ok(folded) => match (&folded.ended, score) {
+                (Ok(()), Some(score)) if score.is_end_hidden => format!(
                     "folded; the free end was seen last after part {} of {PARTS}, when it had slid by {:.2} mm",
                     score.last_seen_part,
                     mm(score.last_seen_sliding_m)
                 ),
-                Ok(_) => "folded".into(),
-                Err(error) => error.to_string(),
+                (Ok(()), _) => "folded".into(),
+                (Err(error), _) => error.to_string(),
             },
             Err(error) => error.to_string(),
         },

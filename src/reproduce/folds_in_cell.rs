@@ -6,9 +6,12 @@ use super::folds::{Folded, SCENARIOS};
 use rodlab_files::results::{ResultsError, SCENARIO, write_whole};
 use rodlab_lab::experiment::{FoldingTables, from_text};
 use rodlab_planning::plan::fold::{Algorithm, Objective};
+use rodlab_robot::Pose;
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
-use rodlab_workcell::task::{FoldEnd, FoldRequest, FoldTask};
+use rodlab_workcell::task::{
+    FoldPlan, FoldRecord, FoldRequest, FoldTask, Task, TaskError, TaskRun, Workplace,
+};
 use rodlab_workcell::virtual_cell::{
     HeldSheet, RodError, ServeError, Settings, SimulatedSheet, with_cell,
 };
@@ -43,8 +46,10 @@ pub(super) enum FoldingError {
 
 /// A sheet that was folded, or was to be.
 pub(super) struct FoldedInCell {
-    /// Stages, looks and score of the task, by camera and joints.
-    pub end: FoldEnd,
+    /// Looks and score of the task, by camera and joints.
+    pub record: FoldRecord,
+    /// Whether it came to its end, or why not.
+    pub ended: Result<(), TaskError>,
     /// What the simulated sheet came to while it was held.
     pub held: HeldSheet,
     /// How far its edge was to go, m.
@@ -98,26 +103,13 @@ impl FoldInCell<'_> {
             sheet: Some(sheet),
             ..Settings::empty(RATE)
         };
-        let (end, served) = with_cell(cell, settings, |cell| self.fold(cell))?;
-        let held = served.sheet().and_then(SimulatedSheet::last_held);
-        match (held, &end.score) {
-            (Some(held), _) => Ok(FoldedInCell {
-                end,
-                held,
-                target: self.tables.folding.target(),
-            }),
-            (None, Err(error)) => Err(FoldingError::NotTaken(error.to_string())),
-            (None, Ok(_)) => Err(FoldingError::NotTaken("nothing was held".into())),
-        }
-    }
-
-    fn fold(&self, cell: &Cell) -> FoldEnd {
         let folding = &self.tables.folding;
-        let task = FoldTask {
-            cell,
+        let plan = FoldPlan {
             arm: 0,
+            title: String::new(),
             paper: folding.paper,
             crease: folding.crease,
+            algorithm: String::new(),
             request: FoldRequest {
                 sheet: folding.sheet(),
                 thickness: folding.paper.thickness,
@@ -126,14 +118,26 @@ impl FoldInCell<'_> {
                 parts: PARTS,
             },
             is_closed_loop: true,
-            heading: 0.0,
-            colour: &ColourRule::Background,
+            frame: Pose::identity(),
+            colour: ColourRule::Background,
             speed: SPEEDS[0],
             approach_speed: SPEEDS[1],
             margin: MARGIN,
-            unfinished: None,
-            directory: self.directory,
         };
-        task.run(&|| false)
+        let mut run = TaskRun::planned(FoldTask::new(cell, plan, None), Vec::new());
+        let (ended, served) = with_cell(cell, settings, |cell| {
+            run.carry_out(&Workplace::alone(cell, self.directory))
+        })?;
+        let held = served.sheet().and_then(SimulatedSheet::last_held);
+        match (held, ended) {
+            (Some(held), ended) => Ok(FoldedInCell {
+                record: run.task.record().clone(),
+                ended,
+                held,
+                target: folding.target(),
+            }),
+            (None, Err(error)) => Err(FoldingError::NotTaken(error.to_string())),
+            (None, Ok(())) => Err(FoldingError::NotTaken("nothing was held".into())),
+        }
     }
 }

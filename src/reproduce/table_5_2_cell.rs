@@ -70,7 +70,7 @@ fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
 }
 
 fn row(case: &Case<Laying>, laid: &Result<LaidInCell, LayingError>) -> Row {
-    let score = laid.as_ref().ok().map(|laid| &laid.laid.score);
+    let score = laid.as_ref().ok().map(|laid| &laid.score);
     let (thesis_mean_cm, thesis_deviation_cm) = measured(&case.run, Substrate::Fabric);
     let cm = |metres: f64| 1e2 * metres;
     Row {
@@ -103,7 +103,7 @@ impl Row {
 fn figure(laid: &[Result<LaidInCell, LayingError>]) -> Option<Figure> {
     let places = |points: &[Point]| points.iter().map(|point| [point.x, point.y]).collect();
     let outlines = |laid: &Result<LaidInCell, LayingError>| match laid {
-        Ok(LaidInCell { laid, .. }) => {
+        Ok(laid) => {
             let score = &laid.score;
             vec![(0, places(&score.result)), (1, places(&score.pattern))]
         }

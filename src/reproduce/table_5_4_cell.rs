@@ -111,7 +111,7 @@ fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<()> {
 
 fn row(case: &Case<Application>, trial: &Trial) -> Row {
     let placed = match trial {
-        Trial::Placed(placed) => Some(&placed.laid),
+        Trial::Placed(placed) => Some(placed),
         _ => None,
     };
     let tied = match trial {
@@ -185,7 +185,7 @@ fn figure(task: usize, trials: &[(&Case<Application>, &Trial)]) -> Result<Option
         let Trial::Placed(placed) = trial else {
             continue;
         };
-        let lies = placed.laid.score.result.iter();
+        let lies = placed.score.result.iter();
         let list = &mut curves[usize::from(!case.run.is_optimal)].1;
         list.extend(lies.map(|point| (point.x, Some(point.y))));
         list.extend(list.last().map(|(x, _)| (*x, None)));

@@ -5,16 +5,18 @@ use super::applications::Application;
 use super::cases::Case;
 use super::laying::{FRICTIONS, Laying, RODS};
 use rodlab_files::results::{ResultsError, SCENARIO, write_whole};
-use rodlab_lab::experiment::{Deployment, DeploymentTables, Fixtures, Jitter, from_text};
+use rodlab_lab::experiment::{
+    Deployment, DeploymentTables, Fixtures, Jitter, PassedPegs, from_text,
+};
 use rodlab_planning::plan::deployment::{
     DeployedRod, DeploymentError, LaidPath, OptimalGrasps, Scheme,
 };
 use rodlab_planning::plan::pattern::{PatternError, PatternSource};
 use rodlab_robot::Pose;
-use rodlab_vision::{ColourRule, Point, VisionError};
+use rodlab_vision::{ColourRule, Point, Score, VisionError};
 use rodlab_workcell::cell::{Cell, PlanError};
 use rodlab_workcell::task::{
-    Correction, DeployError, DeployMotion, DeployTask, Laid, LayingMethod, MotionRequest,
+    Correction, DeployPlan, DeployTask, MotionRequest, Task, TaskError, TaskRun, Workplace,
     middle_of_table,
 };
 use rodlab_workcell::virtual_cell::{RodError, RodSupply, ServeError, Settings, with_cell};
@@ -53,7 +55,7 @@ pub(super) enum LayingError {
     Plan(#[from] PlanError),
     /// Something went wrong on the way.
     #[error(transparent)]
-    Task(#[from] DeployError),
+    Task(#[from] TaskError),
     /// No rod can be seen.
     #[error(transparent)]
     Vision(#[from] VisionError),
@@ -61,8 +63,10 @@ pub(super) enum LayingError {
 
 /// A rod that was laid.
 pub(super) struct LaidInCell {
-    /// How far it lies from its pattern, and which pegs it passes, by the camera.
-    pub laid: Laid,
+    /// How far it lies from its pattern, by the camera.
+    pub score: Score,
+    /// Which pegs it passes, by the camera.
+    pub pegs: Option<PassedPegs>,
     /// How long the arm laid it, s.
     pub duration: f64,
 }
@@ -167,21 +171,31 @@ impl LayingInCell<'_> {
         jitter: Option<Jitter>,
         supply: impl Fn(&Pose) -> Result<RodSupply, LayingError>,
     ) -> Result<LaidInCell, LayingError> {
-        let planned = self.plan(cell)?;
-        let start = planned.path.points[0].position;
-        let start = planned.motion.frame * nalgebra::Point3::new(start.x, start.y, 0.0);
-        let supply = supply(&planned.motion.frame)?;
+        let plan = self.plan(cell)?;
+        let frame = plan.motion.frame;
+        let supply = supply(&frame)?.beginning_at(&frame, plan.path.points[0].position);
         let settings = Settings {
-            // As in the laboratory: a person lays the free end where the rod is to begin.
-            supply: Some(supply.with_free_end([start.x, start.y])),
+            supply: Some(supply),
             jitter,
             ..Settings::empty(RATE)
         };
-        let (laid, _) = with_cell(cell, settings, |cell| self.lay(cell, &planned))?;
-        laid
+        let duration = plan.motion.report.duration_s;
+        let correction = self
+            .is_corrected
+            .then(|| Correction::usual(self.rod.gravito_bending_length, SPEEDS[0]));
+        let mut run = TaskRun::planned(DeployTask::new(cell, plan, correction), Vec::new());
+        with_cell(cell, settings, |cell| {
+            run.carry_out(&Workplace::alone(cell, self.directory))
+        })?
+        .0?;
+        Ok(LaidInCell {
+            score: run.task.laid().expect("it is scored").clone(),
+            pegs: run.task.record().pegs,
+            duration,
+        })
     }
 
-    fn plan(&self, cell: &Cell) -> Result<Planned, LayingError> {
+    fn plan(&self, cell: &Cell) -> Result<DeployPlan, LayingError> {
         let drawn = self.source.pattern()?.sampled(STEP);
         let outline: Vec<Point> = drawn.iter().map(|point| point.position).collect();
         let place = middle_of_table(cell, &outline).expect("the gantry has a table");
@@ -197,41 +211,16 @@ impl LayingInCell<'_> {
             let path = LaidPath::new(pattern, self.rod, spare, STEP, self.way)?;
             Ok::<_, LayingError>(((), path))
         })?;
-        Ok(Planned {
-            outline,
-            path,
-            motion,
-        })
-    }
-
-    fn lay(&self, cell: &Cell, planned: &Planned) -> Result<LaidInCell, LayingError> {
-        let correction = self
-            .is_corrected
-            .then(|| Correction::usual(self.rod.gravito_bending_length, SPEEDS[0]));
-        let task = DeployTask {
-            cell,
+        Ok(DeployPlan {
             arm: 0,
-            motion: &planned.motion,
+            motion,
             approach_speed: SPEEDS[1],
-            pattern: &planned.outline,
-            path: &planned.path,
-            rod: self.rod,
-            colour: &ColourRule::parse("auto")?,
-            laying: correction.as_ref().map(|way| way as &dyn LayingMethod),
-            fixtures: self.fixtures,
-            unfinished: None,
-            directory: self.directory,
-        };
-        Ok(LaidInCell {
-            laid: task.run(&|| false).laid?,
-            duration: planned.motion.report.duration_s,
+            name: String::new(),
+            pattern: outline,
+            path,
+            rod: *self.rod,
+            colour: ColourRule::parse("auto")?,
+            fixtures: self.fixtures.cloned(),
         })
     }
-}
-
-/// What is known before anything moves.
-struct Planned {
-    outline: Vec<Point>,
-    path: LaidPath,
-    motion: DeployMotion,
 }

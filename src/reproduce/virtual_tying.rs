@@ -10,7 +10,8 @@ use rodlab_planning::plan::tying::{TiedRod, passages};
 use rodlab_vision::ColourRule;
 use rodlab_workcell::cell::Cell;
 use rodlab_workcell::task::{
-    KnotPlan, PlannedRod, TieMotion, TieMotionRequest, TieScore, TieTask, middle_of_table,
+    KnotPlan, PlannedRod, Task, TaskRun, TieMotion, TieMotionRequest, TiePlan, TieScore, TieTask,
+    Workplace, middle_of_table,
 };
 use rodlab_workcell::virtual_cell::{RodError, RodSupply, Settings, with_cell};
 use std::path::Path;
@@ -62,12 +63,10 @@ fn tied(
         margin: MARGIN,
     };
     let motion = TieMotion::plan(&request, &knot)?;
-    // As in the laboratory: a person lays free ends where patterns begin.
     let supply = |number: usize| {
         let start = knot.rods[number].pattern.at(0.0).position;
-        let start = motion.frame * nalgebra::Point3::new(start.x, start.y, 0.0);
         let supply = RodSupply::of(&layings[number], friction, motion.frame)?;
-        Ok::<_, RodError>(supply.with_free_end([start.x, start.y]))
+        Ok::<_, RodError>(supply.beginning_at(&motion.frame, start))
     };
     let second = (layings.len() > 1).then(|| supply(1));
     let jitter = Jitter::new(
@@ -82,18 +81,19 @@ fn tied(
         ..Settings::empty(RATE)
     };
     let colour = ColourRule::parse("auto")?;
-    let (end, _) = with_cell(cell, settings, |cell| {
-        let task = TieTask {
-            cell,
-            arms: [0, 1],
-            motion: &motion,
-            knot: &knot,
-            free_speed: SPEEDS[1],
-            colour: &colour,
-            unfinished: None,
-            directory,
-        };
-        task.run(&|| false)
-    })?;
-    Ok(end.score?)
+    let plan = TiePlan {
+        arms: [0, 1],
+        names: Vec::new(),
+        motion,
+        knot,
+        free_speed: SPEEDS[1],
+        colour,
+    };
+    let mut run = TaskRun::planned(TieTask::new(cell, plan), Vec::new());
+    with_cell(cell, settings, |cell| {
+        run.carry_out(&Workplace::alone(cell, directory))
+    })?
+    .0?;
+    let score = run.task.record().score.clone();
+    Ok(score.ok_or("a knot that was tied is scored")?)
 }

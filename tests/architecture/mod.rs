@@ -37,7 +37,7 @@ const ROOMS: Table = &[
     ("plan", &["mechanics", "learn"]),
     ("learn", &["results", "figure"]),
     ("mechanics", &["linalg"]),
-    ("task", &["cell", "report"]),
+    ("task", &["virtual_cell", "report"]),
     ("virtual_cell", &["cell", "experiment"]),
     ("cell", &["robot", "vision", "scenario", "figure"]),
     ("robot", &["mesh"]),

@@ -1,10 +1,12 @@
 //! The gate for files at the doors of the program: regular ones, of a bounded size and a bounded depth.
 
 mod encoding;
+mod numbers;
 mod table;
 mod xml;
 
 pub use encoding::xml_text;
+pub use numbers::{is_positive, number, numbers, positive};
 pub use table::{Column, Table};
 pub use xml::{DEEPEST, check_nesting};
 

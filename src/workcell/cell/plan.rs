@@ -2,6 +2,7 @@
 
 use super::resolved::Cell;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use rodlab_files::input::numbers;
 use rodlab_robot::{
     JointTrajectory, Obstruction, PathFailure, PathProblem, Pose, SAMPLE, TimingError, Utilisation,
     parametrise, parts, place, read_table, subdivide, utilisation,
@@ -9,6 +10,7 @@ use rodlab_robot::{
 use rodlab_robot::{TableError, pose};
 use serde::Serialize;
 use std::path::Path;
+use std::str::FromStr;
 
 /// Distance of the points of a joint path, m, and a tenth of it in rad.
 pub(super) const STEP: f64 = 1e-3;
@@ -20,6 +22,24 @@ pub enum Place {
     At([f64; 4]),
     /// Where the arm stays farthest from singularities; z = 0 of the path is the top of the table.
     Auto,
+}
+
+impl FromStr for Place {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "auto" {
+            return Ok(Self::Auto);
+        }
+        match numbers(text).as_deref() {
+            Some(numbers) if numbers.iter().any(|number| !number.is_finite()) => {
+                Err("finite numbers are needed".into())
+            }
+            Some([x, y, z]) => Ok(Self::At([*x, *y, *z, 0.0])),
+            Some([x, y, z, turn]) => Ok(Self::At([*x, *y, *z, turn.to_radians()])),
+            _ => Err("`auto` or x,y,z or x,y,z,degrees is needed".into()),
+        }
+    }
 }
 
 impl Place {
@@ -102,6 +122,37 @@ pub enum PlanError {
     /// No motion along it.
     #[error("{0}")]
     Timing(#[from] TimingError),
+}
+
+impl Cell {
+    /// The index of an arm by its name, as given by a flag, which may be left out where there is only one.
+    ///
+    /// # Errors
+    /// There is no such arm, or the flag is needed.
+    pub fn arm_named(
+        &self,
+        flag: &str,
+        name: Option<&str>,
+        file: &Path,
+    ) -> Result<usize, PlanError> {
+        let names: Vec<&str> = self.arms.iter().map(|arm| arm.name.as_str()).collect();
+        let index = match name {
+            None if names.len() == 1 => Some(0),
+            None => None,
+            Some(name) => names.iter().position(|known| *known == name),
+        };
+        index.ok_or_else(|| {
+            let what = match name {
+                Some(name) => format!("{flag}: there is no arm {name:?}"),
+                None => format!("{flag} must say which"),
+            };
+            PlanError::Input(format!(
+                "{what}; arms of {}: {}",
+                file.display(),
+                names.join(", ")
+            ))
+        })
+    }
 }
 
 /// Reads poses of a hand: the columns `x_m`, `y_m`, `z_m`, `qw`, `qx`, `qy`, `qz` of a table, whatever else it has.

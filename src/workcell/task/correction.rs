@@ -1,12 +1,15 @@
 //! Online correction: the arm lays a length and stops, the camera looks, and what remains is planned anew.
 
-use super::deploy::{DeployError, DeployTask, LayingMethod, Stage};
-use super::look::next_picture;
+use super::deploy_plan::DeployPlan;
+use super::error::WorkError;
+use super::working_arm::WorkingArm;
+use super::workplace::Workplace;
+use crate::cell::{Cell, PlanError};
 use image::RgbImage;
 use nalgebra::Translation3;
 use rodlab_files::results::thread_cpu_time;
 use rodlab_planning::plan::deployment::{CorrectedPath, ObservedContact, OptimalGrasps};
-use rodlab_robot::Pose;
+use rodlab_robot::{JointTrajectory, Pose};
 use rodlab_vision::Point;
 use std::time::Duration;
 
@@ -46,61 +49,56 @@ impl Correction {
     /// The motion from one pose of the path to another one.
     fn way(
         &self,
-        task: &DeployTask<'_>,
+        plan: &DeployPlan,
+        cell: &Cell,
         path: &CorrectedPath,
         [from, to]: [usize; 2],
         joints: &[f64],
-    ) -> Result<rodlab_robot::JointTrajectory, DeployError> {
+    ) -> Result<JointTrajectory, PlanError> {
         let poses = path.poses()[from..=to].iter();
         let poses = poses.map(|(position, rotation)| {
-            task.motion.frame * Pose::from_parts(Translation3::from(*position), *rotation)
+            plan.motion.frame * Pose::from_parts(Translation3::from(*position), *rotation)
         });
         let poses: Vec<Pose> = poses.collect();
-        let way = task
-            .cell
-            .continuation(task.arm, &poses, joints, self.speed, RATE);
-        way.map_err(|error| DeployError::failed(Stage::Lay, error))
+        cell.continuation(plan.arm, &poses, joints, self.speed, RATE)
     }
-}
 
-impl LayingMethod for Correction {
-    /// Lays the rod of a task length by length; what was seen and planned is written to `corrections.csv`.
-    fn lay(
-        &self,
-        task: &DeployTask<'_>,
-        is_interrupted: &dyn Fn() -> bool,
-    ) -> Result<(), DeployError> {
-        let unit = task.rod.gravito_bending_length;
-        let poses = task.path.poses.iter();
+    /// Lays a rod length by length, from the first pose of its path to the last one; what was seen and planned is written to
+    /// `corrections.csv`.
+    ///
+    /// # Errors
+    /// Something failed, or an interruption was requested.
+    pub fn lay(&self, plan: &DeployPlan, at: &Workplace<'_>) -> Result<(), WorkError> {
+        let unit = plan.rod.gravito_bending_length;
+        let poses = plan.path.poses.iter();
         let poses = poses.map(|pose| (pose.position, pose.rotation)).collect();
         let lengths = [self.every, LENGTHS[1] * unit];
-        let path = CorrectedPath::new(*task.rod, task.path.points.clone(), poses, lengths);
+        let path = CorrectedPath::new(plan.rod, plan.path.points.clone(), poses, lengths);
         let mut path = path.with_horizon();
-        let mut joints = task.motion.laying.points[0].clone();
+        let mut joints = plan.motion.laying.points[0].clone();
         let mut looks = String::from(COLUMNS);
-        let last = task.path.points.len() - 1;
+        let last = plan.path.points.len() - 1;
         let mut here = 0;
         for number in 1.. {
             let next = path.after(here).min(last);
-            let way = self.way(task, &path, [here, next], &joints)?;
-            let folder = format!("laying/{number:03}");
-            task.lay(&folder, &way, is_interrupted)?;
+            let way = self.way(plan, at.cell, &path, [here, next], &joints)?;
+            let arm = WorkingArm { at, arm: plan.arm };
+            arm.carry(&format!("laying/{number:03}"), &way)?;
             joints.clone_from(&way.points[way.points.len() - 1]);
             here = next;
             if here == last {
                 break;
             }
-            let picture = next_picture(task.cell);
-            let picture = picture.map_err(|reason| DeployError::failed(Stage::Lay, reason))?;
+            let picture = at.look()?;
             let begin = thread_cpu_time();
-            let contact = end_of_the_lying(task, &path, here, &picture);
+            let contact = end_of_the_lying(plan, at.cell, &path, here, &picture);
             if let Some(contact) = &contact {
                 let after = path.after(here).min(last);
                 path.correct(here, after, contact, OptimalGrasps::Exact);
             }
             let used = thread_cpu_time().zip(begin).map(|(end, begin)| end - begin);
             looks += &row(&path, here, contact.as_ref(), used);
-            task.write("corrections.csv", looks.as_bytes())?;
+            at.write("corrections.csv", looks.as_bytes())?;
         }
         Ok(())
     }
@@ -109,17 +107,19 @@ impl LayingMethod for Correction {
 /// The end of the lying part of the rod in a picture, when the gripper is at pose `index` of its path; `None` where too little lies,
 /// or is seen.
 fn end_of_the_lying(
-    task: &DeployTask<'_>,
+    plan: &DeployPlan,
+    cell: &Cell,
     path: &CorrectedPath,
     index: usize,
     picture: &RgbImage,
 ) -> Option<ObservedContact> {
     let unsure = UNSURE * path.rod().gravito_bending_length;
     let lies = path.pattern()[index].s - path.risen() - unsure;
-    let curve = task.seen(picture).and_then(|seen| seen.from(task.start()));
+    let curve = plan.seen(picture, cell);
+    let curve = curve.and_then(|seen| seen.from(plan.start()));
     let curve = curve.inspect_err(|error| tracing::warn!("not corrected at {lies:.3} m: {error}"));
     let curve = curve.ok()?;
-    let begins = (curve.first()? - task.start()).norm();
+    let begins = (curve.first()? - plan.start()).norm();
     let lying = along(&curve, lies)?;
     let window = path.window();
     if lies < window || begins > MOST_OFF {

@@ -1,6 +1,5 @@
 //! What a deployment leaves in a results directory for programs and people.
 
-use super::deploy::{Laid, Stage};
 use super::record::{OVERLAY, Report, TaskHead, TaskRecord};
 use crate::cell::PlanReport;
 use rodlab_lab::experiment::PassedPegs;
@@ -20,9 +19,6 @@ pub struct DeployScore {
 /// What `manifest.json` holds, and `report.md` says.
 #[derive(Clone, Debug, Serialize)]
 pub struct DeployRecord {
-    /// What is known of any task.
-    #[serde(flatten)]
-    pub head: TaskHead,
     /// Title of the cell.
     pub cell: String,
     /// Name of the arm.
@@ -31,8 +27,6 @@ pub struct DeployRecord {
     pub pattern: String,
     /// Numbers of the motion.
     pub motion: PlanReport,
-    /// Time that the stages took, s.
-    pub times_s: Vec<(Stage, f64)>,
     /// Length of the rod in the picture, and its own.
     pub seen_length: Option<SeenLength>,
     /// Distances from the pattern.
@@ -42,34 +36,14 @@ pub struct DeployRecord {
     pub pegs: Option<PassedPegs>,
 }
 
-impl DeployRecord {
-    /// Takes over how the rod lies.
-    pub fn take(&mut self, laid: &Laid) {
-        self.score = Some(DeployScore {
-            by_arc_length: laid.score.by_arc_length,
-            by_nearest_point: laid.score.by_nearest_point,
-        });
-        self.pegs = laid.pegs;
-    }
-}
-
 impl TaskRecord for DeployRecord {
-    fn head(&mut self) -> &mut TaskHead {
-        &mut self.head
-    }
-
-    fn report(&self, directory: &Path) -> Report {
+    fn report(&self, head: &TaskHead, directory: &Path) -> Report {
         let mut report = Report::new(&format!("A rod laid along {}", self.pattern));
         report.row("cell", self.cell.as_str());
         report.row("arm", self.arm.as_str());
-        report.head(&self.head);
-        report.row("motion", format!("{:.1} s", self.motion.duration_s));
-        let clearance = 1e3 * self.motion.least_clearance_m;
-        report.row(
-            "least distance to anything else",
-            format!("{clearance:.0} mm"),
-        );
-        report.times(&self.times_s);
+        report.head(head);
+        report.motion(self.motion.duration_s, self.motion.least_clearance_m);
+        report.times(head);
         if let Some(length) = &self.seen_length {
             let [seen, whole] = [length.seen_m, length.rod_m].map(|metres| 1e3 * metres);
             report.row("length as seen", format!("{seen:.1} mm of {whole:.1} mm"));

@@ -1,41 +1,17 @@
 //! The camera's picture of a rod that lies, as a curve in the frame of its pattern.
 
-use super::error::{TaskError, TaskStage};
+use super::error::WorkError;
+use super::workplace::Workplace;
 use crate::cell::Cell;
 use image::RgbImage;
-use rodlab_files::results::write_whole;
-use rodlab_robot::{CameraPicture, Pose, open_camera};
+use rodlab_robot::Pose;
 use rodlab_vision::{
-    Camera, ColourRule, Point, Trace, TraceOptions, VisionError, centrelines_csv, decode_picture,
-    encode_picture, overlay, trace, whole_rod,
+    Camera, ColourRule, Point, Trace, TraceOptions, VisionError, centrelines_csv, encode_picture,
+    overlay, trace, whole_rod,
 };
-use std::path::Path;
-use std::time::Duration;
-
-/// Longest wait for a picture.
-const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Least distance from the border of a picture at which an end counts as seen, pixels.
 const BORDER: f64 = 2.0;
-
-/// The next picture of the camera of a cell.
-///
-/// # Errors
-/// In words: there is no camera, it has no source, or no picture comes.
-pub fn next_picture(cell: &Cell) -> Result<RgbImage, String> {
-    let camera = cell.camera.as_ref().ok_or("the cell has no [camera]")?;
-    let source = camera.source.as_deref();
-    let source = source.ok_or("camera.source is missing: where its pictures come from")?;
-    let opened = open_camera(source).ok_or_else(|| {
-        format!("camera.source: {source:?} is no camera; needed: ros1://, rosbridge:// or ros2://")
-    })?;
-    let mut camera = opened.map_err(|error| error.to_string())?;
-    let picture = camera.picture(PATIENCE);
-    match picture.map_err(|error| error.to_string())? {
-        CameraPicture::Pixels(picture) => Ok(picture),
-        CameraPicture::File(bytes) => decode_picture(&bytes),
-    }
-}
 
 /// The strands of a picture, and the camera that saw them.
 pub struct Seen {
@@ -80,24 +56,18 @@ impl Seen {
         })
     }
 
-    /// Writes the picture with the strands, `overlay.png`, and the strands, `centrelines.csv`, in a stage of a task.
+    /// Writes the picture with the strands, `overlay.png`, and the strands, `centrelines.csv`.
     ///
     /// # Errors
     /// They cannot be written.
-    pub fn write<S: TaskStage>(
-        &self,
-        picture: &RgbImage,
-        directory: &Path,
-        stage: S,
-    ) -> Result<(), TaskError<S>> {
+    pub fn write(&self, picture: &RgbImage, at: &Workplace<'_>) -> Result<(), WorkError> {
         let shown = encode_picture(&overlay(picture, &self.trace));
-        write_whole(&directory.join("overlay.png"), &shown)?;
+        at.write("overlay.png", &shown)?;
         let strands = centrelines_csv(&self.trace.strands, None);
-        let strands = strands.map_err(|error| TaskError::failed(stage, error))?;
-        Ok(write_whole(
-            &directory.join("centrelines.csv"),
-            strands.as_bytes(),
-        )?)
+        at.write(
+            "centrelines.csv",
+            strands.map_err(WorkError::failed)?.as_bytes(),
+        )
     }
 
     /// The longest strand in the frame of the pattern, m, from the end that is nearer to `start`, with the closed ones that it

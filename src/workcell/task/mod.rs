@@ -10,16 +10,24 @@
 //! | `room` | where a rod may lie |
 //! | `correction` | its path, planned anew from what the camera sees while it is laid |
 //! | `look` | the camera's picture as a curve in the frame of the pattern |
+//! | `step` | a task as a list of steps, and what the runner asks of it |
+//! | `runner` | what carries out any task: step by step, with one record |
+//! | `command` | a command that plans a task: what `rodlab NAME` needs beside its arguments |
+//! | `arguments` | arguments that tasks with rods share |
+//! | `workplace` | what steps move, look at and write to |
 //! | `working_arm` | motions and grips of an arm, with the log of each |
-//! | `stage_clock` | its stages, with the time that each took |
+//! | `stage` | what is done in a step, in words |
 //! | `error` | why a task ends early |
 //! | `stopped` | how it leaves the cell then |
 //! | `unfinished` | whether the last task came to its end |
 //! | `record` | what any task leaves in a results directory |
-//! | `deploy_record` | what a deployment does |
+//! | `deploy_plan`, `deploy_record` | what a deployment lays where, and what it leaves |
 
+mod arguments;
+mod command;
 mod correction;
 mod deploy;
+mod deploy_plan;
 mod deploy_record;
 mod error;
 mod exploration;
@@ -28,30 +36,39 @@ mod look;
 mod motion;
 mod record;
 mod room;
-mod stage_clock;
+mod runner;
+mod stage;
+mod step;
 mod stopped;
 mod tie;
 mod unfinished;
 mod working_arm;
+mod workplace;
 
+pub use arguments::TaskArguments;
+pub use command::{Planning, TaskCommand, Way};
 pub use correction::Correction;
-pub use deploy::{DeployEnd, DeployError, DeployTask, Laid, LayingMethod, Stage};
-pub use deploy_record::DeployRecord;
-pub use error::{TaskError, TaskStage};
+pub use deploy::DeployTask;
+pub use deploy_plan::DeployPlan;
+pub use deploy_record::{DeployRecord, DeployScore};
+pub use error::{TaskError, WorkError};
 pub use exploration::{
     Exploration, ExplorationPlan, ExplorationRecord, ExplorationRow, ExplorationSummary,
-    ExploreError, SearchSteps, found_and_theory, quarter_sphere, read_directions,
-    read_rows as read_exploration, section, section_figure, write_page as write_exploration,
+    ExplorationTask, ExploreError, SearchSteps, found_and_theory, quarter_sphere, read_directions,
+    read_rows as read_exploration, section, section_figure,
 };
 pub use fold::{
-    FoldEnd, FoldMotion, FoldMotionRequest, FoldRecord, FoldRequest, FoldScore, FoldStage,
-    FoldTask, FoldTaskError, FoldWay, Look, heading,
+    FoldMotion, FoldPlan, FoldRecord, FoldRequest, FoldScore, FoldTask, FoldWay, Look, heading,
 };
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
 pub use record::{Report, Status, TaskHead, TaskRecord, write_manifest};
-pub use stopped::{HandPlace, LaidLength, Stopped};
+pub use runner::TaskRun;
+pub use stage::Stage;
+pub use step::{Step, Task};
+pub use stopped::{HandPlace, LaidAlong, LaidLength, Stopped};
 pub use tie::{
-    KnotPlan, PlannedRod, TieEnd, TieError, TieMotion, TieMotionRequest, TieRecord, TieScore,
-    TieStage, TieTask,
+    KnotPlan, PlannedRod, TieMotion, TieMotionRequest, TiePlan, TieRecord, TieScore, TieTask,
 };
 pub use unfinished::Unfinished;
+pub use working_arm::{Grip, WorkingArm};
+pub use workplace::Workplace;

@@ -1,6 +1,7 @@
 //! What all tasks leave in a results directory: `manifest.json` for programs and `report.md` for people.
 
-use super::error::{TaskError, TaskStage};
+use super::error::{TaskError, WorkError};
+use super::stage::Stage;
 use super::stopped::Stopped;
 use rodlab_files::figure::{document_page, escape_markdown};
 use rodlab_files::origin::VERSION;
@@ -14,7 +15,7 @@ use std::path::Path;
 pub enum Status {
     /// It was planned only.
     Planned,
-    /// It goes on.
+    /// It is under way.
     Running,
     /// It is done.
     Finished,
@@ -22,7 +23,7 @@ pub enum Status {
     NotSeenWhole,
     /// Something went wrong.
     Failed,
-    /// Somebody asked for the end.
+    /// The user asked for the end.
     Interrupted,
 }
 
@@ -58,6 +59,8 @@ pub struct TaskHead {
     /// How the cell was left where it ended early.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<Stopped>,
+    /// Steps that were done, with the time that each took, s, on the clock of this machine.
+    pub times_s: Vec<(Stage, f64)>,
 }
 
 impl TaskHead {
@@ -71,47 +74,31 @@ impl TaskHead {
             status: Status::Planned,
             error: None,
             stopped: None,
+            times_s: Vec::new(),
         }
     }
 
     /// It ended now, early where there is an error.
-    pub fn ended<S: TaskStage>(&mut self, error: Option<&TaskError<S>>) {
+    pub fn ended(&mut self, error: Option<&TaskError>) {
         self.end = Some(jiff::Timestamp::now());
         self.error = error.map(ToString::to_string);
-        self.status = match error {
+        self.status = match error.map(|error| &error.error) {
             None => Status::Finished,
-            Some(TaskError::Interrupted { .. }) => Status::Interrupted,
-            Some(TaskError::NotSeenWhole(_)) => Status::NotSeenWhole,
-            Some(_) => Status::Failed,
+            Some(WorkError::Interrupted) => Status::Interrupted,
+            Some(WorkError::NotSeenWhole(_)) => Status::NotSeenWhole,
+            Some(WorkError::Failed(_) | WorkError::Results(_)) => Status::Failed,
         };
-    }
-
-    /// Rows of a report: how far it came, and why no further.
-    pub fn rows(&self) -> Vec<(&'static str, String)> {
-        let mut rows = vec![("status", self.status.in_words().to_owned())];
-        rows.extend(self.error.iter().map(|error| ("because", error.clone())));
-        rows.extend(self.stopped.iter().flat_map(Stopped::rows));
-        rows
     }
 }
 
-/// What a task leaves.
+/// What a task leaves beside what any task leaves.
 pub trait TaskRecord: Serialize {
-    /// What is known of any task.
-    fn head(&mut self) -> &mut TaskHead;
-
     /// The report, with the pictures that are in a directory.
-    fn report(&self, directory: &Path) -> Report;
+    fn report(&self, head: &TaskHead, directory: &Path) -> Report;
 
-    /// Writes `manifest.json` and the report, which is returned.
-    ///
-    /// # Errors
-    /// They cannot be written.
-    fn write(&self, directory: &Path) -> Result<Report, ResultsError> {
-        write_manifest(self, directory)?;
-        let report = self.report(directory);
-        report.write(directory)?;
-        Ok(report)
+    /// What is printed for programs; `None` where that is the whole manifest.
+    fn answer(&self) -> Option<serde_json::Value> {
+        None
     }
 }
 
@@ -192,16 +179,29 @@ impl Report {
 
     /// Adds rows to the table: how far a task came, and why no further.
     pub fn head(&mut self, head: &TaskHead) {
-        for (name, value) in head.rows() {
+        self.row("status", head.status.in_words());
+        if let Some(error) = &head.error {
+            self.row("because", error.as_str());
+        }
+        for (name, value) in head.stopped.iter().flat_map(Stopped::rows) {
             self.row(name, value);
         }
     }
 
-    /// Adds rows to the table: the time that each stage took, s.
-    pub fn times<S: TaskStage>(&mut self, times: &[(S, f64)]) {
-        for (stage, time) in times {
-            self.row(stage.in_words(), format!("{time:.1} s"));
+    /// Adds rows to the table: the time that each step took, s.
+    pub fn times(&mut self, head: &TaskHead) {
+        for (stage, time) in &head.times_s {
+            self.row(&stage.words, format!("{time:.1} s"));
         }
+    }
+
+    /// Adds rows to the table: how long a motion takes, s, and how near it comes to anything, m.
+    pub fn motion(&mut self, duration: f64, clearance: f64) {
+        self.row("motion", format!("{duration:.1} s"));
+        self.row(
+            "least distance to anything else",
+            format!("{:.0} mm", 1e3 * clearance),
+        );
     }
 
     /// Adds the 3-D page of a motion, with the words of the link.

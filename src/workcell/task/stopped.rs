@@ -1,6 +1,5 @@
 //! How a task that ended early left the cell: what was being done, what of the rod lies, where the hands are, and what to do next.
 
-use super::error::{TaskError, TaskStage};
 use crate::cell::Cell;
 use rodlab_planning::plan::deployment::GripperPose;
 use rodlab_robot::Pose;
@@ -101,21 +100,6 @@ impl LaidAlong<'_> {
 }
 
 impl Stopped {
-    /// How an error left the cell; `None` where the arms did all of their work.
-    pub fn by<S: TaskStage>(
-        error: &TaskError<S>,
-        hands: Vec<HandPlace>,
-        laid: Vec<LaidLength>,
-    ) -> Option<Self> {
-        let stage = error.stage()?;
-        Some(Self {
-            during: stage.in_words().into(),
-            laid,
-            hands,
-            next: stage.next_step().into(),
-        })
-    }
-
     /// Rows of a report.
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let mut rows = vec![("stopped while", self.during.clone())];
@@ -200,21 +184,21 @@ mod tests {
 
     #[test]
     fn a_report_names_what_lies_and_where_the_hand_is() {
-        let error = TaskError::Interrupted {
-            stage: crate::task::Stage::Lay,
-        };
         let hand = hand(None, Some([0.1, 0.2, 0.03]));
         let laid = LaidLength {
             laid_m: Some(0.12),
             path_m: 0.3,
         };
-        let stopped = Stopped::by(&error, vec![hand], vec![laid]).unwrap();
+        let stopped = Stopped {
+            during: "laying it".into(),
+            laid: vec![laid],
+            hands: vec![hand],
+            next: "begin with --checked".into(),
+        };
         let text = format!("{:?}", stopped.rows());
         let place = "0.1000, 0.2000, 0.0300 m";
         for words in ["laying", "120.0 of 300.0 mm", place, "--checked"] {
             assert!(text.contains(words), "{words}: {text}");
         }
-        let whole = TaskError::<crate::task::Stage>::NotSeenWhole("short".into());
-        assert_eq!(Stopped::by(&whole, Vec::new(), Vec::new()), None);
     }
 }

@@ -1,6 +1,6 @@
-//! Tasks that did not come to their end: the next one with the same arm is refused until somebody has looked at it.
+//! Tasks that did not come to their end: the next one with the same arm is refused until a person has looked at it.
 //!
-//! A mark in a file of the user's own tells, since a task that was killed can tell nothing more.
+//! A mark in a file of the user's own states it, since a task that was killed can state nothing.
 
 use super::error::WorkError;
 use crate::cell::Cell;
@@ -14,6 +14,8 @@ const DIGITS: usize = 16;
 
 /// The mark of a task.
 pub struct Unfinished {
+    /// Index of the arm.
+    pub(super) arm: usize,
     file: PathBuf,
     directory: PathBuf,
 }
@@ -24,6 +26,7 @@ impl Unfinished {
         let moved_by = format!("{:?}", cell.arms[arm].driver);
         let hash = blake3::hash(moved_by.as_bytes()).to_hex();
         Self {
+            arm,
             file: folder().join(&hash[..DIGITS]),
             directory: std::path::absolute(directory).unwrap_or_else(|_| directory.to_owned()),
         }

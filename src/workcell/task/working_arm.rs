@@ -1,11 +1,10 @@
 //! An arm at work: its motions and grips, with the log of each motion in a folder.
 
 use super::error::WorkError;
-use super::unfinished::Unfinished;
-use crate::cell::{Cell, Fingers};
+use super::workplace::Workplace;
+use crate::cell::Fingers;
 use rodlab_files::results::write_whole;
 use rodlab_robot::{Ending, JointTrajectory, Moving, Pose, StreamLog, stream};
-use std::path::Path;
 use std::time::Duration;
 
 /// Longest wait for a gripper.
@@ -16,16 +15,10 @@ const SETTLING: Duration = Duration::from_secs(3);
 /// An arm of a cell that does a task.
 #[derive(Clone, Copy)]
 pub struct WorkingArm<'a> {
-    /// The cell.
-    pub cell: &'a Cell,
+    /// Where it works; the folders of its motions are in the directory.
+    pub at: &'a Workplace<'a>,
     /// Index of the arm.
     pub arm: usize,
-    /// Where the folders of its motions are.
-    pub directory: &'a Path,
-    /// What says from its first motion on that the task was begun, if it is to be said.
-    pub unfinished: Option<&'a Unfinished>,
-    /// Whether an interruption was requested.
-    pub is_interrupted: &'a dyn Fn() -> bool,
 }
 
 /// What a gripper is told.
@@ -51,7 +44,7 @@ impl WorkingArm<'_> {
     /// # Errors
     /// As [`Self::follow`], or it slipped out.
     pub fn carry(&self, name: &str, motion: &JointTrajectory) -> Result<(), WorkError> {
-        let fingers = self.cell.fingers(self.arm).map_err(WorkError::Failed)?;
+        let fingers = self.at.cell.fingers(self.arm).map_err(WorkError::Failed)?;
         if fingers.as_ref().is_some_and(|fingers| !fingers.hold()) {
             return Err(WorkError::failed(
                 "its fingers hold nothing: what they took slipped out of the gripper, or they took nothing",
@@ -66,7 +59,7 @@ impl WorkingArm<'_> {
         motion: &JointTrajectory,
         fingers: Option<&Fingers>,
     ) -> Result<(), WorkError> {
-        let folder = self.directory.join(name);
+        let folder = self.at.directory.join(name);
         let unwritable = |error: std::io::Error| {
             WorkError::Failed(format!("{} cannot be written: {error}", folder.display()))
         };
@@ -74,13 +67,13 @@ impl WorkingArm<'_> {
         let table = motion.to_csv().map_err(WorkError::failed)?;
         let written = write_whole(&folder.join("trajectory.csv"), table.as_bytes());
         written.map_err(WorkError::failed)?;
-        let prepared = self.cell.prepare_stream(std::slice::from_ref(motion));
+        let prepared = self.at.cell.prepare_stream(std::slice::from_ref(motion));
         let (mut parts, _) = prepared.map_err(WorkError::Failed)?;
         let mut log = StreamLog::open(&folder).map_err(unwritable)?;
-        self.unfinished.map_or(Ok(()), Unfinished::mark)?;
+        self.at.mark(self.arm)?;
         let slipped = || fingers.and_then(Fingers::slipped);
-        let must_end = || (self.is_interrupted)() || slipped().is_some();
-        let ending = stream(&mut parts, &self.cell.streaming, &must_end, &mut log);
+        let must_end = || (self.at.is_interrupted)() || slipped().is_some();
+        let ending = stream(&mut parts, &self.at.cell.streaming, &must_end, &mut log);
         let logged = log.finish();
         match ending {
             Ending::Finished => logged.map_err(unwritable),
@@ -104,10 +97,10 @@ impl WorkingArm<'_> {
     /// # Errors
     /// It was begun, and not done.
     pub fn go_home(&self, name: &str, speed: f64) -> Result<(), WorkError> {
-        let Some(way) = self.way_to(&self.cell.arms[self.arm].home, speed)? else {
+        let Some(way) = self.way_to(&self.at.cell.arms[self.arm].home, speed)? else {
             return Ok(());
         };
-        if let Err(reason) = self.cell.prepare_stream(std::slice::from_ref(&way)) {
+        if let Err(reason) = self.at.cell.prepare_stream(std::slice::from_ref(&way)) {
             tracing::warn!("the arm stays where it is, perhaps in the picture: {reason}");
             return Ok(());
         }
@@ -115,8 +108,8 @@ impl WorkingArm<'_> {
     }
 
     fn way_to(&self, joints: &[f64], speed: f64) -> Result<Option<JointTrajectory>, WorkError> {
-        let from = self.cell.stands(self.arm).map_err(WorkError::Failed)?;
-        let way = self.cell.approach(self.arm, &from, joints, speed);
+        let from = self.at.cell.stands(self.arm).map_err(WorkError::Failed)?;
+        let way = self.at.cell.approach(self.arm, &from, joints, speed);
         way.map_err(WorkError::failed)
     }
 
@@ -125,7 +118,7 @@ impl WorkingArm<'_> {
     /// # Errors
     /// There is none, or it did not.
     pub fn grip(&self, grip: Grip) -> Result<(), WorkError> {
-        let Some((gripper, [open, closed])) = self.cell.gripper(self.arm) else {
+        let Some((gripper, [open, closed])) = self.at.cell.gripper(self.arm) else {
             return Err(WorkError::failed("the arm has no gripper in the cell file"));
         };
         let opening = match grip {
@@ -133,8 +126,8 @@ impl WorkingArm<'_> {
             Grip::Open => open,
         };
         let _moving = Moving::begin();
-        let moved = gripper.command(opening, GRIPPER, self.is_interrupted);
-        moved.map_err(|error| match (self.is_interrupted)() {
+        let moved = gripper.command(opening, GRIPPER, self.at.is_interrupted);
+        moved.map_err(|error| match (self.at.is_interrupted)() {
             true => WorkError::Interrupted,
             false => WorkError::failed(error),
         })
@@ -154,11 +147,10 @@ impl WorkingArm<'_> {
     /// # Errors
     /// The user asks for the end.
     pub fn rest(&self, duration: Duration) -> Result<(), WorkError> {
-        self.cell.rest(self.arm, duration, self.is_interrupted);
-        match (self.is_interrupted)() {
-            true => Err(WorkError::Interrupted),
-            false => Ok(()),
-        }
+        self.at
+            .cell
+            .rest(self.arm, duration, self.at.is_interrupted);
+        self.at.check()
     }
 
     /// Where its hand is in the cell, by what its driver reports.
@@ -166,7 +158,7 @@ impl WorkingArm<'_> {
     /// # Errors
     /// It reports nothing.
     pub fn hand(&self) -> Result<Pose, WorkError> {
-        let joints = self.cell.stands(self.arm).map_err(WorkError::Failed)?;
-        Ok(self.cell.arms[self.arm].hand(&joints))
+        let joints = self.at.cell.stands(self.arm).map_err(WorkError::Failed)?;
+        Ok(self.at.cell.arms[self.arm].hand(&joints))
     }
 }

@@ -1,7 +1,7 @@
 //! Rods for the grippers of a virtual cell, which are handed over so that they hang on the table.
 
 use super::simulated_rod::{HandedRod, Placed, SimulatedRod};
-use nalgebra::Translation3;
+use nalgebra::{Point3, Translation3};
 use rodlab_engine::mechanics::dynamics::Simulation;
 use rodlab_engine::mechanics::scene::{Motion, Scene};
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
@@ -9,7 +9,7 @@ use rodlab_lab::experiment::{self, Deployment, DeploymentTables, Fixtures};
 use rodlab_lab::run::PreparedRun;
 use rodlab_lab::scenario::{Loaded, ScenarioError};
 use rodlab_planning::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, trajectory};
-use rodlab_planning::plan::pattern::{Line, PatternSource};
+use rodlab_planning::plan::pattern::{Line, PatternSource, Point};
 use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
 
@@ -143,6 +143,12 @@ impl RodSupply {
     pub fn with_free_end(mut self, place: [f64; 2]) -> Self {
         self.free_end = Some(place);
         self
+    }
+
+    /// The same, the free end lying where a pattern begins whose frame lies in the cell: a person lays it there.
+    pub fn beginning_at(self, frame: &Pose, start: Point) -> Self {
+        let start = frame * Point3::new(start.x, start.y, 0.0);
+        self.with_free_end([start.x, start.y])
     }
 
     /// The pegs on the table: where their axes begin and where their round tops are centred in the cell, m, and their radii, m.

@@ -11,11 +11,13 @@ mod figure;
 mod ray;
 mod record;
 mod row;
+mod task;
 mod walk;
 
 pub use directions::{quarter_sphere, read_directions, section};
 pub use explore::{Exploration, ExploreError};
 pub use figure::{found_and_theory, section_figure};
-pub use record::{ExplorationPlan, ExplorationRecord, write_page};
+pub use record::{ExplorationPlan, ExplorationRecord};
 pub use row::{ExplorationRow, ExplorationSummary, read_rows};
+pub use task::ExplorationTask;
 pub use walk::SearchSteps;

@@ -59,11 +59,6 @@ impl Ray {
         critical_distance(&self.direction).map(|critical| critical.distance)
     }
 
-    /// The index of the point that is nearest to a distance, at most the last one.
-    pub fn index(&self, distance: f64) -> usize {
-        ((distance / SPACING).round() as usize).min(self.points.len() - 1)
-    }
-
     /// The helix at a point.
     pub fn helix(&self, index: usize) -> Helix {
         self.direction.scaled(index as f64 * SPACING)

@@ -3,7 +3,7 @@
 use super::figure::{found_and_theory, is_section, section_figure};
 use super::row::{ExplorationRow, ExplorationSummary};
 use super::walk::SearchSteps;
-use crate::task::record::{Report, TaskHead, write_manifest};
+use crate::task::record::{Report, TaskHead, TaskRecord};
 use rodlab_files::figure::{Figure, Paper};
 use rodlab_files::results::{ResultsError, write_whole};
 use serde::Serialize;
@@ -31,121 +31,119 @@ pub struct ExplorationPlan {
 /// What `manifest.json` holds.
 #[derive(Clone, Debug, Serialize)]
 pub struct ExplorationRecord {
-    /// What is known of any task; as it was called last.
-    #[serde(flatten)]
-    pub head: TaskHead,
     /// Whether a rod is clamped between chuck and hand.
     pub is_clamped: bool,
     /// What is explored.
     pub plan: ExplorationPlan,
     /// What was found.
     pub summary: ExplorationSummary,
+    /// The rows of the directions that were explored.
+    #[serde(skip)]
+    pub rows: Vec<ExplorationRow>,
 }
+
+/// Where stability was lost over where theory has it, and the section ω = 0 where all directions lie in it.
+const FIGURES: [(&str, &str); 2] = [
+    (
+        "found.svg",
+        "Where stability was lost, over where theory has it",
+    ),
+    ("section.svg", "The section ω = 0 of the stable helices"),
+];
 
 impl ExplorationRecord {
-    /// Writes `manifest.json`.
+    /// Takes over rows.
+    pub fn take(&mut self, rows: Vec<ExplorationRow>) {
+        self.summary = ExplorationSummary::of(&rows);
+        self.rows = rows;
+    }
+
+    /// Writes the figures.
     ///
     /// # Errors
-    /// It cannot be written.
-    pub fn write(&self, directory: &Path) -> Result<(), ResultsError> {
-        write_manifest(self, directory)
-    }
-}
-
-/// Writes the report and its figures; returns the report.
-///
-/// # Errors
-/// They cannot be written.
-pub fn write_page(
-    record: &ExplorationRecord,
-    rows: &[ExplorationRow],
-    directory: &Path,
-) -> Result<Report, ResultsError> {
-    let plan = &record.plan;
-    let mut report = Report::new("The stability of a helical rod, explored");
-    report.row("cell", plan.cell.as_str());
-    report.row("arm", plan.arm.as_str());
-    report.row("rod", plan.rod.0.as_str());
-    report.head(&record.head);
-    let summary = &record.summary;
-    let explored = format!("{} of {}", summary.directions, plan.directions.len());
-    let percent =
-        |part: Option<f64>| part.map_or("–".into(), |part| format!("{:.2} %", 1e2 * part));
-    for (name, value) in [
-        ("directions", explored),
-        ("the rod buckled in", summary.buckled.to_string()),
-        (
-            "theory has it buckle within reach, and it did not, in",
-            summary.missed.to_string(),
-        ),
-        (
-            "mean relative error against theory",
-            percent(summary.mean_relative_error),
-        ),
-        (
-            "standard deviation",
-            percent(summary.deviation_of_relative_error),
-        ),
-        ("largest", percent(summary.largest_relative_error)),
-    ] {
-        report.row(name, value);
-    }
-    let text = &mut report.text;
-    if summary.buckled > 0 {
-        let words = "Where stability was lost, over where theory has it";
-        figure(text, directory, "found.svg", words, &found_and_theory(rows))?;
-    }
-    if summary.buckled > 0 && is_section(rows) {
-        let words = "The section ω = 0 of the stable helices";
-        figure(
-            text,
-            directory,
-            "section.svg",
-            words,
-            &section_figure(rows, 0.0),
-        )?;
-    }
-    *text += "\nDistances are ‖(κ, τ, ω)‖ in units of the rod's length and bending stiffness. Stability is lost between the last look at \
-             which the rod was the helix and the next one. Theory: conjugate points of the smooth rod without weight.\n\n\
-             | direction | κ, τ, ω | found | theory | difference | led to |\n|---|---|---|---|---|---|\n";
-    for row in rows {
-        let number = |value: Option<f64>| value.map_or("–".into(), |value| format!("{value:.3}"));
-        let difference = row
-            .relative_difference
-            .map(|part| format!("{:+.2} %", 1e2 * part));
-        let difference = difference.unwrap_or_else(|| "–".into());
-        let led = match (row.found, row.limit.as_str()) {
-            (Some(_), _) => String::new(),
-            (None, "") => format!("{:.2}", row.reach),
-            (None, limit) => format!("{:.2}: {limit}", row.reach),
+    /// They cannot be written.
+    pub fn write_figures(&self, directory: &Path) -> Result<(), ResultsError> {
+        if self.summary.buckled == 0 {
+            return Ok(());
+        }
+        let write = |(name, _): (&str, &str), figure: Figure| {
+            let picture = figure.svg(&Paper::default());
+            write_whole(&directory.join(name), picture.as_bytes())
         };
-        let [found, theory]: [String; 2] = [row.found, row.theory].map(number);
-        let ExplorationRow {
-            direction,
-            kappa,
-            tau,
-            omega,
-            ..
-        } = row;
-        *text += &format!(
-            "| {direction} | {kappa:.3}, {tau:.3}, {omega:.3} | {found} | {theory} | {difference} | {led} |\n"
-        );
+        write(FIGURES[0], found_and_theory(&self.rows))?;
+        match is_section(&self.rows) {
+            true => write(FIGURES[1], section_figure(&self.rows, 0.0)),
+            false => Ok(()),
+        }
     }
-    if directory.join("cell.html").is_file() {
-        report.page("The arm along the first direction");
-    }
-    report.write(directory)?;
-    Ok(report)
 }
 
-fn figure(
-    text: &mut String,
-    directory: &Path,
-    name: &str,
-    words: &str,
-    figure: &Figure,
-) -> Result<(), ResultsError> {
-    *text += &format!("\n![{words}]({name})\n");
-    let picture = figure.svg(&Paper::default());
-    write_whole(&directory.join(name), picture.as_bytes())
+impl TaskRecord for ExplorationRecord {
+    fn answer(&self) -> Option<serde_json::Value> {
+        serde_json::to_value(self.summary).ok()
+    }
+
+    fn report(&self, head: &TaskHead, directory: &Path) -> Report {
+        let plan = &self.plan;
+        let mut report = Report::new("The stability of a helical rod, explored");
+        report.row("cell", plan.cell.as_str());
+        report.row("arm", plan.arm.as_str());
+        report.row("rod", plan.rod.0.as_str());
+        report.head(head);
+        let summary = &self.summary;
+        let explored = format!("{} of {}", summary.directions, plan.directions.len());
+        let percent =
+            |part: Option<f64>| part.map_or("–".into(), |part| format!("{:.2} %", 1e2 * part));
+        for (name, value) in [
+            ("directions", explored),
+            ("the rod buckled in", summary.buckled.to_string()),
+            (
+                "theory has it buckle within reach, and it did not, in",
+                summary.missed.to_string(),
+            ),
+            (
+                "mean relative error against theory",
+                percent(summary.mean_relative_error),
+            ),
+            (
+                "standard deviation",
+                percent(summary.deviation_of_relative_error),
+            ),
+            ("largest", percent(summary.largest_relative_error)),
+        ] {
+            report.row(name, value);
+        }
+        report.pictures(directory, FIGURES);
+        report.text += "\nDistances are ‖(κ, τ, ω)‖ in units of the rod's length and bending stiffness. Stability is lost between the last look at \
+                 which the rod was the helix and the next one. Theory: conjugate points of the smooth rod without weight.\n\n\
+                 | direction | κ, τ, ω | found | theory | difference | led to |\n|---|---|---|---|---|---|\n";
+        for row in &self.rows {
+            let number =
+                |value: Option<f64>| value.map_or("–".into(), |value| format!("{value:.3}"));
+            let difference = row
+                .relative_difference
+                .map(|part| format!("{:+.2} %", 1e2 * part));
+            let difference = difference.unwrap_or_else(|| "–".into());
+            let led = match (row.found, row.limit.as_str()) {
+                (Some(_), _) => String::new(),
+                (None, "") => format!("{:.2}", row.reach),
+                (None, limit) => format!("{:.2}: {limit}", row.reach),
+            };
+            let [found, theory]: [String; 2] = [row.found, row.theory].map(number);
+            let ExplorationRow {
+                direction,
+                kappa,
+                tau,
+                omega,
+                ..
+            } = row;
+            report.text += &format!(
+                "| {direction} | {kappa:.3}, {tau:.3}, {omega:.3} | {found} | {theory} | {difference} | {led} |\n"
+            );
+        }
+        if directory.join("cell.html").is_file() {
+            report.page("The arm along the first direction");
+        }
+        report
+    }
 }

@@ -2,7 +2,6 @@
 
 use super::ray::{Ray, SPACING};
 use crate::task::error::WorkError;
-use crate::task::look::next_picture;
 use crate::task::working_arm::{Grip, WorkingArm};
 use image::RgbImage;
 use rodlab_lab::experiment::ClampedRod;
@@ -141,7 +140,8 @@ impl Walker<'_> {
     }
 
     fn stream(&self, points: &[Vec<f64>], speed: f64) -> Result<(), WorkError> {
-        let WorkingArm { cell, arm, .. } = self.arm;
+        let WorkingArm { at, arm } = self.arm;
+        let cell = at.cell;
         let chuck = cell.chuck.expect("the cell has a chuck");
         let motion = cell.motion_along(arm, chuck.axis, points, speed, REST);
         self.arm.follow(LOG, &motion.map_err(WorkError::failed)?)
@@ -234,14 +234,11 @@ impl Walk<'_> {
 
     /// Whether the rod is the helix that it should be.
     fn look(&mut self) -> Result<bool, WorkError> {
-        let failed = |reason: String| WorkError::Failed(format!("looking: {reason}"));
         let walker = self.walker;
-        if (walker.arm.is_interrupted)() {
-            return Err(WorkError::Interrupted);
-        }
-        let pixels = next_picture(walker.arm.cell).map_err(failed)?;
-        let seen = compare(walker, self.ray, self.at, pixels);
-        let picture = seen.map_err(|error| failed(error.to_string()))?;
+        walker.arm.at.check()?;
+        let pixels = walker.arm.at.look();
+        let seen = pixels.and_then(|pixels| Ok(compare(walker, self.ray, self.at, pixels)?));
+        let picture = seen.map_err(|error| WorkError::Failed(format!("looking: {error}")))?;
         let deviation = deviation(&picture.errors, walker.rod.length);
         let is_helix = deviation.is_some_and(|deviation| deviation <= walker.steps.deviation);
         self.looks.push(Look {
@@ -263,7 +260,7 @@ fn compare(
     index: usize,
     pixels: RgbImage,
 ) -> Result<Picture, rodlab_vision::VisionError> {
-    let cell = walker.arm.cell;
+    let cell = walker.arm.at.cell;
     let camera = cell.camera.as_ref().expect("the cell has a camera");
     let camera = camera.seeing(cell.table_height());
     camera.check_size(pixels.width(), pixels.height())?;

@@ -4,13 +4,11 @@ mod motion;
 mod record;
 mod score;
 mod sight;
-mod stage;
 mod task;
 mod way;
 
-pub use motion::{FoldMotion, FoldMotionRequest, heading};
+pub use motion::{FoldMotion, heading};
 pub use record::FoldRecord;
 pub use score::{FoldScore, Look};
-pub use stage::{FoldStage, FoldTaskError};
-pub use task::{FoldEnd, FoldTask};
+pub use task::{FoldPlan, FoldTask};
 pub use way::{FoldRequest, FoldWay};

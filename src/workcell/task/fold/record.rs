@@ -1,7 +1,6 @@
 //! What a fold leaves in a results directory for programs and people.
 
 use super::score::{FoldScore, Look};
-use super::stage::FoldStage;
 use crate::cell::PlanReport;
 use crate::task::record::{Report, TaskHead, TaskRecord};
 use serde::Serialize;
@@ -10,9 +9,6 @@ use std::path::Path;
 /// What `manifest.json` holds, and `report.md` says.
 #[derive(Clone, Debug, Serialize)]
 pub struct FoldRecord {
-    /// What is known of any task.
-    #[serde(flatten)]
-    pub head: TaskHead,
     /// Title of the cell.
     pub cell: String,
     /// Name of the arm.
@@ -31,8 +27,6 @@ pub struct FoldRecord {
     pub motion: PlanReport,
     /// Where the middle of the edge of the sheet was seen, x and y in the cell, m, and the direction over the sheet, degrees.
     pub sheet_place: Option<[f64; 3]>,
-    /// Time that the stages took, s.
-    pub times_s: Vec<(FoldStage, f64)>,
     /// What the camera saw on the way.
     pub looks: Vec<Look>,
     /// What the fold came to.
@@ -40,11 +34,7 @@ pub struct FoldRecord {
 }
 
 impl TaskRecord for FoldRecord {
-    fn head(&mut self) -> &mut TaskHead {
-        &mut self.head
-    }
-
-    fn report(&self, directory: &Path) -> Report {
+    fn report(&self, head: &TaskHead, directory: &Path) -> Report {
         let mut report = Report::new(&format!("{}, folded", self.paper));
         let mm = |metres: f64| format!("{:.2} mm", 1e3 * metres);
         let or_not_seen = |words: Option<String>| words.unwrap_or_else(|| "not seen".to_owned());
@@ -58,12 +48,12 @@ impl TaskRecord for FoldRecord {
         };
         let plan = format!("{}, in {} parts, {how}", self.algorithm, self.parts);
         report.row("plan", plan);
-        report.head(&self.head);
+        report.head(head);
         report.row(
             "motion as planned",
             format!("{:.1} s", self.motion.duration_s),
         );
-        report.times(&self.times_s);
+        report.times(head);
         if let Some(score) = &self.score {
             report.row("the free end slid", or_not_seen(score.sliding_m.map(mm)));
             if score.is_end_hidden {
@@ -111,7 +101,6 @@ mod tests {
     fn what_was_not_seen_is_reported_as_not_seen() {
         let looks = vec![look(1, 0.25, Some(0.028)), look(2, 0.324, None)];
         let record = FoldRecord {
-            head: TaskHead::planned(Vec::new()),
             cell: "cell".into(),
             arm: "arm".into(),
             paper: "cardboard".into(),
@@ -121,11 +110,11 @@ mod tests {
             closed_loop: true,
             motion: PlanReport::default(),
             sheet_place: None,
-            times_s: Vec::new(),
             score: FoldScore::of(&looks, 0.296),
             looks,
         };
-        let report = record.report(Path::new("nowhere")).markdown();
+        let report = record.report(&TaskHead::planned(Vec::new()), Path::new("nowhere"));
+        let report = report.markdown();
         for line in [
             "| the free end slid | not seen |",
             "|   seen last | 28.00 mm, after part 1 |",

@@ -22,12 +22,12 @@ const BESIDE_CORNER: [f64; 2] = [0.02, 0.45];
 const ACROSS: [f64; 5] = [-0.3, -0.15, 0.0, 0.15, 0.3];
 
 /// What looks for a sheet.
-pub struct Sight<'a> {
+pub struct Sight {
     /// The camera, locating on the upper side of the sheet.
     camera: Camera,
     /// Height of the middle of the lying sheet in the cell, m.
     height: f64,
-    colour: &'a ColourRule,
+    colour: ColourRule,
     paper: Paper,
     crease: Crease,
 }
@@ -43,7 +43,7 @@ pub struct SeenEnd {
     pub edges: Vec<[Point; 2]>,
 }
 
-impl<'a> Sight<'a> {
+impl Sight {
     /// For a sheet that lies on the table of a cell.
     ///
     /// # Errors
@@ -52,14 +52,14 @@ impl<'a> Sight<'a> {
         cell: &Cell,
         paper: Paper,
         crease: Crease,
-        colour: &'a ColourRule,
+        colour: &ColourRule,
     ) -> Result<Self, String> {
         let camera = cell.camera.as_ref().ok_or("the cell has no [camera]")?;
         let table = cell.table_height();
         Ok(Self {
             camera: camera.seeing(table + paper.thickness),
             height: table + 0.5 * paper.thickness,
-            colour,
+            colour: colour.clone(),
             paper,
             crease,
         })
@@ -73,7 +73,7 @@ impl<'a> Sight<'a> {
     pub fn find(&self, picture: &RgbImage, heading: f64) -> Result<(Pose, Sheet), VisionError> {
         self.camera.check_size(picture.width(), picture.height())?;
         let locate = |pixel: Point| self.camera.on_table(pixel);
-        let sheet = find_sheet(picture, self.colour, locate)?;
+        let sheet = find_sheet(picture, &self.colour, locate)?;
         let edges = [0, 1, 2, 3].map(|edge| sheet.edge(edge));
         let length = self.paper.sheet(self.crease).length;
         let is_diagonal = self.crease == Crease::Diagonal;
@@ -148,7 +148,7 @@ impl<'a> Sight<'a> {
             let ends = ends.map(|end| end + Point::new(near, 0.0));
             let pixels = self.in_picture(frame, ends)?;
             let scale = (pixels[1] - pixels[0]).norm() / (ends[1] - ends[0]).norm();
-            let edge = find_edge(picture, self.colour, pixels, scale * REACH, locate)?;
+            let edge = find_edge(picture, &self.colour, pixels, scale * REACH, locate)?;
             found.push((edge, ends));
         }
         // An edge n·x = d that moves by Δ along x moves by Δ n_x along its normal.
@@ -224,7 +224,7 @@ impl<'a> Sight<'a> {
         frame: &Pose,
         x: f64,
     ) -> Result<bool, VisionError> {
-        let contrast = Contrast::new(picture, self.colour)?;
+        let contrast = Contrast::new(picture, &self.colour)?;
         let is_paper = |part: &&f64| {
             let extent = match self.crease {
                 // The corner is narrow near its tip.
@@ -257,12 +257,12 @@ mod tests {
         edges: 80,
     };
 
-    fn sight(crease: Crease) -> Sight<'static> {
+    fn sight(crease: Crease) -> Sight {
         Sight::new(&gantry(), PAPER, crease, &ColourRule::Background).unwrap()
     }
 
     /// A flat sheet of 0.2 m by `length` whose frame is moved by `slid` along its x axis.
-    fn picture(sight: &Sight<'_>, frame: &Pose, length: f64, slid: f64) -> RgbImage {
+    fn picture(sight: &Sight, frame: &Pose, length: f64, slid: f64) -> RgbImage {
         let back = frame.inverse();
         let is_diagonal = sight.crease == Crease::Diagonal;
         let ground = |point: Point| {

@@ -8,7 +8,6 @@ mod record;
 mod request;
 mod score;
 mod sight;
-mod stage;
 mod task;
 mod two_arms;
 
@@ -17,5 +16,4 @@ pub use plan::{KnotPlan, PlannedRod};
 pub use record::TieRecord;
 pub use request::TieMotionRequest;
 pub use score::TieScore;
-pub use stage::{TieError, TieStage};
-pub use task::{TieEnd, TieTask};
+pub use task::{TiePlan, TieTask};

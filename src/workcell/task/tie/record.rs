@@ -1,7 +1,6 @@
 //! What a knot leaves in a results directory for programs and people.
 
 use super::score::{TieScore, knot_in_words};
-use super::stage::TieStage;
 use crate::cell::PlanReport;
 use crate::task::record::{OVERLAY, Report, TaskHead, TaskRecord};
 use rodlab_planning::knot::KnotInvariants;
@@ -12,9 +11,6 @@ use std::path::Path;
 /// What `manifest.json` holds, and `report.md` says.
 #[derive(Clone, Debug, Serialize)]
 pub struct TieRecord {
-    /// What is known of any task.
-    #[serde(flatten)]
-    pub head: TaskHead,
     /// Title of the cell.
     pub cell: String,
     /// Names of the arm that lays the first rod, and of the other one.
@@ -33,18 +29,12 @@ pub struct TieRecord {
     pub duration_s: f64,
     /// Least distance of both arms to each other and to anything else, m; 0.2 stands for that and more.
     pub least_clearance_m: f64,
-    /// Time that the stages took, s.
-    pub times_s: Vec<(TieStage, f64)>,
     /// What it came to.
     pub score: Option<TieScore>,
 }
 
 impl TaskRecord for TieRecord {
-    fn head(&mut self) -> &mut TaskHead {
-        &mut self.head
-    }
-
-    fn report(&self, directory: &Path) -> Report {
+    fn report(&self, head: &TaskHead, directory: &Path) -> Report {
         let mut report = Report::new(&format!(
             "A knot tied along {}",
             self.patterns.join(" and ")
@@ -63,14 +53,10 @@ impl TaskRecord for TieRecord {
         });
         report.row("crossings", passes.collect::<Vec<_>>().join(", "));
         report.row("knot as drawn", knot_in_words(self.drawn));
-        report.head(&self.head);
-        report.row("motion", format!("{:.1} s", self.duration_s));
-        let clearance = 1e3 * self.least_clearance_m.min(self.motion.least_clearance_m);
-        report.row(
-            "least distance to anything else",
-            format!("{clearance:.0} mm"),
-        );
-        report.times(&self.times_s);
+        report.head(head);
+        let clearance = self.least_clearance_m.min(self.motion.least_clearance_m);
+        report.motion(self.duration_s, clearance);
+        report.times(head);
         if let Some(score) = &self.score {
             report.row("knot as seen", knot_in_words(score.seen));
             report.row("  that is", score.in_words());

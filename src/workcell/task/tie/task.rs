@@ -2,144 +2,130 @@
 
 use super::motion::TieMotion;
 use super::plan::KnotPlan;
+use super::record::TieRecord;
 use super::score::{TieScore, not_seen_whole};
 use super::sight::SeenKnot;
-use super::stage::{TieError, TieStage};
-use crate::cell::Cell;
+use crate::cell::{Cell, PlanError};
 use crate::task::error::WorkError;
-use crate::task::look::{Seen, next_picture};
-use crate::task::stage_clock::StageClock;
-use crate::task::stopped::{HandPlace, LaidAlong, Stopped};
-use crate::task::unfinished::Unfinished;
+use crate::task::look::Seen;
+use crate::task::stage::Stage;
+use crate::task::step::{Step, Task};
+use crate::task::stopped::LaidAlong;
 use crate::task::working_arm::{Grip, WorkingArm};
+use crate::task::workplace::Workplace;
 use image::RgbImage;
-use rodlab_files::results::{ResultsError, write_whole};
 use rodlab_robot::JointTrajectory;
-use rodlab_vision::{ColourRule, Point, VisionError, encode_picture, pattern_csv};
-use std::path::Path;
+use rodlab_vision::{ColourRule, Point, pattern_csv};
+
+const APPROACH: Stage = Stage::new("approach", "going to the first point", HELD);
+const TAKE: Stage = Stage::new("take", "taking the rod", HELD);
+const LAY: Stage = Stage::new(Stage::LAY, "laying it", HELD);
+const TIE: Stage = Stage::new("tie", "tying it", HELD);
+const LET_GO: Stage = Stage::new("let-go", "letting it go", HELD);
+const RETREAT: Stage = Stage::new("retreat", "going out of the picture", LET_LIE);
+const LOOK: Stage = Stage::new("look", "looking", LET_LIE);
+const SCORE: Stage = Stage::new("score", "scoring", LET_LIE);
+/// What to do after stages in which a rod is held, and after all were let go.
+const HELD: &str = "a gripper may hold a rod: look at both arms, open their grippers and take the rods off the table, then run the \
+                    command again with --checked; tying starts from the beginning";
+const LET_LIE: &str = "the rods are let go: look at both arms and at the camera; `rodlab trace` with the camera shows what lies \
+                       there; begin the next task with --checked";
 
 /// What is tied, by whom and how.
-pub struct TieTask<'a> {
-    /// The cell.
-    pub cell: &'a Cell,
+pub struct TiePlan {
     /// Indices of the arm that lays the first rod, and of the other one.
     pub arms: [usize; 2],
+    /// The patterns, as given.
+    pub names: Vec<String>,
     /// The motions.
-    pub motion: &'a TieMotion,
+    pub motion: TieMotion,
     /// What they are to come to.
-    pub knot: &'a KnotPlan,
+    pub knot: KnotPlan,
     /// Greatest speed of a hand that holds nothing, m/s.
     pub free_speed: f64,
     /// Which pixels are rod.
-    pub colour: &'a ColourRule,
-    /// What says of each arm that the task was begun, if it is to be said.
-    pub unfinished: Option<[&'a Unfinished; 2]>,
-    /// Where everything is written.
-    pub directory: &'a Path,
+    pub colour: ColourRule,
 }
 
-/// What a task came to.
-pub struct TieEnd {
-    /// Stages that were done, with the time that each took, s.
-    pub times: Vec<(TieStage, f64)>,
-    /// The score, or why there is none.
-    pub score: Result<TieScore, TieError>,
-    /// How the cell was left, where it ended early.
-    pub stopped: Option<Stopped>,
+/// A knot that is tied, looked at and scored.
+pub struct TieTask {
+    plan: TiePlan,
+    record: TieRecord,
+    /// The picture of the knot, once it is tied.
+    picture: Option<RgbImage>,
 }
 
-impl TieTask<'_> {
-    /// Does all of it; what was done until something fails is in the directory.
-    pub fn run(&self, is_interrupted: &dyn Fn() -> bool) -> TieEnd {
-        let mut clock = StageClock::new(is_interrupted);
-        let score = self.stages(&mut clock);
-        let error = score.as_ref().err();
-        let stopped = error.and_then(|error| self.left_by(error, &clock.times));
-        TieEnd {
-            times: clock.times,
-            score,
-            stopped,
+impl TieTask {
+    /// What was planned for a cell.
+    pub fn new(cell: &Cell, plan: TiePlan) -> Self {
+        let TiePlan { motion, knot, .. } = &plan;
+        Self {
+            record: TieRecord {
+                cell: cell.title.clone(),
+                arms: plan.arms.map(|arm| cell.arms[arm].name.clone()),
+                patterns: plan.names.clone(),
+                passes: knot.passages.iter().map(|passage| passage.pass).collect(),
+                drawn: knot.drawn,
+                lifts: knot.lifts(),
+                motion: motion.report.clone(),
+                duration_s: motion.whole.duration(),
+                least_clearance_m: motion.least_clearance,
+                score: None,
+            },
+            plan,
+            picture: None,
         }
     }
 
-    /// How an error left the cell after some stages were done; `None` where the arms did all of their work.
-    fn left_by(&self, error: &TieError, times: &[(TieStage, f64)]) -> Option<Stopped> {
-        let stage = error.stage()?;
-        let hands = self.arms.map(|arm| HandPlace::of(self.cell, arm));
-        let done = times.iter().filter(|(stage, _)| *stage == TieStage::Lay);
-        let done = done.count();
-        let laid = self.knot.rods.iter().enumerate().map(|(number, planned)| {
-            let along = LaidAlong {
-                poses: &planned.laying,
-                frame: self.motion.frame,
-                unit: planned.rod.gravito_bending_length,
-            };
-            match stage == TieStage::Lay && number == done {
-                true => along.until(&hands[number % 2]),
-                false => along.whole(number < done),
-            }
-        });
-        let laid = laid.collect();
-        Stopped::by(error, hands.into(), laid)
+    /// One of the arms.
+    fn arm<'a>(&self, which: usize, at: &'a Workplace<'a>) -> WorkingArm<'a> {
+        WorkingArm {
+            at,
+            arm: self.plan.arms[which],
+        }
     }
 
-    fn stages(&self, clock: &mut StageClock<'_, TieStage>) -> Result<TieScore, TieError> {
-        let is_interrupted = clock.is_interrupted;
-        let arms = [0, 1].map(|which| WorkingArm {
-            cell: self.cell,
-            arm: self.arms[which],
-            directory: self.directory,
-            unfinished: self.unfinished.map(|marks| marks[which]),
-            is_interrupted,
-        });
-        let home = &self.cell.arms[self.arms[1]].home;
-        let parked = arms[1].go("parking", home, self.free_speed);
-        parked.map_err(TieError::of_work(TieStage::Approach))?;
-        let named = |what: &str, number: usize| match self.motion.layings.len() {
+    /// The folder of a motion of a rod.
+    fn named(&self, what: &str, number: usize) -> String {
+        match self.plan.motion.layings.len() {
             1 => what.to_owned(),
             _ => format!("{what}_{}", number + 1),
-        };
-        for (number, laying) in self.motion.layings.iter().enumerate() {
-            let layer = &arms[number % 2];
-            let name = named("approach", number);
-            let gone = match &laying.approach {
-                None => layer.go(&name, &laying.motion.points[0], self.free_speed),
-                Some(approach) => self.follow(&arms, &name, approach),
-            };
-            clock.finish(TieStage::Approach, gone)?;
-            clock.finish(TieStage::Take, layer.grip(Grip::Close))?;
-            let laid = layer.carry(&named("laying", number), &laying.motion);
-            clock.finish(TieStage::Lay, laid)?;
-            if let Some(parting) = &laying.parting {
-                clock.finish(TieStage::LetGo, layer.let_go())?;
-                let gone = self.follow(&arms, &named("parting", number), parting);
-                clock.finish(TieStage::Retreat, gone)?;
-            }
         }
-        clock.finish(TieStage::Tie, self.tie(&arms))?;
-        clock.finish(TieStage::LetGo, arms[self.motion.last].let_go())?;
-        let gone = self.follow(&arms, "retreat", &self.motion.retreat);
-        clock.finish(TieStage::Retreat, gone)?;
-        let picture = next_picture(self.cell);
-        let picture = picture.map_err(|reason| TieError::failed(TieStage::Look, reason))?;
-        self.write("picture.png", &encode_picture(&picture))?;
-        clock.finish(TieStage::Look, Ok(()))?;
-        let score = self.score(&picture)?;
-        // It is done, whether an interruption is requested now or not.
-        clock.note(TieStage::Score);
-        Ok(score)
+    }
+
+    /// An arm goes to the first point of a rod; before the first one the other arm goes out of the way.
+    fn approach(&self, number: usize, at: &Workplace<'_>) -> Result<(), WorkError> {
+        let speed = self.plan.free_speed;
+        if number == 0 {
+            let home = &at.cell.arms[self.plan.arms[1]].home;
+            self.arm(1, at).go("parking", home, speed)?;
+        }
+        let (name, laying) = (
+            self.named("approach", number),
+            &self.plan.motion.layings[number],
+        );
+        match &laying.approach {
+            None => self
+                .arm(number % 2, at)
+                .go(&name, &laying.motion.points[0], speed),
+            Some(approach) => self.follow(&name, approach, at),
+        }
+    }
+
+    fn lay(&self, number: usize, at: &Workplace<'_>) -> Result<(), WorkError> {
+        let motion = &self.plan.motion.layings[number].motion;
+        self.arm(number % 2, at)
+            .carry(&self.named("laying", number), motion)
     }
 
     /// Leads ends and lifts strands.
-    fn tie(&self, arms: &[WorkingArm<'_>; 2]) -> Result<(), WorkError> {
-        for stretch in &self.motion.stretches {
-            self.follow(arms, &stretch.name, &stretch.motion)?;
+    fn tie(&self, at: &Workplace<'_>) -> Result<(), WorkError> {
+        for stretch in &self.plan.motion.stretches {
+            self.follow(&stretch.name, &stretch.motion, at)?;
             if let Some((which, grip)) = stretch.then {
-                arms[which].grip(grip)?;
+                self.arm(which, at).grip(grip)?;
             }
-            if (arms[0].is_interrupted)() {
-                return Err(WorkError::Interrupted);
-            }
+            at.check()?;
         }
         Ok(())
     }
@@ -147,40 +133,112 @@ impl TieTask<'_> {
     /// Streams a motion of both arms.
     fn follow(
         &self,
-        arms: &[WorkingArm<'_>; 2],
         name: &str,
         motion: &JointTrajectory,
+        at: &Workplace<'_>,
     ) -> Result<(), WorkError> {
         // The first arm marks itself.
-        self.unfinished.map_or(Ok(()), |marks| marks[1].mark())?;
-        arms[0].follow(name, motion)
+        at.mark(self.plan.arms[1])?;
+        self.arm(0, at).follow(name, motion)
     }
 
-    fn score(&self, picture: &RgbImage) -> Result<TieScore, TieError> {
-        let failed = |error: VisionError| TieError::failed(TieStage::Score, error);
-        let rods = &self.knot.rods;
+    fn score(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
+        let TiePlan {
+            motion,
+            knot: drawn,
+            colour,
+            ..
+        } = &self.plan;
+        let picture = self.picture.take().expect("a picture was taken");
+        let rods = &drawn.rods;
         // Of rods of several radii the picture is located on the middle of the first.
-        let (frame, radius) = (&self.motion.frame, rods[0].rod.radius);
-        let seen = Seen::of(picture, self.cell, frame, radius, self.colour).map_err(failed)?;
-        seen.write(picture, self.directory, TieStage::Score)?;
+        let radius = rods[0].rod.radius;
+        let seen = Seen::of(&picture, at.cell, &motion.frame, radius, colour)?;
+        seen.write(&picture, at)?;
         let starts = rods.iter().map(|planned| planned.pattern.at(0.0).position);
         let starts: Vec<Point> = starts.collect();
-        let knot = SeenKnot::of(picture, &seen, &starts).map_err(failed)?;
+        let knot = SeenKnot::of(&picture, &seen, &starts)?;
         for (number, curve) in knot.curves.iter().enumerate() {
             let name = match knot.curves.len() {
                 1 => "rod.csv".to_owned(),
                 _ => format!("rod_{}.csv", number + 1),
             };
-            self.write(&name, pattern_csv(curve).as_bytes())?;
+            at.write(&name, pattern_csv(curve).as_bytes())?;
         }
         let lengths: Vec<f64> = rods.iter().map(|planned| planned.rod.length).collect();
         if let Some(words) = not_seen_whole(&knot, &lengths) {
-            return Err(TieError::NotSeenWhole(words));
+            return Err(WorkError::NotSeenWhole(words));
         }
-        Ok(TieScore::of(&knot, self.knot.drawn))
+        self.record.score = Some(TieScore::of(&knot, drawn.drawn));
+        Ok(())
+    }
+}
+
+impl Task for TieTask {
+    type Record = TieRecord;
+
+    const FRAMES: usize = 600;
+
+    fn record(&self) -> &TieRecord {
+        &self.record
     }
 
-    fn write(&self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
-        write_whole(&self.directory.join(name), bytes)
+    fn arms(&self) -> Vec<usize> {
+        self.plan.arms.into()
+    }
+
+    fn motion(&self, _: &Cell) -> Result<Option<JointTrajectory>, PlanError> {
+        Ok(Some(self.plan.motion.whole.clone()))
+    }
+
+    fn paths(&self) -> Vec<LaidAlong<'_>> {
+        let rods = self.plan.knot.rods.iter();
+        let along = rods.map(|planned| LaidAlong {
+            poses: &planned.laying,
+            frame: self.plan.motion.frame,
+            unit: planned.rod.gravito_bending_length,
+        });
+        along.collect()
+    }
+
+    fn steps(&self) -> Vec<Step<Self>> {
+        let mut steps = Vec::new();
+        for (number, laying) in self.plan.motion.layings.iter().enumerate() {
+            let layer = number % 2;
+            steps.extend([
+                Step::new(&APPROACH, move |task: &mut Self, at| {
+                    task.approach(number, at)
+                }),
+                Step::new(&TAKE, move |task: &mut Self, at| {
+                    task.arm(layer, at).grip(Grip::Close)
+                }),
+                Step::new(&LAY, move |task: &mut Self, at| task.lay(number, at)),
+            ]);
+            if let Some(parting) = laying.parting.clone() {
+                steps.extend([
+                    Step::new(&LET_GO, move |task: &mut Self, at| {
+                        task.arm(layer, at).let_go()
+                    }),
+                    Step::new(&RETREAT, move |task: &mut Self, at| {
+                        task.follow(&task.named("parting", number), &parting, at)
+                    }),
+                ]);
+            }
+        }
+        steps.extend([
+            Step::new(&TIE, |task: &mut Self, at| task.tie(at)),
+            Step::new(&LET_GO, |task: &mut Self, at| {
+                task.arm(task.plan.motion.last, at).let_go()
+            }),
+            Step::new(&RETREAT, |task: &mut Self, at| {
+                task.follow("retreat", &task.plan.motion.retreat, at)
+            }),
+            Step::new(&LOOK, |task: &mut Self, at| {
+                task.picture = Some(at.picture("picture.png")?);
+                Ok(())
+            }),
+            Step::new(&SCORE, Self::score),
+        ]);
+        steps
     }
 }

@@ -1,20 +1,19 @@
 //! How arms of a cell move in a task with rods, and where its results go.
 
-use super::plan::parse_place;
-use super::prelude::*;
+use super::command::Way;
+use super::motion::middle_of_table;
+use crate::cell::{Cell, Place, PlanError};
+use clap::Args;
+use rodlab_files::input::positive;
 use rodlab_vision::Point;
-use rodlab_workcell::cell::{Cell, Place};
-use rodlab_workcell::task::middle_of_table;
-
-/// The cell of tasks with one arm.
-pub const GANTRY: &str = "gantry";
+use std::path::PathBuf;
 
 /// Place, speeds, colour and results.
 #[derive(Debug, Args)]
 pub struct TaskArguments {
     /// Where the pattern lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on the
     /// table for the arm that lays [default: its middle in that of the table]
-    #[arg(long, value_name = "X,Y,Z[,TURN]|auto", value_parser = parse_place, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z[,TURN]|auto", allow_hyphen_values = true)]
     place: Option<Place>,
     /// Greatest speed of a hand that holds the rod, m/s
     #[arg(long, value_name = "SPEED", default_value_t = 0.03, value_parser = positive)]
@@ -41,8 +40,20 @@ pub struct TaskArguments {
 
 impl TaskArguments {
     /// Where patterns with these points, m, lie in a cell.
-    pub fn place(&self, cell: &Cell, outline: &[Point]) -> Result<Place, Failure> {
+    ///
+    /// # Errors
+    /// It is not given, and the cell has no table.
+    pub fn place(&self, cell: &Cell, outline: &[Point]) -> Result<Place, PlanError> {
         let place = self.place.or_else(|| middle_of_table(cell, outline));
-        place.ok_or_else(|| Failure::Input("--place is needed: the cell has no [table]".into()))
+        place.ok_or_else(|| PlanError::Input("--place is needed: the cell has no [table]".into()))
+    }
+
+    /// How the task is run.
+    pub fn way(&self) -> Way<'_> {
+        Way {
+            dry_run: self.dry_run,
+            checked: Some(self.checked),
+            out: self.out.as_deref(),
+        }
     }
 }

@@ -1,0 +1,154 @@
+//! What runs a task in a cell, whichever it is: where its results go, whether arms may move, and how it ends.
+
+use super::chosen_cell::{CellChoice, TaskCell};
+use super::exit_code::NOT_SEEN_WHOLE;
+use super::interruption::watch_for_interruption;
+use super::log_directory::{empty_directory, results_directory};
+use super::prelude::*;
+use rodlab_files::results::write_whole;
+use rodlab_workcell::cell::Cell;
+use rodlab_workcell::task::{
+    Planning, Task, TaskCommand, TaskError, TaskRecord, TaskRun, Unfinished, WorkError, Workplace,
+};
+
+/// A command that does a task in a cell.
+#[derive(Debug, Args)]
+pub struct InCell<C: Args> {
+    /// What is done.
+    #[command(flatten)]
+    pub what: C,
+    #[command(flatten)]
+    choice: CellChoice,
+}
+
+/// A task in a cell, with its directory and the marks of its arms.
+struct Work<'a> {
+    chosen: &'a TaskCell,
+    choice: &'a CellChoice,
+    directory: &'a Path,
+    marks: Vec<Unfinished>,
+}
+
+impl<C: Args + TaskCommand> InCell<C>
+where
+    Failure: From<C::Error>,
+{
+    /// Plans the task, shows it, and carries it out unless it is a dry run.
+    pub fn run(&self) -> Result<(), Failure> {
+        let way = self.what.way();
+        let chosen = self.choice.read(C::CELL, way.dry_run)?;
+        let directory = match self.what.resumed_in() {
+            Some(name) => results_directory(way.out, &name),
+            None => empty_directory(C::NAME, way.out)?,
+        };
+        let planning = Planning::new(&chosen.cell, &chosen.file, chosen.is_virtual, directory);
+        let arms = self.what.arms(&planning)?;
+        if let (false, Some(is_checked)) = (way.dry_run, way.checked) {
+            chosen.refuse_unready(&arms, is_checked, C::CAMERA)?;
+        }
+        let task = self.what.plan(&planning, &arms)?;
+        let directory = planning.directory()?.to_owned();
+        write_motion(&task, &chosen.cell, &directory)?;
+        let marked = arms.iter().filter(|_| way.checked.is_some());
+        let marks = marked.map(|arm| Unfinished::of(&chosen.cell, *arm, &directory));
+        let work = Work {
+            marks: if chosen.is_virtual {
+                Vec::new()
+            } else {
+                marks.collect()
+            },
+            chosen: &chosen,
+            choice: &self.choice,
+            directory: &directory,
+        };
+        let run = TaskRun::planned(task, std::env::args().collect());
+        if way.dry_run {
+            run.task.write_plan(&chosen.cell, &directory)?;
+            return work.finish(&run, None);
+        }
+        let settings = planning.into_settings();
+        chosen.work(settings, |cell| work.carry_out(run, &arms, cell))
+    }
+}
+
+/// Writes the motion, and a page that shows it.
+fn write_motion<T: Task>(task: &T, cell: &Cell, directory: &Path) -> Result<(), Failure> {
+    let motion = task.motion(cell)?;
+    if let Some(joints) = &motion {
+        write_whole(&directory.join("joints.csv"), joints.to_csv()?.as_bytes())?;
+    }
+    let page = cell.page(motion.as_ref(), T::FRAMES);
+    Ok(write_whole(&directory.join("cell.html"), page.as_bytes())?)
+}
+
+impl Work<'_> {
+    /// Carries a task out, once the arms may move, and clears the marks where they came to the end of their work.
+    fn carry_out<T: Task>(
+        &self,
+        mut run: TaskRun<T>,
+        arms: &[usize],
+        cell: &Cell,
+    ) -> Result<(), Failure> {
+        run.note(self.directory)?;
+        self.chosen.confirm(arms, self.directory, self.choice)?;
+        let interrupted = watch_for_interruption()?;
+        let ended = run.carry_out(&Workplace {
+            cell,
+            directory: self.directory,
+            is_recorded: true,
+            marks: &self.marks,
+            is_interrupted: &|| interrupted.is_raised(),
+        });
+        let unclear = match &ended {
+            // The arms have done their work and hold nothing.
+            Ok(())
+            | Err(TaskError {
+                error: WorkError::NotSeenWhole(_),
+                ..
+            }) => self.clear(),
+            Err(_) => None,
+        };
+        let next = run.head.stopped.as_ref();
+        let next = next.map(|stopped| stopped.next.as_str());
+        let early = |error: TaskError| self.ended_early(&error.error, error.to_string(), next);
+        let failure = unclear.or_else(|| ended.err().map(early));
+        self.finish(&run, failure)
+    }
+
+    /// Writes all of the record, and prints it, or returns why the task ended early.
+    fn finish<T: Task>(&self, run: &TaskRun<T>, failure: Option<Failure>) -> Result<(), Failure> {
+        let report = run.conclude(self.directory)?;
+        match (failure, run.task.record().answer()) {
+            (Some(failure), _) => Err(failure),
+            (None, Some(answer)) => self.choice.print(&report, &answer, self.directory),
+            (None, None) => self.choice.print(&report, &run.manifest(), self.directory),
+        }
+    }
+
+    /// Clears the marks of the arms; why they cannot be cleared.
+    fn clear(&self) -> Option<Failure> {
+        let cleared = self.marks.iter().try_for_each(Unfinished::clear);
+        let unclear =
+            |error| Failure::System(format!("the end of the task cannot be noted: {error}"));
+        cleared.err().map(unclear)
+    }
+
+    /// A task that ended early, for a reason `in_words`, and what to do next.
+    fn ended_early(&self, error: &WorkError, in_words: String, next: Option<&str>) -> Failure {
+        let directory = self.directory.display();
+        let mut message = format!("{in_words}; the log is in {directory}");
+        if let Some(next) = next {
+            message += &format!("\nnext: {next}");
+        }
+        match error {
+            WorkError::Interrupted => Failure::interrupted(message),
+            WorkError::NotSeenWhole(_) => Failure::Other {
+                exit_code: NOT_SEEN_WHOLE,
+                message: format!(
+                    "{in_words}; nothing is scored: look at overlay.png and rod.csv in {directory}"
+                ),
+            },
+            WorkError::Failed(_) | WorkError::Results(_) => Failure::System(message),
+        }
+    }
+}

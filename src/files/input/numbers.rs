@@ -1,0 +1,29 @@
+//! Numbers of arguments.
+
+/// A parser of numbers that are allowed; others are refused with what is `needed`.
+pub fn number(
+    is_allowed: fn(f64) -> bool,
+    needed: &'static str,
+) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number = text.trim().parse().ok();
+        let number = number.filter(|number| is_allowed(*number));
+        number.ok_or_else(|| needed.into())
+    }
+}
+
+/// Numbers with commas between them; none where one of them is no number.
+pub fn numbers(text: &str) -> Option<Vec<f64>> {
+    let numbers = text.split(',').map(|part| part.trim().parse().ok());
+    numbers.collect()
+}
+
+/// Whether a number is above zero and finite.
+pub fn is_positive(number: f64) -> bool {
+    number > 0.0 && number.is_finite()
+}
+
+/// A number above zero.
+pub fn positive(text: &str) -> Result<f64, String> {
+    number(is_positive, "a number above 0 is needed")(text)
+}

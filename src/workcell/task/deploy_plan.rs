@@ -1,0 +1,55 @@
+//! What is laid where by a deployment, and what a picture shows of it.
+
+use super::look::Seen;
+use super::motion::DeployMotion;
+use crate::cell::Cell;
+use image::RgbImage;
+use rodlab_lab::experiment::Fixtures;
+use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, falls_straight};
+use rodlab_vision::{ColourRule, Point, SeenLength, VisionError};
+
+/// What is laid where.
+pub struct DeployPlan {
+    /// Index of the arm.
+    pub arm: usize,
+    /// The motion.
+    pub motion: DeployMotion,
+    /// Greatest speed of the hand on the way to it, m/s.
+    pub approach_speed: f64,
+    /// The pattern, as given.
+    pub name: String,
+    /// The pattern in its own frame, without lead-in and lead-out, m.
+    pub pattern: Vec<Point>,
+    /// The path along which the rod is laid: the pattern with lead-in and lead-out.
+    pub path: LaidPath,
+    /// The rod, as it is believed to be.
+    pub rod: DeployedRod,
+    /// Which pixels are rod.
+    pub colour: ColourRule,
+    /// Pegs between which it is laid, in the frame of the pattern, if there are any.
+    pub fixtures: Option<Fixtures>,
+}
+
+impl DeployPlan {
+    /// Where the rod begins, in the frame of the pattern, m.
+    pub fn start(&self) -> Point {
+        self.path.points[0].position
+    }
+
+    /// What a picture shows of the rod.
+    pub fn seen(&self, picture: &RgbImage, cell: &Cell) -> Result<Seen, VisionError> {
+        let (frame, radius) = (&self.motion.frame, self.rod.radius);
+        Seen::of(picture, cell, frame, radius, &self.colour)
+    }
+
+    /// How much of the rod the picture shows. Where its end runs out of the picture, or a long rest fell from the gripper, perhaps upon
+    /// itself, only the path along which it was laid must be seen.
+    pub fn seen_length(&self, seen: &Seen, rod: &[Point]) -> Result<SeenLength, VisionError> {
+        let length = SeenLength::of(rod, self.rod.length);
+        let laid = self.path.points.last().map_or(0.0, |point| point.s);
+        if falls_straight(&self.rod, laid) && !seen.leaves_picture(self.start())? {
+            return Ok(length);
+        }
+        Ok(length.with_least(laid))
+    }
+}

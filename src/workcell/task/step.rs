@@ -1,0 +1,92 @@
+//! Tasks as lists of steps.
+
+use super::error::WorkError;
+use super::record::TaskRecord;
+use super::stage::Stage;
+use super::stopped::LaidAlong;
+use super::workplace::Workplace;
+use crate::cell::{Cell, PlanError};
+use rodlab_files::results::ResultsError;
+use rodlab_robot::JointTrajectory;
+use std::path::Path;
+
+/// What a step does.
+type Act<T> = Box<dyn Fn(&mut T, &Workplace<'_>) -> Result<(), WorkError>>;
+
+/// A step of a task.
+pub struct Step<T: ?Sized> {
+    /// What it is.
+    pub stage: Stage,
+    act: Act<T>,
+}
+
+impl<T> Step<T> {
+    /// A step that does something.
+    pub fn new(
+        stage: &Stage,
+        act: impl Fn(&mut T, &Workplace<'_>) -> Result<(), WorkError> + 'static,
+    ) -> Self {
+        Self {
+            stage: stage.clone(),
+            act: Box::new(act),
+        }
+    }
+
+    /// Does it.
+    ///
+    /// # Errors
+    /// It is not done.
+    pub fn act(&self, task: &mut T, at: &Workplace<'_>) -> Result<(), WorkError> {
+        (self.act)(task, at)
+    }
+}
+
+/// A task that was planned. A step keeps what later steps and the record need in it.
+pub trait Task: Sized {
+    /// What it leaves in the manifest and in the report.
+    type Record: TaskRecord;
+
+    /// Most frames of the page of its motion.
+    const FRAMES: usize = 400;
+
+    /// What is known so far.
+    fn record(&self) -> &Self::Record;
+
+    /// Indices of its arms.
+    fn arms(&self) -> Vec<usize>;
+
+    /// The motion that is shown before anything moves; `None` where nothing moves.
+    ///
+    /// # Errors
+    /// There is no motion.
+    fn motion(&self, cell: &Cell) -> Result<Option<JointTrajectory>, PlanError>;
+
+    /// Its steps, one after the other. A task that is resumed leaves out those that are done.
+    fn steps(&self) -> Vec<Step<Self>>;
+
+    /// Paths along which rods are laid, in the order in which they are, the first by the first arm.
+    fn paths(&self) -> Vec<LaidAlong<'_>> {
+        Vec::new()
+    }
+
+    /// What to do after the task ended in a stage.
+    fn next_step(&self, stage: &Stage) -> String {
+        stage.next.into()
+    }
+
+    /// Writes what only a plan shows that is not carried out.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    fn write_plan(&self, _: &Cell, _: &Path) -> Result<(), ResultsError> {
+        Ok(())
+    }
+
+    /// Writes the figures of what was reached.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    fn write_figures(&self, _: &Path) -> Result<(), ResultsError> {
+        Ok(())
+    }
+}
