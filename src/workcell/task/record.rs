@@ -170,11 +170,18 @@ impl Report {
     /// # Errors
     /// They cannot be written.
     pub fn write(&self, directory: &Path) -> Result<(), ResultsError> {
-        let markdown = self.markdown();
+        self.write_text(directory)?;
         let picture = |name: &str| std::fs::read(directory.join(name)).ok();
-        let page = document_page(&self.title, &markdown, &picture);
-        write_whole(&directory.join("report.md"), markdown.as_bytes())?;
+        let page = document_page(&self.title, &self.markdown(), &picture);
         write_whole(&directory.join("report.html"), page.as_bytes())
+    }
+
+    /// Writes `report.md` alone.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_text(&self, directory: &Path) -> Result<(), ResultsError> {
+        write_whole(&directory.join("report.md"), self.markdown().as_bytes())
     }
 
     /// Adds rows to the table: how far a task came, and why no further.

@@ -51,13 +51,13 @@ impl<T: Task> TaskRun<T> {
         self.task.record().report(&self.head, directory)
     }
 
-    /// Writes `manifest.json` and the report as they are now.
+    /// Writes `manifest.json` and `report.md` as they are now.
     ///
     /// # Errors
     /// They cannot be written.
     pub fn note(&self, directory: &Path) -> Result<(), ResultsError> {
         write_manifest(&self.manifest(), directory)?;
-        self.report(directory).write(directory)
+        self.report(directory).write_text(directory)
     }
 
     /// Writes `manifest.json`, the figures, and the report with its page.
