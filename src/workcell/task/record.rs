@@ -195,16 +195,22 @@ impl Report {
         }
     }
 
-    /// Adds rows to the table: the time that each step took, s.
+    /// Adds rows to the table: the time that each step took, s. A virtual cell may be faster or slower than its own clock.
     pub fn times(&mut self, head: &TaskHead) {
         for (stage, time) in &head.times_s {
-            self.row(&stage.words, format!("{time:.1} s"));
+            let time = format!("{time:.1} s by the clock of this machine");
+            self.row(&stage.words, time);
         }
+    }
+
+    /// Adds a row to the table: how long a motion takes, s.
+    pub fn duration(&mut self, name: &str, duration: f64) {
+        self.row(name, format!("{duration:.1} s by the clock of the cell"));
     }
 
     /// Adds rows to the table: how long a motion takes, s, and how near it comes to anything, m.
     pub fn motion(&mut self, duration: f64, clearance: f64) {
-        self.row("motion", format!("{duration:.1} s"));
+        self.duration("motion", duration);
         self.row(
             "least distance to anything else",
             format!("{:.0} mm", 1e3 * clearance),

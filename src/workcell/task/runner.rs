@@ -223,7 +223,7 @@ mod tests {
         );
         assert_eq!(manifest["stopped"]["next"], "do it by hand");
         assert!(
-            report.contains("| doing another thing | 0.0 s |"),
+            report.contains("| doing another thing | 0.0 s by the clock of this machine |"),
             "{report}"
         );
         let (error, manifest, report) = run(1);

@@ -49,10 +49,7 @@ impl TaskRecord for FoldRecord {
         let plan = format!("{}, in {} parts, {how}", self.algorithm, self.parts);
         report.row("plan", plan);
         report.head(head);
-        report.row(
-            "motion as planned",
-            format!("{:.1} s", self.motion.duration_s),
-        );
+        report.duration("motion as planned", self.motion.duration_s);
         report.times(head);
         if let Some(score) = &self.score {
             report.row("the free end slid", or_not_seen(score.sliding_m.map(mm)));
