@@ -114,14 +114,11 @@ impl TaskCommand for ExploreArguments {
 
     fn way(&self) -> Way<'_> {
         Way {
+            arm: self.arm.as_deref(),
             dry_run: self.dry_run,
             checked: None,
             out: self.out.as_deref(),
         }
-    }
-
-    fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
-        Ok(vec![planning.arm("--arm", self.arm.as_deref())?])
     }
 
     fn resumed_in(&self) -> Option<String> {

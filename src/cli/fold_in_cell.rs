@@ -26,22 +26,19 @@ impl TaskCommand for FoldArguments {
 
     fn way(&self) -> Way<'_> {
         Way {
+            arm: self.arm.as_deref(),
             dry_run: self.dry_run,
             checked: Some(self.checked),
             out: self.out.as_deref(),
         }
     }
 
-    fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
+    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<FoldTask, Failure> {
         let parts = self.feedback.unwrap_or(WATCHED_PARTS);
         if parts > MOST_PARTS {
             let message = format!("--feedback: {parts}; allowed in a cell: 2 to {MOST_PARTS}");
             return Err(Failure::Input(message));
         }
-        Ok(vec![planning.arm("--arm", self.arm.as_deref())?])
-    }
-
-    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<FoldTask, Failure> {
         let cell = planning.cell;
         let sheet = self.sheet()?;
         let paper = sheet.file.paper;
@@ -51,7 +48,7 @@ impl TaskCommand for FoldArguments {
             thickness: paper.thickness,
             target: sheet.target,
             algorithm: self.algorithm().on(sheet.friction),
-            parts: usize::from(self.feedback.unwrap_or(WATCHED_PARTS)),
+            parts: usize::from(parts),
         };
         let length = request.sheet.length;
         let title = sheet.file.title;

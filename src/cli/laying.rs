@@ -6,7 +6,7 @@ use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, Spare};
 use rodlab_robot::Pose;
 use rodlab_vision::{ColourRule, Point};
 use rodlab_workcell::task::{
-    Correction, DeployPlan, DeployTask, MotionRequest, Planning, TaskArguments,
+    Correction, DeployPlan, DeployTask, MotionRequest, Planning, TaskArguments, Way,
 };
 use rodlab_workcell::virtual_cell::RodSupply;
 
@@ -35,9 +35,12 @@ pub struct Laying<'a> {
 }
 
 impl LayingArguments {
-    /// The arm.
-    pub fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
-        Ok(vec![planning.arm("--arm", self.arm.as_deref())?])
+    /// How the task is run.
+    pub fn way(&self) -> Way<'_> {
+        Way {
+            arm: self.arm.as_deref(),
+            ..self.task.way()
+        }
     }
 
     /// Plans to lay a rod along the path that `plan` gives for the room that there is and writes into a directory.

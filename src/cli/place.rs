@@ -38,11 +38,7 @@ impl TaskCommand for PlaceArguments {
     type Error = Failure;
 
     fn way(&self) -> Way<'_> {
-        self.laying.task.way()
-    }
-
-    fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
-        self.laying.arms(planning)
+        self.laying.way()
     }
 
     fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<DeployTask, Failure> {

@@ -51,6 +51,7 @@ impl TaskArguments {
     /// How the task is run.
     pub fn way(&self) -> Way<'_> {
         Way {
+            arm: None,
             dry_run: self.dry_run,
             checked: Some(self.checked),
             out: self.out.as_deref(),

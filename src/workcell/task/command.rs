@@ -27,12 +27,12 @@ pub trait TaskCommand {
     /// How it is run.
     fn way(&self) -> Way<'_>;
 
-    /// Indices of the arms that move; the only one of the cell, unless arguments name others.
+    /// Indices of the arms that move.
     ///
     /// # Errors
     /// The cell lacks them.
     fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Self::Error> {
-        Ok(vec![planning.arm("--arm", None)?])
+        Ok(vec![planning.arm("--arm", self.way().arm)?])
     }
 
     /// The name of the results directory of a task that is resumed there; `None` where each task has an empty one.
@@ -50,6 +50,8 @@ pub trait TaskCommand {
 /// How a task is run.
 #[derive(Clone, Copy, Debug)]
 pub struct Way<'a> {
+    /// Name of the arm; not needed where the cell has only one.
+    pub arm: Option<&'a str>,
     /// Whether it is planned only.
     pub dry_run: bool,
     /// Whether the arms were looked at after a task that did not come to its end; `None` where a task may end anywhere.
