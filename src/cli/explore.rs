@@ -121,18 +121,22 @@ impl TaskCommand for ExploreArguments {
         }
     }
 
-    fn resumed_in(&self) -> Option<String> {
-        let stem = self.rod.file_stem().unwrap_or_default();
-        Some(format!("explore-{}", stem.to_string_lossy()))
-    }
-
-    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<ExplorationTask, Failure> {
+    fn check(&self) -> Result<(), Failure> {
         if self.precision > self.step {
             return Err(Failure::Input(format!(
                 "--precision is {}; allowed: at most --step, {}",
                 self.precision, self.step
             )));
         }
+        self.directions.list().map(drop)
+    }
+
+    fn resumed_in(&self) -> Option<String> {
+        let stem = self.rod.file_stem().unwrap_or_default();
+        Some(format!("explore-{}", stem.to_string_lossy()))
+    }
+
+    fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<ExplorationTask, Failure> {
         let exploration = Exploration {
             arm: arms[0],
             rod: ClampedRod::read(&self.rod)?,

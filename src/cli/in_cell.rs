@@ -35,6 +35,7 @@ where
 {
     /// Plans the task, shows it, and carries it out unless it is a dry run.
     pub fn run(&self) -> Result<(), Failure> {
+        self.what.check()?;
         let way = self.what.way();
         let chosen = self.choice.read(C::CELL, way.dry_run)?;
         let directory = match self.what.resumed_in() {

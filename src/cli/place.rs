@@ -41,6 +41,10 @@ impl TaskCommand for PlaceArguments {
         self.laying.way()
     }
 
+    fn check(&self) -> Result<(), Failure> {
+        read_placement(&self.scenario, &self.overrides).map(drop)
+    }
+
     fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<DeployTask, Failure> {
         let placement = read_placement(&self.scenario, &self.overrides)?;
         let laying = Laying {

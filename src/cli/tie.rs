@@ -65,7 +65,7 @@ impl TaskCommand for TieArguments {
         self.task.way()
     }
 
-    fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
+    fn check(&self) -> Result<(), Failure> {
         if !self.plan.ties_knot() {
             return Err(Failure::Input(
                 "--knot is needed: over or under for each crossing, in the order in which the pattern comes there again, as in \
@@ -73,6 +73,10 @@ impl TaskCommand for TieArguments {
                     .into(),
             ));
         }
+        Ok(())
+    }
+
+    fn arms(&self, planning: &Planning<'_>) -> Result<Vec<usize>, Failure> {
         self.two_arms(planning).map(Into::into)
     }
 

@@ -1,6 +1,6 @@
 //! `rodlab place` in the virtual cell.
 
-use super::{gantry, said, serve_cell};
+use super::{said, serve_cell};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

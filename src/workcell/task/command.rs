@@ -27,6 +27,14 @@ pub trait TaskCommand {
     /// How it is run.
     fn way(&self) -> Way<'_>;
 
+    /// Looks at arguments that need no cell, before one is read.
+    ///
+    /// # Errors
+    /// They contradict each other, or name something that is not there.
+    fn check(&self) -> Result<(), Self::Error> {
+        Ok(())
+    }
+
     /// Indices of the arms that move.
     ///
     /// # Errors

@@ -59,7 +59,7 @@ impl From<FoldError> for WorkError {
 #[error("{}", self.in_words())]
 pub struct TaskError {
     /// The step that was not done.
-    pub stage: Stage,
+    pub stage: Box<Stage>,
     /// Why.
     pub error: WorkError,
 }
