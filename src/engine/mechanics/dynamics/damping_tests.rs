@@ -88,7 +88,10 @@ fn forces_are_those_of_dashpots_and_the_jacobian_is_their_derivative() {
             [0.0, 1.0, 2.0, 3.0].map(|seed| moved(&placed, &held, seed));
         for unknowns in [&earliest, &last] {
             system.begin_damping(unknowns);
-            system.keep_damping();
+            system
+                .terms
+                .damping
+                .keep(&system.assembly, &system.geometry);
         }
         system.begin_damping(&start);
         let step = 0.02;

@@ -4,17 +4,13 @@ use super::Simulation;
 use super::failure::no_equilibrium;
 use super::integrator::{STIFFENING, report_contacts};
 use super::report::{SimulationError, StepReport};
-use super::simulation::ONLY_EULER;
 use crate::mechanics::statics::{Descent, SmallMotions, nearby_equilibrium, small_motions};
-use crate::mechanics::system::name_overlap;
+use crate::mechanics::system::{Demand, name_overlap};
 use crate::mechanics::{Overlap, SceneError};
 use tracing::{debug, warn};
 
 /// Times that contact is made stiffer, where rods penetrate, before that is an error.
 const STIFFENINGS: usize = 8;
-
-const NO_ENERGY: SceneError =
-    SceneError::Unsuitable("with friction an equilibrium has no energy whose least it could be");
 
 const NOT_JUDGED: SceneError = SceneError::Unsuitable(
     "the stability of an equilibrium under moments and forces that turn with rods is found for up to 1500 nodes",
@@ -41,9 +37,7 @@ impl Simulation {
         &mut self,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<StepReport>, SimulationError> {
-        if self.system.has_constraints() {
-            return Err(ONLY_EULER.into());
-        }
+        self.system.admit(Demand::Equilibrium)?;
         let mut report = StepReport {
             time: self.state.time,
             ..StepReport::default()
@@ -126,14 +120,9 @@ impl Simulation {
     /// [`SimulationError::NoEquilibrium`], and [`SimulationError::BadScene`] with rigid contact or friction,
     /// where forces have no energy.
     pub fn find_nearby_equilibrium(&mut self) -> Result<usize, SimulationError> {
-        if self.system.has_constraints() {
-            return Err(ONLY_EULER.into());
-        }
+        self.system.admit(Demand::NearbyEquilibrium)?;
         let tolerance = self.integrator.setting.parameters.force_tolerance;
         let mut trial = self.state.unknowns.clone();
-        if self.system.rubs() {
-            return Err(NO_ENERGY.into());
-        }
         let inertia = nearby_equilibrium(&mut self.system, &mut trial, tolerance)
             .map_err(|divergence| no_equilibrium(&mut self.system, &trial, &divergence))?;
         self.rest_at(&trial);
@@ -155,7 +144,7 @@ impl Simulation {
 
     /// Rods that penetrate beyond what is allowed in the last evaluation.
     fn penetration(&self) -> Option<Overlap> {
-        let contact = self.system.contact.as_ref()?;
+        let contact = self.system.terms.contact.model.as_ref()?;
         let overlap = contact.excessive_penetration()?;
         Some(name_overlap(&overlap, contact, &self.system.assembly))
     }

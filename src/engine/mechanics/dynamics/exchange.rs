@@ -53,7 +53,7 @@ impl AcceptedStep<'_> {
     }
 
     fn friction_loss(&self) -> f64 {
-        let Some(contact) = &self.system.contact else {
+        let Some(contact) = &self.system.terms.contact.model else {
             return 0.0;
         };
         let loss = |force: Vector3, normal: &Vector3, node: usize| {
@@ -76,7 +76,7 @@ impl AcceptedStep<'_> {
     }
 
     fn drag_loss(&self) -> f64 {
-        let damping = self.system.loads.damping.iter().enumerate();
+        let damping = self.system.terms.drag.coefficients.iter().enumerate();
         damping
             .map(|(k, coefficient)| {
                 let moved = self.after[k] - self.before[k];

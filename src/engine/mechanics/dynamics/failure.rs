@@ -212,7 +212,7 @@ pub(super) fn no_equilibrium(
     trial: &[f64],
     divergence: &Divergence,
 ) -> SimulationError {
-    let advice = if system.loads.are_forces() {
+    let advice = if system.terms.loads.are_forces() {
         "let the loads grow with time.mode = \"continuation\", or run dynamically with damping"
     } else {
         "run dynamically with damping"

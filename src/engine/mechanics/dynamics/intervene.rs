@@ -13,7 +13,7 @@ impl Simulation {
     /// starts at each node, N m.
     pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
         self.validity.stop_counting_energy();
-        let entries = self.system.external_forces.chunks_exact_mut(STRIDE);
+        let entries = self.system.terms.loads.external.chunks_exact_mut(STRIDE);
         for (entry, (force, moment)) in entries.zip(forces.iter().zip(moments)) {
             entry.copy_from_slice(&[force.x, force.y, force.z, *moment]);
         }
@@ -25,7 +25,7 @@ impl Simulation {
     /// [`SimulationError::BadScene`] where there is no such load.
     pub fn set_load_factor(&mut self, load: usize, factor: f64) -> Result<(), SimulationError> {
         self.validity.stop_counting_energy();
-        let set = self.system.loads.set_factor(load, factor);
+        let set = self.system.set_load_factor(load, factor);
         set.ok_or_else(|| refused(format!("there is no load {load}")))
     }
 

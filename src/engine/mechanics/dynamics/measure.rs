@@ -48,13 +48,13 @@ impl Simulation {
 
     /// Nodes on which planes press in the last step.
     pub fn plane_contacts(&self) -> &[PlaneContact] {
-        let contact = self.system.contact.as_ref();
+        let contact = self.system.terms.contact.model.as_ref();
         contact.map_or(&[], |contact| contact.plane_contacts())
     }
 
     /// The planes; empty without contact.
     pub fn planes(&self) -> &[ContactPlane] {
-        let contact = self.system.contact.as_ref();
+        let contact = self.system.terms.contact.model.as_ref();
         contact.map_or(&[], |contact| contact.planes())
     }
 
@@ -72,7 +72,7 @@ impl Simulation {
             bending: elastic.bending,
             twisting: elastic.twisting,
             contact: 0.0,
-            gravitational: self.system.loads.gravitational_energy(
+            gravitational: self.system.terms.loads.gravitational_energy(
                 self.state.time,
                 &assembly.masses,
                 &left_out,

@@ -52,21 +52,23 @@ impl Simulation {
     /// Pairs of edges that bear on each other in the last step.
     pub fn contacts(&self) -> &[ActiveContact] {
         self.system
+            .terms
             .contact
+            .model
             .as_ref()
             .map_or(&[], |contact| contact.contacts())
     }
 
     /// The obstacle that a contact is with.
     pub fn obstacle_at(&self, contact: &ActiveContact) -> Option<usize> {
-        let system = self.system.contact.as_ref()?;
+        let system = self.system.terms.contact.model.as_ref()?;
         let pair = system.candidates().get(contact.candidate)?;
         system.surface().obstacle_of(pair.edges[1])
     }
 
     /// Contact force on each node in the last step, N; empty without contact.
     pub fn contact_forces(&self) -> Vec<Vector3> {
-        let Some(contact) = &self.system.contact else {
+        let Some(contact) = &self.system.terms.contact.model else {
             return Vec::new();
         };
         let mut forces = vec![Vector3::zeros(); self.published.positions.len()];
@@ -87,7 +89,7 @@ impl Simulation {
         let elastic = self.system.elastic_energy();
         let assembly = &self.system.assembly;
         let nodes = assembly.all_places();
-        let (loads, State { time, unknowns, .. }) = (&self.system.loads, &self.state);
+        let (loads, State { time, unknowns, .. }) = (&self.system.terms.loads, &self.state);
         let of_nodes =
             loads.gravitational_energy(*time, &assembly.masses, &assembly.obstacle, unknowns);
         Energies {
@@ -103,7 +105,7 @@ impl Simulation {
     /// Energy of the contacts now, J. The midpoint rule evaluates them in the middle of its steps.
     fn contact_energy(&self) -> f64 {
         let scheme = self.integrator.setting.parameters.scheme;
-        match &self.system.contact {
+        match &self.system.terms.contact.model {
             None => 0.0,
             Some(_) if scheme == Scheme::ImplicitMidpoint => {
                 self.system.contact_energy_at(&self.published.positions)
@@ -115,7 +117,9 @@ impl Simulation {
     /// Smallest distance between centrelines that may touch, m; infinite if none is near.
     pub fn minimum_distance(&self) -> f64 {
         self.system
+            .terms
             .contact
+            .model
             .as_ref()
             .map_or(f64::INFINITY, |contact| {
                 contact.minimum_distance(&self.published.positions)
@@ -124,14 +128,14 @@ impl Simulation {
 
     /// The bodies, planes and obstacles included, that are nearest to touching; `None` if none is near.
     pub fn nearest(&self) -> Option<Proximity> {
-        let contact = self.system.contact.as_ref()?;
+        let contact = self.system.terms.contact.model.as_ref()?;
         contact.nearest(&self.published.positions)
     }
 
     /// Mean gap between surfaces in contact, weighted by their normal forces, in the last step, m; `None` where nothing
     /// touches.
     pub fn mean_gap(&self) -> Option<f64> {
-        self.system.contact.as_ref()?.mean_gap()
+        self.system.terms.contact.model.as_ref()?.mean_gap()
     }
 
     /// What people should know of the motion so far, a sentence each: strains beyond the theory of rods, energy that came
@@ -226,9 +230,15 @@ impl Simulation {
             control: self.integrator.control,
             interventions: self.system.interventions(),
             validity: self.validity.memory.clone(),
-            contact: self.system.contact.as_ref().map(|contact| contact.memory()),
+            contact: self
+                .system
+                .terms
+                .contact
+                .model
+                .as_ref()
+                .map(|contact| contact.memory()),
             fluid: self.integrator.fluid.memory(),
-            strains: self.system.damping.memory(),
+            strains: self.system.terms.memory(),
             frames: self.system.frame_bases(),
             breaks: self.system.breaks(),
         }
@@ -250,8 +260,8 @@ impl Simulation {
         {
             return Err(foreign("other numbers of nodes or vertices".into()));
         }
-        self.system.place_obstacles(state.time);
-        match (&mut self.system.contact, &state.contact) {
+        self.system.terms.contact.place_obstacles(state.time);
+        match (&mut self.system.terms.contact.model, &state.contact) {
             (Some(contact), Some(memory)) => contact
                 .restore(memory)
                 .map_err(|e| foreign(e.to_string()))?,
@@ -262,7 +272,7 @@ impl Simulation {
             .fluid
             .restore(state.fluid)
             .map_err(foreign)?;
-        let restored = self.system.damping.restore(state.strains);
+        let restored = self.system.terms.restore(state.strains);
         restored.map_err(|what| foreign(what.to_owned()))?;
         let restored = self.system.restore_frame_bases(&state.frames);
         restored.map_err(|what| foreign(what.to_owned()))?;

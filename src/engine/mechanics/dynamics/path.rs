@@ -5,11 +5,7 @@ use super::failure::no_next_point;
 use super::report::SimulationError;
 use crate::mechanics::SceneError;
 use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
-use crate::mechanics::system::MOST_UNKNOWNS;
-
-const NO_PATH: SceneError = SceneError::Unsuitable(
-    "a path of equilibria allows no friction and no contact by complementarity: their forces depend on the way to a configuration",
-);
+use crate::mechanics::system::{Demand, MOST_UNKNOWNS};
 
 const TOO_MANY: SceneError = SceneError::Unsuitable(
     "the stability of a path under moments and forces that turn with rods is found for up to 1500 nodes: take fewer edges",
@@ -23,9 +19,7 @@ impl Simulation {
     /// [`SimulationError::BadScene`] with friction, with rigid contact, and where small motions without an energy would
     /// have too many unknowns.
     pub fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError> {
-        if self.system.has_constraints() || self.system.rubs() {
-            return Err(NO_PATH.into());
-        }
+        self.system.admit(Demand::Path)?;
         if !self.system.is_symmetric() && self.state.unknowns.len() > MOST_UNKNOWNS {
             return Err(TOO_MANY.into());
         }

@@ -5,20 +5,10 @@ use super::parameters::{IntegrationParameters, Scheme};
 use super::report::{SimulationError, StepReport};
 use super::state::State;
 use super::validity::Validity;
+use crate::mechanics::Vector3;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::Scene;
-use crate::mechanics::system::{System, copy_positions};
-use crate::mechanics::{SceneError, Vector3};
-
-/// What rigid contact is for: the midpoint rule would extrapolate through it, and statics has no free motion that
-/// contact could prevent.
-pub(super) const ONLY_EULER: SceneError =
-    SceneError::Unsuitable("contact by complementarity needs time steps of implicit Euler");
-
-/// The midpoint rule knows no rate of a strain that is not linear in the unknowns.
-const NO_MIDPOINT: SceneError = SceneError::Unsuitable(
-    "viscous rods need time steps of implicit Euler or of backward differences",
-);
+use crate::mechanics::system::{Demand, System, copy_positions};
 
 /// A scene in motion.
 pub struct Simulation {
@@ -43,12 +33,11 @@ impl Simulation {
     /// [`SimulationError::BadScene`] names what is impossible.
     pub fn new(scene: &Scene, parameters: &IntegrationParameters) -> Result<Self, SimulationError> {
         let mut system = System::new(scene)?;
-        if system.has_constraints() && parameters.scheme != Scheme::ImplicitEuler {
-            return Err(ONLY_EULER.into());
-        }
-        if system.is_damped() && parameters.scheme == Scheme::ImplicitMidpoint {
-            return Err(NO_MIDPOINT.into());
-        }
+        system.admit(match parameters.scheme {
+            Scheme::ImplicitEuler => Demand::ImplicitEuler,
+            Scheme::ImplicitMidpoint => Demand::ImplicitMidpoint,
+            Scheme::BackwardDifferences => Demand::BackwardDifferences,
+        })?;
         let mut state = State::new(&system.assembly.unknowns, &system.assembly.velocity);
         let mut integrator = Integrator::new(scene, &system, &state, parameters)?;
         system.drive(0.0, &mut state.unknowns);

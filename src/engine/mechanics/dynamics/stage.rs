@@ -154,7 +154,7 @@ impl Workspace {
         };
         // A stiffer contact mends this, but for forces by complementarity, whose overlap `certify` finds.
         if !system.has_constraints()
-            && let Some(contact) = &system.contact
+            && let Some(contact) = &system.terms.contact.model
             && let Some(overlap) = contact.excessive_penetration()
         {
             let overlap = name_overlap(&overlap, contact, &system.assembly);

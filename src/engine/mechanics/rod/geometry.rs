@@ -1,11 +1,11 @@
 //! Edges, frames and strains of all rods at one set of unknowns.
 
-use super::discretization::{ElasticRods, GhostEdge};
+use super::discretization::{ElasticRods, GhostEdge, Vertex};
 use super::edge_lanes::EdgeLanes;
 use super::frame_lanes::{self, every_lane, vector};
 use super::topology::{STRIDE, position};
 use super::transport::unwrapped;
-use super::vertex::EdgeFrame;
+use super::vertex::{EdgeFrame, VertexStrains, curvatures};
 use super::vertex_lanes::VertexLanes;
 use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::Vector3;
@@ -73,6 +73,14 @@ impl RodGeometry {
         }
         for (edges, lanes) in rods.edges.chunks(LANES).zip(&mut self.edge_lanes) {
             lanes.take_natural_strains(edges);
+        }
+    }
+
+    /// Strains of a vertex, by its number.
+    pub(crate) fn strains(&self, index: usize, vertex: &Vertex) -> VertexStrains {
+        VertexStrains {
+            curvature: curvatures(&self.edges[vertex.before], &self.edges[vertex.after]),
+            twist: self.twist(index),
         }
     }
 

@@ -9,12 +9,13 @@
 //! per length. With the lengths l̄ = g l̄₀ of its vertices the natural strains per vertex are g times, the stiffnesses over the
 //! length 1/g times those before. Loads and drag coefficients per length keep to the length without actuation.
 
-use super::System;
 use super::build::Assembly;
-use crate::mechanics::LoadError;
-use crate::mechanics::rod::ElasticRods;
+use super::events::Event;
+use super::term::{Configuration, Kind, Term};
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
-use crate::mechanics::scene::{ActuatedStrain, Actuation};
+use crate::mechanics::rod::{ElasticRods, RodGeometry};
+use crate::mechanics::scene::{ActuatedStrain, Actuation, Scene};
+use crate::mechanics::{LoadError, SceneError};
 
 /// All actuations of a scene, resolved to its vertices and edges.
 #[derive(Clone, Debug, Default)]
@@ -40,34 +41,9 @@ struct Share {
 }
 
 impl Actuators {
-    /// Resolves actuations to the rods of an assembly.
-    ///
-    /// # Errors
-    /// [`LoadError::NoSuchRod`].
-    pub(crate) fn new(actuations: &[Actuation], assembly: &Assembly) -> Result<Self, LoadError> {
-        let rods = assembly.rods.rods.len();
-        if let Some(missing) = actuations.iter().find(|actuation| actuation.rod >= rods) {
-            return Err(LoadError::NoSuchRod(missing.rod));
-        }
-        let mut actuators = Self {
-            changes_length: actuations
-                .iter()
-                .any(|actuation| actuation.strain == ActuatedStrain::Length),
-            actuations: actuations.to_vec(),
-            ..Self::default()
-        };
-        actuators.resolve(assembly);
-        Ok(actuators)
-    }
-
     /// Whether no rod is actuated.
     pub(crate) fn is_empty(&self) -> bool {
         self.actuations.is_empty()
-    }
-
-    /// Times at which an actuation changes its rate, s.
-    pub(crate) fn corners(&self) -> impl Iterator<Item = f64> {
-        (self.actuations.iter()).flat_map(|actuation| actuation.course.corners())
     }
 
     /// Takes note of the vertices and edges that there are; their natural strains are those without actuation.
@@ -208,12 +184,42 @@ impl Actuators {
     }
 }
 
-impl System {
-    /// Gives the rods the natural strains of a time, s.
-    pub(super) fn actuate(&mut self, time: f64) {
-        if !self.actuators.is_empty() {
-            self.actuators.apply(time, &mut self.assembly.rods);
-            self.geometry.take_natural_strains(&self.assembly.rods);
+impl Term for Actuators {
+    /// # Errors
+    /// [`LoadError::NoSuchRod`].
+    fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
+        let (actuations, rods) = (&scene.actuations, assembly.rods.rods.len());
+        if let Some(missing) = actuations.iter().find(|actuation| actuation.rod >= rods) {
+            return Err(LoadError::NoSuchRod(missing.rod).into());
         }
+        let mut actuators = Self {
+            changes_length: actuations
+                .iter()
+                .any(|actuation| actuation.strain == ActuatedStrain::Length),
+            actuations: actuations.clone(),
+            ..Self::default()
+        };
+        actuators.resolve(assembly);
+        Ok(actuators)
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Elastic
+    }
+
+    /// Gives the rods the natural strains of the time.
+    fn drive(&mut self, time: f64, rods: &mut ElasticRods, geometry: &mut RodGeometry) {
+        if !self.is_empty() {
+            self.apply(time, rods);
+            geometry.take_natural_strains(rods);
+        }
+    }
+
+    /// Rods with other natural strains bear other forces; of its own it has none.
+    fn add_forces(&self, _: &Configuration, _: &mut [f64]) {}
+
+    fn list_events(&self, events: &mut Vec<Event>) {
+        let courses = self.actuations.iter().map(|actuation| &actuation.course);
+        events.extend(courses.flat_map(|course| course.corners().map(Event::of_load)));
     }
 }

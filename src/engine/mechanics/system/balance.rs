@@ -15,8 +15,9 @@
 //! No residual can be asked to be smaller than what the last digits of the unknowns leave in elastic forces, and in a
 //! time step in inertia and in friction, whose slip is the difference of two positions over the step.
 
+use super::contact::forces;
 use super::joints::Slide;
-use super::{Stage, System, add_inertia};
+use super::{Assembly, Stage, System};
 use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::{RodRange, STRIDE};
 
@@ -29,9 +30,29 @@ const NEAR_ROUNDING: f64 = 8.0;
 /// Work of what is left of the residual that counts as none, of the energy of a rod: such works of many steps add up.
 const NEGLIGIBLE_WORK: f64 = 1e-5;
 
+/// What residual counts as none.
+pub(super) struct Tolerances {
+    rods: Vec<RodTolerance>,
+    /// The multiple of the acting forces that it is.
+    relative: f64,
+    /// Scratch: which nodes are in contact.
+    in_contact: Vec<bool>,
+}
+
+impl Tolerances {
+    /// None yet.
+    pub(crate) fn new(assembly: &Assembly) -> Self {
+        Self {
+            rods: vec![RodTolerance::default(); assembly.rods.rods.len()],
+            relative: 0.0,
+            in_contact: vec![false; assembly.rods.nodes],
+        }
+    }
+}
+
 /// What of its residual counts as none for one rod.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RodTolerance {
+struct RodTolerance {
     /// Largest force, N; infinite for a rod that is held.
     force: f64,
     /// What rounding leaves of it, N.
@@ -67,10 +88,10 @@ impl System {
         unknowns: &[f64],
         stage: Option<&Stage>,
     ) {
-        self.relative_tolerance = relative;
-        let mut tolerances = std::mem::take(&mut self.tolerances);
+        self.tolerances.relative = relative;
+        let mut tolerances = std::mem::take(&mut self.tolerances.rods);
         tolerances.clear();
-        let contact = self.contact.as_ref();
+        let contact = self.terms.contact.model.as_ref();
         let friction = contact.map_or(0.0, ContactSystem::steepest_friction);
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
             let scale = &self.assembly.scales[rod];
@@ -82,7 +103,8 @@ impl System {
             let weights = [1.0, 1.0, 1.0, 1.0 / scale.shortest_edge];
             for k in unknowns_of_rod {
                 let size = unknowns[k].abs();
-                largest_load = largest_load.max(weights[k % STRIDE] * self.dead_forces[k].abs());
+                largest_load =
+                    largest_load.max(weights[k % STRIDE] * self.terms.loads.present[k].abs());
                 if k % STRIDE != 3 {
                     farthest = farthest.max(size);
                 }
@@ -95,7 +117,7 @@ impl System {
             });
             let friction =
                 stage.map_or(0.0, |stage| friction * farthest * f64::EPSILON / stage.step);
-            let elastic = scale.rounding_stiffness * farthest * self.damping.stiffening(rod);
+            let elastic = scale.rounding_stiffness * farthest * self.terms.damping.stiffening(rod);
             let rounding = ROUNDINGS * elastic.max(inertia).max(friction);
             let force = (relative * scale.force.max(largest_load)).max(rounding);
             tolerances.push(RodTolerance {
@@ -108,7 +130,7 @@ impl System {
                 weight: 1.0,
             });
         }
-        if let Some(contact) = &self.contact {
+        if let Some(contact) = &self.terms.contact.model {
             let pressed = contact.candidates().iter().zip(contact.normal_forces());
             for (pair, force) in pressed.filter(|(_, force)| **force > 0.0) {
                 let nodes = [pair.nodes[0], pair.nodes[3]].into_iter();
@@ -145,12 +167,12 @@ impl System {
                 tolerance.weight = least / tolerance.force;
             }
         }
-        self.tolerances = tolerances;
+        self.tolerances.rods = tolerances;
     }
 
     /// The least residual that is asked for, N; 0 where all rods are held.
     pub(super) fn least_tolerance(&self) -> f64 {
-        let forces = self.tolerances.iter().map(|rod| rod.force);
+        let forces = self.tolerances.rods.iter().map(|rod| rod.force);
         let least = forces.fold(f64::INFINITY, f64::min);
         if least.is_finite() { least } else { 0.0 }
     }
@@ -168,17 +190,18 @@ impl System {
 
     /// The same with another force that counts as none, N.
     fn imbalance_against(&self, allowed_of: impl Fn(&RodTolerance) -> f64) -> Imbalance {
-        let allowed_at = |node: usize| allowed_of(&self.tolerances[self.assembly.locate(node).0]);
+        let allowed_at =
+            |node: usize| allowed_of(&self.tolerances.rods[self.assembly.locate(node).0]);
         let mut worst = Imbalance {
             ratio: 0.0,
             residual: 0.0,
             unknown: 0,
         };
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
-            if !self.tolerances[rod].force.is_finite() {
+            if !self.tolerances.rods[rod].force.is_finite() {
                 continue;
             }
-            let allowed = allowed_of(&self.tolerances[rod]);
+            let allowed = allowed_of(&self.tolerances.rods[rod]);
             let (size, unknown) = self.worst_of(range, self.assembly.scales[rod].shortest_edge);
             let ratio = size / allowed;
             if ratio > worst.ratio || ratio.is_nan() {
@@ -267,47 +290,31 @@ impl System {
     ) -> bool {
         let mut acting = std::mem::take(&mut self.corrected_residual);
         acting.fill(0.0);
-        if let Some(stage) = stage {
-            add_inertia(&self.assembly, &self.loads, stage, unknowns, &mut acting);
+        let at = self.at(unknowns, stage);
+        for term in self.terms.all() {
+            term.add_sizes(&at, &mut acting);
         }
-        self.springs.add_sizes(&mut acting);
-        self.add_sizes_of_followers(&mut acting);
-        let mut in_contact = std::mem::take(&mut self.in_contact);
+        let mut in_contact = std::mem::take(&mut self.tolerances.in_contact);
         in_contact.fill(false);
-        if let Some(contact) = &self.contact {
-            add_contact_forces(contact, &mut acting, &mut in_contact);
+        for (node, _) in self.terms.contact.model.iter().flat_map(forces) {
+            in_contact[node] = true;
         }
         let rods = self.assembly.rods.rods.iter().enumerate();
         let balanced = rods
-            .filter(|(rod, _)| self.tolerances[*rod].force.is_finite())
+            .filter(|(rod, _)| self.tolerances.rods[*rod].force.is_finite())
             .all(|(rod, range)| self.is_rod_balanced(rod, range, &acting, &in_contact))
             && self.assembly.joints.frames.iter().all(|frame| {
                 let rod = self.assembly.locate(frame.node).0;
-                let rounding = self.tolerances[rod].rounding;
+                let rounding = self.tolerances.rods[rod].rounding;
                 self.residual_of_frame(frame.first_unknown, rod) <= rounding
             })
             && self.assembly.joints.slides.iter().all(|slide| {
                 let rod = self.assembly.locate(slide.node).0;
-                self.residual_along(slide) <= self.tolerances[rod].rounding
+                self.residual_along(slide) <= self.tolerances.rods[rod].rounding
             });
         self.corrected_residual = acting;
-        self.in_contact = in_contact;
+        self.tolerances.in_contact = in_contact;
         balanced
-    }
-
-    /// Adds the magnitudes of the forces that turn with edges.
-    fn add_sizes_of_followers(&self, acting: &mut [f64]) {
-        for follower in &self.loads.followers {
-            let force = follower.force(self.time, &self.geometry.edges[follower.start]);
-            for (node, share) in [follower.start, follower.end]
-                .into_iter()
-                .zip(follower.shares)
-            {
-                for axis in 0..3 {
-                    acting[STRIDE * node + axis] += share * force[axis].abs();
-                }
-            }
-        }
     }
 
     /// The same for one rod; `acting` are the forces on its unknowns but for loads.
@@ -321,11 +328,11 @@ impl System {
         let per_length = 1.0 / self.assembly.scales[rod].shortest_edge;
         let weights = [1.0, 1.0, 1.0, per_length];
         let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
-        let rounding = self.tolerances[rod].rounding;
+        let rounding = self.tolerances.rods[rod].rounding;
         let (mut largest, mut reactions) = (0.0_f64, 0.0_f64);
         for k in unknowns.clone() {
             let weight = weights[k % STRIDE];
-            largest = largest.max(weight * self.dead_forces[k].abs().max(acting[k].abs()));
+            largest = largest.max(weight * self.terms.loads.present[k].abs().max(acting[k].abs()));
             if self.assembly.held[k] {
                 reactions = reactions.max(weight * self.residual[k].abs());
             }
@@ -336,13 +343,13 @@ impl System {
         }
         unknowns.filter(|&k| !self.assembly.held[k]).all(|k| {
             let weight = weights[k % STRIDE];
-            let load = weight * self.dead_forces[k].abs();
+            let load = weight * self.terms.loads.present[k].abs();
             let allowed = if largest == 0.0 {
                 rounding
             } else if load > 0.0 && !in_contact[k / STRIDE] {
-                self.relative_tolerance * load
+                self.tolerances.relative * load
             } else {
-                self.relative_tolerance * largest
+                self.tolerances.relative * largest
             };
             weight * self.residual[k].abs() <= allowed
         })
@@ -353,7 +360,7 @@ impl System {
     pub(crate) fn residual_does_work(&self, unknowns: &[f64], stage: &Stage) -> bool {
         let mut rods = self.assembly.rods.rods.iter().enumerate();
         rods.any(|(rod, range)| {
-            let tolerance = self.tolerances[rod];
+            let tolerance = self.tolerances.rods[rod];
             if !tolerance.force.is_finite() {
                 return false;
             }
@@ -366,7 +373,7 @@ impl System {
                 let velocity = moved / stage.step;
                 work += self.residual[k] * moved;
                 energy += 0.5 * self.assembly.masses[k] * velocity * velocity;
-                energy += (self.dead_forces[k] * moved).abs();
+                energy += (self.terms.loads.present[k] * moved).abs();
             }
             let counts = |energy: f64| work.abs() > NEGLIGIBLE_WORK * energy;
             counts(energy)
@@ -387,7 +394,7 @@ impl System {
     pub(super) fn square(&self, residual: &[f64]) -> f64 {
         let mut sums = [0.0; STRIDE];
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
-            let weight = self.tolerances[rod].weight;
+            let weight = self.tolerances.rods[rod].weight;
             let per_length = weight / self.assembly.scales[rod].shortest_edge;
             let weights = [weight, weight, weight, per_length];
             let unknowns = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
@@ -401,7 +408,7 @@ impl System {
         }
         for frame in &self.assembly.joints.frames {
             let rod = self.assembly.locate(frame.node).0;
-            let weight = self.tolerances[rod].weight;
+            let weight = self.tolerances.rods[rod].weight;
             let per_length = weight / self.assembly.scales[rod].shortest_edge;
             let own = &residual[frame.first_unknown..frame.first_unknown + STRIDE];
             for (k, sum) in sums.iter_mut().enumerate() {
@@ -411,30 +418,9 @@ impl System {
         }
         for slide in &self.assembly.joints.slides {
             let rod = self.assembly.locate(slide.node).0;
-            let along = residual[slide.unknown] * self.tolerances[rod].weight / slide.edge();
+            let along = residual[slide.unknown] * self.tolerances.rods[rod].weight / slide.edge();
             sums[3] += along * along;
         }
         sums.iter().sum()
-    }
-}
-
-/// Adds the magnitudes of the contact forces of the last evaluation, and marks their nodes.
-fn add_contact_forces(contact: &ContactSystem, forces: &mut [f64], in_contact: &mut [bool]) {
-    for pair in contact.contacts() {
-        for (corner, &node) in pair.nodes.iter().enumerate() {
-            if !contact.is_of_rod(node) {
-                continue;
-            }
-            in_contact[node] = true;
-            for axis in 0..3 {
-                forces[STRIDE * node + axis] += pair.force[3 * corner + axis].abs();
-            }
-        }
-    }
-    for touch in contact.plane_contacts() {
-        in_contact[touch.node] = true;
-        for axis in 0..3 {
-            forces[STRIDE * touch.node + axis] += touch.force[axis].abs();
-        }
     }
 }

@@ -196,9 +196,9 @@ impl System {
         if self.breaking.links.is_empty() {
             return false;
         }
-        self.springs.stretch(unknowns);
+        self.terms.springs.stretch(unknowns);
         self.assembly.joints.rotate(unknowns);
-        (self.springs).turn(&self.assembly.joints, &self.assembly.drives, time);
+        (self.terms.springs).turn(&self.assembly.joints, &self.assembly.drives, time);
         let mut breaking = std::mem::take(&mut self.breaking);
         let mut any = false;
         for link in breaking
@@ -208,8 +208,8 @@ impl System {
         {
             let [force, moment] = match link.tie {
                 Tie::Spring(number) => [
-                    self.springs.force(number).abs(),
-                    self.springs.moment(number),
+                    self.terms.springs.force(number).abs(),
+                    self.terms.springs.moment(number),
                 ],
                 Tie::Point { load, .. } => load,
                 Tie::Slide(node) => {
@@ -239,8 +239,8 @@ impl System {
         }
         self.breaking = breaking;
         if any {
-            self.damping.rest();
-            self.matrix.recouple(&self.assembly, &self.springs);
+            self.terms.damping.rest();
+            self.recouple();
         }
         any
     }
@@ -272,13 +272,18 @@ impl System {
                 self.part(tie);
             }
         }
-        self.matrix.recouple(&self.assembly, &self.springs);
+        self.recouple();
         Ok(())
+    }
+
+    fn recouple(&mut self) {
+        let elements = self.terms.elements(&self.assembly);
+        self.matrix.recouple(&self.assembly, &elements);
     }
 
     fn part(&mut self, tie: Tie) {
         match tie {
-            Tie::Spring(number) => self.springs.cut(number),
+            Tie::Spring(number) => self.terms.springs.cut(number),
             Tie::Point { node, turning, .. } => {
                 let joints = &mut self.assembly.joints;
                 joints.points.retain(|point| point[0] != node);
@@ -292,7 +297,7 @@ impl System {
                     Turning::Hinge(frame) => {
                         let frame = &mut joints.frames[frame];
                         (frame.hinge, frame.spring) = (None, None);
-                        self.springs.leave_hinge(own + 3);
+                        self.terms.springs.leave_hinge(own + 3);
                         self.assembly.held[own..own + 3].fill(false);
                         self.assembly.held[own + 3] = true;
                     }

@@ -495,6 +495,15 @@ impl Assembly {
         self.held.get(STRIDE * node) == Some(&false)
     }
 
+    /// Node at which a vertex lies.
+    pub(super) fn node_of(&self, vertex: &Vertex) -> usize {
+        if vertex.after < self.rods.nodes {
+            return vertex.after;
+        }
+        let (rod, _) = self.locate(vertex.before);
+        self.rods.rods[rod].end_of(vertex.before)
+    }
+
     /// Rod and node along it of a node of the whole scene.
     pub(crate) fn locate(&self, node: usize) -> (usize, usize) {
         let rod = self

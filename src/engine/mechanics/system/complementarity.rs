@@ -66,8 +66,7 @@ impl From<SingularMatrix> for NoContactForces {
 impl System {
     /// Whether contact forces are found by complementarity.
     pub(crate) fn has_constraints(&self) -> bool {
-        let contact = self.contact.as_ref();
-        contact.is_some_and(|contact| contact.parameters().is_complementarity())
+        self.terms.contact.is_rigid()
     }
 
     /// Whether rods near each other move by more than `far` (m) relative to each other in a step that ends at `unknowns`.
@@ -76,7 +75,7 @@ impl System {
         let motions: Vec<Vector3> = starts
             .map(|(node, start)| position(unknowns, node) - start)
             .collect();
-        let contact = self.contact.as_ref();
+        let contact = self.terms.contact.model.as_ref();
         contact.is_some_and(|contact| contact.largest_relative_motion(&motions) > far)
     }
 
@@ -94,24 +93,24 @@ impl System {
         search: &mut ForceSearch,
         radius: f64,
     ) -> Result<f64, NoContactForces> {
-        let Some(mut contact) = self.contact.take() else {
+        let Some(mut contact) = self.terms.contact.model.take() else {
             return Ok(0.0);
         };
         let earlier = contact.release_constraints();
-        let found = if contact.candidates().is_empty() && !self.has_planes {
+        let found = if contact.candidates().is_empty() && !self.terms.contact.has_planes {
             Ok(0.0)
         } else {
             self.load_constraints(&mut contact, &earlier, unknowns, stage, search, radius)
         };
-        self.contact = Some(contact);
+        self.terms.contact.model = Some(contact);
         found
     }
 
     /// Adds the correction that [`Self::find_contact_forces`] found last to the unknowns, or the part that moves no position
     /// farther than `farthest`, m.
     pub(crate) fn take_correction(&self, unknowns: &mut [f64], farthest: f64) {
-        let part = (farthest / largest_move(&self.correction)).min(1.0);
-        for (own, correction) in unknowns.iter_mut().zip(&self.correction) {
+        let part = (farthest / largest_move(&self.terms.contact.correction)).min(1.0);
+        for (own, correction) in unknowns.iter_mut().zip(&self.terms.contact.correction) {
             *own += part * correction;
         }
     }
@@ -130,19 +129,19 @@ impl System {
         self.linearize(unknowns, Some(stage));
         self.matrix.expect_contacts(contact);
         self.factor()?;
-        let mut correction = std::mem::take(&mut self.correction);
+        let mut correction = std::mem::take(&mut self.terms.contact.correction);
         correction.resize(unknowns.len(), 0.0);
-        copy_positions(unknowns, &mut self.positions);
+        copy_positions(unknowns, &mut self.terms.contact.positions);
         // What moves towards each other under the forces that are known may touch; what else touches, the next pass will see.
-        let mut motions = vec![Vector3::zeros(); self.positions.len()];
-        contact.list_constraints(&self.positions, &motions, 0.0, earlier);
+        let mut motions = vec![Vector3::zeros(); self.terms.contact.positions.len()];
+        contact.list_constraints(&self.terms.contact.positions, &motions, 0.0, earlier);
         self.free_forces(&mut correction);
         for constraint in contact.constraints() {
             self.push(constraint, &constraint.force, &mut correction);
         }
         self.matrix.solve(&mut correction)?;
         copy_positions(&correction, &mut motions);
-        contact.list_constraints(&self.positions, &motions, 0.0, earlier);
+        contact.list_constraints(&self.terms.contact.positions, &motions, 0.0, earlier);
         if contact.couple_constraints() {
             self.matrix.expect_other_candidates();
         }
@@ -158,7 +157,7 @@ impl System {
             }
         }
         let moved = largest_move(&correction).max(moved);
-        self.correction = correction;
+        self.terms.contact.correction = correction;
         Ok(moved)
     }
 
@@ -182,7 +181,7 @@ impl System {
             })
             .collect();
         let constraints = contact.constraints();
-        let turning_of = |constraint| contact.turning(constraint, &self.positions);
+        let turning_of = |constraint| contact.turning(constraint, &self.terms.contact.positions);
         let turning: Vec<ElementMatrix> = if turns {
             constraints.iter().map(turning_of).collect()
         } else {
@@ -220,7 +219,7 @@ impl System {
 
     /// How far a node, or a vertex of an obstacle, has moved since the step began, m.
     pub(super) fn slid(&self, contact: &ContactSystem, node: usize, stage: &Stage) -> Vector3 {
-        match self.positions.get(node) {
+        match self.terms.contact.positions.get(node) {
             Some(position) => position - stage.positions[node],
             None => contact.vertex_motion(node),
         }

@@ -61,17 +61,18 @@ impl System {
         radius: f64,
     ) -> bool {
         // It solves with the rods alone, each for itself.
-        if !self.assembly.joints.is_empty() || !self.springs.couple_nothing() {
+        if !self.assembly.joints.is_empty() || self.terms.couple_nodes() {
             return false;
         }
         let rods = self.assembly.rods.rods.len();
-        let surprised = (self.contact.as_mut()).filter(|contact| contact.is_surprised(rods));
+        let surprised =
+            (self.terms.contact.model.as_mut()).filter(|contact| contact.is_surprised(rods));
         let Some(contact) = surprised else {
             return false;
         };
         contact.begin_forces_anew();
         let farthest = FARTHEST * radius;
-        let moves = (0..self.positions.len())
+        let moves = (0..self.terms.contact.positions.len())
             .map(|node| (position(unknowns, node) - stage.positions[node]).norm());
         let of_step = moves.fold(0.0, f64::max);
         let mut from_start = self.at_start(unknowns, stage);
@@ -112,18 +113,18 @@ impl System {
         stage: &Stage,
         reach: [f64; 2],
     ) -> Option<f64> {
-        let mut contact = self.contact.take()?;
+        let mut contact = self.terms.contact.model.take()?;
         self.linearize(unknowns, Some(stage));
         let moved = self
             .matrix
             .factor_rods()
             .is_some_and(|inertia| inertia.negative == 0)
             .then(|| {
-                copy_positions(unknowns, &mut self.positions);
+                copy_positions(unknowns, &mut self.terms.contact.positions);
                 self.sweep(&mut contact, stage, reach, unknowns)
             });
         contact.release_constraints();
-        self.contact = Some(contact);
+        self.terms.contact.model = Some(contact);
         moved.flatten()
     }
 
@@ -136,9 +137,14 @@ impl System {
     ) -> Option<f64> {
         let mut responses = Responses::new(self.matrix.rod_factor(), &self.assembly);
         let mut correction = responses.free_motion(&self.residual);
-        let nodes = 0..self.positions.len();
+        let nodes = 0..self.terms.contact.positions.len();
         let motions: Vec<Vector3> = nodes.map(|node| position(&correction, node)).collect();
-        contact.list_constraints(&self.positions, &motions, 2.0 * MARGIN * radius, &[]);
+        contact.list_constraints(
+            &self.terms.contact.positions,
+            &motions,
+            2.0 * MARGIN * radius,
+            &[],
+        );
         contact.load_begun_forces();
         let constraints = contact.constraints();
         if constraints.is_empty() {
@@ -180,7 +186,8 @@ impl System {
         if !correction.iter().all(|entry| entry.is_finite()) {
             return None;
         }
-        let moves = (0..self.positions.len()).map(|node| position(&correction, node).norm());
+        let moves =
+            (0..self.terms.contact.positions.len()).map(|node| position(&correction, node).norm());
         let longest = moves.fold(0.0, f64::max);
         let part = (farthest / longest).min(1.0);
         for (own, correction) in unknowns.iter_mut().zip(&correction) {

@@ -20,57 +20,61 @@ const MADE_BY_CONTACT: f64 = 0.2;
 impl System {
     /// Adapts the contact stiffness to the forces without contact at `unknowns` (thesis Eqs. 2.18, 2.19).
     pub(crate) fn adapt_contact_stiffness(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
-        let Some(mut contact) = self.contact.take() else {
+        let Some(mut contact) = self.terms.contact.model.take() else {
             return;
         };
-        let may_touch = !contact.candidates().is_empty() || self.has_planes;
+        let may_touch = !contact.candidates().is_empty() || self.terms.contact.has_planes;
         if may_touch && !contact.parameters().is_complementarity() {
             self.evaluate(unknowns, stage);
-            for node in 0..self.nodal_forces.len() {
+            for node in 0..self.terms.contact.forces.len() {
                 let held = self.assembly.held[STRIDE * node];
-                self.nodal_forces[node] = if held {
+                self.terms.contact.forces[node] = if held {
                     Vector3::zeros()
                 } else {
                     position(&self.residual, node)
                 };
             }
-            copy_positions(unknowns, &mut self.positions);
-            contact.adapt_stiffness(&self.positions, &self.nodal_forces);
+            copy_positions(unknowns, &mut self.terms.contact.positions);
+            contact.adapt_stiffness(&self.terms.contact.positions, &self.terms.contact.forces);
         }
-        self.contact = Some(contact);
+        self.terms.contact.model = Some(contact);
     }
 
     /// Contact stiffness k; zero without contact.
     pub(crate) fn contact_stiffness(&self) -> f64 {
-        self.contact.as_ref().map_or(0.0, ContactSystem::stiffness)
+        self.terms
+            .contact
+            .model
+            .as_ref()
+            .map_or(0.0, ContactSystem::stiffness)
     }
 
     /// Sets the contact stiffness back to what it was before a step that is repeated.
     pub(crate) fn restore_contact_stiffness(&mut self, stiffness: f64) {
-        if let Some(contact) = &mut self.contact {
+        if let Some(contact) = &mut self.terms.contact.model {
             contact.set_stiffness(stiffness);
         }
     }
 
     /// Energy that the change of the contact stiffness from `before` has made in this step, J.
     pub(crate) fn energy_of_stiffening(&mut self, before: f64) -> f64 {
-        let Some(contact) = &mut self.contact else {
+        let Some(contact) = &mut self.terms.contact.model else {
             return 0.0;
         };
         let now = contact.stiffness();
         if now == before {
             return 0.0;
         }
-        let stored = stored_at_start(contact, before, &self.step_start).energy;
-        stored_at_start(contact, now, &self.step_start).energy - stored
+        let stored = stored_at_start(contact, before, &self.terms.contact.step_start).energy;
+        stored_at_start(contact, now, &self.terms.contact.step_start).energy - stored
     }
 
     /// Lowers the contact stiffness, risen from `before`, as far as the energy of the contacts at the start of a step asks
     /// for.
     pub(crate) fn bound_contact_stiffness(&mut self, before: f64, stage: &Stage) {
-        if let Some(mut contact) = self.contact.take() {
+        if let Some(mut contact) = self.terms.contact.model.take() {
             self.bound_stiffness(&mut contact, before, stage);
-            self.contact = Some(contact);
+            self.terms.contact.model = Some(contact);
         }
     }
 
@@ -80,7 +84,7 @@ impl System {
         if self.has_constraints() {
             return false;
         }
-        let Some(mut contact) = self.contact.take() else {
+        let Some(mut contact) = self.terms.contact.model.take() else {
             return false;
         };
         let before = contact.stiffness();
@@ -93,7 +97,7 @@ impl System {
         if !is_stiffer {
             contact.set_stiffness(before);
         }
-        self.contact = Some(contact);
+        self.terms.contact.model = Some(contact);
         is_stiffer
     }
 
@@ -103,11 +107,12 @@ impl System {
         if wanted <= before {
             return;
         }
-        let stored = stored_at_start(contact, before, &self.step_start).energy;
+        let stored = stored_at_start(contact, before, &self.terms.contact.step_start).energy;
         if stored == 0.0 {
             return contact.set_stiffness(wanted);
         }
-        let Stored { energy, contacts } = stored_at_start(contact, wanted, &self.step_start);
+        let Stored { energy, contacts } =
+            stored_at_start(contact, wanted, &self.terms.contact.step_start);
         let made = energy - stored;
         let by_contacts = MADE_BY_CONTACT * contacts as f64 * contact.work_over_tolerance();
         let mut allowed = by_contacts + MADE * self.kinetic_energy_at_start(stage);

@@ -32,7 +32,9 @@
 
 use super::System;
 use super::build::Assembly;
-use crate::mechanics::rod::{ElasticEnergy, ElasticRods, Vertex};
+use super::term::{Configuration, Demand, Kind, Term};
+use crate::mechanics::SceneError;
+use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry, Vertex};
 use crate::mechanics::scene::{Relaxation, Scene};
 
 /// Strains that are kept of a vertex.
@@ -40,9 +42,14 @@ const OF_VERTEX: usize = 5;
 /// A step over the relaxation time below which (1 − γ)/x is ½ − x/6 to all digits that matter.
 const SHORT: f64 = 1e-6;
 
+/// The midpoint rule has no rate of a strain that is not linear in the unknowns.
+const NO_MIDPOINT: SceneError = SceneError::Unsuitable(
+    "viscous rods need time steps of implicit Euler or of backward differences",
+);
+
 /// Dashpots of all rods.
 #[derive(Clone, Debug, Default)]
-pub struct Damping {
+pub(crate) struct Damping {
     /// Retardation time of each rod, s, and what relaxes in it; empty where no rod is damped.
     rods: Vec<(f64, Option<Relaxation>)>,
     /// Strains of the vertices, then lengths of the edges (m), at the starts of the last steps, the latest first.
@@ -108,22 +115,6 @@ impl Beside {
 }
 
 impl Damping {
-    /// Of the rods of a scene.
-    pub(crate) fn new(scene: &Scene) -> Self {
-        let rods = scene.rods.iter();
-        let rods: Vec<_> = rods
-            .map(|rod| (rod.retardation_time, rod.relaxation))
-            .collect();
-        let is_damped = |rod: &(f64, Option<Relaxation>)| rod.0 > 0.0 || rod.1.is_some();
-        Self {
-            rods: match rods.iter().any(is_damped) {
-                true => rods,
-                false => Vec::new(),
-            },
-            ..Self::default()
-        }
-    }
-
     /// Whether there is none.
     pub(crate) fn is_empty(&self) -> bool {
         self.rods.is_empty()
@@ -132,41 +123,6 @@ impl Damping {
     /// Whether a spring and a dashpot in a row lie in any rod.
     fn relaxes(&self) -> bool {
         self.rods.iter().any(|rod| rod.1.is_some())
-    }
-
-    /// Strains at the starts of the steps before the present one, and what relaxes; what a checkpoint holds.
-    pub(crate) fn memory(&self) -> Vec<Vec<f64>> {
-        if self.is_empty() {
-            return Vec::new();
-        }
-        let mut memory = self.history[1..].to_vec();
-        if self.relaxes() {
-            memory.push(self.relaxing.clone());
-        }
-        memory
-    }
-
-    /// Goes on from a checkpoint.
-    ///
-    /// # Errors
-    /// What of it does not fit.
-    pub(crate) fn restore(&mut self, mut memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
-        let expected = match self.is_empty() {
-            true => 0,
-            false => 2 + usize::from(self.relaxes()),
-        };
-        if memory.len() != expected {
-            return Err("damping");
-        }
-        if self.relaxes() {
-            self.relaxing = memory.pop().unwrap_or_default();
-            self.places.clear();
-        }
-        for (kept, strains) in self.history[1..].iter_mut().zip(memory) {
-            *kept = strains;
-        }
-        self.stage = None;
-        Ok(())
     }
 
     /// The rods without their dashpots are in no stage.
@@ -262,71 +218,70 @@ fn rod_of(assembly: &Assembly, edge: usize) -> usize {
 
 /// Kind of a strain, by which its energy counts.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum StrainKind {
     Stretching,
     Bending,
     Twisting,
 }
 
 /// Kind, rod and stiffness K of each strain, in the order in which they are kept.
-fn all_strains(assembly: &Assembly) -> impl Iterator<Item = (Kind, usize, f64)> {
+fn all_strains(assembly: &Assembly) -> impl Iterator<Item = (StrainKind, usize, f64)> {
     let rods = &assembly.rods;
     let of_vertices = rods.vertices.iter().flat_map(|vertex| {
         let rod = rod_of(assembly, vertex.before.min(vertex.after));
         (0..OF_VERTEX).map(move |strain| match strain {
-            0..4 => (Kind::Bending, rod, vertex.stiffness.bending[strain % 2]),
-            _ => (Kind::Twisting, rod, vertex.stiffness.twisting),
+            0..4 => (
+                StrainKind::Bending,
+                rod,
+                vertex.stiffness.bending[strain % 2],
+            ),
+            _ => (StrainKind::Twisting, rod, vertex.stiffness.twisting),
         })
     });
     let of_edges = rods.edges.iter().map(|edge| {
         let stiffness = edge.stretching / edge.natural_length;
-        (Kind::Stretching, rod_of(assembly, edge.start), stiffness)
+        (
+            StrainKind::Stretching,
+            rod_of(assembly, edge.start),
+            stiffness,
+        )
     });
     of_vertices.chain(of_edges)
 }
 
-impl System {
-    /// Whether a rod is damped by its material.
-    pub(crate) fn is_damped(&self) -> bool {
-        !self.damping.is_empty()
-    }
-
-    /// Takes note of the strains at `unknowns`, where a step starts.
-    pub(crate) fn begin_damping(&mut self, unknowns: &[f64]) {
-        if self.damping.is_empty() {
-            return;
-        }
-        self.update_geometry(unknowns);
-        let mut strains = std::mem::take(&mut self.damping.history[0]);
-        self.write_strains(&mut strains);
-        if self.damping.relaxes() {
-            if self.damping.places.is_empty() {
-                self.place_relaxing();
+impl Damping {
+    /// Takes note of the strains of the geometry, where a step starts.
+    fn begin(&mut self, assembly: &Assembly, geometry: &RodGeometry) {
+        let mut strains = std::mem::take(&mut self.history[0]);
+        write_strains(assembly, geometry, &mut strains);
+        if self.relaxes() {
+            if self.places.is_empty() {
+                self.place(assembly);
             }
-            self.damping.relaxing.resize(strains.len(), 0.0);
+            self.relaxing.resize(strains.len(), 0.0);
         }
-        self.damping.history[0] = strains;
+        self.history[0] = strains;
     }
 
     /// Gives each vertex its q where clamps have come or gone; that of a new one is relaxed.
-    pub(super) fn place_relaxing(&mut self) {
-        if !self.damping.relaxes() {
+    pub(super) fn place(&mut self, assembly: &Assembly) {
+        if !self.relaxes() {
             return;
         }
-        let rods = &self.assembly.rods;
+        let rods = &assembly.rods;
         let is_of_clamp = |edge: usize| edge >= rods.nodes;
         let place = |vertex: &Vertex| {
             let edges = [vertex.before, vertex.after];
-            (self.node_of(vertex), edges.map(is_of_clamp))
+            (assembly.node_of(vertex), edges.map(is_of_clamp))
         };
         let places = rods.vertices.iter().map(place).collect();
-        let before = std::mem::replace(&mut self.damping.places, places);
-        if before.is_empty() || self.damping.relaxing.is_empty() {
+        let before = std::mem::replace(&mut self.places, places);
+        if before.is_empty() || self.relaxing.is_empty() {
             return;
         }
-        let old = std::mem::take(&mut self.damping.relaxing);
+        let old = std::mem::take(&mut self.relaxing);
         let mut relaxing = Vec::with_capacity(old.len());
-        for place in &self.damping.places {
+        for place in &self.places {
             let own = before.iter().position(|earlier| earlier == place);
             match own.map(|own| OF_VERTEX * own) {
                 Some(first) => relaxing.extend_from_slice(&old[first..first + OF_VERTEX]),
@@ -334,76 +289,182 @@ impl System {
             }
         }
         relaxing.extend_from_slice(&old[OF_VERTEX * before.len()..]);
-        self.damping.relaxing = relaxing;
+        self.relaxing = relaxing;
+    }
+
+    /// A step was accepted: the strains at its start are those of the step before, and what relaxes has done so until the last
+    /// evaluation, altogether where that was of no stage.
+    pub(crate) fn keep(&mut self, assembly: &Assembly, geometry: &RodGeometry) {
+        if self.relaxes() {
+            let mut relaxing = std::mem::take(&mut self.relaxing);
+            let mut strains = std::mem::take(&mut self.strains);
+            write_strains(assembly, geometry, &mut strains);
+            let start = &self.history[0];
+            for (index, (_, rod, _)) in all_strains(assembly).enumerate() {
+                if let (Some(own), Some(start)) = (relaxing.get_mut(index), start.get(index)) {
+                    *own = self.beside(rod).relaxed(*own, strains[index] - start);
+                }
+            }
+            self.strains = strains;
+            self.relaxing = relaxing;
+        }
+        self.history.rotate_right(1);
+    }
+
+    /// Energy of the springs that lie in a row with a dashpot, of one rod or of all, ½ K q²/r, at the end of the last step, J.
+    pub(super) fn relaxing_energy(&self, assembly: &Assembly, of: Option<usize>) -> ElasticEnergy {
+        let mut energy = ElasticEnergy::default();
+        for (relaxing, (kind, rod, stiffness)) in self.relaxing.iter().zip(all_strains(assembly)) {
+            let Some(Relaxation { ratio, .. }) = self.rods[rod].1 else {
+                continue;
+            };
+            if of.is_none_or(|of| of == rod) {
+                let sum = match kind {
+                    StrainKind::Stretching => &mut energy.stretching,
+                    StrainKind::Bending => &mut energy.bending,
+                    StrainKind::Twisting => &mut energy.twisting,
+                };
+                *sum += 0.5 * stiffness * relaxing * relaxing / ratio;
+            }
+        }
+        energy
+    }
+}
+
+/// Strains of the vertices and lengths of the edges.
+fn write_strains(assembly: &Assembly, geometry: &RodGeometry, strains: &mut Vec<f64>) {
+    strains.clear();
+    let rods = &assembly.rods;
+    for (index, vertex) in rods.vertices.iter().enumerate() {
+        let turning = vertex.strain.of(&geometry.strains(index, vertex));
+        strains.extend(turning.curvature);
+        strains.push(turning.twist);
+    }
+    let edges = rods.edges.iter();
+    strains.extend(edges.map(|edge| geometry.edges[edge.start].length));
+}
+
+impl Term for Damping {
+    fn new(scene: &Scene, _: &mut Assembly) -> Result<Self, SceneError> {
+        let rods = scene.rods.iter();
+        let rods: Vec<_> = rods
+            .map(|rod| (rod.retardation_time, rod.relaxation))
+            .collect();
+        let is_damped = |rod: &(f64, Option<Relaxation>)| rod.0 > 0.0 || rod.1.is_some();
+        Ok(Self {
+            rods: match rods.iter().any(is_damped) {
+                true => rods,
+                false => Vec::new(),
+            },
+            ..Self::default()
+        })
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Motion
+    }
+
+    /// That of what relaxes.
+    fn energy(&self, assembly: &Assembly, _: &RodGeometry) -> ElasticEnergy {
+        self.relaxing_energy(assembly, None)
+    }
+
+    /// Rods that are elastic ones of the stage bear what their dashpots do; of its own it has no force.
+    fn add_forces(&self, _: &Configuration, _: &mut [f64]) {}
+
+    fn accept(&mut self, assembly: &Assembly, geometry: &RodGeometry) {
+        self.keep(assembly, geometry);
+    }
+
+    /// Strains at the starts of the steps before the present one, and what relaxes.
+    fn memory(&self) -> Vec<Vec<f64>> {
+        if self.is_empty() {
+            return Vec::new();
+        }
+        let mut memory = self.history[1..].to_vec();
+        if self.relaxes() {
+            memory.push(self.relaxing.clone());
+        }
+        memory
+    }
+
+    fn restore(&mut self, memory: &mut dyn Iterator<Item = Vec<f64>>) -> Result<(), &'static str> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        for kept in &mut self.history[1..] {
+            *kept = memory.next().ok_or("damping")?;
+        }
+        if self.relaxes() {
+            self.relaxing = memory.next().ok_or("damping")?;
+            self.places.clear();
+        }
+        self.stage = None;
+        Ok(())
+    }
+
+    fn refuses(&self, demand: Demand) -> Option<SceneError> {
+        (demand == Demand::ImplicitMidpoint && !self.is_empty()).then_some(NO_MIDPOINT)
+    }
+}
+
+impl System {
+    /// Takes note of the strains at `unknowns`, where a step starts.
+    pub(crate) fn begin_damping(&mut self, unknowns: &[f64]) {
+        if self.terms.damping.is_empty() {
+            return;
+        }
+        self.update_geometry(unknowns);
+        self.terms.damping.begin(&self.assembly, &self.geometry);
     }
 
     /// Sets up the dashpots of a stage `step` (s) long in a step of a `size` (s), whose differences weigh earlier strains with
     /// `weights`.
     pub(crate) fn damp(&mut self, step: f64, size: f64, weights: [f64; 2]) {
-        if self.damping.is_empty() {
+        let damping = &mut self.terms.damping;
+        if damping.is_empty() {
             return;
         }
-        self.damping.stage = Some(Difference {
+        damping.stage = Some(Difference {
             step,
             weights,
             size,
         });
-        self.damping.stiffen(&self.assembly);
-        self.geometry.take_natural_strains(&self.damping.acting);
-    }
-
-    /// A step was accepted: the strains at its start are those of the step before, and what relaxes has done so until the last
-    /// evaluation, altogether where that was of no stage.
-    pub(crate) fn keep_damping(&mut self) {
-        if self.damping.relaxes() {
-            let mut relaxing = std::mem::take(&mut self.damping.relaxing);
-            let mut strains = std::mem::take(&mut self.damping.strains);
-            self.write_strains(&mut strains);
-            let start = &self.damping.history[0];
-            for (index, (_, rod, _)) in all_strains(&self.assembly).enumerate() {
-                if let (Some(own), Some(start)) = (relaxing.get_mut(index), start.get(index)) {
-                    *own = self
-                        .damping
-                        .beside(rod)
-                        .relaxed(*own, strains[index] - start);
-                }
-            }
-            self.damping.strains = strains;
-            self.damping.relaxing = relaxing;
-        }
-        self.damping.history.rotate_right(1);
+        damping.stiffen(&self.assembly);
+        self.geometry.take_natural_strains(&damping.acting);
     }
 
     /// Without a stage dashpots bear nothing.
     pub(super) fn undamp(&mut self) {
-        if self.damping.stage.take().is_some() {
+        if self.terms.damping.stage.take().is_some() {
             self.geometry.take_natural_strains(&self.assembly.rods);
         }
     }
 
     /// The rods with what their dashpots bear in the last stage.
     pub(super) fn acting_rods(&self) -> &ElasticRods {
-        match self.damping.stage {
-            Some(_) => &self.damping.acting,
+        match self.terms.damping.stage {
+            Some(_) => &self.terms.damping.acting,
             None => &self.assembly.rods,
         }
     }
 
     /// What dashpots take from the start of a step to the last evaluation, where it ends, J.
     pub(crate) fn viscous_loss(&self) -> f64 {
-        if self.damping.stage.is_none() {
+        let damping = &self.terms.damping;
+        if damping.stage.is_none() {
             return 0.0;
         }
         let mut strains = Vec::new();
-        self.write_strains(&mut strains);
-        let loss = |(index, (_, rod, stiffness)): (usize, (Kind, usize, f64))| {
-            let beside = self.damping.beside(rod);
+        write_strains(&self.assembly, &self.geometry, &mut strains);
+        let loss = |(index, (_, rod, stiffness)): (usize, (StrainKind, usize, f64))| {
+            let beside = damping.beside(rod);
             let end = strains[index];
-            let change = end - self.damping.history[0][index];
-            let mut loss = beside.dashpot * (end - self.damping.before(index)) * change;
+            let change = end - damping.history[0][index];
+            let mut loss = beside.dashpot * (end - damping.before(index)) * change;
             if beside.ratio > 0.0 {
                 // Of the work of its mean, the spring in the row keeps some.
-                let start = self.damping.relaxing[index];
+                let start = damping.relaxing[index];
                 let end = beside.relaxed(start, change);
                 let kept = 0.5 * (end * end - start * start) / beside.ratio;
                 loss += beside.mean(start, change) * change - kept;
@@ -411,45 +472,5 @@ impl System {
             stiffness * loss
         };
         all_strains(&self.assembly).enumerate().map(loss).sum()
-    }
-
-    /// Energy of the springs that lie in a row with a dashpot, of one rod or of all, ½ K q²/r, at the end of the last step, J.
-    pub(super) fn relaxing_energy(&self, of: Option<usize>) -> ElasticEnergy {
-        let mut energy = ElasticEnergy::default();
-        let own = self
-            .damping
-            .relaxing
-            .iter()
-            .zip(all_strains(&self.assembly));
-        for (relaxing, (kind, rod, stiffness)) in own {
-            let Some(Relaxation { ratio, .. }) = self.damping.rods[rod].1 else {
-                continue;
-            };
-            if of.is_none_or(|of| of == rod) {
-                let sum = match kind {
-                    Kind::Stretching => &mut energy.stretching,
-                    Kind::Bending => &mut energy.bending,
-                    Kind::Twisting => &mut energy.twisting,
-                };
-                *sum += 0.5 * stiffness * relaxing * relaxing / ratio;
-            }
-        }
-        energy
-    }
-
-    /// Strains of the vertices and lengths of the edges at the last evaluation.
-    fn write_strains(&self, strains: &mut Vec<f64>) {
-        strains.clear();
-        let rods = &self.assembly.rods;
-        for (index, vertex) in rods.vertices.iter().enumerate() {
-            let turning = vertex.strain.of(&self.strains(index, vertex));
-            strains.extend(turning.curvature);
-            strains.push(turning.twist);
-        }
-        let lengths = rods
-            .edges
-            .iter()
-            .map(|edge| self.geometry.edges[edge.start].length);
-        strains.extend(lengths);
     }
 }

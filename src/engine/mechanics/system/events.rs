@@ -12,23 +12,27 @@ pub(crate) struct Event {
     pub velocity_jump: f64,
 }
 
-impl System {
-    /// Lists the events of all loads, natural strains, clamps and obstacles, in the order of time; to be called where one of them
-    /// changes.
-    pub(crate) fn list_events(&mut self) {
-        let schedules = self.loads.corners().chain(self.actuators.corners());
-        let schedules = schedules.map(|time| Event {
+impl Event {
+    /// A corner at a time, s, of a load or of a natural strain.
+    pub(crate) fn of_load(time: f64) -> Self {
+        Self {
             time,
             velocity_jump: f64::INFINITY,
-        });
-        let mut events: Vec<Event> = schedules.collect();
+        }
+    }
+}
+
+impl System {
+    /// Lists the events of all terms and clamps, in the order of time; to be called where one of them changes.
+    pub(crate) fn list_events(&mut self) {
+        let mut events = Vec::new();
+        for term in self.terms.all() {
+            term.list_events(&mut events);
+        }
         let drives = self.assembly.drives.iter();
         for drive in drives.filter(|drive| !drive.released) {
             let (rod, _) = self.assembly.locate(drive.node);
             drive.list_events(self.assembly.radii[rod], &mut events);
-        }
-        for obstacle in &self.moving_obstacles {
-            obstacle.list_events(&mut events);
         }
         events.sort_by(|a, b| a.time.total_cmp(&b.time));
         self.events = events;

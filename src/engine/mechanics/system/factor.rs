@@ -1,10 +1,11 @@
 //! The factor of a load over time.
 
-use crate::mechanics::scene::piecewise_linear;
+use super::events::Event;
+use crate::mechanics::scene::{Load, piecewise_linear};
 
 /// The factor of a load as a function of time.
 #[derive(Clone, Debug)]
-pub struct Scale {
+pub(crate) struct Scale {
     /// Number of the load in the scene, if it is one.
     pub load: Option<usize>,
     /// Factor at given times, s; 1 where empty.
@@ -14,6 +15,36 @@ pub struct Scale {
 }
 
 impl Scale {
+    /// That of a load of the scene.
+    pub(crate) fn of(number: usize, load: &Load) -> Self {
+        Self {
+            load: Some(number),
+            schedule: load.schedule.clone(),
+            factor: 1.0,
+        }
+    }
+
+    /// That of what no load of the scene describes and no schedule changes.
+    pub(crate) fn steady() -> Self {
+        Self {
+            load: None,
+            schedule: Vec::new(),
+            factor: 1.0,
+        }
+    }
+
+    /// Sets the other factor if it is that of a load of the scene.
+    pub(crate) fn set_factor(&mut self, load: usize, factor: f64) {
+        if self.load == Some(load) {
+            self.factor = factor;
+        }
+    }
+
+    /// Corners of its schedule.
+    pub(crate) fn events(&self) -> impl Iterator<Item = Event> {
+        self.schedule.iter().map(|corner| Event::of_load(corner.0))
+    }
+
     /// Its value at `time`.
     pub(crate) fn at(&self, time: f64) -> f64 {
         self.factor * piecewise_linear(&self.schedule, time).unwrap_or(1.0)

@@ -16,13 +16,14 @@
 //! It has no potential: its work around a closed way is not zero, and the Jacobian is not symmetric.
 
 use super::factor::Scale;
+use crate::linalg::ElementMatrix;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::vertex::EdgeFrame;
 use crate::mechanics::{Matrix3, Vector3};
 
 /// A force in the material frame of an edge, on the nodes at its ends.
 #[derive(Clone, Debug)]
-pub struct FollowerForce {
+pub(crate) struct FollowerForce {
     /// Node at the start of the edge.
     pub start: usize,
     /// Node at its end.
@@ -51,6 +52,11 @@ impl FollowerForce {
         (over_edge, about_tangent)
     }
 
+    /// The nodes at its ends with their parts.
+    pub(crate) fn on_nodes(&self) -> impl Iterator<Item = (usize, f64)> {
+        [self.start, self.end].into_iter().zip(self.shares)
+    }
+
     /// The unknowns x_start, θ, x_end.
     pub(crate) fn unknowns(&self) -> [usize; 12] {
         element_of_edge(self.start, self.end)
@@ -66,6 +72,25 @@ pub(crate) fn element_of_edge(start: usize, end: usize) -> [usize; 12] {
     }
     element[3] = STRIDE * start + 3;
     element
+}
+
+/// Takes from an element over x_start, θ, x_end the derivatives of a force over the edge x_end − x_start and over θ, of
+/// which the two nodes take their shares: R = −F.
+pub(super) fn subtract_on_edge(
+    matrix: &mut ElementMatrix,
+    shares: [f64; 2],
+    over_edge: &Matrix3,
+    over_angle: &Vector3,
+) {
+    for (row, share) in [0, 4].into_iter().zip(shares) {
+        for i in 0..3 {
+            for j in 0..3 {
+                matrix[row + i][j] += share * over_edge[(i, j)];
+                matrix[row + i][4 + j] -= share * over_edge[(i, j)];
+            }
+            matrix[row + i][3] -= share * over_angle[i];
+        }
+    }
 }
 
 #[cfg(test)]

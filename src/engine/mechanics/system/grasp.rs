@@ -10,6 +10,7 @@
 //! leaves behind cancels but for the fourth order, and a grasp is of second order. At a free end, which bears no moment, the
 //! ghost edge goes on along the last edge, without stress.
 
+use super::term::Term;
 use super::{Drive, System};
 use crate::mechanics::Vector3;
 use crate::mechanics::rod::topology::position;
@@ -114,7 +115,7 @@ impl System {
             motion: Motion::default(),
         };
         let frame = self.frame_at(&neighbours, node);
-        self.actuators.withdraw(&mut self.assembly.rods);
+        self.terms.actuators.withdraw(&mut self.assembly.rods);
         let mut drive = Drive::new(&clamp, node, position(unknowns, node), frame);
         if grasp.position {
             self.assembly.held[STRIDE * node..STRIDE * node + 3].fill(true);
@@ -154,7 +155,7 @@ impl System {
                 "clamp {clamp} cannot be released: it holds the frame of a rigid joint"
             ));
         }
-        if self.springs.turns_against(clamp) {
+        if self.terms.springs.turns_against(clamp) {
             return Err(format!(
                 "clamp {clamp} cannot be released: a spring turns against it"
             ));
@@ -163,7 +164,7 @@ impl System {
         if holds_position {
             self.assembly.held[STRIDE * node..STRIDE * node + 3].fill(false);
         }
-        self.actuators.withdraw(&mut self.assembly.rods);
+        self.terms.actuators.withdraw(&mut self.assembly.rods);
         self.remove_walls(ghosts);
         let drive = &mut self.assembly.drives[clamp];
         drive.released = true;
@@ -176,7 +177,7 @@ impl System {
     pub(crate) fn interventions(&self) -> Interventions {
         let switched = || {
             let mut rods = self.assembly.rods.clone();
-            self.actuators.withdraw(&mut rods);
+            self.terms.actuators.withdraw(&mut rods);
             Switched {
                 held: self.assembly.held.clone(),
                 vertices: rods.vertices,
@@ -185,8 +186,8 @@ impl System {
         };
         Interventions {
             drives: self.assembly.drives.clone(),
-            external_forces: self.external_forces.clone(),
-            load_factors: self.loads.factors().to_vec(),
+            external_forces: self.terms.loads.external.clone(),
+            load_factors: self.terms.loads.factors().to_vec(),
             switched: self.switched.then(switched),
         }
     }
@@ -203,7 +204,7 @@ impl System {
         if done.external_forces.len() != assembly.unknowns.len() {
             return Err("other numbers of nodes");
         }
-        if done.load_factors.len() != self.loads.factors().len() {
+        if done.load_factors.len() != self.terms.loads.factors().len() {
             return Err("other loads");
         }
         let clamps = assembly.drives.len();
@@ -217,16 +218,18 @@ impl System {
         }
         assembly.drives = done.drives;
         for (load, factor) in done.load_factors.into_iter().enumerate() {
-            self.loads.set_factor(load, factor);
+            for term in self.terms.all_mut() {
+                term.scale_load(load, factor);
+            }
         }
-        self.external_forces = done.external_forces;
+        self.terms.loads.external = done.external_forces;
         if let Some(switched) = done.switched {
-            self.actuators.withdraw(&mut assembly.rods);
+            self.terms.actuators.withdraw(&mut assembly.rods);
             assembly.held = switched.held;
             assembly.rods.vertices = switched.vertices;
             assembly.rods.ghosts = switched.ghosts;
             assembly.consistent.share(&assembly.rods);
-            self.actuators.resolve(assembly);
+            self.terms.actuators.resolve(assembly);
             let any = GhostEdge {
                 tangent: Vector3::x(),
                 director: Vector3::y(),
@@ -247,12 +250,13 @@ impl System {
     fn rebuild(&mut self, unknowns: &[f64]) {
         self.switched = true;
         self.note_prescribed_nodes();
-        self.damping.rest();
-        self.place_relaxing();
+        self.terms.damping.rest();
+        self.terms.damping.place(&self.assembly);
         self.assembly.consistent.share(&self.assembly.rods);
-        self.actuators.resolve(&self.assembly);
+        self.terms.actuators.resolve(&self.assembly);
         self.geometry = RodGeometry::new(&self.assembly.rods);
-        self.actuate(self.time);
+        let (rods, geometry) = (&mut self.assembly.rods, &mut self.geometry);
+        self.terms.actuators.drive(self.time, rods, geometry);
         self.matrix.adapt(&self.assembly);
         self.update_geometry(unknowns);
     }

@@ -1,7 +1,6 @@
 //! What of a scene beside its rods is in its fluid.
 
 use super::Assembly;
-use super::loads::Loads;
 use crate::mechanics::fluid::{FluidModel, Sphere};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
@@ -23,29 +22,27 @@ impl Assembly {
         });
         spheres.collect()
     }
-}
 
-impl Loads {
-    /// Lets the fluid resist that edges spin about their axes, by the torque 4πη r² ω per length of a long cylinder. Half an edge
-    /// that ends in a sphere turns with that.
-    pub(super) fn resist_spin(&mut self, scene: &Scene, assembly: &Assembly) {
+    /// What the fluid resists that edges spin about their axes by, the torque 4πη r² ω per length of a long cylinder: a
+    /// coefficient for each unknown, N m s. Half an edge that ends in a sphere turns with that.
+    pub(super) fn spin_resistance(&self, scene: &Scene) -> Option<Vec<f64>> {
         let viscosity = match scene.fluid {
             Some(
                 FluidModel::RegularizedStokeslets { viscosity, .. }
                 | FluidModel::Resistive { viscosity },
             ) if scene.spin_drag => viscosity,
-            _ => return,
+            _ => return None,
         };
-        let spheres = assembly.spheres();
+        let spheres = self.spheres();
         let is_outside = |node: usize| {
-            let x = position(&assembly.unknowns, node);
+            let x = position(&self.unknowns, node);
             !spheres
                 .iter()
-                .any(|sphere| sphere.contains(&(x - position(&assembly.unknowns, sphere.centre))))
+                .any(|sphere| sphere.contains(&(x - position(&self.unknowns, sphere.centre))))
         };
-        let mut coefficients = vec![0.0; STRIDE * assembly.rods.nodes];
-        for edge in &assembly.rods.edges {
-            let rod = &scene.rods[assembly.locate(edge.start).0];
+        let mut coefficients = vec![0.0; STRIDE * self.rods.nodes];
+        for edge in &self.rods.edges {
+            let rod = &scene.rods[self.locate(edge.start).0];
             if rod.held {
                 continue;
             }
@@ -54,6 +51,6 @@ impl Loads {
             coefficients[STRIDE * edge.start + 3] =
                 4.0 * PI * viscosity * rod.radius * rod.radius * edge.natural_length * wet;
         }
-        self.add_constant_drag(coefficients);
+        Some(coefficients)
     }
 }

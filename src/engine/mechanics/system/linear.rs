@@ -95,7 +95,7 @@ impl System {
 
     /// Whether something rubs: the forces of an equilibrium then depend on the way to it.
     pub(crate) fn rubs(&self) -> bool {
-        self.matrix.rubs()
+        self.terms.contact.rubs()
     }
 
     /// Solves J x = b in place with the factors of the last factorisation; x is zero at held unknowns.
@@ -129,7 +129,9 @@ impl System {
     /// Writes the residual with the contact forces of the linearised laws.
     fn correct_residual(&mut self) {
         self.corrected_residual.copy_from_slice(&self.residual);
-        let Some(contact) = &self.contact else { return };
+        let Some(contact) = &self.terms.contact.model else {
+            return;
+        };
         let corrections = contact.linear_corrections();
         for (pair, correction) in contact.contacts().iter().zip(corrections.edges) {
             for (corner, &node) in pair.nodes.iter().enumerate() {

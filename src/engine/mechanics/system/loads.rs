@@ -1,25 +1,30 @@
-//! External loads: dead forces, moments on edges, forces that turn with the rod, linear drag.
+//! External loads: dead forces, moments on edges, forces that turn with the rod.
 
 use super::build::Assembly;
+use super::events::Event;
 use super::factor::Scale;
-use super::follower::{FollowerForce, element_of_edge};
+use super::follower::{FollowerForce, element_of_edge, subtract_on_edge};
+use super::newton_matrix::Entries;
+use super::term::{Configuration, Kind, Term};
+use crate::linalg::Element;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::vertex::EdgeFrame;
-use crate::mechanics::rod::{RodRange, STRIDE, holonomy_jacobian};
-use crate::mechanics::scene::{Load, LoadKind};
-use crate::mechanics::{LoadError, Matrix3, Vector3};
+use crate::mechanics::rod::{Edge, ElasticRods, RodGeometry, RodRange, STRIDE, holonomy_jacobian};
+use crate::mechanics::scene::{Load, LoadKind, Scene};
+use crate::mechanics::{LoadError, Matrix3, SceneError, Vector3};
 
 /// All external loads of a scene, resolved to unknowns.
 #[derive(Clone, Debug, Default)]
-pub struct Loads {
+pub(crate) struct Loads {
     dead: Vec<DeadLoad>,
     /// Moments on edges.
     pub moments: Vec<EdgeMoment>,
     /// Forces that turn with edges.
     pub followers: Vec<FollowerForce>,
-    /// Coefficient of the velocity of each unknown at the present time, N s/m or N m s; empty without drag.
-    pub damping: Vec<f64>,
-    drags: Vec<Drag>,
+    /// Dead forces (N) and moments (N m) on the unknowns at the present time.
+    pub present: Vec<f64>,
+    /// Forces (N) and moments (N m) of another solver on the unknowns, which are part of these.
+    pub external: Vec<f64>,
     /// Acceleration of gravity, with schedules, for the potential energy.
     gravity: Vec<(Vector3, Scale)>,
     /// What weighs on the tips of bodies whose centre of mass is off their node: unknown along x and mass, kg.
@@ -36,16 +41,9 @@ struct DeadLoad {
     scale: Scale,
 }
 
-/// Linear drag: a coefficient for each unknown, N s/m or N m s.
-#[derive(Clone, Debug)]
-struct Drag {
-    coefficients: Vec<f64>,
-    scale: Scale,
-}
-
 /// A moment on an edge.
 #[derive(Clone, Debug)]
-pub struct EdgeMoment {
+pub(crate) struct EdgeMoment {
     /// Node at the start of the edge.
     pub start: usize,
     /// Node at its end.
@@ -67,31 +65,17 @@ impl Loads {
     ///
     /// # Errors
     /// [`LoadError`] names a rod, node or edge that does not exist.
-    pub(crate) fn new(descriptions: &[Load], assembly: &Assembly) -> Result<Self, LoadError> {
+    fn of(descriptions: &[Load], assembly: &Assembly) -> Result<Self, LoadError> {
         let mut loads = Self {
+            present: vec![0.0; assembly.unknowns.len()],
+            external: vec![0.0; assembly.unknowns.len()],
             weights_of_tips: assembly.weights_of_tips(),
             ..Self::default()
-        };
-        let range = |rod: usize| -> Result<RodRange, LoadError> {
-            let found = assembly.rods.rods.get(rod).copied();
-            found.ok_or(LoadError::NoSuchRod(rod))
-        };
-        // All edges, or those of one rod.
-        let edges_of = |rod: Option<usize>| -> Result<Vec<_>, LoadError> {
-            let own = rod.map(range).transpose()?;
-            let edges = assembly.rods.edges.iter();
-            let is_of_rod =
-                |start: usize| own.is_none_or(|own| own.edge_indices().contains(&start));
-            Ok(edges.filter(|edge| is_of_rod(edge.start)).collect())
         };
         loads.factors = vec![1.0; descriptions.len()];
         for (number, load) in descriptions.iter().enumerate() {
             let mut entries = Vec::new();
-            let scale = Scale {
-                load: Some(number),
-                schedule: load.schedule.clone(),
-                factor: 1.0,
-            };
+            let scale = Scale::of(number, load);
             match &load.kind {
                 LoadKind::Gravity { acceleration } => {
                     loads.gravity.push((*acceleration, scale.clone()));
@@ -107,7 +91,7 @@ impl Loads {
                     }
                 }
                 LoadKind::Force { rod, node, force } => {
-                    let range = range(*rod)?;
+                    let range = assembly.range_of(*rod)?;
                     if *node >= range.nodes {
                         return Err(LoadError::NoSuchNode {
                             node: *node,
@@ -120,7 +104,7 @@ impl Loads {
                 }
                 LoadKind::Moment { rod, edge, moment }
                 | LoadKind::FollowerMoment { rod, edge, moment } => {
-                    let range = range(*rod)?;
+                    let range = assembly.range_of(*rod)?;
                     if *edge >= range.edges() {
                         return Err(LoadError::NoSuchEdge {
                             edge: *edge,
@@ -137,7 +121,7 @@ impl Loads {
                     });
                 }
                 LoadKind::FollowerForce { rod, node, force } => {
-                    let range = range(*rod)?;
+                    let range = assembly.range_of(*rod)?;
                     if *node >= range.nodes {
                         return Err(LoadError::NoSuchNode {
                             node: *node,
@@ -165,7 +149,7 @@ impl Loads {
                     rod,
                     force_per_length,
                 } => {
-                    for edge in edges_of(*rod)? {
+                    for edge in assembly.edges_of(*rod)? {
                         loads.followers.push(FollowerForce {
                             start: edge.start,
                             end: edge.end,
@@ -179,7 +163,7 @@ impl Loads {
                     rod,
                     force_per_length,
                 } => {
-                    for edge in edges_of(*rod)? {
+                    for edge in assembly.edges_of(*rod)? {
                         for node in [edge.start, edge.end] {
                             for axis in 0..3 {
                                 let share = 0.5 * edge.natural_length * force_per_length[axis];
@@ -188,104 +172,19 @@ impl Loads {
                         }
                     }
                 }
-                LoadKind::Drag {
-                    rod,
-                    translation,
-                    rotation,
-                } => {
-                    let mut coefficients = vec![0.0; STRIDE * assembly.rods.nodes];
-                    for edge in edges_of(*rod)? {
-                        for node in [edge.start, edge.end] {
-                            for axis in 0..3 {
-                                coefficients[STRIDE * node + axis] +=
-                                    0.5 * edge.natural_length * translation;
-                            }
-                        }
-                        coefficients[STRIDE * edge.start + 3] += edge.natural_length * rotation;
-                    }
-                    loads.damping.resize(coefficients.len(), 0.0);
-                    loads.drags.push(Drag {
-                        coefficients,
-                        scale: scale.clone(),
-                    });
-                }
+                // It is a term of its own.
+                LoadKind::Drag { rod, .. } => drop(assembly.edges_of(*rod)?),
             }
             if !entries.is_empty() {
                 loads.dead.push(DeadLoad { entries, scale });
             }
         }
-        loads.update_damping(0.0);
         Ok(loads)
-    }
-
-    /// Adds drag that no load of the scene describes: a coefficient for each unknown, N s/m or N m s.
-    pub(crate) fn add_constant_drag(&mut self, coefficients: Vec<f64>) {
-        self.damping.resize(coefficients.len(), 0.0);
-        self.drags.push(Drag {
-            coefficients,
-            scale: Scale {
-                load: None,
-                schedule: Vec::new(),
-                factor: 1.0,
-            },
-        });
-        self.update_damping(0.0);
-    }
-
-    /// Times at which a load changes its rate, s.
-    pub(crate) fn corners(&self) -> impl Iterator<Item = f64> {
-        let dead = self.dead.iter().map(|load| &load.scale.schedule);
-        let moments = self.moments.iter().map(|moment| &moment.scale.schedule);
-        let drags = self.drags.iter().map(|drag| &drag.scale.schedule);
-        let followers = self.followers.iter().map(|force| &force.scale.schedule);
-        let schedules = dead.chain(moments).chain(followers).chain(drags);
-        schedules.flatten().map(|corner| corner.0)
-    }
-
-    /// Whether all have one: neither moments nor forces that turn with the rod do.
-    pub(crate) fn have_potential(&self) -> bool {
-        self.moments.is_empty() && self.followers.is_empty()
     }
 
     /// Factor of each load of the scene beside its schedule.
     pub(crate) fn factors(&self) -> &[f64] {
         &self.factors
-    }
-
-    /// Sets the factor of a load of the scene, counted from 0, beside its schedule; `None` where there is no such load.
-    pub(crate) fn set_factor(&mut self, load: usize, factor: f64) -> Option<()> {
-        *self.factors.get_mut(load)? = factor;
-        let scales = (self.dead.iter_mut().map(|load| &mut load.scale))
-            .chain(self.moments.iter_mut().map(|moment| &mut moment.scale))
-            .chain(self.followers.iter_mut().map(|force| &mut force.scale))
-            .chain(self.drags.iter_mut().map(|drag| &mut drag.scale))
-            .chain(self.gravity.iter_mut().map(|(_, scale)| scale));
-        for scale in scales.filter(|scale| scale.load == Some(load)) {
-            scale.factor = factor;
-        }
-        Some(())
-    }
-
-    /// Sets the coefficients of drag to those of `time`.
-    pub(crate) fn update_damping(&mut self, time: f64) {
-        self.damping.fill(0.0);
-        for drag in &self.drags {
-            let factor = drag.scale.at(time);
-            for (sum, coefficient) in self.damping.iter_mut().zip(&drag.coefficients) {
-                *sum += factor * coefficient;
-            }
-        }
-    }
-
-    /// Writes the dead forces at `time`.
-    pub(crate) fn dead_forces(&self, time: f64, forces: &mut [f64]) {
-        forces.fill(0.0);
-        for load in &self.dead {
-            let factor = load.scale.at(time);
-            for &(unknown, force) in &load.entries {
-                forces[unknown] += factor * force;
-            }
-        }
     }
 
     /// Potential energy of gravity of bodies, from their nodes to their centres of mass, −Σ m g·r, J.
@@ -319,6 +218,132 @@ impl Loads {
             }
         }
         energy
+    }
+}
+
+impl Term for Loads {
+    fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
+        Ok(Self::of(&scene.loads, assembly)?)
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Load
+    }
+
+    fn elements(&self, _: &Assembly) -> Vec<Element> {
+        let moments = self.moments.iter().map(EdgeMoment::unknowns);
+        let followers = self.followers.iter().map(FollowerForce::unknowns);
+        moments.chain(followers).collect()
+    }
+
+    fn drive(&mut self, time: f64, _: &mut ElasticRods, _: &mut RodGeometry) {
+        self.present.fill(0.0);
+        for load in &self.dead {
+            let factor = load.scale.at(time);
+            for &(unknown, force) in &load.entries {
+                self.present[unknown] += factor * force;
+            }
+        }
+        for (present, external) in self.present.iter_mut().zip(&self.external) {
+            *present += external;
+        }
+    }
+
+    /// That of dead forces: their work.
+    fn potential(&self, unknowns: &[f64]) -> [f64; 2] {
+        let works = || (self.present.iter().zip(unknowns)).map(|(force, unknown)| force * unknown);
+        [-works().sum::<f64>(), works().map(f64::abs).sum()]
+    }
+
+    /// Neither moments nor forces that turn with the rod have one.
+    fn has_potential(&self) -> bool {
+        self.moments.is_empty() && self.followers.is_empty()
+    }
+
+    fn add_forces(&self, at: &Configuration, residual: &mut [f64]) {
+        for (entry, force) in residual.iter_mut().zip(&self.present) {
+            *entry -= force;
+        }
+        for moment in &self.moments {
+            let (force, spin) = moment.force(at.time, &at.geometry.edges[moment.start]);
+            for axis in 0..3 {
+                residual[STRIDE * moment.end + axis] -= force[axis];
+                residual[STRIDE * moment.start + axis] += force[axis];
+            }
+            residual[STRIDE * moment.start + 3] -= spin;
+        }
+        for follower in &self.followers {
+            let force = follower.force(at.time, &at.geometry.edges[follower.start]);
+            for (node, share) in follower.on_nodes() {
+                for axis in 0..3 {
+                    residual[STRIDE * node + axis] -= share * force[axis];
+                }
+            }
+        }
+    }
+
+    fn add_jacobian(&self, at: &Configuration, entries: &mut Entries) {
+        let mut matrices = entries.elements().iter_mut();
+        for (moment, matrix) in self.moments.iter().zip(&mut matrices) {
+            let frame = &at.geometry.edges[moment.start];
+            let source = &at.reference.tangent[moment.start];
+            let (force, over_angle, spin) = moment.jacobian(at.time, source, frame);
+            // Forces on the two ends are opposite.
+            subtract_on_edge(matrix, [-1.0, 1.0], &force, &over_angle);
+            for j in 0..3 {
+                matrix[3][j] += spin[j];
+                matrix[3][4 + j] -= spin[j];
+            }
+        }
+        for (follower, matrix) in self.followers.iter().zip(&mut matrices) {
+            let (force, over_angle) =
+                follower.jacobian(at.time, &at.geometry.edges[follower.start]);
+            subtract_on_edge(matrix, follower.shares, &force, &over_angle);
+        }
+    }
+
+    /// Those of forces that turn with edges; dead forces are known at every unknown.
+    fn add_sizes(&self, at: &Configuration, forces: &mut [f64]) {
+        for follower in &self.followers {
+            let force = follower.force(at.time, &at.geometry.edges[follower.start]);
+            for (node, share) in follower.on_nodes() {
+                for axis in 0..3 {
+                    forces[STRIDE * node + axis] += share * force[axis].abs();
+                }
+            }
+        }
+    }
+
+    fn list_events(&self, events: &mut Vec<Event>) {
+        let dead = self.dead.iter().map(|load| &load.scale);
+        let moments = self.moments.iter().map(|moment| &moment.scale);
+        let followers = self.followers.iter().map(|force| &force.scale);
+        let scales = dead.chain(moments).chain(followers);
+        events.extend(scales.flat_map(Scale::events));
+    }
+
+    fn scale_load(&mut self, load: usize, factor: f64) {
+        self.factors[load] = factor;
+        (self.dead.iter_mut().map(|load| &mut load.scale))
+            .chain(self.moments.iter_mut().map(|moment| &mut moment.scale))
+            .chain(self.followers.iter_mut().map(|force| &mut force.scale))
+            .chain(self.gravity.iter_mut().map(|(_, scale)| scale))
+            .for_each(|scale| scale.set_factor(load, factor));
+    }
+}
+
+impl Assembly {
+    fn range_of(&self, rod: usize) -> Result<RodRange, LoadError> {
+        let found = self.rods.rods.get(rod).copied();
+        found.ok_or(LoadError::NoSuchRod(rod))
+    }
+
+    /// All edges, or those of one rod.
+    pub(super) fn edges_of(&self, rod: Option<usize>) -> Result<Vec<&Edge>, LoadError> {
+        let own = rod.map(|rod| self.range_of(rod)).transpose()?;
+        let edges = self.rods.edges.iter();
+        let is_of_rod = |start: usize| own.is_none_or(|own| own.edge_indices().contains(&start));
+        Ok(edges.filter(|edge| is_of_rod(edge.start)).collect())
     }
 }
 

@@ -1,26 +1,23 @@
 //! The Jacobian of the residual: a band for the rods, small dense elements for all that couples distant
 //! nodes, and their factorisation.
 
-use super::joints::Joints;
-use super::loads::Loads;
-use super::springs::Springs;
 use super::{Assembly, Stage};
 use crate::linalg::{
-    BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, Inertia, SharedUnknown,
-    SingularMatrix, UNUSED,
+    BandedFactor, BandedSymmetric, CoupledSystem, Element, ElementMatrix, HALF_BANDWIDTH, Inertia,
+    SharedUnknown, SingularMatrix, UNUSED,
 };
 use crate::mechanics::contact::{CandidatePair, ConstraintPlace, ContactSystem};
-use crate::mechanics::rod::{ElasticRods, ReferenceFrames, RodGeometry, STRIDE};
-use crate::mechanics::{Matrix3, Vector3};
+use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
 use std::ops::Range;
 
 const ZERO: ElementMatrix = [[0.0; 12]; 12];
 
 /// The Jacobian and its factors; storage is reused, patterns are kept as long as the same pairs of edges are coupled.
 ///
-/// Elements are numbered: closing vertices of rings and half vertices at joints, moments and forces that turn with edges, springs between nodes and frames, contact
-/// candidates of two rods that are coupled, with obstacles one per edge, then (with friction on planes or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band;
-/// contact with planes and obstacles alone couples nothing new.
+/// Elements are numbered: those of the terms, of which the elasticity of rods comes first (closing vertices of rings and half
+/// vertices at joints), contact candidates of two rods that are coupled, with obstacles one per edge, then (with friction on planes
+/// or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band; contact with planes and obstacles
+/// alone couples nothing new.
 pub(crate) struct NewtonMatrix {
     band: BandedSymmetric,
     factor: BandedFactor,
@@ -31,16 +28,15 @@ pub(crate) struct NewtonMatrix {
     /// First node of each rod, then the places of frames.
     chains: Vec<usize>,
     symmetric: bool,
-    /// Whether there is friction.
-    rubs: bool,
     /// Whether the symmetric elimination has failed with this pattern.
     lost_symmetry: bool,
-    /// Closing vertices, moments, forces that turn with edges, and springs, always present.
+    /// Elements of the terms, always present.
     permanent: Vec<Element>,
     permanent_matrices: Vec<ElementMatrix>,
+    /// Where those of each term end among them.
+    ends: Vec<usize>,
+    /// How many are those of the rods.
     closing: usize,
-    /// Where the springs begin among the permanent elements.
-    first_spring: usize,
     /// Elements of contacts active in this linearisation.
     active: Vec<(usize, ElementMatrix)>,
     contact_elements: Vec<Element>,
@@ -56,21 +52,45 @@ pub(crate) struct NewtonMatrix {
     spin_moment: Vec<f64>,
 }
 
+/// Where a term adds its part of the Jacobian.
+pub(crate) struct Entries<'a> {
+    matrix: &'a mut NewtonMatrix,
+    /// Its elements.
+    own: Range<usize>,
+}
+
+impl Entries<'_> {
+    /// The lower half of the band of the rods, a column for each unknown.
+    pub(crate) fn columns(&mut self) -> &mut [[f64; HALF_BANDWIDTH + 1]] {
+        self.matrix.band.columns_mut()
+    }
+
+    /// The matrices of its elements, in their order.
+    pub(crate) fn elements(&mut self) -> &mut [ElementMatrix] {
+        &mut self.matrix.permanent_matrices[self.own.clone()]
+    }
+
+    /// The whole matrix.
+    pub(crate) fn matrix(&mut self) -> &mut NewtonMatrix {
+        self.matrix
+    }
+}
+
 impl NewtonMatrix {
+    /// For terms with such elements; `symmetric` where the forces of all of them have a potential. Contact of nodes with planes and
+    /// obstacles has elements of its own where it `lists_nodes`.
     pub(crate) fn new(
         assembly: &Assembly,
-        loads: &Loads,
-        springs: &Springs,
-        friction: bool,
-        friction_on_planes: bool,
+        elements: &[Vec<Element>],
+        symmetric: bool,
         lists_nodes: bool,
     ) -> Self {
         let dimension = assembly.unknowns.len();
-        let mut permanent = assembly.joints.elements(&assembly.rods.elements);
-        permanent.extend(loads.moments.iter().map(|moment| moment.unknowns()));
-        permanent.extend(loads.followers.iter().map(|force| force.unknowns()));
-        let first_spring = permanent.len();
-        permanent.extend(springs.elements(&assembly.joints));
+        let permanent = elements.concat();
+        let ends = elements.iter().scan(0, |end, own| {
+            *end += own.len();
+            Some(*end)
+        });
         Self {
             band: BandedSymmetric::new(dimension),
             factor: BandedFactor::new(dimension),
@@ -81,12 +101,11 @@ impl NewtonMatrix {
                 .chain(assembly.rods.nodes..dimension / STRIDE)
                 .collect(),
             lost_symmetry: false,
-            symmetric: loads.have_potential() && !friction && !friction_on_planes,
-            rubs: friction || friction_on_planes,
+            symmetric,
             permanent_matrices: vec![ZERO; permanent.len()],
             permanent,
+            ends: ends.collect(),
             closing: assembly.rods.elements.len(),
-            first_spring,
             active: Vec::new(),
             contact_elements: Vec::new(),
             candidate_elements: Vec::new(),
@@ -98,12 +117,17 @@ impl NewtonMatrix {
         }
     }
 
-    pub(crate) fn is_symmetric(&self) -> bool {
-        self.symmetric
+    /// Where a term adds its part, by its number.
+    pub(crate) fn entries_of(&mut self, term: usize) -> Entries<'_> {
+        let first = term.checked_sub(1).map_or(0, |last| self.ends[last]);
+        Entries {
+            own: first..self.ends[term],
+            matrix: self,
+        }
     }
 
-    pub(crate) fn rubs(&self) -> bool {
-        self.rubs
+    pub(crate) fn is_symmetric(&self) -> bool {
+        self.symmetric
     }
 
     pub(crate) fn clear(&mut self) {
@@ -128,15 +152,6 @@ impl NewtonMatrix {
         );
     }
 
-    pub(crate) fn add_springs(&mut self, springs: &Springs, joints: &Joints, unknowns: &[f64]) {
-        let matrices = &mut self.permanent_matrices[self.first_spring..];
-        springs.add_hessians(joints, unknowns, matrices);
-        let columns = self.band.columns_mut();
-        for (unknown, stiffness) in springs.diagonal() {
-            columns[unknown][0] += stiffness;
-        }
-    }
-
     /// Makes what half vertices at joints have added derivatives over the unknowns, with the inertia of bodies.
     pub(crate) fn turn_frames(
         &mut self,
@@ -149,8 +164,8 @@ impl NewtonMatrix {
         joints.transform(unknowns, stage, &assembly.masses, elements);
     }
 
-    /// Adds (M/hₐ + C + D)/h.
-    pub(crate) fn add_inertia(&mut self, assembly: &Assembly, loads: &Loads, stage: &Stage) {
+    /// Adds M/(hₐ h).
+    pub(crate) fn add_masses(&mut self, assembly: &Assembly, stage: &Stage) {
         let per_step = 1.0 / stage.step;
         let per_acceleration_step = 1.0 / stage.acceleration_step;
         let columns = self.band.columns_mut();
@@ -159,42 +174,6 @@ impl NewtonMatrix {
         }
         let closing = &mut self.permanent_matrices[..self.closing];
         assembly.add_shared_masses(per_acceleration_step * per_step, columns, closing);
-        for (column, coefficient) in columns.iter_mut().zip(&loads.damping) {
-            column[0] += coefficient * per_step;
-        }
-        for (node, resistance) in stage.resistance.iter().enumerate() {
-            for j in 0..3 {
-                for i in j..3 {
-                    columns[STRIDE * node + j][i - j] += resistance[(i, j)] * per_step;
-                }
-            }
-        }
-    }
-
-    /// Adds the derivatives of moments on edges and of forces that turn with edges.
-    pub(crate) fn add_edge_loads(
-        &mut self,
-        loads: &Loads,
-        time: f64,
-        reference: &ReferenceFrames,
-        geometry: &RodGeometry,
-    ) {
-        let mut matrices = self.permanent_matrices[self.closing..].iter_mut();
-        for (moment, matrix) in loads.moments.iter().zip(&mut matrices) {
-            let frame = &geometry.edges[moment.start];
-            let source = &reference.tangent[moment.start];
-            let (force, over_angle, spin) = moment.jacobian(time, source, frame);
-            // Forces on the two ends are opposite.
-            subtract_on_edge(matrix, [-1.0, 1.0], &force, &over_angle);
-            for j in 0..3 {
-                matrix[3][j] += spin[j];
-                matrix[3][4 + j] -= spin[j];
-            }
-        }
-        for (follower, matrix) in loads.followers.iter().zip(&mut matrices) {
-            let (force, over_angle) = follower.jacobian(time, &geometry.edges[follower.start]);
-            subtract_on_edge(matrix, follower.shares, &force, &over_angle);
-        }
     }
 
     pub(crate) fn add_contact(&mut self, contact: &ContactSystem) {
@@ -376,15 +355,9 @@ impl NewtonMatrix {
         self.forget_pattern();
     }
 
-    /// Takes over which unknowns half vertices, frames and springs couple, where frames turn with others than before.
-    pub(crate) fn recouple(&mut self, assembly: &Assembly, springs: &Springs) {
-        let joints = &assembly.joints;
-        let of_rods = joints.elements(&assembly.rods.elements);
-        self.permanent[..self.closing].copy_from_slice(&of_rods);
-        let of_springs = self.permanent[self.first_spring..].iter_mut();
-        for (own, element) in of_springs.zip(springs.elements(joints)) {
-            *own = element;
-        }
+    /// Takes over which unknowns the terms couple, where frames turn with others than before.
+    pub(crate) fn recouple(&mut self, assembly: &Assembly, elements: &[Vec<Element>]) {
+        self.permanent = elements.concat();
         self.adapt(assembly);
     }
 
@@ -501,25 +474,6 @@ impl NewtonMatrix {
             dense[(k, k)] = 1.0;
         }
         dense
-    }
-}
-
-/// Takes from an element over x_start, θ, x_end the derivatives of a force over the edge x_end − x_start and over θ, of
-/// which the two nodes take their shares: R = −F.
-fn subtract_on_edge(
-    matrix: &mut ElementMatrix,
-    shares: [f64; 2],
-    over_edge: &Matrix3,
-    over_angle: &Vector3,
-) {
-    for (row, share) in [0, 4].into_iter().zip(shares) {
-        for i in 0..3 {
-            for j in 0..3 {
-                matrix[row + i][j] += share * over_edge[(i, j)];
-                matrix[row + i][4 + j] -= share * over_edge[(i, j)];
-            }
-            matrix[row + i][3] -= share * over_angle[i];
-        }
     }
 }
 

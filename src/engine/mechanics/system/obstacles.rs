@@ -1,6 +1,5 @@
 //! Rigid obstacles: how they move.
 
-use super::System;
 use super::clamps::{Turning, list_motion};
 use super::events::Event;
 use crate::mechanics::rotation::{self, Pose};
@@ -11,7 +10,7 @@ use crate::mechanics::{UnitQuaternion, Vector3};
 #[derive(Clone, Debug)]
 pub(crate) struct MovingObstacle {
     /// Index among all obstacles.
-    obstacle: usize,
+    pub obstacle: usize,
     /// Fixed point of its rotation, m.
     pivot: Vector3,
     /// Largest distance of a point of it from the pivot, m.
@@ -41,7 +40,7 @@ impl MovingObstacle {
     }
 
     /// Where it is at a time: x(t) = pivot + R(t)(x(0) − pivot) + translation(t).
-    fn pose(&self, time: f64) -> Pose {
+    pub(crate) fn pose(&self, time: f64) -> Pose {
         let motion = &self.motion;
         let turning = Turning {
             axis: motion.axis.unwrap_or_else(Vector3::z),
@@ -75,27 +74,9 @@ pub fn obstacle_poses(obstacles: &[Obstacle], time: f64) -> Vec<Pose> {
     poses
 }
 
-impl System {
-    /// Moves the obstacles to where they are at `time`, s.
-    pub(crate) fn place_obstacles(&mut self, time: f64) {
-        let Some(contact) = &mut self.contact else {
-            return;
-        };
-        for moving in &self.moving_obstacles {
-            contact.place_obstacle(moving.obstacle, moving.pose(time));
-        }
-    }
-
-    /// Lets the next step start where the obstacles are.
-    pub(super) fn commit_obstacles(&mut self) {
-        if let Some(contact) = &mut self.contact {
-            contact.commit_obstacles();
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::System;
     use super::*;
     use crate::mechanics::contact::{ContactModel, ContactParameters};
     use crate::mechanics::rigid_body::RigidBody;
@@ -148,7 +129,7 @@ mod tests {
                     let mut system = system(body.clone(), model, friction);
                     let unknowns = system.assembly.unknowns.clone();
                     system.linearize(&unknowns, None);
-                    let contacts = system.contact.as_ref().unwrap().contacts();
+                    let contacts = system.terms.contact.model.as_ref().unwrap().contacts();
                     assert!(!contacts.is_empty(), "{body:?} {model:?}");
                     let found = system.dense_matrix();
                     let size = unknowns.len();

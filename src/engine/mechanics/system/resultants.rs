@@ -14,7 +14,7 @@
 
 use super::System;
 use crate::mechanics::Vector3;
-use crate::mechanics::rod::vertex::{self, EdgeFrame, VertexStrains, curvature_binormal};
+use crate::mechanics::rod::vertex::{EdgeFrame, VertexStrains, curvature_binormal};
 use crate::mechanics::rod::{BendingStrain, ElasticEnergy, STRIDE, Vertex};
 
 /// What a rod bears at a node, and its curvature there.
@@ -45,7 +45,7 @@ impl System {
         let mut all: Vec<Option<Resultants>> = vec![None; self.assembly.rods.nodes];
         for (index, vertex) in self.assembly.rods.vertices.iter().enumerate() {
             let found = self.resultants_of(index, vertex);
-            let kept = &mut all[self.node_of(vertex)];
+            let kept = &mut all[self.assembly.node_of(vertex)];
             if kept.is_none_or(|kept| kept.bending_moment < found.bending_moment) {
                 *kept = Some(found);
             }
@@ -60,11 +60,11 @@ impl System {
         let mut moment = Vector3::zeros();
         for (index, vertex) in rods.vertices.iter().enumerate() {
             let is_wall = vertex.before.max(vertex.after) >= rods.nodes;
-            if !is_wall || self.node_of(vertex) != node {
+            if !is_wall || self.assembly.node_of(vertex) != node {
                 continue;
             }
             let frames = [vertex.before, vertex.after].map(|edge| &self.geometry.edges[edge]);
-            let strains = self.strains(index, vertex);
+            let strains = self.geometry.strains(index, vertex);
             let gradient = self.acting_rods().vertices[index].gradient(frames, &strains);
             moment -= if vertex.before < rods.nodes {
                 turning(frames[0], &gradient.e0, gradient.phi0)
@@ -79,7 +79,7 @@ impl System {
                 let spin = self.residual[STRIDE * edge.start + 3];
                 moment += self.geometry.edges[edge.start].tangent * spin;
             }
-            moment -= self.springs.moment_on_clamp(number);
+            moment -= self.terms.springs.moment_on_clamp(number);
         }
         moment
     }
@@ -88,15 +88,18 @@ impl System {
     pub(crate) fn elastic_energy_of(&self, rod: usize) -> ElasticEnergy {
         let rods = &self.assembly.rods;
         let nodes = rods.rods[rod].node_indices();
-        let mut energy = self.relaxing_energy(Some(rod));
+        let mut energy = self
+            .terms
+            .damping
+            .relaxing_energy(&self.assembly, Some(rod));
         for edge in rods.edges.iter().filter(|edge| nodes.contains(&edge.start)) {
             let length = self.geometry.edges[edge.start].length;
             let strain = length / edge.natural_length - 1.0;
             energy.stretching += 0.5 * edge.stretching * strain * strain * edge.natural_length;
         }
         for (index, vertex) in rods.vertices.iter().enumerate() {
-            if nodes.contains(&self.node_of(vertex)) {
-                let strains = self.strains(index, vertex);
+            if nodes.contains(&self.assembly.node_of(vertex)) {
+                let strains = self.geometry.strains(index, vertex);
                 let (bending, twisting) = vertex.energies(&strains);
                 energy.bending += bending;
                 energy.twisting += twisting;
@@ -109,31 +112,12 @@ impl System {
     pub(crate) fn total_twist(&self, rod: usize) -> f64 {
         let nodes = self.assembly.rods.rods[rod].node_indices();
         let vertices = self.assembly.rods.vertices.iter().enumerate();
-        let own = vertices.filter(|(_, vertex)| nodes.contains(&self.node_of(vertex)));
+        let own = vertices.filter(|(_, vertex)| nodes.contains(&self.assembly.node_of(vertex)));
         own.map(|(index, _)| self.geometry.twist(index)).sum()
     }
 
-    /// Node at which a vertex lies.
-    pub(super) fn node_of(&self, vertex: &Vertex) -> usize {
-        let rods = &self.assembly.rods;
-        if vertex.after < rods.nodes {
-            return vertex.after;
-        }
-        let (rod, _) = self.assembly.locate(vertex.before);
-        rods.rods[rod].end_of(vertex.before)
-    }
-
-    /// Strains of a vertex at the last evaluation.
-    pub(super) fn strains(&self, index: usize, vertex: &Vertex) -> VertexStrains {
-        let edges = &self.geometry.edges;
-        VertexStrains {
-            curvature: vertex::curvatures(&edges[vertex.before], &edges[vertex.after]),
-            twist: self.geometry.twist(index),
-        }
-    }
-
     fn resultants_of(&self, index: usize, vertex: &Vertex) -> Resultants {
-        let strains = self.strains(index, vertex);
+        let strains = self.geometry.strains(index, vertex);
         let [before, after] = [vertex.before, vertex.after].map(|edge| &self.geometry.edges[edge]);
         let acting = &self.acting_rods().vertices[index];
         let elastic = acting.elastic_strains(&strains);

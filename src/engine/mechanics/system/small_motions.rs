@@ -51,9 +51,9 @@ impl System {
             resistance: Vec::new(),
             positions,
         };
-        let drag = std::mem::take(&mut self.loads.damping);
+        let drag = std::mem::take(&mut self.terms.drag.coefficients);
         self.linearize(unknowns, Some(&stage));
-        self.loads.damping = drag;
+        self.terms.drag.coefficients = drag;
         self.factor().map(drop)
     }
 }

@@ -66,13 +66,13 @@ impl System {
             }
         }
         for (index, vertex) in rods.vertices.iter().enumerate() {
-            let node = self.node_of(vertex);
+            let node = self.assembly.node_of(vertex);
             if self.assembly.obstacle[node] {
                 continue;
             }
             let section = &sections[self.assembly.locate(node).0];
             let [fibre_1, fibre_2] = section.fibres;
-            let strains = self.strains(index, vertex);
+            let strains = self.geometry.strains(index, vertex);
             // κ¹ = m₂·κb turns about m₂.
             let inverse_length = 2.0 * vertex.stiffness.bending[0] / section.bending_2;
             let elastic = vertex.elastic_strains(&strains);

@@ -3,10 +3,12 @@
 
 use super::*;
 use crate::mechanics::contact::ContactParameters;
+use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{
     Clamp, Inertia, Load, LoadKind, Motion, NaturalShape, Plane, RodDescription, Scene,
 };
 use crate::mechanics::test_support::{curved, drag, section};
+use crate::mechanics::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
 fn rod(name: &str, centreline: Vec<Vector3>, closed: bool) -> RodDescription {
@@ -190,12 +192,12 @@ fn drag_follows_its_schedule() {
         ..drag(None, 0.3, 0.2)
     });
     let mut system = System::new(&scene).unwrap();
-    let at_start = system.loads.damping.clone();
+    let at_start = system.terms.drag.coefficients.clone();
     assert!(at_start.iter().any(|coefficient| *coefficient > 0.0));
     let mut unknowns = system.assembly.unknowns.clone();
     for (time, factor) in [(1.0, 0.75), (3.0, 0.5), (0.0, 1.0)] {
         system.drive(time, &mut unknowns);
-        for (now, start) in system.loads.damping.iter().zip(&at_start) {
+        for (now, start) in system.terms.drag.coefficients.iter().zip(&at_start) {
             assert!((now - factor * start).abs() < 1e-15);
         }
     }
@@ -244,7 +246,13 @@ fn the_jacobian_of_contact_and_friction_is_exact() {
             ..Scene::default()
         };
         let mut system = System::new(&scene).unwrap();
-        system.contact.as_mut().unwrap().set_stiffness(2.0);
+        system
+            .terms
+            .contact
+            .model
+            .as_mut()
+            .unwrap()
+            .set_stiffness(2.0);
         let start = perturbed(&system, 0.004);
         let mut unknowns = start.clone();
         // Press the upper rod down and slide it, and the lower rod onto the plane.
@@ -255,7 +263,7 @@ fn the_jacobian_of_contact_and_friction_is_exact() {
         let stage = stage_at(&system, start);
         system.update_candidates(&unknowns);
         let error = jacobian_error(&mut system, &unknowns, Some(&stage), 1e-7);
-        let contact = system.contact.as_ref().unwrap();
+        let contact = system.terms.contact.model.as_ref().unwrap();
         assert!(!contact.contacts().is_empty() && !contact.plane_contacts().is_empty());
         assert!(error < 1e-6, "friction {friction}: {error:e}");
         let mut direction = vec![0.0; unknowns.len()];
@@ -302,7 +310,14 @@ fn candidates_that_come_while_nothing_touches_are_in_the_pattern() {
         system.update_candidates(&unknowns);
         system.linearize(&unknowns, Some(&stage));
         system.factor().unwrap();
-        let contacts = system.contact.as_ref().unwrap().contacts().len();
+        let contacts = system
+            .terms
+            .contact
+            .model
+            .as_ref()
+            .unwrap()
+            .contacts()
+            .len();
         if contacts > 0 {
             break contacts;
         }
@@ -348,14 +363,19 @@ fn the_inertia_of_a_twisted_ring_is_that_of_its_eigenvalues() {
         let mut system = System::new(&twisted_ring(contact)).unwrap();
         let unknowns = perturbed(&system, 1e-6);
         system.update_candidates(&unknowns);
-        if let Some(contact) = &system.contact {
+        if let Some(contact) = &system.terms.contact.model {
             assert!(!contact.candidates().is_empty());
         }
         let spin = system.assembly.shortest_edge.powi(2);
         for shift in [1.0, 100.0, 1e4, 1e6] {
             system.linearize(&unknowns, None);
             system.shift(shift, shift * spin);
-            let contacts = system.contact.as_ref().map_or(0, |c| c.contacts().len());
+            let contacts = system
+                .terms
+                .contact
+                .model
+                .as_ref()
+                .map_or(0, |c| c.contacts().len());
             assert_eq!(contacts > 0, touches);
             let dense = system.dense_matrix();
             let eigenvalues = dense.clone().symmetric_eigenvalues();
@@ -385,7 +405,13 @@ fn a_stiff_post_does_not_stiffen_the_contacts_of_soft_rods() {
             contact: Some(ContactParameters::default()),
             ..Scene::default()
         };
-        System::new(&scene).unwrap().contact.unwrap().stiffness()
+        System::new(&scene)
+            .unwrap()
+            .terms
+            .contact
+            .model
+            .unwrap()
+            .stiffness()
     };
     let soft = rod("soft", arc(8, 0.0), false);
     let mut post = rod("post", arc(8, 1.0), false);

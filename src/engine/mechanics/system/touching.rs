@@ -147,12 +147,12 @@ fn add_balls(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
 impl System {
     /// What contact passes over because rods are set in other bodies there, a sentence for each root.
     pub(crate) fn remarks_on_roots(&self) -> &[String] {
-        &self.roots
+        &self.terms.contact.roots
     }
 
     /// Lets contact know which nodes are prescribed, after something was grasped or released.
     pub(super) fn note_prescribed_nodes(&mut self) {
-        if let Some(contact) = &mut self.contact {
+        if let Some(contact) = &mut self.terms.contact.model {
             let prescribed = self.assembly.held.iter().step_by(STRIDE).copied();
             contact.set_prescribed(prescribed.take(self.assembly.rods.nodes));
         }
@@ -164,22 +164,24 @@ impl System {
         if !self.candidates_are_complete(unknowns) {
             self.update_candidates(unknowns);
         }
-        let contact = self.contact.as_mut()?;
-        copy_positions(unknowns, &mut self.positions);
-        let overlap = contact.excessive_penetration_at(&self.positions)?;
+        let contact = self.terms.contact.model.as_mut()?;
+        copy_positions(unknowns, &mut self.terms.contact.positions);
+        let overlap = contact.excessive_penetration_at(&self.terms.contact.positions)?;
         Some(name_overlap(&overlap, contact, &self.assembly))
     }
 
     /// Whether a contact of the last evaluation is pressed deeper than those that bear what they are made for. Contact by
     /// complementarity is rigid.
     pub(crate) fn is_contact_deep(&self) -> bool {
-        let contact = self.contact.as_ref();
+        let contact = self.terms.contact.model.as_ref();
         !self.has_constraints() && contact.is_some_and(ContactSystem::is_deep)
     }
 
     /// Whether surfaces touch at the last evaluation that a barrier should have kept apart.
     pub(crate) fn touches_barrier(&self) -> bool {
-        self.contact
+        self.terms
+            .contact
+            .model
             .as_ref()
             .is_some_and(ContactSystem::touches_barrier)
     }
@@ -187,10 +189,13 @@ impl System {
     /// Names two edges that pass through each other, or nearly so, on the straight paths of all nodes from one set of
     /// unknowns to another.
     pub(crate) fn passage(&mut self, from: &[f64], to: &[f64]) -> Option<[String; 2]> {
-        let contact = self.contact.as_mut()?;
-        copy_positions(from, &mut self.positions);
-        copy_positions(to, &mut self.displacements);
-        let pair = contact.passage(&self.positions, &self.displacements)?;
+        let contact = self.terms.contact.model.as_mut()?;
+        copy_positions(from, &mut self.terms.contact.positions);
+        copy_positions(to, &mut self.terms.contact.displacements);
+        let pair = contact.passage(
+            &self.terms.contact.positions,
+            &self.terms.contact.displacements,
+        )?;
         Some(names(pair, contact, &self.assembly))
     }
 }

@@ -6,6 +6,7 @@
 //! of their thickness, however, are pushed apart along a normal that has turned meanwhile, and an edge that is compressed is
 //! pushed along as it turns. A step in which that brings energy is repeated.
 
+use super::term::Kind;
 use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ContactSystem;
@@ -25,7 +26,7 @@ impl System {
     /// Energy that contacts bring into a step that ends at `unknowns`, where they were evaluated last, J, where it is not
     /// negligible; of contact forces that hold where the step ends. Rigid contacts hold no energy.
     pub(crate) fn work_of_contact(&self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
-        let contact = self.contact.as_ref()?;
+        let contact = self.terms.contact.model.as_ref()?;
         let (work, forces) = self.work_and_forces(contact, unknowns);
         let way = NEGLIGIBLE_WAY * contact.parameters().distance_tolerance * forces;
         let kinetic = self.kinetic_energy_at_start(stage);
@@ -39,13 +40,16 @@ impl System {
         if is_small(most, energy) {
             return None;
         }
-        let made = most - contact.stored_at_start(&self.step_start).energy;
+        let made = most
+            - contact
+                .stored_at_start(&self.terms.contact.step_start)
+                .energy;
         (!is_small(made, energy)).then_some(made)
     }
 
     /// f·(x₁ − x₀) and |f|, summed over the contacts.
     fn work_and_forces(&self, contact: &ContactSystem, unknowns: &[f64]) -> (f64, f64) {
-        let moved = |node: usize| position(unknowns, node) - self.step_start[node];
+        let moved = |node: usize| position(unknowns, node) - self.terms.contact.step_start[node];
         let (mut work, mut forces) = (0.0, 0.0);
         for pair in contact.contacts() {
             forces += pair.normal_force.abs();
@@ -73,11 +77,12 @@ impl System {
         stage: &Stage,
         unknowns: &[f64],
     ) -> Option<f64> {
-        let contact = self.contact.take()?;
-        copy_positions(unknowns, &mut self.positions);
-        let made = self.normal_work(&contact, unknowns) + contact.energy_at(&self.positions)
-            - self.stored_by_contact;
-        self.contact = Some(contact);
+        let contact = self.terms.contact.model.take()?;
+        copy_positions(unknowns, &mut self.terms.contact.positions);
+        let made = self.normal_work(&contact, unknowns)
+            + contact.energy_at(&self.terms.contact.positions)
+            - self.terms.contact.stored_at_start;
+        self.terms.contact.model = Some(contact);
         if made <= 0.0 {
             return None;
         }
@@ -87,7 +92,7 @@ impl System {
 
     /// Work of the normal forces of all contacts along the way to `unknowns`, J.
     fn normal_work(&self, contact: &ContactSystem, unknowns: &[f64]) -> f64 {
-        let moved = |node: usize| position(unknowns, node) - self.step_start[node];
+        let moved = |node: usize| position(unknowns, node) - self.terms.contact.step_start[node];
         let mut work = 0.0;
         for pair in contact.contacts() {
             for (node, force) in pair.nodes.iter().zip(pair.force.chunks_exact(3)) {
@@ -110,14 +115,14 @@ impl System {
 
     /// Energy that contacts hold at `positions`, J.
     pub(crate) fn contact_energy_at(&self, positions: &[Vector3]) -> f64 {
-        let contact = self.contact.as_ref();
+        let contact = self.terms.contact.model.as_ref();
         contact.map_or(0.0, |contact| contact.energy_at(positions))
     }
 
     /// What moves the obstacles against the normal forces of the contacts gives the rods in the step, J; and the sum of these
     /// forces, N.
     pub(crate) fn work_of_obstacles(&self) -> (f64, f64) {
-        let Some(contact) = &self.contact else {
+        let Some(contact) = &self.terms.contact.model else {
             return (0.0, 0.0);
         };
         let (mut work, mut forces) = (0.0, 0.0);
@@ -147,8 +152,11 @@ impl System {
         let after = self.elastic_energy().total();
         let mut gradient = std::mem::take(&mut self.corrected_residual);
         gradient.fill(0.0);
-        (self.assembly.rods).add_gradient(&self.geometry, &mut gradient);
-        (self.springs).add_gradient(&self.assembly.joints, &mut gradient);
+        let at = self.at(unknowns, Some(stage));
+        let terms = self.terms.all().into_iter();
+        for term in terms.filter(|term| term.kind() == Kind::Elastic) {
+            term.add_forces(&at, &mut gradient);
+        }
         (self.assembly.joints).gather_moments(unknowns, &mut gradient);
         // What is prescribed is where the step ends from its start: it is moved by others.
         let start = self.at_start(unknowns, stage);
@@ -178,7 +186,7 @@ impl System {
             let turn = (moved(edge.end) - moved(edge.start)).norm();
             let spin = (unknowns[angle] - stage.start[angle]).abs();
             turn > FAR_TURN * edge.natural_length || spin > FAR_TURN
-        }) || self.springs.turn_by(FAR_TURN, moved)
+        }) || self.terms.springs.turn_by(FAR_TURN, moved)
     }
 }
 

@@ -27,10 +27,11 @@ mod track;
 mod turned;
 
 use super::System;
+use super::term::Demand;
 use crate::linalg::{Element, SharedUnknown, UNUSED};
 use crate::mechanics::rod::topology::{add_to_node, position};
 use crate::mechanics::rod::{GhostEdge, STRIDE, TURNING_ROTATION};
-use crate::mechanics::{UnitQuaternion, Vector3, rotation};
+use crate::mechanics::{SceneError, UnitQuaternion, Vector3, rotation};
 pub(crate) use border::Border;
 use derivatives::{HINGE, OWN_HINGE, OWN_NODE};
 pub(super) use frame::{EccentricMass, TurningFrame};
@@ -40,6 +41,14 @@ pub(super) use slide::Slide;
 pub use spring_ends::check_joints;
 pub(super) use track::Track;
 pub(super) use turned::TurnedEnd;
+
+const NO_RIGID_CONTACT: SceneError = SceneError::Unsuitable(
+    "contact by complementarity knows no joints: choose the model `imc` or `ipc`",
+);
+
+const NO_START: SceneError = SceneError::Unsuitable(
+    "a scene with rigid joints, hinges, sliding nodes or bodies with inertia cannot start from the end of another run, which does not tell how they are turned or where they slide",
+);
 
 /// Joints and bodies of a scene, with its unknowns numbered.
 #[derive(Clone, Debug, Default)]
@@ -74,6 +83,19 @@ impl Joints {
             welds: Vec::new(),
             slides: Vec::new(),
             start: None,
+        }
+    }
+
+    /// Whether a scene with them can do what is asked for.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub(crate) fn admit(&self, demand: Demand) -> Result<(), SceneError> {
+        let turn_or_slide = !self.frames.is_empty() || !self.slides.is_empty();
+        match demand {
+            Demand::Start if turn_or_slide => Err(NO_START),
+            Demand::RigidContact if !self.is_empty() => Err(NO_RIGID_CONTACT),
+            _ => Ok(()),
         }
     }
 

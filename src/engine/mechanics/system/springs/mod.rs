@@ -10,9 +10,11 @@ use super::System;
 use super::build::Assembly;
 use super::clamps::Drive;
 use super::joints::{JointPlan, Joints, TurnedEnd};
-use crate::linalg::{Element, ElementMatrix, UNUSED};
+use super::newton_matrix::Entries;
+use super::term::{Configuration, Kind, Term};
+use crate::linalg::{Element, UNUSED};
 use crate::mechanics::rod::topology::position;
-use crate::mechanics::rod::{ElasticEnergy, STRIDE};
+use crate::mechanics::rod::{ElasticEnergy, RodGeometry, STRIDE};
 use crate::mechanics::scene::{RodNode, Scene};
 use crate::mechanics::{SceneError, Vector3, rotation};
 use between_frames::{FrameSpring, SpringEnd};
@@ -39,68 +41,20 @@ struct AngleSpring {
 }
 
 impl Springs {
-    /// The springs of a scene with its unknowns numbered.
-    ///
-    /// # Errors
-    /// [`SceneError::Joint`] where one cannot be.
-    pub(crate) fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, SceneError> {
-        let plan = if scene.springs.is_empty() {
-            JointPlan::default()
-        } else {
-            JointPlan::new(scene)?
-        };
-        let (mut between_nodes, mut between_frames) = (Vec::new(), Vec::new());
-        for (spring_number, spring) in scene.springs.iter().enumerate() {
-            let rest_length = plan.rest_length(scene, spring)?;
-            let number = |at: RodNode| assembly.rods.rods[at.rod].first_node + at.node;
-            if let Some(turning) = &spring.turning {
-                let end = |end: TurnedEnd| match end {
-                    TurnedEnd::Frame(frame) => SpringEnd::Frame(frame),
-                    TurnedEnd::Held => SpringEnd::Held,
-                    TurnedEnd::Clamped(at) => {
-                        let mut drives = assembly.drives.iter();
-                        let drive = drives.position(|drive| drive.node == number(at));
-                        SpringEnd::Clamp(drive.expect("the plan found the clamp"))
-                    }
-                };
-                between_frames.push(FrameSpring {
-                    number: spring_number,
-                    ends: plan.turned_ends(scene, spring)?.map(end),
-                    stiffness: turning.stiffness,
-                    rest: rotation::from_vector(turning.rest_rotation),
-                    vector: Vector3::zeros(),
-                });
-            }
-            between_nodes.push(NodeSpring {
-                nodes: spring.nodes.map(number),
-                stiffness: spring.stiffness,
-                rest_length,
-                span: Vector3::zeros(),
-            });
-        }
-        let hinges = assembly.joints.frames.iter();
-        let about_hinges = hinges.filter_map(|frame| {
-            frame.spring.map(|spring| AngleSpring {
-                unknown: frame.first_unknown + 3,
-                stiffness: spring.stiffness,
-                rest_angle: spring.rest_angle,
-                angle: 0.0,
-            })
-        });
-        Ok(Self {
-            between_nodes,
-            between_frames,
-            about_hinges: about_hinges.collect(),
-        })
+    /// Force of one between nodes, k (r − L), N.
+    pub(crate) fn force(&self, number: usize) -> f64 {
+        self.between_nodes[number].force()
     }
 
-    /// Whether there are none between nodes.
-    pub(crate) fn couple_nothing(&self) -> bool {
-        self.between_nodes.is_empty()
+    /// Moment by which one turns what it ties, c ‖θ‖, N m; 0 for one that does not.
+    pub(crate) fn moment(&self, number: usize) -> f64 {
+        let mut between_frames = self.between_frames.iter();
+        let spring = between_frames.find(|spring| spring.number == number);
+        spring.map_or(0.0, |spring| spring.moments()[1].norm())
     }
 
-    /// Tells `assembly` what the last digits of positions and rotations leave in the forces of springs.
-    pub(crate) fn round(&self, assembly: &mut Assembly) {
+    /// Gives `assembly` what the last digits of positions and rotations leave in the forces of springs.
+    fn round(&self, assembly: &mut Assembly) {
         let frames = assembly.joints.frames.iter();
         let frames: Vec<_> = frames.map(|frame| (frame.node, frame.length)).collect();
         let mut round = |node: usize, stiffness: f64| {
@@ -123,18 +77,6 @@ impl Springs {
                 }
             }
         }
-    }
-
-    /// Force of one between nodes, k (r − L), N.
-    pub(crate) fn force(&self, number: usize) -> f64 {
-        self.between_nodes[number].force()
-    }
-
-    /// Moment by which one turns what it ties, c ‖θ‖, N m; 0 for one that does not.
-    pub(crate) fn moment(&self, number: usize) -> f64 {
-        let mut between_frames = self.between_frames.iter();
-        let spring = between_frames.find(|spring| spring.number == number);
-        spring.map_or(0.0, |spring| spring.moments()[1].norm())
     }
 
     /// Takes the spring about a hinge away, whose angle is an unknown.
@@ -189,8 +131,105 @@ impl Springs {
         }
     }
 
-    /// Energy, J: that between nodes counts as of stretching, that between frames and about hinges as of bending.
-    pub(crate) fn energy(&self) -> ElasticEnergy {
+    /// Whether one between nodes turns, or is stretched, by more than `part` of its length without force where its ends move
+    /// so. The force of one without such a length is linear however far it turns.
+    pub(crate) fn turn_by(&self, part: f64, moved: impl Fn(usize) -> Vector3) -> bool {
+        self.between_nodes.iter().any(|spring| {
+            let [from, to] = spring.nodes.map(&moved);
+            spring.rest_length > 0.0 && (to - from).norm() > part * spring.rest_length
+        })
+    }
+}
+
+impl Term for Springs {
+    /// # Errors
+    /// [`SceneError::Joint`] where one cannot be.
+    fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
+        let plan = if scene.springs.is_empty() {
+            JointPlan::default()
+        } else {
+            JointPlan::new(scene)?
+        };
+        let (mut between_nodes, mut between_frames) = (Vec::new(), Vec::new());
+        for (spring_number, spring) in scene.springs.iter().enumerate() {
+            let rest_length = plan.rest_length(scene, spring)?;
+            let number = |at: RodNode| assembly.rods.rods[at.rod].first_node + at.node;
+            if let Some(turning) = &spring.turning {
+                let end = |end: TurnedEnd| match end {
+                    TurnedEnd::Frame(frame) => SpringEnd::Frame(frame),
+                    TurnedEnd::Held => SpringEnd::Held,
+                    TurnedEnd::Clamped(at) => {
+                        let mut drives = assembly.drives.iter();
+                        let drive = drives.position(|drive| drive.node == number(at));
+                        SpringEnd::Clamp(drive.expect("the plan found the clamp"))
+                    }
+                };
+                between_frames.push(FrameSpring {
+                    number: spring_number,
+                    ends: plan.turned_ends(scene, spring)?.map(end),
+                    stiffness: turning.stiffness,
+                    rest: rotation::from_vector(turning.rest_rotation),
+                    vector: Vector3::zeros(),
+                });
+            }
+            between_nodes.push(NodeSpring {
+                nodes: spring.nodes.map(number),
+                stiffness: spring.stiffness,
+                rest_length,
+                span: Vector3::zeros(),
+            });
+        }
+        let hinges = assembly.joints.frames.iter();
+        let about_hinges = hinges.filter_map(|frame| {
+            frame.spring.map(|spring| AngleSpring {
+                unknown: frame.first_unknown + 3,
+                stiffness: spring.stiffness,
+                rest_angle: spring.rest_angle,
+                angle: 0.0,
+            })
+        });
+        let springs = Self {
+            between_nodes,
+            between_frames,
+            about_hinges: about_hinges.collect(),
+        };
+        springs.round(assembly);
+        Ok(springs)
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Elastic
+    }
+
+    /// The unknowns of the springs between nodes, then of those between frames.
+    fn elements(&self, assembly: &Assembly) -> Vec<Element> {
+        let between_nodes = self.between_nodes.iter().map(|spring| {
+            let mut element = [UNUSED; 12];
+            for (end, node) in spring.nodes.iter().enumerate() {
+                for axis in 0..3 {
+                    element[3 * end + axis] = STRIDE * node + axis;
+                }
+            }
+            element
+        });
+        let joints = &assembly.joints;
+        let between_frames = self.between_frames.iter();
+        between_nodes
+            .chain(between_frames.map(|spring| spring.element(joints)))
+            .collect()
+    }
+
+    fn couples_nodes(&self) -> bool {
+        !self.between_nodes.is_empty()
+    }
+
+    fn update(&mut self, at: &Configuration) {
+        self.stretch(at.unknowns);
+        self.turn(&at.assembly.joints, &at.assembly.drives, at.time);
+    }
+
+    /// That between nodes counts as of stretching, that between frames and about hinges as of bending.
+    fn energy(&self, _: &Assembly, _: &RodGeometry) -> ElasticEnergy {
         let of_angle = |spring: &AngleSpring| {
             let turn = spring.angle - spring.rest_angle;
             0.5 * spring.stiffness * turn * turn
@@ -205,61 +244,28 @@ impl Springs {
         }
     }
 
-    /// Adds the gradient of the energy to `gradient`, over all unknowns; moments on frames are seen from outside.
-    pub(crate) fn add_gradient(&self, joints: &Joints, gradient: &mut [f64]) {
+    /// Moments on frames are seen from outside.
+    fn add_forces(&self, at: &Configuration, residual: &mut [f64]) {
         for spring in &self.between_frames {
-            spring.add_gradient(joints, gradient);
+            spring.add_gradient(&at.assembly.joints, residual);
         }
         for spring in &self.between_nodes {
             let force = spring.gradient();
             let [from, to] = spring.nodes.map(|node| STRIDE * node);
             for axis in 0..3 {
-                gradient[from + axis] -= force[axis];
-                gradient[to + axis] += force[axis];
+                residual[from + axis] -= force[axis];
+                residual[to + axis] += force[axis];
             }
         }
         for spring in &self.about_hinges {
-            gradient[spring.unknown] += spring.stiffness * (spring.angle - spring.rest_angle);
+            residual[spring.unknown] += spring.stiffness * (spring.angle - spring.rest_angle);
         }
     }
 
-    /// Adds the sizes of the forces on nodes to `forces`, over all unknowns, N.
-    pub(crate) fn add_sizes(&self, forces: &mut [f64]) {
-        for spring in &self.between_nodes {
-            let force = spring.gradient();
-            for node in spring.nodes {
-                for axis in 0..3 {
-                    forces[STRIDE * node + axis] += force[axis].abs();
-                }
-            }
-        }
-    }
-
-    /// The unknowns of the springs between nodes, then of those between frames.
-    pub(crate) fn elements(&self, joints: &Joints) -> impl Iterator<Item = Element> {
-        let between_nodes = self.between_nodes.iter().map(|spring| {
-            let mut element = [UNUSED; 12];
-            for (end, node) in spring.nodes.iter().enumerate() {
-                for axis in 0..3 {
-                    element[3 * end + axis] = STRIDE * node + axis;
-                }
-            }
-            element
-        });
-        let between_frames = self.between_frames.iter();
-        between_nodes.chain(between_frames.map(|spring| spring.element(joints)))
-    }
-
-    /// Adds the second derivatives at `unknowns` to the matrices of [`Self::elements`].
-    pub(crate) fn add_hessians(
-        &self,
-        joints: &Joints,
-        unknowns: &[f64],
-        matrices: &mut [ElementMatrix],
-    ) {
-        let (matrices, of_frames) = matrices.split_at_mut(self.between_nodes.len());
+    fn add_jacobian(&self, at: &Configuration, entries: &mut Entries) {
+        let (matrices, of_frames) = entries.elements().split_at_mut(self.between_nodes.len());
         for (spring, matrix) in self.between_frames.iter().zip(of_frames) {
-            spring.add_hessian(joints, unknowns, matrix);
+            spring.add_hessian(&at.assembly.joints, at.unknowns, matrix);
         }
         for (spring, matrix) in self.between_nodes.iter().zip(matrices) {
             let hessian = spring.hessian();
@@ -272,27 +278,28 @@ impl Springs {
                 }
             }
         }
+        let columns = entries.columns();
+        for spring in &self.about_hinges {
+            columns[spring.unknown][0] += spring.stiffness;
+        }
     }
 
-    /// Unknowns and second derivatives of the springs about hinges.
-    pub(crate) fn diagonal(&self) -> impl Iterator<Item = (usize, f64)> {
-        let hinges = self.about_hinges.iter();
-        hinges.map(|spring| (spring.unknown, spring.stiffness))
-    }
-
-    /// Whether one between nodes turns, or is stretched, by more than `part` of its length without force where its ends move
-    /// so. The force of one without such a length is linear however far it turns.
-    pub(crate) fn turn_by(&self, part: f64, moved: impl Fn(usize) -> Vector3) -> bool {
-        self.between_nodes.iter().any(|spring| {
-            let [from, to] = spring.nodes.map(&moved);
-            spring.rest_length > 0.0 && (to - from).norm() > part * spring.rest_length
-        })
+    /// Those on nodes.
+    fn add_sizes(&self, _: &Configuration, forces: &mut [f64]) {
+        for spring in &self.between_nodes {
+            let force = spring.gradient();
+            for node in spring.nodes {
+                for axis in 0..3 {
+                    forces[STRIDE * node + axis] += force[axis].abs();
+                }
+            }
+        }
     }
 }
 
 impl System {
     /// Force of a spring between nodes at the last evaluation, N: positive where it pulls.
     pub(crate) fn spring_force(&self, spring: usize) -> f64 {
-        self.springs.force(spring)
+        self.terms.springs.force(spring)
     }
 }

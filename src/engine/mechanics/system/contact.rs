@@ -1,0 +1,347 @@
+//! Contact as a term: [`ContactSystem`] with what the system keeps beside it.
+
+use super::System;
+use super::build::Assembly;
+use super::events::Event;
+use super::newton_matrix::Entries;
+use super::obstacles::MovingObstacle;
+use super::stage::{Stage, copy_positions};
+use super::term::{Configuration, Demand, Kind, Term};
+use super::touching::contact_of;
+use crate::mechanics::contact::{ContactModel, ContactSystem};
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
+use crate::mechanics::scene::Scene;
+use crate::mechanics::{SceneError, Vector3};
+
+/// What rigid contact is for: the midpoint rule would extrapolate through it, and statics has no free motion that
+/// contact could prevent.
+const ONLY_EULER: SceneError =
+    SceneError::Unsuitable("contact by complementarity needs time steps of implicit Euler");
+
+const NO_ENERGY: SceneError =
+    SceneError::Unsuitable("with friction an equilibrium has no energy whose least it could be");
+
+const NO_PATH: SceneError = SceneError::Unsuitable(
+    "a path of equilibria allows no friction and no contact by complementarity: their forces depend on the way to a configuration",
+);
+
+/// Contact with its obstacles, and scratch.
+pub(crate) struct Contact {
+    /// The contact model, where the scene has one.
+    pub model: Option<ContactSystem>,
+    /// What contact passes over where rods are set in other bodies, a sentence for each.
+    pub roots: Vec<String>,
+    /// Whether rods rub against each other or against obstacles, and against planes.
+    rubs: [bool; 2],
+    /// Whether nodes have elements of their own: with friction on planes or obstacles, and where contact is rigid.
+    pub lists_nodes: bool,
+    /// Whether there are planes.
+    pub has_planes: bool,
+    moving_obstacles: Vec<MovingObstacle>,
+    /// Positions where the step starts, m.
+    pub step_start: Vec<Vector3>,
+    /// Energy that contacts hold there, J, where it was asked for.
+    pub stored_at_start: f64,
+    /// Scratch: positions, m.
+    pub positions: Vec<Vector3>,
+    /// Scratch: displacements, m.
+    pub displacements: Vec<Vector3>,
+    /// Scratch: forces without contact, N.
+    pub forces: Vec<Vector3>,
+    /// Scratch: how far a unit force moves each node within a step by inertia, m/N.
+    pub mobilities: Vec<f64>,
+    /// Scratch of the complementarity model: a correction of the unknowns.
+    pub correction: Vec<f64>,
+}
+
+impl Contact {
+    /// Whether something rubs: the forces of an equilibrium then depend on the way to it.
+    pub(crate) fn rubs(&self) -> bool {
+        self.rubs.contains(&true)
+    }
+
+    /// Whether contact forces are found by complementarity.
+    pub(crate) fn is_rigid(&self) -> bool {
+        let model = self.model.as_ref();
+        model.is_some_and(|contact| contact.parameters().is_complementarity())
+    }
+
+    /// Moves the obstacles to where they are at `time`, s.
+    pub(crate) fn place_obstacles(&mut self, time: f64) {
+        if let Some(contact) = &mut self.model {
+            for moving in &self.moving_obstacles {
+                contact.place_obstacle(moving.obstacle, moving.pose(time));
+            }
+        }
+    }
+}
+
+/// Forces of the last evaluation on the nodes of rods, N.
+pub(crate) fn forces(contact: &ContactSystem) -> impl Iterator<Item = (usize, [f64; 3])> {
+    let pairs = contact.contacts().iter().flat_map(|pair| {
+        let (forces, _) = pair.force.as_chunks();
+        pair.nodes.into_iter().zip(forces.iter().copied())
+    });
+    let planes = contact.plane_contacts().iter();
+    pairs
+        .filter(|(node, _)| contact.is_of_rod(*node))
+        .chain(planes.map(|touch| (touch.node, touch.force)))
+}
+
+impl Term for Contact {
+    fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
+        let (model, roots) = match contact_of(scene, assembly)? {
+            Some(of_scene) => (Some(of_scene.contact), of_scene.roots),
+            None => (None, Vec::new()),
+        };
+        let friction = scene.contact.map_or(0.0, |parameters| parameters.friction);
+        let rubs = |own: Option<f64>| model.is_some() && own.unwrap_or(friction) > 0.0;
+        let on_obstacles = (scene.obstacles.iter()).any(|obstacle| rubs(obstacle.friction));
+        let on_planes = scene.planes.iter().any(|plane| rubs(plane.friction));
+        let nodes = assembly.rods.nodes;
+        let mut contact = Self {
+            model,
+            roots,
+            rubs: [friction > 0.0 || on_obstacles, on_planes],
+            lists_nodes: on_planes || on_obstacles,
+            has_planes: !scene.planes.is_empty(),
+            moving_obstacles: MovingObstacle::of(&scene.obstacles),
+            step_start: vec![Vector3::zeros(); nodes],
+            stored_at_start: 0.0,
+            positions: vec![Vector3::zeros(); nodes],
+            displacements: vec![Vector3::zeros(); nodes],
+            forces: vec![Vector3::zeros(); nodes],
+            mobilities: Vec::new(),
+            correction: Vec::new(),
+        };
+        contact.lists_nodes |= contact.is_rigid();
+        Ok(contact)
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Contact
+    }
+
+    fn drive(&mut self, time: f64, _: &mut ElasticRods, _: &mut RodGeometry) {
+        self.place_obstacles(time);
+    }
+
+    fn potential(&self, _: &[f64]) -> [f64; 2] {
+        let energy = self.model.as_ref().map_or(0.0, ContactSystem::energy);
+        [energy, energy.abs()]
+    }
+
+    fn has_potential(&self) -> bool {
+        !self.rubs()
+    }
+
+    fn add_forces(&self, _: &Configuration, residual: &mut [f64]) {
+        for (node, force) in self.model.iter().flat_map(forces) {
+            for axis in 0..3 {
+                residual[STRIDE * node + axis] -= force[axis];
+            }
+        }
+    }
+
+    fn evaluate(&mut self, at: &Configuration, residual: &mut [f64]) {
+        if let Some(contact) = &mut self.model {
+            copy_positions(at.unknowns, &mut self.positions);
+            let (previous, step) = start_of(at.stage, &self.positions);
+            contact.evaluate_forces(&self.positions, previous, step);
+        }
+        self.add_forces(at, residual);
+    }
+
+    fn linearize(&mut self, at: &Configuration, residual: &mut [f64], entries: &mut Entries) {
+        if let Some(contact) = &mut self.model {
+            copy_positions(at.unknowns, &mut self.positions);
+            let (previous, step) = start_of(at.stage, &self.positions);
+            contact.evaluate(&self.positions, previous, step);
+        }
+        self.add_forces(at, residual);
+        if let Some(contact) = &mut self.model {
+            let matrix = entries.matrix();
+            if contact.couple_contacts() {
+                matrix.expect_other_candidates();
+            }
+            matrix.add_contact(contact);
+        }
+    }
+
+    fn add_sizes(&self, _: &Configuration, sizes: &mut [f64]) {
+        for (node, force) in self.model.iter().flat_map(forces) {
+            for axis in 0..3 {
+                sizes[STRIDE * node + axis] += force[axis].abs();
+            }
+        }
+    }
+
+    fn accept(&mut self, _: &Assembly, _: &RodGeometry) {
+        if let Some(contact) = &mut self.model {
+            contact.commit_multipliers();
+        }
+    }
+
+    /// The next step starts where the obstacles are.
+    fn commit(&mut self) {
+        if let Some(contact) = &mut self.model {
+            contact.commit_obstacles();
+        }
+    }
+
+    fn resume(&mut self, time: f64) {
+        self.place_obstacles(time);
+        self.commit();
+    }
+
+    fn list_events(&self, events: &mut Vec<Event>) {
+        for obstacle in &self.moving_obstacles {
+            obstacle.list_events(events);
+        }
+    }
+
+    fn refuses(&self, demand: Demand) -> Option<SceneError> {
+        match demand {
+            Demand::ImplicitMidpoint | Demand::BackwardDifferences if self.is_rigid() => {
+                Some(ONLY_EULER)
+            }
+            Demand::Equilibrium | Demand::NearbyEquilibrium if self.is_rigid() => Some(ONLY_EULER),
+            Demand::NearbyEquilibrium if self.rubs() => Some(NO_ENERGY),
+            Demand::Path if self.is_rigid() || self.rubs() => Some(NO_PATH),
+            _ => None,
+        }
+    }
+}
+
+impl System {
+    /// Notes where a step starts, and the energy that contacts hold there if the scheme `extrapolates`. Candidates must be
+    /// those of the start.
+    pub(crate) fn note_start(&mut self, unknowns: &[f64], extrapolates: bool) {
+        let Some(contact) = &self.terms.contact.model else {
+            return;
+        };
+        copy_positions(unknowns, &mut self.terms.contact.step_start);
+        self.terms.contact.stored_at_start = if extrapolates {
+            contact.energy_at(&self.terms.contact.step_start)
+        } else {
+            0.0
+        };
+    }
+
+    /// Lets Newton's method carry contact forces along, those of the last step at first.
+    pub(crate) fn begin_iterations(&mut self, stage: &Stage) {
+        let Some(contact) = &mut self.terms.contact.model else {
+            return;
+        };
+        let (masses, held) = (&self.assembly.masses, &self.assembly.held);
+        let square = stage.step * stage.acceleration_step;
+        self.terms.contact.mobilities.clear();
+        self.terms
+            .contact
+            .mobilities
+            .extend((0..self.terms.contact.positions.len()).map(|node| {
+                let unknown = STRIDE * node;
+                if held[unknown] {
+                    0.0
+                } else {
+                    square / masses[unknown]
+                }
+            }));
+        contact.begin_iterations(&self.terms.contact.mobilities);
+    }
+
+    /// Says whether the last correction was small against the radii.
+    pub(crate) fn set_moved_slightly(&mut self, slightly: bool) {
+        if let Some(contact) = &mut self.terms.contact.model {
+            contact.set_moved_slightly(slightly);
+        }
+    }
+
+    /// Goes on without carried contact forces.
+    pub(crate) fn abandon_multipliers(&mut self) {
+        if let Some(contact) = &mut self.terms.contact.model {
+            contact.abandon_multipliers();
+        }
+    }
+
+    /// Whether Newton's method carries contact forces along.
+    pub(crate) fn uses_multipliers(&self) -> bool {
+        self.terms
+            .contact
+            .model
+            .as_ref()
+            .is_some_and(ContactSystem::uses_multipliers)
+    }
+
+    /// Whether the candidates of contact changed; to be called at the start of a step.
+    pub fn update_candidates(&mut self, unknowns: &[f64]) {
+        if let Some(contact) = &mut self.terms.contact.model {
+            copy_positions(unknowns, &mut self.terms.contact.positions);
+            if contact.update_candidates(&self.terms.contact.positions) {
+                self.matrix.expect_other_candidates();
+            }
+        }
+    }
+
+    /// Whether contact is frictional and by a penalty, which any step may overcome.
+    pub(crate) fn has_friction(&self) -> bool {
+        self.terms.contact.model.as_ref().is_some_and(|contact| {
+            let parameters = contact.parameters();
+            parameters.friction > 0.0 && parameters.model == ContactModel::ImplicitContact
+        })
+    }
+
+    /// Whether no contact can be missing at `unknowns` for want of candidates.
+    pub(crate) fn candidates_are_complete(&mut self, unknowns: &[f64]) -> bool {
+        let Some(contact) = &self.terms.contact.model else {
+            return true;
+        };
+        copy_positions(unknowns, &mut self.terms.contact.positions);
+        contact.candidates_are_complete(&self.terms.contact.positions)
+    }
+
+    /// Largest part of the straight path between two sets of unknowns along which no contact is crossed; 1
+    /// where the contact model allows penetration.
+    pub(crate) fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
+        let Some(contact) = &mut self.terms.contact.model else {
+            return 1.0;
+        };
+        copy_positions(from, &mut self.terms.contact.positions);
+        for (node, displacement) in self.terms.contact.displacements.iter_mut().enumerate() {
+            *displacement = position(to, node) - self.terms.contact.positions[node];
+        }
+        let step = contact.largest_step(
+            &self.terms.contact.positions,
+            &self.terms.contact.displacements,
+        );
+        if step.candidates_changed {
+            self.matrix.expect_other_candidates();
+        }
+        step.fraction
+    }
+
+    /// Farthest that a node may move at once so that surfaces do not pass through each other unnoticed, m; infinite
+    /// where nothing touches, and where [`Self::largest_step`] watches over it.
+    pub(crate) fn largest_safe_move(&self) -> f64 {
+        let Some(contact) = &self.terms.contact.model else {
+            return f64::INFINITY;
+        };
+        if contact.parameters().model != ContactModel::ImplicitContact {
+            return f64::INFINITY;
+        }
+        self.assembly
+            .radii
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Positions where a stage starts, m, and its size, s.
+fn start_of<'a>(stage: Option<&'a Stage>, now: &'a [Vector3]) -> (&'a [Vector3], f64) {
+    match stage {
+        Some(stage) => (&stage.positions, stage.step),
+        None => (now, f64::INFINITY),
+    }
+}

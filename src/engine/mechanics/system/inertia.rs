@@ -1,0 +1,45 @@
+//! Inertia as a term, M/hₐ ((q − qₙ)/h − vₙ), with the masses that neighbours share ([`super::mass`]) and those of bodies whose
+//! centre is off their node ([`super::eccentric`]).
+
+use super::build::Assembly;
+use super::newton_matrix::Entries;
+use super::term::{Configuration, Kind, Term};
+use crate::mechanics::SceneError;
+use crate::mechanics::scene::Scene;
+
+/// What accelerations ask for.
+pub(crate) struct Inertia;
+
+impl Term for Inertia {
+    fn new(_: &Scene, _: &mut Assembly) -> Result<Self, SceneError> {
+        Ok(Self)
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Motion
+    }
+
+    fn add_forces(&self, at: &Configuration, residual: &mut [f64]) {
+        let (Some(stage), assembly) = (at.stage, at.assembly) else {
+            return;
+        };
+        let per_step = 1.0 / stage.step;
+        let per_acceleration_step = 1.0 / stage.acceleration_step;
+        for k in 0..residual.len() {
+            let change = (at.unknowns[k] - stage.start[k]) * per_step - stage.velocity[k];
+            residual[k] += assembly.masses[k] * per_acceleration_step * change;
+        }
+        assembly.add_shared_inertia(stage, at.unknowns, residual);
+        assembly.add_eccentric_inertia(stage, at.unknowns, residual);
+    }
+
+    fn add_jacobian(&self, at: &Configuration, entries: &mut Entries) {
+        if let Some(stage) = at.stage {
+            entries.matrix().add_masses(at.assembly, stage);
+        }
+    }
+
+    fn add_sizes(&self, at: &Configuration, forces: &mut [f64]) {
+        self.add_forces(at, forces);
+    }
+}

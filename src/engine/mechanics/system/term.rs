@@ -1,0 +1,175 @@
+//! The interface of a force.
+//!
+//! The residual of a scene and Newton's matrix are sums over its terms,
+//!
+//! ```text
+//! R(q) = Σₖ Rₖ(q, t),     Rₖ = ∂Eₖ/∂q  or  −Fₖ,     J = Σₖ ∂Rₖ/∂q
+//! ```
+//!
+//! over all unknowns q, 4 per node (x, y, z in m and the angle of its edge in rad), then those of frames. [`super::terms`] lists the
+//! terms; everything else of [`super::System`] asks that list. A term says
+//!
+//! - where its Jacobian lies beside the band of the rods ([`Term::elements`]);
+//! - what it is at a time ([`Term::drive`]) and at a configuration ([`Term::update`]);
+//! - its energy, and its parts of residual and Jacobian ([`Term::energy`], [`Term::add_forces`], [`Term::add_jacobian`]);
+//! - what it keeps from step to step ([`Term::accept`], [`Term::commit`], [`Term::resume`]), and what of that belongs to a
+//!   checkpoint ([`Term::memory`]);
+//! - when what it depends on changes its rate ([`Term::list_events`]);
+//! - what it is not made for ([`Term::refuses`]).
+//!
+//! Everything but the residual has an answer for terms that have nothing to say. Calls are virtual, but few: one per term and
+//! evaluation.
+
+use super::build::Assembly;
+use super::events::Event;
+use super::newton_matrix::Entries;
+use super::stage::Stage;
+use crate::linalg::Element;
+use crate::mechanics::SceneError;
+use crate::mechanics::rod::{ElasticEnergy, ElasticRods, ReferenceFrames, RodGeometry};
+use crate::mechanics::scene::Scene;
+
+/// Where forces are evaluated.
+#[derive(Clone, Copy)]
+pub(crate) struct Configuration<'a> {
+    pub assembly: &'a Assembly,
+    /// Frames and strains at the unknowns.
+    pub geometry: &'a RodGeometry,
+    /// Frames from which the present step transports.
+    pub reference: &'a ReferenceFrames,
+    /// s.
+    pub time: f64,
+    /// q.
+    pub unknowns: &'a [f64],
+    /// The implicit stage of a time step; `None` in an equilibrium.
+    pub stage: Option<&'a Stage>,
+}
+
+/// What kind of force a term is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Inertia, damping and drag.
+    Motion,
+    /// The gradient of an elastic energy.
+    Elastic,
+    /// External forces and moments.
+    Load,
+    Contact,
+}
+
+/// What a scene is asked to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Demand {
+    /// To begin where another run ended.
+    Start,
+    /// To find contact forces by complementarity.
+    RigidContact,
+    /// To move, with time steps of a scheme.
+    ImplicitEuler,
+    ImplicitMidpoint,
+    BackwardDifferences,
+    /// To come to an equilibrium.
+    Equilibrium,
+    /// To come to the nearest equilibrium, stable or not, of which the energy is judged.
+    NearbyEquilibrium,
+    /// To follow a path of equilibria.
+    Path,
+}
+
+/// A force, or what changes others.
+pub(crate) trait Term {
+    /// That of a scene whose unknowns are numbered.
+    ///
+    /// # Errors
+    /// [`SceneError`] names what is impossible.
+    fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError>
+    where
+        Self: Sized;
+
+    /// What kind of force it is: which one an error message blames.
+    fn kind(&self) -> Kind;
+
+    /// Unknowns that it couples beside those in the band of the rods, up to twelve in each element. Their number never changes.
+    fn elements(&self, _assembly: &Assembly) -> Vec<Element> {
+        Vec::new()
+    }
+
+    /// Whether it couples nodes of different rods, or distant ones of the same.
+    fn couples_nodes(&self) -> bool {
+        false
+    }
+
+    /// Takes on what a time, s, prescribes. It may change the natural strains of rods, with their geometry.
+    fn drive(&mut self, _time: f64, _rods: &mut ElasticRods, _geometry: &mut RodGeometry) {}
+
+    /// Takes over a configuration, which residual and energy then are those of.
+    fn update(&mut self, _at: &Configuration) {}
+
+    /// Elastic energy at the last update.
+    fn energy(&self, _assembly: &Assembly, _geometry: &RodGeometry) -> ElasticEnergy {
+        ElasticEnergy::default()
+    }
+
+    /// Another potential, J, and the sum of the magnitudes that add up to it: rounding leaves some last digits of these.
+    fn potential(&self, _unknowns: &[f64]) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    /// Whether its forces have a potential, so that its Jacobian is symmetric.
+    fn has_potential(&self) -> bool {
+        true
+    }
+
+    /// Adds its part of the residual, N and N m, at the last evaluation.
+    fn add_forces(&self, at: &Configuration, residual: &mut [f64]);
+
+    /// Adds how its part of the residual changes with the unknowns, N/m.
+    fn add_jacobian(&self, _at: &Configuration, _entries: &mut Entries) {}
+
+    /// Evaluates its part of the residual and adds it.
+    fn evaluate(&mut self, at: &Configuration, residual: &mut [f64]) {
+        self.add_forces(at, residual);
+    }
+
+    /// Evaluates its parts of residual and Jacobian and adds them.
+    fn linearize(&mut self, at: &Configuration, residual: &mut [f64], entries: &mut Entries) {
+        self.add_forces(at, residual);
+        self.add_jacobian(at, entries);
+    }
+
+    /// Adds to `forces`, N, what shows how large the forces on each unknown are that may balance each other.
+    fn add_sizes(&self, _at: &Configuration, _forces: &mut [f64]) {}
+
+    /// Keeps what belongs to the end of an accepted step, the last evaluation.
+    fn accept(&mut self, _assembly: &Assembly, _geometry: &RodGeometry) {}
+
+    /// Lets the next step, or the next equilibrium, begin where things are.
+    fn commit(&mut self) {}
+
+    /// Continues from a time, s, at which a state was committed.
+    fn resume(&mut self, _time: f64) {}
+
+    /// What a checkpoint holds of it.
+    fn memory(&self) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// Continues from the next of what a checkpoint holds, as much as [`Self::memory`] gave.
+    ///
+    /// # Errors
+    /// What of it does not fit.
+    fn restore(&mut self, _memory: &mut dyn Iterator<Item = Vec<f64>>) -> Result<(), &'static str> {
+        Ok(())
+    }
+
+    /// Adds the times at which what it depends on changes its rate.
+    fn list_events(&self, _events: &mut Vec<Event>) {}
+
+    /// Multiplies a load of the scene by a factor beside its schedule.
+    fn scale_load(&mut self, _load: usize, _factor: f64) {}
+
+    /// Why a scene with it cannot do what is asked for; `None` where it can.
+    fn refuses(&self, _demand: Demand) -> Option<SceneError> {
+        None
+    }
+}

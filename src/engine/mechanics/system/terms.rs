@@ -1,0 +1,106 @@
+//! The forces of a scene: the one list of them.
+
+use super::actuation::Actuators;
+use super::build::Assembly;
+use super::contact::Contact;
+use super::damping::Damping;
+use super::elasticity::Elasticity;
+use super::inertia::Inertia;
+use super::linear_drag::LinearDrag;
+use super::loads::Loads;
+use super::local_drag::LocalDrag;
+use super::springs::Springs;
+use super::term::{Demand, Term};
+use crate::linalg::Element;
+use crate::mechanics::SceneError;
+use crate::mechanics::scene::Scene;
+
+/// Declares the list, in the order in which residuals and Jacobians are added up.
+macro_rules! terms {
+    ($($(#[$documentation:meta])* $name:ident: $kind:ty,)*) => {
+        /// All terms of a scene.
+        pub(crate) struct Terms {
+            $($(#[$documentation])* pub $name: $kind,)*
+        }
+
+        impl Terms {
+            /// Those of a scene whose unknowns are numbered.
+            ///
+            /// # Errors
+            /// [`SceneError`] names what is impossible.
+            pub(crate) fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
+                Ok(Self { $($name: Term::new(scene, assembly)?,)* })
+            }
+
+            /// All of them.
+            pub(crate) fn all(&self) -> [&dyn Term; Self::COUNT] {
+                [$(&self.$name,)*]
+            }
+
+            /// All of them, to be changed.
+            pub(crate) fn all_mut(&mut self) -> [&mut dyn Term; Self::COUNT] {
+                [$(&mut self.$name,)*]
+            }
+
+            const COUNT: usize = [$(stringify!($name),)*].len();
+        }
+    };
+}
+
+terms! {
+    /// Natural strains as functions of time.
+    actuators: Actuators,
+    /// Stretching, bending and twisting of the rods.
+    elasticity: Elasticity,
+    /// Springs between nodes, between frames and about hinges.
+    springs: Springs,
+    /// Dashpots of the material, which change the natural strains and the stiffness of rods in a stage.
+    damping: Damping,
+    /// Forces and moments from outside.
+    loads: Loads,
+    inertia: Inertia,
+    /// Drag by coefficients of the scene.
+    drag: LinearDrag,
+    /// Drag of a fluid near the motion of a stage.
+    fluid: LocalDrag,
+    contact: Contact,
+}
+
+impl Terms {
+    /// The unknowns that each term couples.
+    pub(crate) fn elements(&self, assembly: &Assembly) -> [Vec<Element>; Self::COUNT] {
+        self.all().map(|term| term.elements(assembly))
+    }
+
+    /// Whether one couples nodes of different rods, or distant ones of the same.
+    pub(crate) fn couple_nodes(&self) -> bool {
+        self.all().iter().any(|term| term.couples_nodes())
+    }
+
+    /// Whether a scene with them can do what is asked for.
+    ///
+    /// # Errors
+    /// The answer of the first term that refuses.
+    pub(crate) fn admit(&self, demand: Demand) -> Result<(), SceneError> {
+        let refusal = self.all().iter().find_map(|term| term.refuses(demand));
+        refusal.map_or(Ok(()), Err)
+    }
+
+    /// What a checkpoint holds of them.
+    pub(crate) fn memory(&self) -> Vec<Vec<f64>> {
+        self.all().iter().flat_map(|term| term.memory()).collect()
+    }
+
+    /// Continues from what a checkpoint holds.
+    ///
+    /// # Errors
+    /// What of it does not fit.
+    pub(crate) fn restore(&mut self, memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
+        let mut memory = memory.into_iter();
+        for term in self.all_mut() {
+            term.restore(&mut memory)?;
+        }
+        // None but dashpots have one that depends on the scene.
+        memory.next().map_or(Ok(()), |_| Err("damping"))
+    }
+}
