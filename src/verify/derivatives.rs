@@ -98,8 +98,7 @@ impl Sample {
         let elastic = self.system.elastic_energy();
         let contact = self
             .system
-            .contact
-            .as_ref()
+            .contact()
             .map_or(0.0, |contact| contact.energy());
         elastic.total() + contact
     }

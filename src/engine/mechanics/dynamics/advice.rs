@@ -23,7 +23,7 @@ pub(super) struct Means {
 impl Means {
     /// Those of a scene whose fluid has rods in it or not.
     pub(crate) fn of(system: &System, parameters: &IntegrationParameters, fluid: bool) -> Self {
-        let contact = system.terms.contact.model.as_ref();
+        let contact = system.contact();
         Self {
             contact: contact.map(|contact| contact.parameters().model),
             friction: contact.is_some_and(|contact| contact.largest_friction() > 0.0),

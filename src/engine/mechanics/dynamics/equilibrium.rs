@@ -144,7 +144,7 @@ impl Simulation {
 
     /// Rods that penetrate beyond what is allowed in the last evaluation.
     fn penetration(&self) -> Option<Overlap> {
-        let contact = self.system.terms.contact.model.as_ref()?;
+        let contact = self.system.contact()?;
         let overlap = contact.excessive_penetration()?;
         Some(name_overlap(&overlap, contact, &self.system.assembly))
     }

@@ -53,7 +53,7 @@ impl AcceptedStep<'_> {
     }
 
     fn friction_loss(&self) -> f64 {
-        let Some(contact) = &self.system.terms.contact.model else {
+        let Some(contact) = self.system.contact() else {
             return 0.0;
         };
         let loss = |force: Vector3, normal: &Vector3, node: usize| {

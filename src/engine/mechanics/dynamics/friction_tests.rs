@@ -57,16 +57,7 @@ fn an_impact_in_short_steps_hardens_contact_no_more_than_in_a_whole_one() {
     for step in 1..=300 {
         let report = simulation.advance(f64::from(step) * short).unwrap();
         touched |= report.contacts > 0;
-        stiffest = stiffest.max(
-            simulation
-                .system
-                .terms
-                .contact
-                .model
-                .as_ref()
-                .unwrap()
-                .stiffness(),
-        );
+        stiffest = stiffest.max(simulation.system.contact().unwrap().stiffness());
     }
     assert!(touched);
     // A node that turns round at twice its speed within a whole step; in a short one it would be a thousand times that.

@@ -400,7 +400,7 @@ fn same_time(sizes: &StepSize) -> f64 {
 
 /// Counts the contacts of the last evaluation and finds the nearest.
 pub(super) fn report_contacts(system: &System, report: &mut StepReport) {
-    let Some(contact) = &system.terms.contact.model else {
+    let Some(contact) = system.contact() else {
         return;
     };
     report.contacts = contact.contact_count();

@@ -48,13 +48,13 @@ impl Simulation {
 
     /// Nodes on which planes press in the last step.
     pub fn plane_contacts(&self) -> &[PlaneContact] {
-        let contact = self.system.terms.contact.model.as_ref();
+        let contact = self.system.contact();
         contact.map_or(&[], |contact| contact.plane_contacts())
     }
 
     /// The planes; empty without contact.
     pub fn planes(&self) -> &[ContactPlane] {
-        let contact = self.system.terms.contact.model.as_ref();
+        let contact = self.system.contact();
         contact.map_or(&[], |contact| contact.planes())
     }
 

@@ -18,6 +18,8 @@
 //! | `advice` | what to try where steps fail |
 
 mod advice;
+mod certificate;
+mod contact_passes;
 mod coupling;
 mod drag;
 mod equilibrium;

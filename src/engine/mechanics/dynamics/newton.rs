@@ -76,109 +76,110 @@ impl Newton {
         stopping: &Stopping,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<usize, Divergence> {
-        let mut last_move = 0.0;
-        // Whether a whole correction has been made.
-        let mut is_corrected = false;
-        // Whether the last one, made whole, changed no more than last digits.
-        let mut is_exhausted = false;
-        // Whether what the last one leaves is to be corrected although it is small, which is done once.
-        let (mut leaves_work, mut is_refined) = (false, false);
-        let mut largest_imbalance = 0.0_f64;
         let carries = system.uses_multipliers();
-        let limit = if carries {
-            CARRYING_ITERATIONS
-        } else {
-            stopping.iterations
-        };
+        let mut course = Course::new(carries, stopping);
         system.linearize(unknowns, Some(stage));
         if carries && system.predict_contacts(unknowns, stage, stopping.radius) {
             system.linearize(unknowns, Some(stage));
         }
-        for iteration in 0..=limit {
+        for iteration in 0..=course.limit {
             let imbalance = system.imbalance();
-            let Imbalance {
-                ratio, residual, ..
-            } = imbalance;
-            trace!(iteration, residual, ratio, last_move, "Newton iteration");
-            let is_solved = is_exhausted
-                || imbalance.is_balanced() && last_move <= stopping.displacement && !leaves_work;
-            if is_solved && (is_corrected || system.is_balanced_as_predicted(unknowns, Some(stage)))
+            course.trace(iteration, &imbalance);
+            if course.is_settled(&imbalance, stopping)
+                && course.refinement != Refinement::Due
+                && (course.is_corrected || system.is_balanced_as_predicted(unknowns, Some(stage)))
             {
                 return Ok(iteration);
             }
             let failed = Divergence {
                 iterations: iteration,
-                residual,
+                residual: imbalance.residual,
                 unknown: imbalance.unknown,
             };
-            if !residual.is_finite() || iteration == limit || !goes_on() {
+            let is_last = !imbalance.residual.is_finite() || iteration == course.limit;
+            if is_last || !goes_on() || course.crawls(iteration, imbalance.ratio) {
                 return Err(failed);
             }
-            if !carries && stopping.gives_up && iteration > 0 && iteration % TRIAL_ITERATIONS == 0 {
-                if ratio > TRIAL_REDUCTION * largest_imbalance {
-                    return Err(failed);
-                }
-                largest_imbalance = 0.0;
-            }
-            largest_imbalance = largest_imbalance.max(ratio);
-            let solved = system
-                .factor()
-                .and_then(|_| system.direction(&mut self.direction));
-            let is_near = largest_move(&self.direction) <= stopping.trust_radius;
-            let is_finite = self.direction.iter().all(|d| d.is_finite());
-            if solved.is_ok() && is_finite && !is_near {
-                return Err(failed);
-            }
-            if solved.is_err() || !is_finite {
-                return Err(Divergence {
-                    residual: f64::NAN,
-                    ..failed
-                });
-            }
+            self.find_direction(system, stopping, failed)?;
             self.start.copy_from_slice(unknowns);
             let before = Progress::of(system, &self.direction);
-            self.move_by(1.0, system, unknowns);
-            let longest = if carries {
-                (FARTHEST_CARRIED * stopping.radius / largest_move(&self.direction)).min(1.0)
-            } else {
-                system.largest_step(&self.start, unknowns)
-            };
-            if longest < 1.0 {
-                self.move_by(longest, system, unknowns);
-            }
-            last_move = longest * largest_move(&self.direction);
+            let part = self.correct(system, unknowns, stopping, carries);
             // The residual alone costs a quarter of the Jacobian, which the solution no longer needs.
             system.evaluate(unknowns, Some(stage));
-            is_corrected |= longest == 1.0;
-            is_exhausted = stopping.ends_at_last_digits
-                && longest == 1.0
+            course.last_move = part * largest_move(&self.direction);
+            course.is_corrected |= part == 1.0;
+            let changes_nothing = stopping.ends_at_last_digits
+                && part == 1.0
                 && are_last_digits(&self.direction, unknowns);
-            let is_balanced = is_corrected
-                && system.imbalance().is_balanced()
-                && last_move <= stopping.displacement;
-            leaves_work = is_balanced && !is_refined && system.residual_does_work(unknowns, stage);
-            if is_exhausted || is_balanced && !leaves_work {
+            let imbalance = system.imbalance();
+            let is_balanced = course.is_corrected && course.is_settled(&imbalance, stopping);
+            course.refine(|| is_balanced && system.residual_does_work(unknowns, stage));
+            if changes_nothing || is_balanced && course.refinement != Refinement::Due {
+                course.trace(iteration + 1, &imbalance);
+                return Ok(iteration + 1);
+            }
+            let after = Progress::of(system, &self.direction);
+            system.set_moved_slightly(course.last_move <= SLIGHT_MOVE * stopping.radius);
+            system.linearize(unknowns, Some(stage));
+            if carries || after.suffices(&before) {
                 continue;
             }
-            is_refined |= leaves_work;
-            let after = Progress::of(system, &self.direction);
-            system.set_moved_slightly(last_move <= SLIGHT_MOVE * stopping.radius);
-            system.linearize(unknowns, Some(stage));
-            let accepted = carries || after.suffices(&before);
-            if !accepted && stopping.gives_up {
+            if stopping.gives_up {
                 return Err(Divergence {
                     iterations: iteration + 1,
                     ..failed
                 });
             }
-            if !accepted {
-                let length = self.line_search(system, stage, unknowns, &before, &after, longest);
-                last_move = length * largest_move(&self.direction);
-                is_corrected = false;
-                system.linearize(unknowns, Some(stage));
-            }
+            let part = self.line_search(system, stage, unknowns, &before, &after, part);
+            course.last_move = part * largest_move(&self.direction);
+            course.is_corrected = false;
+            system.linearize(unknowns, Some(stage));
         }
         unreachable!("the last iteration returns")
+    }
+
+    /// Finds the Newton direction at the last linearisation.
+    ///
+    /// # Errors
+    /// [`Divergence`] where it leads out of the trust region, and with a residual that is no number where there is none.
+    fn find_direction(
+        &mut self,
+        system: &mut System,
+        stopping: &Stopping,
+        failed: Divergence,
+    ) -> Result<(), Divergence> {
+        let factored = system.factor();
+        let solved = factored.and_then(|_| system.direction(&mut self.direction));
+        if solved.is_err() || !self.direction.iter().all(|d| d.is_finite()) {
+            return Err(Divergence {
+                residual: f64::NAN,
+                ..failed
+            });
+        }
+        if largest_move(&self.direction) > stopping.trust_radius {
+            return Err(failed);
+        }
+        Ok(())
+    }
+
+    /// Moves the unknowns by the direction, or by the part of it that contact allows; returns that part.
+    fn correct(
+        &self,
+        system: &mut System,
+        unknowns: &mut [f64],
+        stopping: &Stopping,
+        carries: bool,
+    ) -> f64 {
+        self.move_by(1.0, system, unknowns);
+        let longest = if carries {
+            (FARTHEST_CARRIED * stopping.radius / largest_move(&self.direction)).min(1.0)
+        } else {
+            system.largest_step(&self.start, unknowns)
+        };
+        if longest < 1.0 {
+            self.move_by(longest, system, unknowns);
+        }
+        longest
     }
 
     /// Writes start + length · direction.
@@ -227,6 +228,80 @@ impl Newton {
             now = progress.slope;
         }
         length
+    }
+}
+
+/// What the iterations so far have done.
+struct Course {
+    /// Most iterations.
+    limit: usize,
+    /// Whether it is given up where the residual does not fall.
+    is_on_trial: bool,
+    /// Largest imbalance of those that are compared in that.
+    largest_ratio: f64,
+    /// Largest move of a position by the last correction, m.
+    last_move: f64,
+    /// Whether a whole correction has been made since the last line search.
+    is_corrected: bool,
+    refinement: Refinement,
+}
+
+/// What a balanced step leaves may still do work, and then is corrected once more.
+#[derive(Clone, Copy, PartialEq)]
+enum Refinement {
+    NotAsked,
+    Due,
+    Done,
+}
+
+impl Course {
+    fn new(carries: bool, stopping: &Stopping) -> Self {
+        Self {
+            limit: if carries {
+                CARRYING_ITERATIONS
+            } else {
+                stopping.iterations
+            },
+            is_on_trial: stopping.gives_up && !carries,
+            largest_ratio: 0.0,
+            last_move: 0.0,
+            is_corrected: false,
+            refinement: Refinement::NotAsked,
+        }
+    }
+
+    fn trace(&self, iteration: usize, imbalance: &Imbalance) {
+        let Imbalance {
+            ratio, residual, ..
+        } = imbalance;
+        let last_move = self.last_move;
+        trace!(iteration, residual, ratio, last_move, "Newton iteration");
+    }
+
+    /// Whether forces are balanced and nothing moved far to that.
+    fn is_settled(&self, imbalance: &Imbalance, stopping: &Stopping) -> bool {
+        imbalance.is_balanced() && self.last_move <= stopping.displacement
+    }
+
+    /// Asks for the one refinement where `does_work` says so.
+    fn refine(&mut self, does_work: impl FnOnce() -> bool) {
+        self.refinement = match self.refinement {
+            Refinement::NotAsked if does_work() => Refinement::Due,
+            Refinement::NotAsked => Refinement::NotAsked,
+            Refinement::Due | Refinement::Done => Refinement::Done,
+        };
+    }
+
+    /// Whether the residual has not fallen enough in the last iterations of a trial.
+    fn crawls(&mut self, iteration: usize, ratio: f64) -> bool {
+        if self.is_on_trial && iteration > 0 && iteration.is_multiple_of(TRIAL_ITERATIONS) {
+            if ratio > TRIAL_REDUCTION * self.largest_ratio {
+                return true;
+            }
+            self.largest_ratio = 0.0;
+        }
+        self.largest_ratio = self.largest_ratio.max(ratio);
+        false
     }
 }
 

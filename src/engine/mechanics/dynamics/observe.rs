@@ -52,23 +52,20 @@ impl Simulation {
     /// Pairs of edges that bear on each other in the last step.
     pub fn contacts(&self) -> &[ActiveContact] {
         self.system
-            .terms
-            .contact
-            .model
-            .as_ref()
+            .contact()
             .map_or(&[], |contact| contact.contacts())
     }
 
     /// The obstacle that a contact is with.
     pub fn obstacle_at(&self, contact: &ActiveContact) -> Option<usize> {
-        let system = self.system.terms.contact.model.as_ref()?;
+        let system = self.system.contact()?;
         let pair = system.candidates().get(contact.candidate)?;
         system.surface().obstacle_of(pair.edges[1])
     }
 
     /// Contact force on each node in the last step, N; empty without contact.
     pub fn contact_forces(&self) -> Vec<Vector3> {
-        let Some(contact) = &self.system.terms.contact.model else {
+        let Some(contact) = self.system.contact() else {
             return Vec::new();
         };
         let mut forces = vec![Vector3::zeros(); self.published.positions.len()];
@@ -105,7 +102,7 @@ impl Simulation {
     /// Energy of the contacts now, J. The midpoint rule evaluates them in the middle of its steps.
     fn contact_energy(&self) -> f64 {
         let scheme = self.integrator.setting.parameters.scheme;
-        match &self.system.terms.contact.model {
+        match self.system.contact() {
             None => 0.0,
             Some(_) if scheme == Scheme::ImplicitMidpoint => {
                 self.system.contact_energy_at(&self.published.positions)
@@ -116,26 +113,21 @@ impl Simulation {
 
     /// Smallest distance between centrelines that may touch, m; infinite if none is near.
     pub fn minimum_distance(&self) -> f64 {
-        self.system
-            .terms
-            .contact
-            .model
-            .as_ref()
-            .map_or(f64::INFINITY, |contact| {
-                contact.minimum_distance(&self.published.positions)
-            })
+        self.system.contact().map_or(f64::INFINITY, |contact| {
+            contact.minimum_distance(&self.published.positions)
+        })
     }
 
     /// The bodies, planes and obstacles included, that are nearest to touching; `None` if none is near.
     pub fn nearest(&self) -> Option<Proximity> {
-        let contact = self.system.terms.contact.model.as_ref()?;
+        let contact = self.system.contact()?;
         contact.nearest(&self.published.positions)
     }
 
     /// Mean gap between surfaces in contact, weighted by their normal forces, in the last step, m; `None` where nothing
     /// touches.
     pub fn mean_gap(&self) -> Option<f64> {
-        self.system.terms.contact.model.as_ref()?.mean_gap()
+        self.system.contact()?.mean_gap()
     }
 
     /// What people should know of the motion so far, a sentence each: strains beyond the theory of rods, energy that came
@@ -230,13 +222,7 @@ impl Simulation {
             control: self.integrator.control,
             interventions: self.system.interventions(),
             validity: self.validity.memory.clone(),
-            contact: self
-                .system
-                .terms
-                .contact
-                .model
-                .as_ref()
-                .map(|contact| contact.memory()),
+            contact: self.system.contact().map(|contact| contact.memory()),
             fluid: self.integrator.fluid.memory(),
             strains: self.system.terms.memory(),
             frames: self.system.frame_bases(),

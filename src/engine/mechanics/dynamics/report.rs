@@ -34,7 +34,7 @@ pub struct SimulationState {
     pub contact: Option<ContactMemory>,
     /// Force history and preconditioner of the fluid.
     pub fluid: Option<FluidMemory>,
-    /// Strains of viscous rods at the last steps.
+    /// What forces keep from step to step: strains of viscous rods.
     pub strains: Vec<Vec<f64>>,
     /// Rotations from which those of joints and bodies count.
     pub frames: Vec<UnitQuaternion>,

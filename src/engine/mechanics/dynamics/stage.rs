@@ -1,27 +1,16 @@
 //! One attempt at a step: the implicit stage with its predictor, Newton's method and contact.
 
+use super::certificate::{Step, check_penetration};
+use super::contact_passes::{NoForces, Pass, Passes};
 use super::drag::FluidDrag;
 use super::failure::{Crossing, Failure, Forces};
 use super::newton::{Newton, Stopping};
-use super::parameters::{IntegrationParameters, Scheme, StepSize};
+use super::parameters::{IntegrationParameters, StepSize};
 use super::scheme::{Prediction, SolvedStep};
 use super::state::State;
 use crate::mechanics::fluid::FluidError;
-use crate::mechanics::system::{ForceSearch, Stage, System, name_overlap};
+use crate::mechanics::system::{Stage, System};
 use crate::mechanics::{Matrix3, Vector3};
-
-/// Times that contact forces and the rods under them are found in turn before the step counts as failed.
-const CONTACT_PASSES: usize = 30;
-
-/// Those among them whose contact forces were not found before the step counts as failed: the next one, with other
-/// directions of contacts, may be kinder, but each costs as much as many steps.
-const UNSOLVED_PASSES: usize = 3;
-
-/// The first of them, which move the rods by what the linearised step with contact forces says, as Newton's method would for
-/// both together; later ones leave that to its line search.
-const COMMON_PASSES: usize = 20;
-/// Farthest that one of these moves a position, in radii.
-const FARTHEST_CORRECTION: f64 = 2.0;
 
 /// Predicted motion of rods near each other, relative to each other and in radii, from which on contact forces are first looked
 /// for where the step starts.
@@ -152,22 +141,18 @@ impl Workspace {
             let iterations = self.solve_by_either_way(system, state, &stopping, goes_on)?;
             (iterations, 0)
         };
-        // A stiffer contact mends this, but for forces by complementarity, whose overlap `certify` finds.
-        if !system.has_constraints()
-            && let Some(contact) = &system.terms.contact.model
-            && let Some(overlap) = contact.excessive_penetration()
-        {
-            let overlap = name_overlap(&overlap, contact, &system.assembly);
-            return Err(Failure::Penetration {
-                iterations,
-                overlap,
-            });
-        }
+        check_penetration(system, iterations)?;
         if scheme.extrapolates() {
             self.extrapolate(system, state, goal, iterations)?;
         }
         let is_deep = !scheme.extrapolates() && system.is_contact_deep();
-        self.certify(setting, system, state, iterations)?;
+        let certified = Step {
+            scheme: setting.parameters.scheme,
+            stage: &self.stage,
+            start: &state.unknowns,
+            end: &self.trial.unknowns,
+        };
+        certified.check(system, iterations)?;
         let solved = SolvedStep {
             step,
             state,
@@ -284,39 +269,24 @@ impl Workspace {
         goes_on: &dyn Fn() -> bool,
     ) -> Result<usize, Failure> {
         let trial = &mut self.trial.unknowns;
-        let (mut iterations, mut passes, mut unsolved) = (0, 0, 0);
-        let mut search = ForceSearch::default();
+        let (mut iterations, mut passes) = (0, Passes::default());
         loop {
-            let mut balanced = true;
-            if system.has_constraints() {
-                passes += 1;
+            let pass = if system.has_constraints() {
                 iterations += 1;
-                let moved = system
-                    .find_contact_forces(trial, &self.stage, &mut search, stopping.radius)
-                    .map_err(|_| Failure::NoContactForces { iterations })?;
-                balanced = moved <= stopping.displacement;
-                unsolved += usize::from(moved.is_infinite());
-                if !balanced && (passes == CONTACT_PASSES || unsolved == UNSOLVED_PASSES) {
-                    return Err(Failure::NoContactForces { iterations });
-                }
-                // The last one, too: what it would stop, or else goes on as predicted, step after step.
-                if balanced || passes <= COMMON_PASSES {
-                    system.take_correction(trial, FARTHEST_CORRECTION * stopping.radius);
-                }
-                if !balanced && passes <= COMMON_PASSES {
-                    if !system.candidates_are_complete(trial) {
-                        system.update_candidates(trial);
-                    }
-                    continue;
-                }
+                let found = passes.next(system, trial, &self.stage, stopping);
+                found.map_err(|NoForces| Failure::NoContactForces { iterations })?
+            } else {
+                Pass::Balanced
+            };
+            if pass != Pass::Corrected {
+                iterations += self
+                    .newton
+                    .solve(system, &self.stage, trial, stopping, goes_on)
+                    .map_err(Failure::Newton)?;
             }
-            iterations += self
-                .newton
-                .solve(system, &self.stage, trial, stopping, goes_on)
-                .map_err(Failure::Newton)?;
             // A contact may be missing where rods have moved far; then go on with new candidates.
             let complete = system.candidates_are_complete(trial);
-            if complete && balanced {
+            if complete && pass == Pass::Balanced {
                 return Ok(iterations);
             }
             if !complete {
@@ -358,63 +328,6 @@ impl Workspace {
             });
         }
         Ok(())
-    }
-
-    /// Certifies the step that ends at the trial: no turns of a rod are lost, no surfaces overlap there beyond the bound, none have passed through
-    /// each other on the way, and neither contacts nor, with implicit Euler, elastic forces have brought energy.
-    fn certify(
-        &self,
-        setting: &Setting,
-        system: &mut System,
-        state: &State,
-        iterations: usize,
-    ) -> Result<(), Failure> {
-        let trial = &self.trial.unknowns;
-        if let Some(turn) = system.excessive_turn() {
-            return Err(Failure::Turn { iterations, turn });
-        }
-        // Where contact forces are functions of the gaps at the end, these have been looked at.
-        let is_evaluated =
-            !setting.parameters.scheme.rules().extrapolates() && !system.has_constraints();
-        let overlap = if is_evaluated {
-            None
-        } else {
-            system.excessive_penetration_at(trial)
-        };
-        let crossing = overlap.map(Crossing::Overlap).or_else(|| {
-            let passage = system.passage(&state.unknowns, trial);
-            passage.map(Crossing::Passage)
-        });
-        if let Some(crossing) = crossing {
-            return Err(Failure::Crossing {
-                iterations,
-                crossing,
-            });
-        }
-        let of_contact = if is_evaluated || system.has_constraints() {
-            system.work_of_contact(&self.stage, trial)
-        } else {
-            system.work_of_contact_in_the_middle(&self.stage, trial)
-        };
-        if let Some(work) = of_contact {
-            let forces = Forces::Contact;
-            return Err(Failure::Work {
-                iterations,
-                forces,
-                work,
-            });
-        }
-        let of_elasticity = (setting.parameters.scheme == Scheme::ImplicitEuler)
-            .then(|| system.work_of_elasticity(&self.stage, trial))
-            .flatten();
-        match of_elasticity {
-            None => Ok(()),
-            Some(work) => Err(Failure::Work {
-                iterations,
-                forces: Forces::Elastic,
-                work,
-            }),
-        }
     }
 
     /// Adapts the contact stiffness to the forces at the prediction, and with friction to an inertia that takes the last

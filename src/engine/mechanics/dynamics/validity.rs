@@ -235,7 +235,7 @@ impl Validity {
         positions: &[Vector3],
         velocities: &[Vector3],
     ) -> Option<String> {
-        let contact = system.terms.contact.model.as_ref()?;
+        let contact = system.contact()?;
         let mut fastest: Option<(f64, String)> = None;
         let of_rods =
             |pair: &&crate::mechanics::contact::CandidatePair| contact.is_of_rod(pair.nodes[3]);

@@ -91,7 +91,7 @@ impl System {
         self.tolerances.relative = relative;
         let mut tolerances = std::mem::take(&mut self.tolerances.rods);
         tolerances.clear();
-        let contact = self.terms.contact.model.as_ref();
+        let contact = self.contact();
         let friction = contact.map_or(0.0, ContactSystem::steepest_friction);
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
             let scale = &self.assembly.scales[rod];
@@ -130,7 +130,7 @@ impl System {
                 weight: 1.0,
             });
         }
-        if let Some(contact) = &self.terms.contact.model {
+        if let Some(contact) = self.contact() {
             let pressed = contact.candidates().iter().zip(contact.normal_forces());
             for (pair, force) in pressed.filter(|(_, force)| **force > 0.0) {
                 let nodes = [pair.nodes[0], pair.nodes[3]].into_iter();

@@ -75,7 +75,7 @@ impl System {
         let motions: Vec<Vector3> = starts
             .map(|(node, start)| position(unknowns, node) - start)
             .collect();
-        let contact = self.terms.contact.model.as_ref();
+        let contact = self.contact();
         contact.is_some_and(|contact| contact.largest_relative_motion(&motions) > far)
     }
 

@@ -2,11 +2,12 @@
 
 use super::System;
 use super::build::Assembly;
+use super::demand::Demand;
 use super::events::Event;
 use super::newton_matrix::Entries;
 use super::obstacles::MovingObstacle;
 use super::stage::{Stage, copy_positions};
-use super::term::{Configuration, Demand, Kind, Term};
+use super::term::{Configuration, Kind, Term};
 use super::touching::contact_of;
 use crate::mechanics::contact::{ContactModel, ContactSystem};
 use crate::mechanics::rod::topology::position;
@@ -215,40 +216,47 @@ impl Term for Contact {
 }
 
 impl System {
+    /// The contact model, where the scene has one.
+    pub fn contact(&self) -> Option<&ContactSystem> {
+        self.terms.contact.model.as_ref()
+    }
+
     /// Notes where a step starts, and the energy that contacts hold there if the scheme `extrapolates`. Candidates must be
     /// those of the start.
     pub(crate) fn note_start(&mut self, unknowns: &[f64], extrapolates: bool) {
-        let Some(contact) = &self.terms.contact.model else {
-            return;
-        };
-        copy_positions(unknowns, &mut self.terms.contact.step_start);
-        self.terms.contact.stored_at_start = if extrapolates {
-            contact.energy_at(&self.terms.contact.step_start)
-        } else {
-            0.0
-        };
+        let contact = &mut self.terms.contact;
+        if let Some(model) = &contact.model {
+            copy_positions(unknowns, &mut contact.step_start);
+            contact.stored_at_start = if extrapolates {
+                model.energy_at(&contact.step_start)
+            } else {
+                0.0
+            };
+        }
     }
 
     /// Lets Newton's method carry contact forces along, those of the last step at first.
     pub(crate) fn begin_iterations(&mut self, stage: &Stage) {
-        let Some(contact) = &mut self.terms.contact.model else {
+        let Contact {
+            model: Some(contact),
+            mobilities,
+            ..
+        } = &mut self.terms.contact
+        else {
             return;
         };
         let (masses, held) = (&self.assembly.masses, &self.assembly.held);
         let square = stage.step * stage.acceleration_step;
-        self.terms.contact.mobilities.clear();
-        self.terms
-            .contact
-            .mobilities
-            .extend((0..self.terms.contact.positions.len()).map(|node| {
-                let unknown = STRIDE * node;
-                if held[unknown] {
-                    0.0
-                } else {
-                    square / masses[unknown]
-                }
-            }));
-        contact.begin_iterations(&self.terms.contact.mobilities);
+        mobilities.clear();
+        mobilities.extend((0..self.assembly.rods.nodes).map(|node| {
+            let unknown = STRIDE * node;
+            if held[unknown] {
+                0.0
+            } else {
+                square / masses[unknown]
+            }
+        }));
+        contact.begin_iterations(mobilities);
     }
 
     /// Says whether the last correction was small against the radii.
@@ -267,18 +275,15 @@ impl System {
 
     /// Whether Newton's method carries contact forces along.
     pub(crate) fn uses_multipliers(&self) -> bool {
-        self.terms
-            .contact
-            .model
-            .as_ref()
-            .is_some_and(ContactSystem::uses_multipliers)
+        self.contact().is_some_and(ContactSystem::uses_multipliers)
     }
 
     /// Whether the candidates of contact changed; to be called at the start of a step.
     pub fn update_candidates(&mut self, unknowns: &[f64]) {
-        if let Some(contact) = &mut self.terms.contact.model {
-            copy_positions(unknowns, &mut self.terms.contact.positions);
-            if contact.update_candidates(&self.terms.contact.positions) {
+        let contact = &mut self.terms.contact;
+        if let Some(model) = &mut contact.model {
+            copy_positions(unknowns, &mut contact.positions);
+            if model.update_candidates(&contact.positions) {
                 self.matrix.expect_other_candidates();
             }
         }
@@ -286,7 +291,7 @@ impl System {
 
     /// Whether contact is frictional and by a penalty, which any step may overcome.
     pub(crate) fn has_friction(&self) -> bool {
-        self.terms.contact.model.as_ref().is_some_and(|contact| {
+        self.contact().is_some_and(|contact| {
             let parameters = contact.parameters();
             parameters.friction > 0.0 && parameters.model == ContactModel::ImplicitContact
         })
@@ -294,27 +299,25 @@ impl System {
 
     /// Whether no contact can be missing at `unknowns` for want of candidates.
     pub(crate) fn candidates_are_complete(&mut self, unknowns: &[f64]) -> bool {
-        let Some(contact) = &self.terms.contact.model else {
-            return true;
-        };
-        copy_positions(unknowns, &mut self.terms.contact.positions);
-        contact.candidates_are_complete(&self.terms.contact.positions)
+        let contact = &mut self.terms.contact;
+        contact.model.as_ref().is_none_or(|model| {
+            copy_positions(unknowns, &mut contact.positions);
+            model.candidates_are_complete(&contact.positions)
+        })
     }
 
     /// Largest part of the straight path between two sets of unknowns along which no contact is crossed; 1
     /// where the contact model allows penetration.
     pub(crate) fn largest_step(&mut self, from: &[f64], to: &[f64]) -> f64 {
-        let Some(contact) = &mut self.terms.contact.model else {
+        let contact = &mut self.terms.contact;
+        let Some(model) = &mut contact.model else {
             return 1.0;
         };
-        copy_positions(from, &mut self.terms.contact.positions);
-        for (node, displacement) in self.terms.contact.displacements.iter_mut().enumerate() {
-            *displacement = position(to, node) - self.terms.contact.positions[node];
+        copy_positions(from, &mut contact.positions);
+        for (node, displacement) in contact.displacements.iter_mut().enumerate() {
+            *displacement = position(to, node) - contact.positions[node];
         }
-        let step = contact.largest_step(
-            &self.terms.contact.positions,
-            &self.terms.contact.displacements,
-        );
+        let step = model.largest_step(&contact.positions, &contact.displacements);
         if step.candidates_changed {
             self.matrix.expect_other_candidates();
         }
@@ -324,17 +327,12 @@ impl System {
     /// Farthest that a node may move at once so that surfaces do not pass through each other unnoticed, m; infinite
     /// where nothing touches, and where [`Self::largest_step`] watches over it.
     pub(crate) fn largest_safe_move(&self) -> f64 {
-        let Some(contact) = &self.terms.contact.model else {
-            return f64::INFINITY;
-        };
-        if contact.parameters().model != ContactModel::ImplicitContact {
+        let is_soft =
+            |contact: &ContactSystem| contact.parameters().model == ContactModel::ImplicitContact;
+        if !self.contact().is_some_and(is_soft) {
             return f64::INFINITY;
         }
-        self.assembly
-            .radii
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min)
+        (self.assembly.radii.iter().copied()).fold(f64::INFINITY, f64::min)
     }
 }
 

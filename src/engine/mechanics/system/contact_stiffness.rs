@@ -42,11 +42,7 @@ impl System {
 
     /// Contact stiffness k; zero without contact.
     pub(crate) fn contact_stiffness(&self) -> f64 {
-        self.terms
-            .contact
-            .model
-            .as_ref()
-            .map_or(0.0, ContactSystem::stiffness)
+        self.contact().map_or(0.0, ContactSystem::stiffness)
     }
 
     /// Sets the contact stiffness back to what it was before a step that is repeated.

@@ -32,7 +32,8 @@
 
 use super::System;
 use super::build::Assembly;
-use super::term::{Configuration, Demand, Kind, Term};
+use super::demand::Demand;
+use super::term::{Configuration, Kind, Term};
 use crate::mechanics::SceneError;
 use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry, Vertex};
 use crate::mechanics::scene::{Relaxation, Scene};

@@ -38,8 +38,4 @@ impl Term for Inertia {
             entries.matrix().add_masses(at.assembly, stage);
         }
     }
-
-    fn add_sizes(&self, at: &Configuration, forces: &mut [f64]) {
-        self.add_forces(at, forces);
-    }
 }

@@ -102,10 +102,6 @@ impl Term for LinearDrag {
         }
     }
 
-    fn add_sizes(&self, at: &Configuration, forces: &mut [f64]) {
-        self.add_forces(at, forces);
-    }
-
     fn list_events(&self, events: &mut Vec<Event>) {
         let scales = self.parts.iter().map(|part| &part.scale);
         events.extend(scales.flat_map(Scale::events));

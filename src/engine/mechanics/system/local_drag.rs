@@ -46,8 +46,4 @@ impl Term for LocalDrag {
             }
         }
     }
-
-    fn add_sizes(&self, at: &Configuration, forces: &mut [f64]) {
-        self.add_forces(at, forces);
-    }
 }

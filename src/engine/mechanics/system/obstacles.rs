@@ -129,7 +129,7 @@ mod tests {
                     let mut system = system(body.clone(), model, friction);
                     let unknowns = system.assembly.unknowns.clone();
                     system.linearize(&unknowns, None);
-                    let contacts = system.terms.contact.model.as_ref().unwrap().contacts();
+                    let contacts = system.contact().unwrap().contacts();
                     assert!(!contacts.is_empty(), "{body:?} {model:?}");
                     let found = system.dense_matrix();
                     let size = unknowns.len();

@@ -21,6 +21,7 @@
 //! evaluation.
 
 use super::build::Assembly;
+use super::demand::Demand;
 use super::events::Event;
 use super::newton_matrix::Entries;
 use super::stage::Stage;
@@ -55,25 +56,6 @@ pub(crate) enum Kind {
     /// External forces and moments.
     Load,
     Contact,
-}
-
-/// What a scene is asked to do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Demand {
-    /// To begin where another run ended.
-    Start,
-    /// To find contact forces by complementarity.
-    RigidContact,
-    /// To move, with time steps of a scheme.
-    ImplicitEuler,
-    ImplicitMidpoint,
-    BackwardDifferences,
-    /// To come to an equilibrium.
-    Equilibrium,
-    /// To come to the nearest equilibrium, stable or not, of which the energy is judged.
-    NearbyEquilibrium,
-    /// To follow a path of equilibria.
-    Path,
 }
 
 /// A force, or what changes others.
@@ -137,8 +119,12 @@ pub(crate) trait Term {
         self.add_jacobian(at, entries);
     }
 
-    /// Adds to `forces`, N, what shows how large the forces on each unknown are that may balance each other.
-    fn add_sizes(&self, _at: &Configuration, _forces: &mut [f64]) {}
+    /// Adds to `forces`, N, how large the forces on each unknown are that may balance each other: those of a motion by themselves.
+    fn add_sizes(&self, at: &Configuration, forces: &mut [f64]) {
+        if self.kind() == Kind::Motion {
+            self.add_forces(at, forces);
+        }
+    }
 
     /// Keeps what belongs to the end of an accepted step, the last evaluation.
     fn accept(&mut self, _assembly: &Assembly, _geometry: &RodGeometry) {}

@@ -263,7 +263,7 @@ fn the_jacobian_of_contact_and_friction_is_exact() {
         let stage = stage_at(&system, start);
         system.update_candidates(&unknowns);
         let error = jacobian_error(&mut system, &unknowns, Some(&stage), 1e-7);
-        let contact = system.terms.contact.model.as_ref().unwrap();
+        let contact = system.contact().unwrap();
         assert!(!contact.contacts().is_empty() && !contact.plane_contacts().is_empty());
         assert!(error < 1e-6, "friction {friction}: {error:e}");
         let mut direction = vec![0.0; unknowns.len()];
@@ -310,14 +310,7 @@ fn candidates_that_come_while_nothing_touches_are_in_the_pattern() {
         system.update_candidates(&unknowns);
         system.linearize(&unknowns, Some(&stage));
         system.factor().unwrap();
-        let contacts = system
-            .terms
-            .contact
-            .model
-            .as_ref()
-            .unwrap()
-            .contacts()
-            .len();
+        let contacts = system.contact().unwrap().contacts().len();
         if contacts > 0 {
             break contacts;
         }
@@ -363,19 +356,14 @@ fn the_inertia_of_a_twisted_ring_is_that_of_its_eigenvalues() {
         let mut system = System::new(&twisted_ring(contact)).unwrap();
         let unknowns = perturbed(&system, 1e-6);
         system.update_candidates(&unknowns);
-        if let Some(contact) = &system.terms.contact.model {
+        if let Some(contact) = system.contact() {
             assert!(!contact.candidates().is_empty());
         }
         let spin = system.assembly.shortest_edge.powi(2);
         for shift in [1.0, 100.0, 1e4, 1e6] {
             system.linearize(&unknowns, None);
             system.shift(shift, shift * spin);
-            let contacts = system
-                .terms
-                .contact
-                .model
-                .as_ref()
-                .map_or(0, |c| c.contacts().len());
+            let contacts = system.contact().map_or(0, |c| c.contacts().len());
             assert_eq!(contacts > 0, touches);
             let dense = system.dense_matrix();
             let eigenvalues = dense.clone().symmetric_eigenvalues();

@@ -173,17 +173,13 @@ impl System {
     /// Whether a contact of the last evaluation is pressed deeper than those that bear what they are made for. Contact by
     /// complementarity is rigid.
     pub(crate) fn is_contact_deep(&self) -> bool {
-        let contact = self.terms.contact.model.as_ref();
+        let contact = self.contact();
         !self.has_constraints() && contact.is_some_and(ContactSystem::is_deep)
     }
 
     /// Whether surfaces touch at the last evaluation that a barrier should have kept apart.
     pub(crate) fn touches_barrier(&self) -> bool {
-        self.terms
-            .contact
-            .model
-            .as_ref()
-            .is_some_and(ContactSystem::touches_barrier)
+        self.contact().is_some_and(ContactSystem::touches_barrier)
     }
 
     /// Names two edges that pass through each other, or nearly so, on the straight paths of all nodes from one set of

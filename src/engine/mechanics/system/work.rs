@@ -26,7 +26,7 @@ impl System {
     /// Energy that contacts bring into a step that ends at `unknowns`, where they were evaluated last, J, where it is not
     /// negligible; of contact forces that hold where the step ends. Rigid contacts hold no energy.
     pub(crate) fn work_of_contact(&self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
-        let contact = self.terms.contact.model.as_ref()?;
+        let contact = self.contact()?;
         let (work, forces) = self.work_and_forces(contact, unknowns);
         let way = NEGLIGIBLE_WAY * contact.parameters().distance_tolerance * forces;
         let kinetic = self.kinetic_energy_at_start(stage);
@@ -115,14 +115,14 @@ impl System {
 
     /// Energy that contacts hold at `positions`, J.
     pub(crate) fn contact_energy_at(&self, positions: &[Vector3]) -> f64 {
-        let contact = self.terms.contact.model.as_ref();
+        let contact = self.contact();
         contact.map_or(0.0, |contact| contact.energy_at(positions))
     }
 
     /// What moves the obstacles against the normal forces of the contacts gives the rods in the step, J; and the sum of these
     /// forces, N.
     pub(crate) fn work_of_obstacles(&self) -> (f64, f64) {
-        let Some(contact) = &self.terms.contact.model else {
+        let Some(contact) = self.contact() else {
             return (0.0, 0.0);
         };
         let (mut work, mut forces) = (0.0, 0.0);

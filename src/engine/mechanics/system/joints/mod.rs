@@ -27,7 +27,7 @@ mod track;
 mod turned;
 
 use super::System;
-use super::term::Demand;
+use super::demand::Demand;
 use crate::linalg::{Element, SharedUnknown, UNUSED};
 use crate::mechanics::rod::topology::{add_to_node, position};
 use crate::mechanics::rod::{GhostEdge, STRIDE, TURNING_ROTATION};

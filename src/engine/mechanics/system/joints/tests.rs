@@ -335,7 +335,7 @@ fn the_jacobian_of_a_ball_that_touches_is_exact_and_symmetric() {
         let mut system = System::new(&scene).unwrap();
         let unknowns = system.assembly.unknowns.clone();
         system.evaluate(&unknowns, None);
-        let contacts = system.terms.contact.model.as_ref().unwrap().contacts();
+        let contacts = system.contact().unwrap().contacts();
         assert_eq!(contacts.len(), 3, "{model:?}");
         assert!(contacts.iter().all(|contact| contact.normal_force > 0.0));
         compare_jacobian(&scene, &[(0.0, false), (0.0, true)], 1e-6);
