@@ -19,6 +19,9 @@
 //!
 //! Everything but the residual has an answer for terms that have nothing to say. Calls are virtual, but few: one per term and
 //! evaluation.
+//!
+//! Clamps and joints are no terms: they prescribe or eliminate unknowns ([`super::clamps`], [`super::joints`]), and what holds them
+//! is what the sum leaves. The flow of a fluid is solved for by the stage; its term is the drag that this gives.
 
 use super::build::Assembly;
 use super::demand::Demand;

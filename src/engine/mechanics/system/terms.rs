@@ -81,9 +81,10 @@ impl Terms {
     /// Whether a scene with them can do what is asked for.
     ///
     /// # Errors
-    /// The answer of the first term that refuses.
+    /// The answer of the last term that refuses.
     pub(crate) fn admit(&self, demand: Demand) -> Result<(), SceneError> {
-        let refusal = self.all().iter().find_map(|term| term.refuses(demand));
+        let terms = self.all().into_iter().rev();
+        let refusal = terms.filter_map(|term| term.refuses(demand)).next();
         refusal.map_or(Ok(()), Err)
     }
 
