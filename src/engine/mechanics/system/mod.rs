@@ -1,6 +1,6 @@
 //! All forces on all rods in one place: what dynamics and statics solve.
 //!
-//! [`System`] has the list of forces ([`terms`], of which each implements [`term::Term`]); it evaluates the residual
+//! [`System`] has a list of forces (`terms`), each of which implements one interface (`term`); it evaluates the residual
 //!
 //! ```text
 //! R(q) = M/hₐ ((q − qₙ)/h − vₙ) + ∇E(q) + C (q − qₙ)/h − F_dead(t) − F_moment(q, t) − F_contact(q) − F_fluid
