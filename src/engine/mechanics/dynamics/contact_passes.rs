@@ -10,7 +10,7 @@ const CONTACT_PASSES: usize = 30;
 /// directions of contacts, may be kinder, but each costs as much as many steps.
 const UNSOLVED_PASSES: usize = 3;
 
-/// The first of them, which move the rods by what the linearised step with contact forces says, as Newton's method would for
+/// The first of them, which move the rods by the linearised step with contact forces, as Newton's method would for
 /// both together; later ones leave that to its line search.
 const COMMON_PASSES: usize = 20;
 /// Farthest that one of these moves a position, in radii.
@@ -62,7 +62,7 @@ impl Passes {
         } else {
             Pass::Loaded
         };
-        // The last one, too: what it would stop, or else goes on as predicted, step after step.
+        // The last one, too: what it would stop, or else continues as predicted, step after step.
         if pass != Pass::Loaded {
             system.take_correction(trial, FARTHEST_CORRECTION * stopping.radius);
         }

@@ -67,7 +67,7 @@ impl Newton {
     /// residual of `system` are those of the solution.
     ///
     /// # Errors
-    /// [`Divergence`] when the iterations run out or lead nowhere, a number is not finite, or `goes_on` says no.
+    /// [`Divergence`] when the iterations run out or lead nowhere, a number is not finite, or `goes_on` returns false.
     pub(crate) fn solve(
         &mut self,
         system: &mut System,
@@ -283,7 +283,7 @@ impl Course {
         imbalance.is_balanced() && self.last_move <= stopping.displacement
     }
 
-    /// Asks for the one refinement where `does_work` says so.
+    /// Asks for the one refinement where `does_work` returns true.
     fn refine(&mut self, does_work: impl FnOnce() -> bool) {
         self.refinement = match self.refinement {
             Refinement::NotAsked if does_work() => Refinement::Due,

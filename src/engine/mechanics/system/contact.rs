@@ -259,14 +259,14 @@ impl System {
         contact.begin_iterations(mobilities);
     }
 
-    /// Says whether the last correction was small against the radii.
+    /// Records whether the last correction was small against the radii.
     pub(crate) fn set_moved_slightly(&mut self, slightly: bool) {
         if let Some(contact) = &mut self.terms.contact.model {
             contact.set_moved_slightly(slightly);
         }
     }
 
-    /// Goes on without carried contact forces.
+    /// Continues without carried contact forces.
     pub(crate) fn abandon_multipliers(&mut self) {
         if let Some(contact) = &mut self.terms.contact.model {
             contact.abandon_multipliers();

@@ -243,7 +243,7 @@ impl System {
         self.ghosts.iter_mut().for_each(|ghost| ghost.spin = 0.0);
     }
 
-    /// Goes on from frames that were committed at `time` with `unknowns`.
+    /// Continues from frames that were committed at `time` with `unknowns`.
     pub(crate) fn resume(&mut self, time: f64, unknowns: &[f64], reference: &ReferenceFrames) {
         self.begin_step(None);
         self.reference.clone_from(reference);

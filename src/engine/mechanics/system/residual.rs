@@ -3,7 +3,7 @@
 use super::term::Kind;
 use super::{Stage, System};
 
-/// Kinds of terms, for the message that says which one diverged; of two that are as large the later one.
+/// Kinds of terms, for the message that names which one diverged; of two that are as large the later one.
 const KINDS: [(Kind, &str); 4] = [
     (Kind::Motion, "inertia and drag"),
     (Kind::Elastic, "elastic"),

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! over all unknowns q, 4 per node (x, y, z in m and the angle of its edge in rad), then those of frames. [`super::terms`] lists the
-//! terms; everything else of [`super::System`] asks that list. A term says
+//! terms; everything else of [`super::System`] asks that list. A term declares
 //!
 //! - where its Jacobian lies beside the band of the rods ([`Term::elements`]);
 //! - what it is at a time ([`Term::drive`]) and at a configuration ([`Term::update`]);
@@ -17,7 +17,7 @@
 //! - when what it depends on changes its rate ([`Term::list_events`]);
 //! - what it is not made for ([`Term::refuses`]).
 //!
-//! Everything but the residual has an answer for terms that have nothing to say. Calls are virtual, but few: one per term and
+//! Everything but the residual has an answer for terms that need no other. Calls are virtual, but few: one per term and
 //! evaluation.
 //!
 //! Clamps and joints are no terms: they prescribe or eliminate unknowns ([`super::clamps`], [`super::joints`]), and what holds them
