@@ -77,6 +77,18 @@ impl Imbalance {
     pub(crate) fn is_balanced(&self) -> bool {
         self.ratio <= 1.0
     }
+
+    /// Takes over the residual of an unknown where it is worse than this one, or no number.
+    fn compare(&mut self, residual: f64, allowed: f64, unknown: usize) {
+        let ratio = residual / allowed;
+        if ratio > self.ratio || ratio.is_nan() {
+            *self = Self {
+                ratio,
+                residual,
+                unknown,
+            };
+        }
+    }
 }
 
 impl System {
@@ -141,17 +153,10 @@ impl System {
             }
         }
         // Of what joined rods leave at a joint the one sees what rounding leaves of the other's forces.
-        for &[node, owner] in &self.assembly.joints.points {
-            let rods = [node, owner].map(|node| self.assembly.locate(node).0);
-            let rounding = rods.map(|rod| tolerances[rod].rounding);
-            let rounding = rounding[0].max(rounding[1]);
-            for rod in rods {
-                tolerances[rod].rounding = rounding;
-                tolerances[rod].force = tolerances[rod].force.max(rounding);
-            }
-        }
-        for slide in &self.assembly.joints.slides {
-            let rods = [slide.node, slide.rail().start].map(|node| self.assembly.locate(node).0);
+        let joints = &self.assembly.joints;
+        let slides = (joints.slides.iter()).map(|slide| [slide.node, slide.rail().start]);
+        for nodes in joints.points.iter().copied().chain(slides) {
+            let rods = nodes.map(|node| self.assembly.locate(node).0);
             let rounding = rods.map(|rod| tolerances[rod].rounding);
             let rounding = rounding[0].max(rounding[1]);
             for rod in rods {
@@ -201,39 +206,17 @@ impl System {
             if !self.tolerances.rods[rod].force.is_finite() {
                 continue;
             }
-            let allowed = allowed_of(&self.tolerances.rods[rod]);
             let (size, unknown) = self.worst_of(range, self.assembly.scales[rod].shortest_edge);
-            let ratio = size / allowed;
-            if ratio > worst.ratio || ratio.is_nan() {
-                worst = Imbalance {
-                    ratio,
-                    residual: size,
-                    unknown,
-                };
-            }
+            worst.compare(size, allowed_of(&self.tolerances.rods[rod]), unknown);
         }
         for frame in &self.assembly.joints.frames {
             let rod = self.assembly.locate(frame.node).0;
             let size = self.residual_of_frame(frame.first_unknown, rod);
-            let ratio = size / allowed_at(frame.node);
-            if ratio > worst.ratio || ratio.is_nan() {
-                worst = Imbalance {
-                    ratio,
-                    residual: size,
-                    unknown: STRIDE * frame.node,
-                };
-            }
+            worst.compare(size, allowed_at(frame.node), STRIDE * frame.node);
         }
         for slide in &self.assembly.joints.slides {
             let size = self.residual_along(slide);
-            let ratio = size / allowed_at(slide.node);
-            if ratio > worst.ratio || ratio.is_nan() {
-                worst = Imbalance {
-                    ratio,
-                    residual: size,
-                    unknown: STRIDE * slide.node,
-                };
-            }
+            worst.compare(size, allowed_at(slide.node), STRIDE * slide.node);
         }
         worst
     }

@@ -25,9 +25,11 @@ impl Term for Inertia {
         };
         let per_step = 1.0 / stage.step;
         let per_acceleration_step = 1.0 / stage.acceleration_step;
-        for k in 0..residual.len() {
-            let change = (at.unknowns[k] - stage.start[k]) * per_step - stage.velocity[k];
-            residual[k] += assembly.masses[k] * per_acceleration_step * change;
+        let motion = at.unknowns.iter().zip(&stage.start).zip(&stage.velocity);
+        let entries = residual.iter_mut().zip(&assembly.masses).zip(motion);
+        for ((entry, mass), ((now, start), velocity)) in entries {
+            let change = (now - start) * per_step - velocity;
+            *entry += mass * per_acceleration_step * change;
         }
         assembly.add_shared_inertia(stage, at.unknowns, residual);
         assembly.add_eccentric_inertia(stage, at.unknowns, residual);

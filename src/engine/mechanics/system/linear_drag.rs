@@ -89,8 +89,10 @@ impl Term for LinearDrag {
     fn add_forces(&self, at: &Configuration, residual: &mut [f64]) {
         let Some(stage) = at.stage else { return };
         let per_step = 1.0 / stage.step;
-        for (k, coefficient) in self.coefficients.iter().enumerate() {
-            residual[k] += coefficient * (at.unknowns[k] - stage.start[k]) * per_step;
+        let motion = at.unknowns.iter().zip(&stage.start);
+        let entries = residual.iter_mut().zip(&self.coefficients).zip(motion);
+        for ((entry, coefficient), (now, start)) in entries {
+            *entry += coefficient * (now - start) * per_step;
         }
     }
 
