@@ -39,9 +39,12 @@ macro_rules! pages {
 pages! {
     getting_started
     scenarios
+    parameters
     actuation
     contact
     joints
+    springs
+    networks
     obstacles
     time
     exit_codes
@@ -51,13 +54,16 @@ pages! {
     knots
     helices
     deployment
+    tying
     folding
+    training
     fluid
     results
     probes
     figures
     robots
     cell
+    virtual_cell
     exploration
     vision
     theory

@@ -15,6 +15,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab init scene",
     ],
     [
+        "parameters",
+        "pile.png",
+        "Two hundred rods from one table",
+        "rodlab expand pile",
+    ],
+    [
         "actuation",
         "swimmer.svg",
         "A flagellum pushes a cell forward",
@@ -31,6 +37,18 @@ const OPENINGS: &[[&str; 4]] = &[
         "gridshell.svg",
         "A gridshell of joined rods",
         "rodlab run gridshell",
+    ],
+    [
+        "springs",
+        "ring_on_rope.svg",
+        "A ring slides along a rope",
+        "rodlab explain joints.break_at",
+    ],
+    [
+        "networks",
+        "net.svg",
+        "A net of joined threads",
+        "rodlab run net",
     ],
     [
         "obstacles",
@@ -87,10 +105,22 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab plan deployment --pattern A --out results/a",
     ],
     [
+        "tying",
+        "tab5.4/tab5.4_trefoil.svg",
+        "A trefoil tied by two grippers",
+        "rodlab run tied_trefoil",
+    ],
+    [
         "folding",
         "fig4.11/fig4.11_ours.svg",
         "Folds of sheets",
         "rodlab fold --paper a4 --simulate",
+    ],
+    [
+        "training",
+        "fig4.11/fig4.11_ours.svg",
+        "Folds of sheets",
+        "rodlab dataset folding_dataset",
     ],
     [
         "fluid",
@@ -127,6 +157,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "tab5.4/tab5.4_trefoil.svg",
         "A knot tied by two arms",
         "rodlab deploy --pattern A.svg",
+    ],
+    [
+        "virtual_cell",
+        "tab5.2-cell/tab5.2-cell_laid.svg",
+        "Patterns laid by an arm",
+        "rodlab cell serve --rod green_vps",
     ],
     [
         "exploration",
