@@ -1,58 +1,50 @@
 //! The list of what can be reproduced.
 
 use super::artifact::Artifact;
-use super::{
-    auto_steps, cell_correction, cost, deployment_correction, deployment_errors, drag_steps,
-    figure_2_5, figure_2_6, figure_2_7, figure_2_8, figure_3_4, figure_3_9, figure_4_5, figure_4_9,
-    figure_4_10, figure_4_11, figure_4_11_cell, figure_5_4, figure_5_5, figure_5_6, figure_5_8,
-    figure_6_2, figure_6_5, figure_6_6_robot, inversion_factors, knot_convergence, laid_patterns,
-    simplified_inversion, table_2_1, table_2_2, table_4_1, table_5_2, table_5_2_cell, table_5_3,
-    table_5_4, table_5_4_cell,
-};
 
 /// All tables and figures.
-pub static ARTIFACTS: [Artifact; 41] = [
-    table_2_1::ARTIFACT,
-    table_2_2::ARTIFACT,
-    figure_2_5::ARTIFACT,
-    figure_2_6::ARTIFACT,
-    figure_2_7::ARTIFACT,
-    figure_2_8::ARTIFACT,
-    figure_3_4::ARTIFACT,
-    inversion_factors::FIGURE_3_5,
-    inversion_factors::FIGURE_3_6,
-    inversion_factors::FIGURE_3_7,
-    figure_3_9::ARTIFACT,
-    simplified_inversion::FIGURE_3_10,
-    simplified_inversion::FIGURE_3_11,
-    figure_4_5::ARTIFACT,
-    figure_4_9::ARTIFACT,
-    figure_4_10::ARTIFACT,
-    figure_4_11::ARTIFACT,
-    figure_4_11_cell::ARTIFACT,
-    table_4_1::ARTIFACT,
-    figure_5_4::ARTIFACT,
-    figure_5_5::ARTIFACT,
-    figure_5_6::ARTIFACT,
-    figure_5_8::ARTIFACT,
-    laid_patterns::FIGURE_5_10,
-    laid_patterns::FIGURE_5_11,
-    table_5_2::ARTIFACT,
-    table_5_2_cell::ARTIFACT,
-    table_5_3::ARTIFACT,
-    table_5_4::ARTIFACT,
-    table_5_4_cell::ARTIFACT,
-    figure_6_2::FIGURE_6_2,
-    figure_6_5::ARTIFACT,
-    figure_6_2::FIGURE_6_6,
-    figure_6_6_robot::ARTIFACT,
-    knot_convergence::ARTIFACT,
-    deployment_errors::ARTIFACT,
-    deployment_correction::ARTIFACT,
-    cell_correction::ARTIFACT,
-    cost::ARTIFACT,
-    drag_steps::ARTIFACT,
-    auto_steps::ARTIFACT,
+pub static ARTIFACTS: &[Artifact] = &[
+    super::table_2_1::ARTIFACT,
+    super::table_2_2::ARTIFACT,
+    super::figure_2_5::ARTIFACT,
+    super::figure_2_6::ARTIFACT,
+    super::figure_2_7::ARTIFACT,
+    super::figure_2_8::ARTIFACT,
+    super::figure_3_4::ARTIFACT,
+    super::inversion_factors::FIGURE_3_5,
+    super::inversion_factors::FIGURE_3_6,
+    super::inversion_factors::FIGURE_3_7,
+    super::figure_3_9::ARTIFACT,
+    super::simplified_inversion::FIGURE_3_10,
+    super::simplified_inversion::FIGURE_3_11,
+    super::figure_4_5::ARTIFACT,
+    super::figure_4_9::ARTIFACT,
+    super::figure_4_10::ARTIFACT,
+    super::figure_4_11::ARTIFACT,
+    super::figure_4_11_cell::ARTIFACT,
+    super::table_4_1::ARTIFACT,
+    super::figure_5_4::ARTIFACT,
+    super::figure_5_5::ARTIFACT,
+    super::figure_5_6::ARTIFACT,
+    super::figure_5_8::ARTIFACT,
+    super::laid_patterns::FIGURE_5_10,
+    super::laid_patterns::FIGURE_5_11,
+    super::table_5_2::ARTIFACT,
+    super::table_5_2_cell::ARTIFACT,
+    super::table_5_3::ARTIFACT,
+    super::table_5_4::ARTIFACT,
+    super::table_5_4_cell::ARTIFACT,
+    super::figure_6_2::FIGURE_6_2,
+    super::figure_6_5::ARTIFACT,
+    super::figure_6_2::FIGURE_6_6,
+    super::figure_6_6_robot::ARTIFACT,
+    super::knot_convergence::ARTIFACT,
+    super::deployment_errors::ARTIFACT,
+    super::deployment_correction::ARTIFACT,
+    super::cell_correction::ARTIFACT,
+    super::cost::ARTIFACT,
+    super::drag_steps::ARTIFACT,
+    super::auto_steps::ARTIFACT,
 ];
 
 impl Artifact {
@@ -69,7 +61,7 @@ mod tests {
 
     #[test]
     fn artefacts_are_found_by_their_names() {
-        for artifact in &ARTIFACTS {
+        for artifact in ARTIFACTS {
             let found = Artifact::named(artifact.name()).unwrap();
             assert_eq!(found.title(), artifact.title());
         }
@@ -78,7 +70,7 @@ mod tests {
 
     #[test]
     fn runs_of_an_artefact_have_different_ids() {
-        for artifact in &ARTIFACTS {
+        for artifact in ARTIFACTS {
             for quick in [false, true] {
                 let ids = artifact.recipe.ids(quick);
                 let different: BTreeSet<&String> = ids.iter().collect();
@@ -92,7 +84,7 @@ mod tests {
     fn runs_of_an_artefact_are_scenarios() {
         let is_full = crate::reproduce::tests_are_full();
         let mut kinds = BTreeSet::new();
-        for artifact in &ARTIFACTS {
+        for artifact in ARTIFACTS {
             let is_new = kinds.insert(artifact.recipe.kind());
             if is_full {
                 artifact.recipe.check_scenarios(false, usize::MAX);

@@ -213,7 +213,7 @@ mod tests {
     #[test]
     fn every_artefact_has_its_page_its_table_and_its_figures() {
         let directory = tempfile::tempdir().unwrap();
-        for artifact in &ARTIFACTS {
+        for artifact in ARTIFACTS {
             let options = options(directory.path(), 2);
             let written = artifact
                 .recipe
