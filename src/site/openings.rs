@@ -202,15 +202,23 @@ const OPENINGS: &[[&str; 4]] = &[
     ],
 ];
 
-/// The text of a page with its opening behind the title; other pages as they are.
+/// The text of a page with its opening behind the title; other pages as they are. A page whose first block of code is a command
+/// keeps that one.
 pub fn opened(path: &str, text: &str) -> String {
     let name = path.strip_prefix("src/guide/");
     let name = name.and_then(|name| name.strip_suffix(".md"));
     let opening = OPENINGS.iter().find(|[page, ..]| Some(*page) == name);
     match (opening, text.split_once('\n')) {
-        (Some([_, picture, words, command]), Some((title, rest))) => format!(
-            "{title}\n\n![{words}](../../results/reproduced/{picture})\n\n```sh\n{command}\n```\n{rest}"
-        ),
+        (Some([_, picture, words, command]), Some((title, rest))) => {
+            let first = rest.split_once("```").map(|(_, block)| block);
+            let command = if first.is_some_and(|block| block.starts_with("sh")) {
+                String::new()
+            } else {
+                format!("\n```sh\n{command}\n```\n")
+            };
+            let picture = format!("![{words}](../../results/reproduced/{picture})");
+            format!("{title}\n\n{picture}\n{command}{rest}")
+        }
         _ => text.to_owned(),
     }
 }
@@ -231,6 +239,7 @@ mod tests {
                 text.starts_with(&format!("# {}\n\n![", page.title())),
                 "{path}"
             );
+            assert!(text.contains("\n```sh"), "{path}");
         }
         for [page, picture, ..] in OPENINGS {
             assert!(pictures.join(picture).is_file(), "{page}: {picture}");
