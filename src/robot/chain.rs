@@ -3,34 +3,34 @@
 use super::pose::Pose;
 use nalgebra::{UnitQuaternion, UnitVector3};
 
-/// Most joints of a chain that move on their own.
+/// Maximum number of independent joints of a chain.
 pub const MOST_JOINTS: usize = 12;
 
 /// A chain of links from a base to a hand.
 #[derive(Clone, Debug)]
 pub struct Chain {
-    /// The joints that move on their own, in the order from base to hand.
+    /// Independent joints, in the order from base to hand.
     pub joints: Vec<Joint>,
     /// The links beyond the base, each with the joint that carries it.
     pub segments: Vec<Segment>,
-    /// The joints that mimic those that move on their own.
+    /// Joints that mimic independent ones.
     pub followers: Vec<Follower>,
     /// Pose of the hand in the frame of the last link.
     pub tool: Pose,
 }
 
-/// A joint that moves on its own.
+/// An independent joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
-    /// Its name, as its driver knows it.
+    /// Its name, as its driver uses it.
     pub name: String,
     /// Whether it turns or slides.
     pub kind: JointKind,
-    /// How far and how fast it may.
+    /// Its limits of position, velocity, acceleration and jerk.
     pub limits: Limits,
 }
 
-/// What a joint does.
+/// Type of motion of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointKind {
     /// It turns; positions are in rad.
@@ -65,7 +65,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The range in which postures are sought: one turn where the joint has no end.
+    /// Range in which postures are searched: one turn if the joint has no limits.
     pub fn search_range(&self) -> (f64, f64) {
         use std::f64::consts::PI;
         (
@@ -82,7 +82,7 @@ impl Limits {
         )
     }
 
-    /// Whether a position is allowed, but for round-off.
+    /// Whether a position is allowed, up to round-off.
     pub fn allow(&self, position: f64) -> bool {
         (self.lower - 1e-9..=self.upper + 1e-9).contains(&position)
     }
@@ -104,10 +104,10 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// Narrows the limits of the joint that it follows to those that keep its own.
+    /// Narrows the limits of the followed joint so that its own limits hold.
     ///
     /// # Errors
-    /// In words, if no position of that joint does.
+    /// A message if no position of that joint does.
     fn narrow(&self, leader: &mut Joint) -> Result<(), String> {
         let of_leader = |position: f64| (position - self.offset) / self.ratio;
         let limits = &mut leader.limits;
@@ -137,14 +137,14 @@ impl Follower {
     }
 }
 
-/// A link and how the joint before it moves it.
+/// A link and its motion by the joint before it.
 #[derive(Clone, Debug)]
 pub struct Segment {
     /// Name of the link.
     pub link: String,
     /// Pose of the joint in the frame of the link before.
     pub origin: Pose,
-    /// What the joint does.
+    /// Type of motion of the joint.
     pub motion: Motion,
 }
 
@@ -153,7 +153,7 @@ pub struct Segment {
 pub enum Motion {
     /// None.
     Fixed,
-    /// `ratio · position + offset` of a joint: 1 and 0 but for a joint that mimics another.
+    /// `ratio · position + offset` of a joint: 1 and 0 except for a joint that mimics another.
     Driven {
         /// Whether it turns or slides.
         kind: JointKind,
@@ -193,7 +193,8 @@ impl Segment {
         }
     }
 
-    /// How far the link slides from the origin of its joint at most, m; 0 where it turns or is fixed.
+    /// Largest sliding distance of the link from the origin of its joint, m; 0 if it turns or is
+    /// fixed.
     pub(super) fn farthest_slide(&self, joints: &[Joint]) -> f64 {
         match self.motion {
             Motion::Driven {
@@ -227,7 +228,7 @@ impl Chain {
     /// Narrows the limits of joints to those that keep the limits of the joints that mimic them.
     ///
     /// # Errors
-    /// In words, if that leaves a joint no range.
+    /// A message if that leaves a joint no range.
     pub fn apply_followers(&mut self) -> Result<(), String> {
         let Self {
             joints, followers, ..
@@ -240,7 +241,7 @@ impl Chain {
             })
     }
 
-    /// The middle of every joint's range; zero where that is without end.
+    /// The middle of the range of every joint; zero where the range is unlimited.
     pub fn middle(&self) -> Vec<f64> {
         self.joints
             .iter()

@@ -1,7 +1,8 @@
-//! Distances between arms, themselves and what stands around them, by parry.
+//! Distances between arms, themselves and obstacles, by parry.
 //!
-//! Pairs that cannot be avoided do not count: links with one moving joint between them, pairs that overlap in the
-//! posture at rest, and those that overlap in more than 95 % of postures all over the joints' ranges.
+//! Unavoidable pairs are ignored: links with one moving joint between them, pairs that overlap in
+//! the posture at rest, and those that overlap in more than 95 % of postures all over the joints'
+//! ranges.
 
 use super::body::{Body, Shape};
 use super::chain::{Chain, JointKind, Motion};
@@ -11,11 +12,11 @@ use parry3d_f64::math::{Pose3, Rot3, Vec3};
 use parry3d_f64::query;
 use parry3d_f64::shape::{ConvexPolyhedron, Cuboid, Segment};
 
-/// Distances beyond this are not told apart, m.
+/// Largest distance that is computed, m.
 pub const FAR: f64 = 0.2;
-/// Postures that tell which pairs always overlap.
+/// Number of postures for the test of pairs that always overlap.
 const SAMPLES: usize = 200;
-/// Part of them in which such a pair overlaps.
+/// Share of them in which such a pair overlaps.
 const ALWAYS: f64 = 0.95;
 
 /// An arm among others.
@@ -35,7 +36,7 @@ pub struct Member {
     pub may_touch: Vec<[Option<usize>; 2]>,
 }
 
-/// A box that stands still.
+/// A fixed box.
 #[derive(Clone, Debug)]
 pub struct StandingBox {
     /// Its name.
@@ -46,7 +47,7 @@ pub struct StandingBox {
     pub half: [f64; 3],
 }
 
-/// Arms and boxes, and which pairs of them count.
+/// Arms and boxes, and the pairs to check.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
     members: Vec<Member>,
@@ -61,12 +62,12 @@ struct Pair {
     second: (Option<usize>, usize),
 }
 
-/// How near two things come.
+/// Smallest distance of two objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Approach {
     /// Distance, m; 0 or less where they overlap.
     pub distance: f64,
-    /// What they are, in words.
+    /// Their names.
     pub between: [String; 2],
 }
 
@@ -87,7 +88,7 @@ impl Surroundings {
                     let theirs = 0..them.bodies.len();
                     pairs.extend(theirs.map(|k| pair(first, (Some(other), k))));
                 }
-                // The base stands where it is put, on the table or in it.
+                // The base may touch or enter the table on which it is mounted.
                 if member.bodies[index].link.is_some() {
                     let all = 0..boxes.len();
                     pairs.extend(all.map(|k| pair(first, (None, k))));
@@ -137,8 +138,8 @@ impl Surroundings {
         self.pairs = kept.map(|(pair, _)| *pair).collect();
     }
 
-    /// The nearest approach with all arms in the given postures, of the pairs with a part of the arm `moving` where
-    /// one is given; `None` where nothing comes nearer than [`FAR`].
+    /// The nearest approach with all arms in the given postures, of the pairs with a part of the
+    /// arm `moving` where one is given; `None` if nothing is nearer than [`FAR`].
     pub fn nearest(&self, postures: &[Vec<f64>], moving: Option<usize>) -> Option<Approach> {
         let poses = self.poses(postures);
         let mut nearest: Option<(f64, &Pair)> = None;
@@ -166,8 +167,8 @@ impl Surroundings {
             .map_or(FAR, |approach| approach.distance)
     }
 
-    /// What comes nearest to some balls, such as the points of a rod, with all arms in the given postures: its name and the
-    /// distance, m; `None` where nothing is nearer than [`FAR`].
+    /// The nearest object to some balls, such as the points of a rod, with all arms in the given
+    /// postures: its name and the distance, m; `None` if nothing is nearer than [`FAR`].
     pub fn nearest_to_balls(
         &self,
         postures: &[Vec<f64>],
@@ -227,7 +228,7 @@ impl Surroundings {
             .collect()
     }
 
-    /// Distance of a pair; those beyond [`FAR`] are told by their enclosing balls.
+    /// Distance of a pair; those beyond [`FAR`] are found by their enclosing balls.
     fn distance(&self, pair: &Pair, poses: &[Vec<Pose>]) -> f64 {
         let (arm, index) = pair.first;
         let first = (&self.members[arm].bodies[index].shape, &poses[arm][index]);
@@ -245,8 +246,8 @@ impl Surroundings {
 }
 
 impl Member {
-    /// For each joint, how far a point of the arm moves at most per motion of the joint: the reach of what a joint that turns
-    /// carries, m, and 1 for one that slides.
+    /// For each joint, the largest displacement of a point of the arm per motion of the joint: the
+    /// reach of the links beyond a revolute joint, m, and 1 for a prismatic one.
     pub fn reaches(&self) -> Vec<f64> {
         let segments = &self.chain.segments;
         // How far the arm extends from the origin of each link, m: the shapes of the link, and all links beyond it.
@@ -276,7 +277,7 @@ impl Member {
         reaches
     }
 
-    /// Whether two shapes are so near each other along the chain that they cannot help to touch.
+    /// Whether two shapes are so close along the chain that they always touch.
     fn never_counts(&self, first: usize, second: usize) -> bool {
         let links = [self.bodies[first].link, self.bodies[second].link];
         let [low, high] = [links[0].min(links[1]), links[0].max(links[1])];
@@ -315,13 +316,13 @@ fn distance(first: (&Shape, &Pose), second: (&Shape, &Pose)) -> f64 {
     let [pose_1, pose_2] = [first.1, second.1].map(glam_pose);
     let (core_1, core_2) = (Core::new(first.0), Core::new(second.0));
     let measured = query::distance(&pose_1, core_1.shape(), &pose_2, core_2.shape());
-    // All pairs of shapes are supported; were one not, the enclosing balls would be on the safe side.
+    // All pairs of shapes are supported; otherwise the enclosing balls would be conservative.
     measured.map_or(apart, |core| {
         core.distance - core_1.radius() - core_2.radius()
     })
 }
 
-/// A shape for parry, less the radius that surrounds it.
+/// A shape for parry, without the radius around it.
 enum Core<'a> {
     Line(Segment, f64),
     Box(Cuboid),

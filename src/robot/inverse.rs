@@ -1,11 +1,12 @@
 //! Inverse kinematics of any chain: Levenberg–Marquardt steps inside the limits, from one or from many postures.
 //!
-//! The step is dq = Jᵀ (J Jᵀ + λ 1)⁻¹ e with the error e of the hand and λ = |e|²/2 + 10⁻¹² (Sugihara 2011, Eq. 19), so
-//! that it is damped far away and at singularities, and Newton's near the solution. A joint that a step would lead out
-//! of its range is held at its end, and the others take the step again.
+//! The step is dq = Jᵀ (J Jᵀ + λ 1)⁻¹ e with the error e of the hand and λ = |e|²/2 + 10⁻¹²
+//! (Sugihara 2011, Eq. 19), so that it is damped far away and at singularities, and Newton's near
+//! the solution. A joint that would leave its range is held at its limit, and the step is
+//! recomputed for the others.
 //!
-//! Further postures are tried in the order of a low-discrepancy sequence (Roberts' generalised golden ratio), so that
-//! the same question has the same answer everywhere.
+//! Further postures are tried in the order of a low-discrepancy sequence (Roberts' generalised
+//! golden ratio), so that results are reproducible.
 
 use super::chain::{Chain, JointKind};
 use super::pose::{Pose, difference, distance_and_angle};
@@ -17,32 +18,32 @@ pub const REACHED: f64 = 1e-9;
 const STEPS: usize = 60;
 /// Longest step of a joint, rad or m.
 const LONGEST_STEP: f64 = 0.7;
-/// Postures to begin at before a pose counts as out of reach.
+/// Number of initial postures before a pose counts as out of reach.
 const STARTS: usize = 400;
-/// [`Chain::branches`] is done once this many postures in a row led to nothing new.
+/// [`Chain::branches`] stops after this many postures in a row without a new solution.
 const FRUITLESS_STARTS: usize = 300;
 /// Joints closer than this in every position are the same solution, rad or m.
 const SAME: f64 = 1e-4;
 
-/// The posture that comes nearest to a pose that none reaches.
+/// The posture nearest to an unreachable pose.
 #[derive(Clone, Debug)]
 pub struct Nearest {
     /// Joint positions.
     pub joints: Vec<f64>,
     /// Pose of the hand in the base frame.
     pub hand: Pose,
-    /// Distance to the pose asked for, m.
+    /// Distance to the requested pose, m.
     pub distance: f64,
     /// Angle to it, rad.
     pub angle: f64,
 }
 
 impl Chain {
-    /// Joint positions within the limits that bring the hand to a pose in the base frame, to [`REACHED`]: near the
-    /// given ones if a way leads from there, otherwise any.
+    /// Joint positions within the limits that bring the hand to a pose in the base frame, to
+    /// [`REACHED`]: near the given ones if the steps converge from there, otherwise any.
     ///
     /// # Errors
-    /// The nearest posture found where none reaches the pose.
+    /// The nearest posture found if none reaches the pose.
     pub fn reach(&self, target: &Pose, from: &[f64]) -> Result<Vec<f64>, Nearest> {
         let mut best: Option<(f64, Vec<f64>)> = None;
         let starts = std::iter::once(from.to_vec()).chain((1..=STARTS).map(|k| self.start(k)));
@@ -59,18 +60,18 @@ impl Chain {
         Err(self.nearest(target, joints))
     }
 
-    /// Joint positions that bring the hand to a pose by steps from the given ones alone; `None` where they lead
-    /// elsewhere.
+    /// Joint positions that bring the hand to a pose by steps from the given ones only; `None` if
+    /// they do not converge to it.
     pub fn follow(&self, target: &Pose, from: &[f64]) -> Option<Vec<f64>> {
         let (joints, error) = self.approach(target, from.to_vec());
         (error < REACHED).then_some(joints)
     }
 
-    /// Every isolated posture that brings the hand to a pose, sorted; joints that may turn by more than a turn
-    /// are given in the turn nearest to zero. Meant for chains without redundancy.
+    /// Every isolated posture that brings the hand to a pose, sorted; joints with more than one
+    /// turn are returned in the turn nearest to zero. Intended for chains without redundancy.
     ///
-    /// Postures are sought from many starts until 300 of them in a row have led to nothing new. That is a very good
-    /// guess, not a proof: a posture with a tiny basin can be missed.
+    /// The search runs from many initial postures until 300 in a row give no new solution. This is
+    /// not exhaustive: a posture with a tiny basin of attraction can be missed.
     pub fn branches(&self, target: &Pose) -> Vec<Vec<f64>> {
         let mut found: Vec<Vec<f64>> = Vec::new();
         let (mut start, mut fruitless) = (0, 0);
@@ -127,7 +128,8 @@ impl Chain {
         }
     }
 
-    /// Steps towards a pose; where they end and the norm of the error there, m and rad alike.
+    /// Steps towards a pose; returns the final positions and the norm of the error there, m and rad
+    /// combined.
     fn approach(&self, target: &Pose, mut joints: Vec<f64>) -> (Vec<f64>, f64) {
         for (joint, q) in self.joints.iter().zip(&mut joints) {
             *q = q.clamp(joint.limits.lower, joint.limits.upper);
@@ -139,7 +141,7 @@ impl Chain {
             let error = difference(&hand, target);
             let norm = error.norm();
             if norm < least {
-                // A step that gains nothing to speak of is one on the spot.
+                // Stops when a step makes no significant progress.
                 stalled = if norm > 0.98 * least { stalled + 1 } else { 0 };
                 least = norm;
                 best.copy_from_slice(&joints);
@@ -182,7 +184,7 @@ impl Chain {
         (best, least)
     }
 
-    /// Takes whole turns off joints that stay within their limits, so that they come nearest to zero.
+    /// Removes whole turns of joints within their limits, so that they are nearest to zero.
     pub(super) fn unwind(&self, joints: &mut [f64]) {
         use std::f64::consts::{PI, TAU};
         for (joint, q) in self.joints.iter().zip(joints) {
@@ -190,7 +192,7 @@ impl Chain {
                 continue;
             }
             let turned = *q - TAU * (*q / TAU).round();
-            // At half a turn both signs are as near; the positive one is as good as any.
+            // At half a turn both signs are equally near; the positive one is used.
             let turned = if turned < -PI + 1e-9 {
                 turned + TAU
             } else {

@@ -128,7 +128,8 @@ impl Chain {
         (hand, jacobian)
     }
 
-    /// Least distance of a joint from an end of its range, rad or m; infinite where no joint has an end.
+    /// Smallest distance of a joint from an end of its range, rad or m; infinite where no joint has
+    /// an end.
     pub fn distance_to_limits(&self, positions: &[f64]) -> f64 {
         self.joints
             .iter()

@@ -1,13 +1,13 @@
 //! Robot arms: kinematic chains and their limits, inverse kinematics, joint paths, time, drivers.
 //!
-//! The room takes plain poses and trajectories and never sees a rod.
+//! The crate uses plain poses and trajectories and does not depend on rods.
 //!
 //! | file | what |
 //! |---|---|
 //! | `pose`, `chain`, `body` | rigid motions; joints and links; shapes of links |
 //! | `urdf`, `mesh` | chains from URDF files; meshes of their links |
 //! | `kinematics`, `posture` | the hand and its Jacobian; manipulability, distance to singularities and limits |
-//! | `collision` | distances between arms and what stands around them |
+//! | `collision` | distances between arms and obstacles |
 //! | `path` | smooth joint paths along a path of the hand; the best place for one |
 //! | `timing` | from a joint path to a motion within limits of velocity, acceleration and jerk |
 //! | `trajectory` | joint trajectories as tables |
@@ -15,7 +15,7 @@
 //! | `stream` | checks before the first point, one clock, watchdogs, the log |
 //! | `inverse`, `self_motion` | joint positions for a pose: one, every branch, curves of redundant chains |
 
-// Tests compare with a tolerance, and may ask any mathematical library.
+// Tests compare with a tolerance, and may use any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod body;

@@ -24,8 +24,8 @@ pub fn pose_of_angles(position: [f64; 3], [roll, pitch, yaw]: [f64; 3]) -> Pose 
     )
 }
 
-/// The twist that leads from one pose to another in unit time: displacement, m, and rotation vector, rad, both in the
-/// frame in which the poses are given. The rotation is the short way round.
+/// The twist that moves one pose to another in unit time: displacement, m, and rotation vector,
+/// rad, both in the frame in which the poses are given. The rotation is the short way round.
 pub fn difference(from: &Pose, to: &Pose) -> Vector6<f64> {
     let shift = to.translation.vector - from.translation.vector;
     let turn = (to.rotation * from.rotation.inverse()).scaled_axis();
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_between_two_poses_ends_at_the_second() {
+    fn interpolation_between_two_poses_ends_at_the_second() {
         let from = pose_of_angles([0.1, 0.2, 0.3], [0.4, -0.5, 3.0]);
         let to = pose_of_angles([-0.1, 0.5, 0.0], [1.0, 0.2, -3.0]);
         let (distance, angle) = distance_and_angle(&between(&from, &to, 1.0), &to);

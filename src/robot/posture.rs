@@ -1,4 +1,4 @@
-//! A posture and all that is known of it, for people and programs.
+//! A posture with its measures, for people and programs.
 
 use super::chain::Chain;
 use super::pose::{Pose, distance_and_angle, parts};
@@ -13,19 +13,20 @@ pub struct Posture {
     pub position: [f64; 3],
     /// Its quaternion w, x, y, z.
     pub quaternion: [f64; 4],
-    /// Distance and angle to the pose that was asked for, the greater of the two, m or rad.
+    /// Distance and angle to the requested pose, the larger of the two, m or rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual: Option<f64>,
     /// √det(J Jᵀ), zero at a singularity.
     pub manipulability: f64,
     /// Smallest singular value of the Jacobian, zero at a singularity.
     pub distance_to_singularity: f64,
-    /// Least distance of a joint from an end of its range, rad or m; `null` where no joint has an end.
+    /// Smallest distance of a joint from an end of its range, rad or m; `null` where no joint has
+    /// an end.
     pub distance_to_limits: Option<f64>,
 }
 
 impl Posture {
-    /// The posture at joint positions; with its distance from a pose that was asked for.
+    /// The posture at joint positions, with its distance from a requested pose.
     pub fn new(chain: &Chain, joints: &[f64], asked: Option<&Pose>) -> Self {
         let (hand, jacobian) = chain.hand_and_jacobian(joints);
         let (position, quaternion) = parts(&hand);

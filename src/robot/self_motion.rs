@@ -1,8 +1,8 @@
-//! The null space of redundant chains: how the joints may move while the hand stands still.
+//! The null space of redundant chains: motions of the joints that do not move the hand.
 //!
-//! The postures that bring the hand of a chain with one joint to spare to a pose form closed curves, at most sixteen
-//! of them (Burdick 1989), which the limits cut into arcs. They are traced here from postures found by
-//! [`Chain::reach`]'s steps.
+//! For a chain with one redundant joint, the postures that reach a pose form closed curves, at most
+//! sixteen of them (Burdick 1989), which the limits cut into arcs. They are traced here from
+//! postures found by [`Chain::reach`]'s steps.
 
 use super::chain::{Chain, MOST_JOINTS};
 use super::kinematics::Jacobian;
@@ -11,14 +11,14 @@ use nalgebra::{Cholesky, DVector};
 
 /// Distance of neighbouring samples, rad or m.
 const SPACING: f64 = 0.1;
-/// Postures from which curves are sought.
+/// Number of postures from which curves are traced.
 const STARTS: usize = 200;
 /// Longest curve, samples.
 const LONGEST: usize = 2000;
 
 impl Chain {
-    /// The unit joint velocity that moves the hand least and is nearest to `like`; `None` where `like` has no part in
-    /// the null space, as in chains without redundancy.
+    /// The unit joint velocity that moves the hand least and is nearest to `like`; `None` if `like`
+    /// has no component in the null space, as in chains without redundancy.
     pub fn null_direction(&self, jacobian: &Jacobian, like: &[f64]) -> Option<Vec<f64>> {
         // The projection 1 − Jᵀ (J Jᵀ)⁻¹ J.
         let columns = jacobian.columns();
@@ -55,9 +55,9 @@ impl Chain {
             .map(|(_, direction)| direction)
     }
 
-    /// Curves of postures that bring the hand to a pose, each sampled every 0.1 rad from end to end. Empty for chains
-    /// without redundancy and for poses out of reach; of chains with more than one joint to spare, curves in the
-    /// direction of least resistance.
+    /// Curves of postures that bring the hand to a pose, each sampled every 0.1 rad from end to
+    /// end. Empty for chains without redundancy and for unreachable poses; for chains with several
+    /// redundant joints, curves along the direction that moves the hand least.
     pub fn self_motions(&self, target: &Pose) -> Vec<Vec<Vec<f64>>> {
         let mut curves: Vec<Vec<Vec<f64>>> = Vec::new();
         if self.joints.len() <= 6 {
@@ -92,7 +92,7 @@ impl Chain {
         curve
     }
 
-    /// Samples of a curve on one side of a posture, without it, and whether they come back to it.
+    /// Samples of a curve on one side of a posture, without it, and whether they return to it.
     fn trace(&self, target: &Pose, from: &[f64], sign: f64) -> (Vec<Vec<f64>>, bool) {
         let mut samples: Vec<Vec<f64>> = Vec::new();
         let mut here = from.to_vec();
@@ -114,7 +114,7 @@ impl Chain {
             if self.outside_limits(&guess).is_some() {
                 break;
             }
-            // A sample that the steps bring elsewhere lies beyond the end of the curve.
+            // A sample that the steps move elsewhere is beyond the end of the curve.
             let Some(next) = self.follow(target, &guess) else {
                 break;
             };

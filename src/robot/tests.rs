@@ -77,7 +77,8 @@ fn closed_form_count(target: &Pose) -> usize {
         }
         for wrist_sign in [1.0, -1.0] {
             let q5 = wrist_sign * cosine.acos();
-            // The hand's axes seen from the wrist tell q6; the three parallel joints form a planar arm.
+            // The axes of the hand seen from the wrist give q6; the three parallel joints form a
+            // planar arm.
             let (x, y) = (
                 target.rotation * Vector3::x(),
                 target.rotation * Vector3::y(),
@@ -123,7 +124,7 @@ fn every_branch_of_a_six_joint_arm_is_found() {
 fn the_jacobian_is_the_derivative_of_the_hand() {
     let mut chain = ur();
     chain.tool = pose_of_angles([0.1, 0.05, 0.2], [0.1, 0.2, 0.3]);
-    // A sliding joint and one that mimics another with a gear.
+    // A sliding joint, and one that mimics another with a gear ratio.
     chain.segments[2].motion = Motion::Driven {
         kind: JointKind::Prismatic,
         axis: UnitVector3::new_normalize(Vector3::new(1.0, 2.0, -1.0)),
@@ -176,7 +177,7 @@ fn a_pose_out_of_reach_is_answered_by_the_nearest_one() {
 }
 
 #[test]
-fn the_hand_stands_still_while_a_redundant_chain_moves() {
+fn self_motion_does_not_move_the_hand() {
     let mut joints: Vec<_> = ur()
         .segments
         .iter()
@@ -247,7 +248,7 @@ fn a_urdf_gives_sliding_turning_and_mimicking_joints() {
     assert!((hand.rotation.scaled_axis() - Vector3::y() * 0.8).norm() < 1e-15);
 }
 
-/// What is replaced in [`TWO_LINKS`], by what, and what the error says then.
+/// Text replaced in [`TWO_LINKS`], its replacement, and a part of the error message.
 const FAULTS: &str = r#"
 <child link="lower"/> | <child link="upper"/> | loop
 <parent link="base"/> | <parent link="mirror"/> | loop
@@ -258,7 +259,7 @@ mimic joint="b" | mimic joint="z" | `z`, which it mimics, is not in the file
 <axis xyz="0 0 1"/> | <axis xyz="0 1"/> | line 7: <axis>: `xyz` is "0 1", expected three numbers
 <parent link="lower"/> | | line 7: joint `c` has no <parent>
 <link name="lower"/> | <link/> | line 4: <link> of `two` has no `name`
-<origin xyz="0 0 0.4"/> | <origin xyz="0 0 ${length}"/> | line 6: <origin>: it is a xacro file, of which a URDF is made first: `xacro arm.urdf > arm.urdf`
+<origin xyz="0 0 0.4"/> | <origin xyz="0 0 ${length}"/> | line 6: <origin>: this is a xacro file; convert it to URDF first: `xacro arm.urdf > arm.urdf`
 <origin xyz="0 0 0.3" rpy="0 0 0"/> | <origin xyz="nan 0 0.3" rpy="0 0 0"/> | joint `c`: `xyz` of its origin is not a finite number
 <origin xyz="0 0 0.3" rpy="0 0 0"/> | <origin xyz="0 0 0.3" rpy="0 inf 0"/> | joint `c`: `rpy` of its origin
 <axis xyz="0 0 1"/> | <axis xyz="0 0 1e999"/> | joint `c`: `xyz` of its axis
@@ -292,7 +293,8 @@ fn faulty_urdfs_are_refused_with_the_name_of_what_is_wrong() {
     }
 }
 
-/// What is added to [`TWO_LINKS`] or replaced in it that kinematics does not use, or that has a default.
+/// Additions to [`TWO_LINKS`] and replacements in it that kinematics ignores, or that have a
+/// default.
 const HARMLESS: &str = r#"
 <link name="slide"/> | <link name="slide"><inertial><mass/><inertia ixx="1"/></inertial><visual><geometry><mesh/></geometry><material name="m"><texture/><color rgba="1 0 0"/></material></visual></link> |
 <link name="slide"/> | <link name="slide"><visual/><visual><origin xyz="a"/><geometry><teapot/></geometry></visual></link> |
@@ -310,7 +312,7 @@ upper="0.1" effort="1" velocity="0.5" | upper="0.1" velocity="0" | velocity of a
 "#;
 
 #[test]
-fn what_kinematics_does_not_use_refuses_no_urdf() {
+fn unused_elements_do_not_reject_a_urdf() {
     for case in HARMLESS.trim().lines() {
         let [good, other, note] = *case.split('|').map(str::trim).collect::<Vec<_>>() else {
             panic!("{case}");
@@ -318,7 +320,7 @@ fn what_kinematics_does_not_use_refuses_no_urdf() {
         assert!(TWO_LINKS.contains(good), "{case}");
         let text = TWO_LINKS.replacen(good, other, 1);
         if text.contains("base_frame") {
-            // A second end that moves is a choice.
+            // With a second moving end, the tip must be chosen.
             let error = urdf(&text).unwrap_err().to_string();
             assert!(
                 error.contains("base_frame (1 moving joint), mirror (4 moving joints)"),
@@ -340,7 +342,7 @@ fn what_kinematics_does_not_use_refuses_no_urdf() {
         ("<html/>", "line 1: its root is <html>, expected <robot>"),
         (
             "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arm/></robot>",
-            "line 1: <arm>: it is a xacro file",
+            "line 1: <arm>: this is a xacro file",
         ),
     ] {
         let error = urdf(text).unwrap_err().to_string();

@@ -7,13 +7,13 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Largest table, bytes; a pipe that never ends is read no further.
+/// Largest table, bytes; endless pipes are not read further.
 const LARGEST: u64 = 256 << 20;
 
 /// A joint trajectory of arms and axes on one clock.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointTrajectory {
-    /// What each column is.
+    /// Meaning of each column.
     pub columns: Vec<Column>,
     /// Growing times, s.
     pub times: Vec<f64>,
@@ -28,11 +28,11 @@ pub struct Column {
     pub part: String,
     /// Name of the joint; `None` for an axis.
     pub joint: Option<String>,
-    /// Whether it is in rad or m.
+    /// Its unit, rad or m.
     pub kind: JointKind,
 }
 
-/// What is wrong with a table.
+/// Why a table is rejected.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {message}", path.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
 pub struct TableError {
@@ -40,7 +40,7 @@ pub struct TableError {
     pub path: PathBuf,
     /// The line, counted from one.
     pub line: Option<u64>,
-    /// What is wrong.
+    /// The error.
     pub message: String,
 }
 
@@ -57,7 +57,7 @@ pub struct Table {
 /// Reads a table of numbers.
 ///
 /// # Errors
-/// If it cannot be read, a cell is no finite number or a row is too short or too long.
+/// If it cannot be read, a cell is not a finite number, or a row is too short or too long.
 pub fn read_table(path: &Path) -> Result<Table, TableError> {
     let fault = |line: Option<u64>, message: String| TableError {
         path: path.to_owned(),
@@ -167,13 +167,13 @@ impl JointTrajectory {
         if let Some(k) = (1..columns.len()).find(|k| columns[..*k].contains(&columns[*k])) {
             return Err(fault(
                 1,
-                format!("column `{}` stands there twice", columns[k].header()),
+                format!("column `{}` occurs twice", columns[k].header()),
             ));
         }
         if columns.is_empty() || table.rows.len() < 2 {
             return Err(fault(
                 1,
-                "a column for a joint and two rows are needed, at least".into(),
+                "expected at least one joint column and two rows".into(),
             ));
         }
         for (pair, line) in table.rows.windows(2).zip(&table.lines[1..]) {
@@ -199,7 +199,7 @@ impl JointTrajectory {
     /// The trajectory as CSV.
     ///
     /// # Errors
-    /// A time or a position is not finite: no arm is to follow it.
+    /// A time or a position is not finite.
     pub fn to_csv(&self) -> Result<String, NotFinite> {
         finite::check(&self.times, |row| format!("`time_s` of point {}", row + 1))?;
         for (row, point) in self.points.iter().enumerate() {
@@ -215,7 +215,7 @@ impl JointTrajectory {
         let header: Vec<String> = self.columns.iter().map(Column::header).collect();
         let mut text = format!("time_s,{}\n", header.join(","));
         for (time, point) in self.times.iter().zip(&self.points) {
-            // So many digits that differences over a millisecond, and theirs, stay accurate.
+            // Enough digits for first and second differences over a millisecond.
             let cells: Vec<String> = point.iter().map(|q| format!("{q:.12}")).collect();
             text.push_str(&format!("{time:.6},{}\n", cells.join(",")));
         }
@@ -245,7 +245,7 @@ impl JointTrajectory {
         }
     }
 
-    /// Its last time less its first, s.
+    /// Its last time minus its first, s.
     pub fn duration(&self) -> f64 {
         self.times[self.times.len() - 1] - self.times[0]
     }

@@ -205,7 +205,7 @@ fn joints_that_the_server_does_not_know_are_reported() {
     let Some(robot) = Robot::start() else { return };
     rename_joint(robot.folder.path());
     let output = rodlab(robot.folder.path(), &STREAM);
-    assert_failed(&output, "it does not know these joints");
+    assert_failed(&output, "unknown joints; compare");
 }
 
 #[test]

@@ -504,7 +504,7 @@ fn faults_of_the_server_end_the_stream_with_words_and_exit_code_1() {
                 refuses: true,
                 ..Script::default()
             },
-            "it does not know these joints",
+            "unknown joints; compare",
         ),
         (
             Script {

@@ -48,7 +48,7 @@ fn faults_of_the_cell_end_a_deployment_with_exit_code_1_and_a_whole_log() {
     // How late an arm may be grows with the rate of its clock: a frozen joint shows soon on a slower one.
     for (fault, words, rate) in [
         ("drop-link@9s", "connection", "10"),
-        ("freeze-joint@9s", "from where it should be", "3"),
+        ("freeze-joint@9s", "from its trajectory", "3"),
         ("drop-link@0s", "connection", "10"),
     ] {
         let served = serve(&["--rate", rate, "--fault", fault], "");

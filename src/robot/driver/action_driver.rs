@@ -1,5 +1,5 @@
-//! A driver that sends motions as goals of an action, whichever way it reaches the server: the goal that is under way, how far
-//! it has come, and its cancellation.
+//! A driver that sends motions as goals of an action over any connection: the current goal, its
+//! progress and its cancellation.
 
 use super::clocked_reports::ClockedReports;
 use super::{Driver, DriverError, Interpolant, JointState, Progress};
@@ -8,10 +8,10 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Longest time for the first report about a goal.
 const PATIENCE: Duration = Duration::from_secs(3);
-/// Longest complaint of a server that is quoted, characters.
+/// Longest server message that is quoted, characters.
 const LONGEST_COMPLAINT: usize = 300;
 
-/// A name that no other goal has, for servers that name goals by texts.
+/// A unique name, for servers that identify goals by text.
 pub(super) fn unique_name() -> String {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     format!("rodlab-{}", now.map_or(0, |now| now.as_nanos()))
@@ -23,9 +23,9 @@ pub struct Goal<Id> {
     sent: Instant,
     acknowledged: bool,
     outcome: Option<Result<(), DriverError>>,
-    /// Name of the goal that it replaced.
+    /// Name of the replaced goal.
     former: Option<Id>,
-    /// The last error that the server reported without naming what it is about.
+    /// The last error that the server reported without a goal.
     complaint: Option<String>,
 }
 
@@ -52,7 +52,7 @@ impl<Id: Clone> Goal<Id> {
         self.complaint = Some(words.chars().take(LONGEST_COMPLAINT).collect());
     }
 
-    /// The server has taken it.
+    /// The server has accepted it.
     pub(super) fn acknowledge(&mut self) {
         self.acknowledged = true;
     }
@@ -64,7 +64,7 @@ impl<Id: Clone> Goal<Id> {
     }
 }
 
-/// What was heard of a robot and of the last goal.
+/// Reports received from a robot and about the last goal.
 pub struct News<Id> {
     /// The joints of the motion.
     pub(super) joints: Vec<String>,
@@ -75,7 +75,7 @@ pub struct News<Id> {
 }
 
 impl<Id> News<Id> {
-    /// Nothing yet, of these joints.
+    /// No reports yet, for these joints.
     pub(super) fn of(joints: Vec<String>) -> Self {
         Self {
             joints,
@@ -85,7 +85,7 @@ impl<Id> News<Id> {
         }
     }
 
-    /// Keeps a report of joints, true at `stamp`, s, of the robot's clock where the message bears one.
+    /// Stores a report of joints, valid at `stamp`, s, on the robot's clock if the message has one.
     pub(super) fn add_state<Name: PartialEq<str>>(
         &mut self,
         names: &[Name],
@@ -96,7 +96,7 @@ impl<Id> News<Id> {
         self.reports.add(heard, stamp);
     }
 
-    /// Keeps a setpoint of the goal.
+    /// Stores a setpoint of the goal.
     pub(super) fn add_setpoint<Name: PartialEq<str>>(
         &mut self,
         names: &[Name],
@@ -106,18 +106,18 @@ impl<Id> News<Id> {
         self.setpoint = heard.or(self.setpoint.take());
     }
 
-    /// Keeps the time of the robot's clock, s.
+    /// Stores the time of the robot's clock, s.
     pub(super) fn set_time(&mut self, time: f64) {
         self.reports.set_time(time);
     }
 }
 
-/// A way to an action server and to the robot behind it.
+/// A connection to an action server and to the robot behind it.
 pub trait ActionLink: Send {
-    /// What names a goal.
+    /// Identifier of a goal.
     type Id: Clone + Send;
 
-    /// A name that no other goal has.
+    /// A unique name for a goal.
     fn unique() -> Self::Id;
 
     /// Name of the action.
@@ -126,7 +126,7 @@ pub trait ActionLink: Send {
     /// An error of the connection, with the address of the other end.
     fn lost(&self, reason: &dyn Display) -> DriverError;
 
-    /// What to look at where no server takes a goal.
+    /// Advice for the user if no server accepts a goal.
     fn advice(&self) -> String {
         "is its controller started?".into()
     }
@@ -134,10 +134,10 @@ pub trait ActionLink: Send {
     /// Connects; again after a lost connection.
     ///
     /// # Errors
-    /// No answer from the other end within a few seconds.
+    /// No answer from the server within a few seconds.
     fn open(&mut self) -> Result<(), DriverError>;
 
-    /// Hears what has arrived.
+    /// Reads the messages that have arrived.
     ///
     /// # Errors
     /// The connection is lost.
@@ -154,7 +154,7 @@ pub trait ActionLink: Send {
         id: &Self::Id,
     ) -> Result<(), DriverError>;
 
-    /// Asks the server to cancel a goal.
+    /// Requests the cancellation of a goal.
     ///
     /// # Errors
     /// The connection is lost.
@@ -244,8 +244,8 @@ impl<Link: ActionLink> Driver for ActionDriver<Link> {
         }
     }
 
-    /// Cancels the last goal, and that which it replaced: the last one may not have arrived yet. A goal whose end was reported is
-    /// cancelled, too: the report may be wrong.
+    /// Cancels the last goal and the one that it replaced: the last one may not have arrived yet. A
+    /// goal whose end was reported is cancelled, too: the report may be wrong.
     fn stop(&mut self) -> Result<(), DriverError> {
         let Some(goal) = &self.news.goal else {
             return Ok(());

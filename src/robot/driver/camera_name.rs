@@ -4,13 +4,13 @@ use super::{
     DriverError, PictureTopic, Ros1Camera, Ros2Address, Ros2CameraAddress, RosbridgeCamera,
 };
 
-/// Highest domain whose ports of DDS exist.
+/// Highest domain with valid DDS ports.
 const LAST_DOMAIN: u16 = 232;
 
 /// Why there is no camera.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CameraError {
-    /// The name is none.
+    /// The name is not valid.
     #[error("{0}")]
     Name(String),
     /// It does not answer.
@@ -18,7 +18,8 @@ pub enum CameraError {
     Driver(#[from] DriverError),
 }
 
-/// Opens the camera of a name; `None` where the text names no camera, but perhaps a file.
+/// Opens the camera of a name; `None` if the text is not the name of a camera, but perhaps of a
+/// file.
 pub fn open_camera(name: &str) -> Option<Result<Box<dyn PictureTopic>, CameraError>> {
     let (scheme, place) = name.split_once("://")?;
     Some(match opened(scheme, place) {
@@ -27,16 +28,17 @@ pub fn open_camera(name: &str) -> Option<Result<Box<dyn PictureTopic>, CameraErr
     })
 }
 
-/// Opens a camera, or says which shape its name has to have.
+/// Opens a camera, or returns the expected form of its name.
 fn opened(
     scheme: &str,
     place: &str,
 ) -> Result<Result<Box<dyn PictureTopic>, DriverError>, &'static str> {
     const ROS_1: &str =
-        "ros1://host:port/topic is needed, as in ros1://192.168.1.5:11311/camera/image_raw";
-    const ROSBRIDGE: &str = "rosbridge://host:port/topic is needed, as in rosbridge://192.168.1.5:9090/camera/image_raw";
-    const ROS_2: &str = "ros2://domain/topic is needed, as in ros2://0/camera/image_raw: the camera's ROS_DOMAIN_ID; \
-                         or ros2://domain@address/topic with the address of this machine on the camera's network";
+        "expected ros1://host:port/topic, such as ros1://192.168.1.5:11311/camera/image_raw";
+    const ROSBRIDGE: &str = "expected rosbridge://host:port/topic, such as rosbridge://192.168.1.5:9090/camera/image_raw";
+    const ROS_2: &str = "expected ros2://domain/topic, such as ros2://0/camera/image_raw, where \
+                         domain is the camera's ROS_DOMAIN_ID; or ros2://domain@address/topic with \
+                         the address of this machine on the camera's network";
     let (server, topic) = match place.split_once('/') {
         Some((server, topic)) if !topic.is_empty() => (server, format!("/{topic}")),
         _ => (place, String::new()),
@@ -69,7 +71,7 @@ fn opened(
         }
         "ros1" => Err(ROS_1),
         "rosbridge" => Err(ROSBRIDGE),
-        _ => Err("cameras are named by ros1://, rosbridge:// or ros2://"),
+        _ => Err("expected a camera name that starts with ros1://, rosbridge:// or ros2://"),
     }
 }
 

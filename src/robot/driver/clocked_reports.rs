@@ -1,11 +1,11 @@
-//! Reports of joints beside the time of a simulated robot, which comes on a topic of its own.
+//! Reports of joints, and the time of a simulated robot from a separate topic.
 
 use super::JointState;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Longest wait for the first time of a clock by which reports are stamped.
+/// Longest wait for the first message of the clock of the stamps.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Difference from the time of this machine from which a stamp is of another clock, s.
+/// Difference from the time of this machine above which a stamp counts as one of another clock, s.
 const OTHER_CLOCK: f64 = 60.0;
 
 /// The last report and the last time that were received.
@@ -17,25 +17,27 @@ pub(super) struct ClockedReports {
 }
 
 impl ClockedReports {
-    /// Begins with a new connection: what was received over an earlier one stays.
+    /// Starts with a new connection; reports of an earlier one are kept.
     pub(super) fn open(&mut self) {
         self.opened = Some(Instant::now());
     }
 
-    /// Keeps a report, true at `stamp`, s, of the robot's clock where the message bears one. `None` changes nothing.
+    /// Stores a report, valid at `stamp`, s, on the robot's clock if the message has one. `None`
+    /// changes nothing.
     pub(super) fn add(&mut self, state: Option<JointState>, stamp: Option<f64>) {
         if let Some(state) = state {
             self.state = Some(JointState { stamp, ..state });
         }
     }
 
-    /// Keeps the time of the robot's clock, s.
+    /// Stores the time of the robot's clock, s.
     pub(super) fn set_time(&mut self, time: f64) {
         self.clock = Some((time, Instant::now()));
     }
 
-    /// The last report. A motion begins once there is one, and counts by the clock of the robot from then on: where its stamp is
-    /// of another clock than that of this machine, it is held back until a time of that clock has come, for [`PATIENCE`] at most.
+    /// The last report. A motion begins with the first report and then uses the clock of the robot:
+    /// if the stamp belongs to another clock than that of this machine, the report is held back
+    /// until a time of that clock arrives, for at most [`PATIENCE`].
     pub(super) fn state(&self) -> Option<JointState> {
         let state = self.state.clone()?;
         let may_wait = self.opened.is_some_and(|at| at.elapsed() < PATIENCE);
@@ -83,7 +85,7 @@ mod tests {
             reports.add(report(), stamp);
             assert_eq!(reports.state().unwrap().positions, [0.5]);
         }
-        // A clock that never comes is waited for in the beginning only.
+        // Waits for a missing clock only at the beginning.
         let mut reports = ClockedReports {
             opened: Instant::now().checked_sub(2 * PATIENCE),
             ..ClockedReports::default()

@@ -31,10 +31,11 @@ impl FileDriver {
         }
     }
 
-    /// Checks that a place is free, holds an earlier log of the same joints, or is a device or a pipe.
+    /// Checks that a path is free, holds an earlier log of the same joints, or is a device or a
+    /// pipe.
     ///
     /// # Errors
-    /// In words: another file would be overwritten.
+    /// A message if another file would be overwritten.
     pub fn check_place(path: &Path, joints: &[String], json_lines: bool) -> Result<(), String> {
         let Ok(found) = fs::metadata(path) else {
             return Ok(());
@@ -52,7 +53,7 @@ impl FileDriver {
             return Ok(());
         }
         Err(format!(
-            "{} holds something else than an earlier log of these joints ({}) and is not overwritten; move it away, or choose another `path`",
+            "{} is not an earlier log of these joints ({}) and is not overwritten; move it away or choose another `path`",
             path.display(),
             joints.join(", ")
         ))

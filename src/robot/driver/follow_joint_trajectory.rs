@@ -1,8 +1,9 @@
-//! How a `control_msgs/FollowJointTrajectory` goal ended, in words.
+//! Messages about the end of a `control_msgs/FollowJointTrajectory` goal.
 
 use super::DriverError;
 
-/// The end of a ROS 1 goal: `actionlib_msgs/GoalStatus`, the code of the result and what was said.
+/// The end of a ROS 1 goal: `actionlib_msgs/GoalStatus`, the code of the result and the message of
+/// the controller.
 ///
 /// # Errors
 /// Unless it succeeded.
@@ -15,8 +16,8 @@ pub(super) fn ros_1_outcome(status: i64, code: i64, said: &str) -> Result<(), Dr
     }
 }
 
-/// The end of a ROS 2 goal: `action_msgs/GoalStatus`, `None` where it was not taken, the code of the result and what
-/// was said.
+/// The end of a ROS 2 goal: `action_msgs/GoalStatus`, `None` if it was not accepted, the code of
+/// the result and the message of the controller.
 ///
 /// # Errors
 /// Unless it succeeded.
@@ -38,19 +39,17 @@ fn cancelled(code: i64, said: &str) -> DriverError {
 }
 
 fn aborted(code: i64, said: &str) -> DriverError {
-    DriverError::Aborted(in_words("the controller broke the motion off", code, said))
+    DriverError::Aborted(in_words("the controller aborted the motion", code, said))
 }
 
-/// In words, with the error codes of `control_msgs/FollowJointTrajectory`.
+/// The message, with the error codes of `control_msgs/FollowJointTrajectory`.
 fn in_words(what: &str, code: i64, said: &str) -> String {
     let meaning = match code {
         -1 => ": invalid goal",
-        -2 => {
-            ": it does not know these joints; compare their names in the cell file with the robot's"
-        }
+        -2 => ": unknown joints; compare their names in the cell file with the robot's",
         -3 => ": the time stamp is too old; compare the clocks",
         -4 => ": the arm left the path",
-        -5 => ": the arm did not come to the goal",
+        -5 => ": the arm did not reach the goal",
         _ => "",
     };
     let said = said.trim();

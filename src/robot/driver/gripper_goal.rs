@@ -1,4 +1,4 @@
-//! What the drivers of grippers share, whichever way they reach them: a goal of `control_msgs/GripperCommand` ends in time, or it
+//! Code shared by all gripper drivers: a goal of `control_msgs/GripperCommand` ends in time, or it
 //! is cancelled.
 
 use super::DriverError;
@@ -10,28 +10,28 @@ pub(super) const LOOK: Duration = Duration::from_millis(5);
 
 /// A goal that was sent to a gripper.
 pub(super) trait GripperGoal {
-    /// Whether it has ended as it should; waits a moment where nothing is heard.
+    /// Whether it has succeeded; waits a moment if nothing arrives.
     ///
     /// # Errors
-    /// It has ended otherwise, or the connection is lost.
+    /// It has failed, or the connection is lost.
     fn has_ended(&mut self) -> Result<bool, DriverError>;
 
-    /// Cancels it, and returns what is to be reported of the error that ended it.
+    /// Cancels it, and returns the error to report.
     fn cancel(&mut self, error: DriverError) -> DriverError;
 
     /// An error of the connection, with the address of the other end.
     fn lost(&self, reason: &dyn Display) -> DriverError;
 
-    /// What to look at where the gripper does not move.
+    /// Advice for the user if the gripper does not move.
     fn advice(&self) -> String {
         "; is it started, and is this its action?".into()
     }
 }
 
-/// Waits for the end of a goal of the action `action`. Whatever else ends it, the fingers must not move on.
+/// Waits for the end of a goal of the action `action`. On any error the fingers are stopped.
 ///
 /// # Errors
-/// It did not end as it should, or not in time, or the user asked for the end.
+/// The goal failed or timed out, or the user interrupted it.
 pub(super) fn wait_for_end(
     goal: &mut dyn GripperGoal,
     action: &str,
@@ -59,10 +59,10 @@ pub(super) fn wait_for_end(
     Err(goal.cancel(error))
 }
 
-/// Waits for the server of an action; `false` where it does not come in time.
+/// Waits for the server of an action; `false` if it does not appear in time.
 ///
 /// # Errors
-/// The user asked for the end.
+/// The user interrupted the wait.
 pub(super) fn wait_for_server(
     patience: Duration,
     is_interrupted: &dyn Fn() -> bool,
@@ -81,7 +81,7 @@ pub(super) fn wait_for_server(
     Ok(true)
 }
 
-/// The error of a motion that the user ended.
+/// The error of a motion that the user interrupted.
 pub(super) fn interrupted() -> DriverError {
     DriverError::Aborted("interrupted".into())
 }

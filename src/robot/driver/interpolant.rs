@@ -1,5 +1,5 @@
-//! Cubics between the points of a motion, as trajectory controllers interpolate them: each passes through two points
-//! with the velocities there (cubic Hermite interpolation).
+//! Cubics between the points of a motion, as interpolated by trajectory controllers: each passes
+//! through two points with the velocities there (cubic Hermite interpolation).
 
 /// The motion between points with velocities.
 #[derive(Clone, Debug)]
@@ -116,7 +116,7 @@ impl Interpolant {
         Some((time - self.times[after - 1], cubics))
     }
 
-    /// The same motion, so much earlier, s.
+    /// The same motion, earlier by a time, s.
     #[must_use]
     pub fn earlier_by(mut self, time: f64) -> Self {
         self.times.iter_mut().for_each(|known| *known -= time);
@@ -130,7 +130,8 @@ impl Interpolant {
         self.velocities.push(velocity);
     }
 
-    /// What a controller makes of a goal that it takes in motion: from where its joints are to the first point.
+    /// The motion of a controller that accepts a goal while moving: from the present joint
+    /// positions to the first point.
     #[cfg(test)]
     pub fn taken_at(&self, point: Vec<f64>, velocity: Vec<f64>) -> Self {
         let mut taken = self.clone();
@@ -158,7 +159,7 @@ impl Interpolant {
         let mut kept = vec![0];
         let mut from = 0;
         while from < last {
-            // The longest stride is about as long as the one before.
+            // The longest stride is about as long as the previous one.
             let mut stride = 1;
             while from + 2 * stride <= last && fits(from, from + 2 * stride) {
                 stride *= 2;
@@ -178,7 +179,7 @@ impl Interpolant {
 }
 
 impl Cubic {
-    /// Position so long after its beginning, s.
+    /// Position at a time after its start, s.
     pub fn at(&self, since: f64) -> f64 {
         let ([p, q], [v, w], h) = (self.ends, self.slopes, self.duration);
         let u = since / h;
@@ -189,13 +190,13 @@ impl Cubic {
             + (cubed - squared) * h * w
     }
 
-    /// Velocity so long after its beginning, s.
+    /// Velocity at a time after its start, s.
     pub fn velocity_at(&self, since: f64) -> f64 {
         let [a, b] = self.accelerations();
         self.slopes[0] + since * (a + 0.5 * (b - a) * since / self.duration)
     }
 
-    /// Accelerations at both ends; it is straight in between.
+    /// Accelerations at both ends; linear in between.
     pub fn accelerations(&self) -> [f64; 2] {
         let ([p, q], [v, w], h) = (self.ends, self.slopes, self.duration);
         let rise = (q - p) / h;

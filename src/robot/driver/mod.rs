@@ -1,7 +1,7 @@
-//! Drivers: what moves an arm or an axis, behind one trait.
+//! Drivers of arms and axes, behind one trait.
 //!
-//! A driver is polled by the stream's loop every few milliseconds. None of its methods except [`Driver::connect`] waits, and
-//! none reads for longer than [`READING`], however much the other end sends.
+//! A driver is polled by the stream's loop every few milliseconds. None of its methods except
+//! [`Driver::connect`] waits, and none reads for longer than [`READING`], however much arrives.
 
 mod action_driver;
 mod camera_name;
@@ -37,21 +37,21 @@ pub use stepper::{SerialLine, StepperAnswer, StepperDriver, StepperLink, Stepper
 
 use std::time::{Duration, Instant};
 
-/// Where the joints are.
+/// A report of joint positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointState {
-    /// When this was heard.
+    /// When the report was received.
     pub received: Instant,
-    /// Time at which the joints were there by the clock of the robot, s, where the report bears it.
+    /// Time of the report on the clock of the robot, s, if it has one.
     pub stamp: Option<f64>,
     /// Positions in the order of the trajectory's joints, rad or m.
     pub positions: Vec<f64>,
 }
 
 impl JointState {
-    /// Where a message, received now, reports `joints` to be: `position` looks up a position by the index of its name among `names`.
-    /// Messages may name more joints than these, and in another order; `None` where one is missing: such a message is of another
-    /// part of the robot.
+    /// Positions of `joints` in a message received now: `position` returns a position by the index
+    /// of its name among `names`. Messages may name more joints, in another order; `None` if one is
+    /// missing: such a message concerns another part of the robot.
     fn heard<Name: PartialEq<str>>(
         joints: &[String],
         names: &[Name],
@@ -69,8 +69,8 @@ impl JointState {
     }
 }
 
-/// Longest time in which a driver reads messages at a time, and most messages: a peer that sends without end must not keep
-/// the loop from its other work.
+/// Longest time in which a driver reads messages at a time, and most messages: a peer that sends
+/// endlessly must not block the loop.
 pub const READING: Duration = Duration::from_millis(2);
 const MOST_MESSAGES: usize = 200;
 
@@ -88,17 +88,17 @@ fn read_within_bounds<E>(mut read: impl FnMut() -> Result<bool, E>) -> Result<()
     Ok(())
 }
 
-/// How far a motion has come.
+/// Progress of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
-    /// It goes on.
+    /// It is running.
     Running,
-    /// It ended as it should.
+    /// It has succeeded.
     Done,
 }
 
 impl Progress {
-    /// The progress of a motion that is over, or is not.
+    /// The progress from a flag for the end.
     pub(crate) fn over(is_over: bool) -> Self {
         match is_over {
             true => Self::Done,
@@ -107,27 +107,27 @@ impl Progress {
     }
 }
 
-/// What is wrong with a driver, in words that say what to do.
+/// An error of a driver, with advice for the user.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DriverError {
-    /// There is nobody at the other end, or not any more.
+    /// The other end does not answer.
     #[error("{0}")]
     Lost(String),
-    /// The other end refuses the motion.
+    /// The other end rejected the motion.
     #[error("{0}")]
     Refused(String),
-    /// The other end broke the motion off.
+    /// The other end aborted the motion.
     #[error("{0}")]
     Aborted(String),
 }
 
-/// What opens and closes the gripper of an arm.
+/// Driver of a gripper.
 pub trait GripperDriver {
-    /// Moves the fingers to an opening, m, and waits until they are there, or hold something on the way.
+    /// Moves the fingers to an opening, m, and waits until they arrive or hold an object.
     ///
     /// # Errors
-    /// There is nobody at the other end, it refuses, nothing is heard in time, or somebody asked for the end: then the command is
-    /// cancelled.
+    /// The gripper is not connected, rejects the command or does not answer in time, or the user
+    /// interrupts; the command is then cancelled.
     fn command(
         &self,
         opening: f64,
@@ -136,15 +136,15 @@ pub trait GripperDriver {
     ) -> Result<(), DriverError>;
 }
 
-/// What moves an arm or an axis.
+/// Driver of an arm or an axis.
 pub trait Driver: Send {
     /// Connects for motions of the given joints; again after a lost connection.
     ///
     /// # Errors
-    /// No answer from the other end within a few seconds.
+    /// No answer from the server within a few seconds.
     fn connect(&mut self, joints: &[String]) -> Result<(), DriverError>;
 
-    /// Whether it reports where the joints are. If not, [`Driver::state`] is always `None`.
+    /// Whether it reports joint positions. If not, [`Driver::state`] is always `None`.
     fn reports_state(&self) -> bool;
 
     /// Whether its reports are measured positions rather than commanded ones: a motor without a sensor begins a motion
@@ -170,13 +170,13 @@ pub trait Driver: Send {
         None
     }
 
-    /// Whether the other end carries out a goal by itself, also where this program has ended.
+    /// Whether the other end executes a goal by itself, even after this program has ended.
     fn sends_goals(&self) -> bool {
         false
     }
 
-    /// Begins a motion, at once; where [`Driver::sends_goals`], it replaces the one under way, which may have a later first time
-    /// than zero then.
+    /// Begins a motion, at once; where [`Driver::sends_goals`], it replaces the one under way, and
+    /// its first time may then be later than zero.
     ///
     /// # Errors
     /// The connection is lost.

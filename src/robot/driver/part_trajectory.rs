@@ -26,7 +26,8 @@ impl PartTrajectory {
         pairs.map(|(a, b)| a + part * (b - a)).collect()
     }
 
-    /// A motion from rest to rest over a time, s, in so many steps: each joint rises along the polynomial of fifth degree to a height.
+    /// A motion from rest to rest over a time, s, in a number of steps: each joint follows a
+    /// polynomial of fifth degree to its final value.
     #[cfg(test)]
     pub fn smooth(joints: &[(&str, f64)], duration: f64, steps: usize) -> Self {
         let part = |k: usize| k as f64 / steps as f64;
@@ -70,7 +71,7 @@ impl PartTrajectory {
         }
     }
 
-    /// Greatest distance of a point from the interpolant of another motion at its time, rad or m.
+    /// Largest distance of a point from the interpolant of another motion at its time, rad or m.
     fn distance_from(&self, other: &Self) -> f64 {
         let other = other.interpolant();
         let distances = self.times.iter().zip(&self.points).map(|(time, point)| {

@@ -1,4 +1,4 @@
-//! Pictures as cameras send them: pixels in one of the encodings of `sensor_msgs/Image`, or files.
+//! Pictures from cameras: pixels in one of the encodings of `sensor_msgs/Image`, or files.
 
 use super::DriverError;
 use image::RgbImage;
@@ -7,7 +7,7 @@ use std::time::Duration;
 /// Largest message with a picture, bytes.
 pub(super) const LARGEST_PICTURE: usize = 64 << 20;
 
-/// A picture as it came.
+/// A received picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CameraPicture {
     /// Its pixels.
@@ -19,11 +19,11 @@ pub enum CameraPicture {
 /// A topic of pictures of a camera: `sensor_msgs/Image`, or `sensor_msgs/CompressedImage` where its name ends in
 /// `/compressed`.
 pub trait PictureTopic {
-    /// The newest picture; those that came before it are passed over, and where none has come since the last one, the
-    /// next is waited for.
+    /// The newest picture; older ones are skipped. If none has arrived since the last call, waits
+    /// for the next one.
     ///
     /// # Errors
-    /// If none comes in time, or the one that comes is damaged or of an encoding that is not known here.
+    /// If none arrives in time, or it is damaged or of an unknown encoding.
     fn picture(&mut self, patience: Duration) -> Result<CameraPicture, DriverError>;
 }
 
@@ -39,7 +39,7 @@ pub struct RawImage<'a> {
     pub size: [u32; 2],
     /// Such as `rgb8`.
     pub encoding: String,
-    /// Whether the first byte of a number of two counts more.
+    /// Whether numbers of two bytes are big-endian.
     pub is_big_endian: bool,
     /// Bytes from row to row.
     pub step: usize,
@@ -47,14 +47,14 @@ pub struct RawImage<'a> {
     pub data: &'a [u8],
 }
 
-/// How the bytes of a pixel become red, green and blue.
+/// Conversion of the bytes of a pixel to red, green and blue.
 struct Encoding {
     name: &'static str,
     bytes: usize,
     colours: [usize; 3],
 }
 
-/// Of numbers of two bytes the one that counts more is taken.
+/// Of numbers of two bytes, the more significant byte is used.
 const ENCODINGS: [Encoding; 10] = [
     encoding("rgb8", 3, [0, 1, 2]),
     encoding("bgr8", 3, [2, 1, 0]),

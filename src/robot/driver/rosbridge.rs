@@ -1,7 +1,8 @@
 //! `control_msgs/FollowJointTrajectory` through a rosbridge server: JSON over a WebSocket (rosbridge protocol 2).
 //!
-//! A ROS 1 action is a set of topics: the goal and its cancellation are published, status, feedback and result are
-//! subscribed. For ROS 2 the server itself is the action client: `send_action_goal`, `cancel_action_goal`.
+//! A ROS 1 action is a set of topics: the goal and its cancellation are published, status, feedback
+//! and result are subscribed. With ROS 2 the server itself is the action client:
+//! `send_action_goal`, `cancel_action_goal`.
 
 use super::action_driver::{ActionDriver, ActionLink, News, unique_name};
 use super::rosbridge_goal::{RosVersion, cancellation, duration, goal, result_of, ros_1_topics};
@@ -13,7 +14,7 @@ use tungstenite::WebSocket;
 
 /// Topic on which a simulated robot publishes its time.
 const CLOCK: &str = "/clock";
-/// What it is sent to do.
+/// Kind of its goals.
 const FOLLOW: &str = "FollowJointTrajectory";
 
 /// A driver through rosbridge.
@@ -32,7 +33,7 @@ impl RosbridgeDriver {
     }
 }
 
-/// A way to an action server through rosbridge.
+/// A connection to an action server through rosbridge.
 pub struct RosbridgeLink {
     address: String,
     version: RosVersion,
@@ -66,7 +67,8 @@ impl RosbridgeLink {
         }
     }
 
-    /// An error of the server ends the goal where it names the goal. Others may be about other clients.
+    /// An error of the server ends the goal only if it names the goal: others may concern other
+    /// clients.
     fn hear_complaint(&self, message: &Value, news: &mut News<String>) {
         let (Some(words), Some(goal)) = (complaint(message), &mut news.goal) else {
             return;
@@ -96,7 +98,7 @@ impl RosbridgeLink {
         }
     }
 
-    /// Reads one message; `false` where none has arrived.
+    /// Reads one message; `false` if none has arrived.
     fn read_message(&mut self, news: &mut News<String>) -> Result<bool, DriverError> {
         let Some(socket) = &mut self.socket else {
             return Err(self.lost(&"not connected"));
@@ -130,7 +132,8 @@ impl ActionLink for RosbridgeLink {
     fn open(&mut self) -> Result<(), DriverError> {
         let socket = open_quiet_socket(&self.address).map_err(|reason| self.lost(&reason))?;
         self.socket = Some(socket);
-        // The clock before the states of joints: a motion begins once these are heard, and its clock must be known then.
+        // The clock before the joint states: a motion begins once these arrive, and needs the clock
+        // then.
         for (topic, package, name) in [
             (CLOCK, "rosgraph_msgs", "Clock"),
             (&self.joint_states.clone(), "sensor_msgs", "JointState"),
@@ -203,7 +206,7 @@ fn feedback_of<'a>(action: &str, id: &str, message: &'a Value) -> Option<&'a Val
     (is_feedback && is_ours).then(|| &message["msg"]["feedback"])
 }
 
-/// Whether a message says that a goal is known: the status list of ROS 1, feedback of either.
+/// Whether a message acknowledges a goal: the status list of ROS 1, or feedback.
 fn speaks_of(action: &str, id: &str, message: &Value) -> bool {
     if message["op"] == "action_feedback" {
         return message["id"] == *id;
@@ -232,7 +235,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Messages of words that servers use, in any place.
+    /// Random messages of words that servers use.
     fn message() -> impl Strategy<Value = Value> {
         let words = "op publish status action_result action_feedback topic /arm/status /arm/feedback /arm/result /joint_states /clock msg name position \
                      a clock secs nsecs goal_id id level error feedback desired positions joint_names values error_code result status_list";
@@ -274,7 +277,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_message_makes_it_panic(messages in prop::collection::vec(message(), 1..4)) {
+        fn no_message_causes_a_panic(messages in prop::collection::vec(message(), 1..4)) {
             let link = RosbridgeLink {
                 address: "server".into(),
                 version: RosVersion::One,

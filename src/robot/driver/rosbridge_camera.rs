@@ -11,10 +11,11 @@ use std::net::TcpStream;
 use std::time::{Duration, Instant};
 use tungstenite::WebSocket;
 
-/// Largest message, bytes: base64 has four for three.
+/// Largest message, bytes: base64 needs four bytes for three.
 const LARGEST_MESSAGE: usize = LARGEST_PICTURE / 3 * 4 + (1 << 16);
 
-/// A topic of pictures behind a rosbridge server. Whether it sends pixels or files, its messages tell.
+/// A topic of pictures behind a rosbridge server. Its messages show whether it sends pixels or
+/// files.
 pub struct RosbridgeCamera {
     address: String,
     topic: String,
@@ -22,14 +23,15 @@ pub struct RosbridgeCamera {
 }
 
 impl RosbridgeCamera {
-    /// Subscribes a topic at the server at `host:port`. The server knows its type, of ROS 1 or ROS 2.
+    /// Subscribes a topic at the server at `host:port`. The server determines its type, of ROS 1 or
+    /// ROS 2.
     ///
     /// # Errors
     /// If there is no server.
     pub fn open(address: &str, topic: &str) -> Result<Self, DriverError> {
         let lost = |reason: String| DriverError::Lost(format!("rosbridge at {address}: {reason}"));
         let mut socket = open_socket(address, LARGEST_MESSAGE).map_err(lost)?;
-        // Of pictures that nobody took in time, the server keeps the newest.
+        // The server keeps only the newest unread picture.
         let request = json!({ "op": "subscribe", "topic": topic, "queue_length": 1 });
         send(&mut socket, &request).map_err(|error| lost(error.to_string()))?;
         Ok(Self {
@@ -43,7 +45,7 @@ impl RosbridgeCamera {
         DriverError::Lost(format!("rosbridge at {}: {reason}", self.address))
     }
 
-    /// The next message of the topic, at once where none is to be waited for; none in time.
+    /// The next message of the topic; returns at once if `patience` is zero.
     fn next(&mut self, patience: Duration) -> Result<Option<Value>, DriverError> {
         let end = Instant::now() + patience;
         loop {
@@ -135,7 +137,7 @@ mod tests {
     use std::net::TcpListener;
     use tungstenite::Message;
 
-    /// A server that answers the first subscription with some messages and then keeps silent.
+    /// A server that answers the first subscription with some messages and is silent afterwards.
     fn serve(messages: Vec<Value>) -> String {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap().to_string();
@@ -201,12 +203,12 @@ mod tests {
         assert!(fault(vec![raw(&[1, 2, 3])]).contains("do not fit"));
         let nonsense = published(json!({ "data": "ä", "format": "png" }));
         assert!(fault(vec![nonsense]).contains("damaged"));
-        let nobody = RosbridgeCamera::open("127.0.0.1:1", "/camera")
+        let absent = RosbridgeCamera::open("127.0.0.1:1", "/camera")
             .err()
             .unwrap();
         assert!(
-            nobody.to_string().contains("is the server started"),
-            "{nobody}"
+            absent.to_string().contains("is the server started"),
+            "{absent}"
         );
     }
 
@@ -218,7 +220,7 @@ mod tests {
             use std::io::Write;
             let (stream, _) = listener.accept().unwrap();
             let mut socket = tungstenite::accept(stream).unwrap();
-            // A text that says to have 2⁴⁰ bytes.
+            // A text with a stated length of 2⁴⁰ bytes.
             let header = [0x81, 127, 0, 0, 1, 0, 0, 0, 0, 0];
             socket.get_mut().write_all(&header).unwrap();
             while socket.read().is_ok() {}

@@ -1,10 +1,10 @@
-//! Goals of actions as rosbridge carries them: topics of ROS 1, operations of rosbridge itself for ROS 2.
+//! Goals of actions over rosbridge: topics of ROS 1, operations of rosbridge itself for ROS 2.
 
 use super::DriverError;
 use super::follow_joint_trajectory::{ros_1_outcome, ros_2_outcome};
 use serde_json::{Value, json};
 
-/// Which ROS is behind the server.
+/// ROS version behind the server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RosVersion {
     /// ROS 1.
@@ -13,11 +13,11 @@ pub enum RosVersion {
     Two,
 }
 
-/// Package of the messages of the actions that are sent.
+/// Package of the action messages.
 const PACKAGE: &str = "control_msgs";
 
 impl RosVersion {
-    /// The name of a type of messages of a package.
+    /// Name of a message type of a package.
     pub(super) fn message_type(self, package: &str, name: &str) -> String {
         match self {
             Self::One => format!("{package}/{name}"),
@@ -26,7 +26,8 @@ impl RosVersion {
     }
 }
 
-/// The messages that open the topics of an action of ROS 1: those of `heard` are subscribed, goal and cancellation advertised.
+/// The messages that open the topics of a ROS 1 action: subscriptions to those of `heard`,
+/// advertisements of goal and cancellation.
 pub(super) fn ros_1_topics(action: &str, kind: &str, heard: &[&str]) -> Vec<Value> {
     let message = |part: &str| format!("{PACKAGE}/{kind}Action{part}");
     let open = |op: &str, topic: &str| {
@@ -63,7 +64,7 @@ pub(super) fn goal(version: RosVersion, action: &str, kind: &str, id: &str, body
     match version {
         RosVersion::One => json!({
             "op": "publish",
-            // Servers name it in complaints about this message.
+            // Servers quote it in errors about this message.
             "id": id,
             "topic": format!("{action}/goal"),
             "msg": { "goal_id": { "stamp": duration(version, 0.0), "id": id }, "goal": body },
@@ -91,7 +92,7 @@ pub(super) fn cancellation(version: RosVersion, action: &str, id: &str) -> Value
     }
 }
 
-/// How a goal ended, if a message says so.
+/// How a goal ended, if a message reports it.
 pub(super) fn result_of(
     action: &str,
     id: &str,
@@ -113,13 +114,13 @@ pub(super) fn result_of(
     Some(ros_1_outcome(status, code, &words.join(" ")))
 }
 
-/// The end of a ROS 2 goal as the server tells it.
+/// The end of a ROS 2 goal as reported by the server.
 fn bridged_outcome(message: &Value) -> Result<(), DriverError> {
     let values = &message["values"];
     let said = values["error_string"].as_str().or(values.as_str());
     let status = match (&message["result"], message["status"].as_i64()) {
         (Value::Bool(false), _) => None,
-        // Servers of the first versions tell no status of a success.
+        // Servers of the first versions report success without a status.
         (_, status) => Some(status.unwrap_or(4)),
     };
     let code = values["error_code"].as_i64().unwrap_or(0);

@@ -11,7 +11,7 @@ use std::net::TcpStream;
 use std::time::Duration;
 use tungstenite::WebSocket;
 
-/// What it is sent to do.
+/// Kind of its goals.
 const COMMAND: &str = "GripperCommand";
 
 /// A gripper by its action at a rosbridge server.
@@ -19,7 +19,7 @@ const COMMAND: &str = "GripperCommand";
 pub struct RosbridgeGripper {
     /// `host:port`.
     pub address: String,
-    /// Which ROS is behind the server.
+    /// ROS version behind the server.
     pub version: RosVersion,
     /// Name of the action.
     pub action: String,
@@ -100,7 +100,7 @@ impl GripperGoal for SentGoal<'_> {
         Ok(false)
     }
 
-    /// The connection may be gone.
+    /// The connection may be closed.
     fn cancel(&mut self, error: DriverError) -> DriverError {
         let gripper = self.gripper;
         let message = cancellation(gripper.version, &gripper.action, &self.id);
@@ -116,7 +116,7 @@ impl GripperGoal for SentGoal<'_> {
     }
 }
 
-/// Whether a result is that of fingers that hold something on the way: they have stalled, and some controllers abort then.
+/// Whether the fingers stalled on an object: some controllers then abort.
 fn is_stalled(result: &Value) -> bool {
     let (status, values) = match result["op"] == "action_result" {
         true => (result["status"] == 6, &result["values"]),

@@ -12,11 +12,11 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Largest message of a server of robots, bytes: states and results are far smaller.
 pub(super) const LARGEST_MESSAGE: usize = 1 << 20;
 
-/// A WebSocket to the server at `host:port`, or `host:port/path` where the server asks for one, for messages of
-/// at most `largest` bytes.
+/// A WebSocket to the server at `host:port`, or `host:port/path` if the server requires one, for
+/// messages of at most `largest` bytes.
 ///
 /// # Errors
-/// In words.
+/// A message about the failure.
 pub(super) fn open_socket(address: &str, largest: usize) -> Result<WebSocket<TcpStream>, String> {
     let (server, path) = address.split_once('/').unwrap_or((address, ""));
     let resolved = server
@@ -44,10 +44,10 @@ pub(super) fn open_socket(address: &str, largest: usize) -> Result<WebSocket<Tcp
     Ok(socket)
 }
 
-/// The same, whose reads never wait.
+/// The same with reads that never wait.
 ///
 /// # Errors
-/// In words.
+/// A message about the failure.
 pub(super) fn open_quiet_socket(address: &str) -> Result<WebSocket<TcpStream>, String> {
     let socket = open_socket(address, LARGEST_MESSAGE)?;
     let quiet = socket.get_ref().set_nonblocking(true);
@@ -55,10 +55,10 @@ pub(super) fn open_quiet_socket(address: &str) -> Result<WebSocket<TcpStream>, S
     Ok(socket)
 }
 
-/// Sends a message on a socket, which may be one that never waits.
+/// Sends a message on a socket, blocking or not.
 ///
 /// # Errors
-/// It does not leave in time, or the connection is lost.
+/// It cannot be sent in time, or the connection is lost.
 pub(super) fn send(
     socket: &mut WebSocket<TcpStream>,
     value: &Value,
@@ -76,7 +76,7 @@ pub(super) fn send(
     result
 }
 
-/// The next message; `Null` where it is no JSON, `None` where none has arrived.
+/// The next message; `Null` if it is not JSON, `None` if none has arrived.
 ///
 /// # Errors
 /// The connection is closed ([`tungstenite::Error::ConnectionClosed`]) or lost.
@@ -90,7 +90,7 @@ pub(super) fn read(socket: &mut WebSocket<TcpStream>) -> Result<Option<Value>, t
     }
 }
 
-/// How a connection ended, in words.
+/// A message that states how a connection ended.
 pub(super) fn end_in_words(error: &tungstenite::Error) -> String {
     match error {
         tungstenite::Error::ConnectionClosed => "the server closed the connection".to_owned(),
@@ -101,5 +101,9 @@ pub(super) fn end_in_words(error: &tungstenite::Error) -> String {
 /// The error that a server reports in a message, if it is one.
 pub(super) fn complaint(message: &Value) -> Option<&str> {
     let is_error = message["op"] == "status" && message["level"] == "error";
-    is_error.then(|| message["msg"].as_str().unwrap_or("an error without words"))
+    is_error.then(|| {
+        message["msg"]
+            .as_str()
+            .unwrap_or("an error without a message")
+    })
 }

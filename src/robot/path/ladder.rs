@@ -1,10 +1,10 @@
-//! The ladder: solutions on rungs of the path, and the cheapest way through them.
+//! The ladder: solutions on rungs of the path, and the cheapest sequence through them.
 
 use super::{LARGEST_JUMP, Obstruction, PathFailure, PathPoint, PathProblem, jump};
 use crate::self_motion::separation;
 use rayon::prelude::*;
 
-/// Way between rungs, m.
+/// Distance between rungs, m.
 const RUNG: f64 = 8e-3;
 /// Most solutions of a rung.
 const MOST: usize = 100;
@@ -14,10 +14,10 @@ const SAME: f64 = 0.1;
 const NULL_STEP: f64 = 0.15;
 /// Part of [`LARGEST_JUMP`] that the ladder uses, so that the refinement has room.
 const PART_OF_JUMP: f64 = 0.7;
-/// Weight of distances to limits, singularities and obstacles against way of the joints, per rung.
+/// Weight of distances to limits, singularities and obstacles relative to joint motion, per rung.
 const DISCOMFORT: f64 = 2e-3;
 
-/// The way up.
+/// The cheapest sequence of solutions.
 pub(super) struct Ladder {
     /// Indices of the points that are rungs: the first and the last among them.
     pub rungs: Vec<usize>,
@@ -35,7 +35,7 @@ impl Ladder {
     /// Climbs the ladder.
     ///
     /// # Errors
-    /// The first point that no way reaches.
+    /// The first point that cannot be reached.
     pub fn climb(
         problem: &PathProblem<'_>,
         points: &[PathPoint],
@@ -65,7 +65,7 @@ impl Ladder {
     }
 }
 
-/// Rungs a way apart; no more than a quarter of the path, so that short ones have some too.
+/// Rungs at even distances, at most a quarter of the path, so that short paths have several.
 fn rungs(points: &[PathPoint]) -> Vec<usize> {
     let last = points.len() - 1;
     let length = points[last].way;
@@ -98,7 +98,7 @@ fn first_level(
         let stride = all.div_ceil(4 * MOST).max(1);
         curves.into_iter().flatten().step_by(stride).collect()
     };
-    // The arm may stand on the path already, wound up as it is.
+    // The arm may already be on the path, with extra turns of its joints.
     solutions.extend(chain.follow(pose, problem.from));
     if solutions.is_empty() {
         return Err(Box::new(problem.failure(
@@ -109,7 +109,7 @@ fn first_level(
     }
     let nodes = solutions.into_par_iter().filter_map(|joints| {
         let discomfort = discomfort(problem, &joints)?;
-        // To begin far from where the arm stands costs as much as to go there.
+        // A start far from the present posture costs as much as the motion to it.
         let way = 0.02 * separation(&joints, problem.from).powi(2);
         Some(Node {
             joints,
@@ -124,7 +124,7 @@ fn first_level(
     Ok(nodes)
 }
 
-/// The solutions at a point some points after those `before`, each with the cheapest way to it.
+/// The solutions at a point a few points after `before`, each with the cheapest predecessor.
 fn next_level(
     problem: &PathProblem<'_>,
     points: &[PathPoint],
@@ -159,7 +159,7 @@ fn next_level(
     let nodes = candidates.into_par_iter().filter_map(|joints| {
         let ways = before.iter().enumerate().filter_map(|(parent, node)| {
             let near = jump(&joints, &node.joints) <= reach;
-            // Squares, so that an even pace is cheaper than rests and spurts.
+            // Squares, so that an even motion is cheaper than an uneven one.
             near.then(|| {
                 (
                     node.cost + separation(&joints, &node.joints).powi(2),
@@ -178,7 +178,7 @@ fn next_level(
     thinned(nodes.collect())
 }
 
-/// The cost of a posture near limits, singularities and obstacles; `None` where it is forbidden.
+/// The cost of a posture near limits, singularities and obstacles; `None` if it is forbidden.
 fn discomfort(problem: &PathProblem<'_>, joints: &[f64]) -> Option<f64> {
     let clearance = (problem.clearance)(joints);
     if clearance < problem.margin {
@@ -201,7 +201,7 @@ fn discomfort(problem: &PathProblem<'_>, joints: &[f64]) -> Option<f64> {
     Some(DISCOMFORT * (limits + singular + obstacle))
 }
 
-/// The cheapest solutions of those that are close to each other, no more than [`MOST`].
+/// The cheapest of close solutions, at most [`MOST`].
 fn thinned(mut nodes: Vec<Node>) -> Vec<Node> {
     nodes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let mut kept: Vec<Node> = Vec::new();
@@ -219,7 +219,7 @@ fn thinned(mut nodes: Vec<Node>) -> Vec<Node> {
     kept
 }
 
-/// The first point between two rungs that no way reaches.
+/// The first point between two rungs that cannot be reached.
 fn first_failure(
     problem: &PathProblem<'_>,
     points: &[PathPoint],
@@ -237,7 +237,7 @@ fn first_failure(
         .collect();
     let mut point = from + 1;
     while point < to {
-        // The rest of the jump is allowed here: what fails now fails for good.
+        // The full jump is allowed here: a failure is final.
         let level = next_level(problem, points, &here, 1.0 / PART_OF_JUMP, point);
         if level.is_empty() {
             break;

@@ -1,9 +1,10 @@
 //! Joint paths along a path of poses of the hand.
 //!
-//! The path is cut into points at most 1 mm and 0.01 rad apart. On rungs some points apart a ladder of solutions is
-//! built, as Descartes does (De Maeyer et al. 2017): every solution of a rung leads to the solutions next to it
-//! on the next one, and dynamic programming finds the cheapest way up. In between, the way is interpolated and
-//! brought onto the path; joints to spare are then moved in the null space until the way is smooth.
+//! The path is cut into points at most 1 mm and 0.01 rad apart. A ladder of solutions is built on
+//! rungs some points apart, as in Descartes (De Maeyer et al. 2017): every solution of a rung leads
+//! to nearby solutions on the next one, and dynamic programming finds the cheapest sequence.
+//! Between rungs, the joint path is interpolated and projected onto the path; redundant joints are
+//! then moved in the null space until the joint path is smooth.
 
 mod ladder;
 mod placement;
@@ -20,7 +21,7 @@ use ladder::Ladder;
 /// Largest step of a joint per point of a path, rad or m.
 pub const LARGEST_JUMP: f64 = 0.05;
 
-/// What a joint path is asked for.
+/// Input of the search for a joint path.
 pub struct PathProblem<'a> {
     /// The chain.
     pub chain: &'a Chain,
@@ -43,14 +44,14 @@ pub struct JointPath {
     pub least_clearance: f64,
     /// Least distance to a singularity: smallest singular value of the Jacobian.
     pub least_distance_to_singularity: f64,
-    /// Least distance of a joint from an end of its range, rad or m.
+    /// Smallest distance of a joint from an end of its range, rad or m.
     pub least_distance_to_limits: f64,
 }
 
-/// Where and why a path cannot be followed.
+/// The point where a path cannot be followed, and the reason.
 #[derive(Clone, Debug)]
 pub struct PathFailure {
-    /// Index of the first point that cannot be reached by a smooth way.
+    /// Index of the first point that no smooth joint path reaches.
     pub point: usize,
     /// Why.
     pub reason: Obstruction,
@@ -65,12 +66,12 @@ pub enum Obstruction {
     OutOfReach,
     /// Every posture that reaches it comes too near to an obstacle.
     Collision,
-    /// It can be reached, but from no way that reaches the points before it without a jump.
+    /// It can be reached, but only with a jump from the points before it.
     Jump,
 }
 
 impl Obstruction {
-    /// The reason in words.
+    /// The reason as text.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::OutOfReach => "no posture within the limits of the joints reaches it",
@@ -84,7 +85,7 @@ impl PathProblem<'_> {
     /// Finds a smooth joint path along points that [`subdivide`] made.
     ///
     /// # Errors
-    /// The first point that no smooth way reaches.
+    /// The first point that no smooth joint path reaches.
     pub fn solve(&self, points: &[PathPoint]) -> Result<JointPath, Box<PathFailure>> {
         let ladder = Ladder::climb(self, points)?;
         let joints = refine::refine(self, points, &ladder).map_err(Box::new)?;

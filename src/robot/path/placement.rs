@@ -5,13 +5,13 @@ use crate::pose::Pose;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 
-/// Poses of the path that are tried at each place.
+/// Number of poses of the path tried at each place.
 const PROBES: usize = 16;
 /// Distance of places, m.
 const GRID: f64 = 0.05;
-/// Turns about the normal of the table that are tried.
+/// Number of rotations about the normal of the table that are tried.
 const TURNS: usize = 8;
-/// Places that are looked at closely.
+/// Number of places examined with the full path.
 const FINALISTS: usize = 12;
 
 /// A place for a path.
@@ -29,7 +29,7 @@ pub struct Placement {
 /// follow a path and stays farthest from singularities; the points of the path must stay above the table.
 ///
 /// # Errors
-/// Where there is no place: what went wrong at the most promising one, if any probe could be reached at all.
+/// No place was found: the error at the most promising one, if any probe was reachable.
 pub fn place(
     problem: &PathProblem<'_>,
     path: &[Pose],
@@ -84,8 +84,8 @@ fn frame(top: &Pose, [x, y, turn]: [f64; 3]) -> Pose {
     )
 }
 
-/// Least distance to a singularity at the probes; `None` where one lies beside the table or cannot be reached freely
-/// from the posture at the one before.
+/// Smallest distance to a singularity at the probes; `None` if one is beside the table or cannot be
+/// reached from the previous posture.
 fn score(
     problem: &PathProblem<'_>,
     probes: &[Pose],

@@ -14,7 +14,7 @@ const CORNER: f64 = 0.5;
 pub struct PathPoint {
     /// Pose of the hand.
     pub pose: Pose,
-    /// Way from the start, m: √(dx² + (0.1 m dφ)²) summed up.
+    /// Arc length from the start, m: √(dx² + (0.1 m dφ)²) summed up.
     pub way: f64,
     /// Index of the given pose at or before it.
     pub given: usize,
@@ -29,7 +29,7 @@ pub fn subdivide(poses: &[Pose], step: f64) -> Vec<PathPoint> {
     let Some(first) = poses.first() else {
         return Vec::new();
     };
-    // Index, pose and the way to the pose before, without repetitions.
+    // Index, pose and the distance from the previous pose, without repetitions.
     let mut given: Vec<(usize, Pose, f64)> = vec![(0, *first, 0.0)];
     for (index, pose) in poses.iter().enumerate().skip(1) {
         let length = length(&given[given.len() - 1].1, pose);
@@ -73,7 +73,7 @@ pub fn subdivide(poses: &[Pose], step: f64) -> Vec<PathPoint> {
     points
 }
 
-/// Way between two poses, m.
+/// Distance between two poses, m.
 fn length(from: &Pose, to: &Pose) -> f64 {
     let (distance, angle) = distance_and_angle(from, to);
     libm::hypot(distance, LENGTH_PER_RADIAN * angle)
@@ -87,7 +87,7 @@ fn local_change(from: &Pose, to: &Pose) -> Vector6<f64> {
     Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
 }
 
-/// Change per way before and after a pose; the same but at a corner.
+/// Change per arc length before and after a pose; equal except at a corner.
 fn slopes(given: &[(usize, Pose, f64)], k: usize) -> [Vector6<f64>; 2] {
     let pose = &given[k].1;
     let before = (k > 0).then(|| -local_change(pose, &given[k - 1].1) / given[k].2);

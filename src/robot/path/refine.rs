@@ -1,4 +1,4 @@
-//! From the way up the ladder to joint positions at every point.
+//! From the solutions on the ladder to joint positions at every point.
 
 use super::ladder::Ladder;
 use super::{Obstruction, PathFailure, PathPoint, PathProblem};
@@ -8,7 +8,7 @@ use crate::chain::Chain;
 const COARSE_ROUNDS: usize = 120;
 const FINE_ROUNDS: usize = 6;
 
-/// Smooths the way in the null space and follows the path from rung to rung.
+/// Smooths the joint path in the null space and follows the path from rung to rung.
 pub(super) fn refine(
     problem: &PathProblem<'_>,
     points: &[PathPoint],
@@ -60,8 +60,8 @@ fn interpolated(rungs: &[PathPoint], joints: &[Vec<f64>], segment: usize, t: f64
         .collect()
 }
 
-/// Moves the joints at every point but the first in the null space, half the way to where their neighbours would
-/// have them; not where limits or obstacles forbid it.
+/// Moves the joints at every point but the first in the null space, halfway to the mean of their
+/// neighbours, unless limits or obstacles prevent it.
 fn smooth(problem: &PathProblem<'_>, points: &[PathPoint], joints: &mut [Vec<f64>], rounds: usize) {
     let chain = problem.chain;
     let count = joints.len();
@@ -71,7 +71,7 @@ fn smooth(problem: &PathProblem<'_>, points: &[PathPoint], joints: &mut [Vec<f64
             let wish: Vec<f64> = (0..joints[k].len())
                 .map(|j| {
                     let here = joints[k][j];
-                    // At the free end the path comes to a stop along the last step.
+                    // At the free end the path stops along the last step.
                     let after = if k + 1 < count {
                         joints[k + 1][j]
                     } else {
@@ -93,7 +93,8 @@ fn smooth(problem: &PathProblem<'_>, points: &[PathPoint], joints: &mut [Vec<f64
     }
 }
 
-/// The posture that a wish leads to without moving the hand, and how far; `None` where it leads out of the limits.
+/// The posture after a desired joint motion in the null space, and its size; `None` if it violates
+/// the limits.
 fn in_null_space(
     chain: &Chain,
     point: &PathPoint,
@@ -111,7 +112,7 @@ fn in_null_space(
         .zip(&direction)
         .map(|(q, d)| q + step * d)
         .collect();
-    // Away from the ends of the joints' ranges by a little, so that the path can be followed with errors.
+    // Slightly inside the joint limits, so that the path can be followed with errors.
     if chain.distance_to_limits(&guess) < chain.distance_to_limits(joints).min(0.02) {
         return None;
     }

@@ -1,14 +1,14 @@
-//! How far joints may be from where they should be, and how long a robot may be silent or stand still.
+//! Tolerances of a stream: deviations of joints, and times of silence and standstill.
 
 use crate::chain::JointKind;
 use std::time::Duration;
 
-/// A distance for joints that turn and one for joints that slide.
+/// A distance for revolute joints and one for prismatic joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Of joints that turn, rad.
+    /// Of revolute joints, rad.
     pub revolute: f64,
-    /// Of joints that slide, m.
+    /// Of prismatic joints, m.
     pub prismatic: f64,
 }
 
@@ -29,18 +29,20 @@ pub struct StreamBounds {
     pub start: Tolerance,
     /// Greatest distance of a joint from the trajectory on the way.
     pub tracking: Tolerance,
-    /// Longest silence.
+    /// Longest time without reports.
     pub watchdog: Duration,
-    /// Longest time for which an arm may stand still on its way. `None`: for any time where the feedback of its controller
-    /// shows that the setpoint stands still, too, as in a pause, and not at all otherwise.
+    /// Longest pause of an arm during the motion. `None`: unlimited if the feedback of its
+    /// controller shows a constant setpoint, as in a pause; otherwise no pause is allowed.
     pub longest_pause: Option<Duration>,
-    /// Time after which a controller that takes goals comes to rest when nothing is sent any more. `None`: it has the whole motion.
+    /// Time after which a controller comes to rest when no more goals are sent. `None`: the whole
+    /// motion is sent as one goal.
     pub horizon: Option<Duration>,
 }
 
 impl Default for StreamBounds {
-    /// Start and end within 0.02 rad and 2 mm, the way within 0.05 rad and 5 mm, silence of 0.3 s: reports of joints at 100 Hz may
-    /// be lost 30 times before the arm is stopped, and the stop comes within half a second.
+    /// Start and end within 0.02 rad and 2 mm, the way within 0.05 rad and 5 mm, silence of 0.3 s:
+    /// reports of joints at 100 Hz may be lost 30 times before the arm is stopped, and the stop
+    /// follows within half a second.
     fn default() -> Self {
         Self {
             start: Tolerance {

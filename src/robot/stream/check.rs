@@ -4,13 +4,13 @@ use crate::chain::Limits;
 use crate::driver::{Interpolant, PartTrajectory};
 use std::fmt;
 
-/// Part of a limit by which rounding in a table may exceed it.
+/// Share of a limit by which rounding in a table may exceed it.
 const ROUNDING: f64 = 0.01;
 /// The spline through samples of a motion whose jerk jumps by `j` overshoots its acceleration by this part of `j` times the time
 /// between samples, and at most by [`MOST_OVERSHOOT`] of the limit.
 const OVERSHOOT: f64 = 0.15;
 const MOST_OVERSHOOT: f64 = 0.05;
-/// How far a cubic may leave the range between limits, rad or m: rounding of a motion along a limit.
+/// Tolerance of limits for cubics, rad or m, for the rounding of a motion along a limit.
 const POSITION_ROUNDING: f64 = 1e-5;
 
 /// A point that must not be sent.
@@ -22,11 +22,11 @@ pub struct Fault {
     pub point: usize,
     /// Whether it is between this point and the next, on the cubic that a controller puts there.
     pub is_between: bool,
-    /// What exceeds its limit.
+    /// The quantity that exceeds its limit.
     pub what: &'static str,
-    /// How much it is, in rad or m and seconds.
+    /// Its value, in rad or m and seconds.
     pub value: f64,
-    /// What is allowed.
+    /// The limit.
     pub allowed: [f64; 2],
 }
 
@@ -77,7 +77,7 @@ pub fn check(trajectory: &PartTrajectory, limits: &[Limits]) -> Result<(), Vec<F
     }
 }
 
-/// What exceeds a limit, the index of its point, how much it is, and what is allowed.
+/// The quantity that exceeds a limit, the index of its point, its value, and the limit.
 pub(super) type Found = (&'static str, usize, f64, [f64; 2]);
 
 pub(super) fn first_fault_between(
@@ -125,7 +125,7 @@ fn first_fault(trajectory: &PartTrajectory, joint: usize, limits: &Limits) -> Op
         let position = trajectory.points[point][joint];
         return Some(("position", point, position, [limits.lower, limits.upper]));
     }
-    // Times and values of each derivative; rest outside.
+    // Times and values of each derivative; zero outside.
     let mut times = trajectory.times.clone();
     let mut values: Vec<f64> = trajectory.points.iter().map(|point| point[joint]).collect();
     let bounds = [

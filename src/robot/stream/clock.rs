@@ -1,7 +1,7 @@
-//! The clock of a motion: that of this machine, or that of the robot where it keeps one.
+//! The clock of a motion: that of this machine, or that of the robot if it has one.
 //!
-//! A simulated robot publishes its own time (in ROS on the topic `/clock`): it may be faster than real time, or slower where it
-//! cannot keep up, and the trajectory counts by it.
+//! A simulated robot publishes its own time (in ROS on the topic `/clock`): it may be faster than
+//! real time, or slower if it cannot keep up, and the trajectory follows it.
 
 use super::Part;
 use super::follow::LATENESS;
@@ -10,17 +10,17 @@ use crate::driver::JointState;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// Fastest clock, times real time. What is faster is a jump.
+/// Largest clock rate relative to real time. Faster changes count as a jump.
 const FASTEST: f64 = 100.0;
-/// How many times its greatest rate so far a clock may run.
+/// Largest clock rate relative to its greatest rate so far.
 const FASTER: f64 = 4.0;
-/// Longest jump of a clock that is taken for messages that were late, s.
+/// Longest jump of a clock that counts as late messages, s.
 const JUMP: f64 = 2.0;
-/// Time of ours after which a jump that stays is an error.
+/// Machine time after which a lasting jump is an error.
 const LONGEST_JUMP: Duration = Duration::from_millis(300);
-/// Time of ours over which the rate of a clock is measured.
+/// Machine time over which the rate of a clock is measured.
 const RATE_WINDOW: Duration = Duration::from_millis(100);
-/// Time of ours for which a measured rate counts.
+/// Machine time for which a measured rate is valid.
 const RATE_MEMORY: Duration = Duration::from_secs(1);
 
 /// Time since the start of a motion.
@@ -37,13 +37,13 @@ struct RobotClock {
     began: f64,
     /// When its time at the start was received, and that time, s.
     first: (Instant, f64),
-    /// Its last time that was no jump, s, and when it was received.
+    /// Its last time without a jump, s, and when it was received.
     last: (f64, Instant),
-    /// When it jumped, if it has not come back since.
+    /// When it jumped, if it has not returned since.
     jumped: Option<Instant>,
-    /// Times of ours, and of the robot, s, of late.
+    /// Recent times of the machine and of the robot, s.
     kept: VecDeque<(Instant, f64)>,
-    /// Rates of late, and when they were measured.
+    /// Recent rates, and when they were measured.
     rates: VecDeque<(Instant, f64)>,
     greatest_rate: f64,
 }
@@ -68,7 +68,8 @@ impl MotionClock {
         }
     }
 
-    /// The parts have been started. A robot's own clock counts from before: it has begun a little later then, and never earlier.
+    /// The parts have been started. The clock of a robot starts before: the motion then begins
+    /// slightly later, never earlier.
     pub(super) fn set_off(&mut self, timer: &dyn Timer) {
         self.start = timer.now();
     }
@@ -98,9 +99,10 @@ impl MotionClock {
         }
     }
 
-    /// Time since the start at which joints were where a report puts them, s: when it was received, or its stamp on the clock of
-    /// a robot. Reports and times come over different connections and may overtake each other, so that the stamp differs from
-    /// the last time that was heard; a stamp that differs by more than an arm may be late is of another clock.
+    /// Time since the start at which joints were where a report puts them, s: the time of
+    /// reception, or the stamp on the clock of a robot. Reports and times arrive over different
+    /// connections and may overtake each other, so that the stamp differs from the last time
+    /// received; a stamp that differs by more than the allowed lag belongs to another clock.
     pub(super) fn time_of(&self, report: &JointState) -> f64 {
         let Some(robot) = &self.robot else {
             return match report.received.checked_duration_since(self.start) {
@@ -114,8 +116,8 @@ impl MotionClock {
         stamped.filter(is_near).unwrap_or(heard)
     }
 
-    /// How many times as fast as real time the clock has been of late, at most, and never below 1: what takes us a moment is
-    /// longer on a fast one.
+    /// Largest recent rate of the clock relative to real time, at least 1: processing delays are
+    /// longer on a fast clock.
     pub(super) fn rate(&self) -> f64 {
         let Some(robot) = &self.robot else { return 1.0 };
         robot
@@ -131,7 +133,7 @@ impl MotionClock {
 }
 
 impl RobotClock {
-    /// Time since the start, s. While the clock has jumped it is taken to run on as before.
+    /// Time since the start, s. After a jump the clock is assumed to continue at its previous rate.
     fn since_start(&self, now: Instant) -> f64 {
         let known = self.last.0 - self.began;
         let rate = self.rates.back().map_or(1.0, |(_, rate)| *rate);
@@ -145,7 +147,7 @@ impl RobotClock {
         let since = received.saturating_duration_since(self.last.1);
         let by = time - self.last.0;
         let most = JUMP + FASTER * self.greatest_rate * since.as_secs_f64();
-        // A time that is not a number is a jump, too.
+        // A time that is not a number also counts as a jump.
         if !(by >= 0.0 && by <= most) {
             let jumped = *self.jumped.get_or_insert(received);
             if received.saturating_duration_since(jumped) > LONGEST_JUMP {
@@ -162,7 +164,8 @@ impl RobotClock {
         while self.kept.len() > 2 && received.duration_since(self.kept[1].0) > RATE_WINDOW {
             self.kept.pop_front();
         }
-        // Of late, and since the start: a clock that waits for a busy machine at times is fast in between.
+        // Recently and since the start: a clock that sometimes waits for a busy machine is fast in
+        // between.
         let over = |since: (Instant, f64)| {
             let span = received.saturating_duration_since(since.0).max(RATE_WINDOW);
             (time - since.1) / span.as_secs_f64()

@@ -1,4 +1,5 @@
-//! Streams to arms with random faults, in simulated time: a motion ends finished, or commanded to stop, and the words are true.
+//! Streams to arms with random faults, in simulated time: a motion ends finished or commanded to
+//! stop, and its report is true.
 //!
 //! `RODLAB_FAULT_CASES=100000 cargo test --release random_faults` tries more than continuous integration does.
 
@@ -7,11 +8,11 @@ use super::*;
 use crate::driver::Interpolant;
 use std::sync::{Arc, Mutex, MutexGuard};
 
-/// Cases, unless the environment variable gives another number.
+/// Number of cases, unless the environment variable sets another.
 const CASES: u64 = 600;
 const VARIABLE: &str = "RODLAB_FAULT_CASES";
 
-/// Time that passes when a stream sleeps.
+/// Duration of a sleep of a stream.
 #[derive(Clone)]
 struct Simulated(Arc<Mutex<Instant>>);
 
@@ -46,13 +47,13 @@ impl Random {
     }
 }
 
-/// What goes wrong with an arm.
+/// Fault of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
     /// Its reports end.
     Silence,
-    /// Its joints stop, and reports still come.
+    /// Its joints stop, and reports continue.
     DrivesOff,
     /// One joint stops.
     FrozenJoint,
@@ -64,31 +65,31 @@ enum Fault {
     FalseEnd,
     /// The server reports success, and the joints move on.
     EarlyEnd,
-    /// The server breaks the motion off, and the joints move on.
+    /// The server aborts the motion, and the joints move on.
     FalseAbort,
-    /// The server breaks the motion off, and the joints stop.
+    /// The server aborts the motion, and the joints stop.
     Abort,
     /// The connection is lost, and the joints move on.
     Lost,
-    /// The connection is lost for good.
+    /// The connection is lost permanently.
     Gone,
     /// The server confirms requests to stop, and the joints move on. The user interrupts.
     DeafServer,
     /// The user interrupts.
     Interruption,
-    /// The controller runs at a part of its speed.
+    /// The controller runs at reduced speed.
     Slow,
-    /// The controller pauses for two seconds, and reports a setpoint that stands still.
+    /// The controller pauses for two seconds, and reports a constant setpoint.
     Pause,
-    /// The joints end short of the last point.
+    /// The joints stop before the last point.
     Short,
-    /// The joints swing about the last point.
+    /// The joints oscillate about the last point.
     Swinging,
     /// The joints are elsewhere at the start.
     Elsewhere,
-    /// The server takes no goal.
+    /// The server accepts no goal.
     Refusal,
-    /// The server panics our side: the driver's code fails.
+    /// The driver panics.
     Panic,
     /// The clock of the robot jumps.
     ClockJump,
@@ -119,14 +120,14 @@ const FAULTS: [Fault; 22] = [
     Fault::ClockJump,
 ];
 
-/// The arm itself, which moves whatever its client does.
+/// The arm itself, which moves independently of its client.
 struct Arm {
     fault: Fault,
     /// When it happens, s after the start.
     moment: f64,
     joint: usize,
     begun: Option<Instant>,
-    /// Its goals, and when they came, on its own time, s.
+    /// Its goals, and when they arrived, on its own time, s.
     goals: Vec<(f64, Interpolant)>,
     /// Its own time at which it stopped, s.
     stopped: Option<f64>,
@@ -140,7 +141,7 @@ impl Arm {
             .map_or(0.0, |start| now.duration_since(start).as_secs_f64())
     }
 
-    /// Takes a goal, from where its joints are.
+    /// Accepts a goal, from its present joint positions.
     fn take(&mut self, goal: &Interpolant, now: Instant) {
         let time = self.own_time(now);
         let goal = match self.goals.last() {
@@ -154,7 +155,7 @@ impl Arm {
         self.goals.push((time, goal));
     }
 
-    /// Where its controller leads it at its own time, s.
+    /// Its setpoint at its own time, s.
     fn place(&self, time: f64) -> Vec<f64> {
         let came = self.goals.iter().rfind(|(since, _)| *since <= time);
         let (since, goal) = came.unwrap_or(&self.goals[0]);
@@ -167,7 +168,7 @@ impl Arm {
         since + last.duration()
     }
 
-    /// Its own time, s: it stands still where the arm does.
+    /// Its own time, s: it stops while the arm is paused.
     fn own_time(&self, now: Instant) -> f64 {
         let elapsed = self.elapsed(now);
         let until = self.stopped.unwrap_or(f64::INFINITY);
@@ -226,7 +227,7 @@ struct Connection {
     setpoint: Option<JointState>,
     clock: Option<(f64, Instant)>,
     has_clock: bool,
-    /// Time between two times of the clock that are heard: reports of the joints overtake them.
+    /// Time between two received clock times: joint reports overtake them.
     clock_period: Duration,
     opened: Instant,
 }
@@ -358,7 +359,7 @@ impl Driver for Connection {
             Fault::FalseEnd | Fault::EarlyEnd if is_late => return Ok(Progress::Done),
             Fault::FalseAbort | Fault::Abort if is_late => {
                 return Err(DriverError::Aborted(
-                    "the controller broke the motion off".into(),
+                    "the controller aborted the motion".into(),
                 ));
             }
             _ => {}
@@ -385,7 +386,7 @@ fn rise(duration: f64) -> PartTrajectory {
     PartTrajectory::smooth(&[("a", 1.0), ("b", -0.7)], duration, 50)
 }
 
-/// Runs a case; what is wrong with how it ended.
+/// Runs a case; returns what is wrong with its end.
 fn run_case(seed: u64) -> Result<(), String> {
     let mut random = Random(seed);
     let fault = FAULTS[random.below(FAULTS.len() as u64) as usize];
@@ -497,13 +498,13 @@ fn run_case(seed: u64) -> Result<(), String> {
     // Early enough, each fault decides how the motion ends.
     let is_early = (0.2 * duration..0.7 * duration).contains(&moment);
     let should = match fault {
-        // Before the last piece is sent, the end cannot have come.
+        // Before the last piece is sent, the end cannot have been reached.
         Fault::EarlyEnd if horizon.is_some() => "Failed",
         Fault::None | Fault::EarlyEnd => "Finished",
         Fault::Slow | Fault::Pause if !keeps_clock => "Finished",
         Fault::ClockJump if faulty_is_glitch(arms) => "Finished",
         Fault::Interruption => "Interrupted",
-        // The motion may be over, at rest, before the patience is.
+        // The motion may be over, at rest, before the timeout.
         Fault::DeafServer if !arms[0].moves(now) => "Interrupted",
         _ => "Failed",
     };
@@ -523,7 +524,7 @@ fn run_case(seed: u64) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether the clock of the arm comes back from its jump.
+/// Whether the clock of the arm returns from its jump.
 fn faulty_is_glitch(arms: &[MutexGuard<'_, Arm>]) -> bool {
     arms[0].joint != 0
 }

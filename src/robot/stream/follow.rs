@@ -1,29 +1,32 @@
-//! Whether an arm follows its trajectory, by the reports of its joints.
+//! Checks by joint reports whether an arm follows its trajectory.
 //!
-//! A controller may run a trajectory more slowly than its times ask for: by a speed slider, in a pause, or as it began late. The
-//! part of a stream that moves alone may lag without bound, as long as it moves along its path. Several parts, and a motion that is
-//! sent in pieces, keep the clock, so that each may lag by [`LATENESS`] only.
+//! A controller may run a trajectory more slowly than planned, because of a speed slider, a pause
+//! or a late start. A single part may lag without bound, as long as it moves along its path.
+//! Several parts, or a motion sent in pieces, must keep the clock: each may lag by at most
+//! [`LATENESS`].
 
 use super::bounds::StreamBounds;
 use super::reports::{Reports, STILL};
 use crate::chain::JointKind;
 use crate::driver::{Interpolant, JointState, PartTrajectory, range_of};
 
-/// An arm may be late by this, s, before its distance from where it should be counts.
+/// Allowed lag of an arm, s, before its distance from its trajectory counts.
 pub(super) const LATENESS: f64 = 0.3;
-/// Time in which an arm that does not move, while its trajectory does, counts as still, s.
+/// Time after which an arm that does not move, while its trajectory does, counts as still, s.
 const WINDOW: f64 = 0.2;
-/// Time in which an arm has to begin to move, s.
+/// Time within which an arm must start to move, s.
 const START: f64 = 2.0;
-/// Time in which a setpoint shows that it stands still as well: feedback is rarer than reports of joints, s.
+/// Time after which a constant setpoint counts as still, s: feedback is less frequent than joint
+/// reports.
 const GRACE: f64 = 0.1;
-/// Part of the tracking tolerance by which a trajectory moves noticeably.
+/// Motion of a trajectory that counts, as a share of the tracking tolerance.
 const NOTICEABLE: f64 = 0.2;
-/// Part of the movement of the trajectory that a still arm does not reach.
+/// Share of the motion of the trajectory below which an arm counts as still.
 const STILL_PART: f64 = 0.1;
-/// Time by which the lag of a still arm grows before it counts, s.
+/// Growth of the lag after which an arm counts as still, s.
 const SLOW: f64 = 1.0;
-/// Places at which the trajectory is looked at within the lateness, and times that are tried for a lag that grows.
+/// Number of samples of the trajectory within the allowed lag, and of trial times for a growing
+/// lag.
 const SAMPLES: usize = 16;
 
 /// Follows one part.
@@ -35,10 +38,10 @@ pub(super) struct Follower {
     setpoints: Reports,
     /// Time by which the arm lags behind the clock of the motion, beyond [`LATENESS`], s.
     lag: f64,
-    /// Time of the trajectory up to which the arm has come, s.
+    /// Time of the trajectory that the arm has reached, s.
     reached: f64,
     has_moved: bool,
-    /// When it was found to stand still on its way, on the clock of the motion, s.
+    /// When it was found to be still during the motion, on the clock of the motion, s.
     still_since: Option<f64>,
     /// Whether that was reported as a pause.
     is_paused: bool,
@@ -46,32 +49,32 @@ pub(super) struct Follower {
     lag_at_rest: Option<f64>,
 }
 
-/// What a report shows.
+/// Result of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Motion {
-    /// It follows, or waits for its begin.
+    /// It follows, or has not started yet.
     Follows,
-    /// It has just been found paused by its controller.
+    /// Its controller has paused; this is the first report of it.
     Pauses,
     /// It moves again after a pause.
     Resumes,
 }
 
-/// What surrounds a report.
+/// Context of a report.
 pub(super) struct Circumstances<'a> {
     /// Time of the report on the clock of the motion, s.
     pub time: f64,
-    /// How many times as fast as real time that clock runs, 1 at least.
+    /// Rate of that clock relative to real time, at least 1.
     pub rate: f64,
-    /// How many times as fast it has run.
+    /// Largest such rate so far.
     pub greatest_rate: f64,
     /// Whether the controller has accepted the motion.
     pub is_accepted: bool,
     /// Whether the controller has reported the end of the motion.
     pub is_done: bool,
-    /// Whether it may not be slower than its trajectory: other parts move with it, or the motion is sent in pieces.
+    /// Whether it must keep the clock: other parts move with it, or the motion is sent in pieces.
     pub keeps_clock: bool,
-    /// Setpoint of the controller, where it reports one.
+    /// Setpoint of the controller, if reported.
     pub setpoint: Option<&'a JointState>,
     /// Its bounds.
     pub bounds: &'a StreamBounds,
@@ -107,7 +110,7 @@ impl Follower {
     /// Reads a report.
     ///
     /// # Errors
-    /// The arm is too far from its trajectory, or does not move with it.
+    /// The arm is too far from its trajectory, or does not follow it.
     pub(super) fn report(
         &mut self,
         state: &JointState,
@@ -126,7 +129,7 @@ impl Follower {
         self.look_for_stop(now)
     }
 
-    /// Finds by how much the arm lags so that it is within the tolerance of its trajectory.
+    /// Finds the lag at which the arm is within the tolerance of its trajectory.
     fn find_lag(&mut self, state: &JointState, now: &Circumstances<'_>) -> Result<(), String> {
         let due = now.time - self.lag;
         let (worst, distance) = self.distance_at(&state.positions, due, now);
@@ -136,7 +139,7 @@ impl Follower {
         }
         let most = match now.keeps_clock {
             false => f64::INFINITY,
-            // A clock that was fast at the start, when the arm heard the command, may be slow now.
+            // A clock that was fast when the arm received the command may be slow now.
             true => (LATENESS * (now.greatest_rate - now.rate) - self.lag).max(0.0),
         };
         let room = (due - self.reached).min(most);
@@ -155,14 +158,15 @@ impl Follower {
         let kind = self.kinds[worst];
         let allowed = now.bounds.tracking.of(kind);
         Err(format!(
-            "{} is {:.4} {unit} from where it should be; allowed: {allowed} {unit}",
+            "{} is {:.4} {unit} from its trajectory; allowed: {allowed} {unit}",
             self.joints[worst],
             distance * allowed,
             unit = kind.unit(),
         ))
     }
 
-    /// The joint farthest from all places where it should have been lately, and how far, as a part of its tolerance.
+    /// The joint farthest from the recent part of its trajectory, and its distance relative to the
+    /// tolerance.
     fn distance_at(&self, positions: &[f64], due: f64, now: &Circumstances<'_>) -> (usize, f64) {
         let lateness = LATENESS * now.rate;
         // An arm that lags may catch up.
@@ -170,7 +174,7 @@ impl Follower {
         let knots = self.path.times();
         let [first, last] = [since, until].map(|end| knots.partition_point(|t| *t < end));
         let samples = (0..=SAMPLES).map(|k| since + (until - since) * k as f64 / SAMPLES as f64);
-        // Of many points a few are enough: they are close to each other then.
+        // Of many points, a few are enough: they are then close together.
         let stride = (last - first).div_ceil(4 * SAMPLES).max(1);
         let knots = knots[first..last].iter().step_by(stride).copied();
         let places: Vec<Vec<f64>> = samples
@@ -181,7 +185,7 @@ impl Follower {
         self.distance(positions, range, now.bounds)
     }
 
-    /// The joint farthest outside a range, and how far, as a part of its tracking tolerance.
+    /// The joint farthest outside a range, and its distance relative to the tracking tolerance.
     fn distance(
         &self,
         positions: &[f64],
@@ -204,7 +208,7 @@ impl Follower {
             .unwrap_or((0, 0.0))
     }
 
-    /// Looks for an arm that does not move while its trajectory does.
+    /// Detects an arm that does not move while its trajectory does.
     fn look_for_stop(&mut self, now: &Circumstances<'_>) -> Result<Motion, String> {
         if !self.is_still(now) {
             self.still_since = None;
@@ -215,7 +219,8 @@ impl Follower {
         }
         let since = *self.still_since.get_or_insert(now.time);
         if !self.has_moved {
-            // The driver waits for an answer to its goal, and several parts are compared with their clock.
+            // The driver waits for an answer to its goal; several parts are compared with their
+            // clock.
             let is_early = now.time / now.rate < START && !now.is_done;
             return match is_early || !now.is_accepted || now.keeps_clock {
                 true => Ok(Motion::Follows),
@@ -239,16 +244,15 @@ impl Follower {
             });
         }
         let advice = match (now.keeps_clock, longest) {
-            (true, _) => {
-                "several parts, and motions with `streaming.horizon`, keep the clock, so that none may pause"
-            }
+            (true, _) => "no part may pause where several parts move or `streaming.horizon` is set",
             (false, Some(_)) => "longer than `streaming.longest_pause` of the cell file",
             (false, None) => {
-                "its drives are off, or it is paused; where the controller does not report its setpoint, `streaming.longest_pause` of the cell file allows pauses"
+                "its drives are off, or it is paused; where the controller does not report its \
+                 setpoint, `streaming.longest_pause` of the cell file allows pauses"
             }
         };
         Err(format!(
-            "its joints stand still and its trajectory does not: {advice}"
+            "its joints do not move although its trajectory does: {advice}"
         ))
     }
 
@@ -276,7 +280,7 @@ impl Follower {
         falls_behind || (least > NOTICEABLE && moved < STILL_PART * least)
     }
 
-    /// Whether the setpoint of the controller stands still where the arm does.
+    /// Whether the setpoint of the controller is constant while the arm is still.
     fn setpoint_is_still(&self, now: &Circumstances<'_>) -> bool {
         let [arm, setpoint] = [&self.reports, &self.setpoints]
             .map(|reports| reports.movement(WINDOW * now.rate, &now.bounds.tracking));
@@ -296,7 +300,8 @@ impl Follower {
             && self.missed_joint(now.bounds).is_none()
     }
 
-    /// The joint that is not at the last point by the last report, with its distance from it, in words.
+    /// The joint that is not at the last point by the last report, with its distance from it, as
+    /// text.
     pub(super) fn missed_joint(&self, bounds: &StreamBounds) -> Option<String> {
         let positions = self.reports.last()?;
         apart(
@@ -309,7 +314,7 @@ impl Follower {
     }
 }
 
-/// A joint that is farther from a point than the start tolerance, in words; `None` where all are near.
+/// A joint that is farther from a point than the start tolerance, as text; `None` if all are near.
 pub(super) fn apart(
     joints: &[String],
     kinds: &[JointKind],

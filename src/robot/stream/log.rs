@@ -7,9 +7,9 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::time::Instant;
 
-/// Tables `commanded.csv` and `state.csv` (`time_s`, `part`, `joint`, `position`) and `events.csv` (`time_s`, `event`);
-/// times count from the opening of the log; after the start, on the robot's
-/// clock where it keeps one.
+/// Tables `commanded.csv` and `state.csv` (`time_s`, `part`, `joint`, `position`) and `events.csv`
+/// (`time_s`, `event`); times count from the opening of the log; after the start, on the robot's
+/// clock if it has one.
 pub struct StreamLog {
     files: Option<Files>,
     opened: Instant,
@@ -48,7 +48,7 @@ impl StreamLog {
         })
     }
 
-    /// A log that keeps nothing.
+    /// A log that discards everything.
     pub fn none() -> Self {
         Self {
             files: None,
@@ -71,7 +71,7 @@ impl StreamLog {
         self.fault.map_or(Ok(()), Err)
     }
 
-    /// Notes what happened, and hands it to the system at once.
+    /// Writes an event, and flushes it at once.
     pub fn event(&mut self, what: &str) {
         tracing::info!("{what}");
         let time = self.opened.elapsed().as_secs_f64();
@@ -87,7 +87,7 @@ impl StreamLog {
         });
     }
 
-    /// Notes the points whose time has come.
+    /// Writes the points that are due.
     pub(super) fn commanded(&mut self, elapsed: f64, parts: &[Part]) {
         let Some(started) = self.started else { return };
         self.logged.resize(parts.len(), 0);
@@ -111,7 +111,7 @@ impl StreamLog {
         }
     }
 
-    /// Notes where a part is, once for each report, so long after the start.
+    /// Writes the position of a part, once per report, with the time after the start.
     pub(super) fn state(&mut self, part: &Part, state: &JointState, heard: f64) {
         match self.heard.iter_mut().find(|(name, _)| *name == part.name) {
             Some((_, last)) if *last == state.received => return,

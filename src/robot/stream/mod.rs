@@ -1,10 +1,11 @@
 //! Safe streaming: trajectories to drivers on one clock.
 //!
-//! [`check`] looks at the motion before the first point is sent. [`stream`] then connects, compares the joints with their first
-//! points, starts all parts at once, and watches their reports. A motion is finished where the joints are seen at the last point
-//! and at rest, whatever a controller reports. A silence longer than the watchdog's time, or a joint farther from its trajectory
-//! than a tolerance, ends the motion of all. Whatever ends it early, every part is commanded to stop, and holds only where its joints
-//! are seen at rest.
+//! [`check`] checks the motion before the first point is sent. [`stream`] then connects, compares
+//! the joints with their first points, starts all parts at once, and watches their reports. A
+//! motion is finished when the joints are observed at the last point and at rest, regardless of
+//! what a controller reports. A silence longer than the watchdog's time, or a joint farther from
+//! its trajectory than a tolerance, ends the motion of all parts. On any early end, every part is
+//! commanded to stop, and is reported to hold only if its joints are observed at rest.
 //!
 //! | file | what |
 //! |---|---|
@@ -42,37 +43,38 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 use timer::{SystemTimer, Timer};
 
-/// Time between looks at the drivers.
+/// Polling interval of the drivers.
 const CYCLE: Duration = Duration::from_millis(2);
 /// Longest wait for the end after the last point's time, s.
 const OVERTIME: f64 = 5.0;
 /// Longest time between the end that a controller reports and joints at rest at the last point.
 const SETTLING: Duration = Duration::from_secs(2);
-/// Longest silence of a server that has not answered the goal yet: it may be busy with it, and nothing moves.
+/// Longest silence of a server that has not answered the goal yet: it may be busy, and nothing
+/// moves.
 const ACCEPTANCE: Duration = Duration::from_secs(1);
-/// Lag of an arm that the log mentions, s.
+/// Lag of an arm that is logged, s.
 const NOTICED_LAG: f64 = 1.0;
 
 /// An arm or axis of a stream.
 pub struct Part {
     /// Its name.
     pub name: String,
-    /// What moves it.
+    /// Its driver.
     pub driver: Box<dyn Driver>,
     /// Its motion.
     pub trajectory: PartTrajectory,
-    /// What each of its joints does.
+    /// Motion type of each of its joints.
     pub kinds: Vec<JointKind>,
 }
 
-/// How a stream ended.
+/// End of a stream.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
     /// All joints are at their last points, and at rest.
     Finished,
-    /// The user asked for the end; all joints are at rest.
+    /// The user interrupted the motion; all joints are at rest.
     Interrupted,
-    /// Something went wrong: the reason, and which parts were not seen at rest since.
+    /// The motion failed: the reason, and the parts that were not observed at rest afterwards.
     Failed(String),
 }
 
@@ -89,7 +91,7 @@ impl Moving {
         Self(())
     }
 
-    /// Whether this program moves something.
+    /// Whether a motion is under way.
     pub fn is_under_way() -> bool {
         MOVING.load(Ordering::SeqCst) > 0
     }
@@ -101,7 +103,8 @@ impl Drop for Moving {
     }
 }
 
-/// Streams parts to their drivers until all have arrived, `is_interrupted` returns `true`, or something goes wrong.
+/// Streams parts to their drivers until all have arrived, `is_interrupted` returns `true`, or an
+/// error occurs.
 pub fn stream(
     parts: &mut [Part],
     bounds: &StreamBounds,
@@ -126,7 +129,7 @@ fn stream_by(
         return ending;
     }
     let _moving = Moving::begin();
-    // A panic must not leave an arm in motion.
+    // A panic must not leave an arm moving.
     let run = catch_unwind(AssertUnwindSafe(|| {
         run(timer, parts, bounds, is_interrupted, log)
     }));
@@ -146,21 +149,21 @@ fn stream_by(
     if left.is_empty() {
         return ending;
     }
-    // An arm that may still move is more than an interruption.
+    // An arm that may still move is an error, not an interruption.
     Ending::Failed(format!("{reason}; {}", left.join("; ")))
 }
 
-/// A part and what is known of its motion.
+/// A part and the state of its motion.
 struct Watched {
     follower: Option<Follower>,
-    /// Goals of a motion that is sent in pieces; none where it is sent whole.
+    /// Goals of a motion that is sent in pieces; `None` if it is sent whole.
     pieces: Vec<Piece>,
     /// Pieces that were sent.
     sent: usize,
     /// Whether its driver has reported the end.
     is_done: bool,
     has_arrived: bool,
-    /// Since when it should have arrived.
+    /// Time since which it should have arrived.
     due_since: Option<Instant>,
     lag_is_logged: bool,
 }
@@ -246,7 +249,7 @@ fn run(
             let late = late.filter(|(_, watched)| !watched.is_done);
             let late: Vec<&str> = late.map(|(part, _)| part.name.as_str()).collect();
             return Ending::Failed(format!(
-                "{}: no end {OVERTIME} s after the time of the last point",
+                "{}: not finished {OVERTIME} s after the time of the last point",
                 late.join(", ")
             ));
         }
@@ -258,7 +261,7 @@ fn failed(part: &Part, error: &DriverError) -> Ending {
     Ending::Failed(format!("{}: {error}", part.name))
 }
 
-/// Lets every driver work, and reads where its joints are.
+/// Advances every driver, and reads its joint positions.
 fn advance(
     parts: &mut [Part],
     watched: &mut [Watched],
@@ -272,7 +275,9 @@ fn advance(
         {
             let Some(goal) = piece.goal(before, elapsed) else {
                 return Err(Ending::Failed(format!(
-                    "{}: this program was held up, so that the next piece of the motion could not be sent in time, and the arm stops by itself; a longer `streaming.horizon` leaves more time",
+                    "{}: this program was delayed and could not send the next piece of the motion \
+                     in time, so the arm stops by itself; a longer `streaming.horizon` leaves more \
+                     time",
                     part.name
                 )));
             };
@@ -302,7 +307,7 @@ fn advance(
     Ok(states)
 }
 
-/// What a look at a part needs.
+/// Context for the check of a part.
 struct Watch<'a> {
     bounds: &'a StreamBounds,
     clock: &'a MotionClock,
@@ -311,7 +316,7 @@ struct Watch<'a> {
 }
 
 impl Watch<'_> {
-    /// Judges the last report of a part.
+    /// Evaluates the last report of a part.
     fn look(
         &self,
         part: &Part,
@@ -382,7 +387,7 @@ impl Watch<'_> {
         Ok(())
     }
 
-    /// Checks that reports come, and the time of a robot that keeps one.
+    /// Checks that reports arrive, and the clock of the robot if it has one.
     fn listen(&self, part: &Part, state: &JointState, may_move: bool) -> Result<(), String> {
         let age = |received: Instant| self.timer.now().saturating_duration_since(received);
         let clock = part.driver.clock().map(|(_, received)| age(received));

@@ -1,27 +1,30 @@
-//! A motion in goals that end by themselves: what a controller has of it, where this program has ended, comes to rest.
+//! A motion in goals that end by themselves: if this program ends, the goal at the controller
+//! brings the arm to rest.
 //!
-//! Each goal is the motion of the next moments and then a stop along the same path: from the time `t` of the motion, with
-//! `u` from 0 to 1 over the time `T` of the stop, at the place of the time `t + T (u − u³ + u⁴/2)`. The speed along the path falls
-//! by `1 − 3 u² + 2 u³` then, and the stop takes half as much of the path as a motion at full speed. The next goal replaces it before it
-//! stops.
+//! Each goal is the motion of the next moments and then a stop along the same path: from the time
+//! `t` of the motion, with `u` from 0 to 1 over the time `T` of the stop, at the position of the
+//! time `t + T (u − u³ + u⁴/2)`. The speed along the path falls by `1 − 3 u² + 2 u³` then, and the
+//! stop takes half as much of the path as a motion at full speed. The next goal replaces it before
+//! it stops.
 
 use super::check::first_fault_between;
 use crate::chain::Limits;
 use crate::driver::{Interpolant, PartTrajectory};
 use std::time::Duration;
 
-/// A goal begins this long after it is sent, s: controllers lead the joints there from where they are.
+/// A goal begins this long after it is sent, s: controllers move the joints there from their
+/// present positions.
 const LEAD: f64 = 0.1;
 /// Points nearer than this to an end of a piece are left out, s: cubics between them and the end would be too short for their numbers.
 const NEAR: f64 = 1e-3;
-/// Time between the points of a stop, s, at most, and fewest of them.
+/// Largest time between the points of a stop, s, and their smallest number.
 const STOP_SPACING: f64 = 0.02;
 const STOP_POINTS: usize = 16;
 
 /// A part of a motion.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
-    /// When it is to be sent, s after the start.
+    /// When it must be sent, s after the start.
     sent: f64,
     /// When it begins to stop, s after the start; infinite for the last piece.
     stops: f64,
@@ -29,8 +32,8 @@ pub(super) struct Piece {
     motion: Interpolant,
 }
 
-/// Pieces of a motion of which each is over `horizon` after it is sent, 1 s or more. The second half of this time is for the stop, and
-/// the next piece may be sent late by a quarter of it.
+/// Pieces of a motion that each end `horizon`, at least 1 s, after they are sent. The second half
+/// of this time is for the stop, and the next piece may be late by a quarter of it.
 pub(super) fn pieces(path: &Interpolant, horizon: Duration) -> Vec<Piece> {
     let horizon = horizon.as_secs_f64();
     let until_stop = 0.5 * horizon;
@@ -64,7 +67,8 @@ impl Piece {
         elapsed >= self.sent
     }
 
-    /// The goal that is sent so long after the start; `None` where it is too late, as `before` stops.
+    /// The goal that is sent at a time after the start; `None` if it is too late because `before`
+    /// already stops.
     pub(super) fn goal(&self, before: &Self, elapsed: f64) -> Option<Interpolant> {
         let begin = elapsed + LEAD;
         (begin <= before.stops.min(self.motion.duration() - NEAR))
@@ -115,10 +119,10 @@ fn add_stop(motion: &mut Interpolant, path: &Interpolant, begin: f64, duration: 
     }
 }
 
-/// Checks what controllers make of the goals of a motion that is sent in pieces against limits, one per joint.
+/// Checks the interpolated goals of a motion sent in pieces against limits, one per joint.
 ///
 /// # Errors
-/// In words: the first fault of each joint.
+/// A message about the first fault of each joint.
 pub fn check_stops(
     trajectory: &PartTrajectory,
     limits: &[Limits],
@@ -162,7 +166,7 @@ mod tests {
         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
     }
 
-    /// Where each goal leads the joints from where they are when it comes.
+    /// The motion of the joints by each goal from their positions when it arrives.
     #[test]
     fn a_controller_that_takes_all_pieces_follows_the_motion() {
         for (duration, horizon, late) in [(5.0, 1.0, 0.0), (5.0, 1.5, 0.1), (7.3, 2.0, 0.03)] {

@@ -6,18 +6,19 @@ use crate::driver::{JointState, range_of};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// Movement within which a joint counts as still: noise of an encoder is less.
+/// Movement below which a joint counts as still: larger than encoder noise.
 pub(super) const STILL: Tolerance = Tolerance {
     revolute: 1e-3,
     prismatic: 1e-4,
 };
 /// Time without movement after which joints are at rest, s.
 const REST: f64 = 0.1;
-/// The same after a request to stop, which may have been ignored: what moves more slowly than 4 mrad/s or 0.4 mm/s is not found.
+/// The same after a request to stop, which may have been ignored: motion slower than 4 mrad/s or
+/// 0.4 mm/s is not detected.
 const REST_AFTER_STOP: Duration = Duration::from_millis(250);
 /// Age up to which a report counts as new.
 const FRESH: Duration = Duration::from_millis(250);
-/// Time for which reports are kept, s.
+/// Time for which reports are stored, s.
 const KEPT: f64 = 2.0;
 
 /// Reports of a part, with times on two clocks.
@@ -42,7 +43,7 @@ impl Reports {
         }
     }
 
-    /// Keeps a report; `false` where it is not a new one. `time` is on the clock of the motion, s.
+    /// Stores a report; `false` if it is not new. `time` is on the clock of the motion, s.
     pub(super) fn add(&mut self, state: &JointState, time: f64) -> bool {
         if (self.kept.back()).is_some_and(|last| last.received == state.received) {
             return false;
@@ -52,7 +53,7 @@ impl Reports {
             time,
             positions: state.positions.clone(),
         });
-        // The last one before the time that counts stays.
+        // The last one before that time is kept.
         while self.kept.len() > 2 && self.kept[1].time < time - KEPT {
             self.kept.pop_front();
         }
@@ -64,8 +65,8 @@ impl Reports {
         Some(&self.kept.back()?.positions)
     }
 
-    /// Greatest movement of a joint in the last `window`, s, on the clock of the motion, as a multiple of `unit`; `None`
-    /// where reports do not reach back so far.
+    /// Greatest movement of a joint in the last `window`, s, on the clock of the motion, as a
+    /// multiple of `unit`; `None` if the reports do not reach back that far.
     pub(super) fn movement(&self, window: f64, unit: &Tolerance) -> Option<f64> {
         let last = self.kept.back()?;
         let begin = last.time - window;
@@ -97,7 +98,7 @@ impl Reports {
         let joints = self.kinds.iter().enumerate().map(|(joint, kind)| {
             let reports = self.kept.iter().skip(first);
             let positions = || reports.clone().map(|report| report.positions[joint]);
-            // A position that is not a number is a movement without bound.
+            // A position that is not a number counts as unbounded movement.
             if !positions().all(f64::is_finite) {
                 return f64::INFINITY;
             }

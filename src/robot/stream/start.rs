@@ -1,4 +1,5 @@
-//! What comes before the first goal: connections, first reports, and whether every joint is where its trajectory begins.
+//! Before the first goal: connections, first reports, and the check that every joint is at the
+//! first point of its trajectory.
 
 use super::follow::apart;
 use super::timer::Timer;
@@ -8,8 +9,8 @@ use std::time::Duration;
 /// Longest wait for the first reports of all joints.
 const FIRST_STATE: Duration = Duration::from_secs(2);
 
-/// Connects, waits until every part reports where its joints are, and compares all of them with their first points at once: the
-/// goals go out right after.
+/// Connects, waits until every part reports its joints, and compares all joints with their first
+/// points at the same time, just before the goals are sent.
 pub(super) fn prepare(
     parts: &mut [Part],
     bounds: &StreamBounds,
@@ -48,7 +49,7 @@ pub(super) fn prepare(
             Some(_) => timer.sleep(CYCLE),
         }
     }
-    // A motor without a sensor begins where it is.
+    // A motor without a sensor starts at its present position.
     for part in parts.iter_mut().filter(|part| part.driver.knows_position()) {
         let state = part.driver.state().map_err(|error| failed(part, &error))?;
         let Some(state) = state else { continue };

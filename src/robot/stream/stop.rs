@@ -8,19 +8,19 @@ use std::time::{Duration, Instant};
 
 /// Longest time in which joints come to rest.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Longest time without a report of joints: whether they are at rest is not known then.
+/// Longest time without a report of joints: their state is then unknown.
 const SILENCE: Duration = Duration::from_millis(500);
-/// Time between requests to stop, as one may be lost.
+/// Time between stop requests, because one may be lost.
 const REPEAT: Duration = Duration::from_millis(200);
 
-/// How a part was left.
+/// Final state of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Left {
-    /// Its joints were seen at rest, or it reports none and takes no further points.
+    /// Its joints were observed at rest, or it reports none and gets no further points.
     Still,
     /// Its joints still move.
     Moving,
-    /// No report has come since.
+    /// No report has arrived since.
     Unseen,
 }
 
@@ -34,8 +34,8 @@ struct Stopping {
     heard: Instant,
 }
 
-/// Stops all parts. Requests to all go out before anything is waited for. Returns what is wrong with the parts that are not seen at
-/// rest.
+/// Stops all parts. All requests are sent before any wait. Returns messages about the parts that
+/// were not observed at rest.
 pub(super) fn stop(parts: &mut [Part], timer: &dyn Timer, log: &mut StreamLog) -> Vec<String> {
     let begin = timer.now();
     let mut stopping: Vec<Stopping> = parts
@@ -48,7 +48,7 @@ pub(super) fn stop(parts: &mut [Part], timer: &dyn Timer, log: &mut StreamLog) -
             heard: begin,
         })
         .collect();
-    // Motors without a sensor last: a line that is not answered takes a while.
+    // Motors without a sensor last: an unanswered line takes a while.
     for is_measured in [true, false] {
         for (part, stopping) in parts.iter_mut().zip(&mut stopping) {
             if part.driver.knows_position() == is_measured {
@@ -82,7 +82,8 @@ pub(super) fn stop(parts: &mut [Part], timer: &dyn Timer, log: &mut StreamLog) -
 }
 
 impl Stopping {
-    /// Reads the reports of a part, and requests the stop again where that is due. A lost connection is opened again, once.
+    /// Reads the reports of a part, and repeats the stop request when due. A lost connection is
+    /// reopened once.
     fn watch(&mut self, part: &mut Part, repeats: bool, timer: &dyn Timer) {
         if let Some(DriverError::Lost(_)) = self.fault
             && !self.reconnected
@@ -114,7 +115,7 @@ impl Stopping {
         };
     }
 
-    /// Whether the part is still and stays so, and the words for it.
+    /// Whether the part is at rest for good, and the message about it.
     fn in_words(&self, part: &Part) -> (bool, String) {
         let name = &part.name;
         let request = match &self.fault {

@@ -1,4 +1,4 @@
-//! Streams to drivers that lag, fall silent, leave the path or break off.
+//! Streams to drivers that lag, stop reporting, leave the path or abort.
 
 use super::*;
 use crate::chain::Limits;
@@ -6,7 +6,7 @@ use crate::driver::RosVersion;
 use std::cell::Cell;
 use std::sync::{Arc, Mutex};
 
-/// What a made-up driver was asked for.
+/// Calls recorded by a fake driver.
 #[derive(Default)]
 struct Notes {
     stopped: Option<Instant>,
@@ -17,9 +17,9 @@ struct Arm {
     notes: Arc<Mutex<Notes>>,
     motion: Option<Interpolant>,
     start: Option<Instant>,
-    /// Where it stands against where it should.
+    /// Its deviation from the trajectory.
     offset: fn(f64) -> f64,
-    /// When it falls silent, s.
+    /// Time at which its reports end, s.
     silent_after: f64,
 }
 
@@ -111,7 +111,7 @@ fn run_two(
     (ending, notes, begin.elapsed())
 }
 
-/// Whether something is true of both arms.
+/// Whether a predicate holds for both arms.
 fn all(notes: &[Arc<Mutex<Notes>>; 2], is_true: fn(&Notes) -> bool) -> bool {
     notes.iter().all(|notes| is_true(&notes.lock().unwrap()))
 }
@@ -132,7 +132,7 @@ fn two_arms_that_follow_come_to_the_end_together() {
 }
 
 #[test]
-fn an_arm_that_stands_elsewhere_is_not_moved() {
+fn an_arm_away_from_its_first_point_is_not_moved() {
     let (ending, notes, _) = run_two(|_| 0.05, f64::INFINITY, &|| false);
     let reason = failure(ending);
     assert!(reason.contains("a is at 0.0500 rad"), "{reason}");
@@ -157,12 +157,12 @@ fn silence_stops_both_arms_within_half_a_second() {
 #[test]
 fn an_arm_that_leaves_the_path_stops_both() {
     let (ending, notes, _) = run_two(|time| 0.5 * (time - 0.2).max(0.0), f64::INFINITY, &|| false);
-    assert!(failure(ending).contains("from where it should be"));
+    assert!(failure(ending).contains("from its trajectory"));
     assert!(all(&notes, |notes| notes.stopped.is_some()));
 }
 
-/// An arm with a clock of its own, which runs at 50 times real time until the arm has heard the command, and at a tenth from then
-/// on, as that of a simulation on a busy machine. It then follows.
+/// An arm with a clock of its own, which runs at 50 times real time until the arm has received the
+/// command, and at a tenth afterwards, like a simulation on a busy machine. It then follows.
 struct Simulated {
     trajectory: PartTrajectory,
     start: Option<Instant>,
@@ -170,7 +170,7 @@ struct Simulated {
 }
 
 impl Simulated {
-    /// When it hears a command, s on our clock.
+    /// When it receives a command, s on our clock.
     const HEARS: f64 = 0.02;
 
     fn time(&self) -> f64 {
@@ -189,7 +189,7 @@ impl Driver for Simulated {
         true
     }
     fn state(&mut self) -> Result<Option<JointState>, DriverError> {
-        // The first report after the start is slow to come: the clock has leapt then.
+        // The first report after the start is late: the clock has jumped by then.
         if self.start == Some(self.now) {
             std::thread::sleep(Duration::from_millis(20));
         }

@@ -1,13 +1,13 @@
-//! Time as a stream reads it: of the machine, or simulated in tests.
+//! Source of time of a stream: the machine, or simulated in tests.
 
 use std::time::{Duration, Instant};
 
 /// A source of time.
 pub(super) trait Timer {
-    /// The present.
+    /// The present time.
     fn now(&self) -> Instant;
 
-    /// Lets time pass.
+    /// Waits.
     fn sleep(&self, time: Duration);
 }
 

@@ -1,13 +1,15 @@
-//! From a joint path to a trajectory: how fast the hand may move where.
+//! From a joint path to a trajectory: the speed of the hand along the path.
 //!
-//! The path is a natural cubic spline q(w) of the way w. Along it speed is bounded by the joints' velocities, by the
-//! hand's speed and by the accelerations and jerks that the curvature of q asks for; a sweep forward and one backward
-//! bound the acceleration along the path (Bobrow et al. 1985). The motion w(t) is then smoothed in time by two moving
-//! averages, which bounds its jerk, and sampled at 1 kHz.
+//! The path is a natural cubic spline q(w) of the arc length w. Along it speed is bounded by the
+//! joints' velocities, by the hand's speed and by the accelerations and jerks that the curvature of
+//! q requires; a sweep forward and one backward bound the acceleration along the path (Bobrow et
+//! al. 1985). The motion w(t) is then smoothed in time by two moving averages, which bounds its
+//! jerk, and sampled at 1 kHz.
 //!
-//! What counts is checked on the samples: velocity, acceleration and jerk of every joint as differences of neighbouring
-//! samples, 1 ms apart. Where one is too large the bound on the speed is lowered, and all is done again until
-//! every limit is held. The result is near the fastest, not the fastest.
+//! The limits are checked on the samples: velocity, acceleration and jerk of every joint as
+//! differences of neighbouring samples, 1 ms apart. Where one is too large, the bound on the speed
+//! is lowered, and the procedure repeats until every limit is satisfied. The result is close to the
+//! fastest motion.
 
 mod profile;
 mod spline;
@@ -20,21 +22,21 @@ use spline::Spline;
 pub const SAMPLE: f64 = 1e-3;
 /// Rounds of lowering the speed.
 const ROUNDS: usize = 60;
-/// Part of each limit that is used: the rest is for the round-off of a robot's own interpolation.
+/// Share of each limit that is used: the rest is for the round-off of the robot's interpolation.
 const PART_OF_LIMIT: f64 = 0.98;
 
-/// A path without a motion within the limits, or a question without sense.
+/// Why no motion within the limits was found.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum TimingError {
-    /// A joint has no bound on its acceleration or its jerk.
+    /// A joint has no limit of its acceleration or its jerk.
     #[error("joint {joint} has no limit of {what}: a motion from rest to rest needs one")]
     NoLimit {
         /// Index of the joint.
         joint: usize,
-        /// Of what.
+        /// The missing limit.
         what: &'static str,
     },
-    /// The speeds did not come within the limits.
+    /// The speeds could not be lowered to the limits.
     #[error("no motion within the limits was found; the joint path is not smooth enough")]
     NotSmooth,
 }
@@ -44,7 +46,7 @@ pub enum TimingError {
 pub struct Motion {
     /// Joint positions every [`SAMPLE`], from rest to rest.
     pub samples: Vec<Vec<f64>>,
-    /// Way along the path at each, m.
+    /// Arc length along the path at each, m.
     pub way: Vec<f64>,
 }
 
@@ -59,11 +61,11 @@ pub struct Utilisation {
     pub jerk: f64,
 }
 
-/// Finds a fast motion along joint positions at the given ways, m, from rest to rest, in which the hand's way grows
-/// by at most `speed`, m/s.
+/// Finds a fast motion along joint positions at the given arc lengths, m, from rest to rest, in
+/// which the speed of the hand is at most `speed`, m/s.
 ///
 /// # Errors
-/// If a joint lacks limits, or the path has kinks that only rests could pass.
+/// If a joint lacks limits, or the path has kinks.
 pub fn parametrise(
     joints: &[Vec<f64>],
     way: &[f64],
@@ -100,8 +102,9 @@ pub fn parametrise(
     Err(TimingError::NotSmooth)
 }
 
-/// How many times too fast each sample is: the greatest of the velocity's part of its limit, of the square root of
-/// the acceleration's and of the cube root of the jerk's, for all of these fall with the speed.
+/// Factor by which each sample is too fast: the greatest of the velocity's part of its limit, of
+/// the square root of the acceleration's and of the cube root of the jerk's, because all of these
+/// fall with the speed.
 fn excesses(samples: &[Vec<f64>], way: &[f64], limits: &[Limits], speed: f64) -> Vec<f64> {
     let mut excess = vec![0.0_f64; samples.len()];
     for (k, pair) in way.windows(2).enumerate() {
@@ -133,7 +136,7 @@ fn differences(samples: &[Vec<f64>], joint: usize) -> impl Iterator<Item = [f64;
     })
 }
 
-/// How much of their limits samples use, rest before and after them included.
+/// Share of their limits that samples use, with rest before and after them.
 pub fn utilisation(samples: &[Vec<f64>], limits: &[Limits]) -> Utilisation {
     let mut used = Utilisation::default();
     for (joint, limits) in limits.iter().enumerate() {
@@ -214,7 +217,7 @@ mod tests {
 
     #[test]
     fn limits_hold_around_a_corner() {
-        // A right angle, as a letter has it: one joint stops, the other starts.
+        // A right angle: one joint stops, the other starts.
         let way: Vec<f64> = (0..=400).map(|k| 1e-3 * f64::from(k)).collect();
         let joints: Vec<Vec<f64>> = way
             .iter()

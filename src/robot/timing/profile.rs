@@ -8,7 +8,8 @@ use crate::chain::Limits;
 const FEWEST: usize = 1000;
 /// Longest distance of points, m.
 const SPACING: f64 = 5e-4;
-/// Part of the acceleration that the curvature of the path may ask for; the rest is for the change of speed.
+/// Share of the acceleration limit for the curvature of the path; the rest is for the change of
+/// speed.
 const PART_FOR_CURVATURE: f64 = 0.5;
 
 /// Bounds on speed and acceleration along a path, at evenly spaced points.
@@ -58,7 +59,7 @@ impl SpeedProfile {
         profile
     }
 
-    /// The way at each sample, m.
+    /// Arc length at each sample, m.
     pub fn motion(&self) -> Vec<f64> {
         let speed = self.swept();
         let mut way = vec![0.0];
@@ -105,14 +106,14 @@ impl SpeedProfile {
     pub fn lower(&mut self, way: &[f64], excess: &[f64], allowed: f64) {
         let count = self.speed.len();
         let mut factor = vec![1.0_f64; count];
-        // An excess is brought about by what the averages bring together.
+        // An excess comes from all samples in the windows of the averages.
         let reach = self.window;
         for (k, excess) in excess
             .iter()
             .enumerate()
             .filter(|(_, excess)| **excess > allowed)
         {
-            // Not all at once: neighbours that are lowered for their own sake help.
+            // Not all at once: neighbours that are lowered as well help.
             let scale = libm::pow((allowed / excess).max(0.5), 0.7) * 0.995;
             let at = |k: usize| (((way[k] - self.start) / self.spacing) as usize).min(count - 1);
             let from = at(k.saturating_sub(reach));
@@ -128,7 +129,8 @@ impl SpeedProfile {
     }
 }
 
-/// Moving average over `window` samples, standing still before the first and after the last; longer by the window.
+/// Moving average over `window` samples, with rest before the first and after the last; longer by
+/// the window.
 fn averaged(values: &[f64], window: usize) -> Vec<f64> {
     let last = values.len() - 1;
     let at = |k: usize| values[k.saturating_sub(window).min(last)];

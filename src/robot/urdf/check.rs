@@ -1,4 +1,4 @@
-//! The gate for robots from URDF files: unique names, usable numbers, a bounded number of parts.
+//! Checks of robots from URDF files: unique names, usable numbers, a bounded number of parts.
 
 use super::model::{self, Geometry, Robot};
 use rodlab_files::finite::{self, NotFinite};
@@ -6,13 +6,13 @@ use std::collections::BTreeSet;
 
 /// Most links, joints and collision shapes of a file, each.
 const MOST: usize = 1000;
-/// Largest length, m: squares of larger ones lose the distances between them.
+/// Largest length, m: squares of larger ones lose the precision of distances.
 pub(super) const LARGEST_LENGTH: f64 = 1e6;
 
-/// Checks a robot as it was parsed.
+/// Checks a parsed robot.
 ///
 /// # Errors
-/// In words, the first fault.
+/// A message about the first fault.
 pub(super) fn check(robot: &Robot) -> Result<(), String> {
     let shapes = robot.links.iter().map(|link| link.collision.len()).sum();
     for (what, count) in [
@@ -59,7 +59,7 @@ fn joint(joint: &model::Joint) -> Result<(), String> {
             return Err(format!("{what}: `{name}` of its limit is not a number"));
         }
     }
-    // Zero is what exporters write where nothing is known.
+    // Exporters write zero for unknown limits.
     for (name, value) in [
         ("velocity", limit.velocity),
         ("acceleration", limit.acceleration),
@@ -96,7 +96,7 @@ fn link(link: &model::Link) -> Result<(), String> {
             }
             Geometry::Capsule { radius, length } => {
                 positive(&what, "radius", &[*radius])?;
-                // A capsule of no length is a sphere.
+                // A capsule of zero length is a sphere.
                 match *length {
                     0.0 => Ok(()),
                     length => positive(&what, "length", &[length]),
@@ -130,7 +130,7 @@ fn positive(what: &str, name: &str, sizes: &[f64]) -> Result<(), String> {
     }
 }
 
-/// A negative scale mirrors a mesh; none leaves nothing of it.
+/// A negative scale mirrors a mesh; zero collapses it.
 fn scaled(what: &str, scale: &[f64]) -> Result<(), String> {
     let is_scale = |factor: &f64| *factor != 0.0 && factor.abs() <= LARGEST_LENGTH;
     match scale.iter().find(|factor| !is_scale(factor)) {

@@ -22,10 +22,10 @@ const LARGEST: u64 = 16 << 20;
 const ASSUMED_TURNING: f64 = 1.0;
 const ASSUMED_SLIDING: f64 = 0.1;
 
-/// What is wrong with a URDF file.
+/// Why a URDF file is rejected.
 #[derive(Debug, thiserror::Error)]
 pub enum UrdfError {
-    /// It cannot be read, or is no URDF.
+    /// It cannot be read, or is not a URDF file.
     #[error("{path}: {reason}")]
     Unreadable {
         /// The file.
@@ -33,7 +33,7 @@ pub enum UrdfError {
         /// Why.
         reason: String,
     },
-    /// Its links and joints make no chain of the kind asked for.
+    /// Its links and joints do not form the requested chain.
     #[error("{path}: {reason}")]
     Chain {
         /// The file.
@@ -48,12 +48,13 @@ pub enum UrdfError {
 pub struct UrdfArm {
     /// The chain; accelerations and jerks are infinite where the file gives none.
     pub chain: Chain,
-    /// Shapes of the links of the chain and of all that is fixed to them, in the frames of the chain's links.
+    /// Shapes of the links of the chain and of everything fixed to them, in the frames of the
+    /// chain's links.
     pub bodies: Vec<Body>,
-    /// Collision meshes that were passed over: only STL files count, as their convex hulls, and of `package://` only
-    /// those that are found in a folder above the URDF.
+    /// Collision meshes that were ignored: only STL files are used, as their convex hulls, and
+    /// `package://` is resolved only in folders above the URDF.
     pub meshes: Vec<String>,
-    /// What else was passed over or assumed, in words.
+    /// Messages about other ignored parts and assumed values.
     pub notes: Vec<String>,
 }
 
@@ -61,9 +62,9 @@ pub struct UrdfArm {
 /// children, where they are not given).
 ///
 /// # Errors
-/// If the file cannot be read, is nested too deep or has too many links, joints or shapes; if a name is used twice, a number is
-/// not finite or a size not positive; if it has a loop, misses a link or a mesh, has limits the wrong way round, or more
-/// than twelve joints in the chain.
+/// If the file cannot be read, is nested too deep or has too many links, joints or shapes; if a
+/// name is used twice, a number is not finite or a size not positive; if it has a loop, misses a
+/// link or a mesh, has limits the wrong way round, or has more than twelve joints in the chain.
 pub fn read_urdf(path: &Path, base: Option<&str>, tip: Option<&str>) -> Result<UrdfArm, UrdfError> {
     let unreadable = |reason: String| UrdfError::Unreadable {
         path: path.to_owned(),
@@ -153,7 +154,7 @@ fn arm(
     })
 }
 
-/// The only link without children that moves; of several the only one whose joints move.
+/// The only link without children; of several, the only one that moves.
 fn moving_tip<'a>(
     robot: &'a Robot,
     base: &str,
@@ -168,7 +169,7 @@ fn moving_tip<'a>(
         .collect();
     let is_end = |link: &&&str| !parent_links.contains(**link);
     let ends: Vec<&str> = links.iter().filter(is_end).copied().collect();
-    // Moving joints between the base and a link; none where nothing leads there.
+    // Number of moving joints between the base and a link; `None` if they are not connected.
     let moving = |link: &str| {
         let (mut at, mut count) = (link, 0);
         while at != base {
@@ -191,15 +192,18 @@ fn moving_tip<'a>(
             Ok(only)
         }
         ([(only, _)], _) | ([], [only]) => Ok(only),
-        ([], []) => Err("it has no links".into()),
-        ([], several) => Err(format!("`tip_link` must say which: {}", several.join(", "))),
+        ([], []) => Err("the file has no links".into()),
+        ([], several) => Err(format!(
+            "several links could be the tip; set `tip_link` to one of: {}",
+            several.join(", ")
+        )),
         (several, _) => {
             let listed = several.iter().map(|(end, count)| match count {
                 1 => format!("{end} (1 moving joint)"),
                 _ => format!("{end} ({count} moving joints)"),
             });
             Err(format!(
-                "`tip_link` must say which: {}",
+                "several links could be the tip; set `tip_link` to one of: {}",
                 listed.collect::<Vec<_>>().join(", ")
             ))
         }
@@ -218,17 +222,20 @@ fn end_of<'a>(
         return links
             .get(name)
             .copied()
-            .ok_or_else(|| format!("there is no link `{name}`; its links: {}", listed(&all)));
+            .ok_or_else(|| format!("no link `{name}` in the file; allowed: {}", listed(&all)));
     }
     let ends: Vec<&str> = links.iter().copied().filter(|link| is_end(link)).collect();
     match ends.as_slice() {
         [only] => Ok(only),
-        [] => Err("it has no links".into()),
-        several => Err(format!("`{key}` must say which: {}", listed(several))),
+        [] => Err("the file has no links".into()),
+        several => Err(format!(
+            "several links are possible; set `{key}` to one of: {}",
+            listed(several)
+        )),
     }
 }
 
-/// The joints of a path as a chain. Joints mimicked by those of the path must be on it too.
+/// The joints of a path as a chain. Joints that they mimic must be on the path too.
 fn chain(robot: &Robot, path: &[&model::Joint], notes: &mut Vec<String>) -> Result<Chain, String> {
     let own: Vec<&&model::Joint> = path
         .iter()
@@ -255,7 +262,8 @@ fn chain(robot: &Robot, path: &[&model::Joint], notes: &mut Vec<String>) -> Resu
                 None => match &joint.joint_type {
                     JointType::Other(kind) => {
                         return Err(format!(
-                            "line {}: joint `{}`: {kind} joints cannot be part of a chain; allowed: revolute, continuous, prismatic, fixed",
+                            "line {}: joint `{}`: {kind} joints cannot be part of a chain; \
+                             allowed: revolute, continuous, prismatic, fixed",
                             joint.line, joint.name
                         ));
                     }
@@ -346,7 +354,8 @@ fn kind(joint: &model::Joint) -> Option<JointKind> {
     }
 }
 
-/// A joint that moves on its own. A range and a speed that the file does not state are assumed, and noted.
+/// An independent joint. A range and a speed that the file does not state are assumed, with a
+/// message.
 fn own_joint(joint: &model::Joint, notes: &mut Vec<String>) -> Result<Joint, String> {
     let kind = kind(joint).unwrap_or(JointKind::Revolute);
     let mut limits = limits_of(joint);
@@ -385,7 +394,8 @@ fn own_joint(joint: &model::Joint, notes: &mut Vec<String>) -> Result<Joint, Str
     })
 }
 
-/// Limits of a joint as they are stated, a side of its range that is not as 0. Velocity, acceleration and jerk of 0 are none.
+/// Limits of a joint as stated; a missing side of its range is 0. A velocity, acceleration or jerk
+/// of 0 means no limit.
 fn limits_of(joint: &model::Joint) -> Limits {
     let limit = &joint.limit;
     let (lower, upper) = if joint.joint_type == JointType::Continuous {
@@ -416,7 +426,8 @@ fn pose_of(origin: &model::Origin) -> Pose {
     pose_of_angles(origin.xyz, origin.rpy)
 }
 
-/// Collision shapes of the base, of the chain's links and of all that hangs on them; joints off the chain are at zero.
+/// Collision shapes of the base, of the links of the chain and of everything attached to them;
+/// joints off the chain are at zero.
 fn bodies(
     robot: &Robot,
     chain: &Chain,
@@ -455,7 +466,7 @@ fn bodies(
                     half_length: 0.0,
                     radius: *radius,
                 },
-                // A capsule of the cylinder's length contains it.
+                // A capsule as long as the cylinder contains it.
                 Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
                     Shape::Capsule {
                         half_length: length / 2.0,

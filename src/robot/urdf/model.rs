@@ -1,4 +1,5 @@
-//! What kinematics and collisions use of a URDF file: links with their collision shapes, and joints. All else is passed over.
+//! The part of a URDF file that kinematics and collision checks use: links with their collision
+//! shapes, and joints. Everything else is ignored.
 
 use rodlab_files::input;
 use roxmltree::{Document, Node, ParsingOptions};
@@ -11,7 +12,7 @@ const MOST_NODES: u32 = 1_000_000;
 pub(super) struct Robot {
     pub links: Vec<Link>,
     pub joints: Vec<Joint>,
-    /// What was passed over or assumed, in words.
+    /// Messages about ignored parts and assumed values.
     pub notes: Vec<String>,
 }
 
@@ -57,7 +58,7 @@ pub(super) enum JointType {
     Continuous,
     Prismatic,
     Fixed,
-    /// Of a type that no chain can have.
+    /// A type that is not supported in a chain.
     Other(String),
 }
 
@@ -74,7 +75,7 @@ pub(super) struct Joint {
     pub mimic: Option<Mimic>,
 }
 
-/// Limits as far as they are stated.
+/// Limits that the file states.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Limit {
     pub lower: Option<f64>,
@@ -98,10 +99,11 @@ pub(super) struct Origin {
 }
 
 impl Robot {
-    /// Reads a URDF file; `name` is that of the file, for the commands that are proposed.
+    /// Reads a URDF file; `name` is that of the file, for the conversion commands in messages.
     ///
     /// # Errors
-    /// In words: no XML, another format, or an element that is used and cannot be read, with its line.
+    /// A message if the text is not XML, is in another format, or has an element that is needed and
+    /// cannot be read, with its line.
     pub fn read(text: &str, name: &str) -> Result<Self, String> {
         input::check_nesting(text)?;
         let options = ParsingOptions {
@@ -114,7 +116,7 @@ impl Robot {
         let root = document.root_element();
         is_urdf(root, text, name)?;
         let mut robot = Self::default();
-        // Elements of another namespace are those of other programs.
+        // Elements of another namespace belong to other programs.
         let namespace = root.tag_name().namespace();
         let is_own = |node: &Node| node.is_element() && node.tag_name().namespace() == namespace;
         for node in root.children().filter(is_own) {
@@ -149,7 +151,7 @@ impl Robot {
                     break;
                 }
                 self.notes.push(format!(
-                    "line {}: link `{name}`: collision shapes <{}> are passed over",
+                    "line {}: link `{name}`: collision shapes <{}> are ignored",
                     line(kind),
                     kind.tag_name().name()
                 ));
@@ -157,7 +159,7 @@ impl Robot {
             }
             if !known {
                 self.notes.push(format!(
-                    "line {}: link `{name}`: a <collision> without a shape is passed over",
+                    "line {}: link `{name}`: a <collision> without a shape is ignored",
                     line(shape)
                 ));
             }
@@ -174,7 +176,7 @@ fn in_link(name: &str, error: String) -> String {
     format!("link `{name}`: {error}")
 }
 
-/// Refuses other descriptions of robots, and names what makes a URDF of them.
+/// Rejects other descriptions of robots, and names a converter to URDF.
 fn is_urdf(root: Node, text: &str, name: &str) -> Result<(), String> {
     let stem = name.split('.').next().unwrap_or(name);
     let is_xacro = |node: Node| {
@@ -188,21 +190,22 @@ fn is_urdf(root: Node, text: &str, name: &str) -> Result<(), String> {
     match root.tag_name().name() {
         "robot" => match root.descendants().find(|node| is_xacro(*node)) {
             Some(node) => Err(format!(
-                "line {}: <{}>: it is a xacro file, of which a URDF is made first: `xacro {name} > {stem}.urdf`",
+                "line {}: <{}>: this is a xacro file; convert it to URDF first: `xacro {name} > {stem}.urdf`",
                 line(node),
                 node.tag_name().name()
             )),
             None => Ok(()),
         },
         _ if text.contains("xmlns:xacro") => Err(format!(
-            "it is a xacro file, of which a URDF is made first: `xacro {name} > {stem}.urdf`"
+            "this is a xacro file; convert it to URDF first: `xacro {name} > {stem}.urdf`"
         )),
         "mujoco" => Err(format!(
-            "it is an MJCF file of MuJoCo, of which a URDF is made first: `pip install mjcf-urdf-simple-converter`, then \
+            "this is an MJCF file of MuJoCo; convert it to URDF first: `pip install mjcf-urdf-simple-converter`, then \
              `python -c \"from mjcf_urdf_simple_converter import convert; convert('{name}', '{stem}.urdf')\"`"
         )),
         "sdf" | "gazebo" | "world" => Err(format!(
-            "it is an SDF file of Gazebo, of which a URDF is made first, with pysdf: `rosrun pysdf sdf2urdf.py {name} {stem}.urdf`"
+            "this is an SDF file of Gazebo; convert it to URDF first, with pysdf: `rosrun pysdf \
+             sdf2urdf.py {name} {stem}.urdf`"
         )),
         other => Err(format!(
             "not a URDF file: line {}: its root is <{other}>, expected <robot>",
@@ -258,7 +261,7 @@ fn joint(node: Node) -> Result<Joint, String> {
     })
 }
 
-/// A shape; none of a kind that is not known.
+/// A shape; `None` for an unknown kind.
 fn geometry_of(node: Node) -> Result<Option<Geometry>, String> {
     let length = |name: &str| {
         number(node, name)?.ok_or_else(|| {
@@ -346,7 +349,7 @@ fn required<'a>(node: Node<'a, 'a>, name: &str) -> Result<&'a str, String> {
     })
 }
 
-/// The numbers of an attribute, separated by white space; none where it is missing or empty.
+/// The numbers of an attribute, separated by white space; none if it is missing or empty.
 fn numbers(node: Node, name: &str) -> Result<Vec<f64>, String> {
     let text = node.attribute(name).unwrap_or_default();
     let numbers: Option<Vec<f64>> = text

@@ -1,7 +1,9 @@
-//! Pictures of a recording of ROS 1: a bag of version 2.0, as `rosbag record` and cameras of Intel RealSense write it.
+//! Pictures of a recording of ROS 1: a bag of version 2.0, as written by `rosbag record` and Intel
+//! RealSense cameras.
 //!
-//! A bag is a row of records: a header of named fields, then data. Connections (op 7) name topics, messages (op 2) have
-//! a time and a connection, chunks (op 5) hold both, plain or compressed. At its end stand all connections again.
+//! A bag is a sequence of records: a header of named fields, then data. Connections (op 7) name
+//! topics, messages (op 2) have a time and a connection, chunks (op 5) hold both, plain or
+//! compressed. All connections are repeated at its end.
 
 use super::super::picture::{CameraPicture, pixels};
 use super::bag_record::{decompressed, field, op, read_record, split_record, u32_of};
@@ -19,13 +21,13 @@ const BAG_HEADER: u8 = 3;
 const CHUNK: u8 = 5;
 const CONNECTION: u8 = 7;
 
-/// Why a bag gives no pictures.
+/// Why the pictures of a bag cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {reason}", path.display())]
 pub struct BagError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong, and what is allowed.
+    /// The error, and the allowed values.
     pub reason: String,
 }
 
@@ -45,7 +47,7 @@ pub struct Bag {
     /// Numbers of the connections of the topic, and whether they send files.
     connections: Vec<(u32, bool)>,
     first: Option<f64>,
-    /// Messages of the chunk that was read last.
+    /// Messages of the last chunk.
     waiting: VecDeque<Message>,
 }
 
@@ -56,10 +58,10 @@ struct Message {
 }
 
 impl Bag {
-    /// Opens a bag at a topic of pictures: the one that is named, or the only one, or the only one in colour.
+    /// Opens a bag at a picture topic: the named one, the only one, or the only one in colour.
     ///
     /// # Errors
-    /// The file is no bag of version 2.0, was not closed, or has no such topic.
+    /// The file is not a bag of version 2.0, was not closed, or has no such topic.
     pub fn open(path: &Path, topic: Option<&str>) -> Result<Self, BagError> {
         let fault = |reason: String| BagError {
             path: path.to_owned(),
@@ -89,12 +91,12 @@ impl Bag {
         }
     }
 
-    /// Keeps the messages of a record.
+    /// Stores the messages of a record.
     fn take(&mut self, header: &[u8], data: Vec<u8>) -> Result<(), String> {
         match op(header) {
             Some(CHUNK) => {
                 let size = field(header, "size").and_then(u32_of);
-                let size = size.ok_or("a chunk does not say how large it is")? as usize;
+                let size = size.ok_or("a chunk has no size")? as usize;
                 let chunk = decompressed(field(header, "compression"), data, size)?;
                 let mut rest = &chunk[..];
                 while !rest.is_empty() {
@@ -105,17 +107,17 @@ impl Bag {
                 Ok(())
             }
             Some(_) => self.keep(header, || data),
-            None => Err("a record does not say what it is".into()),
+            None => Err("a record has no type (`op`)".into()),
         }
     }
 
-    /// Keeps a message of the topic.
+    /// Stores a message of the topic.
     fn keep(&mut self, header: &[u8], bytes: impl FnOnce() -> Vec<u8>) -> Result<(), String> {
         if op(header) != Some(MESSAGE) {
             return Ok(());
         }
         let connection = field(header, "conn").and_then(u32_of);
-        let connection = connection.ok_or("a message does not say whose it is")?;
+        let connection = connection.ok_or("a message has no connection (`conn`)")?;
         let Some((_, is_compressed)) = self
             .connections
             .iter()
@@ -165,24 +167,24 @@ impl Iterator for Bag {
     }
 }
 
-/// The file behind its bag header, and the topics of pictures that its end names.
+/// The file after its bag header, and its picture topics.
 fn open(path: &Path) -> Result<(BufReader<File>, Vec<Topic>), String> {
     let unreadable = |error: std::io::Error| format!("cannot be read: {error}");
     if !path.metadata().map_err(unreadable)?.is_file() {
-        return Err("it is no regular file".into());
+        return Err("it is not a regular file".into());
     }
     let mut file = BufReader::new(File::open(path).map_err(unreadable)?);
     let mut magic = [0; MAGIC.len()];
     if file.read_exact(&mut magic).is_err() || magic != MAGIC {
-        return Err("it is no bag of ROS 1, version 2.0".into());
+        return Err("it is not a bag of ROS 1, version 2.0".into());
     }
     let head = read_record(&mut file)?.filter(|record| op(&record.header) == Some(BAG_HEADER));
-    let head = head.ok_or("its first record is no bag header")?;
+    let head = head.ok_or("its first record is not a bag header")?;
     let chunks = file.stream_position().map_err(unreadable)?;
     let index = field(&head.header, "index_pos").and_then(|bytes| bytes.try_into().ok());
     let index = u64::from_le_bytes(index.ok_or("its header has no index_pos")?);
     if index < chunks {
-        return Err("it was not closed when it was recorded; `rosbag reindex` mends it".into());
+        return Err("the recording was not closed; repair it with `rosbag reindex`".into());
     }
     file.seek(SeekFrom::Start(index)).map_err(unreadable)?;
     let mut topics = Vec::new();
@@ -273,7 +275,7 @@ mod tests {
             chunk.extend(message(1, seconds, &image("rgb8", &pixels)));
             let size = (chunk.len() as u32).to_le_bytes();
             if compression == "lz4" {
-                // A frame with one block that is stored.
+                // A frame with one stored block.
                 let mut frame = vec![0x04, 0x22, 0x4d, 0x18, 0x60, 0x40, 0x82];
                 frame.extend((chunk.len() as u32 | 1 << 31).to_le_bytes());
                 frame.extend(chunk);
@@ -337,8 +339,8 @@ mod tests {
         );
         assert!(fault(&bag("none", false), None).contains("rosbag reindex"));
         assert!(fault(&bag("bz2", true), None).contains("rosbag decompress"));
-        assert!(fault(b"SQLite format 3\0", None).contains("no bag of ROS 1"));
-        // Cut in the middle of the connections at its end, and of a chunk.
+        assert!(fault(b"SQLite format 3\0", None).contains("not a bag of ROS 1"));
+        // Truncated in the connections at its end, and in a chunk.
         let cut = fault(&whole[..whole.len() - 3], None);
         assert!(cut.contains("truncated"), "{cut}");
     }

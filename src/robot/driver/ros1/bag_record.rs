@@ -8,7 +8,7 @@ const LARGEST_HEADER: usize = 1 << 20;
 /// Largest chunk and largest message, bytes: ten pictures of eight million pixels.
 const LARGEST_DATA: usize = 256 << 20;
 
-/// A header, fields `name=value` after their lengths, and what belongs to it.
+/// A header, fields `name=value` after their lengths, and its data.
 pub struct Record {
     /// The fields.
     pub header: Vec<u8>,
@@ -19,7 +19,7 @@ pub struct Record {
 /// The records of a chunk, `size` bytes of them.
 ///
 /// # Errors
-/// In words: the compression is not known here, or the chunk is damaged or too large.
+/// A message if the compression is unknown, or the chunk is damaged or too large.
 pub fn decompressed(
     compression: Option<&[u8]>,
     data: Vec<u8>,
@@ -27,7 +27,7 @@ pub fn decompressed(
 ) -> Result<Vec<u8>, String> {
     if size > LARGEST_DATA {
         return Err(format!(
-            "a chunk has {size} bytes; the most are {LARGEST_DATA}"
+            "a chunk has {size} bytes; allowed: at most {LARGEST_DATA}"
         ));
     }
     match compression {
@@ -54,7 +54,7 @@ fn decode_lz4(frame: &[u8], size: usize) -> Result<Vec<u8>, String> {
 /// The next record of a file; none at its end.
 ///
 /// # Errors
-/// In words: the file is truncated, or cannot be read.
+/// A message if the file is truncated or cannot be read.
 pub fn read_record(file: &mut impl Read) -> Result<Option<Record>, String> {
     let mut first = [0; 4];
     let count = read_up_to(file, &mut first)?;
@@ -73,7 +73,7 @@ pub fn read_record(file: &mut impl Read) -> Result<Option<Record>, String> {
     Ok(Some(Record { header, data }))
 }
 
-/// Reads as many bytes as there are.
+/// Reads until the buffer is full or the file ends.
 fn read_up_to(file: &mut impl Read, buffer: &mut [u8]) -> Result<usize, String> {
     let mut count = 0;
     while count < buffer.len() {
@@ -87,11 +87,11 @@ fn read_up_to(file: &mut impl Read, buffer: &mut [u8]) -> Result<usize, String> 
     Ok(count)
 }
 
-/// Reads `size` bytes; what a damaged size promises is not reserved before it is there.
+/// Reads `size` bytes; the memory grows with the data, so that a damaged size cannot exhaust it.
 fn read_sized(file: &mut impl Read, size: usize, most: usize) -> Result<Vec<u8>, String> {
     if size > most {
         return Err(format!(
-            "a record of {size} bytes is too large, or damaged; the most are {most}"
+            "a record of {size} bytes is too large or damaged; allowed: at most {most}"
         ));
     }
     let mut bytes = Vec::new();
@@ -103,7 +103,7 @@ fn read_sized(file: &mut impl Read, size: usize, most: usize) -> Result<Vec<u8>,
     Ok(bytes)
 }
 
-/// Header and data of the record at the beginning of some bytes, which are left behind it.
+/// Splits off the header and data of the first record.
 pub fn split_record<'a>(rest: &mut &'a [u8]) -> Option<(&'a [u8], &'a [u8])> {
     let mut part = || {
         let size = u32_of(rest.get(..4)?)? as usize;
@@ -128,7 +128,7 @@ pub fn field<'a>(mut header: &'a [u8], name: &str) -> Option<&'a [u8]> {
     None
 }
 
-/// What kind of record it is.
+/// Kind of the record.
 pub fn op(header: &[u8]) -> Option<u8> {
     match field(header, "op")? {
         [op] => Some(*op),
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_size_promises_is_not_reserved() {
+    fn memory_is_not_allocated_by_stated_sizes() {
         let mut record = 4u32.to_le_bytes().to_vec();
         record.extend([0; 4]);
         record.extend((LARGEST_DATA as u32).to_le_bytes());

@@ -1,4 +1,4 @@
-//! Which topic of a bag's pictures is meant.
+//! Selection of the picture topic of a bag.
 
 use super::bag_record::{Record, field, u32_of};
 use super::message::{COMPRESSED_IMAGE, IMAGE};
@@ -13,7 +13,7 @@ pub struct Topic {
     pub is_compressed: bool,
 }
 
-/// The topic that a connection's record names, where it is one of pictures.
+/// The topic of a connection record, if it carries pictures.
 pub fn picture_topic(record: &Record) -> Option<Topic> {
     let kind = field(&record.data, "type")?;
     let is_compressed = kind == COMPRESSED_IMAGE.name.as_bytes();
@@ -28,10 +28,10 @@ pub fn picture_topic(record: &Record) -> Option<Topic> {
     })
 }
 
-/// Connections of the topic that is meant: the one that is named, or the only one, or the only one in colour.
+/// Connections of the selected topic: the named one, the only one, or the only one in colour.
 ///
 /// # Errors
-/// In words: there is no such topic, or several.
+/// A message if there is no such topic, or several.
 pub fn chosen(topics: Vec<Topic>, wanted: Option<&str>) -> Result<Vec<(u32, bool)>, String> {
     let mut names: Vec<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
     names.sort_unstable();
@@ -57,7 +57,7 @@ pub fn chosen(topics: Vec<Topic>, wanted: Option<&str>) -> Result<Vec<(u32, bool
         (None, [only], _) | (None, _, [only]) => *only,
         _ => {
             return Err(format!(
-                "it has several topics of pictures, name one: {known}"
+                "it has several topics of pictures; choose one of: {known}"
             ));
         }
     };

@@ -17,7 +17,7 @@ pub struct Ros1Camera {
     _node: Node,
 }
 
-/// The newest message; those before it that nobody took are forgotten, for pictures are large.
+/// The newest message; older ones are dropped, because pictures are large.
 #[derive(Default)]
 struct Newest {
     message: Mutex<Option<Heard>>,
@@ -93,7 +93,7 @@ impl PictureTopic for Ros1Camera {
             Heard::Message(_, bytes) => raw_image(bytes)
                 .ok_or_else(|| "the picture is damaged".to_owned())
                 .and_then(|raw| pixels(&raw).map(CameraPicture::Pixels)),
-            Heard::MasterIsGone => Err("the master is gone".to_owned()),
+            Heard::MasterIsGone => Err("the master does not answer".to_owned()),
         };
         picture.map_err(|reason| DriverError::Aborted(format!("{}: {reason}", self.topic)))
     }

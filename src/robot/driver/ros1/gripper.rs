@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
-/// Status of a goal that the controller broke off.
+/// Status of a goal that the controller aborted.
 const ABORTED: u8 = 4;
 
 /// A gripper by its action at a master.
@@ -93,7 +93,7 @@ impl GripperGoal for SentGoal<'_> {
         let Some(status) = status else {
             return Ok(false);
         };
-        // Fingers that hold something on the way have stalled; some controllers abort then.
+        // Fingers that hold an object have stalled; some controllers then abort.
         if status.status == ABORTED && message::is_stalled(&bytes) {
             return Ok(true);
         }

@@ -1,5 +1,5 @@
-//! The messages of ROS 1 that a trajectory needs, in their binary form: little-endian numbers, texts and arrays after
-//! their lengths.
+//! The ROS 1 messages of a trajectory, in their binary form: little-endian numbers, texts and
+//! arrays after their lengths.
 
 use super::super::Interpolant;
 use super::super::picture::RawImage;
@@ -23,37 +23,37 @@ impl MessageType {
     }
 }
 
-/// Where joints are.
+/// Positions of joints.
 pub const JOINT_STATE: MessageType = MessageType {
     name: "sensor_msgs/JointState",
     md5: "3066dcd76a6cfaef579bd0f34173e9fd",
 };
-/// A motion that is asked for.
+/// The goal of a motion.
 pub const GOAL: MessageType = MessageType {
     name: "control_msgs/FollowJointTrajectoryActionGoal",
     md5: "cff5c1d533bf2f82dd0138d57f4304bb",
 };
-/// How it goes.
+/// Its feedback.
 pub const FEEDBACK: MessageType = MessageType {
     name: "control_msgs/FollowJointTrajectoryActionFeedback",
     md5: "d8920dc4eae9fc107e00999cce4be641",
 };
-/// How it went.
+/// Its result.
 pub const RESULT: MessageType = MessageType {
     name: "control_msgs/FollowJointTrajectoryActionResult",
     md5: "c4fb3b000dc9da4fd99699380efcc5d9",
 };
-/// A motion that is called off.
+/// The cancellation of a motion.
 pub const CANCEL: MessageType = MessageType {
     name: "actionlib_msgs/GoalID",
     md5: "302881f31927c1df708a2dbab0e80ee8",
 };
-/// An opening of a gripper that is asked for.
+/// The goal of a gripper.
 pub const GRIPPER_GOAL: MessageType = MessageType {
     name: "control_msgs/GripperCommandActionGoal",
     md5: "aa581f648a35ed681db2ec0bf7a82bea",
 };
-/// How it went.
+/// Its result.
 pub const GRIPPER_RESULT: MessageType = MessageType {
     name: "control_msgs/GripperCommandActionResult",
     md5: "143702cb2df0f163c5283cedc5efc6b6",
@@ -136,7 +136,7 @@ pub fn goal(joints: &[String], motion: &Interpolant, id: &str) -> Vec<u8> {
     writer.0
 }
 
-/// An opening of a gripper, m, with an effort of at most so much, N.
+/// Writes the goal of an opening of a gripper, m, with a maximum effort, N.
 pub fn gripper_goal(opening: f64, max_effort: f64, id: &str) -> Vec<u8> {
     let mut writer = Writer::default();
     writer.header();
@@ -207,7 +207,7 @@ pub fn joint_state(message: &[u8]) -> Option<(f64, Vec<String>, Vec<f64>)> {
     Some((time, reader.texts()?, reader.numbers()?))
 }
 
-/// Whose goal it is, and how it stands.
+/// Identifier and status of a goal.
 #[derive(Debug, PartialEq, Eq)]
 pub struct GoalStatus {
     /// Its id.
@@ -232,8 +232,8 @@ pub fn status_of(message: &[u8]) -> Option<GoalStatus> {
     goal_status(&mut Reader(message))
 }
 
-/// Whose goal a feedback is of, with the names of the joints and the setpoint, rad or m; these are empty where they are
-/// missing.
+/// The goal of a feedback, with the names of the joints and the setpoint, rad or m; these are empty
+/// if missing.
 pub fn feedback(message: &[u8]) -> Option<(GoalStatus, Vec<String>, Vec<f64>)> {
     let mut reader = Reader(message);
     let status = goal_status(&mut reader)?;
@@ -245,7 +245,7 @@ pub fn feedback(message: &[u8]) -> Option<(GoalStatus, Vec<String>, Vec<f64>)> {
     Some((status, names, positions))
 }
 
-/// The status of a result, its code and its words.
+/// The status of a result, its code and its message.
 pub fn result(message: &[u8]) -> Option<(GoalStatus, i32, String)> {
     let mut reader = Reader(message);
     let status = goal_status(&mut reader)?;
@@ -253,7 +253,8 @@ pub fn result(message: &[u8]) -> Option<(GoalStatus, i32, String)> {
     Some((status, code, reader.text()?))
 }
 
-/// Whether the result of a gripper says that its fingers exert their greatest effort and do not move.
+/// Whether the result of a gripper reports that its fingers exert their maximum effort and do not
+/// move.
 pub fn is_stalled(message: &[u8]) -> bool {
     let mut reader = Reader(message);
     let stalled = goal_status(&mut reader).and_then(|_| {
@@ -352,7 +353,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..80)) {
+        fn no_bytes_cause_a_panic(bytes in prop::collection::vec(any::<u8>(), 0..80)) {
             let _ = (joint_state(&bytes), status_of(&bytes), result(&bytes), feedback(&bytes));
             let _ = clock(&bytes);
             let _ = (raw_image(&bytes), compressed_image(&bytes));

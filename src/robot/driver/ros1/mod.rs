@@ -1,7 +1,9 @@
-//! `control_msgs/FollowJointTrajectory` of ROS 1, natively: no ROS installation, no bridge.
+//! `control_msgs/FollowJointTrajectory` of ROS 1, natively, without a ROS installation or a bridge.
 //!
-//! A node (`node`) speaks XML-RPC (`xmlrpc`) with the master and TCPROS with the action server: goal and cancellation
-//! out, joint states, feedback, result and the clock of a simulated robot in (`message`). A `gripper` is another action. Pictures come from a `camera` or from a recording (`bag`).
+//! A node (`node`) speaks XML-RPC (`xmlrpc`) with the master and TCPROS with the action server:
+//! goal and cancellation out, joint states, feedback, result and the clock of a simulated robot in
+//! (`message`). A `gripper` uses another action. Pictures come from a `camera` or from a recording
+//! (`bag`).
 
 mod bag;
 mod bag_record;
@@ -52,7 +54,7 @@ impl Ros1Driver {
     }
 }
 
-/// A way to an action server of ROS 1.
+/// A connection to an action server of ROS 1.
 pub struct Ros1Link {
     master: String,
     action: String,
@@ -92,16 +94,16 @@ impl Ros1Link {
         connection.ok_or_else(|| self.lost(&"not connected"))
     }
 
-    /// Reads one message; `false` where none has arrived.
+    /// Reads one message; `false` if none has arrived.
     fn read_message(&self, news: &mut News<String>) -> Result<bool, DriverError> {
         match self.connection()?.heard.try_recv() {
             Ok(Heard::Message(label, message)) => {
-                // What is damaged is not heard.
+                // Damaged messages are ignored.
                 let _ = hear(label, &message, news);
                 Ok(true)
             }
             Ok(Heard::MasterIsGone) => Err(self.lost(&format_args!(
-                "it does not answer any more; the motion is cancelled"
+                "it no longer answers; the motion is cancelled"
             ))),
             Err(TryRecvError::Empty) => Ok(false),
             Err(TryRecvError::Disconnected) => Err(self.lost(&"the connection is lost")),
@@ -112,7 +114,7 @@ impl Ros1Link {
     fn publish(&self, topic: &Publication, message: &[u8]) -> Result<(), DriverError> {
         match topic.publish(message) {
             0 => Err(self.lost(&format_args!(
-                "the action server of {} is gone",
+                "the action server of {} has disconnected",
                 self.action
             ))),
             _ => Ok(()),
@@ -120,7 +122,7 @@ impl Ros1Link {
     }
 }
 
-/// Keeps what a message says; `None` where it is damaged.
+/// Stores the content of a message; `None` if it is damaged.
 fn hear(label: &str, bytes: &[u8], news: &mut News<String>) -> Option<()> {
     match label {
         STATES => {

@@ -1,4 +1,4 @@
-//! A node of ROS 1: topics in and out over TCPROS, and the XML-RPC interface by which master and nodes find each other.
+//! A node of ROS 1: topics in and out over TCPROS, and the XML-RPC interface for discovery.
 
 use super::message::MessageType;
 use super::xmlrpc::{self, Value, answer, authority, call, read_call};
@@ -10,21 +10,21 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// Messages that wait for a reader. Publishers that send faster wait, too, as their connections fill.
+/// Size of the queue of messages. Faster publishers are blocked by their full connections.
 const MOST_WAITING: usize = 64;
-/// Most connections that others may have to a node at a time, and most publishers of a topic that are listened to.
+/// Maximum number of connections to a node, and of publishers of a topic that are read.
 const MOST_CONNECTIONS: usize = 64;
 const MOST_PUBLISHERS: usize = 16;
-/// Time between questions whether the master is alive.
+/// Time between checks of the master.
 const MASTER_INTERVAL: Duration = Duration::from_millis(150);
 /// Longest time for a connection to a publisher, and for a subscriber to take a message.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// What a subscription hears.
+/// An event of a subscription.
 pub enum Heard {
     /// A message of a topic.
     Message(&'static str, Vec<u8>),
-    /// The master does not answer any more.
+    /// The master no longer answers.
     MasterIsGone,
 }
 
@@ -45,7 +45,7 @@ struct Inner {
 }
 
 struct Subscription {
-    /// What the listener calls it.
+    /// Label for the receiver.
     label: &'static str,
     topic: String,
     kind: MessageType,
@@ -65,12 +65,12 @@ pub fn mailbox() -> (SyncSender<Heard>, Receiver<Heard>) {
     sync_channel(MOST_WAITING)
 }
 
-/// What a lock guards, whatever became of those who had it before.
+/// The content of a lock, also if it was poisoned.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The address of a master as nodes call it: with a slash at its end.
+/// The address of a master with a trailing slash.
 pub fn master_uri(master: &str) -> String {
     format!("{}/", master.trim_end_matches('/'))
 }
@@ -85,7 +85,7 @@ impl Node {
         let unique = since.map_or(0, |since| since.as_micros());
         let name = format!("/rodlab_{}_{unique}", std::process::id());
         call(master, "getPid", &[Value::text(&name)])?;
-        // The address by which the master is reached is one by which it reaches us.
+        // The local address of the connection to the master is reachable from the master.
         let authority = authority(master).unwrap_or_default();
         let host = TcpStream::connect(authority)?.local_addr()?.ip();
         let (calls, topics) = (TcpListener::bind((host, 0))?, TcpListener::bind((host, 0))?);
@@ -100,7 +100,7 @@ impl Node {
             publications: Mutex::default(),
         });
         accept(calls, Arc::clone(&inner), |inner, stream| {
-            // A caller that says nothing sensible is no matter of ours.
+            // Invalid calls are ignored.
             let _ = inner.serve(&stream);
         });
         accept(topics, Arc::clone(&inner), |inner, stream| {
@@ -112,7 +112,7 @@ impl Node {
     /// Subscribes a topic; its messages go to `sender` under `label`.
     ///
     /// # Errors
-    /// If the master refuses.
+    /// If the master rejects it.
     pub fn subscribe(
         &self,
         label: &'static str,
@@ -136,7 +136,7 @@ impl Node {
     /// Offers a topic.
     ///
     /// # Errors
-    /// If the master refuses.
+    /// If the master rejects it.
     pub fn advertise(&self, topic: &str, kind: MessageType) -> io::Result<Arc<Publication>> {
         let publication = Arc::new(Publication {
             topic: topic.to_owned(),
@@ -148,13 +148,13 @@ impl Node {
         Ok(publication)
     }
 
-    /// Asks the master again and again whether it is there, and says so when it is not.
+    /// Checks the master periodically, and reports when it no longer answers.
     pub fn watch_master(&self, sender: &SyncSender<Heard>) {
         let (inner, sender) = (Arc::clone(&self.inner), sender.clone());
         std::thread::spawn(move || {
             while !inner.closed.load(Ordering::Relaxed) {
                 if call(&inner.master, "getPid", &[Value::text(&inner.name)]).is_err() {
-                    // Nobody listens any more where this fails.
+                    // Fails only if the receiver is closed.
                     let _ = sender.send(Heard::MasterIsGone);
                     return;
                 }
@@ -178,7 +178,7 @@ impl Drop for Node {
         for publication in lock(&self.inner.publications).drain(..) {
             topics("unregisterPublisher", &publication.topic);
         }
-        // The listening threads look up from their sleep.
+        // Wakes the listening threads.
         let port = authority(&self.inner.uri).and_then(|at| at.rsplit_once(':')?.1.parse().ok());
         for port in [Some(self.inner.topics_port), port].into_iter().flatten() {
             let _ = TcpStream::connect((self.inner.host, port));
@@ -186,7 +186,7 @@ impl Drop for Node {
     }
 }
 
-/// Hands every connection to a thread of its own until the node is closed.
+/// Runs a thread for every connection until the node is closed.
 fn accept(listener: TcpListener, inner: Arc<Inner>, handle: fn(&Arc<Inner>, TcpStream)) {
     std::thread::spawn(move || {
         let open = Arc::new(AtomicUsize::new(0));
@@ -214,7 +214,7 @@ impl Inner {
         Ok(call(&self.master, method, &parameters)?.texts())
     }
 
-    /// Answers a call of the master or of another node.
+    /// Answers a call from the master or another node.
     fn serve(self: &Arc<Self>, stream: &TcpStream) -> io::Result<()> {
         let call = read_call(stream)?;
         let text = |k: usize| call.parameters.get(k).and_then(Value::as_text);
@@ -266,7 +266,7 @@ impl Inner {
         };
         let kind = publication.kind;
         if !matches!(field("md5sum"), Some(md5) if md5 == "*" || md5 == kind.md5) {
-            let error = format!("{} has another definition here: {}", kind.name, kind.md5);
+            let error = format!("{} is defined differently here: {}", kind.name, kind.md5);
             return write_header(&mut stream, &[("error", &error)]);
         }
         let answer = [
@@ -289,7 +289,8 @@ impl Publication {
         lock(&self.subscribers).len()
     }
 
-    /// Sends a message to all subscribers; those that have gone are forgotten. The number of those that got it.
+    /// Sends a message to all subscribers, removes disconnected ones and returns how many received
+    /// it.
     pub fn publish(&self, message: &[u8]) -> usize {
         let mut framed = (message.len() as u32).to_le_bytes().to_vec();
         framed.extend(message);
@@ -316,13 +317,13 @@ fn connect_all(inner: &Arc<Inner>, subscription: &Arc<Subscription>, publishers:
             if let Err(error) = listen(&inner, &subscription, &publisher) {
                 tracing::debug!("{} from {publisher}: {error}", subscription.topic);
             }
-            // It may come back under the same address.
+            // It may reconnect under the same address.
             lock(&subscription.publishers).remove(&publisher);
         });
     }
 }
 
-/// Hears one publisher until it or the node ends.
+/// Reads from one publisher until it or the node ends.
 fn listen(inner: &Inner, subscription: &Subscription, publisher: &str) -> io::Result<()> {
     let broken = |what: String| io::Error::new(io::ErrorKind::InvalidData, what);
     let protocols = Value::Array(vec![Value::Array(vec![Value::text("TCPROS")])]);
@@ -333,12 +334,13 @@ fn listen(inner: &Inner, subscription: &Subscription, publisher: &str) -> io::Re
     ];
     let place = xmlrpc::call(publisher, "requestTopic", &parameters)?;
     let Some([_, Value::Text(host), Value::Integer(port)]) = place.as_array() else {
-        return Err(broken("no TCPROS".into()));
+        return Err(broken("the publisher does not offer TCPROS".into()));
     };
-    let port = u16::try_from(*port).map_err(|_| broken("no port".into()))?;
+    let port =
+        u16::try_from(*port).map_err(|_| broken("the publisher sent an invalid port".into()))?;
     let mut stream = TcpStream::connect((host.as_str(), port))?;
     stream.set_nodelay(true)?;
-    // So that the thread sees the node's end.
+    // So that the thread notices the end of the node.
     stream.set_read_timeout(Some(Duration::from_secs(1)))?;
     let kind = subscription.kind;
     let header = [
@@ -351,7 +353,10 @@ fn listen(inner: &Inner, subscription: &Subscription, publisher: &str) -> io::Re
     write_header(&mut stream, &header)?;
     let answer = read_header(&mut stream)?;
     if let Some((_, error)) = answer.iter().find(|(key, _)| key == "error") {
-        tracing::warn!("{}: the publisher refuses: {error}", subscription.topic);
+        tracing::warn!(
+            "{}: the publisher rejected the subscription: {error}",
+            subscription.topic
+        );
         return Err(broken(error.clone()));
     }
     loop {
@@ -377,7 +382,7 @@ fn listen(inner: &Inner, subscription: &Subscription, publisher: &str) -> io::Re
     }
 }
 
-/// Reads as many bytes as fit; `false` where the node is closed before.
+/// Fills the buffer; `false` if the node is closed before.
 fn read_whole(inner: &Inner, stream: &mut TcpStream, bytes: &mut [u8]) -> io::Result<bool> {
     let mut done = 0;
     while done < bytes.len() {

@@ -16,7 +16,7 @@ const MOST_NODES: u32 = 100_000;
 /// A value of a call or an answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// A whole number, or a truth as 0 or 1.
+    /// An integer, or a boolean as 0 or 1.
     Integer(i64),
     /// Text.
     Text(String),
@@ -101,12 +101,12 @@ pub fn authority(uri: &str) -> Option<&str> {
 /// Calls a method of a node or a master and returns the third part of its answer, after code and message.
 ///
 /// # Errors
-/// If nobody answers, the answer is no XML-RPC, or its code is not 1.
+/// If there is no answer, the answer is not XML-RPC, or its code is not 1.
 pub fn call(uri: &str, method: &str, parameters: &[Value]) -> io::Result<Value> {
     let broken =
         |what: &str| io::Error::new(io::ErrorKind::InvalidData, format!("{method}: {what}"));
     let authority =
-        authority(uri).ok_or_else(|| broken("no address of the kind http://host:port/"))?;
+        authority(uri).ok_or_else(|| broken("not an address of the form http://host:port/"))?;
     let address = authority
         .to_socket_addrs()?
         .next()
@@ -135,11 +135,11 @@ pub fn call(uri: &str, method: &str, parameters: &[Value]) -> io::Result<Value> 
     match value.as_array() {
         Some([Value::Integer(1), _, result]) => Ok(result.clone()),
         Some([_, Value::Text(message), ..]) => Err(broken(message.as_str())),
-        _ => Err(broken("the answer is no answer of ROS")),
+        _ => Err(broken("the answer is not an answer of ROS")),
     }
 }
 
-/// A call that somebody makes.
+/// A call of a method.
 pub struct Call {
     /// The method.
     pub method: String,
@@ -150,7 +150,7 @@ pub struct Call {
 /// Reads a call.
 ///
 /// # Errors
-/// If it is no XML-RPC, or does not come in time.
+/// If it is not XML-RPC, or does not arrive in time.
 pub fn read_call(stream: &TcpStream) -> io::Result<Call> {
     let text = read_body(&mut BufReader::new(Timely::new(stream)))?;
     let document = parse(&text).map_err(|reason| invalid(&format!("a call: {reason}")))?;
@@ -175,7 +175,7 @@ fn call_in(document: &Document<'_>) -> Call {
     }
 }
 
-/// The document of a message: [`Value::from_xml`] recurses, so its depth is bounded before.
+/// The document of a message: its depth is bounded first, because [`Value::from_xml`] recurses.
 fn parse(text: &str) -> Result<Document<'_>, String> {
     if text.len() > LONGEST {
         return Err(format!("longer than {LONGEST} bytes"));
@@ -192,7 +192,7 @@ fn invalid(what: &str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what.to_owned())
 }
 
-/// A connection whose whole message must arrive within [`PATIENCE`], however small its parts.
+/// A connection whose whole message must arrive within [`PATIENCE`], in any number of parts.
 struct Timely<'a> {
     stream: &'a TcpStream,
     end: Instant,
@@ -218,10 +218,10 @@ impl Read for Timely<'_> {
     }
 }
 
-/// Answers a call well.
+/// Answers a call with success.
 ///
 /// # Errors
-/// If the caller has gone.
+/// If the caller has disconnected.
 pub fn answer(mut stream: &TcpStream, result: Value) -> io::Result<()> {
     let answer = Value::Array(vec![Value::Integer(1), Value::text(""), result]);
     let body = format!(
@@ -246,7 +246,7 @@ fn read_body(reader: &mut impl BufRead) -> io::Result<String> {
             break;
         }
         if total > 1 << 16 {
-            return Err(invalid("an endless header"));
+            return Err(invalid("the header does not end"));
         }
         if let Some((name, value)) = line.split_once(':')
             && name.eq_ignore_ascii_case("content-length")
@@ -260,7 +260,7 @@ fn read_body(reader: &mut impl BufRead) -> io::Result<String> {
     let mut body = Vec::new();
     let limit = length.unwrap_or(LONGEST);
     reader.take(limit as u64).read_to_end(&mut body)?;
-    String::from_utf8(body).map_err(|_| invalid("text that is no UTF-8"))
+    String::from_utf8(body).map_err(|_| invalid("text that is not UTF-8"))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! An action of ROS 2: three services, and how its server is met.
+//! An action of ROS 2: its three services and the discovery of its server.
 
 use super::super::DriverError;
 use super::super::gripper_goal::wait_for_server;
@@ -14,14 +14,15 @@ use std::time::{Duration, Instant};
 
 /// Longest wait for the action server.
 const DISCOVERY_PATIENCE: Duration = Duration::from_secs(5);
-/// Time between the discovery of the server and the first request: what has found the server may not be found by it.
+/// Time between the discovery of the server and the first request: the server may discover this
+/// client later.
 const SETTLING: Duration = Duration::from_millis(500);
 
-/// What is said of a goal that is not taken: the answer has no place for a reason.
+/// Message for a rejected goal: the answer has no field for a reason.
 pub const WITHOUT_REASON: &str =
-    "it gives no reason: compare the joints' names and the goal with what its log says";
+    "no reason given: compare the names of the joints and the goal with the log of the controller";
 
-/// A name that no other goal has.
+/// A unique name for a goal.
 pub fn unique() -> GoalId {
     let mut id = [0; 16];
     for half in id.chunks_exact_mut(8) {
@@ -30,10 +31,10 @@ pub fn unique() -> GoalId {
     id
 }
 
-/// A participant of a domain, on one network where the address of this machine there is given.
+/// A participant of a domain, on one network if the address of this machine there is given.
 ///
 /// # Errors
-/// In words: there is no such network, or no place for another participant.
+/// A message if there is no such network, or no free participant index.
 pub fn participant(domain: u16, interface: Option<IpAddr>) -> Result<DomainParticipant, String> {
     let mut builder = DomainParticipantBuilder::new(domain);
     if let Some(interface) = interface {
@@ -44,11 +45,11 @@ pub fn participant(domain: u16, interface: Option<IpAddr>) -> Result<DomainParti
 
 /// The services of an action with goals `Goal`, which end with results `End`.
 pub struct Action<Goal, End> {
-    /// Takes goals.
+    /// Accepts goals.
     pub send_goal: Service<Goal, GoalAnswer>,
     /// Answers once a goal has ended.
     pub get_result: Service<GetResult, End>,
-    /// Takes cancellations.
+    /// Accepts cancellations.
     pub cancel_goal: Service<CancelGoal, CancelAnswer>,
 }
 
@@ -56,7 +57,7 @@ impl<Goal: Serialize, End: DeserializeOwned> Action<Goal, End> {
     /// A client of the action `name`, without a slash in front, of a kind of `control_msgs`.
     ///
     /// # Errors
-    /// In words.
+    /// A message about the failure.
     pub fn new(
         participant: &DomainParticipant,
         middleware: Middleware,
@@ -83,10 +84,11 @@ impl<Goal: Serialize, End: DeserializeOwned> Action<Goal, End> {
         })
     }
 
-    /// Waits until all services are served; `false` where they are not in [`DISCOVERY_PATIENCE`].
+    /// Waits until all services are available; `false` if they are not within
+    /// [`DISCOVERY_PATIENCE`].
     ///
     /// # Errors
-    /// The user asked for the end.
+    /// The user interrupted the wait.
     pub fn meet(
         &self,
         participant: &DomainParticipant,
@@ -105,7 +107,7 @@ impl<Goal: Serialize, End: DeserializeOwned> Action<Goal, End> {
     }
 }
 
-/// That no server of an action was found; `what` has to be started.
+/// The error that no server of an action was found; `what` must be started.
 pub fn absence(action: &str, what: &str) -> String {
     format!(
         "no action server of {action} was found in {} s; is the {what} started, and is `domain` its ROS_DOMAIN_ID?",

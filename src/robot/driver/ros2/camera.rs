@@ -12,7 +12,7 @@ use rustdds::DomainParticipant;
 use serde::de::DeserializeOwned;
 use std::time::{Duration, Instant};
 
-/// Time between looks for a picture.
+/// Polling interval for pictures.
 const INTERVAL: Duration = Duration::from_millis(5);
 
 /// A topic of pictures.
@@ -22,7 +22,7 @@ pub struct Ros2Camera {
     _participant: DomainParticipant,
 }
 
-/// Two readers each: one that has lost parts sent again by publishers that are able to, one for publishers that are not.
+/// Two readers each: a reliable one, and one for best-effort publishers.
 enum Readers {
     Pixels([Reader<Image>; 2]),
     Files([Reader<CompressedImage>; 2]),
@@ -32,7 +32,7 @@ impl Ros2Camera {
     /// Subscribes a topic.
     ///
     /// # Errors
-    /// In words: there is no such network, or no place for another participant.
+    /// A message if there is no such network, or no free participant index.
     pub fn open(address: &Ros2CameraAddress) -> Result<Self, String> {
         let participant = participant(address.domain, address.interface)?;
         let topic = format!("rt/{}", address.topic.trim_matches('/'));
@@ -48,7 +48,7 @@ impl Ros2Camera {
         })
     }
 
-    /// The newest picture that has come.
+    /// The newest picture received.
     fn newest(&mut self) -> Result<Option<CameraPicture>, String> {
         match &mut self.readers {
             Readers::Pixels(readers) => {
@@ -100,7 +100,7 @@ fn newest<T: DeserializeOwned>(readers: &mut [Reader<T>; 2]) -> Result<Option<T>
 fn bounded(data: &[u8]) -> Result<&[u8], String> {
     if data.len() > LARGEST_PICTURE {
         return Err(format!(
-            "a picture of {} bytes; the most are {LARGEST_PICTURE}",
+            "a picture of {} bytes; allowed: at most {LARGEST_PICTURE}",
             data.len()
         ));
     }
@@ -120,7 +120,8 @@ impl PictureTopic for Ros2Camera {
             }
             if begin.elapsed() > patience {
                 return Err(DriverError::Lost(format!(
-                    "ROS 2, domain {}: no picture on {topic} in {} s; is the camera started, is this its topic, and is {} its ROS_DOMAIN_ID?",
+                    "ROS 2, domain {}: no picture on {topic} in {} s; is the camera started, is \
+                     this its topic, and is {} its ROS_DOMAIN_ID?",
                     self.address.domain,
                     patience.as_secs_f64(),
                     self.address.domain
@@ -150,7 +151,7 @@ mod tests {
         }
     }
 
-    /// Publishes a message again and again while `during` runs.
+    /// Publishes a message repeatedly while `during` runs.
     fn published<R>(
         address: &Ros2CameraAddress,
         kind: &str,
@@ -166,7 +167,7 @@ mod tests {
         std::thread::scope(|scope| {
             scope.spawn(|| {
                 while !is_over.load(Ordering::Relaxed) {
-                    // Nobody may listen yet.
+                    // There may be no subscriber yet.
                     let _ = writer.write(message.clone(), None);
                     std::thread::sleep(Duration::from_millis(50));
                 }
@@ -217,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_topic_without_a_camera_is_named() {
-        let place = address("nobody");
+        let place = address("absent");
         let error = Ros2Camera::open(&place)
             .unwrap()
             .picture(Duration::from_millis(100))

@@ -24,7 +24,7 @@ impl Ros2Driver {
     }
 }
 
-/// A way to an action server of ROS 2.
+/// A connection to an action server of ROS 2.
 pub struct Ros2Link {
     address: Ros2Address,
     connection: Option<Connection>,
@@ -35,7 +35,7 @@ struct Connection {
     feedback: Reader<Feedback>,
     joint_states: Reader<JointStates>,
     participant: DomainParticipant,
-    /// The goal whose result was asked for last.
+    /// The goal whose result was requested last.
     asked: Option<GoalId>,
 }
 
@@ -107,7 +107,8 @@ impl Connection {
             let (status, code) = (result.status.into(), result.error_code.into());
             goal.end(ros_2_outcome(Some(status), code, &result.error_string));
         } else if cancelled.is_some_and(|answer| answer.return_code != 0) {
-            // The server has not heard of the goal yet, or will not let it go: asked again until the patience ends.
+            // The server has not received the goal yet, or does not cancel it: the request is
+            // repeated until the wait ends.
             action.cancel_goal.ask(CancelGoal::new(goal_id))?;
         }
         Ok(())
@@ -115,7 +116,7 @@ impl Connection {
 }
 
 impl Ros2Link {
-    /// Does something with the connection.
+    /// Runs a function on the connection.
     fn with<T>(
         &mut self,
         work: impl FnOnce(&mut Connection) -> Result<T, String>,
@@ -173,7 +174,7 @@ impl ActionLink for Ros2Link {
         self.with(|connection| connection.action.send_goal.ask(goal))
     }
 
-    /// The answer to the last request counts.
+    /// Only the answer to the last request is used.
     fn cancel(&mut self, id: &GoalId) -> Result<(), DriverError> {
         self.with(|connection| connection.action.cancel_goal.ask(CancelGoal::new(*id)))
     }

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// Longest wait for the answer to a goal, and to its cancellation.
 const ANSWER_PATIENCE: Duration = Duration::from_secs(3);
 const CANCEL_PATIENCE: Duration = Duration::from_millis(500);
-/// Status of a goal that the controller broke off.
+/// Status of a goal that the controller aborted.
 const ABORTED: i8 = 6;
 
 /// A gripper by its action.
@@ -71,7 +71,7 @@ struct SentGoal<'a> {
 }
 
 impl SentGoal<'_> {
-    /// Cancels it; whether the server has confirmed that before the patience ends.
+    /// Cancels it; `true` if the server confirms that in time.
     fn is_cancelled(&mut self) -> Result<bool, String> {
         let begin = Instant::now();
         let service = &mut self.action.cancel_goal;
@@ -111,7 +111,7 @@ impl GripperGoal for SentGoal<'_> {
             std::thread::sleep(LOOK);
             return Ok(false);
         };
-        // Fingers that hold something on the way have stalled; some controllers abort then.
+        // Fingers that hold an object have stalled; some controllers then abort.
         if result.status == ABORTED && result.stalled {
             return Ok(true);
         }

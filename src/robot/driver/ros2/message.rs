@@ -1,6 +1,7 @@
-//! The messages of ROS 2 that a trajectory or a picture needs, field by field as their definitions have them, for CDR.
+//! The messages of ROS 2 that a trajectory or a picture needs, field by field in the order of their
+//! definitions, for CDR.
 //!
-//! What an answer carries beyond what is needed is not read: CDR is read from the front.
+//! Unused fields at the end of an answer are not read.
 
 use super::super::Interpolant;
 use serde::{Deserialize, Serialize};
@@ -33,7 +34,7 @@ impl Duration {
     }
 }
 
-/// A sequence without elements, whatever they would be: its length.
+/// An empty sequence of any type: its length.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Empty(u32);
 
@@ -77,7 +78,7 @@ pub struct SendGoal {
 }
 
 impl SendGoal {
-    /// A goal that asks for a motion.
+    /// The goal of a motion.
     pub fn new(goal_id: GoalId, joints: &[String], motion: &Interpolant) -> Self {
         let points = motion.rows().map(|(time, positions, velocities)| Point {
             positions: positions.clone(),
@@ -113,7 +114,7 @@ pub struct GripperCommand {
 }
 
 impl GripperCommand {
-    /// A goal that asks for an opening, m, with an effort of at most so much, N.
+    /// The goal of an opening, m, with a maximum effort, N.
     pub fn new(goal_id: GoalId, opening: f64, max_effort: f64) -> Self {
         Self {
             goal_id,
@@ -135,17 +136,17 @@ pub struct GripperResult {
     reached_goal: bool,
 }
 
-/// `FollowJointTrajectory_SendGoal_Response`, up to whether the goal is taken.
+/// `FollowJointTrajectory_SendGoal_Response`, up to the acceptance of the goal.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct GoalAnswer {
-    /// Whether the controller takes the goal.
+    /// Whether the controller accepts the goal.
     pub accepted: bool,
 }
 
 /// `FollowJointTrajectory_GetResult_Request`.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct GetResult {
-    /// Of which goal.
+    /// The goal.
     pub goal_id: GoalId,
 }
 
@@ -154,13 +155,13 @@ pub struct GetResult {
 pub struct ResultAnswer {
     /// `action_msgs/GoalStatus`.
     pub status: i8,
-    /// 0, or what went wrong.
+    /// 0, or an error code.
     pub error_code: i32,
-    /// In the controller's words.
+    /// Message of the controller.
     pub error_string: String,
 }
 
-/// `action_msgs/srv/CancelGoal_Request`: of one goal, whenever it was taken.
+/// `action_msgs/srv/CancelGoal_Request`: of one goal, whenever it was accepted.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct CancelGoal {
     goal_id: GoalId,
@@ -168,7 +169,7 @@ pub struct CancelGoal {
 }
 
 impl CancelGoal {
-    /// Calls a goal off.
+    /// Cancels a goal.
     pub fn new(goal_id: GoalId) -> Self {
         Self {
             goal_id,
@@ -180,14 +181,14 @@ impl CancelGoal {
 /// `action_msgs/srv/CancelGoal_Response`, up to its code.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct CancelAnswer {
-    /// 0 where the goal is being cancelled, 1 where the controller refuses.
+    /// 0 if the goal is being cancelled, 1 if the controller refuses.
     pub return_code: i8,
 }
 
 /// `FollowJointTrajectory_FeedbackMessage`, up to the setpoint.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Feedback {
-    /// Of which goal.
+    /// The goal.
     pub goal_id: GoalId,
     header: Header,
     /// Names of joints.
@@ -202,14 +203,14 @@ pub struct JointStates {
     header: Header,
     /// Names of joints.
     pub name: Vec<String>,
-    /// Where they are, rad or m.
+    /// Their positions, rad or m.
     pub position: Vec<f64>,
 }
 
 /// `sensor_msgs/Image`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Image {
-    /// When and of which camera.
+    /// Time and camera.
     pub header: Header,
     /// Rows.
     pub height: u32,
@@ -217,7 +218,7 @@ pub struct Image {
     pub width: u32,
     /// Such as `rgb8`.
     pub encoding: String,
-    /// Whether the first byte of a number of two counts more.
+    /// Whether numbers of two bytes are big-endian.
     pub is_bigendian: u8,
     /// Bytes from row to row.
     pub step: u32,
@@ -228,7 +229,7 @@ pub struct Image {
 /// `sensor_msgs/CompressedImage`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CompressedImage {
-    /// When and of which camera.
+    /// Time and camera.
     pub header: Header,
     /// Such as `jpeg`.
     pub format: String,
@@ -246,7 +247,8 @@ mod tests {
         assert_eq!((almost.seconds, almost.nanoseconds), (2, 0));
     }
 
-    /// By hand from the definitions and the rules of CDR: little-endian, each number at a multiple of its size.
+    /// Encoded by hand from the definitions and the rules of CDR: little-endian, each number at a
+    /// multiple of its size.
     #[test]
     fn a_goal_has_the_bytes_of_its_definition() {
         let motion = Interpolant::new(&[0.0, 1.5], &[vec![0.0], vec![2.0]]);
@@ -262,7 +264,7 @@ mod tests {
         let word = |bytes: &mut Vec<u8>, number: u32| bytes.extend(number.to_le_bytes());
         let header = |bytes: &mut Vec<u8>| {
             (0..2).for_each(|_| word(bytes, 0));
-            // An empty text is its closing zero; the next number stands at a multiple of four.
+            // An empty text is its closing zero; the next number starts at a multiple of four.
             bytes.extend([1, 0, 0, 0, 0, 0, 0, 0]);
         };
         header(&mut expected);

@@ -1,8 +1,10 @@
-//! `control_msgs/FollowJointTrajectory` and `GripperCommand` of ROS 2, natively: no ROS installation, no bridge; DDS by rustdds.
+//! `control_msgs/FollowJointTrajectory` and `GripperCommand` of ROS 2, natively, without a ROS
+//! installation or a bridge; DDS by rustdds.
 //!
-//! An action of ROS 2 (`action`) is three services, send_goal, get_result and cancel_goal (`service`), and topics of feedback and
-//! status; their messages (`message`) are CDR. An arm has a `client`, a
-//! `gripper` one of its own; pictures come from a `camera`. All of it needs the cargo feature `ros2`.
+//! An action of ROS 2 (`action`) is three services, send_goal, get_result and cancel_goal
+//! (`service`), and topics of feedback and status; their messages (`message`) are CDR. Arms use
+//! `client` and grippers `gripper`; pictures come from a `camera`. All of this needs the cargo
+//! feature `ros2`.
 
 #[cfg(feature = "ros2")]
 mod action;
@@ -21,10 +23,10 @@ use super::picture::PictureTopic;
 use super::{Driver, DriverError, GripperDriver};
 use std::net::IpAddr;
 
-/// What carries the messages of a robot that runs ROS 2.
+/// Middleware of a robot that runs ROS 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Middleware {
-    /// Fast DDS, with which ROS 2 comes.
+    /// Fast DDS, the default of ROS 2.
     FastDds,
     /// Cyclone DDS.
     CycloneDds,
@@ -40,12 +42,12 @@ impl Middleware {
     }
 }
 
-/// Where and how a robot of ROS 2 is met.
+/// Address of a robot of ROS 2.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ros2Address {
     /// Its `ROS_DOMAIN_ID`.
     pub domain: u16,
-    /// What carries its messages.
+    /// Its middleware.
     pub middleware: Middleware,
     /// Address of this machine on the robot's network; `None`: all networks.
     pub interface: Option<IpAddr>,
@@ -72,12 +74,12 @@ impl Ros2Address {
     }
 }
 
-/// Where a gripper of ROS 2 is met, and how hard it grips.
+/// Address of a gripper of ROS 2, and its grip force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ros2GripperAddress {
     /// Its `ROS_DOMAIN_ID`.
     pub domain: u16,
-    /// What carries its messages.
+    /// Its middleware.
     pub middleware: Middleware,
     /// Address of this machine on its network; `None`: all networks.
     pub interface: Option<IpAddr>,
@@ -101,7 +103,7 @@ impl Ros2GripperAddress {
     }
 }
 
-/// Where a camera of ROS 2 is met.
+/// Address of a camera of ROS 2.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ros2CameraAddress {
     /// Its `ROS_DOMAIN_ID`.

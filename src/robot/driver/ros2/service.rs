@@ -1,7 +1,8 @@
-//! Services of ROS 2 as topics of DDS, in the two ways in which robots have them.
+//! Services of ROS 2 as topics of DDS, for two kinds of middleware.
 //!
-//! Behind Fast DDS an answer names its request in the parameters beside the message; behind Cyclone DDS request and
-//! answer begin with 16 bytes that name the request. Either kind of server keeps silent to the other kind of client.
+//! With Fast DDS an answer names its request in the parameters beside the message; with Cyclone DDS
+//! request and answer begin with 16 bytes that name the request. A server of either kind does not
+//! answer clients of the other kind.
 
 use super::Middleware;
 use rustdds::bytes::Bytes;
@@ -20,12 +21,13 @@ use std::convert::Infallible;
 use std::fmt::Display;
 use std::marker::PhantomData;
 
-/// Depth of the history of every topic, as ROS 2 has it.
+/// Depth of the history of every topic, as in ROS 2.
 const DEPTH: i32 = 10;
-/// Longest wait for a place among messages that are not confirmed yet, ms.
+/// Longest wait for space in the queue of unacknowledged messages, ms.
 const WRITE_PATIENCE: i32 = 100;
 
-/// A message as it is on the wire, in CDR: what reads and writes topics is compiled for this type only.
+/// A message as it is on the wire, in CDR: code that reads and writes topics is compiled for this
+/// type only.
 #[derive(Clone, Debug)]
 pub struct Encoded {
     bytes: Vec<u8>,
@@ -36,7 +38,7 @@ impl Encoded {
     /// Encodes a message.
     ///
     /// # Errors
-    /// In words.
+    /// A message about the failure.
     pub fn of(message: &impl Serialize) -> Result<Self, String> {
         let (mut bytes, encoding) = (Vec::new(), RepresentationIdentifier::CDR_LE);
         to_writer_with_rep_id(&mut bytes, message, encoding).map_err(in_words)?;
@@ -46,14 +48,14 @@ impl Encoded {
     /// Decodes it.
     ///
     /// # Errors
-    /// In words.
+    /// A message about the failure.
     fn decoded<T: DeserializeOwned>(&self) -> Result<T, String> {
         let decoded = deserialize_from_cdr_with_rep_id(&self.bytes, self.encoding);
         Ok(decoded.map_err(in_words)?.0)
     }
 }
 
-/// Hands messages to topics and from them as they are.
+/// Passes messages to and from topics unchanged.
 #[derive(Clone, Copy, Debug)]
 pub struct AsTheyAre;
 
@@ -104,10 +106,10 @@ impl SerializerAdapter<Encoded> for AsTheyAre {
     }
 }
 
-/// What publishes a topic.
+/// Publisher of a topic.
 pub type Writer = DataWriter<Encoded, AsTheyAre>;
 
-/// What reads the messages of a topic.
+/// Subscriber of a topic.
 pub struct Reader<T> {
     reader: DataReader<Encoded, AsTheyAre>,
     messages: PhantomData<fn() -> T>,
@@ -117,7 +119,7 @@ impl<T: DeserializeOwned> Reader<T> {
     /// The next message, if one has arrived.
     ///
     /// # Errors
-    /// In words.
+    /// A message about the failure.
     pub fn next(&mut self) -> Result<Option<T>, String> {
         let sample = self.reader.take_next_sample().map_err(in_words)?;
         sample.map(|sample| sample.value().decoded()).transpose()
@@ -146,7 +148,7 @@ fn profile(reliability: Reliability) -> QosPolicies {
 /// Subscribes a topic of DDS.
 ///
 /// # Errors
-/// In words.
+/// A message about the failure.
 pub fn subscribe<T>(
     participant: &DomainParticipant,
     topic: &str,
@@ -168,7 +170,7 @@ pub fn subscribe<T>(
 /// Publishes a topic of DDS.
 ///
 /// # Errors
-/// In words.
+/// A message about the failure.
 pub fn publish(participant: &DomainParticipant, topic: &str, kind: &str) -> Result<Writer, String> {
     let quality = reliable();
     let name = (topic.to_owned(), kind.to_owned());
@@ -185,11 +187,12 @@ fn in_words(error: impl Display) -> String {
     error.to_string()
 }
 
-/// How an answer names its request.
+/// Place of the request identifier in an answer.
 enum Naming {
-    /// In the parameters beside it, by the identity of the last request: behind Fast DDS.
+    /// In the parameters beside it, by the identity of the last request: Fast DDS.
     Beside(Option<SampleIdentity>),
-    /// In front of it, by half of the client's identity and the number of the last request: behind Cyclone DDS.
+    /// In front of it, by half of the client's identity and the number of the last request: Cyclone
+    /// DDS.
     InFront([u8; 8], i64),
 }
 
@@ -207,7 +210,7 @@ impl<Q: Serialize, A: DeserializeOwned> Service<Q, A> {
     /// A client of the service `name`, without a slash in front, whose messages are of the kind `package::srv::dds_::Kind`.
     ///
     /// # Errors
-    /// In words.
+    /// A message about the failure.
     pub fn new(
         participant: &DomainParticipant,
         middleware: Middleware,
@@ -237,7 +240,7 @@ impl<Q: Serialize, A: DeserializeOwned> Service<Q, A> {
         })
     }
 
-    /// Whether somebody listens to the requests, and somebody answers.
+    /// Whether the requests have a reader and the answers a writer.
     pub fn is_served(&self, participant: &DomainParticipant) -> bool {
         let readers = participant.discovered_readers();
         let writers = participant.discovered_writers();
@@ -249,10 +252,10 @@ impl<Q: Serialize, A: DeserializeOwned> Service<Q, A> {
                 .any(|writer| *writer.publication_topic_data.topic_name() == self.answers_topic)
     }
 
-    /// Sends a request; an answer to one before is not waited for any more.
+    /// Sends a request; answers to earlier ones are ignored.
     ///
     /// # Errors
-    /// In words.
+    /// A message about the failure.
     pub fn ask(&mut self, request: Q) -> Result<(), String> {
         let message = match &mut self.naming {
             Naming::Beside(_) => Encoded::of(&request)?,
@@ -270,10 +273,10 @@ impl<Q: Serialize, A: DeserializeOwned> Service<Q, A> {
         Ok(())
     }
 
-    /// The answer to the last request, once it is there.
+    /// The answer to the last request, once it has arrived.
     ///
     /// # Errors
-    /// In words.
+    /// A message about the failure.
     pub fn answer(&mut self) -> Result<Option<A>, String> {
         while let Some(sample) = self.answers.reader.take_next_sample().map_err(in_words)? {
             match self.naming {

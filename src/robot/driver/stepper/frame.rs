@@ -1,13 +1,13 @@
 //! Frames: a sequence number, a kind, data and a checksum, stuffed so that no byte of them is zero, and a zero.
 //!
-//! The stuffing is Consistent Overhead Byte Stuffing (Cheshire & Baker 1999): wherever a receiver begins to listen, the
-//! next zero is the end of a frame. The checksum is CRC-16/GENIBUS.
+//! The stuffing is Consistent Overhead Byte Stuffing (Cheshire & Baker 1999): wherever a receiver
+//! starts, the next zero ends a frame. The checksum is CRC-16/GENIBUS.
 
 /// Longest frame, bytes before stuffing.
 pub const LONGEST: usize = 32;
 
-/// CRC-16/GENIBUS: polynomial 0x1021 from 0xFFFF, inverted. Without the inversion a frame whose checksum ends with a zero
-/// would pass, too, where the line repeats that zero.
+/// CRC-16/GENIBUS: polynomial 0x1021 from 0xFFFF, inverted. Without the inversion, a frame whose
+/// checksum ends with a zero would also be valid if the line repeats that zero.
 pub fn checksum(bytes: &[u8]) -> u16 {
     !bytes.iter().fold(0xFFFF, |mut crc, byte| {
         crc ^= u16::from(*byte) << 8;
@@ -48,7 +48,7 @@ pub struct Frame {
     pub data: Vec<u8>,
 }
 
-/// Decodes what stood before a zero; `None` where it is damaged.
+/// Decodes the bytes before a zero; `None` if they are damaged.
 pub fn decode(stuffed: &[u8]) -> Option<Frame> {
     let mut plain = Vec::with_capacity(stuffed.len());
     let mut rest = stuffed;
@@ -115,7 +115,7 @@ mod tests {
         }
 
         #[test]
-        fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..40)) {
+        fn no_bytes_cause_a_panic(bytes in prop::collection::vec(any::<u8>(), 0..40)) {
             let _ = decode(&bytes);
         }
     }

@@ -1,4 +1,5 @@
-//! Motions over serial lines whose other end is faulty: each ends as it should, and none is called finished.
+//! Motions over serial lines with a faulty board: each ends with the right error, and none is
+//! reported finished.
 
 use super::super::PartTrajectory;
 use super::frame;
@@ -9,21 +10,21 @@ use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::sync::{Arc, Mutex};
 
-/// What is wrong with a board.
+/// Fault of a board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
-    /// It takes moves, and its motor stands still.
+    /// It accepts moves, but its motor does not move.
     Stuck,
-    /// It answers nothing after a while.
+    /// It stops answering after a while.
     Mute,
-    /// It sends bytes without end.
+    /// It sends bytes endlessly.
     Garbage,
-    /// It answers with another frame's number.
+    /// It answers with the number of another frame.
     OldAnswers,
-    /// It reports a count that no move leads to.
+    /// It reports a count that does not follow from the moves.
     Jump,
-    /// It takes requests to stop, and its motor turns on.
+    /// It accepts stop requests, but its motor continues.
     Deaf,
     /// Its queue is always full.
     Full,
@@ -31,7 +32,7 @@ enum Fault {
 
 struct Board {
     fault: Fault,
-    /// Moves that it has taken, with their times, s.
+    /// Accepted moves, with their times, s.
     moves: Vec<(Instant, i32, f64)>,
     answers: VecDeque<u8>,
     received: Vec<u8>,
@@ -128,7 +129,7 @@ impl Write for Line {
     }
 }
 
-/// Turns the motor by half a turn in 0.8 s; interrupts after 0.4 s where that is asked for.
+/// Turns the motor by half a turn in 0.8 s; interrupts after 0.4 s if requested.
 fn turn(fault: Fault, interrupts: bool) -> (Ending, usize) {
     let board = Arc::new(Mutex::new(Board {
         fault,
@@ -164,13 +165,13 @@ fn a_sound_board_finishes_and_holds() {
 
 #[test]
 fn a_faulty_board_is_commanded_to_stop_and_named() {
-    const UNANSWERED: &str = "no answer in a quarter of a second";
+    const UNANSWERED: &str = "no answer within 0.25 s";
     let faults = [
         (Fault::Stuck, false, "do not begin to move"),
         (Fault::Mute, false, UNANSWERED),
         (Fault::Garbage, false, UNANSWERED),
         (Fault::OldAnswers, false, UNANSWERED),
-        (Fault::Jump, false, "from where it should be"),
+        (Fault::Jump, false, "from its trajectory"),
         (Fault::Deaf, true, "watch the arm"),
         (Fault::Full, false, "do not begin to move"),
     ];
@@ -179,7 +180,7 @@ fn a_faulty_board_is_commanded_to_stop_and_named() {
             let (ending, holds) = turn(fault, interrupts);
             match &ending {
                 Ending::Failed(reason) => assert!(reason.contains(words), "{fault:?}: {reason}"),
-                // The last moves may be over before the patience with a deaf board is.
+                // The last moves may end before the wait for a silent board does.
                 Ending::Interrupted if fault == Fault::Deaf => {}
                 _ => panic!("{fault:?}: {ending:?}"),
             }

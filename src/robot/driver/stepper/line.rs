@@ -1,12 +1,12 @@
-//! Questions and answers over a line that is not to be trusted.
+//! Requests and answers over an unreliable line.
 
 use super::frame::{self, Frame};
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
-/// Time after which a question is asked again.
+/// Time after which a request is repeated.
 const PATIENCE: Duration = Duration::from_millis(25);
-/// Times that it is asked; together less than the motor's own watchdog allows.
+/// Number of attempts; together shorter than the watchdog of the motor.
 const ATTEMPTS: u32 = 10;
 
 const HELLO: u8 = 0x01;
@@ -21,35 +21,35 @@ const REFUSED: u8 = 2;
 const WATCHDOG: u8 = 3;
 const OUT_OF_SEQUENCE: u8 = 4;
 
-/// A line to a microcontroller. Reading must give up within milliseconds where nothing comes.
+/// A line to a microcontroller. Reads must return within milliseconds if nothing arrives.
 pub trait SerialLine: Read + Write + Send {}
 
 impl<Line: Read + Write + Send> SerialLine for Line {}
 
-/// What the host asks.
+/// A request of the host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
-    /// Begin anew: the queue is emptied, the watchdog forgiven.
+    /// Restart: empties the queue and resets the watchdog.
     Hello,
-    /// So many steps, evenly spread over a time.
+    /// A number of steps, evenly spread over a time.
     Move {
         /// Steps; negative ones backwards.
         steps: i32,
         /// Time for them.
         microseconds: u32,
     },
-    /// Where are you?
+    /// Request for the position.
     Status,
-    /// Stop, and forget the queue.
+    /// Stop and empty the queue.
     Hold,
 }
 
-/// What the microcontroller answers.
+/// Answer of the microcontroller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Acknowledgement {
     /// Steps since it was switched on.
     pub position: i32,
-    /// Whether the queue was full, so that the move was not taken.
+    /// Whether the queue was full and the move was rejected.
     pub full: bool,
     /// Whether its watchdog has stopped the motor.
     pub watchdog: bool,
@@ -81,7 +81,7 @@ impl Request {
 }
 
 impl Link {
-    /// A link over a line that is open.
+    /// A link over an open line.
     pub fn new(line: Box<dyn SerialLine>) -> Self {
         Self {
             line,
@@ -90,13 +90,14 @@ impl Link {
         }
     }
 
-    /// Asks until an answer comes. A question that was understood twice is done once: it keeps its number.
+    /// Repeats a request until an answer arrives. A repeated request keeps its number, so that it
+    /// is executed once.
     ///
     /// # Errors
-    /// If no answer comes in a quarter of a second, or the answer is a refusal.
+    /// If no answer arrives within 0.25 s, or the request is rejected.
     pub fn ask(&mut self, request: Request) -> io::Result<Acknowledgement> {
         self.sequence = self.sequence.wrapping_add(1);
-        // A zero first ends whatever noise stood on the line.
+        // A leading zero ends any noise on the line.
         let mut bytes = vec![0];
         bytes.extend(request.encode(self.sequence));
         for _ in 0..ATTEMPTS {
@@ -106,30 +107,34 @@ impl Link {
                 return match status {
                     TAKEN | WATCHDOG | FULL => Ok(answer),
                     REFUSED => Err(io::Error::other(
-                        "it refuses the move: too many steps in too short a time",
+                        "the motor rejected the move: too many steps in too short a time",
                     )),
                     OUT_OF_SEQUENCE => Err(io::Error::other(
-                        "it expects another frame: another program talks to it, or it was switched off meanwhile",
+                        "the motor expects another sequence number: another program uses the line, \
+                         or the motor was restarted",
                     )),
-                    other => Err(io::Error::other(format!(
-                        "an answer of unknown kind {other}"
-                    ))),
+                    other => Err(io::Error::other(format!("unknown kind of answer: {other}"))),
                 };
             }
         }
         Err(io::Error::new(
             ErrorKind::TimedOut,
-            "no answer in a quarter of a second; is the firmware of scripts/firmware on it?",
+            "no answer within 0.25 s; is the firmware of scripts/firmware installed?",
         ))
     }
 
-    /// The answer to the last question, if it comes in time.
+    /// The answer to the last request, if it arrives in time.
     fn answer(&mut self) -> io::Result<Option<(u8, Acknowledgement)>> {
         let begin = Instant::now();
         let mut buffer = [0; 64];
         while begin.elapsed() < PATIENCE {
             match self.line.read(&mut buffer) {
-                Ok(0) => return Err(io::Error::new(ErrorKind::UnexpectedEof, "the line is gone")),
+                Ok(0) => {
+                    return Err(io::Error::new(
+                        ErrorKind::UnexpectedEof,
+                        "the serial line is closed",
+                    ));
+                }
                 Ok(count) => self.received.extend(&buffer[..count]),
                 Err(error)
                     if matches!(
@@ -148,7 +153,7 @@ impl Link {
                     return Ok(answer);
                 }
             }
-            // Noise without an end.
+            // Endless noise.
             if self.received.len() > 4 * frame::LONGEST {
                 self.received.clear();
             }
@@ -156,7 +161,7 @@ impl Link {
         Ok(None)
     }
 
-    /// The answer in a frame; `None` where it answers an earlier question.
+    /// The answer in a frame; `None` if it answers an earlier request.
     fn ours(&self, frame: &Frame) -> Option<(u8, Acknowledgement)> {
         let [status, _free, a, b, c, d, flags] = *frame.data.as_slice() else {
             return None;

@@ -1,9 +1,11 @@
-//! A stepper motor on a microcontroller, over a serial line that may garble, lose and repeat bytes.
+//! A stepper motor on a microcontroller, over a serial line that may corrupt, lose and repeat
+//! bytes.
 //!
-//! Firmware: `scripts/firmware/stepper.c`. The host asks, the microcontroller answers: frames (`frame`) with a sequence
-//! number, one outstanding at a time, sent again until they are acknowledged (`line`). The motor follows a queue of
-//! moves, so many steps in so many microseconds; where no good frame arrives for 300 ms while it moves, it stops
-//! and refuses moves until the host says hello again.
+//! Firmware: `scripts/firmware/stepper.c`. The host sends requests and the microcontroller answers:
+//! frames (`frame`) with a sequence number, one outstanding at a time, resent until acknowledged
+//! (`line`). The motor executes a queue of moves, each a number of steps in a number of
+//! microseconds; if no valid frame arrives for 300 ms while it moves, it stops and rejects moves
+//! until the host sends a new hello.
 
 mod frame;
 #[cfg(test)]
@@ -21,9 +23,9 @@ use std::time::{Duration, Instant};
 
 /// Time of a move, s.
 const MOVE: f64 = 0.02;
-/// Moves are handed over this long before their time, s: as long as the line may be slow.
+/// Lead with which moves are sent, s: the largest allowed delay of the line.
 const AHEAD: f64 = 0.12;
-/// Time between questions where the motor is, while nothing moves.
+/// Time between position requests at rest.
 const STATUS_INTERVAL: Duration = Duration::from_millis(20);
 
 /// A stepper motor as an axis.
@@ -34,7 +36,7 @@ pub struct StepperDriver {
     link: Option<Link>,
     /// Angle at which the motor's own count is zero, rad.
     zero: f64,
-    /// The motor's own count when last heard of.
+    /// Last reported count of the motor.
     position: i64,
     state: Option<JointState>,
     motion: Option<Motion>,
@@ -43,14 +45,14 @@ pub struct StepperDriver {
 
 struct Motion {
     path: Interpolant,
-    /// Time up to which moves are handed over, s.
+    /// Time up to which moves have been sent, s.
     sent: f64,
-    /// Steps from the motor's zero up to there.
+    /// Steps from the zero of the motor at that time.
     steps: i64,
 }
 
 impl StepperDriver {
-    /// A motor at a serial port, with so many steps per turn.
+    /// A motor at a serial port, with its number of steps per turn.
     pub fn new(port: &str, baud: u32, steps_per_turn: u32) -> Self {
         let path = port.to_owned();
         let open = move || -> std::io::Result<Box<dyn SerialLine>> {
@@ -97,14 +99,14 @@ impl StepperDriver {
         });
         if answer.watchdog {
             return Err(DriverError::Aborted(format!(
-                "stepper at {}: its watchdog stopped the motor: no good frame had come for 300 ms",
+                "stepper at {}: its watchdog stopped the motor: no valid frame arrived for 300 ms",
                 self.place
             )));
         }
         Ok(answer)
     }
 
-    /// Hands over the moves that are due.
+    /// Sends the moves that are due.
     fn feed(&mut self, elapsed: f64) -> Result<(), DriverError> {
         while let Some(mut motion) = self.motion.take() {
             let duration = motion.path.duration();
@@ -138,7 +140,7 @@ impl Driver for StepperDriver {
     fn connect(&mut self, _: &[String]) -> Result<(), DriverError> {
         let line = (self.open)().map_err(|error| {
             self.lost(format_args!(
-                "{error}; is it plugged in, and may this user open it?"
+                "{error}; is the device connected, and does this user have access to it?"
             ))
         })?;
         self.link = Some(Link::new(line));
@@ -161,8 +163,9 @@ impl Driver for StepperDriver {
         Ok(self.state.clone())
     }
 
-    /// The motor does not know its angle: where it stands is the first point. Nothing is sent before the first
-    /// [`Driver::advance`]: the other parts of a stream, which begin at once, must not wait for the answers of a line.
+    /// The motor has no absolute sensor: its present position is the first point. Nothing is sent
+    /// before the first [`Driver::advance`], so that the other parts of a stream, which start at
+    /// once, do not wait for the line.
     fn start(&mut self, motion: &Interpolant) -> Result<(), DriverError> {
         if self.link.is_none() {
             return Err(self.lost("not connected"));
