@@ -357,7 +357,7 @@ fn patterns_may_be_drawings() {
         ("score laid.csv laid.txt", ".svg or a .csv"),
         (
             "score laid.csv lines.svg --stroke 1 --begin 30mm",
-            "does not end on it",
+            "too short for a pattern",
         ),
     ] {
         let failed = rodlab(place, line).code(2);

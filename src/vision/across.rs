@@ -1,4 +1,4 @@
-//! Ends that come out at the other side of a strand on which they seem to stop.
+//! Ends that emerge at the other side of a strand at which they seem to stop.
 
 use super::Point;
 use super::centreline::Strand;
@@ -7,11 +7,11 @@ use super::strand_end::{end_direction, normal};
 
 /// Farthest that an end reaches across another strand, in widths.
 const FARTHEST_ACROSS: f64 = 4.0;
-/// How far it has to come out at the other side, pixels.
+/// Smallest length that must emerge at the other side, pixels.
 const LEAST_BEYOND: f64 = 1.0;
 
-/// Moves ends that stop at another strand to its other side, where the mask goes on there: what comes out is often too short to
-/// have a skeleton of its own.
+/// Moves ends that stop at another strand to its other side, if the mask continues there: the
+/// emerging part is often too short for a skeleton of its own.
 pub(super) fn reach_across(contrast: &Contrast, strands: &mut [Strand]) {
     for number in 0..strands.len() {
         if strands[number].closed || strands[number].points.len() < 4 {
@@ -31,7 +31,8 @@ pub(super) fn reach_across(contrast: &Contrast, strands: &mut [Strand]) {
     }
 }
 
-/// The way on from the last point of a strand across another one; none where it does not come out.
+/// The continuation from the last point of a strand across another one; `None` if it does not
+/// emerge.
 fn beyond_another(contrast: &Contrast, strands: &[Strand], number: usize) -> Vec<Point> {
     const STEP: f64 = 0.5;
     let strand = &strands[number];
@@ -41,7 +42,7 @@ fn beyond_another(contrast: &Contrast, strands: &[Strand], number: usize) -> Vec
     let Some((along, turn)) = end_direction(&strand.points, width, step.max(1e-3)) else {
         return Vec::new();
     };
-    // Of the strand itself, what is farther along it than its end can reach.
+    // For the strand itself, the part farther along it than its end can reach.
     let own = ((FARTHEST_ACROSS + 2.0) * width / step.max(1e-3)) as usize;
     let own = strand.points.len().saturating_sub(own);
     let place = |t: f64| last + along * t + normal(along) * (0.5 * turn * t * t);

@@ -1,4 +1,4 @@
-//! The public benchmark's images, where the shared data is there.
+//! The images of the public benchmark, if the shared data is present.
 
 use super::*;
 use std::fs;

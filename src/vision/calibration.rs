@@ -1,8 +1,8 @@
 //! Calibration of a camera from pictures of a checkerboard.
 //!
-//! Homographies of the views give focal lengths and principal point in closed form (Zhang, IEEE TPAMI 22:1330,
-//! 2000); Levenberg and Marquardt's method then brings the sum of squared reprojection errors over lens and poses
-//! to its minimum.
+//! Homographies of the views give focal lengths and principal point in closed form (Zhang, IEEE
+//! TPAMI 22:1330, 2000); Levenberg and Marquardt's method then minimises the sum of squared
+//! reprojection errors over lens and poses.
 
 use super::camera::{Camera, Lens};
 use super::checkerboard::Checkerboard;
@@ -12,7 +12,7 @@ use super::reprojection::{LENS, POSE, State};
 use super::{Point, VisionError};
 use nalgebra::{Isometry3, Matrix3};
 
-/// A calibrated lens, and where the board was.
+/// A calibrated lens, and the poses of the board.
 #[derive(Clone, Debug)]
 pub struct Calibration {
     /// The lens.
@@ -26,7 +26,7 @@ pub struct Calibration {
     /// Standard deviations of fx, fy, cx, cy, k1, k2, p1, p2, k3, from the scatter of the corners, enlarged where the model does not
     /// fit.
     pub lens_deviations: [f64; 9],
-    /// What of the residuals noise does not explain, if anything.
+    /// The part of the residuals that noise does not explain, if any.
     pub misfit: Option<LensMisfit>,
 }
 
@@ -50,8 +50,9 @@ impl Calibration {
 /// Calibrates a lens from the corners found in several views.
 ///
 /// # Errors
-/// There are fewer than three views, or they are too much alike: pictures from one direction do not tell the focal
-/// length from the distance. Or the lens is of another kind than the model, such as a fisheye lens.
+/// There are fewer than three views, or they are too similar: pictures from one direction do not
+/// separate the focal length from the distance. Or the lens does not fit the model, such as a
+/// fisheye lens.
 pub fn calibrate(
     board: &Checkerboard,
     views: &[Vec<Point>],
@@ -64,13 +65,12 @@ pub fn calibrate(
     };
     if views.len() < 3 {
         return Err(undetermined(
-            "pictures of the board in three different poses are the least; ten or more are good",
+            "pictures of the board in at least three different poses are needed; ten or more are better",
         ));
     }
     let homographies: Option<Vec<Matrix3<f64>>> =
         views.iter().map(|view| homography(board, view)).collect();
-    let alike =
-        "the poses of the board are too much alike; tilt it by 20° to 45° to different sides";
+    let alike = "the poses of the board are too similar; tilt it by 20° to 45° to different sides";
     let homographies = homographies.ok_or_else(|| undetermined("the corners lie on a line"))?;
     let lens = first_lens(&homographies, width, height).ok_or_else(|| undetermined(alike))?;
     let mut state = State {
@@ -96,12 +96,13 @@ pub fn calibrate(
     let misfit = state.misfit(board, views);
     if let Some(misfit) = misfit.filter(|misfit| misfit.radial_error_px > MOST_MISFIT) {
         return Err(undetermined(&format!(
-            "the lens is of another kind than the model (a pinhole with distortion k1, k2, p1, p2, k3): {:.2} px off at {:.0} px from \
-             the middle of the picture; fisheye lenses are not supported: use another lens, or crop the pictures to their middle",
+            "the lens does not fit the model (a pinhole with distortion k1, k2, p1, p2, k3): {:.2} px off at {:.0} px from \
+             the middle of the picture; fisheye lenses are not supported: use another lens, or \
+             crop the pictures to their middle",
             misfit.radial_error_px, misfit.at_radius_px
         )));
     }
-    // Errors that are no noise do not average out.
+    // Errors other than noise do not average out.
     let inflation = misfit.map_or(1.0, |misfit| misfit.inflation());
     let mut lens_deviations = [0.0; LENS];
     for (index, deviation) in lens_deviations.iter_mut().enumerate() {
@@ -131,7 +132,7 @@ pub fn board_pose(
 ) -> Result<(Isometry3<f64>, f64), VisionError> {
     let undetermined = || VisionError::Undetermined {
         problem: "the pose of the board",
-        reason: "its corners lie on a line, or outside of what the lens images".into(),
+        reason: "its corners are on one line, or outside the view of the lens".into(),
     };
     let ideal: Option<Vec<Point>> = corners
         .iter()
@@ -188,7 +189,7 @@ mod tests {
             .collect()
     }
 
-    /// Where a camera sees the corners of the board.
+    /// Pixels of the corners of the board.
     fn seen(camera: &Camera) -> Vec<Point> {
         let places = (0..BOARD.corners()).map(|index| BOARD.corner(index).push(0.0));
         let pixels = places.map(|place| camera.project(place).expect("in front"));
@@ -300,7 +301,8 @@ mod tests {
         let (pose, _) = board_pose(&BOARD, &corners, &far.lens).expect("a pose");
         let off = (pose * aim - far.pose.inverse() * aim).norm();
         assert!(off < 0.03e-3, "with the true lens the pose is {off} m off");
-        // Where the principal point is, is known least: here to 0.04 pixels, which moves what is 0.6 m away by 0.03 mm.
+        // The principal point is the least accurate: here 0.04 pixels, which moves points 0.6 m
+        // away by 0.03 mm.
         assert!(found.lens_deviations[2] < 0.08 && found.lens_deviations[3] < 0.08);
         let (pose, _) = board_pose(&BOARD, &corners, &found.lens).expect("a pose");
         let off = (pose * aim - far.pose.inverse() * aim).norm();
@@ -330,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn a_board_that_is_not_there_is_named() {
+    fn a_missing_board_is_reported() {
         let empty = image::RgbImage::from_pixel(200, 100, image::Rgb([128; 3]));
         let error = BOARD.find(&empty).expect_err("no board").to_string();
         assert!(error.contains("the checkerboard was not found"), "{error}");

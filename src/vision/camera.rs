@@ -1,9 +1,9 @@
-//! A pinhole camera with lens distortion, its pose, and the table it looks at.
+//! A pinhole camera with lens distortion, its pose, and the table in its view.
 
 use super::{Point, VisionError};
 use nalgebra::{Isometry3, Vector3};
 
-/// How a camera images directions: focal lengths, principal point and distortion.
+/// Lens of a camera: focal lengths, principal point and distortion.
 ///
 /// A point (X, Y, Z) in the camera's axes, x to the right, y down, z along the view, has x = X/Z, y = Y/Z and, with
 /// r² = x² + y² (Brown 1971; the five coefficients as OpenCV orders them),
@@ -53,7 +53,8 @@ impl Lens {
         (distorted, derivatives)
     }
 
-    /// Direction (X/Z, Y/Z) that is imaged at a pixel, by Newton's method; none where the distortion folds over.
+    /// Direction (X/Z, Y/Z) that is imaged at a pixel, by Newton's method; `None` where the
+    /// distortion is not invertible.
     pub fn direction(&self, pixel: Point) -> Option<Point> {
         let target = Point::new(
             (pixel.x - self.centre[0]) / self.focal[0],
@@ -106,7 +107,7 @@ pub struct Camera {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// How it images directions.
+    /// Its lens.
     pub lens: Lens,
     /// Its axes in the world: x to the right of the image, y down, z along the view. Metres.
     pub pose: Isometry3<f64>,
@@ -115,7 +116,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Pixel of a point of the world in metres; none behind the camera.
+    /// Pixel of a point of the world in metres; `None` behind the camera.
     pub fn project(&self, point: Vector3<f64>) -> Option<Point> {
         let seen = self.pose.inverse_transform_point(&point.into());
         (seen.z > 1e-9).then(|| {
@@ -124,10 +125,10 @@ impl Camera {
         })
     }
 
-    /// x and y in the world, metres, of what is imaged at a pixel and lies on the table.
+    /// x and y in the world, metres, of the point of the table at a pixel.
     ///
     /// # Errors
-    /// The ray through the pixel does not meet the table, or the lens does not image any direction there.
+    /// The ray through the pixel does not meet the table, or no direction is imaged there.
     pub fn on_table(&self, pixel: Point) -> Result<Point, VisionError> {
         self.on_plane(pixel, self.table_height)
     }
@@ -144,7 +145,7 @@ impl Camera {
         let direction = self
             .lens
             .direction(pixel)
-            .ok_or_else(|| missing("the lens distortion folds over there"))?;
+            .ok_or_else(|| missing("the lens distortion cannot be inverted there"))?;
         let ray = self.pose.rotation * Vector3::new(direction.x, direction.y, 1.0);
         let start = self.pose.translation.vector;
         let reach = (height - start.z) / ray.z;
@@ -155,7 +156,7 @@ impl Camera {
         Ok(Point::new(point.x, point.y))
     }
 
-    /// Refuses pictures of another size: coordinates would be wrong without notice.
+    /// Rejects pictures of another size, which would give wrong coordinates.
     ///
     /// # Errors
     /// [`VisionError::Size`].

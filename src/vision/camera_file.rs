@@ -9,15 +9,16 @@ use std::path::Path;
 use toml::{Table, Value};
 
 impl Camera {
-    /// Reads the table `[camera]` of a TOML file; other tables are left alone.
+    /// Reads the table `[camera]` of a TOML file; other tables are ignored.
     ///
     /// # Errors
-    /// The file cannot be read, is no TOML, or its table `[camera]` lacks a key or holds an impossible value.
+    /// The file cannot be read, is not TOML, or its table `[camera]` lacks a key or holds an
+    /// impossible value.
     pub fn read(path: &Path) -> Result<Self, VisionError> {
         let text = read_text(path)?;
         let document: Table = text.parse().map_err(|error| VisionError::Malformed {
             path: path.into(),
-            reason: format!("no TOML: {error}"),
+            reason: format!("not a TOML file: {error}"),
         })?;
         let camera = document.get("camera").and_then(Value::as_table);
         let reader = CameraReader {
@@ -25,7 +26,7 @@ impl Camera {
             table: camera.ok_or_else(|| VisionError::Camera {
                 path: path.into(),
                 key: "camera".into(),
-                reason: "there is no table [camera]; rodlab calibrate camera writes one".into(),
+                reason: "there is no table [camera]; `rodlab calibrate camera` writes it".into(),
             })?,
         };
         reader.camera()
@@ -104,9 +105,12 @@ impl CameraReader<'_> {
     }
 
     fn get(&self, key: &str) -> Result<&Value, VisionError> {
-        self.table
-            .get(key)
-            .ok_or_else(|| self.fault(key, "it is missing; rodlab calibrate camera writes it"))
+        self.table.get(key).ok_or_else(|| {
+            self.fault(
+                key,
+                "the key is missing; `rodlab calibrate camera` writes it",
+            )
+        })
     }
 
     fn number(&self, key: &str) -> Result<f64, VisionError> {
@@ -137,12 +141,12 @@ impl CameraReader<'_> {
 
     fn camera(&self) -> Result<Camera, VisionError> {
         if let Some(key) = self.table.keys().find(|key| !KEYS.contains(&key.as_str())) {
-            return Err(self.fault(key, format!("unknown key; known are {}", KEYS.join(", "))));
+            return Err(self.fault(key, format!("unknown key; allowed: {}", KEYS.join(", "))));
         }
         let focal = [self.number("fx")?, self.number("fy")?];
         for (key, focal) in ["fx", "fy"].into_iter().zip(focal) {
             if focal <= 0.0 {
-                return Err(self.fault(key, "a focal length is positive"));
+                return Err(self.fault(key, "a focal length must be positive"));
             }
         }
         let optional = |key: &str| self.table.contains_key(key);

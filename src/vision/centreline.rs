@@ -8,7 +8,7 @@ use super::smoothing::{resample, smooth};
 use super::strand::Path;
 use super::strand_end::{EndStops, extend_ends, normal};
 
-/// A strand of an image: the curve along its middle, and how wide it is.
+/// A strand of an image: the curve along its middle, and its width.
 ///
 /// Pixel coordinates: u to the right, v down, (0, 0) is the centre of the first pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Strand {
     pub points: Vec<Point>,
     /// Width at each point, pixels.
     pub widths: Vec<f64>,
-    /// Whether the last point is followed by the first.
+    /// Whether the curve is closed: the last point is followed by the first.
     pub closed: bool,
 }
 
@@ -40,7 +40,7 @@ impl Strand {
         median(&self.widths)
     }
 
-    /// A strand of one width.
+    /// A strand of constant width.
     #[cfg(test)]
     pub(super) fn even(points: Vec<Point>, width: f64, closed: bool) -> Self {
         Self {
@@ -69,7 +69,8 @@ const POINTS_PER_WIDTH: f64 = 6.0;
 const SMOOTHING: f64 = 0.6;
 /// A strand is measured where its width is within these bounds of its median: elsewhere it meets another one.
 const PLAUSIBLE_WIDTH: [f64; 2] = [0.7, 1.18];
-/// How far an end goes straight on where its width cannot be measured, in widths; beyond that it follows the skeleton.
+/// Length of the straight extension of an end where its width cannot be measured, in widths; beyond
+/// that it follows the skeleton.
 const LONGEST_TAIL: f64 = 1.5;
 /// Rounds of measuring across the curve and smoothing it.
 const ROUNDS: usize = 2;
@@ -125,7 +126,7 @@ pub(super) fn centreline(
             }
         }
         if measured.iter().flatten().count() < 3 {
-            // Too thin or too short to measure: the skeleton has to do.
+            // Too thin or too short to measure: the skeleton is used.
             weights.fill(1.0);
         }
         if !path.closed {
@@ -168,7 +169,7 @@ fn first_guess(
             } else if ends.has(arm) {
                 distorted_pixels(skeleton, arm)
             } else {
-                // Skeletons turn to a corner of a strand's end.
+                // Skeletons bend to a corner at the end of a strand.
                 (0.5 * branch.half_width()).round().min(count as f64 / 3.0) as usize
             }
         };
@@ -177,7 +178,7 @@ fn first_guess(
             pixels.reverse();
         }
         raw.extend(pixels.iter().copied());
-        // What follows the last one is a bridge.
+        // After the last one there is a bridge.
         trusted.extend((0..pixels.len()).map(|index| index + 1 < pixels.len()));
         raw.extend(bridge.iter().copied());
         trusted.extend((0..bridge.len()).map(|index| index + 1 < bridge.len()));
@@ -231,7 +232,8 @@ impl Chord {
     }
 }
 
-/// Looks for both edges within a width of a point; none where the strand is wider or leaves the image.
+/// Looks for both edges within a width of a point; `None` if the strand is wider or leaves the
+/// image.
 fn chord(contrast: &Contrast, strand: &Strand, index: usize, width: f64) -> Option<Chord> {
     let (centre, across) = (strand.points[index], normal(strand.tangent(index)));
     let threshold = f64::from(contrast.threshold);
@@ -241,7 +243,7 @@ fn chord(contrast: &Contrast, strand: &Strand, index: usize, width: f64) -> Opti
     };
     const STEP: f64 = 0.5;
     let reach = (width / STEP).ceil().max(4.0) as i32;
-    // A curve guessed outside of the strand begins at its nearest pixel.
+    // A curve outside the strand starts at its nearest pixel.
     let start = (0..=reach / 2)
         .flat_map(|k| [k, -k])
         .find(|k| value(f64::from(*k) * STEP) >= 0.0)?;

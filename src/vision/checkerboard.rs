@@ -34,7 +34,8 @@ impl Checkerboard {
         self.columns * self.rows
     }
 
-    /// Whether a picture shows which way round the board is: a half turn swaps dark and bright squares.
+    /// Whether a picture shows the orientation of the board: a half turn swaps dark and bright
+    /// squares.
     pub fn is_directed(&self) -> bool {
         (self.columns + self.rows) % 2 == 1
     }
@@ -43,7 +44,7 @@ impl Checkerboard {
     /// where the board is [directed](Self::is_directed).
     ///
     /// # Errors
-    /// The board is not seen whole.
+    /// The board is not completely visible.
     pub fn find(&self, picture: &RgbImage) -> Result<Vec<Point>, VisionError> {
         let missing = |reason: String| VisionError::NotFound {
             what: "the checkerboard",
@@ -54,7 +55,7 @@ impl Checkerboard {
         let wanted = self.corners();
         if saddles.len() < wanted {
             return Err(missing(format!(
-                "{} corners were seen, {wanted} are inside of a board of {} × {}",
+                "{} corners were detected, but a board has {wanted} inner corners with {} × {} squares",
                 saddles.len(),
                 self.columns,
                 self.rows
@@ -70,12 +71,12 @@ impl Checkerboard {
             }
         }
         Err(missing(format!(
-            "the largest grid has {most} corners, expected {} × {} inside of the board; all of it has to be seen",
+            "the largest grid has {most} corners, expected {} × {} inner corners; the whole board must be visible",
             self.columns, self.rows
         )))
     }
 
-    /// The corners row by row, where a grid is as large as the board.
+    /// The corners row by row, if a grid is as large as the board.
     fn in_order(&self, grid: &[([i32; 2], usize)], saddles: &[Point]) -> Option<Vec<Point>> {
         let range = |axis: usize| {
             let places = || grid.iter().map(|(place, _)| place[axis]);
@@ -119,7 +120,7 @@ impl Checkerboard {
 
     fn directed(&self, grey: &Grey, mut corners: Vec<Point>) -> Vec<Point> {
         if !self.is_directed() || self.columns < 2 || self.rows < 2 {
-            // Of both ways round the one with the first corner more to the top left.
+            // Of both orientations, the one with the first corner more to the top left.
             let last = corners[corners.len() - 1];
             if corners[0].sum() > last.sum() {
                 corners.reverse();
@@ -146,7 +147,8 @@ impl Checkerboard {
     }
 }
 
-/// Places of a grid and the points there, from a seed on; empty where the seed has no neighbours.
+/// Positions of a grid and the points there, grown from a seed; empty if the seed has no
+/// neighbours.
 fn grow_grid(points: &[Point], seed: usize) -> Vec<([i32; 2], usize)> {
     let Some([right, down]) = first_steps(points, seed) else {
         return Vec::new();

@@ -1,12 +1,12 @@
-//! Which colours belong to a rod: rules, their presets, and conversions between colour spaces.
+//! Colour rules for rods, their presets, and conversions between colour spaces.
 
 use super::VisionError;
 use std::sync::LazyLock;
 
-/// A rule that tells pixels of a rod from the others.
+/// A rule that selects the pixels of a rod.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ColourRule {
-    /// Whatever differs from the commonest colour of the image.
+    /// All colours that differ from the most common colour of the image.
     Background,
     /// A box in hue, saturation and value.
     Hsv(HsvBox),
@@ -23,7 +23,7 @@ pub enum ColourRule {
     },
     /// Darker than the mean of its surroundings, as pen on paper is under uneven light.
     Pen {
-        /// How much darker, of 255.
+        /// Difference in brightness, of 255.
         offset: u8,
     },
 }
@@ -48,9 +48,9 @@ pub struct LabBall {
     pub radius: f64,
 }
 
-/// Colour difference of samples, unless a radius is given: colours that one calls by the same name.
+/// Colour difference of samples, unless a radius is given: roughly the colours of one name.
 const SAMPLE_RADIUS: f64 = 30.0;
-/// How much darker than its surroundings a pen stroke is, unless it is said.
+/// Default difference in brightness of a pen stroke from its surroundings.
 const PEN_OFFSET: u8 = 20;
 
 /// Names of hue ranges, degrees.
@@ -66,14 +66,14 @@ const HUES: [(&str, [f64; 2]); 8] = [
 ];
 
 impl ColourRule {
-    /// Reads a rule as it is typed.
+    /// Parses a rule.
     ///
     /// `auto`, `pen`, `pen:OFFSET`, `black`, `white`, a hue (`red`, `orange`, `yellow`, `green`, `cyan`, `blue`,
     /// `purple`, `pink`), `#rrggbb`, `#rrggbb:RADIUS`, `pick:U,V`, `pick:U,V:RADIUS` or `hsv:H-H,S-S,V-V` with
     /// degrees and per cent.
     ///
     /// # Errors
-    /// [`VisionError::Colour`] says what is allowed.
+    /// [`VisionError::Colour`] with the allowed forms.
     pub fn parse(text: &str) -> Result<Self, VisionError> {
         let fault = |reason: &str| VisionError::Colour {
             text: text.into(),
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_rules_say_what_is_allowed() {
+    fn wrong_rules_are_rejected_with_the_allowed_forms() {
         for text in [
             "rad",
             "#12345",

@@ -1,4 +1,4 @@
-//! How much every pixel looks like a rod: the grey image whose threshold is the mask.
+//! Contrast of every pixel: the grey image from which a threshold gives the mask.
 
 use super::VisionError;
 use super::colour::{ColourRule, LabBall, colour_difference, lab};
@@ -19,7 +19,8 @@ pub struct Contrast {
     pub threshold: u8,
 }
 
-/// Least difference of a rod from its background, of 255, for [`ColourRule::Background`]: sensors' noise is less.
+/// Least difference of a rod from its background, of 255, for [`ColourRule::Background`]: larger
+/// than sensor noise.
 const LEAST_CONTRAST: f64 = 24.0;
 /// Threshold of the rules other than [`ColourRule::Background`].
 const MIDDLE: u8 = 128;
@@ -28,7 +29,7 @@ impl Contrast {
     /// Applies a colour rule to a picture, after a binomial blur of 3 × 3 pixels against noise.
     ///
     /// # Errors
-    /// A sample to pick from lies outside of the picture.
+    /// The pixel to pick is outside the picture.
     pub fn new(picture: &RgbImage, rule: &ColourRule) -> Result<Self, VisionError> {
         let (width, height) = (picture.width() as usize, picture.height() as usize);
         let (mut values, threshold) = match rule {
@@ -61,7 +62,7 @@ impl Contrast {
         })
     }
 
-    /// Takes a mask as it is given: white, or any label, is rod.
+    /// Uses a given mask: white, or any label, is rod.
     pub fn of_mask(mask: &GrayImage) -> Self {
         Self {
             width: mask.width() as usize,
@@ -113,7 +114,8 @@ fn threshold_of(rule: &ColourRule, values: &[u8], fixed: u8) -> u8 {
         // Nothing stands out.
         return u8::MAX;
     }
-    // An edge is half-way between the background and its own rod: that of a dim one has to be found, too.
+    // An edge is half-way between the background and its own rod: that of a dim one must also be
+    // found.
     let above = usize::from(threshold);
     let count: u64 = histogram[above..].iter().sum();
     let (mut dim, mut below) = (above, histogram[above]);
@@ -156,7 +158,7 @@ fn map(picture: &RgbImage, mut value: impl FnMut([u8; 3]) -> u8) -> Vec<u8> {
     picture.pixels().map(|pixel| value(pixel.0)).collect()
 }
 
-/// Difference from the commonest colour, in the channel where it is largest.
+/// Difference from the most common colour, in the channel where it is largest.
 fn background_contrast(picture: &RgbImage) -> (Vec<u8>, u8) {
     let [red, green, blue] = commonest_colour(picture);
     let value = |rgb: [u8; 3]| {
@@ -191,7 +193,7 @@ fn commonest_colour(picture: &RgbImage) -> [u8; 3] {
 
 /// 255 at the centre of a ball, [`MIDDLE`] at its surface, less outside.
 fn lab_contrast(picture: &RgbImage, ball: &LabBall) -> Vec<u8> {
-    // Neighbouring pixels share their colours, and conversion is dear.
+    // Neighbouring pixels often have the same colour, and conversion is expensive.
     let mut last = ([0; 3], ball_value(ball, [0; 3]));
     map(picture, |rgb| {
         if rgb != last.0 {
@@ -221,7 +223,8 @@ fn sample(picture: &RgbImage, u: u32, v: u32) -> Option<[f64; 3]> {
     Some(sum.map(|sum| sum / count))
 }
 
-/// How much darker than the mean of its surroundings a pixel is, such that `offset` darker is [`MIDDLE`].
+/// Darkness of a pixel relative to the mean of its surroundings, scaled such that `offset` gives
+/// [`MIDDLE`].
 fn pen_contrast(picture: &RgbImage, offset: u8) -> Vec<u8> {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let grey: Vec<u8> = map(picture, |[red, green, blue]| {

@@ -1,13 +1,13 @@
-//! Corners of a skeleton: where two strands that end on a third one seem to be one.
+//! Corners of a skeleton: where two strands that end on a third one look like one.
 //!
-//! Two strands of one hue that cross under a strand of another hue, or close beside it, leave in their layer two wedges:
-//! the skeleton of each is a line with a corner, sharper than strands bend. Such a line is cut there, so that each of its
-//! halves may go on beyond the strand above.
+//! Two strands of one hue that cross under a strand of another hue, or close beside it, leave two
+//! wedges in their layer: the skeleton of each is a line with a corner, sharper than strands bend.
+//! Such a line is cut there, so that each of its halves may continue beyond the strand above.
 
 use super::path_energy::unit;
 use super::skeleton::{Branch, Node, Skeleton};
 
-/// Stretch on both sides of a corner that tells its angle, in widths.
+/// Length on both sides of a corner that determines its angle, in widths.
 const STRETCH: f64 = 1.5;
 /// Cosine of the least angle by which a corner turns: 60°, as of a curve with a radius of one and a half widths.
 const COSINE: f64 = 0.5;
@@ -44,7 +44,7 @@ fn cut(branch: Branch, nodes: &mut Vec<Node>, branches: &mut Vec<Branch>) {
     cut(part(rest, [node, end]), nodes, branches);
 }
 
-/// The pixel at which a branch turns most, where that is a corner.
+/// The pixel at which a branch turns most, if that is a corner.
 fn sharpest(branch: &Branch) -> Option<usize> {
     let reach = (STRETCH * 2.0 * branch.half_width()).ceil().max(4.0) as usize;
     let pixels = &branch.pixels;

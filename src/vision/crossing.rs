@@ -1,25 +1,26 @@
-//! Crossings of strands in a skeleton: which arms of each belong together.
+//! Crossings of strands in a skeleton, and the pairing of their arms.
 //!
-//! At a crossing, arms are paired such that the paths through it bend least (the idea of mBEST: Choi et al., IEEE RA-L 8,
-//! 2023). The energy of a path is that of the cubic with the positions and directions of both arms, and a path that
-//! changes its colour costs extra.
+//! At a crossing, arms are paired such that the paths through it bend least (the idea of mBEST:
+//! Choi et al., IEEE RA-L 8, 2023). The energy of a path is that of the cubic with the positions
+//! and directions of both arms, and a change of colour adds a penalty.
 
 use super::Point;
 use super::junction::{group_junctions, width_at};
 use super::path_energy::{Departure, departure, pair_energies};
 use super::skeleton::{Arm, Skeleton};
 
-/// Arms that meet, and which of them belong together. Arms without a partner are ends of strands.
+/// Arms that meet, and their pairing. Arms without a partner are ends of strands.
 #[derive(Clone, Debug)]
 pub(super) struct Crossing {
     pub position: Point,
     pub arms: Vec<Arm>,
     pub pairs: Vec<[Arm; 2]>,
-    /// Where the strand of the only pair runs between its arms, where that is known.
+    /// The path of the strand between the arms of the only pair, if known.
     pub via: Vec<Point>,
 }
 
-/// Energy of an end of a strand at a crossing: a path turns by more than some 60° only where nothing better is there.
+/// Energy of an end of a strand at a crossing: a path turns by more than some 60° only if there is
+/// no better one.
 pub(super) const END_ENERGY: f64 = 2.0;
 /// More arms than this are paired greedily, not by trying all pairings (764 of them for eight arms).
 const MOST_ARMS_TRIED: usize = 8;
@@ -184,7 +185,7 @@ mod tests {
 
     #[test]
     fn colour_decides_where_bending_does_not() {
-        // Two strands that touch with tangents of 45°: both pairings bend alike.
+        // Two strands that touch with tangents of 45°: both pairings bend equally.
         let mut arms = [
             arm(10.0, 10.0, 45.0),
             arm(-10.0, 10.0, 135.0),

@@ -1,4 +1,4 @@
-//! Pictures in which paths through crossings were once lost.
+//! Regression tests for paths through crossings.
 
 use super::render::{RenderOptions, render};
 use super::trace_tests::{camera, distance, imaged, scene};
@@ -70,7 +70,8 @@ fn an_end_that_stops_on_another_strand_is_not_followed_beyond_it() {
     assert_eq!((found.strands.len(), found.crossings.len()), (2, 0));
 }
 
-/// The last of a strand came out from under another one too narrow to be measured, and went straight on for 26 pixels.
+/// The end of a strand emerged from under another one too narrow to be measured, and was extended
+/// straight by 26 pixels.
 #[test]
 fn an_end_that_cannot_be_measured_stays_on_the_mask() {
     let view = camera(0.0, 0.0);

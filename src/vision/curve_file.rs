@@ -5,17 +5,17 @@ use super::{Point, VisionError};
 use rodlab_files::input::{Column, Table};
 use std::path::Path;
 
-/// Most points of a curve that is read.
+/// Maximum number of points of a curve.
 const MOST_POINTS: usize = 1_000_000;
 
 /// Reads a curve in the plane from a CSV file, see [`Table`]: columns `x` and `y`, with their unit in any of the usual forms, or the
 /// first two of a file without a header; metres unless the header says otherwise.
 ///
-/// Of several strands (a column `strand`, from 1) `strand` is taken, or the first one in the file; of several rods (a
-/// column `rod`) the first one; of several times (`time_s`) the last one.
+/// Of several strands (a column `strand`, from 1) `strand` is taken, or the first one in the file;
+/// of several rods (a column `rod`) the first; of several times (`time_s`) the last.
 ///
 /// # Errors
-/// The file cannot be read, has no such columns, or a value is no finite number.
+/// The file cannot be read, has no such columns, or a value is not a finite number.
 pub fn read_curve(path: &Path, strand: Option<usize>) -> Result<Vec<Point>, VisionError> {
     let text = read_text(path)?;
     parse_curve(&text, strand).map_err(|reason| VisionError::Malformed {
@@ -33,7 +33,7 @@ fn parse_curve(text: &str, strand: Option<usize>) -> Result<Vec<Point>, String> 
             "its header \"{}\" has no columns x_m and y_m{}",
             names.join(","),
             if has_pixels {
-                "; rodlab trace writes them when it is given a camera by --cell"
+                "; `rodlab trace --cell` writes them"
             } else {
                 ""
             }
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strands_rods_and_times_are_told_apart() {
+    fn strands_rods_and_times_are_distinguished() {
         let strands = "strand,point,u_px,v_px,width_px,x_m,y_m\n1,0,0,0,2,0,0\n1,1,0,0,2,1,0\n2,0,0,0,2,5,5\n2,1,0,0,2,6,5\n";
         assert_eq!(
             parse_curve(strands, None).expect("a curve")[1],

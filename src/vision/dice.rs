@@ -1,4 +1,4 @@
-//! How well two label images agree.
+//! Agreement of two label images.
 
 use super::VisionError;
 use image::GrayImage;
@@ -6,14 +6,14 @@ use image::GrayImage;
 /// Agreement of a label image with the true one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InstanceDice {
-    /// Mean Dice coefficient 2 |A ∩ B|/(|A| + |B|) over the strands. Strands are matched one to one such that the
-    /// sum is largest; a strand without a match, missed or made up, counts 0.
+    /// Mean Dice coefficient 2 |A ∩ B|/(|A| + |B|) over the strands. Strands are matched one to one
+    /// such that the sum is largest; a strand without a match, missing or spurious, counts 0.
     pub mean: f64,
     /// For each true label, in order: the label, the label matched with it, and their coefficient.
     pub pairs: Vec<(u8, Option<u8>, f64)>,
-    /// Labels found.
+    /// Number of labels found.
     pub found: usize,
-    /// Labels there are.
+    /// Number of true labels.
     pub expected: usize,
 }
 
@@ -140,11 +140,11 @@ mod tests {
     #[test]
     fn a_label_is_used_once_and_strays_count_nothing() {
         let truth = stripes(&[(1, 1), (2, 1), (5, 2), (6, 2)]);
-        // One label for both strands: 2·2/(2 + 4) for one of them, nothing for the other.
+        // One label for both strands: 2·2/(2 + 4) for one of them, 0 for the other.
         let merged = stripes(&[(1, 1), (2, 1), (5, 1), (6, 1)]);
         let dice = instance_dice(&merged, &truth).expect("a score");
         assert!((dice.mean - (2.0 / 3.0) / 2.0).abs() < 1e-12, "{dice:?}");
-        // A third label that is not there.
+        // A third label that does not exist.
         let stray = stripes(&[(1, 1), (2, 1), (5, 2), (6, 2), (15, 3)]);
         let dice = instance_dice(&stray, &truth).expect("a score");
         assert!((dice.mean - 2.0 / 3.0).abs() < 1e-12);

@@ -11,11 +11,12 @@ use image::RgbImage;
 const MOST_STRANDS: usize = 60;
 /// Hues of one strand differ by less than this, in bins of 5°.
 const OTHER_HUE: f64 = 5.0;
-/// How long the other hue has to be for the strand to be in doubt, in widths.
+/// Length of the other hue that makes a strand doubtful, in widths.
 const LONGEST_OTHER: f64 = 1.5;
 
-/// How many signs there are: ends of strands on other strands, strands that change their hue, and parts of the mask, each
-/// as large as the square of a strand's width, on which there is no strand. None where all is noise.
+/// Number of signs: ends of strands on other strands, strands that change their hue, and parts of
+/// the mask, each as large as the square of a strand's width, without a strand. `None` if
+/// everything is noise.
 pub(super) fn doubts(picture: &RgbImage, mask: &Mask, strands: &[Strand]) -> usize {
     if strands.len() > MOST_STRANDS {
         return 0;
@@ -126,7 +127,7 @@ impl Owners {
         self.cells[(row + 1) * self.stride + column + 1] == number as u8 + 1
     }
 
-    /// How many squares of a strand's width the part of the mask has that no strand covers.
+    /// Area of the mask that no strand covers, in squares of a strand's width.
     fn unexplained(&self, mask: &Mask, strands: &[Strand]) -> usize {
         let widths: Vec<f64> = strands.iter().map(Strand::width).collect();
         let width = median(&widths).max(1.0);

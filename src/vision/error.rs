@@ -1,8 +1,8 @@
-//! What can be wrong with images, masks and cameras.
+//! Errors about images, masks and cameras.
 
 use std::path::PathBuf;
 
-/// Why an image gives no result. All of these are bad input.
+/// Why an image gives no result. All of these are errors of the input.
 #[derive(Debug, thiserror::Error)]
 pub enum VisionError {
     /// A file could not be read.
@@ -10,15 +10,15 @@ pub enum VisionError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system or the decoder says.
+        /// Message of the system or the decoder.
         reason: String,
     },
-    /// A file does not hold what its kind promises.
+    /// The content of a file does not match its kind.
     #[error("{}: {reason}", path.display())]
     Malformed {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and what is allowed.
+        /// The error, and the allowed values.
         reason: String,
     },
     /// A file could not be written.
@@ -26,15 +26,15 @@ pub enum VisionError {
     Unwritable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         reason: String,
     },
-    /// The text of a colour rule is not one.
+    /// A text is not a colour rule.
     #[error("colour \"{text}\": {reason}")]
     Colour {
-        /// As typed.
+        /// The text.
         text: String,
-        /// What is wrong, and what is allowed.
+        /// The error, and the allowed values.
         reason: String,
     },
     /// No pixel, or hardly one, looks like a rod.
@@ -59,12 +59,12 @@ pub enum VisionError {
         found: usize,
         /// Pixels of the image.
         pixels: usize,
-        /// The most that is taken for lines.
+        /// The largest share for lines.
         limit_percent: usize,
     },
-    /// The mask has a part that is no line.
+    /// The mask has a part that is not a line.
     #[error(
-        "the mask has a blob at ({u:.0}, {v:.0}) px, {length:.0} px long and {width:.0} px wide, that is no line: \
+        "the mask has a blob at ({u:.0}, {v:.0}) px, {length:.0} px long and {width:.0} px wide, that is not a line: \
          choose another colour rule, or give a mask without it"
     )]
     Blob {
@@ -80,7 +80,7 @@ pub enum VisionError {
     /// Two images that belong together differ in size.
     #[error("{what} has {found_width} × {found_height} pixels, expected {width} × {height}")]
     Size {
-        /// Which image.
+        /// Name of the image.
         what: String,
         /// Its width.
         found_width: usize,
@@ -91,30 +91,30 @@ pub enum VisionError {
         /// Height of the image it belongs to.
         height: usize,
     },
-    /// A camera file lacks something, or has something impossible.
+    /// A camera file lacks a key, or has an impossible value.
     #[error("{}: {key}: {reason}", path.display())]
     Camera {
         /// The file.
         path: PathBuf,
-        /// The key at fault.
+        /// The key.
         key: String,
-        /// What is wrong, and what is allowed.
+        /// The error, and the allowed values.
         reason: String,
     },
-    /// What was to be found is not in the image.
+    /// The object is not in the image.
     #[error("{what} was not found: {reason}")]
     NotFound {
-        /// What was looked for.
+        /// The object.
         what: &'static str,
-        /// Why it was not found, and what helps.
+        /// Why it was not found, and advice.
         reason: String,
     },
     /// Too little, or degenerate, data for a unique answer.
     #[error("{problem} is not determined: {reason}")]
     Undetermined {
-        /// What was to be solved.
+        /// The problem.
         problem: &'static str,
-        /// What is missing.
+        /// The missing data.
         reason: String,
     },
 }

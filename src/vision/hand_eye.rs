@@ -1,4 +1,4 @@
-//! Where a camera is mounted: hand–eye calibration from pairs of poses.
+//! Mount of a camera: hand–eye calibration from pairs of poses.
 //!
 //! A camera on a hand sees a target that does not move: Gᵢ X Tᵢ is the same for all i, with the hand Gᵢ in the base,
 //! the target Tᵢ in the camera and the camera X in the hand. Two poses give A X = X B with A = Gⱼ⁻¹ Gᵢ and
@@ -11,7 +11,7 @@ use super::hand_eye_mount::mount;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Serialize;
 
-/// A camera's mount and how well it explains the pairs of poses.
+/// Mount of a camera, and its agreement with the pairs of poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandEye {
     /// The camera in the hand (or in the base, for a camera that does not move and a target on the hand).
@@ -22,10 +22,10 @@ pub struct HandEye {
     pub position_rms: f64,
     /// Root mean square angle of the target's orientations from their mean, radians.
     pub rotation_rms: f64,
-    /// Standard deviations of the camera's position, metres, and of its turn, radians, by leaving out pairs; `None` of fewer than
-    /// five.
+    /// Standard deviations of the camera's position, metres, and of its rotation, radians, by
+    /// leaving out pairs; `None` for fewer than five.
     pub deviations: Option<([f64; 3], f64)>,
-    /// Pairs that do not agree with the others: they are left out of all numbers above.
+    /// Pairs that do not agree with the others: they are excluded from all numbers above.
     pub rejected: Vec<RejectedPair>,
 }
 
@@ -34,9 +34,9 @@ pub struct HandEye {
 pub struct RejectedPair {
     /// Its number, from 1.
     pub pair: usize,
-    /// How far it puts the target from where the others do, metres.
+    /// Deviation of its target position from that of the others, metres.
     pub position_error_m: f64,
-    /// How far turned, degrees.
+    /// Deviation of its target orientation, degrees.
     pub rotation_error_degrees: f64,
 }
 
@@ -57,13 +57,13 @@ pub fn hand_eye(
     let count = hands.len();
     if count != targets.len() {
         return Err(undetermined(format!(
-            "{count} poses of the hand and {} of the target are no pairs",
+            "{count} poses of the hand cannot be paired with {} of the target",
             targets.len()
         )));
     }
     if count < 3 {
         return Err(undetermined(format!(
-            "{count} pairs of poses, three are the least; turn the hand about two axes"
+            "{count} pairs of poses; at least three are needed; turn the hand about two axes"
         )));
     }
     let used = agreeing(hands, targets)?;
@@ -94,7 +94,7 @@ pub fn hand_eye(
     })
 }
 
-/// The target by a mount, and how far pairs put it from there.
+/// The target by a mount, and the deviations of the pairs.
 struct Spread {
     target: Isometry3<f64>,
     position_rms: f64,
@@ -143,7 +143,7 @@ mod tests {
         Isometry3::new(Vector3::from(shift), Vector3::from(turn))
     }
 
-    /// Where the camera is in the hand, and the target in the base.
+    /// Pose of the camera in the hand, and of the target in the base.
     fn mount_and_target() -> [Isometry3<f64>; 2] {
         [
             pose([0.1, -0.2, 1.5], [0.03, -0.01, 0.08]),
@@ -241,7 +241,7 @@ mod tests {
             clean.camera.rotation.angle_to(&mount.rotation) < 3.0 * turn,
             "{clean:?}"
         );
-        // A pose of the hand that was noted for another picture, and a target that was moved by 4 cm.
+        // A pose of the hand that belongs to another picture, and a target that was moved by 4 cm.
         for spoil in [0, 1, 2] {
             let (mut hands, mut targets) = (hands.clone(), targets.clone());
             match spoil {

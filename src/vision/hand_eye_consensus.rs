@@ -1,36 +1,38 @@
-//! Which pairs of poses agree on the mount of a camera: least median of squares over mounts of three pairs each (Rousseeuw, J. Am. Stat.
-//! Assoc. 79:871, 1984), then least squares over those that agree, until they are the same.
+//! Selection of the pairs of poses that agree on the mount of a camera: least median of squares
+//! over mounts of three pairs each (Rousseeuw, J. Am. Stat. Assoc. 79:871, 1984), then least
+//! squares over those that agree, until the selection is stable.
 
 use super::VisionError;
 use super::hand_eye_mount::mount;
 use nalgebra::{Isometry3, Vector3};
 
-/// Fewest pairs of which some may be rejected.
+/// Smallest number of pairs with rejection.
 const LEAST: usize = 5;
-/// Most mounts of three pairs that are tried.
+/// Maximum number of trial mounts of three pairs.
 const MOST_TRIALS: usize = 600;
-/// How far a pair may be off, in the root mean square of those that agree.
+/// Largest deviation of a pair, relative to the root mean square of those that agree.
 const FAR: f64 = 3.0;
 /// Errors that rounding leaves, as a share of the distance of the target.
 const ROUNDING: f64 = 1e-9;
-/// Most rounds until the pairs that agree are the same.
+/// Maximum number of rounds until the selection is stable.
 const ROUNDS: usize = 20;
-/// Parts of the pairs that are left out one after the other for the standard deviations.
+/// Number of groups of pairs that are left out in turn for the standard deviations.
 const PARTS: usize = 20;
-/// Largest error of the middle pair, as a share of the distance of the target: with more, the pairs do not belong together.
+/// Largest error of the middle pair, as a share of the distance of the target: with more, the pairs
+/// are inconsistent.
 const LARGEST_ERROR: f64 = 0.05;
 
-/// Indices of the pairs that agree; all where there are too few to judge.
+/// Indices of the pairs that agree; all of them if there are too few to judge.
 ///
 /// # Errors
-/// The hand turned about one axis only, or fewer than half of the pairs agree.
+/// The hand was rotated about one axis only, or fewer than half of the pairs agree.
 pub fn agreeing(
     hands: &[Isometry3<f64>],
     targets: &[Isometry3<f64>],
 ) -> Result<Vec<usize>, VisionError> {
     let count = hands.len();
     let all: Vec<usize> = (0..count).collect();
-    // It says what is wrong with all of them.
+    // The error applies to all of them.
     let first = mount(hands, targets)?;
     if count < LEAST {
         return Ok(all);
@@ -86,12 +88,14 @@ fn disagreeing(count: usize) -> VisionError {
     VisionError::Undetermined {
         problem: "the mount of the camera",
         reason: format!(
-            "of {count} pairs of poses fewer than half agree; compare the order of both files, row by row, and --fixed-camera"
+            "fewer than half of the {count} pairs of poses agree; check that the rows of both \
+             files match, and --fixed-camera"
         ),
     }
 }
 
-/// How far each pair puts the target from where most of them do, m: turns count by their way at a distance, m.
+/// Deviation of the target by each pair from that by most pairs, m: rotations count by the
+/// displacement at a distance, m.
 fn errors(
     camera: &Isometry3<f64>,
     hands: &[Isometry3<f64>],
@@ -109,7 +113,8 @@ fn errors(
     };
     let middle = Vector3::new(along(0), along(1), along(2));
     let away = |pose: &Isometry3<f64>| (pose.translation.vector - middle).norm();
-    // The turn of the pose that is nearest to the middle of their places is off itself: the middle of turns from it is taken.
+    // The rotation of the pose nearest to the median position has an error itself, so the median of
+    // rotations relative to it is used.
     let nearest = seen.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
     let Some(reference) = nearest.map(|pose| pose.rotation) else {
         return Vec::new();
@@ -126,7 +131,7 @@ fn errors(
         .collect()
 }
 
-/// Triples of indices below `count`: all of them, or as many as are tried, spread over all.
+/// Triples of indices below `count`: all of them, or an evenly spread selection.
 fn triples(count: usize) -> impl Iterator<Item = [usize; 3]> {
     let all = count * (count - 1) * (count - 2) / 6;
     let every = all.div_ceil(MOST_TRIALS).max(1);
@@ -140,8 +145,8 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Standard deviations of the position along each axis, m, and of the turn, rad, of a mount: the jackknife, which leaves out a part of
-/// the pairs after the other. `None` of too few pairs.
+/// Standard deviations of the position along each axis, m, and of the rotation, rad, of a mount, by
+/// the jackknife, which leaves out one group of pairs at a time. `None` for too few pairs.
 pub fn deviations(hands: &[Isometry3<f64>], targets: &[Isometry3<f64>]) -> Option<([f64; 3], f64)> {
     let count = hands.len();
     if count < LEAST {

@@ -5,13 +5,13 @@ use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3,
 };
 
-/// Smallest turn between two poses that counts, radians.
+/// Smallest rotation between two poses that is used, radians.
 const LEAST_TURN: f64 = 0.05;
 
 /// The mount by least squares over all pairs.
 ///
 /// # Errors
-/// The hand turned about one axis only.
+/// The hand was rotated about one axis only.
 pub fn mount(
     hands: &[Isometry3<f64>],
     targets: &[Isometry3<f64>],
@@ -44,7 +44,7 @@ pub fn mount(
     spread.sort_by(f64::total_cmp);
     if !(spread[1] > 0.01 * spread[2].max(1e-12)) {
         return Err(undetermined(
-            "the hand turned about one axis only, or not at all; turn it about two axes by 20° or more"
+            "the hand was turned about at most one axis; turn it about two axes by 20° or more"
                 .into(),
         ));
     }

@@ -1,5 +1,5 @@
-//! Homographies of a plane, and what they say of a camera at once: its focal lengths and the poses of the plane (Zhang,
-//! IEEE TPAMI 22:1330, 2000).
+//! Homographies of a plane, and the closed-form focal lengths and poses of the plane from them
+//! (Zhang, IEEE TPAMI 22:1330, 2000).
 
 use super::Point;
 use super::camera::Lens;

@@ -1,4 +1,4 @@
-//! Damaged and absurd images: an error or a result, never a panic.
+//! Damaged and extreme images give an error or a result, never a panic.
 //!
 //! `RODLAB_MUTATIONS=1000000 cargo test --release --lib vision::hostile -- --nocapture` tries that many.
 
@@ -12,7 +12,7 @@ use image::{Rgb, RgbImage};
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
-/// Mutations that are tried unless more are asked for.
+/// Default number of mutations.
 const USUAL_MUTATIONS: u64 = 3000;
 
 fn small_picture() -> RgbImage {
@@ -67,7 +67,7 @@ impl Mutator {
                 }
             }
         }
-        // Half of the PNGs get right checksums again, so that the damage is seen behind them.
+        // Half of the PNGs get correct checksums again, so that the decoder reaches the damage.
         if bytes.starts_with(&original[..8]) && original[0] == 0x89 && self.below(2) == 0 {
             mend_checksums(&mut bytes);
         }
@@ -175,7 +175,7 @@ proptest! {
 }
 
 #[test]
-fn masks_that_are_no_lines_are_named() {
+fn masks_without_lines_are_reported() {
     let dark = RgbImage::from_pixel(120, 90, Rgb([8, 9, 10]));
     let options = TraceOptions::default();
     let error = trace(&dark, &options)
@@ -198,7 +198,7 @@ fn masks_that_are_no_lines_are_named() {
         }
     }
     let error = trace(&blob, &options).expect_err("a disc").to_string();
-    assert!(error.contains("no line"), "{error}");
+    assert!(error.contains("not a line"), "{error}");
 }
 
 #[test]

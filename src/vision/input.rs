@@ -7,7 +7,8 @@ use std::path::Path;
 /// Largest text file, bytes.
 const LARGEST_TEXT: u64 = 256 << 20;
 
-/// Reads a regular file of at most `largest` bytes; pipes and devices, which may never end, are refused.
+/// Reads a regular file of at most `largest` bytes; pipes and devices, which may be endless, are
+/// rejected.
 ///
 /// # Errors
 /// [`VisionError::Unreadable`].
@@ -25,7 +26,7 @@ pub fn read_file(path: &Path, largest: u64) -> Result<Vec<u8>, VisionError> {
 pub fn read_text(path: &Path) -> Result<String, VisionError> {
     String::from_utf8(read_file(path, LARGEST_TEXT)?).map_err(|_| VisionError::Unreadable {
         path: path.into(),
-        reason: "it is no text in UTF-8".into(),
+        reason: "it is not text in UTF-8".into(),
     })
 }
 

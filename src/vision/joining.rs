@@ -1,24 +1,26 @@
-//! Which arms belong together, also where strands run on each other or are interrupted.
+//! Pairing of arms where strands run along each other or are interrupted.
 //!
-//! Where one strand joins another at a small angle and leaves it later, each of the two junctions has one arm too many:
-//! such arms are joined through the branches between them, which belong to another strand already. A strand that
-//! another one hides is joined across the gap. All arms are paired such that the sum of energies is least: of the ways,
-//! which bend and change their colour, and of the ends that remain. From the pairs of each crossing by itself, pairs are
-//! exchanged as long as the sum falls; that it is the least of all is not guaranteed.
+//! Where one strand joins another at a small angle and leaves it later, each of the two junctions
+//! has one arm too many: such arms are joined through the branches between them, which belong to
+//! another strand already. A strand that another one hides is joined across the gap. All arms are
+//! paired such that the sum of energies is least: of the connections, by bending and colour change,
+//! and of the remaining ends. Starting from the pairs of each crossing, pairs are exchanged while
+//! the sum decreases; a global minimum is not guaranteed.
 
 use super::Point;
+use super::connection::{Connection, Connections, MOST_ENERGY, ordered};
 use super::crossing::{Crossing, END_ENERGY};
 use super::mask::Mask;
 use super::skeleton::{Arm, Skeleton};
-use super::way::{MOST_ENERGY, Way, Ways, ordered};
 use std::collections::BTreeMap;
 
 /// With more arms than this the mask is noise.
 const MOST_ARMS: usize = 200;
-/// Most exchanges of pairs.
+/// Maximum number of exchanges.
 const MOST_EXCHANGES: usize = 200;
 
-/// Pairs the arms of a skeleton anew. `colour` gives L\*a\*b\* of a pixel; the mask is that of all strands.
+/// Pairs the arms of a skeleton. `colour` gives L\*a\*b\* of a pixel; the mask is that of all
+/// strands.
 pub(super) fn join_arms(
     skeleton: &Skeleton,
     links: &[bool],
@@ -26,23 +28,26 @@ pub(super) fn join_arms(
     mask: &Mask,
     colour: impl Fn(Point) -> [f64; 3],
 ) {
-    let mut ways = Ways::new(skeleton, links, crossings, colour);
-    if ways.departures.len() > MOST_ARMS {
+    let mut connections = Connections::new(skeleton, links, crossings, colour);
+    if connections.departures.len() > MOST_ARMS {
         return;
     }
     let mut partner = BTreeMap::new();
     for [a, b] in crossings.iter().flat_map(|crossing| &crossing.pairs) {
         partner.insert(*a, *b);
         partner.insert(*b, *a);
-        ways.add_direct(*a, *b);
+        connections.add_direct(*a, *b);
     }
-    ways.find_along_branches();
-    let arms = ways.departures.keys().copied();
+    connections.find_along_branches();
+    let arms = connections.departures.keys().copied();
     let loose: Vec<Arm> = arms
-        .filter(|arm| !partner.contains_key(arm) || ways.is_at_corner(*arm))
+        .filter(|arm| !partner.contains_key(arm) || connections.is_at_corner(*arm))
         .collect();
-    ways.find_across_gaps(&loose, mask);
-    let mut pairing = Pairing { ways, partner };
+    connections.find_across_gaps(&loose, mask);
+    let mut pairing = Pairing {
+        connections,
+        partner,
+    };
     pairing.exchange();
     pairing.uncross();
     pairing.write(crossings);
@@ -50,11 +55,11 @@ pub(super) fn join_arms(
 
 /// Arms and their partners.
 struct Pairing<'a> {
-    ways: Ways<'a>,
+    connections: Connections<'a>,
     partner: BTreeMap<Arm, Arm>,
 }
 
-/// An exchange: a pair that is made, the pair of the partners that both lose, and how much energy that saves.
+/// An exchange: a new pair, the pair of their former partners, and the energy saved.
 struct Exchange {
     pair: [Arm; 2],
     rest: Option<[Arm; 2]>,
@@ -65,18 +70,22 @@ impl Pairing<'_> {
     /// Energy of the pair of an arm, or of its end.
     fn energy_of(&self, arm: Arm) -> f64 {
         match self.partner.get(&arm) {
-            Some(other) => self.ways.known[&ordered(arm, *other)].energy,
+            Some(other) => self.connections.known[&ordered(arm, *other)].energy,
             None => END_ENERGY,
         }
     }
 
-    /// Pairs arms anew as long as the sum of energies falls, by the exchange first that saves most.
+    /// Exchanges pairs while the sum of energies decreases, the exchange that saves most first.
     fn exchange(&mut self) {
         for _ in 0..MOST_EXCHANGES {
-            let exchanges = self.ways.known.iter().filter_map(|(pair, way)| {
-                let is_paired = self.partner.get(&pair[0]) == Some(&pair[1]);
-                (!is_paired).then(|| self.exchange_for(*pair, way))
-            });
+            let exchanges = self
+                .connections
+                .known
+                .iter()
+                .filter_map(|(pair, connection)| {
+                    let is_paired = self.partner.get(&pair[0]) == Some(&pair[1]);
+                    (!is_paired).then(|| self.exchange_for(*pair, connection))
+                });
             let best = exchanges.reduce(|best, other| {
                 if other.gained > best.gained {
                     other
@@ -98,14 +107,14 @@ impl Pairing<'_> {
         }
     }
 
-    fn exchange_for(&self, pair: [Arm; 2], way: &Way) -> Exchange {
+    fn exchange_for(&self, pair: [Arm; 2], connection: &Connection) -> Exchange {
         let before = self.energy_of(pair[0]) + self.energy_of(pair[1]);
         let (rest, after) = match pair.map(|arm| self.partner.get(&arm)) {
             [Some(c), Some(d)] => {
                 let rest = ordered(*c, *d);
-                let way = self.ways.known.get(&rest);
-                match way.filter(|way| way.energy < MOST_ENERGY) {
-                    Some(way) => (Some(rest), way.energy),
+                let connection = self.connections.known.get(&rest);
+                match connection.filter(|connection| connection.energy < MOST_ENERGY) {
+                    Some(connection) => (Some(rest), connection.energy),
                     None => (None, 2.0 * END_ENERGY),
                 }
             }
@@ -115,7 +124,7 @@ impl Pairing<'_> {
         Exchange {
             pair,
             rest,
-            gained: before - way.energy - after,
+            gained: before - connection.energy - after,
         }
     }
 
@@ -124,22 +133,22 @@ impl Pairing<'_> {
         self.partner.insert(b, a);
     }
 
-    /// Two strands that share a stretch may go on with each other's arms: bending at both ends of the stretch is the same,
-    /// so the direct ways from arm to arm decide.
+    /// Two strands that share a stretch may continue with each other's arms: bending at both ends
+    /// of the stretch is the same, so the direct paths from arm to arm decide.
     fn uncross(&mut self) {
         let pairs: Vec<[Arm; 2]> = self.partner.iter().map(|(a, b)| [*a, *b]).collect();
         for [a, b] in pairs {
             if a > b || self.partner.get(&a) != Some(&b) {
                 continue;
             }
-            let Way { route, energy, .. } = self.ways.known[&[a, b]].clone();
+            let Connection { route, energy, .. } = self.connections.known[&[a, b]].clone();
             let Some([first, p, q]) = self.strand_along(&route) else {
                 continue;
             };
             if p == b || q == a || p == q {
                 continue;
             }
-            let energy_of = |x: Arm, y: Arm| self.ways.energy(x, y);
+            let energy_of = |x: Arm, y: Arm| self.connections.energy(x, y);
             if energy_of(p, b) + energy_of(a, q) >= energy_of(p, q) + energy_of(a, b) {
                 continue;
             }
@@ -148,19 +157,19 @@ impl Pairing<'_> {
             } else {
                 route.iter().rev().map(|arm| arm.opposite()).collect()
             };
-            let way = Way {
+            let connection = Connection {
                 route,
                 is_direct: false,
                 energy,
             };
-            self.ways.known.insert(ordered(p, b), way);
-            self.ways.add_direct(a, first);
+            self.connections.known.insert(ordered(p, b), connection);
+            self.connections.add_direct(a, first);
             self.pair(a, first);
             self.pair(p, b);
         }
     }
 
-    /// Of the one strand that runs along a route: the arm at which it enters it, and what it comes from and goes to.
+    /// For the strand along a route: the arm at which it enters, and its arms before and after.
     fn strand_along(&self, route: &[Arm]) -> Option<[Arm; 3]> {
         let (first, last) = (*route.first()?, route.last()?.opposite());
         let is_one = route
@@ -177,14 +186,14 @@ impl Pairing<'_> {
         }
         for (a, b) in self.partner.iter().filter(|(a, b)| a < b) {
             let pair = [*a, *b];
-            if self.ways.known[&pair].is_direct {
-                crossings[self.ways.crossing_of[a]].pairs.push(pair);
+            if self.connections.known[&pair].is_direct {
+                crossings[self.connections.crossing_of[a]].pairs.push(pair);
             } else {
                 crossings.push(Crossing {
-                    position: (self.ways.place(*a) + self.ways.place(*b)) * 0.5,
+                    position: (self.connections.place(*a) + self.connections.place(*b)) * 0.5,
                     arms: pair.to_vec(),
                     pairs: vec![pair],
-                    via: self.ways.via(pair),
+                    via: self.connections.via(pair),
                 });
             }
         }
@@ -229,7 +238,7 @@ mod tests {
         found
     }
 
-    /// Two strands that run on each other for twenty widths and part again.
+    /// Two strands that run along each other for twenty widths and separate again.
     fn together() -> Mask {
         let upper = [[8.0, 20.0], [50.0, 60.0], [190.0, 60.0], [232.0, 20.0]];
         let lower = [[8.0, 100.0], [50.0, 60.0], [190.0, 60.0], [232.0, 100.0]];
@@ -274,7 +283,7 @@ mod tests {
             let is_hidden = (106.0..134.0).contains(&pixel.x);
             is_hidden || apart.contains(pixel.x as usize, pixel.y as usize)
         });
-        // The skeleton is that of the interrupted strand; what hides it is in the mask.
+        // The skeleton is that of the interrupted strand; the strand that hides it is in the mask.
         let skeleton = Skeleton::new(&apart);
         let (mut crossings, links) = crossings(&skeleton, colour);
         join_arms(&skeleton, &links, &mut crossings, &whole, colour);

@@ -1,7 +1,8 @@
 //! The segments of a JPEG file, as far as its end marker (ITU-T T.81, annex B).
 //!
-//! A camera stores a thumbnail, which is a JPEG file of its own, inside an APPn segment. The end marker of that thumbnail says
-//! nothing about the picture around it, so the file is walked segment by segment.
+//! A camera stores a thumbnail, which is a JPEG file of its own, inside an APPn segment. The end
+//! marker of the thumbnail does not end the picture around it, so the file is read segment by
+//! segment.
 
 /// Start of the image, end of the image and start of a scan.
 const START_OF_IMAGE: u8 = 0xd8;
@@ -11,8 +12,9 @@ const START_OF_SCAN: u8 = 0xda;
 const TEMPORARY: u8 = 0x01;
 const RESTARTS: std::ops::RangeInclusive<u8> = 0xd0..=0xd7;
 
-/// Whether a JPEG file is there up to the end marker of its main image. Segments are passed over by their lengths; the coded data
-/// of a scan end at the first marker that is not a restart marker, where a byte 0xff of data is followed by a zero.
+/// Whether a JPEG file is complete up to the end marker of its main image. Segments are skipped by
+/// their lengths; the coded data of a scan end at the first marker that is not a restart marker,
+/// where a byte 0xff of data is followed by a zero.
 pub fn has_end_of_image(bytes: &[u8]) -> bool {
     if !bytes.starts_with(&[0xff, START_OF_IMAGE]) {
         return false;
@@ -36,7 +38,8 @@ pub fn has_end_of_image(bytes: &[u8]) -> bool {
     false
 }
 
-/// The next marker from a place on, and the place after it. Bytes before it are coded data, or padding.
+/// The next marker from a position, and the position after it. Bytes before it are coded data, or
+/// padding.
 fn next_marker(bytes: &[u8], from: usize) -> Option<(u8, usize)> {
     let rest = bytes.get(from..)?;
     let pairs = rest.windows(2).enumerate();
@@ -84,7 +87,8 @@ mod tests {
         for end in 0..whole.len() {
             assert!(!has_end_of_image(&whole[..end]), "{end} bytes");
         }
-        // What follows the end marker, such as the video of a moving photograph, is not part of the picture.
+        // Data after the end marker, such as the video of a moving photograph, is not part of the
+        // picture.
         assert!(has_end_of_image(
             &[&whole[..], b"more \xff\xd8 bytes"].concat()
         ));

@@ -1,7 +1,7 @@
-//! Which junctions of a skeleton are one crossing.
+//! Grouping of the junctions of a skeleton into crossings.
 //!
-//! Two strands that cross at a small angle share the middle of their skeletons: a link between two forks. A strand
-//! has no forks, so forks come in pairs, joined by a link; links are found by that.
+//! Two strands that cross at a small angle share the middle of their skeletons: a link between two
+//! forks. A strand has no forks, so forks occur in pairs, joined by a link, which identifies links.
 
 use super::Point;
 use super::path_energy::unit;
@@ -9,9 +9,10 @@ use super::skeleton::{Arm, Skeleton, median};
 
 /// Longest link between two forks, in widths: strands that cross at 15°.
 const LONGEST_LINK: f64 = 6.0;
-/// Junctions nearer than this are one crossing whatever their arms, in widths.
+/// Junctions nearer than this are one crossing, regardless of their arms, in widths.
 const SAME_JUNCTION: f64 = 0.5;
-/// Forks nearer than this are two halves of a crossing whatever the direction of their arms, in widths.
+/// Forks nearer than this are two halves of a crossing, regardless of the direction of their arms,
+/// in widths.
 const SAME_CROSSING: f64 = 1.5;
 /// Cosine of the widest angle between a longer link and the arms that continue it.
 const FORK_COSINE: f64 = 0.5;
@@ -25,7 +26,7 @@ pub(super) fn width_at(skeleton: &Skeleton, arms: &[Arm]) -> f64 {
     median(&widths).max(1.0)
 }
 
-/// For each node the node that stands for its crossing; for each branch whether it is a link.
+/// For each node the node that represents its crossing; for each branch whether it is a link.
 pub(super) fn group_junctions(skeleton: &Skeleton) -> (Vec<usize>, Vec<bool>) {
     let mut groups = Groups::new(skeleton);
     let mut links = groups.links(skeleton);

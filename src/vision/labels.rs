@@ -7,11 +7,12 @@ use super::order::StrandCrossing;
 use super::pixels::between;
 use image::GrayImage;
 
-/// Most strands of a label image: its pixels have 8 bits.
+/// Maximum number of strands of a label image: its pixels have 8 bits.
 pub const MOST_LABELS: usize = 255;
 
-/// Gives every pixel of a mask to the strand whose centreline is nearest, measured in widths; on crossings, to the
-/// strand on top. Strands beyond [`MOST_LABELS`] are left out. Pixels far from all strands are background.
+/// Assigns every pixel of a mask to the strand with the nearest centreline, measured in widths; on
+/// crossings, to the strand on top. Strands beyond [`MOST_LABELS`] are ignored. Pixels far from all
+/// strands are background.
 pub fn paint_labels(mask: &Mask, strands: &[Strand], crossings: &[StrandCrossing]) -> GrayImage {
     let mut canvas = Canvas {
         mask,

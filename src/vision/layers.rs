@@ -10,20 +10,20 @@ use image::RgbImage;
 
 /// Bins of the histogram of hues, 5° each.
 const BINS: usize = 72;
-/// Least chroma √(a*² + b*²) of a pixel whose hue says something.
+/// Smallest chroma √(a*² + b*²) of a pixel with a meaningful hue.
 const LEAST_CHROMA: f64 = 10.0;
-/// Part of the mask whose hue has to say something.
+/// Share of the mask that must have a meaningful hue.
 const COLOURED_PART: f64 = 0.6;
-/// Hues of strands differ by this many bins at least: 25°.
+/// Smallest difference of the hues of two strands, in bins: 25°.
 const LEAST_APART: usize = 5;
-/// Part of the mask that a hue has at least.
+/// Smallest share of the mask for a hue.
 const LEAST_PART: f64 = 0.04;
-/// Most hues.
+/// Maximum number of hues.
 const MOST_LAYERS: usize = 6;
 /// Parts of a layer that are thinner than this many times the usual half width are borders where colours mix.
 const THINNEST: f64 = 0.45;
 
-/// The masks of a picture's hues; none where there are not several, clearly apart.
+/// The masks of the hues of a picture; empty unless there are several distinct ones.
 pub(super) fn layers(
     picture: &RgbImage,
     mask: &Mask,
@@ -43,7 +43,7 @@ pub(super) fn layers(
     for (index, hue) in members.iter().zip(&hues) {
         labels[*index] = hue.map_or(0, |hue| nearest(&peaks, hue) as u8 + 1);
     }
-    // Of hues that meet, the last one.
+    // The last of hues that meet.
     let highest = |near: [u8; 4]| near.into_iter().max().filter(|label| *label > 0);
     mask.spread(&mut labels, highest);
     remove_borders(mask, &members, &mut labels, peaks.len());
@@ -57,7 +57,7 @@ pub(super) fn layers(
     (masks.len() > 1).then_some(masks)
 }
 
-/// Hue of a pixel in bins, from its mean over 3 × 3 pixels; none where it is grey.
+/// Hue of a pixel in bins, from its mean over 3 × 3 pixels; `None` if it is grey.
 pub(super) fn hue_at(picture: &RgbImage, column: usize, row: usize) -> Option<f64> {
     hue(mean_colour(picture, column, row))
 }
@@ -81,7 +81,7 @@ fn hue(rgb: [u8; 3]) -> Option<f64> {
     (libm::hypot(a, b) >= LEAST_CHROMA).then(|| turn.rem_euclid(1.0) * BINS as f64)
 }
 
-/// How far apart two hues are, in bins.
+/// Difference of two hues, in bins.
 pub(super) fn hue_apart(a: f64, b: f64) -> f64 {
     let away = (a - b).abs();
     away.min(BINS as f64 - away)
@@ -93,7 +93,7 @@ fn nearest(peaks: &[f64], hue: f64) -> usize {
         .unwrap_or(0)
 }
 
-/// The hues that many pixels have, two or more of them.
+/// The frequent hues, if there are at least two.
 fn peaks(hues: &[Option<f64>]) -> Option<Vec<f64>> {
     let mut histogram = [0.0f64; BINS];
     for hue in hues.iter().flatten() {
@@ -126,12 +126,13 @@ fn peaks(hues: &[Option<f64>]) -> Option<Vec<f64>> {
     (peaks.len() > 1).then_some(peaks)
 }
 
-/// Takes the label from parts that are too thin for a strand: between two strands, hues mix to that of a third one.
+/// Removes the label from parts that are too thin for a strand: between two strands, hues mix to
+/// that of a third one.
 fn remove_borders(mask: &Mask, members: &[usize], labels: &mut [u8], count: usize) {
     let whole = chamfer_distances(mask, members);
     let mut widths: Vec<u16> = members.iter().map(|cell| whole[*cell]).collect();
     widths.sort_unstable();
-    // Of a stripe's pixels nine of ten are nearer to its edge than nine tenths of its half width.
+    // Nine of ten pixels of a stripe are nearer to its edge than nine tenths of its half width.
     let Some(usual) = widths.get(widths.len() * 9 / 10) else {
         return;
     };
@@ -149,12 +150,12 @@ fn remove_borders(mask: &Mask, members: &[usize], labels: &mut [u8], count: usiz
                 }
             }
         }
-        // Thin seams that cling to a strand of their own hue go, too: what an opening removes.
+        // An opening also removes thin seams along a strand of their own hue.
         open(&layer, &inside, &distances, least, labels);
     }
 }
 
-/// Takes the label from pixels that are not within reach of one deep inside, in octagons.
+/// Removes the label from pixels that are not within reach of an inner pixel, in octagons.
 fn open(layer: &Mask, inside: &[usize], distances: &[u16], least: u16, labels: &mut [u8]) {
     let stride = layer.stride();
     let mut kept = vec![false; labels.len()];
@@ -206,7 +207,7 @@ mod tests {
     use super::*;
     use image::Rgb;
 
-    /// Two stripes of 8 rows that touch, and what mixes between them.
+    /// Two stripes of 8 rows that touch, with a mixed seam between them.
     fn stripes(colours: [[u8; 3]; 3]) -> (RgbImage, Mask) {
         let picture = RgbImage::from_fn(80, 40, |_, v| {
             Rgb(match v {

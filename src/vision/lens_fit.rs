@@ -1,5 +1,5 @@
-//! Whether a lens model fits the corners that were seen: residuals that depend on the distance from the middle of the picture are no
-//! noise of the corners, but a lens of another kind.
+//! Check that a lens model fits the observed corners: residuals that depend on the distance from
+//! the middle of the picture are not noise, but show a different kind of lens.
 
 use super::Point;
 use serde::Serialize;
@@ -7,8 +7,9 @@ use serde::Serialize;
 /// Groups of corners by their distance from the principal point, and least number of corners in each.
 const GROUPS: usize = 10;
 const LEAST: usize = 8;
-/// Mean of the squared radial errors of the groups, in their standard errors, above which the model does not fit: of noise alone
-/// it is about 1, and above this once in a million calibrations.
+/// Mean of the squared radial errors of the groups, in their standard errors, above which the model
+/// does not fit: for noise alone it is about 1, and exceeds this bound once in a million
+/// calibrations.
 const MOST: f64 = 4.5;
 
 /// Radial errors of a lens model that noise does not explain.
@@ -18,13 +19,14 @@ pub struct LensMisfit {
     pub radial_error_px: f64,
     /// Mean distance of that group from the principal point, pixels.
     pub at_radius_px: f64,
-    /// Mean of the squared errors of the groups in their standard errors; about 1 where the model fits.
+    /// Mean of the squared errors of the groups in their standard errors; about 1 if the model
+    /// fits.
     pub excess: f64,
 }
 
 impl LensMisfit {
-    /// The misfit of a lens with a principal point: corners as they were seen, each with the residual of the model, pixels. `None`
-    /// where noise explains the residuals, or there are too few corners.
+    /// The misfit of a lens with a principal point: observed corners, each with the residual of the
+    /// model, pixels. `None` if noise explains the residuals, or there are too few corners.
     pub fn of(centre: Point, corners: &[(Point, Point)]) -> Option<Self> {
         let mut radial: Vec<(f64, f64)> = corners
             .iter()
@@ -63,13 +65,13 @@ impl LensMisfit {
         })
     }
 
-    /// Factor by which standard deviations are larger that took the errors for noise.
+    /// Factor that corrects standard deviations computed with the errors as noise.
     pub fn inflation(&self) -> f64 {
         self.excess.sqrt()
     }
 }
 
-/// Errors that rounding alone leaves, pixels.
+/// Rounding errors, pixels.
 const ROUNDING: f64 = 1e-4;
 
 #[cfg(test)]
@@ -96,7 +98,7 @@ mod tests {
     const CENTRE: Point = Point::new(370.0, 240.0);
 
     #[test]
-    fn noise_is_no_misfit_and_a_wave_along_the_radius_is() {
+    fn noise_is_not_a_misfit_but_a_radial_wave_is() {
         assert_eq!(LensMisfit::of(CENTRE, &corners(|_| 0.0)), None);
         let wave = |radius: f64| 0.1 * libm::sin(radius / 50.0);
         let misfit = LensMisfit::of(CENTRE, &corners(wave)).expect("a misfit");

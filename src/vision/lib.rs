@@ -1,24 +1,31 @@
-//! From images to curves in metres: strands, crossings, cameras, scores. It knows images and arrays, no rods and no
-//! robots.
+//! From images to curves in metres: strands, crossings, cameras, scores. The crate depends on
+//! images and arrays, not on rods or robots.
 //!
-//! [`trace()`] reads as the algorithm:
+//! [`trace()`] follows these steps:
 //!
-//! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the [`Mask`].
-//! 2. Thinning wears the mask down to lines one pixel wide; as a graph these are ends and junctions joined by branches.
-//! 3. Forks that face each other are the halves of one crossing. Arms are paired such that the paths from one to the other
-//!    bend least and keep their colour: at a crossing, along a stretch that two strands share, or across a gap under
-//!    another strand. Where ends remain that touch other strands, where strands change their hue, or where parts of the mask
-//!    remain, the mask is split by hue and looked at again.
-//! 4. Each path becomes a [`Strand`]: the middle between both of its edges, measured between pixels, smoothed along
-//!    the strand, bridged where it meets others. An end that comes out beyond another strand is followed to its tip.
-//! 5. [`find_crossings`] intersects the centrelines. Which strand lies on top the picture tells where both overlap: it goes
-//!    on there with the cross-section that it has beside the crossing.
-//!    [`whole_rod`] puts closed strands into the open one that they are parts of, where all is known to be one rod.
-//! 6. [`paint_labels`] gives each pixel of the mask to a strand; [`instance_dice`] compares that with the truth.
+//! 1. [`Contrast`]: how much each pixel looks like a rod, by a [`ColourRule`]; its threshold is the
+//!    [`Mask`].
+//! 2. Thinning reduces the mask to lines one pixel wide; as a graph these are ends and junctions
+//!    joined by branches.
+//! 3. Forks that face each other are the halves of one crossing. Arms are paired such that the
+//!    paths from one to the other bend least and keep their colour: at a crossing, along a stretch
+//!    that two strands share, or across a gap under another strand. Where ends remain that touch
+//!    other strands, where strands change their hue, or where parts of the mask remain, the mask is
+//!    split by hue and traced again.
+//! 4. Each path becomes a [`Strand`]: the middle between both of its edges, measured between
+//!    pixels, smoothed along the strand, bridged where it meets others. An end that emerges beyond
+//!    another strand is followed to its tip.
+//! 5. [`find_crossings`] intersects the centrelines. The picture shows which strand is on top where
+//!    both overlap: the upper one keeps the cross-section that it has beside the crossing.
+//!    [`whole_rod`] inserts closed strands into the open one that they belong to, if the picture
+//!    shows a single rod.
+//! 6. [`paint_labels`] gives each pixel of the mask to a strand; [`instance_dice`] compares that
+//!    with the truth.
 //!
-//! A [`Camera`] maps pixels to the table; [`calibrate`], [`board_pose`] and [`hand_eye()`] find it. [`pattern()`] makes a
-//! drawn line a pattern, [`score()`] compares a deployed curve with one, [`find_sheet`] finds a sheet of paper, [`find_edge`] one of its edges,
-//! [`find_markers`], [`compare_markers`] and [`InstabilityWatch`] say when a rod with markers stops being a helix.
+//! A [`Camera`] maps pixels to the table; [`calibrate`], [`board_pose`] and [`hand_eye()`] find it.
+//! [`pattern()`] converts a drawn line to a pattern, [`score()`] compares a deployed curve with
+//! one, [`find_sheet`] finds a sheet of paper, [`find_edge`] one of its edges, [`find_markers`],
+//! [`compare_markers`] and [`InstabilityWatch`] detect when a rod with markers stops being a helix.
 //! [`render()`] makes pictures to test all this with.
 //!
 //! ```
@@ -36,10 +43,10 @@
 //! # Ok::<(), rodlab_vision::VisionError>(())
 //! ```
 //!
-//! Everything runs on one thread. An image of 672 × 896 pixels takes some 10 ms and about 20 bytes of memory a pixel;
-//! [`read_picture`] refuses images of more than [`MOST_PIXELS`].
+//! Everything runs on one thread. An image of 672 × 896 pixels takes some 10 ms and about 20 bytes
+//! of memory a pixel; [`read_picture`] rejects images of more than [`MOST_PIXELS`].
 
-// Tests compare with a tolerance, and may ask any mathematical library.
+// Tests compare with a tolerance, and may use any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod across;
@@ -51,6 +58,7 @@ mod camera_file;
 mod centreline;
 mod checkerboard;
 mod colour;
+mod connection;
 mod contrast;
 mod corner;
 mod crossing;
@@ -102,7 +110,6 @@ mod thinning;
 mod trace;
 #[cfg(test)]
 mod trace_tests;
-mod way;
 mod whole_rod;
 
 pub use calibration::{Calibration, board_pose, calibrate};

@@ -1,4 +1,5 @@
-//! Bright markers on a rod, compared with where a helix would have them: is the rod still a helix?
+//! Bright markers on a rod, compared with their positions on a helix, to check whether the rod is
+//! still a helix.
 
 use super::camera::Camera;
 use super::contrast::Contrast;
@@ -7,11 +8,11 @@ use super::{ColourRule, Point, VisionError};
 use image::RgbImage;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// Centres of gravity of all spots of a colour, pixels, from left to right. Spots of fewer than `least_area` or more
-/// than `largest_area` pixels are left out.
+/// Centres of gravity of all spots of a colour, pixels, from left to right. Spots of fewer than
+/// `least_area` or more than `largest_area` pixels are ignored.
 ///
 /// # Errors
-/// A sample to pick the colour from lies outside of the picture.
+/// The pixel to pick the colour from is outside the picture.
 pub fn find_markers(
     picture: &RgbImage,
     rule: &ColourRule,
@@ -27,7 +28,7 @@ pub fn find_markers(
         }
         let (mut sum, mut weight) = (Point::zeros(), 0.0);
         for (column, row) in part {
-            // Pixels that are hardly marker count little, so that the centre moves smoothly.
+            // Faint pixels have little weight, so that the centre moves smoothly.
             let above = contrast.values[row * contrast.width + column] - contrast.threshold;
             let value = 1.0 + f64::from(above);
             sum += Point::new(column as f64, row as f64) * value;
@@ -65,10 +66,10 @@ pub fn helix_points(
     arc_lengths.iter().map(moved).collect()
 }
 
-/// How far markers are from where they are expected.
+/// Distances of markers from their expected positions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkerErrors {
-    /// For each expected marker its place in the picture; none behind the camera.
+    /// For each expected marker its place in the picture; `None` behind the camera.
     pub expected: Vec<Option<Point>>,
     /// The marker that was found for it, if any.
     pub found: Vec<Option<Point>>,
@@ -76,7 +77,7 @@ pub struct MarkerErrors {
     pub pixels: Vec<Option<f64>>,
     /// The same in metres at the distance of the expected marker.
     pub metres: Vec<Option<f64>>,
-    /// Root mean square of the distances, metres. A marker that is missing counts as one at the gate.
+    /// Root mean square of the distances, metres. A missing marker counts as one at the gate.
     pub rms_metres: f64,
 }
 
@@ -148,13 +149,14 @@ pub fn compare_markers(
     })
 }
 
-/// The rule that says "unstable now".
+/// The rule for the loss of stability.
 ///
-/// The rod is unstable once its error is above `upper` in `frames` pictures in a row, and stable again once it is
-/// below `lower` in as many. Between both bounds nothing changes, so noise about one of them changes nothing.
+/// The rod is unstable once its error is above `upper` in `frames` pictures in a row, and stable
+/// again once it is below `lower` in as many. Between the bounds the state is kept, so noise about
+/// one of them has no effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InstabilityRule {
-    /// Error above which the rod is no helix, metres.
+    /// Error above which the rod is not a helix, metres.
     pub upper: f64,
     /// Error below which it is one again, metres; less than `upper`.
     pub lower: f64,
@@ -194,8 +196,8 @@ impl InstabilityWatch {
         })
     }
 
-    /// Takes the error of the next picture, metres; an error that is no number counts as large. Returns whether the
-    /// rod is unstable now.
+    /// Takes the error of the next picture, metres; an error that is not a number counts as large.
+    /// Returns whether the rod is unstable now.
     pub fn observe(&mut self, error: f64) -> bool {
         let speaks_against = if self.unstable {
             error < self.rule.lower
@@ -263,7 +265,7 @@ mod tests {
         }
         let depth = 0.6;
         assert!((errors.rms_metres / (2.5 * depth / 907.0) - 1.0).abs() < 0.3);
-        // A missing marker is no reason to be content.
+        // A missing marker does not count as stable.
         let fewer = compare_markers(&camera, &expected, &found[1..], 20.0).expect("errors");
         assert_eq!(
             fewer

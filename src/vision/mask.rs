@@ -1,4 +1,4 @@
-//! Binary images: which pixels belong to a rod, without specks and pinholes.
+//! Binary images of the pixels of a rod, without specks and pinholes.
 
 use super::contrast::Contrast;
 
@@ -18,7 +18,7 @@ const SPREADING_ROUNDS: usize = 12;
 #[derive(Clone, Copy, Debug)]
 struct Run {
     row: usize,
-    /// First column and the one behind the last.
+    /// First column and the one after the last.
     columns: [usize; 2],
 }
 
@@ -63,12 +63,12 @@ impl Mask {
         self.width + 2
     }
 
-    /// Where a pixel is in [`cells`](Self::cells).
+    /// Index of a pixel in [`cells`](Self::cells).
     pub(super) fn index(&self, column: usize, row: usize) -> usize {
         (row + 1) * self.stride() + column + 1
     }
 
-    /// Column and row of a cell that is no frame.
+    /// Column and row of a cell that is not in the frame.
     pub(super) fn position(&self, index: usize) -> (usize, usize) {
         (index % self.stride() - 1, index / self.stride() - 1)
     }
@@ -121,8 +121,9 @@ impl Mask {
         self.replace_small(0, holes, false);
     }
 
-    /// Turns over the connected parts of a value that are smaller than `least` pixels. Parts of background that
-    /// touch the border are no holes. Inside, diagonal neighbours are connected; outside, they are not.
+    /// Inverts the connected parts of a value that are smaller than `least` pixels. Parts of
+    /// background that touch the border are not holes. Inside, diagonal neighbours are connected;
+    /// outside, they are not.
     fn replace_small(&mut self, value: u8, least: usize, diagonal: bool) {
         let (runs, roots) = self.components(value, diagonal);
         let mut area = vec![0; runs.len()];
@@ -170,7 +171,8 @@ impl Mask {
         }
     }
 
-    /// Gives cells without a label that which `choose` takes of those of the neighbours to the left, to the right, above and below.
+    /// Labels unlabelled cells with the result of `choose` for the labels of the neighbours to the
+    /// left, to the right, above and below.
     pub(super) fn spread(&self, labels: &mut [u8], choose: impl Fn([u8; 4]) -> Option<u8>) {
         let stride = self.stride();
         let mut rest = self.members();
@@ -272,7 +274,7 @@ pub(super) fn chamfer_distances(mask: &Mask, members: &[usize]) -> Vec<u16> {
     for index in members {
         distances[*index] = u16::MAX / 2;
     }
-    // A knight's step may pass the frame; what lies there is background all the same.
+    // A knight's step may pass the frame; cells beyond it are background as well.
     let at = |distances: &[u16], index: Option<usize>| {
         index
             .and_then(|index| distances.get(index).copied())
@@ -317,7 +319,7 @@ pub(super) mod tests {
     use super::super::Point;
     use super::*;
 
-    /// The mask of the pixels at which something is.
+    /// The mask of the pixels with a predicate.
     pub fn drawn(width: usize, height: usize, is_inside: impl Fn(Point) -> bool) -> Mask {
         let mut mask = Mask::new(width, height);
         for (row, column) in (0..height).flat_map(|row| (0..width).map(move |k| (row, k))) {
@@ -376,7 +378,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_notch_at_the_border_is_no_hole() {
+    fn a_notch_at_the_border_is_not_a_hole() {
         let rows = ["##.##", "#####", "#.#.#", "#####"];
         let mut found = mask(&rows);
         found.clean(1, 2);

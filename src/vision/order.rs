@@ -1,7 +1,8 @@
-//! Where strands cross, and which of the two lies on top.
+//! Crossings of strands, and which strand is on top.
 //!
-//! The strand on top looks on the crossing as it does beside it. The one below is hidden there: along it, the colour
-//! changes to that of the other one, or, where both are alike, shading and edges of the other one come in between.
+//! The strand on top looks the same on the crossing as beside it. The one below is hidden there:
+//! along it, the colour changes to that of the other one, or, if both have the same colour, shading
+//! and edges of the other one interrupt it.
 
 use super::Point;
 use super::centreline::Strand;
@@ -13,7 +14,7 @@ use std::collections::HashMap;
 /// A point of an image at which two strands, or two parts of one, cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrandCrossing {
-    /// Where, pixels.
+    /// Its position, pixels.
     pub position: Point,
     /// The strand on top.
     pub over: Passage,
@@ -21,11 +22,11 @@ pub struct StrandCrossing {
     pub under: Passage,
     /// Angle between both, degrees, 0 to 90.
     pub angle_degrees: f64,
-    /// How sure the order is: 0 for a guess, 1 where the strand on top does not change at all.
+    /// Confidence of the order: 0 for a guess, 1 if the strand on top does not change at all.
     pub confidence: f64,
 }
 
-/// Finds all crossings of strands and their order. Along each strand they come in no particular order.
+/// Finds all crossings of strands and their order. Their order along each strand is arbitrary.
 pub fn find_crossings(picture: &RgbImage, strands: &[Strand]) -> Vec<StrandCrossing> {
     intersections(strands)
         .into_iter()
@@ -46,7 +47,7 @@ pub fn find_crossings(picture: &RgbImage, strands: &[Strand]) -> Vec<StrandCross
         .collect()
 }
 
-/// What tells how near two places of a strand are along it.
+/// Data for the distance of two positions along a strand.
 #[derive(Clone, Copy)]
 struct Scale {
     segments: usize,
@@ -65,7 +66,7 @@ impl Scale {
         }
     }
 
-    /// Whether two places are within some widths along the strand.
+    /// Whether two positions are within some widths along the strand.
     fn is_near(&self, at: f64, other: f64, widths: f64) -> bool {
         let apart = (at - other).abs();
         let apart = if self.closed {

@@ -1,9 +1,9 @@
-//! What the picture shows where two strands overlap: the one on top.
+//! The upper strand where two strands overlap, from the picture.
 //!
-//! Beside the overlap each strand shows its cross-section: its colour, and how that is shaded from edge to edge. The
-//! strand on top goes on like that through the overlap; the one below does not. Both strands are compared with every pixel
-//! that they share, so that strands of one colour are told apart by their shading. Pixels of a third strand say
-//! nothing of these two and are left out.
+//! Beside the overlap each strand shows its cross-section: its colour, and how that is shaded from
+//! edge to edge. The strand on top keeps this cross-section through the overlap; the one below does
+//! not. Both strands are compared with every pixel that they share, so that strands of one colour
+//! are distinguished by their shading. Pixels of a third strand are ignored.
 
 use super::Point;
 use super::centreline::Strand;
@@ -12,23 +12,25 @@ use super::passage::{Passage, locate, segments, width_at};
 use super::pixels::between;
 use image::RgbImage;
 
-/// Places across a strand at which its colour is kept.
+/// Number of positions across a strand at which its colour is stored.
 const LANES: usize = 9;
-/// Pixels that are looked at across a strand; of wider ones not every pixel is.
+/// Number of pixels sampled across a strand; wider ones are subsampled.
 const PIXELS_ACROSS: f64 = 8.0;
-/// Part of a strand's half width that is looked at: at its edges colours mix.
+/// Share of the half width of a strand that is used: colours mix at its edges.
 const LOOKED_AT: f64 = 0.84;
-/// How much the mean of the squared differences counts beside their variance: a strand that bends turns to the light or
-/// away from it, and where colours differ, the mean is large all the same.
+/// Weight of the mean of the squared differences relative to their variance: a bending strand turns
+/// towards the light or away from it, and where colours differ, the mean is large anyway.
 const MEAN_COUNTS: f64 = 0.25;
-/// How far along a strand its cross-section is taken, in widths; farther where other strands are in the way.
+/// Length of a strand over which its cross-section is measured, in widths; longer if other strands
+/// are in the way.
 const STRETCHES: [f64; 3] = [1.0, 2.0, 4.0];
 /// Least number of pixels of a cross-section, in pixels across it.
 const LEAST_PIXELS: f64 = 2.0;
-/// Least part of an overlap that no third strand touches for the rest of it to be left out.
+/// Smallest share of an overlap without a third strand for which the rest is ignored.
 const LEAST_FREE: f64 = 0.2;
 
-/// How much the picture on the overlap of two strands differs from the cross-section of each, as a colour difference.
+/// Difference of the picture on the overlap of two strands from the cross-section of each, as a
+/// colour difference.
 pub(super) fn differences(
     picture: &RgbImage,
     strands: &[Strand],
@@ -42,19 +44,20 @@ pub(super) fn differences(
     let sine = tangents[0].perp(&tangents[1]).abs().max(0.2);
     let half_overlaps = [widths[1], widths[0]].map(|width| 0.5 * width / sine);
     let reach = |side: usize| half_overlaps[side] + widths[side] * (STRETCHES[2] + 1.0);
-    let ways = [0, 1].map(|side| Way::new(strands, passages[side], side, reach(side)));
-    let surroundings = Surroundings::new(strands, centre, reach(0).max(reach(1)), &ways);
+    let paths = [0, 1].map(|side| LocalPath::new(strands, passages[side], side, reach(side)));
+    let surroundings = Surroundings::new(strands, centre, reach(0).max(reach(1)), &paths);
     let sections = [0, 1].map(|side| {
         let near = half_overlaps[side] + 1.0 + 0.1 * widths[side];
-        Section::new(picture, &surroundings, &ways[side], near)
+        Section::new(picture, &surroundings, &paths[side], near)
     });
-    let middles = [0, 1].map(|side| ways[side].nearest(0.0));
+    let middles = [0, 1].map(|side| paths[side].nearest(0.0));
     let narrower = widths[0].min(widths[1]);
     let half_size = half_overlaps[0].max(half_overlaps[1]) + 0.5 * widths[0].max(widths[1]);
-    // Of each pixel in the overlap: whether a third strand is there, and how it differs from both cross-sections.
+    // For each pixel in the overlap: whether a third strand covers it, and its differences from
+    // both cross-sections.
     let mut pixels: Vec<(bool, [[f64; 3]; 2])> = Vec::new();
     for point in pixels_near(picture, centre, half_size, narrower) {
-        let places = [0, 1].map(|side| ways[side].place(point, middles[side]));
+        let places = [0, 1].map(|side| paths[side].place(point, middles[side]));
         let [Some(first), Some(second)] = places else {
             continue;
         };
@@ -78,7 +81,7 @@ pub(super) fn differences(
     [0, 1].map(|side| misfit(pixels.iter().map(|(_, residuals)| residuals[side])))
 }
 
-/// Root mean square of residuals, of which the mean counts by [`MEAN_COUNTS`].
+/// Root mean square of residuals, with the mean weighted by [`MEAN_COUNTS`].
 fn misfit(residuals: impl Iterator<Item = [f64; 3]> + Clone) -> f64 {
     let count = residuals.clone().count().max(1) as f64;
     let (mut mean, mut square) = ([0.0; 3], 0.0);
@@ -115,28 +118,28 @@ fn pixels_near(
     })
 }
 
-/// Where a pixel lies on a strand.
+/// Position of a pixel on a strand.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     /// Along it from the crossing, pixels.
     along: f64,
-    /// Across it, from -1 to 1 where it is looked at.
+    /// Across it, from -1 to 1 within the sampled part.
     across: f64,
 }
 
 /// A strand about a crossing.
-struct Way {
+struct LocalPath {
     strand: usize,
-    /// Which of both at the crossing.
+    /// Its index at the crossing, 0 or 1.
     side: usize,
-    /// How many points the whole strand has.
+    /// Number of points of the whole strand.
     count: usize,
     /// Its points there: their numbers, positions, unit vectors along, and lengths from the crossing.
     points: Vec<(usize, Point, Point, f64)>,
     width: f64,
 }
 
-impl Way {
+impl LocalPath {
     fn new(strands: &[Strand], passage: Passage, side: usize, reach: f64) -> Self {
         let strand = &strands[passage.strand];
         let count = strand.points.len();
@@ -162,7 +165,7 @@ impl Way {
         }
     }
 
-    /// Where a pixel lies on it, looked for downhill from one of its points; none beside it.
+    /// Position of a pixel on it, by descent from one of its points; `None` beside it.
     fn place(&self, pixel: Point, start: usize) -> Option<Place> {
         let square = |index: usize| (self.points[index].1 - pixel).norm_squared();
         let mut index = start;
@@ -193,13 +196,13 @@ impl Way {
     /// Whether it has a point of a strand.
     fn has(&self, strand: usize, index: usize) -> bool {
         let first = self.points[0].0;
-        // A way along a closed strand may go on with its first point after its last one.
+        // A path along a closed strand may continue from its last point to its first.
         let from_first = (index + self.count - first) % self.count;
         self.strand == strand && from_first < self.points.len()
     }
 }
 
-/// Which strands cover the pixels about a crossing.
+/// Strands that cover the pixels about a crossing.
 struct Surroundings {
     first: [i64; 2],
     size: usize,
@@ -208,8 +211,8 @@ struct Surroundings {
 }
 
 impl Surroundings {
-    /// Covers of the ways belong to the strands of the crossing.
-    fn new(strands: &[Strand], centre: Point, reach: f64, ways: &[Way; 2]) -> Self {
+    /// Covered pixels of the paths belong to the strands of the crossing.
+    fn new(strands: &[Strand], centre: Point, reach: f64, paths: &[LocalPath; 2]) -> Self {
         let size = 2 * reach.ceil() as usize + 3;
         let first = [centre.x, centre.y].map(|x| (x - reach).floor() as i64 - 1);
         let mut surroundings = Self {
@@ -223,7 +226,7 @@ impl Surroundings {
             for (index, (point, width)) in points.step_by(2) {
                 let half_width = 0.5 * width + 1.0;
                 if (point - centre).amax() < reach + half_width {
-                    let of = |side: usize| u8::from(ways[side].has(number, index)) << side;
+                    let of = |side: usize| u8::from(paths[side].has(number, index)) << side;
                     let bits = of(0) | of(1);
                     surroundings.stamp(*point, half_width, if bits == 0 { 4 } else { bits });
                 }
@@ -260,19 +263,19 @@ impl Surroundings {
 
 /// The colours of a strand across it, before and behind a crossing.
 struct Section {
-    /// Of each side that is known: how far it is along the strand, and the colour of each lane.
+    /// For each known side: its distance along the strand, and the colour of each lane.
     sides: Vec<(f64, [[f64; 3]; LANES])>,
 }
 
 impl Section {
-    /// Looks at a strand where it is farther than `near` from the crossing.
-    fn new(picture: &RgbImage, surroundings: &Surroundings, way: &Way, near: f64) -> Self {
+    /// Samples a strand farther than `near` from the crossing.
+    fn new(picture: &RgbImage, surroundings: &Surroundings, path: &LocalPath, near: f64) -> Self {
         let mut sides = Vec::new();
         for is_free_only in [true, false] {
             for sign in [-1.0, 1.0] {
                 sides.extend(STRETCHES.iter().find_map(|stretch| {
-                    let range = near..near + stretch * way.width;
-                    side(picture, surroundings, way, sign, range, is_free_only)
+                    let range = near..near + stretch * path.width;
+                    side(picture, surroundings, path, sign, range, is_free_only)
                 }));
             }
             if !sides.is_empty() {
@@ -282,7 +285,7 @@ impl Section {
         Self { sides }
     }
 
-    /// The colour that the strand has at a place, if it goes on as beside the crossing.
+    /// The colour of the strand at a position, if it continues as beside the crossing.
     fn expected(&self, place: Place) -> [f64; 3] {
         let lane = (place.across + 1.0) * 0.5 * (LANES - 1) as f64;
         let index = (lane as usize).min(LANES - 2);
@@ -303,35 +306,35 @@ fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
     [0, 1, 2].map(|channel| a[channel] * (1.0 - t) + b[channel] * t)
 }
 
-/// One side of a cross-section; none where too few pixels are free.
+/// One side of a cross-section; `None` if too few pixels are free.
 fn side(
     picture: &RgbImage,
     surroundings: &Surroundings,
-    way: &Way,
+    path: &LocalPath,
     sign: f64,
     range: std::ops::Range<f64>,
     is_free_only: bool,
 ) -> Option<(f64, [[f64; 3]; LANES])> {
-    let inside = way
+    let inside = path
         .points
         .iter()
         .filter(|(_, _, _, along)| range.contains(&(sign * along)));
     let points: Vec<Point> = inside.map(|(_, point, _, _)| *point).collect();
-    let start = way.nearest(sign * 0.5 * (range.start + range.end));
+    let start = path.nearest(sign * 0.5 * (range.start + range.end));
     let middle = points.iter().sum::<Point>() / points.len().max(1) as f64;
     let farthest = points.iter().map(|point| (point - middle).norm());
-    let reach = farthest.fold(0.0, f64::max) + 0.5 * way.width;
+    let reach = farthest.fold(0.0, f64::max) + 0.5 * path.width;
     let (mut sums, mut weights) = ([[0.0; 3]; LANES], [0.0; LANES]);
     let (mut along, mut count) = (0.0, 0.0);
     if points.is_empty() {
         return None;
     }
-    for pixel in pixels_near(picture, middle, reach, way.width) {
-        let Some(place) = way.place(pixel, start) else {
+    for pixel in pixels_near(picture, middle, reach, path.width) {
+        let Some(place) = path.place(pixel, start) else {
             continue;
         };
         if !range.contains(&(sign * place.along))
-            || is_free_only && surroundings.is_on_another(pixel, 1 << way.side)
+            || is_free_only && surroundings.is_on_another(pixel, 1 << path.side)
         {
             continue;
         }
@@ -350,10 +353,10 @@ fn side(
         along += place.along;
         count += 1.0;
     }
-    if count < LEAST_PIXELS * way.width.min(PIXELS_ACROSS) {
+    if count < LEAST_PIXELS * path.width.min(PIXELS_ACROSS) {
         return None;
     }
-    // Lanes that no pixel is near take the colour of the nearest one that has some.
+    // Lanes without pixels take the colour of the nearest lane with some.
     let known: Vec<usize> = (0..LANES).filter(|lane| weights[*lane] > 0.2).collect();
     let lanes = std::array::from_fn(|lane| {
         let nearest = known.iter().min_by_key(|other| lane.abs_diff(**other));

@@ -1,4 +1,4 @@
-//! What was found in a picture, drawn over it; the same as CSV and SVG.
+//! Results drawn over a picture, and as CSV and SVG.
 
 use super::camera::Camera;
 use super::centreline::Strand;
@@ -45,7 +45,7 @@ pub fn overlay(picture: &RgbImage, trace: &Trace) -> RgbImage {
     canvas.image
 }
 
-/// The picture, dimmed, with the pixels of a mask in red: why nothing was found in it.
+/// The picture, dimmed, with the pixels of a mask in red, to show why nothing was found.
 pub fn mask_overlay(picture: &RgbImage, mask: &Mask) -> RgbImage {
     let mut image = Canvas::over(picture).image;
     for (column, row, pixel) in image.enumerate_pixels_mut() {
@@ -77,8 +77,8 @@ pub fn edges_overlay(picture: &RgbImage, edges: &[[Point; 2]]) -> RgbImage {
     canvas.image
 }
 
-/// The picture, dimmed, with rings about the spots that were found, discs where markers are expected, and a line from each
-/// to the spot that was taken for it.
+/// The picture, dimmed, with rings about the spots that were found, discs where markers are
+/// expected, and a line from each to the assigned spot.
 pub fn marker_overlay(picture: &RgbImage, spots: &[Point], errors: &MarkerErrors) -> RgbImage {
     let mut canvas = Canvas::over(picture);
     let stroke = canvas.stroke;
@@ -97,7 +97,7 @@ pub fn marker_overlay(picture: &RgbImage, spots: &[Point], errors: &MarkerErrors
     canvas.image
 }
 
-/// A dimmed picture, and the width of lines that are seen well on it.
+/// A dimmed picture, and a line width that is clearly visible on it.
 struct Canvas {
     image: RgbImage,
     stroke: f64,
@@ -116,7 +116,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a strand, broken where it lies under another one.
+    /// Draws a strand, interrupted where it is under another one.
     fn strand(&mut self, trace: &Trace, number: usize) {
         let (strand, colour) = (&trace.strands[number], strand_colour(number));
         let under = trace.crossings.iter();

@@ -1,4 +1,4 @@
-//! Places along strands.
+//! Positions along strands.
 
 use super::Point;
 use super::centreline::Strand;
@@ -6,9 +6,9 @@ use super::centreline::Strand;
 /// A strand at a crossing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
-    /// Which strand, from 0.
+    /// Index of the strand, from 0.
     pub strand: usize,
-    /// Where on it: 3.5 is half-way between its points 3 and 4.
+    /// Position on it: 3.5 is half-way between its points 3 and 4.
     pub at: f64,
 }
 
@@ -18,7 +18,7 @@ pub(super) fn segment(strand: &Strand, index: usize) -> [Point; 2] {
     [strand.points[index], strand.points[(index + 1) % count]]
 }
 
-/// How many segments a strand has.
+/// Number of segments of a strand.
 pub(super) fn segments(strand: &Strand) -> usize {
     match strand.points.len() {
         0 | 1 => 0,

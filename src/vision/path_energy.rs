@@ -1,18 +1,19 @@
-//! What a path from one arm of a crossing to another costs: its bending, and the change of its colour.
+//! Energy of a path from one arm of a crossing to another: its bending, and the change of its
+//! colour.
 
 use super::Point;
 use super::colour::colour_difference;
 use super::skeleton::{Arm, Branch, Skeleton};
 use nalgebra::Matrix3;
 
-/// Stretch of an arm that tells its direction, in widths.
+/// Length of an arm that determines its direction, in widths.
 const DIRECTION_STRETCH: f64 = 2.5;
 /// Colour difference that counts like an energy of one half.
 const COLOUR_SCALE: f64 = 20.0;
-/// The most a change of colour counts: lights and shadows change colours, too.
+/// Upper bound of the energy of a change of colour: light and shadow also change colours.
 const COLOUR_CAP: f64 = 8.0;
 
-/// Where an arm leaves the part of the skeleton that a crossing distorts.
+/// Point where an arm leaves the distorted part of the skeleton at a crossing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Departure {
     pub position: Point,
@@ -25,7 +26,7 @@ pub(super) fn unit(vector: Point) -> Point {
     vector.try_normalize(1e-9).unwrap_or(Point::x())
 }
 
-/// Where the pixel `index` of an arm is on its branch, counted from the crossing.
+/// Index on its branch of the pixel `index` of an arm, counted from the crossing.
 fn place(branch: &Branch, arm: Arm, index: usize) -> usize {
     match arm.side {
         0 => index,
@@ -33,8 +34,8 @@ fn place(branch: &Branch, arm: Arm, index: usize) -> usize {
     }
 }
 
-/// How many pixels at an arm's begin a crossing distorts: as far as the mask is wider than along the branch, half a
-/// width at least, and never more than a third of the branch.
+/// Number of pixels at the start of an arm that a crossing distorts: while the mask is wider than
+/// along the branch, at least half a width, and at most a third of the branch.
 pub(super) fn distorted_pixels(skeleton: &Skeleton, arm: Arm) -> usize {
     let branch = &skeleton.branches[arm.branch];
     let count = branch.pixels.len();
@@ -98,7 +99,7 @@ fn quadratic_start(points: &[Point]) -> (Point, Point) {
     };
     let [x, y] = right.map(|right| inverse * right);
     let derivative = Point::new(x[1], y[1]);
-    // Short arms bend less than their pixels say.
+    // Short arms bend less than their pixels suggest.
     let derivative = if derivative.dot(&chord) > 0.0 {
         derivative
     } else {

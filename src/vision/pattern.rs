@@ -6,10 +6,10 @@ use super::smoothing::{resample, smooth};
 use super::{Point, VisionError};
 use std::fmt::Write;
 
-/// How pixels become metres.
+/// Conversion of pixels to metres.
 #[derive(Clone, Copy, Debug)]
 pub enum Metric<'a> {
-    /// By a camera, onto its table.
+    /// Projection by a camera onto its table.
     Camera(&'a Camera),
     /// By the side of a pixel, metres: a scan. The origin is the lower left pixel of an image of this height.
     Scan {
@@ -24,7 +24,7 @@ impl Metric<'_> {
     /// Coordinates of a pixel, metres; y points upwards.
     ///
     /// # Errors
-    /// The pixel shows no point of the table.
+    /// The pixel does not show a point of the table.
     pub fn locate(&self, pixel: Point) -> Result<Point, VisionError> {
         match self {
             Self::Camera(camera) => camera.on_table(pixel),
@@ -39,11 +39,14 @@ impl Metric<'_> {
     }
 }
 
-/// The curve of a strand in metres, smoothed: waves shorter than about 2π times `smoothing`, in metres, are the hand's
-/// shake. The pen is taken to be round: ends are half a line's width inside of the ink. Points are at most `step` apart. A closed strand's curve ends with its first point.
+/// The curve of a strand in metres, smoothed: waves shorter than about 2π times `smoothing`, in
+/// metres, are treated as hand tremor. The pen is assumed to be round: ends are half a line's width
+/// inside the ink. Points are at most `step` apart. A closed strand's curve ends with its first
+/// point.
 ///
 /// # Errors
-/// A pixel shows no point of the table; the strand has no length there, or as long a smoothing.
+/// A pixel does not show a point of the table; the strand has no length there, or is too short for
+/// the smoothing.
 pub fn pattern(
     strand: &Strand,
     metric: Metric,
@@ -54,7 +57,7 @@ pub fn pattern(
     let located: Result<Vec<Point>, VisionError> =
         drawn.iter().map(|point| metric.locate(*point)).collect();
     let located = located?;
-    // Fine enough for both the smoothing and the drawing's own points.
+    // Fine enough for the smoothing and for the points of the drawing.
     let fine = if smoothing > 0.0 {
         step.min(0.5 * smoothing)
     } else {
@@ -65,8 +68,8 @@ pub fn pattern(
         return Err(VisionError::Undetermined {
             problem: "the pattern",
             reason: format!(
-                "the drawn line is {length:.4} m long; smoothing has to be shorter than half of that and the step \
-                 than a third"
+                "the drawn line is {length:.4} m long; the smoothing length must be below half of \
+                 that, and the step below a third"
             ),
         });
     }
@@ -79,7 +82,7 @@ pub fn pattern(
     Ok(resample(&smoothed, step, false).0)
 }
 
-/// The way of the pen's middle: ink ends half a line's width beyond it.
+/// The path of the centre of the pen: the ink ends half a line's width beyond it.
 fn without_caps(strand: &Strand) -> Vec<Point> {
     let mut points = strand.points.clone();
     if strand.closed || strand.length() < 3.0 * strand.width() {

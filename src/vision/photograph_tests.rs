@@ -1,6 +1,8 @@
-//! The photographs of `scenarios/photographs`: drawn by the renderer, so that anybody may use and check them.
+//! The photographs of `scenarios/photographs`: drawn by the renderer, so that they are free to use
+//! and reproducible.
 //!
-//! `RODLAB_WRITE_PHOTOGRAPHS=scenarios/photographs cargo test --lib vision::photograph` draws them anew.
+//! `RODLAB_WRITE_PHOTOGRAPHS=scenarios/photographs cargo test --lib vision::photograph` redraws
+//! them.
 
 use super::camera::tests::looking_at;
 use super::render::{RenderOptions, render};
@@ -15,10 +17,10 @@ use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Side of the cells in which ink is looked for, metres.
+/// Side of the cells of the ink lookup, metres.
 const CELL: f64 = 4e-3;
 
-/// A sheet of paper under a desk lamp, with one letter drawn by a hand that shakes a little.
+/// A sheet of paper under a desk lamp, with one letter drawn by hand with a slight tremor.
 struct Drawing {
     /// Points of the line and half its width there, by cells.
     ink: HashMap<(i32, i32), Vec<(Point, f64)>>,
@@ -67,7 +69,7 @@ impl Drawing {
     }
 }
 
-/// An S of two arcs, 0.22 m high, and what the hand makes of it.
+/// An S of two arcs, 0.22 m high, with hand tremor.
 fn letter() -> Vec<Point> {
     const RADIUS: f64 = 0.055;
     let wobble = |s: f64| {
@@ -118,7 +120,7 @@ fn rods_photograph() -> RgbImage {
     render(&view, &rods, |_| [22.0, 24.0, 28.0], &options)
 }
 
-/// Which of the scenes of random rods is shown.
+/// Index of the scene of random rods.
 const SCENE: u64 = 2;
 
 fn folder() -> PathBuf {

@@ -1,4 +1,4 @@
-//! Reading photographs, with bounds on what a file may ask for.
+//! Reading of photographs, with bounds on the memory that a file may need.
 
 use super::VisionError;
 use super::input::read_file;
@@ -10,17 +10,18 @@ use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// The most pixels along a side of an image.
+/// Maximum number of pixels along a side of an image.
 pub const LONGEST_SIDE: u32 = 16_384;
-/// The most pixels of an image. A decoded picture takes three bytes for each.
+/// Maximum number of pixels of an image. A decoded picture takes three bytes for each.
 pub const MOST_PIXELS: u64 = 50_000_000;
-/// The most bytes of an image file.
+/// Maximum number of bytes of an image file.
 pub const LARGEST_FILE: u64 = 256 << 20;
 
-/// Endings of the files that are read as pictures, in small letters.
+/// Endings of the files that are read as pictures, in lower case.
 pub const PICTURE_ENDINGS: [&str; 7] = ["png", "jpg", "jpeg", "tif", "tiff", "bmp", "webp"];
 
-/// Reads a PNG, JPEG, TIFF, BMP or WebP file as 8-bit RGB, turned as its camera was held.
+/// Reads a PNG, JPEG, TIFF, BMP or WebP file as 8-bit RGB, rotated to the orientation of its
+/// camera.
 ///
 /// # Errors
 /// The file cannot be read, is of none of these formats, is damaged or truncated, or is larger than [`MOST_PIXELS`].
@@ -35,7 +36,7 @@ pub fn read_picture(path: &Path) -> Result<RgbImage, VisionError> {
 /// Reads a label image: pixel = number of the strand, 0 = background.
 ///
 /// # Errors
-/// The file cannot be read, or is no image of 8-bit grey.
+/// The file cannot be read, or is not an image of 8-bit grey.
 pub fn read_labels(path: &Path) -> Result<image::GrayImage, VisionError> {
     let bytes = read_file(path, LARGEST_FILE)?;
     decode_labels(&bytes).map_err(|reason| VisionError::Malformed {
@@ -44,10 +45,12 @@ pub fn read_labels(path: &Path) -> Result<image::GrayImage, VisionError> {
     })
 }
 
-/// Decodes the bytes of a picture as 8-bit RGB, turned as its camera was held. What is transparent is laid on white.
+/// Decodes the bytes of a picture as 8-bit RGB, rotated to the orientation of its camera.
+/// Transparent pixels are drawn on white.
 ///
 /// # Errors
-/// In words: the bytes are of none of the formats of [`read_picture`], are damaged or truncated, or promise more than [`MOST_PIXELS`].
+/// A message if the bytes are of none of the formats of [`read_picture`], are damaged or truncated,
+/// or have more than [`MOST_PIXELS`].
 pub fn decode_picture(bytes: &[u8]) -> Result<RgbImage, String> {
     let picture = decode(bytes)?;
     if !picture.color().has_alpha() {
@@ -62,7 +65,7 @@ pub fn decode_picture(bytes: &[u8]) -> Result<RgbImage, String> {
     }))
 }
 
-/// Decodes a label image: pixel = number of the strand, 0 = background. Colour is refused.
+/// Decodes a label image: pixel = number of the strand, 0 = background. Colour images are rejected.
 ///
 /// # Errors
 /// As for [`decode_picture`], and images that are not 8-bit grey.
@@ -104,17 +107,17 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
     }
     if width.max(height) > LONGEST_SIDE || u64::from(width) * u64::from(height) > MOST_PIXELS {
         return Err(format!(
-            "the image has {width} × {height} pixels; the most is {MOST_PIXELS}, {LONGEST_SIDE} along a side"
+            "the image has {width} × {height} pixels; allowed: at most {MOST_PIXELS}, {LONGEST_SIDE} along a side"
         ));
     }
     let mut decoder = reader(&limits).into_decoder().map_err(describe)?;
-    // Pixels of more bytes than these are refused before memory is taken for them.
+    // Larger images are rejected before memory is allocated.
     if decoder.total_bytes() > MOST_PIXELS * 8 {
         return Err(describe(ImageError::Limits(
             image::error::LimitError::from_kind(image::error::LimitErrorKind::InsufficientMemory),
         )));
     }
-    // A damaged note about the orientation is no damaged picture.
+    // A damaged orientation entry does not make the picture invalid.
     let orientation = decoder
         .orientation()
         .unwrap_or(image::metadata::Orientation::NoTransforms);
@@ -126,17 +129,18 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
 fn describe(error: ImageError) -> String {
     match error {
         ImageError::Limits(_) => format!(
-            "the image is too large: the most is {MOST_PIXELS} pixels, {LONGEST_SIDE} along a side"
+            "the image is too large; allowed: at most {MOST_PIXELS} pixels, {LONGEST_SIDE} along a side"
         ),
         ImageError::IoError(error) => format!("the image is truncated: {error}"),
         other => format!("the image is damaged: {other}"),
     }
 }
 
-/// The image files of a folder, by the [`PICTURE_ENDINGS`], in order of time: by name, numbers in names by value.
+/// The image files of a folder, by the [`PICTURE_ENDINGS`], in chronological order: by name, with
+/// numbers in names by value.
 ///
 /// # Errors
-/// The folder cannot be read, or holds no image.
+/// The folder cannot be read, or has no image.
 pub fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, VisionError> {
     let unreadable = |reason: String| VisionError::Unreadable {
         path: folder.into(),
@@ -158,7 +162,7 @@ pub fn pictures_in(folder: &Path) -> Result<Vec<PathBuf>, VisionError> {
     }
     if found.is_empty() {
         return Err(unreadable(format!(
-            "it holds no file with one of the endings {}",
+            "it has no file whose name ends in {}",
             PICTURE_ENDINGS.join(", ")
         )));
     }
@@ -179,7 +183,7 @@ fn natural_key(name: &str) -> Vec<(usize, String)> {
             pieces.push((0, String::new()));
             digits_before = Some(digit);
         }
-        let piece = pieces.last_mut().expect("a piece was just begun");
+        let piece = pieces.last_mut().expect("a piece was just started");
         if digit && piece.1 == "0" {
             piece.1.clear();
             piece.0 = 0;
@@ -274,7 +278,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn what_is_transparent_is_laid_on_white() {
+    fn transparent_pixels_are_drawn_on_white() {
         let mut bytes = Vec::new();
         PngEncoder::new(&mut bytes)
             .write_image(
@@ -325,7 +329,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn other_files_are_neither() {
+    fn other_files_are_rejected() {
         let error = decode_picture(b"GIF89a....").expect_err("a GIF");
         assert!(error.contains("neither"), "{error}");
         assert!(decode_picture(b"").is_err());

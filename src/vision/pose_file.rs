@@ -1,4 +1,4 @@
-//! Poses in CSV files, as trajectories have them.
+//! Poses in CSV files, in the format of trajectories.
 
 use super::VisionError;
 use super::input::read_text;
@@ -8,10 +8,11 @@ use std::path::Path;
 
 const COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"];
 
-/// Reads poses from a CSV file, see [`Table`], with columns `x_m,y_m,z_m,qw,qx,qy,qz`; others are left alone.
+/// Reads poses from a CSV file, see [`Table`], with columns `x_m,y_m,z_m,qw,qx,qy,qz`; others are
+/// ignored.
 ///
 /// # Errors
-/// The file cannot be read, lacks a column, or a row is no pose.
+/// The file cannot be read, lacks a column, or a row is not a pose.
 pub fn read_poses(path: &Path) -> Result<Vec<Isometry3<f64>>, VisionError> {
     let text = read_text(path)?;
     parse_poses(&text).map_err(|reason| VisionError::Malformed {

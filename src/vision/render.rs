@@ -1,9 +1,9 @@
-//! Pictures of rods on a table, as a camera would take them: for tests, and for cells without a camera.
+//! Rendered pictures of rods on a table, for tests and for cells without a camera.
 //!
-//! Rods are shaded tubes with a depth buffer; they cast shadows on the table and on the rods below. The table has any
-//! colour at any point, so that sheets, drawings and checkerboards are functions; what is narrower than half a pixel may
-//! be missed. What is not rendered: light that
-//! goes between rods, gloss, and depth of field.
+//! Rods are shaded tubes with a depth buffer; they cast shadows on the table and on the rods below.
+//! The table has any colour at any point, so that sheets, drawings and checkerboards are functions;
+//! details narrower than half a pixel may be missed. Not rendered: light reflected between rods,
+//! gloss, and depth of field.
 
 use super::Point;
 use super::camera::Camera;
@@ -22,20 +22,20 @@ pub struct RenderedRod {
     pub colour: [u8; 3],
 }
 
-/// Light and faults of the camera.
+/// Light, and noise and blur of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderOptions {
     /// Direction towards the light.
     pub light: Vector3<f64>,
-    /// Light that comes from everywhere, 0 to 1; the rest comes from the light.
+    /// Ambient light, 0 to 1; the rest is directional.
     pub ambient: f64,
-    /// How much of the light shadows take away, 0 to 1.
+    /// Share of the light that shadows remove, 0 to 1.
     pub shadow: f64,
     /// Standard deviation of the noise of each channel, of 255.
     pub noise: f64,
     /// Rounds of a binomial blur of 3 × 3 pixels.
     pub blur: usize,
-    /// What the noise begins with.
+    /// Seed of the noise.
     pub seed: u64,
 }
 
@@ -54,9 +54,10 @@ impl Default for RenderOptions {
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
-/// Looks at the table along each side of a sample.
+/// Number of table lookups along each side of a sample.
 const FINE: usize = 3;
-/// A pixel whose corners differ from its middle by less than this, of 255, is plain: one look is enough.
+/// A pixel whose corners differ from its middle by less than this, of 255, is plain: one lookup is
+/// enough.
 const PLAIN: f64 = 1.5;
 
 /// Renders rods above the table of a camera. `ground` is the colour, sRGB from 0 to 255, of the table at x, y.
@@ -116,7 +117,7 @@ impl Canvas {
             * (camera.height as usize + 1))
             .map(corner)
             .collect();
-        // A regular grid of looks would move edges along it by a part of a pixel.
+        // A regular grid of lookups would shift edges along it by a fraction of a pixel.
         let mut jitter = Noise(!seed);
         for row in 0..camera.height as usize {
             for column in 0..camera.width as usize {
@@ -295,7 +296,7 @@ impl Canvas {
     }
 }
 
-/// Mean of [`FINE`]² looks, one at random in each part of the unit square.
+/// Mean of [`FINE`]² lookups, one at random in each part of the unit square.
 fn mean_colour(jitter: &mut Noise, look: impl Fn(f64, f64) -> [f64; 3]) -> [f64; 3] {
     let mut mean = [0.0; 3];
     for fine in 0..FINE * FINE {
@@ -308,7 +309,7 @@ fn mean_colour(jitter: &mut Noise, look: impl Fn(f64, f64) -> [f64; 3]) -> [f64;
     mean
 }
 
-/// How much of a rod's point is hidden from the light by the rods.
+/// Share of the light that rods hide from a point of a rod.
 fn covered(
     point: Vector3<f64>,
     rod: &RenderedRod,

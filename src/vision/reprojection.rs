@@ -1,5 +1,5 @@
-//! Reprojection: where a lens images the corners of boards, and the least sum of squared errors over lens and poses, by
-//! Levenberg and Marquardt's method.
+//! Reprojection of the corners of boards through a lens, and the least squares solution for lens
+//! and poses, by the Levenberg–Marquardt method.
 
 use super::Point;
 use super::camera::Lens;
@@ -7,12 +7,12 @@ use super::checkerboard::Checkerboard;
 use super::lens_fit::LensMisfit;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix2x3, UnitQuaternion, Vector3};
 
-/// Unknowns of the lens.
+/// Number of unknowns of the lens.
 pub(super) const LENS: usize = 9;
-/// Unknowns of a pose.
+/// Number of unknowns of a pose.
 pub(super) const POSE: usize = 6;
 
-/// What is varied: the lens and the poses of the boards.
+/// Unknowns: the lens and the poses of the boards.
 #[derive(Clone)]
 pub(super) struct State {
     pub lens: Lens,
@@ -33,7 +33,7 @@ impl State {
         residuals
     }
 
-    /// What of the residuals depends on the distance from the principal point.
+    /// The part of the residuals that depends on the distance from the principal point.
     pub fn misfit(&self, board: &Checkerboard, views: &[Vec<Point>]) -> Option<LensMisfit> {
         let views = views.iter().enumerate();
         let corners = views.flat_map(|(view, corners)| {
@@ -119,7 +119,7 @@ impl State {
         self.levenberg_marquardt(board, views, LENS).map(drop)
     }
 
-    /// Brings the sum of squares to its minimum; unknowns below `first` stay as they are. Returns JᵀJ there.
+    /// Minimises the sum of squares; unknowns below `first` stay fixed. Returns JᵀJ at the minimum.
     fn levenberg_marquardt(
         &mut self,
         board: &Checkerboard,

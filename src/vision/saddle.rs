@@ -1,7 +1,8 @@
 //! Saddles of the brightness, where four squares of a checkerboard meet, to a hundredth of a pixel.
 //!
-//! They are looked for by second derivatives, refined to where the gradients around are orthogonal to the way to the corner,
-//! and then fitted: all pixels around tell where a saddle is, of which gradients use those on edges only.
+//! They are detected by second derivatives, refined to the point where the surrounding gradients
+//! are orthogonal to the direction to the corner, and then fitted: the fit uses all pixels around a
+//! saddle, gradients only those on edges.
 
 use super::Point;
 use image::RgbImage;
@@ -113,7 +114,8 @@ impl Grey {
         changes.count() == 4
     }
 
-    /// Moves a corner to the middle of the saddle that fits the pixels within `reach` best; to where it was where none does.
+    /// Moves a corner to the middle of the saddle that fits the pixels within `reach` best; keeps
+    /// its position if none fits.
     pub fn refine(&self, corner: Point, reach: i32) -> Point {
         let start = self.gradient_corner(corner, reach);
         let Some(mut saddle) = self.first_saddle(start, reach) else {
@@ -145,7 +147,7 @@ impl Grey {
                 }
             }
         }
-        // A fit that runs away has found something else.
+        // A fit that moves far away has found something else.
         if (saddle.centre - start).norm() < 0.5 {
             saddle.centre
         } else {
@@ -153,7 +155,7 @@ impl Grey {
         }
     }
 
-    /// JᵀWJ, JᵀWr and rᵀWr of the pixels about a saddle, r being what is missing in it.
+    /// JᵀWJ, JᵀWr and rᵀWr of the pixels about a saddle, with the residual r.
     fn normal_equations(&self, saddle: &Saddle, reach: i32) -> (Normal, Unknowns, f64) {
         let (mut matrix, mut right, mut sum) = (Normal::zeros(), Unknowns::zeros(), 0.0);
         let (column, row) = (
@@ -176,7 +178,7 @@ impl Grey {
         (matrix, right, sum)
     }
 
-    /// A saddle whose edges are where its second derivatives have them.
+    /// A saddle with the edge directions of its second derivatives.
     fn first_saddle(&self, centre: Point, reach: i32) -> Option<Saddle> {
         // Second derivatives by least squares: Σ I (x² − mean), and so on, up to a factor each.
         let (mut xx, mut yy, mut xy, mut mean) = (0.0, 0.0, 0.0, 0.0);
@@ -269,11 +271,11 @@ const UNKNOWNS: usize = 7;
 type Unknowns = SVector<f64, UNKNOWNS>;
 type Normal = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 
-/// Where four squares meet, blurred: mean + height · erf(d₁/(√2 blur)) · erf(d₂/(√2 blur)) with the distances d from two
-/// lines through the centre.
+/// A blurred corner of four squares: mean + height · erf(d₁/(√2 blur)) · erf(d₂/(√2 blur)) with the
+/// distances d from two lines through the centre.
 ///
-/// For lines that are not at right angles this is not quite what a Gaussian blur gives, but it has the same symmetry
-/// about the centre, which is all that matters here.
+/// For lines that are not at right angles this is not quite what a Gaussian blur gives, but it has
+/// the same symmetry about the centre, which is sufficient here.
 #[derive(Clone, Copy, Debug)]
 struct Saddle {
     centre: Point,

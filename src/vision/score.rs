@@ -1,4 +1,4 @@
-//! How far a deployed curve is from the pattern it was to follow.
+//! Distance of a deployed curve from its pattern.
 
 use super::{Point, VisionError, smoothing};
 use nalgebra::{Isometry2, Rotation2, Translation2, UnitComplex};
@@ -35,9 +35,9 @@ pub struct Score {
     pub by_arc_length: CurveError,
     /// Each point of the pattern with the nearest point of the result.
     pub by_nearest_point: CurveError,
-    /// Motion that was applied to the result before: identity where none was asked for.
+    /// Motion that was applied to the result first: the identity if none was requested.
     pub alignment: Isometry2<f64>,
-    /// Whether the result runs the other way round than the pattern.
+    /// Whether the result runs in the opposite direction to the pattern.
     pub reversed: bool,
     /// The points of the pattern.
     pub pattern: Vec<Point>,
@@ -72,7 +72,7 @@ pub fn score(
         reason: reason.into(),
     };
     if points < 2 {
-        return Err(undetermined("at least two points are compared"));
+        return Err(undetermined("at least two points are needed"));
     }
     let (pattern_points, pattern_length) = equidistant(pattern, points)
         .ok_or_else(|| undetermined("the pattern has fewer than two different points"))?;
@@ -99,7 +99,7 @@ pub fn score(
             let moved = moved(&candidate, &alignment);
             let pairs = moved.iter().zip(&pattern_points);
             let square: f64 = pairs.map(|(a, b)| (a - b).norm_squared()).sum();
-            // The direction in which it was traced is kept where it makes no difference.
+            // The direction of tracing is kept if both fit equally.
             if best
                 .as_ref()
                 .is_none_or(|best| square < best.0 * (1.0 - 1e-9))
@@ -139,8 +139,9 @@ fn moved(points: &[Point], motion: &Isometry2<f64>) -> Vec<Point> {
         .collect()
 }
 
-/// The part of a curve that is as long as a pattern and begins at the arc length `begin`, all in metres: of a rod that
-/// was laid, what lies before the pattern is its lead-in, and what lies beyond it was never laid.
+/// The part of a curve that is as long as a pattern and begins at the arc length `begin`, all in
+/// metres: for a laid rod, the part before the pattern is its lead-in, and the part beyond it was
+/// not laid.
 ///
 /// # Errors
 /// The curve ends before the pattern does.
@@ -157,8 +158,7 @@ pub fn part_of_curve(
         return Err(VisionError::Undetermined {
             problem: "the score",
             reason: format!(
-                "the result is {whole:.4} m long, and a pattern of {wanted:.4} m that begins at {begin:.4} m does not \
-                 end on it"
+                "the result is {whole:.4} m long: too short for a pattern of {wanted:.4} m that begins at {begin:.4} m"
             ),
         });
     }
@@ -227,7 +227,8 @@ fn reordered(
     points.into_iter().step_by(every).collect()
 }
 
-/// Turn and shift that bring points nearest to others (Umeyama, IEEE TPAMI 13:376, 1991, in the plane).
+/// Rotation and shift that bring points nearest to others (Umeyama, IEEE TPAMI 13:376, 1991, in the
+/// plane).
 pub fn rigid_alignment(from: &[Point], to: &[Point]) -> Isometry2<f64> {
     let count = from.len().max(1) as f64;
     let (a, b) = (

@@ -1,23 +1,24 @@
-//! The length of a rod in a picture compared with that of the rod: whether all of it is seen.
+//! Comparison of the length of a rod in a picture with its true length, to check that all of it is
+//! visible.
 
 use super::Point;
 use super::score::polyline_length;
 use serde::Serialize;
 use std::fmt;
 
-/// Greatest difference of both lengths, as a share of the rod's: a rod that was traced whole is within 1 %, and a loop or an end
-/// that is missing is longer than this.
+/// Greatest difference of both lengths, as a share of the rod's: a completely traced rod is within
+/// 1 %, and a missing loop or end is longer than this.
 const TOLERANCE: f64 = 0.03;
 
-/// Lengths of a rod: as a picture shows it, and as it is.
+/// Lengths of a rod: in a picture, and true.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SeenLength {
     /// Length of the curve in the picture, m.
     pub seen_m: f64,
     /// Length of the rod, m.
     pub rod_m: f64,
-    /// Length of what the picture should show at least, m: less than the rod where its end is outside of the picture, or fell upon
-    /// itself.
+    /// Smallest length that the picture should show, m: less than the rod if its end is outside the
+    /// picture, or fell onto itself.
     pub least_m: f64,
 }
 
@@ -31,7 +32,7 @@ impl SeenLength {
         }
     }
 
-    /// The same of a rod of which the picture should show a part of some length at least, m.
+    /// The lengths for a rod of which the picture should show at least a given length, m.
     pub fn with_least(self, least_m: f64) -> Self {
         Self {
             least_m: least_m.min(self.rod_m),
@@ -52,7 +53,7 @@ impl fmt::Display for SeenLength {
         let [seen, rod, least] = [self.seen_m, self.rod_m, self.least_m].map(millimetres);
         write!(
             formatter,
-            "the picture shows a rod {seen} long, and the rod is {rod} long"
+            "the rod in the picture is {seen} long, but the rod is {rod} long"
         )?;
         if self.least_m < self.rod_m {
             write!(formatter, ", of which at least {least} should be seen")?;

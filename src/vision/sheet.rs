@@ -1,7 +1,7 @@
-//! A sheet of paper: its corners to a fraction of a pixel, its edges on the table, and how far it slid.
+//! A sheet of paper: its corners to a fraction of a pixel, its edges on the table, and its sliding.
 //!
-//! Corners are where lines through the edges meet. The lines are fitted to many edge points in coordinates of the
-//! table, in which edges are straight however the lens bends them.
+//! Corners are intersections of the lines through the edges. The lines are fitted to many edge
+//! points in coordinates of the table, in which edges are straight despite lens distortion.
 
 use super::contrast::Contrast;
 use super::mask::Mask;
@@ -21,7 +21,7 @@ pub struct Sheet {
     pub straightness: [f64; 4],
 }
 
-/// Where an edge lies.
+/// Position of an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgePose {
     /// Middle of the edge.
@@ -33,8 +33,8 @@ pub struct EdgePose {
 }
 
 impl Sheet {
-    /// The same sheet with its corners counted from another one, such that they lie nearest to those of the same sheet
-    /// before it moved.
+    /// The same sheet with its corners renumbered so that they are nearest to those of the same
+    /// sheet before it moved.
     #[must_use]
     pub fn numbered_like(&self, before: &Self) -> Self {
         let away = |sheet: &Self| -> f64 {
@@ -75,17 +75,18 @@ impl Sheet {
     }
 }
 
-/// How far an edge moved along a direction between two pictures: Δx of a fold.
+/// Displacement of an edge along a direction between two pictures: Δx of a fold.
 pub fn sliding(before: &EdgePose, after: &EdgePose, direction: Point) -> f64 {
     let unit = direction.try_normalize(1e-12).unwrap_or(Point::x());
     (after.middle - before.middle).dot(&unit)
 }
 
-/// How far from the lines between its corners edges of a sheet are looked for, pixels.
+/// Search distance of edges of a sheet from the lines between its corners, pixels.
 const REACH: f64 = 8.0;
 
-/// Finds the largest sheet that a colour rule tells from the rest. `locate` maps pixels to coordinates in which
-/// edges are straight: [`Camera::on_table`](super::Camera::on_table), or the identity for a lens without distortion.
+/// Finds the largest sheet that a colour rule selects. `locate` maps pixels to coordinates in which
+/// edges are straight: [`Camera::on_table`](super::Camera::on_table), or the identity for a lens
+/// without distortion.
 ///
 /// # Errors
 /// There is no part of the mask with four edges, or `locate` fails.
@@ -116,7 +117,7 @@ pub fn find_sheet(
         }
         lines.push(
             fit_line(points)
-                .ok_or_else(|| missing("one of its edges is not seen, or not straight"))?,
+                .ok_or_else(|| missing("one of its edges is not visible or not straight"))?,
         );
     }
     let mut located = [Point::zeros(); 4];
@@ -190,7 +191,7 @@ fn largest_quadrilateral(hull: &[Point]) -> Option<[Point; 4]> {
         let turns = (0..polygon.len()).map(|k| polygon[k].perp(&polygon[(k + 1) % polygon.len()]));
         0.5 * turns.sum::<f64>().abs()
     };
-    // The corner that cuts off least goes, until four are left.
+    // Removes the corner that cuts off least, until four are left.
     let mut polygon = hull.to_vec();
     while polygon.len() > 4 {
         let count = polygon.len();
@@ -313,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn a_disc_is_no_sheet() {
+    fn a_disc_is_not_a_sheet() {
         let picture = RgbImage::from_fn(200, 200, |u, v| {
             let inside = (f64::from(u) - 100.0).hypot(f64::from(v) - 100.0) < 60.0;
             image::Rgb(if inside { [220; 3] } else { [20; 3] })

@@ -15,7 +15,7 @@ pub(super) struct Skeleton {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Arm {
     pub branch: usize,
-    /// 0 for the begin of the branch, 1 for its end.
+    /// 0 for the start of the branch, 1 for its end.
     pub side: usize,
 }
 
@@ -29,7 +29,7 @@ impl Arm {
     }
 }
 
-/// Where branches end or meet.
+/// A point where branches end or meet.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     /// Mean of its pixels.
@@ -45,12 +45,12 @@ pub(super) struct Branch {
     pub pixels: Vec<Point>,
     /// Half width of the mask at each pixel.
     pub half_widths: Vec<f64>,
-    /// Nodes that it begins and ends at; a branch without is a closed curve.
+    /// Nodes at its start and end; a branch without nodes is a closed curve.
     pub nodes: Option<[usize; 2]>,
 }
 
 impl Branch {
-    /// Length along the pixels, without the ways to the nodes.
+    /// Length along the pixels, without the distances to the nodes.
     pub fn length(&self) -> f64 {
         let steps = self
             .pixels
@@ -65,7 +65,7 @@ impl Branch {
     }
 }
 
-/// Median, the upper one of two; 0 of nothing.
+/// Median, the upper one of two; 0 for an empty list.
 pub(super) fn median(values: &[f64]) -> f64 {
     let mut values = values.to_vec();
     if values.is_empty() {
@@ -75,12 +75,12 @@ pub(super) fn median(values: &[f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Rounds of removing spurs: a spur's spur is rare.
+/// Rounds of removing spurs: spurs on spurs are rare.
 const PRUNING_ROUNDS: usize = 4;
 
 impl Skeleton {
-    /// Thins a mask and follows its lines. Spurs, branches with a free end that are not longer than the mask is wide
-    /// where they begin, are left out: corners of the mask grow them.
+    /// Thins a mask and follows its lines. Spurs are removed: branches with a free end that are not
+    /// longer than the width of the mask at their start, as corners of the mask produce them.
     pub fn new(mask: &Mask) -> Self {
         let members = mask.members();
         let distances = chamfer_distances(mask, &members);
@@ -230,7 +230,7 @@ impl<'a> Tracer<'a> {
                     let (pixels, last) = self.follow(cells, stride, *start, first);
                     let end = self.node_of[last] as usize - 1;
                     if end == node && pixels.len() < 4 {
-                        // A bump of the junction, no loop.
+                        // A bump of the junction, not a loop.
                         continue;
                     }
                     degrees[node] += 1;

@@ -1,15 +1,15 @@
-//! Straight edges between what a colour rule tells from the rest and the rest: points of them to a fraction of a pixel, and
-//! the line through these.
+//! Straight edges of the region selected by a colour rule: points to a fraction of a pixel, and the
+//! line through them.
 
 use super::contrast::Contrast;
 use super::{ColourRule, Point, VisionError};
 use image::RgbImage;
 
-/// Points that are looked for along an edge.
+/// Number of points searched along an edge.
 const EDGE_POINTS: usize = 120;
-/// Part of an edge near each of its ends that is not used.
+/// Share of an edge near each of its ends that is not used.
 const END_PART: f64 = 0.08;
-/// Distance of looks across an edge, pixels.
+/// Sampling distance across an edge, pixels.
 const STEP: f64 = 0.5;
 
 /// A line n·x = d and the scatter of its points.
@@ -22,7 +22,7 @@ pub(super) struct Line {
     pub deviation: f64,
 }
 
-/// An edge that was looked for and found.
+/// A detected edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundEdge {
     /// Unit normal n of its line n·x = d, on the outer side, in the coordinates that `locate` gives.
@@ -31,15 +31,16 @@ pub struct FoundEdge {
     pub offset: f64,
     /// Root mean square distance of its points from the line.
     pub deviation: f64,
-    /// Where the edge begins and ends in the picture, pixels.
+    /// Start and end of the edge in the picture, pixels.
     pub pixels: [Point; 2],
 }
 
-/// Looks for the outermost straight edge within `reach` pixels of where it is expected: from pixel to pixel, with what the colour
-/// rule means on the right as seen in the picture. `locate` maps pixels to coordinates in which the edge is straight.
+/// Finds the outermost straight edge within `reach` pixels of its expected position, which is given
+/// from pixel to pixel with the selected region on the right in the picture. `locate` maps pixels
+/// to coordinates in which the edge is straight.
 ///
 /// # Errors
-/// No edge is seen there, or it is not straight; or `locate` fails.
+/// No edge is visible there, it is not straight, or `locate` fails.
 pub fn find_edge(
     picture: &RgbImage,
     rule: &ColourRule,
@@ -54,7 +55,7 @@ pub fn find_edge(
     let (Some(line), Some(in_picture)) = (fit_line(located), fit_line(points)) else {
         return Err(VisionError::NotFound {
             what: "the edge",
-            reason: "nothing straight is seen where it is expected".into(),
+            reason: "no straight edge is visible at the expected place".into(),
         });
     };
     let across = outwards(to - from).unwrap_or(Point::x());
@@ -73,14 +74,15 @@ pub fn find_edge(
     })
 }
 
-/// The unit vector across a direction that points out of what lies on its right in a picture, where v points down.
+/// The unit normal of a direction, pointing away from its right-hand side in a picture, where v
+/// points down.
 fn outwards(along: Point) -> Option<Point> {
     let unit = along.try_normalize(1e-9)?;
     Some(Point::new(unit.y, -unit.x))
 }
 
-/// Points within `reach` pixels at which the contrast passes its threshold on the way from inside to outside across an edge, the
-/// outermost ones: farther inside a shadow may begin.
+/// Points within `reach` pixels at which the contrast passes its threshold on the way from inside
+/// to outside across an edge, the outermost ones: there may be shadows farther inside.
 pub(super) fn edge_points(contrast: &Contrast, from: Point, to: Point, reach: f64) -> Vec<Point> {
     let along = to - from;
     let Some(outwards) = outwards(along) else {
@@ -106,7 +108,7 @@ pub(super) fn edge_points(contrast: &Contrast, from: Point, to: Point, reach: f6
     points
 }
 
-/// Line with the least squared distances; points far off are left out in three rounds.
+/// Line with the least squared distances; outliers are removed in three rounds.
 pub(super) fn fit_line(mut points: Vec<Point>) -> Option<Line> {
     let wanted = points.len();
     let mut line = None;
@@ -151,7 +153,7 @@ mod tests {
     fn an_edge_is_found_to_a_fraction_of_a_pixel_with_its_outer_side() {
         for (slope, height) in [(0.0, 80.3), (0.1, 70.6)] {
             let picture = picture(slope, height);
-            // What is bright lies below, on the right of the way to the right.
+            // The bright region is below, to the right of a direction to the right.
             let expected = [Point::new(20.0, 84.0), Point::new(180.0, 84.0)];
             let found = find_edge(&picture, &ColourRule::Background, expected, 12.0, Ok).unwrap();
             assert!(found.normal.y < -0.99, "{found:?}");
@@ -180,7 +182,7 @@ mod tests {
         let far = [Point::new(20.0, 120.0), Point::new(180.0, 120.0)];
         let picture = picture(0.0, 80.0);
         assert!(find_edge(&picture, &ColourRule::Background, far, 12.0, Ok).is_err());
-        // Seen from the wrong side it is no edge either.
+        // From the wrong side it is not an edge.
         let turned = [Point::new(180.0, 84.0), Point::new(20.0, 84.0)];
         assert!(find_edge(&picture, &ColourRule::Background, turned, 12.0, Ok).is_err());
     }

@@ -10,12 +10,12 @@ use std::collections::BTreeMap;
 pub(super) struct Path {
     /// Each branch by the arm at which the path enters it.
     pub entries: Vec<Arm>,
-    /// For each branch the way from it to the next one, where that is known.
+    /// For each branch the path from it to the next one, if known.
     pub bridges: Vec<Vec<Point>>,
     pub closed: bool,
 }
 
-/// Follows all strands. Open ones come first, in order of their branches.
+/// Follows all strands. Open ones are first, in order of their branches.
 pub(super) fn paths(skeleton: &Skeleton, crossings: &[Crossing], links: &[bool]) -> Vec<Path> {
     let pairs = crossings.iter().flat_map(|crossing| &crossing.pairs);
     let partner: BTreeMap<Arm, Arm> = pairs.flat_map(|[a, b]| [(*a, *b), (*b, *a)]).collect();

@@ -1,4 +1,4 @@
-//! Where strands end: at the edge of the mask or of the picture, or on another strand.
+//! Ends of strands: at the edge of the mask or of the picture, or on another strand.
 
 use super::Point;
 use super::colour::colour_difference;
@@ -9,26 +9,28 @@ use super::skeleton::{Arm, Skeleton};
 use super::strand::Path;
 use std::collections::BTreeMap;
 
-/// Colour difference of strands that are told apart where one ends on the other.
+/// Colour difference by which strands are distinguished where one ends on the other.
 const OTHER_COLOUR: f64 = 25.0;
 /// Colour difference within a strand.
 const SAME_COLOUR: f64 = 15.0;
-/// How far beyond the strand on which another one ends its own colour is looked for, in widths.
+/// Distance beyond the strand at which another one ends within which its colour is searched, in
+/// widths.
 const FARTHEST_END: f64 = 3.0;
 
-/// Where strands end at other strands: arms of crossings without a partner, and how far the crossing is.
+/// Ends of strands at other strands: arms of crossings without a partner, and the distance to the
+/// crossing.
 #[derive(Debug)]
 pub(super) struct EndStops<C> {
     crossing_of: BTreeMap<Arm, Stop>,
     colour: C,
 }
 
-/// What a strand ends at.
+/// Crossing at which a strand ends.
 #[derive(Clone, Copy, Debug)]
 struct Stop {
     /// The crossing.
     position: Point,
-    /// Colour of the strand, where the others at the crossing have other ones.
+    /// Colour of the strand, if the others at the crossing differ.
     own_colour: Option<[f64; 3]>,
 }
 
@@ -97,7 +99,7 @@ fn extend_end(
     stop: Option<Stop>,
     colour: impl Fn(Point) -> [f64; 3],
 ) {
-    // At the border no chord is measured, and what is smoothed may lie a little beyond it.
+    // At the border no chord is measured, and the smoothed curve may extend slightly beyond it.
     while points.len() > 3
         && points
             .last()
@@ -115,7 +117,7 @@ fn extend_end(
     let longest = stop.map_or(2.0 * width, |stop| {
         ((stop.position - last).dot(&along) - 0.5 * width).clamp(0.0, 2.0 * width)
     });
-    // The strand goes on as it bends.
+    // The strand continues with its curvature.
     let place = |t: f64| last + along * t + normal(along) * (0.5 * turn * t * t);
     let inside = |t: f64| {
         let point = place(t);
@@ -126,7 +128,8 @@ fn extend_end(
     while reach + STEP <= longest && inside(reach + STEP) {
         reach += STEP;
     }
-    // A strand of another colour hides the end, or lies below it: the end is where its own colour was seen last.
+    // A strand of another colour hides the end or is below it: the end is the last position with
+    // its own colour.
     if let Some(own) = stop.and_then(|stop| stop.own_colour) {
         let farthest = reach + FARTHEST_END * width;
         let mut ahead = reach;
@@ -154,7 +157,7 @@ fn in_picture(contrast: &Contrast, point: Point) -> bool {
     point.x >= -0.5 && point.y >= -0.5 && point.x < width - 0.5 && point.y < height - 0.5
 }
 
-/// Direction at the end of a strand, and how much it turns per length, from the last two widths.
+/// Direction and curvature at the end of a strand, from the last two widths.
 pub(super) fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(Point, f64)> {
     let back = (width / step).ceil() as usize;
     let at = |index: usize| {
@@ -171,7 +174,7 @@ pub(super) fn end_direction(points: &[Point], width: f64, step: f64) -> Option<(
     let earlier = (middle - start).try_normalize(1e-9)?;
     let turned = libm::atan2(earlier.perp(&later), earlier.dot(&later));
     let apart = 0.5 * (end - start).norm();
-    // A strand bends with a radius of two widths at least; what bends more is noise.
+    // A strand bends with a radius of at least two widths; larger curvature is noise.
     let turn = (turned / apart).clamp(-0.5 / width, 0.5 / width);
     let ahead = 0.5 * turn * (end - middle).norm();
     Some(((later + normal(later) * ahead).normalize(), turn))

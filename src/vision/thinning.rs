@@ -1,8 +1,9 @@
-//! Thinning: a mask worn down to lines one pixel wide that are connected as the mask is.
+//! Thinning: reduces a mask to lines one pixel wide with the same connectivity.
 //!
-//! Two sub-iterations in turn remove contour pixels of opposite sides (Guo and Hall, Comm. ACM 32:359, 1989; their
-//! lines are thinner on diagonals than Zhang and Suen's). Whether a pixel goes depends on its eight neighbours only,
-//! so the rule is a table of 256 entries, and only pixels whose neighbours have changed are looked at again.
+//! Two sub-iterations in turn remove contour pixels of opposite sides (Guo and Hall, Comm. ACM
+//! 32:359, 1989; their lines are thinner on diagonals than Zhang and Suen's). The removal of a
+//! pixel depends on its eight neighbours only, so the rule is a table of 256 entries, and only
+//! pixels with changed neighbours are examined again.
 
 use super::mask::Mask;
 
@@ -32,13 +33,13 @@ pub(super) fn neighbours(index: usize, stride: usize) -> [usize; 8] {
     ]
 }
 
-/// 1 where the `k`-th neighbour, counted round and round, is in the mask, else 0.
+/// 1 where the `k`-th neighbour, counted cyclically, is in the mask, else 0.
 const fn bit(bits: u8, k: u32) -> u32 {
     (bits >> (k % 8)) as u32 & 1
 }
 
-/// Number of 8-connected parts that the neighbours in the mask form, the pixel itself left out: Hilditch's crossing
-/// number, counted from one straight neighbour to the next.
+/// Number of 8-connected parts that the neighbours in the mask form, without the pixel itself:
+/// Hilditch's crossing number, counted from one straight neighbour to the next.
 const fn parts(bits: u8) -> u32 {
     let (mut count, mut k) = (0, 0);
     while k < 8 {
@@ -77,7 +78,7 @@ const fn table(second: bool) -> [bool; 256] {
     table
 }
 
-/// Whether a pixel of a line is superfluous: its neighbours, two or more, stay connected without it.
+/// Whether a pixel of a line is superfluous: its two or more neighbours stay connected without it.
 const fn superfluous() -> [bool; 256] {
     let (mut table, mut bits) = ([false; 256], 0usize);
     while bits < 256 {
@@ -103,7 +104,7 @@ pub(super) fn thin(mask: &mut Mask, members: &[usize]) -> Vec<usize> {
     let mut removed = Vec::new();
     let mut idle = 0;
     let mut half = 0;
-    // A pixel that one sub-iteration spares, the other may remove: candidates stay for two.
+    // The second sub-iteration may remove a pixel that the first keeps: candidates stay for two.
     let mut fresh = Vec::new();
     while idle < 2 {
         removed.clear();

@@ -18,16 +18,16 @@ use super::strand_end::EndStops;
 use super::{Point, VisionError};
 use image::{GrayImage, RgbImage};
 
-/// What to look for.
+/// Options of the search for strands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceOptions {
-    /// Which colours are rod.
+    /// Colours of the rod.
     pub colour: ColourRule,
     /// Parts of the mask with fewer pixels are noise.
     pub least_area: usize,
-    /// Holes of the mask with fewer pixels are highlights of a rod, not loops of it.
+    /// Holes of the mask with fewer pixels are highlights of a rod, not loops.
     pub largest_hole: usize,
-    /// Strands that are shorter than this many widths are no lines.
+    /// Strands shorter than this many widths are not lines.
     pub least_slenderness: f64,
 }
 
@@ -42,23 +42,23 @@ impl Default for TraceOptions {
     }
 }
 
-/// What was found in a picture.
+/// Result of tracing a picture.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    /// Which pixels are rod.
+    /// Pixels of the rod.
     pub mask: Mask,
     /// The strands.
     pub strands: Vec<Strand>,
-    /// Where they cross.
+    /// Their crossings.
     pub crossings: Vec<StrandCrossing>,
     /// Pixel = number of the strand from 1, 0 = background.
     pub labels: GrayImage,
-    /// Parts of the mask that are no lines: centre, length and width of each.
+    /// Parts of the mask that are not lines: centre, length and width of each.
     pub rejected: Vec<(Point, f64, f64)>,
 }
 
 impl Trace {
-    /// A strand by its number from 1; the longest one without a number.
+    /// A strand by its number from 1; without a number, the longest one.
     pub fn strand(&self, number: Option<usize>) -> Option<&Strand> {
         let strands = self.strands.iter();
         match number {
@@ -74,20 +74,20 @@ const LARGEST_COVERAGE_PERCENT: usize = 50;
 /// Finds the strands of a picture.
 ///
 /// # Errors
-/// Nothing or everything looks like a rod, or nothing of what does is a line.
+/// Nothing or everything looks like a rod, or no part of the mask is a line.
 pub fn trace(picture: &RgbImage, options: &TraceOptions) -> Result<Trace, VisionError> {
     let contrast = Contrast::new(picture, &options.colour)?;
     trace_contrast(picture, &contrast, options)
 }
 
-/// The mask that [`trace`] works on, also where it finds nothing in it.
+/// The mask that [`trace`] uses, even if it finds nothing in it.
 pub fn clean_mask(contrast: &Contrast, options: &TraceOptions) -> Mask {
     let mut mask = Mask::of_contrast(contrast);
     mask.clean(options.least_area, options.largest_hole);
     mask
 }
 
-/// Strands, and what is none.
+/// Strands, and parts that are not strands.
 struct Found {
     strands: Vec<Strand>,
     rejected: Vec<(Point, f64, f64)>,
@@ -145,7 +145,7 @@ fn blobs(skeleton: &Skeleton) -> Vec<(Point, f64, f64)> {
         .collect()
 }
 
-/// Finds the strands of a picture by a grey image of how much its pixels look like a rod, of the same size.
+/// Finds the strands of a picture from a contrast image of the same size.
 ///
 /// # Errors
 /// As [`trace`].

@@ -6,7 +6,7 @@ use super::*;
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 
-/// A camera 0.6 m above the table that looks down, turned and slanted a little.
+/// A camera 0.6 m above the table that looks down, slightly rotated and tilted.
 pub(super) fn camera(roll: f64, slant: f64) -> Camera {
     let turned = UnitQuaternion::from_euler_angles(slant, 0.0, roll);
     let lens = ([620.0; 2], [319.5, 239.5], [0.05, -0.1, 0.0, 0.0, 0.0]);
@@ -31,8 +31,9 @@ impl Dice {
     }
 }
 
-/// A rod 0.65 m long whose direction turns by a few harmonics, which keeps its curvature below 1/(19 mm). It lies in the
-/// middle of the table, its height rises and falls, so that it lies over and under itself.
+/// A rod 0.65 m long whose direction turns by a few harmonics, which keeps its curvature below
+/// 1/(19 mm). It is in the middle of the table and rises and falls, so that it passes over and
+/// under itself.
 fn wandering_rod(dice: &mut Dice, radius: f64, colour: [u8; 3], level: f64) -> RenderedRod {
     const LENGTH: f64 = 0.65;
     let turns = 2.4 * (dice.roll() - 0.5);
@@ -67,7 +68,7 @@ fn wandering_rod(dice: &mut Dice, radius: f64, colour: [u8; 3], level: f64) -> R
     }
 }
 
-/// Rods of different colours that lie on each other, by the number of the scene.
+/// Rods of different colours on top of each other, by the number of the scene.
 pub(super) fn scene(number: u64, count: usize) -> Vec<RenderedRod> {
     const COLOURS: [[u8; 3]; 3] = [[205, 70, 90], [90, 170, 120], [190, 200, 90]];
     let mut dice = Dice(number * 7919 + 17 + count as u64);
@@ -236,7 +237,7 @@ fn rendered_centrelines_are_found_to_a_fraction_of_a_pixel() {
     let mean = all.error / all.points as f64;
     assert!(mean < 0.5, "mean error {mean} pixels");
     assert!(crossings > 40, "{crossings} crossings");
-    // Rods that run on each other or end on each other may be cut in two.
+    // Rods that run along each other or end on each other may be cut in two.
     assert!(
         whole * 10 >= 9 * pictures,
         "all rods in {whole} of {pictures} pictures"

@@ -1,15 +1,16 @@
-//! A rod that lies on itself such that the picture shows a closed strand and an open one.
+//! A rod on top of itself that appears in the picture as a closed strand and an open one.
 //!
-//! Where a rod closes upon its own start, two of its parts lie along each other, and what enters there may leave in two ways: the one
-//! that bends least leaves out the loop. But a rod has two ends. So a closed strand which an open one crosses is a part of it.
+//! Where a rod closes upon its own start, two of its parts run along each other, and a strand that
+//! enters there may leave in two ways: the one that bends least misses the loop. But a rod has two
+//! ends. So a closed strand which an open one crosses is a part of it.
 
 use super::Point;
 use super::centreline::Strand;
 use super::order::StrandCrossing;
 use super::passage::Passage;
 
-/// The open strand `index` as the rod runs from its first point, or from its last one: loops are run through where it first meets
-/// them.
+/// The open strand `index` along the rod from its first point, or from its last one: loops are
+/// inserted where it first meets them.
 pub fn whole_rod(
     strands: &[Strand],
     crossings: &[StrandCrossing],
@@ -109,7 +110,7 @@ mod tests {
             assert_eq!(crossings.len(), 2);
             let whole = whole_rod(&strands, &crossings, 0, is_reversed);
             assert_eq!(whole.len(), 201 + 400);
-            // It comes from its end, and does not jump.
+            // It starts from its end, and does not jump.
             assert_eq!(whole[0].x, if is_reversed { 200.0 } else { 0.0 });
             let steps = whole.windows(2).map(|pair| (pair[1] - pair[0]).norm());
             assert!(steps.fold(0.0, f64::max) < 3.0);

@@ -1,5 +1,5 @@
-//! Ways from arm to arm: at their crossing, along branches that other strands use, too, or across a gap under another
-//! strand.
+//! Connections from arm to arm: at their crossing, along branches that other strands also use, or
+//! across a gap under another strand.
 
 use super::Point;
 use super::colour::colour_difference;
@@ -17,24 +17,24 @@ const MOST_BRANCHES: usize = 4;
 const SHARED_ENERGY: f64 = 0.2;
 /// Widest gap, in widths.
 const WIDEST_GAP: f64 = 13.0;
-/// How much of a gap nothing covers, in widths.
+/// Length of a gap that nothing covers, in widths.
 const WIDEST_BARE: f64 = 1.6;
-/// Part of a gap that other strands fill for it to be covered.
+/// Share of a gap that other strands must fill for it to count as covered.
 const COVERED: f64 = 0.35;
 /// Energy of each width of a gap.
 const GAP_ENERGY: f64 = 0.1;
 /// Energy of a gap under other strands.
 const COVERED_ENERGY: f64 = 1.0;
-/// Energy of a gap where nothing lies on the strand.
+/// Energy of a gap without another strand on it.
 const OPEN_ENERGY: f64 = 3.0;
 /// Colour difference of strands that are never joined across a gap.
 const OTHER_COLOUR: f64 = 25.0;
-/// What is worse than two ends is no way.
+/// Connections with more energy than two ends are rejected.
 pub(super) const MOST_ENERGY: f64 = 2.0 * END_ENERGY;
 
-/// A way between two arms.
+/// A connection between two arms.
 #[derive(Clone, Debug)]
-pub(super) struct Way {
+pub(super) struct Connection {
     /// Branches of other strands that it runs along, each by the arm at which it is entered.
     pub route: Vec<Arm>,
     /// Whether both arms meet at a crossing.
@@ -47,20 +47,20 @@ pub(super) fn ordered(a: Arm, b: Arm) -> [Arm; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
-/// All arms of a skeleton and the ways between them.
-pub(super) struct Ways<'a> {
+/// All arms of a skeleton and the connections between them.
+pub(super) struct Connections<'a> {
     skeleton: &'a Skeleton,
     crossings: Vec<Vec<Arm>>,
     /// Number of the crossing of each arm that is at one.
     pub crossing_of: BTreeMap<Arm, usize>,
-    /// Of all arms, also of those that end freely.
+    /// All arms, including free ends.
     pub departures: BTreeMap<Arm, Departure>,
-    /// The way with the least energy of each pair that has one.
-    pub known: BTreeMap<[Arm; 2], Way>,
+    /// The connection with the least energy of each connected pair.
+    pub known: BTreeMap<[Arm; 2], Connection>,
 }
 
-impl<'a> Ways<'a> {
-    /// Arms without ways.
+impl<'a> Connections<'a> {
+    /// Arms without connections.
     pub fn new(
         skeleton: &'a Skeleton,
         links: &[bool],
@@ -96,7 +96,7 @@ impl<'a> Ways<'a> {
         }
     }
 
-    /// Where the branch of an arm ends.
+    /// End of the branch of an arm.
     pub fn place(&self, arm: Arm) -> Point {
         let nodes = self.skeleton.branches[arm.branch].nodes;
         nodes.map_or(Point::zeros(), |nodes| {
@@ -142,25 +142,25 @@ impl<'a> Ways<'a> {
         pair_energy(&from, &straight_on, 1.0)
     }
 
-    /// Adds a way, unless a better one is known.
-    pub fn add(&mut self, pair: [Arm; 2], way: Way) {
+    /// Adds a connection, unless a better one exists.
+    pub fn add(&mut self, pair: [Arm; 2], connection: Connection) {
         let known = self.known.get(&pair);
-        if known.is_none_or(|known| way.energy < known.energy) {
-            self.known.insert(pair, way);
+        if known.is_none_or(|known| connection.energy < known.energy) {
+            self.known.insert(pair, connection);
         }
     }
 
-    /// Adds the way between two arms of one crossing.
+    /// Adds the connection between two arms of one crossing.
     pub fn add_direct(&mut self, a: Arm, b: Arm) {
-        let way = Way {
+        let connection = Connection {
             route: Vec::new(),
             is_direct: true,
             energy: self.energy(a, b),
         };
-        self.add(ordered(a, b), way);
+        self.add(ordered(a, b), connection);
     }
 
-    /// Finds the ways at crossings and along branches.
+    /// Finds the connections at crossings and along branches.
     pub fn find_along_branches(&mut self) {
         let arms: Vec<Arm> = self.crossing_of.keys().copied().collect();
         for from in arms {
@@ -168,7 +168,7 @@ impl<'a> Ways<'a> {
         }
     }
 
-    /// Goes on from an arm with the length and the energy so far.
+    /// Continues from an arm with the length and the energy so far.
     fn search(&mut self, from: Arm, here: Arm, length: f64, energy: f64, route: &mut Vec<Arm>) {
         for next in self.crossings[self.crossing_of[&here]].clone() {
             let is_used = route.iter().any(|arm| arm.branch == next.branch);
@@ -185,12 +185,12 @@ impl<'a> Ways<'a> {
             if !route.is_empty() && from < next {
                 let energy = energy + self.change_of_colour(from, next) + SHARED_ENERGY;
                 if energy < MOST_ENERGY {
-                    let way = Way {
+                    let connection = Connection {
                         route: route.clone(),
                         is_direct: false,
                         energy,
                     };
-                    self.add([from, next], way);
+                    self.add([from, next], connection);
                 }
             }
             let far = next.opposite();
@@ -206,7 +206,7 @@ impl<'a> Ways<'a> {
         }
     }
 
-    /// Finds the ways across gaps between some arms.
+    /// Finds the connections across gaps between some arms.
     pub fn find_across_gaps(&mut self, arms: &[Arm], mask: &Mask) {
         for (index, a) in arms.iter().enumerate() {
             for b in &arms[index + 1..] {
@@ -231,12 +231,12 @@ impl<'a> Ways<'a> {
                 };
                 let energy = self.energy(*a, *b) + by_cover + GAP_ENERGY * gap / width;
                 if energy < MOST_ENERGY {
-                    let way = Way {
+                    let connection = Connection {
                         route: Vec::new(),
                         is_direct: false,
                         energy,
                     };
-                    self.add(ordered(*a, *b), way);
+                    self.add(ordered(*a, *b), connection);
                 }
             }
         }
@@ -257,7 +257,7 @@ impl<'a> Ways<'a> {
     }
 }
 
-/// Part of the way between two points that lies in the mask, along the cubic with the directions at both.
+/// Share of the cubic between two points, with the directions at both, that is inside the mask.
 fn covered(mask: &Mask, [from, to]: [Point; 2], directions: [Point; 2]) -> f64 {
     const SAMPLES: usize = 24;
     let chord = (to - from).norm();
