@@ -1,7 +1,7 @@
-//! The gate for numbers at the doors of the program: what is read from a file, and what is written for a machine to follow, is finite.
+//! Checks that numbers read from files, and numbers written for machines, are finite.
 //!
-//! A number that is not finite passes comparisons in silence: an arm of which one length is NaN touches nothing, and a pose that is
-//! NaN lies within every limit that asks whether it is beyond.
+//! NaN passes comparisons silently: an arm with a length of NaN never collides, and a pose of NaN
+//! never exceeds a limit.
 
 use std::fmt::Display;
 use thiserror::Error;
@@ -10,7 +10,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{what} is not a finite number")]
 pub struct NotFinite {
-    /// Which number, in words.
+    /// Name of the number.
     pub what: String,
 }
 
@@ -23,7 +23,7 @@ pub fn number(text: &str) -> Option<f64> {
 /// Whether all of some numbers are finite.
 ///
 /// # Errors
-/// The first that is not; `what` names it by its index.
+/// The first one that is not; `what` names it by its index.
 pub fn check<'a, Name: Display>(
     numbers: impl IntoIterator<Item = &'a f64>,
     what: impl Fn(usize) -> Name,

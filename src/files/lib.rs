@@ -1,16 +1,16 @@
-//! Files in and out: results directories with their marks, triangle meshes, pictures of curves and rows, and the gates that foreign
-//! files pass.
+//! Files in and out: results directories with their marks, triangle meshes, figures of curves and
+//! rows, and checks of input files.
 //!
-//! | room | what lives there |
+//! | module | content |
 //! |---|---|
 //! | [`results`] | results directories, checkpoints, VTK |
 //! | [`figure`] | pictures of plain curves and rows |
 //! | [`mesh`] | triangle meshes in files: STL, OBJ |
-//! | [`finite`] | the gate for numbers in files |
-//! | [`input`] | the gate for files: their size, the depth of XML |
-//! | [`origin`] | which program writes |
+//! | [`finite`] | checks of numbers in files |
+//! | [`input`] | checks of files: their size, the depth of XML |
+//! | [`origin`] | version and commit of the program |
 
-// Tests compare with a tolerance, and may ask any mathematical library.
+// Tests compare with a tolerance, and may use any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod figure;

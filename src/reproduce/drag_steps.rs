@@ -1,4 +1,4 @@
-//! What time steps lose against a fine solution.
+//! Errors of time steps relative to a fine solution.
 
 use super::bundling::{Bundling, Scheme, Step};
 use super::difference::{Difference, curve, differences, figure, nodes_of};
@@ -41,9 +41,9 @@ fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<()> {
     }
     page.text(
         "ē is the mean distance of the nodes from the solution of the first row, in radii (thesis Eq. 2.28), at the \
-         output times. The drag is linearised in each node's own velocity, which is taken at the end of the step; what \
-         other nodes' motion does to it is, for implicit Euler, that of the start of the step and, for backward \
-         differences, that of the motion that is predicted for its end.",
+         output times. The drag is linearised in each node's own velocity, which is taken at the end of the step; the \
+         effect of the other nodes' motion is, for implicit Euler, that of the start of the step and, for backward \
+         differences, that of the motion predicted for its end.",
     );
     page.table(columns! { row in &rows;
         "Scheme" => row.scheme.to_owned(),
@@ -65,16 +65,16 @@ fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<()> {
     )
 }
 
-/// Steps that have a colour of their own, whatever the scheme, s.
+/// Steps with separate colours, for both schemes, s.
 const STEPS: [f64; 5] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2];
 
-/// ē of a run: its colour tells the step, its line the scheme.
+/// ē of a run: its colour shows the step, its line the scheme.
 fn named(run: &Bundling, differences: &[Difference]) -> Curve {
     let step = match run.step {
         Step::Fixed(step) => format!("{step} s"),
         Step::Auto => "auto".into(),
     };
-    let kin = match run.step {
+    let style_index = match run.step {
         Step::Fixed(step) => STEPS.iter().position(|known| *known == step),
         Step::Auto => None,
     };
@@ -83,7 +83,7 @@ fn named(run: &Bundling, differences: &[Difference]) -> Curve {
         Scheme::ImplicitEuler => ("implicit Euler", Look::Dashed),
     };
     let curve = curve(format!("{name}, {step}"), differences);
-    curve.looking(look).like(kin.unwrap_or(STEPS.len()))
+    curve.looking(look).like(style_index.unwrap_or(STEPS.len()))
 }
 
 fn row(case: &Case<Bundling>, differences: &[Difference], contact: Option<f64>) -> Row {
@@ -118,7 +118,8 @@ mod tests {
         let curves: Vec<Curve> = runs[1..].iter().map(|run| named(run, &[])).collect();
         assert!(curves.len() > 7);
         for (index, curve) in curves.iter().enumerate() {
-            let alike = |other: &&Curve| other.look == curve.look && other.kin == curve.kin;
+            let alike =
+                |other: &&Curve| other.look == curve.look && other.style_index == curve.style_index;
             let other = curves[..index].iter().find(alike);
             assert!(
                 other.is_none(),

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-/// How numbers lie along an axis.
+/// Scale of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AxisScale {
     /// Equal steps are differences.
     #[default]
     Linear,
-    /// Equal steps are ratios; only positive numbers have a place.
+    /// Equal steps are ratios; only positive numbers have a position.
     Logarithmic,
 }
 
@@ -23,39 +23,39 @@ impl AxisScale {
         }
     }
 
-    /// Whether a number has a place on the axis.
+    /// Whether a number has a position on the axis.
     pub fn holds(self, value: f64) -> bool {
         value.is_finite() && (self == Self::Linear || value > 0.0)
     }
 }
 
-/// An axis of a plot: a range of numbers and how they lie along it.
+/// An axis of a plot: a range of numbers and its scale.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Axis {
     pub scale: AxisScale,
     pub range: Range<f64>,
-    /// Whether only whole numbers lie on it.
+    /// Whether all its values are integers.
     is_whole: bool,
 }
 
 /// Ticks of an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Ticks {
-    /// Values and what stands beside them.
+    /// Values and their labels.
     pub labelled: Vec<(f64, String)>,
     /// Values between them.
     pub small: Vec<f64>,
-    /// The power of ten by which labels are to be multiplied, as it stands at the end of the axis.
+    /// The power of ten by which labels are multiplied, as shown at the end of the axis.
     pub factor: Option<String>,
 }
 
-/// Numbers closer to zero are zero: sums of steps miss it by rounding, and no figure is about less.
+/// Numbers closer to zero count as zero: sums of steps have rounding errors.
 const ZERO: f64 = 1e-290;
-/// Ranges smaller than this part of their numbers are round-off: the axis shows a constant.
+/// Ranges smaller than this share of their numbers are round-off: the axis shows a constant.
 const ROUND_OFF: f64 = 1e-12;
 
 impl Axis {
-    /// An axis with a little room around the values that have a place on it; never empty.
+    /// An axis with a small margin around the values that have a position on it; never empty.
     pub fn around(scale: AxisScale, values: impl Iterator<Item = f64> + Clone) -> Self {
         let values = values.filter(|value| scale.holds(*value));
         let (low, high) = extremes(values.clone());
@@ -95,7 +95,7 @@ impl Axis {
         }
     }
 
-    /// Place of a value along the axis, 0 to 1.
+    /// Position of a value along the axis, 0 to 1.
     pub fn part(&self, value: f64) -> f64 {
         let Range { start, end } = self.range;
         match self.scale {
@@ -104,7 +104,7 @@ impl Axis {
         }
     }
 
-    /// Ticks, at most `most` of them with labels (at least 2 are asked for).
+    /// Ticks, at most `most` of them with labels (`most` is at least 2).
     pub fn ticks(&self, most: usize) -> Ticks {
         match self.scale {
             AxisScale::Linear => self.linear_ticks(most.max(2)),
@@ -145,15 +145,15 @@ impl Axis {
         }
     }
 
-    /// Powers of ten; 2 and 5 times those too where the axis holds few of them, every other one or fewer where it
-    /// holds too many.
+    /// Powers of ten; also 2 and 5 times those if the axis has few of them, and every other one or
+    /// fewer if it has too many.
     fn logarithmic_ticks(&self, most: usize) -> Ticks {
         let Range { start, end } = self.range;
         let holds = |value: &f64| (start..=end).contains(value);
         let (first, last) = (power_of(start), power_of(end) + 1);
         let decades = libm::log10(end / start);
         if decades < 0.5 {
-            // Too short for ratios: round numbers tell more.
+            // Too short for ratios: round numbers are more useful.
             return Self {
                 scale: AxisScale::Linear,
                 ..self.clone()
@@ -218,7 +218,7 @@ fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     })
 }
 
-/// A number with at most so many decimals, and none that say nothing.
+/// A number with at most a number of decimals, without trailing zeros.
 fn number_label(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = match text.split_once('.') {
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_has_a_few_finite_ticks_whatever_its_size() {
+    fn any_constant_has_a_few_finite_ticks() {
         for value in [0.0, 3.0, -2e-9, 1e-308, 5e-324, 1e12, 1e300, -1e300] {
             for other in [value, value * (1.0 + 2e-16)] {
                 let ticks = axis(AxisScale::Linear, &[value, other]).ticks(5);

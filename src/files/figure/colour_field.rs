@@ -1,4 +1,4 @@
-//! Values over places of a plot as colours, with the bar that explains them.
+//! Values over positions of a plot as colours, with their colour bar.
 
 use super::axis::{Axis, AxisScale};
 use super::curve::Mark;
@@ -6,7 +6,7 @@ use super::drawing::{Anchor, Drawing, Stroke, Words, number};
 use super::palette::Color;
 use super::plot_axes::{Axes, Frame, widest_label};
 
-/// Room between the plot and the bar, and width of the bar, em.
+/// Space between the plot and the bar, and width of the bar, em.
 const GAP: f64 = 1.2;
 const WIDTH: f64 = 0.9;
 /// Between the bar and the labels of its ticks, between those and the name, and height of the name, em.
@@ -14,25 +14,25 @@ const BESIDE: f64 = 0.35;
 const NAME: f64 = 1.3;
 /// Steps of colour in the bar.
 const STEPS: usize = 64;
-/// Radius of a place without a size, em.
+/// Radius of a position without a size, em.
 const DOT: f64 = 0.3;
 
-/// Values at places of a plot, each shown by its colour.
+/// Values at positions of a plot, each shown by its colour.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColourField {
     /// Name and unit of the values.
     pub label: String,
-    /// Places and values: x, y, value.
+    /// Positions and values: x, y, value.
     pub values: Vec<[f64; 3]>,
-    /// Width and height of the rectangle around each place; a disc where there is none.
+    /// Width and height of the rectangle around each position; `None` for a disc.
     pub cell: Option<[f64; 2]>,
-    /// How colours follow values.
+    /// Scale of the colours.
     pub scale: AxisScale,
     /// Largest value that has a colour of its own; larger ones have the last colour.
     pub most: Option<f64>,
 }
 
-/// A field on its axis of colours.
+/// A field with its colour axis.
 pub(super) struct DrawnField<'a> {
     field: &'a ColourField,
     axis: Axis,

@@ -1,5 +1,4 @@
-//! Curves of a plot, and how each is told apart from the others: by colour, and by marks or dashes for those who see
-//! or print no colours.
+//! Curves of a plot, distinguished by colour, and by marks or dashes for readers without colours.
 
 use super::axis::AxisScale;
 use super::colour_field::ColourField;
@@ -33,31 +32,32 @@ impl LinePlot {
 pub struct Curve {
     /// Name in the legend; no legend is drawn for a single curve.
     pub name: String,
-    /// The points; the curve is broken where there is no value.
+    /// The points; the curve is interrupted where there is no value.
     pub points: Vec<(f64, Option<f64>)>,
-    /// How it is drawn.
+    /// Its style.
     pub look: Look,
-    /// Number of its colour and of its mark; its place among the curves where there is none.
-    pub kin: Option<usize>,
+    /// Index of its colour and its mark; by default its position among the curves.
+    pub style_index: Option<usize>,
 }
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Look {
-    /// A line; where there are several of them, with a few marks that tell them apart.
+    /// A line; several lines have a few marks that distinguish them.
     #[default]
     Line,
-    /// A line that never has marks: an outline of a thing, which marks would be taken for a part of.
+    /// A line that never has marks: an outline, of which marks would seem to be a part.
     Bare,
-    /// A line with a mark at each point: few points, between which the curve goes straight.
+    /// A line with a mark at each point: few points, joined by straight lines.
     Marked,
-    /// A mark at each point and no line: what is compared with a curve, or has nothing between its points.
+    /// A mark at each point and no line: data compared with a curve, or without values between its
+    /// points.
     Marks,
-    /// The same with open marks: what others found.
+    /// The same with open marks: results of others.
     OpenMarks,
-    /// A dashed line: a law, a prediction, what is unstable.
+    /// A dashed line: a law, a prediction, unstable states.
     Dashed,
-    /// A broad pale line below the others: what they are to follow.
+    /// A broad pale line below the others: their reference.
     Ground,
 }
 
@@ -71,15 +71,15 @@ impl Curve {
         }
     }
 
-    /// The same curve, drawn in another way.
+    /// The same curve in another style.
     pub fn looking(self, look: Look) -> Self {
         Self { look, ..self }
     }
 
-    /// The same curve with the colour and the mark of number `kin`.
-    pub fn like(self, kin: usize) -> Self {
+    /// The same curve with the colour and the mark of number `style_index`.
+    pub fn like(self, style_index: usize) -> Self {
         Self {
-            kin: Some(kin),
+            style_index: Some(style_index),
             ..self
         }
     }
@@ -101,7 +101,7 @@ impl Curve {
     }
 }
 
-/// What tells a curve apart.
+/// Appearance of a curve.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Style {
     /// Its colour.
@@ -110,18 +110,18 @@ pub(super) struct Style {
     pub mark: Mark,
     /// Width of its line, em.
     pub width: f64,
-    /// Dashes and gaps, em; none where the line is unbroken.
+    /// Dashes and gaps, em; empty for a solid line.
     pub dashes: Vec<f64>,
     /// Whether there is a line.
     pub is_joined: bool,
-    /// Which points have marks.
+    /// Points with marks.
     pub marked: Marked,
     /// Whether marks are open.
     pub is_open: bool,
 }
 
 impl Style {
-    /// The same in white and wider, to lie below it.
+    /// The same in white and wider, to be drawn below it.
     pub fn casing(&self) -> Self {
         Self {
             color: Color::WHITE,
@@ -130,19 +130,19 @@ impl Style {
         }
     }
 
-    /// Whether it lies below the others.
+    /// Whether it is drawn below the others.
     pub fn is_broad(&self) -> bool {
         self.width > WIDTH
     }
 }
 
-/// Width of a curve, and of one that others are to follow, em.
+/// Width of a curve, and of a reference curve, em.
 const WIDTH: f64 = 0.13;
 const BROAD: f64 = 0.6;
-/// How pale the latter is.
+/// Fading of the latter towards white.
 const PALE: f64 = 0.72;
 
-/// Which points of a curve have marks.
+/// Points of a curve with marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Marked {
     None,
@@ -164,7 +164,7 @@ pub(super) fn styles(curves: &[Curve]) -> Vec<Style> {
     let several = lines.count() > 1;
     let mut dashed = 0;
     let style = |(place, curve): (usize, &Curve)| {
-        let number = curve.kin.unwrap_or(place);
+        let number = curve.style_index.unwrap_or(place);
         let dashes = if curve.look == Look::Dashed {
             dashed += 1;
             DASHES[(dashed - 1) % DASHES.len()].to_vec()
@@ -218,11 +218,12 @@ impl Mark {
         Self::Plus,
     ];
 
-    /// Path data of the mark about a point; all shapes have about the area of a disc of the given radius.
+    /// Path data of the mark about a point; all shapes have approximately the area of a disc of the
+    /// given radius.
     pub fn path(self, [x, y]: [f64; 2], radius: f64) -> String {
         let polygon = |corners: &[(f64, f64)]| {
             let corner = |(index, (turn, distance)): (usize, &(f64, f64))| {
-                // Turns count clockwise from above, in parts of a whole one.
+                // Angles are clockwise from above, in fractions of a turn.
                 let (sine, cosine) = libm::sincos(std::f64::consts::TAU * turn);
                 let command = if index == 0 { 'M' } else { 'L' };
                 let [x, y] =
@@ -293,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn a_single_line_needs_no_marks_and_kin_share_a_colour() {
+    fn a_single_line_has_no_marks_and_equal_style_indices_share_a_colour() {
         let line = Curve::new("theory", vec![]);
         let points = Curve::new("rod", vec![]).looking(Look::Marks).like(0);
         let styles = styles(&[line, points]);

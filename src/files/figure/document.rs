@@ -9,8 +9,8 @@ use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html};
 
 const PAGE: &str = include_str!("document.html");
 
-/// Markdown (CommonMark with tables) as HTML. `address` replaces the address of each link and picture. Headings have anchors, as on
-/// hosts of repositories.
+/// Markdown (CommonMark with tables) as HTML. `address` replaces the address of each link and
+/// picture. Headings have anchors, as on repository hosts.
 pub fn markdown_html(markdown: &str, address: &mut dyn FnMut(&str) -> Option<String>) -> String {
     let mut events: Vec<Event<'_>> = Parser::new_ext(markdown, Options::ENABLE_TABLES).collect();
     let mut slugs = Slugs::default();
@@ -34,7 +34,7 @@ pub fn markdown_html(markdown: &str, address: &mut dyn FnMut(&str) -> Option<Str
     text
 }
 
-/// The words of a heading that has begun.
+/// The text of the current heading.
 fn words_of(events: &[Event<'_>]) -> String {
     let inside = events
         .iter()
@@ -65,7 +65,7 @@ pub fn document_page(
     )
 }
 
-/// A picture, PNG or SVG, as an address that holds it.
+/// A picture, PNG or SVG, as a data address.
 fn data_address(bytes: &[u8]) -> Option<String> {
     let kinds: [(&[u8], &str); 3] = [
         (b"\x89PNG", "png"),

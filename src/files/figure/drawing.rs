@@ -10,7 +10,7 @@ use std::fmt::Write;
 /// Thickness of the bar above a letter, em.
 const BAR: f64 = 0.055;
 
-/// Which part of a text stands at its place.
+/// Alignment of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     Start,
@@ -23,24 +23,24 @@ pub(super) enum Anchor {
 pub(super) struct Words<'a> {
     /// The text, see [`Line`].
     pub text: &'a str,
-    /// Where it stands: x and its base line, pixels.
+    /// Its position: x and its base line, pixels.
     pub at: [f64; 2],
     /// Height of the font, pixels.
     pub size: f64,
-    /// What stands there.
+    /// Its alignment.
     pub anchor: Anchor,
-    /// Whether it is read from below to above.
+    /// Whether it is rotated, to be read upwards.
     pub upright: bool,
 }
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stroke {
     /// Its colour.
     pub color: Color,
     /// Its width, pixels.
     pub width: f64,
-    /// Lengths of dashes and gaps, pixels; none where it is unbroken.
+    /// Lengths of dashes and gaps, pixels; empty for a solid line.
     pub dashes: Vec<f64>,
 }
 
@@ -70,12 +70,12 @@ impl Drawing {
         }
     }
 
-    /// Adds elements as they are.
+    /// Adds elements unchanged.
     pub fn raw(&mut self, elements: &str) {
         self.body += elements;
     }
 
-    /// Strokes a path, and fills it where there is a colour to fill it with.
+    /// Strokes a path, and fills it if a fill colour is given.
     pub fn path(&mut self, data: &str, stroke: &Stroke, fill: Option<Color>) {
         let fill = fill.map_or("none".into(), Color::hex);
         self.body += &format!("<path d=\"{data}\" fill=\"{fill}\"");
@@ -97,7 +97,7 @@ impl Drawing {
         self.path(data, &Stroke::solid(color, 0.0), Some(color));
     }
 
-    /// Writes text. Its words are in the file too, for readers of screens and for search.
+    /// Writes text. Its words are also in the file, for screen readers and for search.
     pub fn text(&mut self, words: Words) {
         let line = Line::of(words.text);
         if line.letters.is_empty() {
@@ -156,7 +156,7 @@ impl Drawing {
     }
 }
 
-/// A number as SVG writes it, to a hundredth of a pixel.
+/// A number in SVG notation, to a hundredth of a pixel.
 pub(super) fn number(value: f64) -> String {
     let rounded = (100.0 * value).round() / 100.0;
     // There is no −0 on a page.
@@ -184,7 +184,7 @@ mod tests {
         let svg = drawing.finish(40.0);
         assert!(svg.contains("aria-label=\"a &lt; &quot;b&quot; &amp; a\""));
         assert!(!svg.contains("<text") && !svg.contains("font"));
-        // Nine letters, of which the space and the `a` come again.
+        // Nine letters, of which the space and the `a` are repeated.
         assert_eq!(svg.matches("<use").count(), 11);
         assert_eq!(svg.matches("<path id").count(), 6);
     }

@@ -1,7 +1,7 @@
-//! The letters of figures: outlines of a font of our own, so that text looks the same everywhere.
+//! The letters of figures: outlines of an embedded font, so that text looks the same everywhere.
 //!
-//! DejaVu Sans without hints, cut down to Latin, Greek, Cyrillic, signs of mathematics and arrows; its licence lies
-//! beside it. Letters that it lacks are drawn as boxes.
+//! DejaVu Sans without hints, reduced to Latin, Greek, Cyrillic, signs of mathematics and arrows;
+//! its licence is beside it. Missing letters are drawn as boxes.
 
 use std::fmt::Write;
 use std::sync::LazyLock;
@@ -19,7 +19,7 @@ static FONT: LazyLock<Face<'static>> = LazyLock::new(|| {
 pub(super) struct Glyph {
     /// Its number in the font.
     pub number: u16,
-    /// How far the next letter is.
+    /// Advance to the next letter.
     pub advance: f64,
     /// Left, right and top of its ink.
     pub left: f64,
@@ -47,12 +47,12 @@ pub(super) fn glyph(character: char) -> Glyph {
 /// The outline of a letter as SVG path data in font units, y upwards; empty for a space.
 pub(super) fn outline(number: u16) -> String {
     let mut pen = PathData::default();
-    // What has no ink has no outline.
+    // Letters without ink have no outline.
     let _ = FONT.outline_glyph(GlyphId(number), &mut pen);
     pen.0
 }
 
-/// Path data as the font draws it; coordinates are whole font units.
+/// Path data in integer font units.
 #[derive(Default)]
 struct PathData(String);
 

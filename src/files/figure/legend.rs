@@ -1,18 +1,18 @@
-//! What each curve, rod or plane of a figure is called.
+//! Legends: the names of curves, rods or planes.
 
 use super::drawing::{Anchor, Drawing, Words};
 use super::text::Line;
 
-/// Room from the beginning of a sample to its name, and after the name, em.
+/// Space from the start of a sample to its name, and after the name, em.
 const SAMPLE: f64 = 2.5;
 const GAP: f64 = 1.3;
 /// Height of a row, em.
 const ROW: f64 = 1.6;
 
-/// Names side by side, each behind a sample, in as many rows as they need.
+/// Names side by side, each after a sample, in as many rows as needed.
 pub(super) struct Legend {
     names: Vec<String>,
-    /// Left ends of the samples and the rows that they stand in, pixels.
+    /// Left ends and rows of the samples, pixels.
     places: Vec<(f64, usize)>,
     rows: usize,
     em: f64,
@@ -45,7 +45,8 @@ impl Legend {
         ROW * self.em * self.rows as f64
     }
 
-    /// Draws it below `top`. `sample` draws what stands before the name of a number between two places at one height.
+    /// Draws it below `top`. `sample` draws the sample of an index between two positions at one
+    /// height.
     pub fn draw(
         &self,
         top: f64,

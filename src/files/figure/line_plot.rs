@@ -13,18 +13,18 @@ use super::plot_axes::{
 };
 use super::plot_curves::{draw_curve, draw_sample};
 
-/// How plots are drawn.
+/// Options of plots.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlotStyle {
     /// Scale of the common horizontal axis.
     pub horizontal: AxisScale,
-    /// Scales of the vertical axes, plot by plot; linear where there is none.
+    /// Scales of the vertical axes, plot by plot; linear if not given.
     pub vertical: Vec<AxisScale>,
-    /// Height of each plot over the size of the letters; the usual one where it is 0.
+    /// Height of each plot relative to the font size; 0 for the default.
     pub height: f64,
-    /// Whether a unit is as long upwards as to the right: for shapes.
+    /// Whether both axes have the same scale, for shapes.
     pub is_to_scale: bool,
-    /// Names of the places 1, 2, 3, ... of the horizontal axis, where it has no numbers.
+    /// Names of the positions 1, 2, 3, ... of the horizontal axis, if it has no numbers.
     pub names: Vec<String>,
 }
 
@@ -41,7 +41,7 @@ pub fn line_plots(plots: impl Into<Vec<LinePlot>>, horizontal_label: &str) -> Fi
     styled_line_plots(plots, horizontal_label, PlotStyle::default())
 }
 
-/// Plots one above the other over places that have names: those at 1, 2, 3, ...
+/// Plots one above the other over named positions 1, 2, 3, ...
 pub fn named_plots(
     plots: impl Into<Vec<LinePlot>>,
     names: impl IntoIterator<Item = impl Into<String>>,
@@ -53,7 +53,7 @@ pub fn named_plots(
     styled_line_plots(plots, "", style)
 }
 
-/// A plot in which lengths along both axes are the same, as of a place seen from above.
+/// A plot with the same scale on both axes, such as a view from above.
 pub fn plot_to_scale(plot: LinePlot, horizontal_label: &str) -> Figure {
     let style = PlotStyle {
         is_to_scale: true,
@@ -62,8 +62,8 @@ pub fn plot_to_scale(plot: LinePlot, horizontal_label: &str) -> Figure {
     styled_line_plots([plot], horizontal_label, style)
 }
 
-/// Plots one above the other, all over the same horizontal axis. Curves are broken where a point has no place on a
-/// logarithmic axis.
+/// Plots one above the other, all over the same horizontal axis. Curves are interrupted at points
+/// that have no position on a logarithmic axis.
 pub fn styled_line_plots(
     plots: impl Into<Vec<LinePlot>>,
     horizontal_label: &str,
@@ -76,15 +76,15 @@ pub fn styled_line_plots(
     })
 }
 
-/// Lengths over the size of the letters.
+/// Lengths relative to the font size.
 const MARGIN: f64 = 0.5;
-/// Room for a line of text.
+/// Height of a line of text.
 const TEXT: f64 = 1.3;
-/// Heights of a plot: the usual one, and that over the width which is not exceeded.
+/// Heights of a plot: the default, and the maximum relative to the width.
 const HEIGHT: f64 = 14.0;
 const HEIGHT_OVER_WIDTH: f64 = 0.5;
 const TALLEST_OVER_WIDTH: f64 = 0.8;
-/// Room above a plot without a legend.
+/// Space above a plot without a legend.
 const HEAD: f64 = 0.8;
 
 impl LineFigure {
@@ -115,7 +115,7 @@ impl LineFigure {
             .iter()
             .enumerate()
             .map(|(index, plot)| {
-                // Marks over names are read by their height above zero.
+                // Marks over names are compared by their height above zero.
                 let zero = (places > 0 && scale(index) == AxisScale::Linear).then_some(0.0);
                 let values = points(plot).filter_map(|(_, y)| y);
                 Axis::around(scale(index), values.chain(zero))
@@ -231,7 +231,7 @@ impl LineFigure {
     }
 }
 
-/// The names of the curves where there are several, and not those of the plot above.
+/// The names of the curves, if there are several and they differ from those of the plot above.
 fn names_in_legend(plot: &LinePlot, above: Option<&LinePlot>) -> Vec<String> {
     let of = |plot: &LinePlot| -> Vec<String> {
         plot.curves.iter().map(|curve| curve.name.clone()).collect()
@@ -285,9 +285,10 @@ mod tests {
         for words in ["Energy in J", "Power in W", "Contacts", "Time in s"] {
             assert_eq!(count(&svg, words), 1, "{words}");
         }
-        // A tick that the vertical axes have not.
+        // A tick that the vertical axes do not have.
         assert_eq!(count(&svg, "4"), 1);
-        // Names stand above the first of two plots that have the same, and above no single curve.
+        // A legend is drawn above the first of two plots with the same names, and not for a single
+        // curve.
         assert_eq!((count(&svg, "kinetic"), count(&svg, "contacts")), (1, 0));
         for index in 0..2 {
             assert!(svg.contains(&Color::of(index).hex()));

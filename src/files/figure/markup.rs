@@ -1,6 +1,7 @@
 //! Text inside SVG, HTML and Markdown: one function for each context.
 
-/// Text as it stands between tags, and in quoted attributes. Control characters, which XML does not allow, are replaced.
+/// Text escaped for use between tags and in quoted attributes. Control characters, which XML does
+/// not allow, are replaced.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -17,8 +18,8 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// Text as words of a line of Markdown, in headings and cells of tables, too: names of files and what servers say bring
-/// neither markup, nor links, nor HTML, nor further lines.
+/// Text escaped for a line of Markdown, also in headings and table cells: file names and server
+/// messages add no markup, links, HTML or lines.
 pub fn escape_markdown(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -34,11 +35,11 @@ pub fn escape_markdown(text: &str) -> String {
     escaped
 }
 
-/// A template with `{{name}}` replaced by the text of that name. What is put in is not searched again: a title
-/// may read `{{script}}`.
+/// A template with `{{name}}` replaced by the text of that name. Inserted text is not searched
+/// again: a title may contain `{{script}}`.
 ///
 /// # Panics
-/// Where the template asks for a name that is not among `parts`.
+/// If the template contains a name that is not among `parts`.
 pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     let length: usize = parts.iter().map(|(_, text)| text.len()).sum();
     let mut filled = String::with_capacity(template.len() + length);
@@ -53,15 +54,15 @@ pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     filled + rest
 }
 
-/// Whether the beginning of a file is that of a page of ours.
+/// Whether the beginning of a file is that of a rodlab page.
 pub fn is_page(head: &[u8]) -> bool {
     let head = String::from_utf8_lossy(head);
     head.starts_with("<!DOCTYPE html>")
-        // Earlier versions did not say which they were.
+        // Earlier versions did not write their version.
         && head.contains(r#"<meta name="generator" content="rodlab"#)
 }
 
-/// Whether the beginning of a file is that of a picture as we draw them: SVG, PNG or PDF.
+/// Whether the beginning of a file is that of a rodlab picture: SVG, PNG or PDF.
 pub fn is_picture(head: &[u8]) -> bool {
     let beginnings: [&[u8]; 4] = [b"<svg", b"<?xml", b"\x89PNG", b"%PDF-"];
     beginnings
@@ -69,7 +70,7 @@ pub fn is_picture(head: &[u8]) -> bool {
         .any(|beginning| head.starts_with(beginning))
 }
 
-/// JSON as it stands in a script element, which a name such as `</script>` must not end.
+/// JSON escaped for a script element, which a name such as `</script>` must not end.
 pub fn json_in_script(value: &serde_json::Value) -> String {
     value.to_string().replace('<', "\\u003c")
 }
@@ -100,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn tags_in_text_are_no_tags() {
+    fn tags_in_text_are_ignored() {
         assert_eq!(escape("a < b & c > d"), "a &lt; b &amp; c &gt; d");
         let name = serde_json::json!({ "name": "</script>" });
         let text = json_in_script(&name);

@@ -9,11 +9,12 @@ const WIDTH: f64 = 800.0;
 const MARGIN: f64 = 20.0;
 /// Height of the numbers, pixels.
 const LETTERS: f64 = 12.0;
-/// Most strokes that are drawn, and most points of each.
+/// Maximum number of drawn strokes, and of points of each.
 const MOST_STROKES: usize = 2000;
 const MOST_POINTS: usize = 2000;
 
-/// Draws strokes, y upwards, each with its number from 1 at its middle, as SVG. Of very many the first are drawn.
+/// Draws strokes, y upwards, each with its number from 1 at its middle, as SVG. Of very many, only
+/// the first are drawn.
 pub fn numbered_strokes(strokes: &[&[[f64; 2]]]) -> String {
     let all = || strokes.iter().copied().flatten();
     let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];

@@ -1,11 +1,11 @@
-//! Colours that colour-blind readers can tell apart.
+//! Colours that colour-blind readers can distinguish.
 
 /// A colour: red, green, blue from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Color(pub [f64; 3]);
 
-/// The palette of Okabe and Ito (2008), with a grey in the place of its black, which is for axes, and without its
-/// yellow, which is pale on white.
+/// The palette of Okabe and Ito (2008), with a grey instead of its black, which is used for axes,
+/// and without its yellow, which is pale on white.
 const OKABE_ITO: [[u8; 3]; 7] = [
     [0, 114, 178],
     [213, 94, 0],
@@ -38,7 +38,7 @@ impl Color {
         Self(OKABE_ITO[index % OKABE_ITO.len()].map(|channel| f64::from(channel) / 255.0))
     }
 
-    /// The colour of a value that lies a part of the way (0 to 1) from the lowest to the highest.
+    /// The colour of a value at a fraction (0 to 1) from the lowest to the highest.
     pub fn of_part(part: f64) -> Self {
         let steps = (SEQUENCE.len() - 1) as f64;
         let place = part.clamp(0.0, 1.0) * steps;
@@ -49,7 +49,7 @@ impl Color {
         low.towards(high, place - below)
     }
 
-    /// The colour a part of the way (0 to 1) towards another.
+    /// The colour at a fraction (0 to 1) towards another.
     pub fn towards(self, other: Self, part: f64) -> Self {
         let mix = |channel: usize| self.0[channel] + part * (other.0[channel] - self.0[channel]);
         Self([mix(0), mix(1), mix(2)])
@@ -61,7 +61,7 @@ impl Color {
             .map(|channel| (255.0 * channel.clamp(0.0, 1.0)).round() as u8)
     }
 
-    /// The colour as SVG writes it.
+    /// The colour in SVG notation.
     pub fn hex(self) -> String {
         let [red, green, blue] = self.bytes();
         format!("#{red:02x}{green:02x}{blue:02x}")

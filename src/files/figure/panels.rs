@@ -1,4 +1,4 @@
-//! Shapes side by side in panels of one scale, with a scale bar in the place of axes.
+//! Shapes side by side in panels of one scale, with a scale bar instead of axes.
 
 use super::Figure;
 use super::axis::Axis;
@@ -15,9 +15,9 @@ use std::ops::Range;
 /// A panel: shapes in a plane, m.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// What stands above it.
+    /// Its title.
     pub title: String,
-    /// The curves, in the order of the legend; one without points keeps its place there.
+    /// The curves, in the order of the legend; one without points keeps its entry there.
     pub curves: Vec<Curve>,
 }
 
@@ -34,17 +34,17 @@ pub fn panels(panels: Vec<Panel>, columns: usize) -> Figure {
     Figure::Panels(PanelsFigure { panels, columns })
 }
 
-/// Lengths over the size of the letters.
+/// Lengths relative to the font size.
 const MARGIN: f64 = 0.5;
 const TITLE: f64 = 1.7;
 const BETWEEN: f64 = 1.4;
-/// Room below the panels, and length of the scale bar over the width of a panel.
+/// Space below the panels, and length of the scale bar relative to the width of a panel.
 const FOOT: f64 = 2.2;
 const BAR: f64 = 0.4;
-/// Most height of a panel over its width.
+/// Largest height of a panel relative to its width.
 const TALLEST: f64 = 1.2;
 
-/// Where the shapes of a panel lie, m.
+/// Bounds of the shapes of a panel, m.
 #[derive(Clone)]
 struct Extent {
     across: Range<f64>,
@@ -94,7 +94,7 @@ impl PanelsFigure {
         let known = || extents.iter().flatten();
         let widest = known().map(Extent::width).fold(0.0, f64::max);
         let tallest = known().map(Extent::height).fold(0.0, f64::max);
-        // Pixels of a metre.
+        // Pixels per metre.
         let unit = (width / widest).min(TALLEST * width / tallest);
         let unit = if unit.is_finite() { unit } else { 1.0 };
         let mut top = em * (MARGIN + 0.6) + legend.height();
@@ -136,7 +136,7 @@ fn draw_panel(panel: &Panel, extent: &Extent, frame: Frame, em: f64, drawing: &m
         vertical: &Axis::over(extent.up.clone()),
     };
     let styles = styles(&panel.curves);
-    // What lies below comes first.
+    // Lower items are drawn first.
     let mut order: Vec<usize> = (0..panel.curves.len()).collect();
     order.sort_by_key(|index| !styles[*index].is_broad());
     for index in order {
@@ -197,7 +197,7 @@ mod tests {
             Some(x(next)? - x(first)?)
         };
         let widths: Vec<f64> = sides.filter_map(width).collect();
-        // The sample of the legend, two sides, and the bar.
+        // The sample of the legend, two sides and the bar.
         assert_eq!(widths.len(), 4, "{widths:?}");
         assert!((widths[2] / widths[1] - 2.0).abs() < 1e-2, "{widths:?}");
         assert!((widths[3] / widths[2] - 0.25).abs() < 1e-2, "{widths:?}");

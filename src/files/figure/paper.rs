@@ -1,4 +1,4 @@
-//! How large a figure is, and the formats in which it is kept.
+//! Size and formats of figures.
 
 use super::pdf::pdf;
 use super::raster::png;
@@ -8,7 +8,7 @@ const PIXELS_PER_METRE: f64 = 96.0 / 0.0254;
 /// Pixels per point, which is a 72nd of an inch.
 const PIXELS_PER_POINT: f64 = 96.0 / 72.0;
 
-/// The size of a figure: everything on it follows from its width and its font.
+/// The size of a figure: all lengths follow from its width and its font.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paper {
     /// Width of the figure, pixels.
@@ -33,12 +33,12 @@ impl Paper {
     /// Sizes of letters that can be drawn, points.
     pub const FONT_SIZES: std::ops::RangeInclusive<f64> = 4.0..=48.0;
 
-    /// Letters that stand side by side, at least.
+    /// Minimum width in letters.
     pub const FEWEST_LETTERS: f64 = 15.0;
 
-    /// A figure of a width (m) with letters of a size (points); `None` where they are beyond [`WIDTHS`](Self::WIDTHS)
-    /// or [`FONT_SIZES`](Self::FONT_SIZES), or fewer letters stand side by side than
-    /// [`FEWEST_LETTERS`](Self::FEWEST_LETTERS).
+    /// A figure of a width (m) with letters of a size (points); `None` if they are outside
+    /// [`WIDTHS`](Self::WIDTHS) or [`FONT_SIZES`](Self::FONT_SIZES), or the width is below
+    /// [`FEWEST_LETTERS`](Self::FEWEST_LETTERS) letters.
     pub fn new(width: f64, font_size: f64) -> Option<Self> {
         let paper = Self {
             width: width * PIXELS_PER_METRE,
@@ -67,7 +67,7 @@ pub enum Format {
     Svg,
     /// Pixels, 300 per inch.
     Png,
-    /// Portable document format, as LaTeX takes it.
+    /// Portable document format, for LaTeX.
     Pdf,
 }
 
@@ -91,7 +91,7 @@ impl Format {
     }
 }
 
-/// How figures are drawn and kept.
+/// Size and formats of drawn figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FigureOptions {
     /// Their size.
@@ -101,7 +101,7 @@ pub struct FigureOptions {
 }
 
 impl Default for FigureOptions {
-    /// SVG and PNG of the usual size.
+    /// SVG and PNG of the default size.
     fn default() -> Self {
         Self {
             paper: Paper::default(),

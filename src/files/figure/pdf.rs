@@ -16,13 +16,14 @@ const POINTS: f32 = 72.0 / 96.0;
 /// Draws an SVG as a PDF of one page.
 ///
 /// # Panics
-/// Where `svg` is none, or has more than paths in plain colours: the figures of this room have not.
+/// If `svg` is not an SVG file, or has more than paths in plain colours; the figures of this crate
+/// do not.
 pub(super) fn pdf(svg: &str) -> Vec<u8> {
     let tree = Tree::from_str(svg, &Options::default()).expect("our figures are SVG");
     let size = tree.size();
     let (width, height) = (POINTS * size.width(), POINTS * size.height());
     let mut content = Content::new();
-    // PDF counts upwards from the lower edge.
+    // In PDF, y points upwards from the lower edge.
     content.transform([POINTS, 0.0, 0.0, -POINTS, 0.0, height]);
     draw(tree.root(), &mut content);
     let [catalog, pages, page, contents] = [1, 2, 3, 4].map(Ref::new);
@@ -151,7 +152,7 @@ mod tests {
     use flate2::read::ZlibDecoder;
     use std::io::Read;
 
-    /// What is drawn on the page.
+    /// The content of the page.
     fn operators(file: &[u8]) -> String {
         let find = |what: &[u8]| file.windows(what.len()).position(|bytes| bytes == what);
         let start = find(b"stream\n").unwrap() + 7;

@@ -1,17 +1,18 @@
-//! Names below a horizontal axis, for what has no numbers: scenarios, patterns, trials.
+//! Names below a horizontal axis without numbers: scenarios, patterns, trials.
 
 use super::drawing::{Anchor, Drawing, Words};
 use super::text::Line;
 
-/// Room beside the name of a place, and between lines of names, em.
+/// Space beside a name, and between lines of names, em.
 const BESIDE: f64 = 0.5;
 const LINE: f64 = 1.15;
-/// Room between the axis and the names, em.
+/// Space between the axis and the names, em.
 const GAP: f64 = 0.5;
-/// Most lines of a name that is read from left to right.
+/// Maximum number of lines of a horizontal name.
 const MOST_LINES: usize = 3;
 
-/// Names at the places 1, 2, 3, ... of an axis, broken into lines where they fit, upright where they do not.
+/// Names at the positions 1, 2, 3, ... of an axis, broken into lines if they fit, otherwise
+/// rotated.
 pub(super) struct PlaceNames {
     /// Lines of each name.
     names: Vec<Vec<String>>,
@@ -20,7 +21,7 @@ pub(super) struct PlaceNames {
 }
 
 impl PlaceNames {
-    /// Names of equally wide places on an axis of a width, pixels.
+    /// Names of equally wide positions on an axis of a width, pixels.
     pub fn within(width: f64, names: &[String], em: f64) -> Self {
         let room = width / (names.len().max(1) as f64 * em) - BESIDE;
         let broken: Option<Vec<_>> = names.iter().map(|name| broken_into(name, room)).collect();
@@ -43,7 +44,7 @@ impl PlaceNames {
         (GAP + height) * self.em
     }
 
-    /// Draws the names below an axis; `x` is where a place lies.
+    /// Draws the names below an axis; `x` gives the position of an index.
     pub fn draw(&self, axis: f64, x: impl Fn(f64) -> f64, drawing: &mut Drawing) {
         for (index, lines) in self.names.iter().enumerate() {
             let middle = x(index as f64 + 1.0);
@@ -67,8 +68,8 @@ impl PlaceNames {
     }
 }
 
-/// A name in lines that are no wider than `room` (em), broken after commas or else at spaces; `None` where a word is wider or
-/// there are too many.
+/// A name in lines that are no wider than `room` (em), broken after commas or else at spaces;
+/// `None` if a word is wider or there are too many.
 fn broken_into(name: &str, room: f64) -> Option<Vec<String>> {
     let parts = name.split_inclusive(", ").map(str::trim_end);
     let after_commas = lines_of(parts, room);

@@ -5,14 +5,14 @@ use super::drawing::{Anchor, Drawing, Stroke, Words, number};
 use super::palette::Color;
 use super::text::Line;
 
-/// Lengths over the size of the letters.
+/// Lengths relative to the font size.
 pub(super) const TICK: f64 = 0.35;
 const AXIS_WIDTH: f64 = 0.07;
 const GRID_WIDTH: f64 = 0.05;
-/// How pale the grid is.
+/// Fading of the grid towards white.
 const GRID: f64 = 0.88;
 const SMALL_TICK: f64 = 0.2;
-/// Between a tick and what stands beside it, and between that and the name of the axis.
+/// Space between a tick and its label, and between the label and the name of the axis.
 pub(super) const GAP: f64 = 0.3;
 
 /// The rectangle between the axes, pixels.
@@ -32,13 +32,13 @@ pub(super) struct Axes<'a> {
 }
 
 impl Axes<'_> {
-    /// Where a value lies, pixels.
+    /// Position of a value, pixels.
     pub fn x(&self, value: f64) -> f64 {
         let Frame { left, right, .. } = self.frame;
         left + (right - left) * self.horizontal.part(value)
     }
 
-    /// Where a value lies, pixels.
+    /// Position of a value, pixels.
     pub fn y(&self, value: f64) -> f64 {
         let Frame { top, bottom, .. } = self.frame;
         bottom - (bottom - top) * self.vertical.part(value)
@@ -53,7 +53,7 @@ pub(super) fn widest_label(ticks: &Ticks) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// As many ticks as have room for their labels side by side.
+/// As many ticks as fit with their labels side by side.
 pub(super) fn ticks_that_fit(axis: &Axis, width: f64, em: f64) -> Ticks {
     let fits = |ticks: &Ticks| {
         let room = em * (widest_label(ticks) + 1.2) * ticks.labelled.len() as f64;
@@ -128,7 +128,7 @@ pub(super) fn draw_vertical(
     });
 }
 
-/// Draws the horizontal axis with its grid; labels of its ticks stand below the last plot only.
+/// Draws the horizontal axis with its grid; tick labels are drawn below the last plot only.
 pub(super) fn draw_horizontal(
     axes: &Axes,
     ticks: &Ticks,

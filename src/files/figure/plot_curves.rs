@@ -4,9 +4,9 @@ use super::curve::{Curve, Marked, Style};
 use super::drawing::{Drawing, Stroke, number};
 use super::plot_axes::Axes;
 
-/// Lengths over the size of the letters.
+/// Lengths relative to the font size.
 const MARK: f64 = 0.26;
-/// Marks along a curve that has few.
+/// Number of marks along a curve with few marks.
 const FEW: usize = 8;
 
 fn stroke(style: &Style, em: f64) -> Stroke {
@@ -21,14 +21,14 @@ fn draw_mark(style: &Style, at: [f64; 2], em: f64, drawing: &mut Drawing) {
     let path = style.mark.path(at, MARK * em);
     if style.is_open {
         let edge = Stroke::solid(style.color, 0.09 * em);
-        // Not filled: another mark may lie below.
+        // Not filled: another mark may be below.
         drawing.path(&path, &edge, None);
     } else {
         drawing.area(&path, style.color);
     }
 }
 
-/// What stands in the legend before the name of a curve.
+/// The sample in the legend before the name of a curve.
 pub(super) fn draw_sample(
     style: &Style,
     [from, to]: [f64; 2],
@@ -63,7 +63,7 @@ pub(super) fn draw_curve(
                 .collect()
         })
         .collect();
-    // A single point is no line.
+    // A single point is not a line.
     for stretch in stretches
         .iter()
         .filter(|stretch| style.is_joined && stretch.len() > 1)
@@ -82,7 +82,7 @@ pub(super) fn draw_curve(
     }
 }
 
-/// Path data through points; those that would not be seen are left out.
+/// Path data through points, without those that would not be visible.
 fn path_through(points: &[[f64; 2]]) -> String {
     const SEEN: f64 = 0.1;
     let mut path = String::new();
@@ -98,7 +98,7 @@ fn path_through(points: &[[f64; 2]]) -> String {
     path
 }
 
-/// A few of the points, at equal ways along the curve.
+/// A few of the points, at equal distances along the curve.
 fn few(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let distance =
         |pair: &[[f64; 2]]| libm::hypot(pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);

@@ -1,4 +1,4 @@
-//! SVG as PNG. Figures hold no text but outlines of letters, so that no fonts are needed.
+//! SVG as PNG. Figures contain outlines of letters instead of text, so that no fonts are needed.
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
@@ -9,7 +9,7 @@ const FINENESS: f32 = 300.0 / 96.0;
 /// Draws an SVG as PNG, 300 pixels per inch.
 ///
 /// # Panics
-/// Where `svg` is none: the figures of this room are.
+/// If `svg` is not an SVG file; the figures of this crate are.
 pub(super) fn png(svg: &str) -> Vec<u8> {
     let tree = Tree::from_str(svg, &Options::default()).expect("our figures are SVG");
     let size = tree.size().to_int_size().scale_by(FINENESS);

@@ -9,7 +9,8 @@ pub struct Slugs {
 }
 
 impl Slugs {
-    /// The anchor of a heading, as hosts of repositories name it: lower case, hyphens for blanks, no punctuation.
+    /// The anchor of a heading, as on repository hosts: lower case, hyphens for blanks, no
+    /// punctuation.
     pub fn of(&mut self, heading: &str) -> String {
         let mut slug = String::new();
         for character in heading.trim().chars() {

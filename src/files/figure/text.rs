@@ -1,26 +1,27 @@
-//! Words of a figure: where each letter stands, with subscripts, superscripts and bars.
+//! Text of a figure: positions of the letters, with subscripts, superscripts and bars.
 //!
-//! `l̄_{k}` is an l with a bar and the index k, `10^{-3}` a power of ten; everything else is written as it stands.
+//! `l̄_{k}` is an l with a bar and the index k, `10^{-3}` a power of ten; everything else is
+//! written unchanged.
 
 use super::font::{Glyph, glyph};
 
-/// Size of indices and powers over that of the line.
+/// Size of indices and powers relative to that of the line.
 const SMALL: f64 = 0.7;
-/// How far they stand below and above the line, em.
+/// Their shift below and above the line, em.
 const DOWN: f64 = -0.2;
 const UP: f64 = 0.38;
-/// Room between a letter and the bar above it, and the least length of that bar, em.
+/// Space between a letter and the bar above it, and the smallest length of that bar, em.
 const ABOVE: f64 = 0.09;
 const BAR: f64 = 0.34;
-/// The combining macron: a bar above the letter before.
+/// The combining macron: a bar above the previous letter.
 const MACRON: char = '\u{304}';
 
-/// A letter in its place; lengths are in em, y upwards.
+/// A placed letter; lengths are in em, y upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placed {
     /// Number of the letter in the font.
     pub glyph: u16,
-    /// Where it begins on its line.
+    /// Its start on the line.
     pub at: [f64; 2],
     /// Its size over that of the line.
     pub size: f64,
@@ -33,7 +34,7 @@ pub(super) struct Line {
     pub letters: Vec<Placed>,
     /// Bars above letters: left and right end, and height.
     pub bars: Vec<[f64; 3]>,
-    /// Where the next letter would stand.
+    /// Position of the next letter.
     pub width: f64,
 }
 

@@ -26,7 +26,7 @@ pub(super) fn rod_color(index: usize, held: bool) -> Color {
     }
 }
 
-/// Where the picture lies on the page: pixels = origin + scale · metres, downwards.
+/// Placement of the picture on the page: pixels = origin + scale · metres, downwards.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placement {
     pub origin: Vector2<f64>,
@@ -42,28 +42,30 @@ impl Placement {
 
 /// A piece of a tube between two nodes, a cubic curve with its shading; or a face of a body among them.
 pub(super) struct Piece {
-    /// How near to the eye it is, m.
+    /// Its nearness to the eye, m.
     pub nearness: f64,
     /// Its elements.
     pub svg: String,
 }
 
-/// Thinner rods than this are drawn this wide, pixels: they would not be seen.
+/// Minimum width of drawn rods, pixels: thinner ones would be invisible.
 const MINIMUM_WIDTH: f64 = 1.4;
 
 const ROUND: &str = " stroke-linecap=\"round\"";
 
-/// Width of the body between the outlines, as a part of the whole.
+/// Width of the body between the outlines, as a share of the whole.
 const BODY: f64 = 0.78;
 
-/// Part of the way to white of what lies at the back: what is far is pale.
+/// Fading towards white at the back, 0 to 1.
 const HAZE: f64 = 0.45;
 
-/// The rods of a scene, and the pieces of what stands among them, as SVG elements, far pieces first.
+/// The rods of a scene, and the pieces of other objects among them, as SVG elements, far pieces
+/// first.
 ///
-/// Each piece is one segment of the Catmull–Rom spline through the nodes, which is a cubic Bézier curve. It is
-/// painted as an outline, the body, and a highlight on the side of the light. So that no seams show between the
-/// pieces of one rod, the outline ends flat, the body round, and the highlight reaches beyond that round end.
+/// Each piece is one segment of the Catmull–Rom spline through the nodes, which is a cubic Bézier
+/// curve. It is painted as an outline, the body, and a highlight on the side of the light. To avoid
+/// visible seams between the pieces of one rod, the outline ends flat, the body round, and the
+/// highlight extends beyond that round end.
 pub(super) fn tubes(
     rods: &[RodCurve],
     among: Vec<Piece>,
@@ -78,7 +80,7 @@ pub(super) fn tubes(
         (far.min(depth), near.max(depth))
     });
     let thickest = rods.iter().map(|rod| rod.radius).fold(0.0, f64::max);
-    // Flat scenes have no depth worth showing.
+    // Flat scenes have no significant depth.
     let depth = (near - far).max(20.0 * thickest);
     let mut pieces = among;
     for (index, rod) in rods.iter().enumerate() {
@@ -146,7 +148,7 @@ fn rod_pieces(
         .collect()
 }
 
-/// A stroked path; `attributes` are further ones.
+/// A stroked path with further `attributes`.
 fn stroke(path: &str, color: Color, width: f64, attributes: &str) -> String {
     let color = color.hex();
     format!("<path d=\"{path}\" stroke=\"{color}\" stroke-width=\"{width:.2}\"{attributes}/>\n")
@@ -187,7 +189,7 @@ impl Spline<'_> {
         let side = across
             .try_normalize(f64::MIN_POSITIVE)
             .unwrap_or_else(Vector2::zeros);
-        // Fades out where the curve runs along the light, so that the highlight never jumps.
+        // Fades out where the curve runs along the light, so that the highlight is continuous.
         side * side.dot(&Vector2::new(-0.6, -0.8)).clamp(-0.5, 0.5) * 2.0
     }
 
@@ -218,7 +220,7 @@ impl Spline<'_> {
     }
 }
 
-/// Two numbers as SVG writes them, to a hundredth of a pixel.
+/// Two numbers in SVG notation, to a hundredth of a pixel.
 fn pair(vector: Vector2<f64>) -> String {
     let [x, y] = [vector.x, vector.y].map(|number| (100.0 * number).round() / 100.0);
     format!("{x} {y}")

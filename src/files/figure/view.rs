@@ -1,8 +1,9 @@
-//! From where rods are looked at.
+//! Views of rods.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-/// An orthographic view: lengths across it are true everywhere, so that one scale bar holds for all.
+/// An orthographic view: lengths across it are true everywhere, so that one scale bar is valid for
+/// all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Unit vector to the right of the picture.
@@ -22,7 +23,7 @@ pub(super) struct Projected {
 }
 
 impl View {
-    /// Looks from the direction `eye`, with z up (y up where the eye is above or below).
+    /// View from the direction `eye`, with z up (y up if the eye is above or below).
     pub fn from(eye: Vector3<f64>) -> Self {
         let eye = eye.normalize();
         let upright = if eye.z.abs() < 0.9 {
@@ -38,7 +39,7 @@ impl View {
         }
     }
 
-    /// Looks from the front (−y), a little from the right and from above.
+    /// View from the front (−y), slightly from the right and from above.
     pub fn oblique() -> Self {
         let (azimuth, elevation) = (20f64.to_radians(), 15f64.to_radians());
         Self::from(Vector3::new(
@@ -48,9 +49,10 @@ impl View {
         ))
     }
 
-    /// A view that shows the points well: square onto the plane of flat things, oblique onto all others.
+    /// A view that shows the points well: normal to the plane of flat scenes, oblique for all
+    /// others.
     pub fn fitting<'a>(points: impl Iterator<Item = &'a Vector3<f64>> + Clone) -> Self {
-        // Extents (as variances) below these parts of the next larger one count as none.
+        // Extents (as variances) below these shares of the next larger one count as zero.
         const FLAT: f64 = 1e-4;
         const STRAIGHT: f64 = 1e-6;
         let count = points.clone().count().max(1) as f64;
@@ -67,7 +69,7 @@ impl View {
         let [small, middle, large] = order.map(|axis| eigenvalues[axis]);
         if small < FLAT * middle && middle > STRAIGHT * large {
             let normal = eigenvectors.column(order[0]).into_owned();
-            // Of the two sides the one from which x runs right, or y where x does not show.
+            // Of the two sides, the one from which x points right, or y if x is not visible.
             Self::from(normal * normal.dot(&Vector3::new(1.0, -1.0, 1.0)).signum())
         } else {
             Self::oblique()

@@ -1,4 +1,4 @@
-//! The gate for files at the doors of the program: regular ones, of a bounded size and a bounded depth.
+//! Checked reading of files: regular files of a bounded size and a bounded depth.
 
 mod encoding;
 mod numbers;
@@ -14,11 +14,11 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-/// Reads a regular file of at most `largest` bytes. Pipes, which may never end or never begin, and devices are refused
-/// before they are opened.
+/// Reads a regular file of at most `largest` bytes. Pipes, which may be endless or block, and
+/// devices are rejected before they are opened.
 ///
 /// # Errors
-/// The reason, to stand behind the name of the file.
+/// The reason, to follow the name of the file.
 pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
     let failed = |error: std::io::Error| error.to_string();
     let about = fs::metadata(path).map_err(failed)?;
@@ -29,7 +29,7 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
         return Err("it is a pipe or a device; allowed: regular files".into());
     }
     let mut bytes = Vec::new();
-    // Some files of the system report length zero, and are not empty.
+    // Some system files report length zero but are not empty.
     let file = File::open(path).map_err(failed)?;
     let read = file.take(largest + 1).read_to_end(&mut bytes);
     read.map_err(failed)?;
@@ -46,7 +46,7 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
 /// Reads a text in UTF-8 of at most `largest` bytes, see [`read`].
 ///
 /// # Errors
-/// The reason, to stand behind the name of the file.
+/// The reason, to follow the name of the file.
 pub fn read_text(path: &Path, largest: u64) -> Result<String, String> {
     String::from_utf8(read(path, largest)?).map_err(|_| "it is not text in UTF-8".into())
 }

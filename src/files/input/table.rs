@@ -1,8 +1,9 @@
-//! Columns of numbers in CSV files as programs and people write them.
+//! Columns of numbers in CSV files of programs and users.
 //!
-//! Fields are separated by commas, semicolons, tabs or blanks, whichever the first line has. A header names the columns, with their
-//! unit in any of the usual forms (`x`, `x_m`, `X [mm]`, `x (cm)`); where the first line has numbers only, there is none. Where fields
-//! are not separated by commas, a comma is that of a decimal. Empty lines are passed over, and those that begin with `#`.
+//! Fields are separated by commas, semicolons, tabs or blanks, as in the first line. A header names
+//! the columns, with their unit in any of the usual forms (`x`, `x_m`, `X [mm]`, `x (cm)`); if the
+//! first line has numbers only, there is no header. If fields are not separated by commas, a comma
+//! is a decimal comma. Empty lines and lines that begin with `#` are skipped.
 
 /// Units of columns, with their value in SI units.
 const UNITS: [(&str, f64); 10] = [
@@ -24,7 +25,7 @@ pub struct Table<'a> {
     text: &'a str,
     separator: char,
     has_decimal_commas: bool,
-    /// Names of the columns as they are written; none without a header.
+    /// Names of the columns as written; empty without a header.
     header: Option<Vec<String>>,
     /// Lines before the first row.
     skipped: usize,
@@ -85,7 +86,7 @@ impl<'a> Table<'a> {
         found.next()
     }
 
-    /// The header as it is written.
+    /// The header as written.
     pub fn header(&self) -> Option<&[String]> {
         self.header.as_deref()
     }
@@ -100,7 +101,7 @@ impl<'a> Table<'a> {
     /// Checks that a row has as many fields as the first line.
     ///
     /// # Errors
-    /// In words, to stand behind the number of the line.
+    /// A message, to follow the number of the line.
     pub fn check_length(&self, fields: &[String]) -> Result<(), String> {
         match fields.len() == self.columns {
             true => Ok(()),
@@ -149,7 +150,8 @@ impl<'a> Table<'a> {
     }
 }
 
-/// Lines that say something, with their index. They end in a new line, or, in files without one, in a return.
+/// Non-empty lines that are not comments, with their index. They end with a line feed, or with a
+/// carriage return in files without line feeds.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let end = if text.contains('\n') { '\n' } else { '\r' };
     let lines = text.split(end).map(str::trim).enumerate();
@@ -169,7 +171,7 @@ fn unquoted(field: &str) -> String {
     field.trim().trim_matches('"').trim().to_owned()
 }
 
-/// What separates the fields of a line.
+/// The separator of the fields of a line.
 fn separator_of(line: &str) -> char {
     for separator in [';', '\t', ','] {
         if line.contains(separator) {
@@ -189,7 +191,8 @@ fn separator_of(line: &str) -> char {
     }
 }
 
-/// The name of a heading in small letters without its unit, and that unit; one that is not known is part of the name.
+/// The name of a heading in lower case without its unit, and that unit; an unknown unit is part of
+/// the name.
 fn split_unit(heading: &str) -> (String, f64) {
     let heading = heading.to_lowercase();
     let split = heading.rsplit_once(['[', '(', '/', '_', ' ']);
@@ -248,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_ambiguous_is_no_number_and_lines_are_counted() {
+    fn ambiguous_numbers_are_rejected_with_their_line() {
         assert_eq!(points("x;y\n1,5,0;2\n"), None);
         assert_eq!(points("x;y\n1.000,5;2\n"), None);
         assert_eq!(points("a,b\n1,2\n"), None);

@@ -1,15 +1,16 @@
-//! Nesting of XML before it is parsed: parsers and trees of XML recurse, and a deep document overflows their stack.
+//! Check of the nesting of XML before parsing: XML parsers and trees recurse, and a deep document
+//! overflows their stack.
 
-/// Deepest nesting of elements that is read.
+/// Maximum nesting of elements.
 pub const DEEPEST: usize = 100;
 
 /// Checks in one pass that elements are nested at most [`DEEPEST`] levels deep.
 ///
-/// Comments, CDATA sections, processing instructions and quoted attribute values are passed over. Faults of the text
-/// are left to the parser.
+/// Comments, CDATA sections, processing instructions and quoted attribute values are skipped.
+/// Syntax errors are left to the parser.
 ///
 /// # Errors
-/// The reason, to stand behind the name of the document.
+/// The reason, to follow the name of the document.
 pub fn check_nesting(text: &str) -> Result<(), String> {
     let mut depth = 0_usize;
     let mut rest = text;
@@ -41,7 +42,7 @@ pub fn check_nesting(text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Where the `>` of a tag is, outside quotes; the end of the text where it has none.
+/// Position of the `>` of a tag, outside quotes; the end of the text if it has none.
 fn end_of_tag(text: &str) -> usize {
     let mut quote = None;
     for (at, byte) in text.bytes().enumerate() {
@@ -71,7 +72,7 @@ mod tests {
             message.contains("line 2") && message.contains("100 levels"),
             "{message}"
         );
-        // A text without ends is as deep.
+        // Unclosed elements count as well.
         assert!(check_nesting(&"<a>".repeat(1_000_000)).is_err());
     }
 

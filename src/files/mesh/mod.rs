@@ -7,7 +7,7 @@ pub use stl::corners as stl_corners;
 
 use std::collections::HashMap;
 
-/// Most triangles that a file may have.
+/// Maximum number of triangles of a file.
 pub const MOST_TRIANGLES: usize = 2_000_000;
 
 /// A triangle mesh.
@@ -19,16 +19,16 @@ pub struct Mesh {
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Reads the bytes of a file whose name ends in `stl` or `obj`. Corners of an STL file that lie in the same place are one
-/// vertex.
+/// Reads the bytes of a file whose name ends in `stl` or `obj`. Corners of an STL file at the same
+/// position become one vertex.
 ///
 /// # Errors
-/// In words, what is wrong with the file, to stand behind its name.
+/// A message about the file, to follow its name.
 pub fn parse(bytes: &[u8], ending: &str) -> Result<Mesh, String> {
     match ending.to_ascii_lowercase().as_str() {
         "stl" => Ok(weld(stl::corners(bytes)?)),
         "obj" => obj::parse(bytes),
-        _ => Err("is no mesh; allowed: files whose names end in .stl or .obj".into()),
+        _ => Err("is not a mesh; allowed: names that end in .stl or .obj".into()),
     }
 }
 
@@ -37,7 +37,7 @@ fn weld(corners: Vec<[f64; 3]>) -> Mesh {
     let mut known: HashMap<[u64; 3], usize> = HashMap::new();
     let mut numbers = Vec::with_capacity(corners.len());
     for corner in corners {
-        // 0 and −0 are the same place.
+        // 0 and −0 are the same position.
         let place = corner.map(|coordinate| (coordinate + 0.0).to_bits());
         numbers.push(*known.entry(place).or_insert_with(|| {
             mesh.vertices.push(corner);
@@ -55,7 +55,8 @@ mod tests {
     #[test]
     fn corners_in_one_place_are_one_vertex() {
         let text = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n\
-                    facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex -0 1 0\nendloop\nendfacet\nendsolid s\n";
+                    facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex -0 1 \
+                    0\nendloop\nendfacet\nendsolid s\n";
         let mesh = parse(text.as_bytes(), "STL").unwrap();
         assert_eq!(mesh.vertices.len(), 4);
         assert_eq!(mesh.triangles, [[0, 1, 2], [1, 3, 2]]);

@@ -1,14 +1,14 @@
-//! Wavefront OBJ files: vertices `v x y z` and faces `f a b c ...`, whose polygons are cut into triangles from their first
-//! corner. Textures, normals, groups and lines are passed over.
+//! Wavefront OBJ files: vertices `v x y z` and faces `f a b c ...`, whose polygons are cut into
+//! triangles from their first corner. Textures, normals, groups and lines are ignored.
 
 use super::{MOST_TRIANGLES, Mesh};
 use crate::finite;
 
 pub fn parse(bytes: &[u8]) -> Result<Mesh, String> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "is no OBJ file: it is no text")?;
+    let text = std::str::from_utf8(bytes).map_err(|_| "is not an OBJ file: it is not text")?;
     let mut mesh = Mesh::default();
     for (index, line) in text.lines().enumerate() {
-        let fault = |what: &str| format!("has a fault in line {}: {what}", index + 1);
+        let fault = |what: &str| format!("has an error in line {}: {what}", index + 1);
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => {
@@ -22,10 +22,10 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, String> {
                 let corners: Option<Vec<usize>> = words
                     .map(|word| corner(word, mesh.vertices.len()))
                     .collect();
-                let corners =
-                    corners.ok_or_else(|| fault("a face asks for a vertex that is not there"))?;
+                let corners = corners
+                    .ok_or_else(|| fault("a face refers to a vertex that does not exist"))?;
                 if corners.len() < 3 {
-                    return Err(fault("a face needs three corners at least"));
+                    return Err(fault("a face needs at least three corners"));
                 }
                 let rest = corners[1..].windows(2);
                 mesh.triangles
@@ -38,7 +38,7 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, String> {
         }
     }
     if mesh.triangles.is_empty() {
-        return Err("is no OBJ file, or has no faces".into());
+        return Err("is not an OBJ file, or has no faces".into());
     }
     Ok(mesh)
 }
@@ -63,7 +63,8 @@ mod tests {
 
     #[test]
     fn polygons_are_cut_into_triangles() {
-        let text = "# a square and a triangle\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\nf -1 1/2 2/3/4\n";
+        let text = "# a square and a triangle\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf \
+                    1//1 2//1 3//1 4//1\nf -1 1/2 2/3/4\n";
         let mesh = parse(text.as_bytes()).unwrap();
         assert_eq!(mesh.vertices[2], [1.0, 1.0, 0.0]);
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [3, 0, 1]]);
@@ -74,7 +75,7 @@ mod tests {
         let fault = |text: &str| parse(text.as_bytes()).unwrap_err();
         assert_eq!(
             fault("v 0 0\n"),
-            "has a fault in line 1: a vertex needs three finite numbers"
+            "has an error in line 1: a vertex needs three finite numbers"
         );
         assert!(fault("v 0 0 0\nv nan 0 0\n").contains("line 2: a vertex"));
         assert!(fault("v 0 0 1e999\n").contains("finite"));

@@ -7,12 +7,12 @@ use crate::finite;
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
-/// The corners of the triangles of an STL file, each where the file has it.
+/// The corners of the triangles of an STL file, in the order of the file.
 ///
-/// A binary file is known by its length: the text of a file may begin with anything.
+/// A binary file is recognised by its length: its header may contain anything.
 ///
 /// # Errors
-/// In words, if it is no STL file.
+/// A message if it is not an STL file.
 pub fn corners(bytes: &[u8]) -> Result<Vec<[f64; 3]>, String> {
     let count = bytes
         .get(HEADER - 4..HEADER)
@@ -46,7 +46,7 @@ pub fn corners(bytes: &[u8]) -> Result<Vec<[f64; 3]>, String> {
     let text = std::str::from_utf8(bytes)
         .ok()
         .filter(|text| text.trim_start().starts_with("solid"))
-        .ok_or("is no STL file, or not a whole one")?;
+        .ok_or("is not a complete STL file")?;
     let mut words = text.split_whitespace();
     let mut corners = Vec::new();
     while let Some(word) = words.next() {
@@ -63,7 +63,7 @@ pub fn corners(bytes: &[u8]) -> Result<Vec<[f64; 3]>, String> {
         }
     }
     if !text.contains("endsolid") {
-        return Err("is no STL file, or not a whole one".into());
+        return Err("is not a complete STL file".into());
     }
     Ok(corners)
 }
@@ -95,7 +95,7 @@ mod tests {
         for (a, b) in from_text.iter().flatten().zip(from_binary.iter().flatten()) {
             assert!((a - b).abs() < 1e-8);
         }
-        // Files of some programs are binary and begin with the word.
+        // Binary files of some programs begin with the word.
         let mut named = binary();
         named[..5].copy_from_slice(b"solid");
         assert_eq!(corners(&named).unwrap(), from_binary);
@@ -117,7 +117,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        fn no_bytes_cause_a_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
             let _ = corners(&bytes);
         }
     }

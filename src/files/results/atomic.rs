@@ -1,8 +1,8 @@
-//! Files that appear whole: written aside, synced, renamed.
+//! Atomic files: written to a temporary file, synced, renamed.
 //!
-//! To wait for the disk takes longer than many a case of a sweep. [`write_whole`] waits until the file would
-//! survive a loss of power, [`write_whole_before`] until it does together with the next one, and
-//! [`place_whole`] not at all.
+//! Waiting for the disk takes longer than many cases of a sweep. [`write_whole`] waits until the
+//! file would survive a loss of power, [`write_whole_before`] until it does together with the next
+//! one, and [`place_whole`] not at all.
 
 use super::ResultsError;
 use std::ffi::OsStr;
@@ -11,15 +11,15 @@ use std::io::{Read, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
-/// Prefix of files being written; what is left of them after a crash is swept at the next start.
+/// Prefix of temporary files; leftovers of a crash are removed at the next start.
 pub(super) const TEMPORARY_PREFIX: &str = ".rodlab-unfinished-";
 
-/// Whether a file of that name is what is left of one that was being written when the program was killed.
+/// Whether a file of that name is a leftover temporary file.
 pub fn is_unfinished(name: &OsStr) -> bool {
     name.to_string_lossy().starts_with(TEMPORARY_PREFIX)
 }
 
-/// Bytes by which the kind of a file is known.
+/// Number of bytes that identify the kind of a file.
 const HEAD: u64 = 4096;
 
 /// Writes a whole file, or leaves the old one untouched.
@@ -30,17 +30,18 @@ const HEAD: u64 = 4096;
 /// [`ResultsError::Io`] naming `path`.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), ResultsError> {
     write_whole_before(path, bytes)?;
-    // The new name is safe only once the directory that holds it is.
+    // The new name is durable only after its directory is synced.
     #[cfg(unix)]
     sync(directory_of(path))?;
     Ok(())
 }
 
-/// [`write_whole`] to a place that the user chose: replaces only a file that `is_own`, as its bytes say.
+/// [`write_whole`] to a path chosen by the user: replaces only a file that `is_own` accepts by its
+/// first bytes.
 ///
 /// # Errors
-/// [`ResultsError::NotOwn`] where something else stands there: a device, a link, a folder, another file; as
-/// [`write_whole`].
+/// [`ResultsError::NotOwn`] if something else is there: a device, a link, a folder, another file;
+/// as [`write_whole`].
 pub fn replace_own(
     path: &Path,
     bytes: &[u8],
@@ -50,8 +51,8 @@ pub fn replace_own(
     write_whole(path, bytes)
 }
 
-/// Checks that a place is free, or holds a file that `is_own`, as its bytes say: the gate before a file is replaced or
-/// removed.
+/// Checks that a path is free, or a file that `is_own` accepts by its first bytes, before it is
+/// replaced or removed.
 ///
 /// # Errors
 /// [`ResultsError::NotOwn`] as for [`replace_own`]; [`ResultsError::Io`] where it cannot be read.
@@ -64,7 +65,7 @@ pub fn check_own(path: &Path, is_own: impl Fn(&[u8]) -> bool) -> Result<(), Resu
     };
     match fs::symlink_metadata(path) {
         Ok(found) if found.is_dir() => return refusal("a folder"),
-        Ok(found) if !found.is_file() => return refusal("no regular file"),
+        Ok(found) if !found.is_file() => return refusal("not a regular file"),
         Ok(found) if found.len() > 0 => {
             let mut head = Vec::new();
             let opened = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
@@ -78,7 +79,8 @@ pub fn check_own(path: &Path, is_own: impl Fn(&[u8]) -> bool) -> Result<(), Resu
     Ok(())
 }
 
-/// The same where [`write_whole`] follows in the same directory, which makes the name of this file safe, too.
+/// The same where [`write_whole`] follows in the same directory, which also makes the name of this
+/// file durable.
 ///
 /// # Errors
 /// [`ResultsError::Io`] naming `path`.
@@ -92,8 +94,8 @@ pub(super) fn write_whole_before(path: &Path, bytes: &[u8]) -> Result<(), Result
         .map_err(ResultsError::io("write", path))
 }
 
-/// The same for a file that is worth nothing without others that follow: until it is [`sync`]ed, a loss of
-/// power may leave it empty or take it away.
+/// The same for a file that is useless without later ones: until it is [`sync`]ed, a loss of power
+/// may leave it empty or remove it.
 ///
 /// # Errors
 /// [`ResultsError::Io`] naming `path`.
@@ -125,7 +127,7 @@ fn directory_of(path: &Path) -> &Path {
 fn written_aside(directory: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY_PREFIX);
-    // Temporary files are private by default; results are as readable as the user's mask allows.
+    // Temporary files are private by default; results have the permissions of the user's mask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(directory)?;
@@ -133,10 +135,10 @@ fn written_aside(directory: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFil
     Ok(file)
 }
 
-/// Makes a file that appears with its bytes in it, unless there is one of its name already. It is not synced.
+/// Creates a file with its content atomically, unless one of its name exists. It is not synced.
 ///
 /// # Errors
-/// `AlreadyExists` where there is one; any other fault of the file system.
+/// `AlreadyExists` if there is one; any other error of the file system.
 pub(super) fn create_whole(directory: &Path, name: &str, bytes: &[u8]) -> std::io::Result<()> {
     let file = written_aside(directory, bytes)?;
     file.persist_noclobber(directory.join(name))?;

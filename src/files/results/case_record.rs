@@ -7,19 +7,20 @@ use serde::{Deserialize, Serialize};
 /// State and outcome of a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseRecord {
-    /// How it stands.
+    /// Its status.
     pub status: CaseStatus,
-    /// What it came to so far.
+    /// Its outcome so far.
     pub outcome: CaseOutcome,
     /// Wall time of all calls that worked on it, s.
     pub wall_time: f64,
     /// The part of it that went into steps with contact, s.
     #[serde(default)]
     pub wall_time_with_contact: f64,
-    /// Processor time of all these calls, s; `None` where the system does not tell.
+    /// Processor time of all these calls, s; `None` if the system does not report it.
     #[serde(default)]
     pub cpu_time: Option<f64>,
-    /// Largest resident memory of a process that worked on it, bytes; `None` where the system does not tell.
+    /// Largest resident memory of a process that worked on it, bytes; `None` if the system does not
+    /// report it.
     #[serde(default)]
     pub peak_memory: Option<u64>,
     /// Why it ended early.
@@ -28,7 +29,7 @@ pub struct CaseRecord {
 }
 
 impl CaseRecord {
-    /// A case that has come to nothing yet.
+    /// A pending case.
     pub fn new(status: CaseStatus) -> Self {
         Self {
             status,
@@ -59,7 +60,7 @@ impl CaseRecord {
         }
     }
 
-    /// What it cost.
+    /// Its cost.
     pub fn usage(&self) -> Usage {
         Usage {
             wall_time: duration(self.wall_time),
@@ -70,15 +71,15 @@ impl CaseRecord {
     }
 }
 
-/// How a case stands.
+/// Status of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CaseStatus {
-    /// Not begun.
+    /// Not started.
     Pending,
-    /// Running now, or killed without a word.
+    /// Running, or killed.
     Running,
-    /// Reached its end.
+    /// Finished.
     Finished,
     /// Stopped by Ctrl-C or SIGTERM, resumable.
     Interrupted,
@@ -95,7 +96,7 @@ pub enum CaseStatus {
 }
 
 impl CaseStatus {
-    /// Whether the case came to an end that the same command would only repeat.
+    /// Whether the case has a final outcome that the same command would only repeat.
     pub fn is_final(self) -> bool {
         match self {
             Self::Finished | Self::NoConvergence | Self::Unphysical | Self::Invalid => true,
@@ -105,10 +106,10 @@ impl CaseStatus {
         }
     }
 
-    /// The status in words.
+    /// The status as text.
     pub fn in_words(self) -> &'static str {
         match self {
-            Self::Pending => "not begun",
+            Self::Pending => "not started",
             Self::Running => "running",
             Self::Finished => "finished",
             Self::Interrupted => "interrupted",

@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 pub(super) const SLOTS: [&str; 2] = ["checkpoint.0", "checkpoint.1"];
 
 const MAGIC: &[u8; 8] = b"RODLABCP";
-/// Raise it whenever the layout, the payload's types or the meaning of the state change.
+/// Increase it whenever the layout, the payload's types or the meaning of the state change.
 const VERSION: u32 = 13;
 const HASH_LENGTH: usize = 64;
 const HEADER_LENGTH: usize = 8 + 4 + HASH_LENGTH + 8 + 8;
@@ -62,13 +62,13 @@ impl CheckpointFiles {
         Ok(())
     }
 
-    /// Reads the newest checkpoint that is whole and that `accept` takes; `None` where there is none.
+    /// Reads the newest complete checkpoint that `accept` accepts; `None` if there is none.
     ///
-    /// A checkpoint that cannot be used is named in a warning and the older one is tried.
+    /// An unusable checkpoint causes a warning, and the older one is tried.
     ///
     /// # Errors
-    /// [`ResultsError::Altered`] of `accept` where a whole checkpoint was not taken for that and no other was taken: what
-    /// lies beside it is not what it speaks of.
+    /// [`ResultsError::Altered`] of `accept` if it rejected a complete checkpoint and no other was
+    /// accepted: the files do not match it.
     pub fn read<P: DeserializeOwned, T>(
         &mut self,
         mut accept: impl FnMut(P) -> Result<T, ResultsError>,
@@ -151,7 +151,7 @@ fn check<'a>(bytes: &'a [u8], scenario_hash: &str) -> Result<(u64, &'a [u8]), St
         return Err("it is too short".into());
     };
     if !content.starts_with(MAGIC) {
-        return Err("it is no checkpoint".into());
+        return Err("it is not a checkpoint".into());
     }
     if blake3::hash(content) != blake3::Hash::from_bytes(*checksum) {
         return Err("its checksum is wrong".into());
@@ -166,7 +166,7 @@ fn check<'a>(bytes: &'a [u8], scenario_hash: &str) -> Result<(u64, &'a [u8]), St
         return Err("it was written by another version of rodlab".into());
     }
     if hash != scenario_hash.as_bytes() {
-        return Err("it is of another scenario".into());
+        return Err("it belongs to another scenario".into());
     }
     if length != (payload.len() as u64).to_le_bytes() {
         return Err("its length is wrong".into());
@@ -215,14 +215,14 @@ mod tests {
     }
 
     #[test]
-    fn a_reader_goes_on_writing_over_the_older_one() {
+    fn after_reading_the_older_checkpoint_is_overwritten() {
         let directory = tempfile::tempdir().unwrap();
         let mut writer = files(directory.path());
         (0..3).for_each(|k| writer.write(&payload(k)).unwrap());
         let mut continued = files(directory.path());
         continued.read(Ok::<Payload, _>).unwrap();
         continued.write(&payload(3)).unwrap();
-        // The slot of 3 is damaged: 2 must still be there.
+        // The slot of 3 is damaged: 2 must still exist.
         fs::write(directory.path().join(SLOTS[1]), "").unwrap();
         assert_eq!(read(directory.path()).unwrap().0, 2);
     }

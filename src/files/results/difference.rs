@@ -1,18 +1,18 @@
-//! In what two resolved scenarios differ.
+//! Differences of two resolved scenarios.
 
 use toml::{Table, Value};
 
-/// Most keys that are named.
+/// Maximum number of listed keys.
 const MOST_NAMED: usize = 12;
-/// Characters of a value beyond which it is cut.
+/// Maximum length of a listed value, characters.
 const LONGEST_VALUE: usize = 48;
 
-/// Top keys that say something of a run and change nothing in it.
+/// Top-level keys that describe a run without changing it.
 const REMARKS: [&str; 1] = ["title"];
-/// Keys of `[output]` that only add files: without one, results hold all that is asked for and more.
+/// Keys of `[output]` that only add files: without one, results hold everything requested and more.
 const ADDITIONS: [&str; 3] = ["nodes", "forces", "vtk"];
 
-/// The text without what changes nothing of a run; what is no TOML stays as it is.
+/// The text without keys that do not change a run; text that is not TOML stays unchanged.
 pub(super) fn without_remarks(scenario: &str) -> String {
     let Ok(mut table) = scenario.parse::<Table>() else {
         return scenario.to_owned();
@@ -23,7 +23,8 @@ pub(super) fn without_remarks(scenario: &str) -> String {
     toml::to_string(&table).unwrap_or_else(|_| scenario.to_owned())
 }
 
-/// Whether finished results of one scenario hold all that another asks for, which only adds no files.
+/// Whether finished results of one scenario contain everything that another requests: it only omits
+/// files.
 pub(super) fn holds(finished: &str, asked: &str) -> bool {
     let tables = finished.parse::<Table>().ok().zip(asked.parse().ok());
     let Some((mut finished, asked)): Option<(Table, Table)> = tables else {
@@ -60,12 +61,12 @@ pub(super) fn difference(earlier: &str, now: &str) -> Vec<String> {
         match value(&now, key) {
             Some(after) if after == *before => {}
             Some(after) => lines.push(format!("{key}: {}, now {}", cut(before), cut(&after))),
-            None => lines.push(format!("{key}: {}, now not there", cut(before))),
+            None => lines.push(format!("{key}: {}, now absent", cut(before))),
         }
     }
     for (key, after) in &now {
         if value(&earlier, key).is_none() {
-            lines.push(format!("{key}: not there, now {}", cut(after)));
+            lines.push(format!("{key}: absent, now {}", cut(after)));
         }
     }
     lines.sort();
@@ -77,8 +78,8 @@ pub(super) fn difference(earlier: &str, now: &str) -> Vec<String> {
     lines
 }
 
-/// All dotted keys at or below `value` with their values. Elements of lists of tables are called by their names, as on
-/// the command line, or else by their numbers.
+/// All dotted keys at or below `value` with their values. Elements of lists of tables are
+/// identified by their names, as on the command line, or otherwise by their numbers.
 fn flatten(path: &str, value: &Value, keys: &mut Vec<(String, String)>) {
     let below = |key: &str| match path {
         "" => key.to_owned(),
@@ -123,8 +124,8 @@ mod tests {
         assert_eq!(
             difference(BEAM, &other),
             [
-                "output.interval: not there, now 0.1",
-                "output.vtk: true, now not there",
+                "output.interval: absent, now 0.1",
+                "output.vtk: true, now absent",
                 "rods.beam.radius: 0.005, now 0.006",
             ]
         );

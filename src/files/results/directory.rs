@@ -10,15 +10,15 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// What was found at the place of a results directory.
+/// State of a results directory.
 pub enum Opened {
-    /// The same scenario ran here to its end; there is nothing to do and nothing was touched.
+    /// The same scenario has finished here; there is nothing to do and nothing was changed.
     Finished(Manifest),
     /// The directory is ready to be written.
     Ready(ResultsDirectory),
 }
 
-/// A results directory that this process, and no other, writes to.
+/// A results directory with the write lock of this process.
 pub struct ResultsDirectory {
     path: PathBuf,
     unfinished: Option<Manifest>,
@@ -27,15 +27,15 @@ pub struct ResultsDirectory {
 }
 
 impl ResultsDirectory {
-    /// Opens a directory for the resolved `scenario` of the given hash, and creates it where it is missing.
+    /// Opens a directory for the resolved `scenario` of the given hash, and creates it if missing.
     ///
-    /// With `force` old results are removed: the files that runs write, nothing else.
+    /// With `force` old results are removed, but no other files.
     ///
     /// # Errors
-    /// [`ResultsError::NotResults`] for a directory with other files and no manifest, even with `force`;
-    /// [`ResultsError::AnotherScenario`]; [`ResultsError::Locked`] where another process writes;
-    /// [`ResultsError::NotWritable`]; [`ResultsError::Damaged`] where the manifest is no manifest;
-    /// [`ResultsError::Altered`] where an earlier call left other files than those that are there.
+    /// [`ResultsError::NotResults`] for a directory with other files and no manifest, even with
+    /// `force`; [`ResultsError::AnotherScenario`]; [`ResultsError::Locked`] where another process
+    /// writes; [`ResultsError::NotWritable`]; [`ResultsError::Damaged`] if the manifest is invalid;
+    /// [`ResultsError::Altered`] if files of an earlier call were changed.
     pub fn open(
         path: &Path,
         scenario_hash: &str,
@@ -48,7 +48,8 @@ impl ResultsDirectory {
             scenario,
             reads_files: false,
         };
-        // Without a lock first, so that a finished directory may be read-only or a foreign one stays untouched.
+        // First without a lock, so that a finished directory may be read-only and a foreign one
+        // stays unchanged.
         if let Some(manifest) = recognise(path, &asked, force)?
             && manifest.is_finished()
         {
@@ -76,7 +77,7 @@ impl ResultsDirectory {
         }))
     }
 
-    /// Where it lies.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -94,16 +95,16 @@ impl ResultsDirectory {
 
 /// The scenario whose results a directory is to hold.
 pub(super) struct Asked<'a> {
-    /// Its hash, that of the files that it reads included.
+    /// Its hash, including that of the files that it reads.
     pub hash: &'a str,
     /// Its resolved TOML.
     pub scenario: &'a str,
-    /// Whether it reads files, whose contents the hash alone tells.
+    /// Whether it reads files, whose contents only the hash covers.
     pub reads_files: bool,
 }
 
 impl Asked<'_> {
-    /// Whether results are those of this scenario, or hold all that it asks for.
+    /// Whether results belong to this scenario, or contain everything that it requests.
     fn is_that_of(&self, manifest: &Manifest) -> bool {
         let known = &manifest.scenario;
         manifest.scenario_hash == self.hash
@@ -113,7 +114,7 @@ impl Asked<'_> {
     }
 }
 
-/// The manifest of earlier work on the same scenario; `None` where there is a fresh start to be made.
+/// The manifest of earlier work on the same scenario; `None` for a fresh start.
 pub(super) fn recognise(
     path: &Path,
     asked: &Asked<'_>,
@@ -136,7 +137,8 @@ pub(super) fn recognise(
                 command,
             })
         }
-        // A file of this name that is no manifest of ours: whatever lies beside it is not ours to remove.
+        // A file of this name that is not a rodlab manifest: the files beside it must not be
+        // removed.
         Err(ResultsError::Damaged { .. }) if force => Err(foreign(MANIFEST.to_owned())),
         Ok(_) if force => Ok(None),
         Ok(Some(manifest)) if !asked.is_that_of(&manifest) => {
@@ -163,7 +165,7 @@ pub(super) fn recognise(
     }
 }
 
-/// What a resolved scenario describes: a run or a sweep of an experiment; `None` where it names none.
+/// Description of a resolved scenario: a run or a sweep of an experiment; `None` if it names none.
 fn kind_in_words(scenario: &str) -> Option<String> {
     let table: toml::Table = scenario.parse().ok()?;
     let experiment = table.get("experiment")?.as_str()?;
@@ -174,7 +176,7 @@ fn kind_in_words(scenario: &str) -> Option<String> {
     Some(format!("{what} of the experiment `{experiment}`"))
 }
 
-/// The command whose manifest is in a directory, where it is that of a task of a robot cell.
+/// The command of the manifest in a directory, if it is that of a task of a robot cell.
 fn task_in(path: &Path) -> Option<String> {
     let text = fs::read(path.join(MANIFEST)).ok()?;
     let manifest: serde_json::Value = serde_json::from_slice(&text).ok()?;
@@ -216,7 +218,7 @@ fn lock(path: &Path) -> Result<File, ResultsError> {
         Err(TryLockError::WouldBlock) => Err(ResultsError::Locked {
             directory: path.to_owned(),
         }),
-        // Some cluster file systems know no locks; a run there must still be possible.
+        // Some cluster file systems do not support locks; a run there must still be possible.
         Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {
             tracing::warn!(
                 "the file system of `{}` has no locks; run only one process there",
@@ -228,7 +230,7 @@ fn lock(path: &Path) -> Result<File, ResultsError> {
     }
 }
 
-/// Removes files that were being written when a process died.
+/// Removes temporary files of killed processes.
 pub(super) fn sweep_temporary_files(path: &Path) -> io::Result<()> {
     for entry in fs::read_dir(path)? {
         let entry = entry?;
@@ -240,8 +242,8 @@ pub(super) fn sweep_temporary_files(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes what runs write, the manifest last: cut short, the directory is still recognised. Links are not followed;
-/// what is no regular file stays.
+/// Removes the files of runs, the manifest last: if interrupted, the directory is still recognised.
+/// Links are not followed; files that are not regular are kept.
 pub(super) fn remove_results(path: &Path, own_files: &[&str]) -> Result<(), ResultsError> {
     let slots = SLOTS.iter().map(|&name| name.to_owned());
     for name in slots.chain(files_of_runs(own_files)) {
@@ -263,7 +265,7 @@ pub(super) fn remove_own(file: &Path) -> Result<(), ResultsError> {
     }
 }
 
-/// Whether a folder is one, and no link to one.
+/// Whether a path is a folder and not a link.
 pub(super) fn is_own_folder(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|found| found.is_dir())
 }
@@ -279,7 +281,7 @@ fn remove_frames(folder: &Path) -> Result<(), ResultsError> {
             remove_own(&entry.path())?;
         }
     }
-    // Stays where somebody else's files are in it.
+    // Kept if it has foreign files.
     let _ = fs::remove_dir(folder);
     Ok(())
 }
@@ -306,7 +308,7 @@ mod tests {
     }
 
     fn open(path: &Path, hash: &str, force: bool) -> Result<ResultsDirectory, ResultsError> {
-        // Any text that differs will do.
+        // Any different text is sufficient.
         ResultsDirectory::open(
             path,
             hash,
@@ -331,7 +333,7 @@ mod tests {
         )
         .unwrap();
         let error = open("experiment = \"scene\"").unwrap_err().to_string();
-        assert!(error.contains("what `rodlab deploy` wrote"), "{error}");
+        assert!(error.contains("the output of `rodlab deploy`"), "{error}");
         let scene = "experiment = \"scene\"\n";
         let mut manifest = example("ab", CaseStatus::Running);
         manifest.scenario = scene.into();
@@ -340,7 +342,7 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(
-            sweep.contains("a run of the experiment `scene`, and this is a sweep"),
+            sweep.contains("a run of the experiment `scene`, but this is a sweep"),
             "{sweep}"
         );
         let kind = open("experiment = \"flagella\"").unwrap_err().to_string();
@@ -402,7 +404,7 @@ mod tests {
         );
         let message = error.to_string();
         assert!(message.contains("--force"), "{message}");
-        let key = "\n  seed: not there, now \"cd\"\n";
+        let key = "\n  seed: absent, now \"cd\"\n";
         assert!(message.contains(key), "{message}");
         assert!(
             open(directory.path(), "cd", true)

@@ -7,7 +7,8 @@ use crate::finite;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A row of `end_state.csv`, a node; the fields are the columns. Rods and nodes follow each other as in the scene.
+/// A row of `end_state.csv`, a node; the fields are the columns. Rods and nodes are in the order of
+/// the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(
@@ -84,11 +85,11 @@ impl EndRow {
 /// Reads the text of such a file.
 ///
 /// # Errors
-/// What is wrong with it, and where.
+/// The error, with its location.
 pub fn read_end_state(text: &[u8]) -> Result<Vec<EndRow>, String> {
     let mut reader = csv::Reader::from_reader(text);
     let rows: Result<Vec<EndRow>, csv::Error> = reader.deserialize().collect();
-    let rows = rows.map_err(|error| format!("it is no end state of a run: {error}"))?;
+    let rows = rows.map_err(|error| format!("it is not an end state of a run: {error}"))?;
     for (index, row) in rows.iter().enumerate() {
         let (names, numbers): (Vec<&str>, Vec<f64>) = row.numbers().unzip();
         let checked = finite::check(&numbers, |number| {

@@ -1,4 +1,4 @@
-//! What can go wrong with a results directory.
+//! Errors of results directories.
 
 use std::io;
 use std::path::PathBuf;
@@ -16,53 +16,55 @@ pub enum ResultsError {
     AnotherScenario {
         /// The directory.
         directory: PathBuf,
-        /// In what it differs, a key each.
+        /// The differing keys.
         keys: Vec<String>,
     },
     /// The directory holds results of another kind.
     #[error(
-        "`{}` holds {held}, and this is {asked}; choose another directory with --out, or start over with --force",
+        "`{}` holds {held}, but this is {asked}; choose another directory with --out, or start over with --force",
         directory.display()
     )]
     AnotherKind {
         /// The directory.
         directory: PathBuf,
-        /// What it holds.
+        /// The kind of its results.
         held: String,
-        /// What is to be written.
+        /// The requested kind.
         asked: String,
     },
-    /// The directory holds what another command wrote.
-    #[error("`{}` holds what `{command}` wrote; choose another directory with --out", directory.display())]
+    /// The directory holds the output of another command.
+    #[error("`{}` holds the output of `{command}`; choose another directory with --out", directory.display())]
     AnotherCommand {
         /// The directory.
         directory: PathBuf,
         /// The command.
         command: String,
     },
-    /// The directory holds files that are no results.
+    /// The directory holds files that are not results.
     #[error(
-        "`{}` is not empty and not a results directory (it holds `{found}`, but no manifest.json of rodlab); choose another with --out",
+        "`{}` is not empty and not a results directory (it holds `{found}`, but no manifest.json \
+         of rodlab); choose another with --out",
         directory.display()
     )]
     NotResults {
         /// The directory.
         directory: PathBuf,
-        /// A file or folder that no run writes.
+        /// A file or folder that does not belong to a run.
         found: String,
     },
     /// A folder of results is a link, through which files elsewhere would be written or removed.
-    #[error("`{}` is a link; results are neither written nor removed through links: put a folder in its place", path.display())]
+    #[error("`{}` is a link; results are neither written nor removed through links: put a folder \
+             in its place", path.display())]
     Link {
         /// The link.
         path: PathBuf,
     },
-    /// What stands at a place that the user chose is not to be replaced.
+    /// The file at a path chosen by the user must not be replaced.
     #[error("`{}` is {what}, which is not replaced; choose another place or remove it", path.display())]
     NotOwn {
         /// The place.
         path: PathBuf,
-        /// What stands there.
+        /// Its kind.
         what: &'static str,
     },
     /// Another process is writing to the directory.
@@ -76,37 +78,37 @@ pub enum ResultsError {
     NotWritable {
         /// The directory.
         directory: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A file of the directory is damaged.
-    #[error("`{}` cannot be understood: {reason}", path.display())]
+    #[error("`{}` is damaged: {reason}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error.
         reason: String,
     },
     /// A file is not what the run wrote.
     #[error(
-        "`{}` {what}: these are no longer the results that were written; put it back as it was, or start over with --force \
+        "`{}` {what}: it was changed after rodlab wrote it; restore it, or start over with --force \
          (of a sweep: remove the folder of the case)",
         path.display()
     )]
     Altered {
         /// The file, or the folder of a series.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error.
         what: String,
     },
     /// Reading or writing failed during a run, for example because the disk is full.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
-        /// What was tried: `write`, `read`, ...
+        /// The failed action: `write`, `read`, ...
         action: &'static str,
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: io::Error,
     },
 }

@@ -1,8 +1,8 @@
 //! The names of the files in a results directory.
 
-/// What was run, by what, where, when, and how it ended.
+/// Manifest of a run: scenario, program, machine, times and outcome.
 pub const MANIFEST: &str = "manifest.json";
-/// The resolved scenario, runnable as it stands.
+/// The resolved scenario, which can be run.
 pub const SCENARIO: &str = "scenario.toml";
 /// A row per output time.
 pub const SERIES: &str = "series.csv";
@@ -12,7 +12,7 @@ pub const NODES: &str = "nodes.csv";
 pub const NODE_FORCES: &str = "node_forces.csv";
 /// The state in which the run ended.
 pub const END_STATE: &str = "end_state.csv";
-/// The state from which it started, where it did not start as placed.
+/// The state from which it started, if it did not start as placed.
 pub const START: &str = "start_state.csv";
 /// A row per case: outcomes.
 pub const SUMMARY: &str = "summary.csv";
@@ -36,20 +36,20 @@ pub const VTK_COLLECTION: &str = "rods.pvd";
 pub const VTK_FOLDER: &str = "vtk";
 /// The frames of obstacles in it, as they are marked.
 pub(super) const OBSTACLE_FRAMES: &str = "vtk/obstacles";
-/// Held locked by the process that writes.
+/// Lock file of the writing process.
 pub(super) const LOCK: &str = ".lock";
 
-/// Where a frame lies in a results directory.
+/// Path of a frame in a results directory.
 pub(super) fn frame_name(index: usize) -> String {
     format!("{VTK_FOLDER}/rods_{index:06}.vtp")
 }
 
-/// Where the obstacles of a frame lie.
+/// Path of the obstacles of a frame.
 pub(super) fn obstacle_frame_name(index: usize) -> String {
     format!("{OBSTACLE_FRAMES}_{index:06}.vtp")
 }
 
-/// How the files of a series of frames are called, by the name under which it is marked; `None` for other files.
+/// File names of a series of frames, by the name of its mark; `None` for other files.
 pub(super) fn frame_names(marked: &str) -> Option<fn(usize) -> String> {
     match marked {
         VTK_FOLDER => Some(frame_name),
@@ -58,7 +58,7 @@ pub(super) fn frame_names(marked: &str) -> Option<fn(usize) -> String> {
     }
 }
 
-/// Whether a file in the folder of frames is called like one of them.
+/// Whether a file in the folder of frames has the name of a frame.
 pub(super) fn is_frame_name(name: &str) -> bool {
     let prefixes = ["rods_", "obstacles_"];
     let rest = prefixes.iter().find_map(|prefix| name.strip_prefix(prefix));
@@ -66,7 +66,7 @@ pub(super) fn is_frame_name(name: &str) -> bool {
     number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit()))
 }
 
-/// What a run of any kind may write: names in a results directory, swept by `--force`, the manifest last.
+/// Names of all files that runs of any kind write; `--force` removes them, the manifest last.
 const FILES: [&str; 15] = [
     SCENARIO,
     SERIES,
@@ -85,8 +85,8 @@ const FILES: [&str; 15] = [
     PAGE,
 ];
 
-/// All names that may be those of files of a run: `own` are those that kinds of experiments add. A figure may be there in
-/// every format.
+/// All possible names of files of a run: `own` are those of kinds of experiments. A figure may
+/// exist in every format.
 pub(super) fn files_of_runs(own: &[&str]) -> impl Iterator<Item = String> {
     let names = FILES.iter().chain(own).flat_map(|name| {
         let formats: &[&str] = match name.strip_suffix(".svg") {

@@ -70,7 +70,7 @@ pub struct NodeForces {
     pub velocities: Vec<Vector3<f64>>,
     /// Contact forces, N.
     pub contact_forces: Vec<Vector3<f64>>,
-    /// Twist per length, rad/m; zero where the file does not tell.
+    /// Twist per length, rad/m; zero if the file does not have it.
     pub twist_rates: Vec<f64>,
 }
 
@@ -91,10 +91,11 @@ struct ReadRow {
 /// Reads `node_forces.csv` of a results directory whose rods have `nodes` nodes in all; `None` where the run
 /// writes no such file.
 ///
-/// A run at work or a crash may leave the last output in part; it is left out.
+/// A running process or a crash may leave a partial last output; it is ignored.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where it cannot be read, [`ResultsError::Damaged`] where it is no such table.
+/// [`ResultsError::Io`] where it cannot be read, [`ResultsError::Damaged`] if it is not such a
+/// table.
 pub fn read_node_forces(
     directory: &Path,
     nodes: usize,

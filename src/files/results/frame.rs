@@ -1,4 +1,4 @@
-//! The rods, and what stands around them, at one output time.
+//! The rods and obstacles at one output time.
 
 use super::RodRecord;
 use nalgebra::{Isometry3, Vector3};
@@ -10,7 +10,7 @@ pub struct Frame {
     pub time: f64,
     /// Positions of the nodes, m.
     pub positions: Vec<Vector3<f64>>,
-    /// Angle of the edge that starts at each node, rad; what stands where no edge starts is not read.
+    /// Angle of the edge that starts at each node, rad; values without an edge are not read.
     pub edge_angles: Vec<f64>,
     /// Twist per length at each node, rad/m; may be empty unless node forces are written.
     pub twist_rates: Vec<f64>,
@@ -20,7 +20,7 @@ pub struct Frame {
     pub fluid_forces: Vec<Vector3<f64>>,
     /// Contact forces on the nodes, N; empty without contact.
     pub contact_forces: Vec<Vector3<f64>>,
-    /// How obstacles moved since time zero; may be empty where none moves.
+    /// Motion of obstacles since time zero; may be empty if none moves.
     pub obstacle_poses: Vec<Isometry3<f64>>,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct NodePlace<'a> {
 }
 
 impl NodePlace<'_> {
-    /// Whether an edge starts here: everywhere but at the last node of an open rod.
+    /// Whether an edge starts here: everywhere except at the last node of an open rod.
     pub fn starts_edge(&self) -> bool {
         self.rod.closed || self.node + 1 < self.rod.nodes
     }

@@ -1,12 +1,12 @@
-//! Leases: which process works on which case.
+//! Leases: assignment of cases to processes.
 //!
-//! A lease is a small file `<case>.<generation>`, created only where there is none. The highest generation
-//! owns the case; who takes over a dead process's lease creates the next one, so that of several only one
-//! succeeds, and none ever removes a lease that another process still trusts. A lease says where its process
-//! runs, and its time of change moves on while that process lives.
+//! A lease is a small file `<case>.<generation>`, created only if it does not exist. The highest
+//! generation owns the case; a process that takes over a dead process's lease creates the next
+//! generation, so that only one of several succeeds, and no valid lease is removed. A lease names
+//! its process and machine, and its modification time is updated while that process lives.
 //!
-//! Dead is a process of this machine that does not run any more, at once; and one of another machine whose
-//! leases have not been touched for [`Leases::patience`] while we looked. Clocks are never compared.
+//! A process of this machine is dead once it does not run; one of another machine is dead if its
+//! leases have not been updated for [`Leases::patience`] while observed. Clocks are never compared.
 
 use super::ResultsError;
 use super::atomic::{TEMPORARY_PREFIX, create_whole};
@@ -19,18 +19,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant, SystemTime};
 
-/// Time between two signs of life.
+/// Time between two updates of a lease.
 pub const HEARTBEAT: Duration = Duration::from_secs(5);
-/// Time after which a lease of another machine without a sign of life is taken over. File systems of
+/// Time after which a lease of another machine without an update is taken over. File systems of
 /// clusters may show a change a minute late.
 const PATIENCE: Duration = Duration::from_secs(90);
 
-/// The leases of a sweep, as this process sees and makes them.
+/// The leases of a sweep in this process.
 pub struct Leases {
     folder: PathBuf,
     owner: Owner,
     patience: Duration,
-    /// When a lease of another machine was first seen with a given time of change.
+    /// When a lease of another machine was first seen with a given modification time.
     seen: Mutex<BTreeMap<PathBuf, (SystemTime, Instant)>>,
 }
 
@@ -39,11 +39,11 @@ pub struct Leases {
 pub struct Owner {
     /// Name of the machine.
     pub host: String,
-    /// What distinguishes this start of the machine from others, where the system tells.
+    /// Identifier of the boot of the machine, if available.
     pub boot: Option<String>,
     /// Number of the process.
     pub process: u32,
-    /// When the process was started, in ticks since the start of the machine, where the system tells.
+    /// When the process was started, in ticks since the start of the machine, if available.
     pub started: Option<u64>,
 }
 
@@ -52,14 +52,14 @@ pub struct Owner {
 pub enum LeaseAttempt {
     /// This process has it now.
     Granted(Lease),
-    /// Another process, that lives as far as can be told, has it.
+    /// Another process, which seems to be alive, has it.
     Held(Option<Owner>),
 }
 
-/// A case that this process works on. Dropped, it is free again.
+/// A case leased by this process. Dropping it frees the case.
 #[derive(Debug)]
 pub struct Lease {
-    /// This lease's file and those it has overruled, oldest first.
+    /// The file of this lease and those that it supersedes, oldest first.
     files: Vec<PathBuf>,
 }
 
@@ -74,12 +74,12 @@ impl Leases {
         }
     }
 
-    /// Time without a sign of life after which a process of another machine counts as dead.
+    /// Time without an update after which a process of another machine counts as dead.
     pub fn patience(&self) -> Duration {
         self.patience
     }
 
-    /// Leases a case, if nobody who lives has it.
+    /// Leases a case, unless a living process has it.
     ///
     /// # Errors
     /// [`ResultsError::Io`] where the folder cannot be read or written.
@@ -106,7 +106,7 @@ impl Leases {
         let path = self.folder.join(&name);
         match self.create(&name) {
             Ok(()) if overruled.is_some_and(|newest| read_owner(&newest) != former) => {
-                // While we judged, somebody else took over, came to an end and let go.
+                // Meanwhile another process took over, finished and released it.
                 let _ = fs::remove_file(path);
                 Ok(LeaseAttempt::Held(None))
             }
@@ -116,7 +116,7 @@ impl Leases {
                     files: files.into_iter().map(|(_, path)| path).collect(),
                 }))
             }
-            // Somebody was faster.
+            // Another process was faster.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(LeaseAttempt::Held(None)),
             Err(error) => Err(ResultsError::io("create", path)(error)),
         }
@@ -133,23 +133,23 @@ impl Leases {
         }))
     }
 
-    /// Removes the leases of the dead. Only where no case is left to be leased: otherwise who is about to take
-    /// over would not notice another one that was faster.
+    /// Removes the leases of dead processes. Call it only when no case is left to lease: otherwise
+    /// two processes could take over the same case.
     ///
     /// # Errors
     /// [`ResultsError::Io`] where the folder cannot be read.
     pub fn remove_dead(&self) -> Result<(), ResultsError> {
-        // Those among them that were just being written, too.
+        // Including those that were being written.
         for path in self.all_paths()? {
             if !self.is_alive(&path, read_owner(&path).as_ref()) {
-                // What cannot be removed is in nobody's way.
+                // Files that cannot be removed do no harm.
                 let _ = fs::remove_file(path);
             }
         }
         Ok(())
     }
 
-    /// A lease appears with its owner in it: an empty one would look like that of a process unknown.
+    /// A lease is created with its owner: an empty one would look like that of an unknown process.
     fn create(&self, name: &str) -> io::Result<()> {
         let text = serde_json::to_vec(&self.owner).expect("an owner has string keys only");
         create_whole(&self.folder, name, &text)
@@ -162,7 +162,7 @@ impl Leases {
         {
             return lives;
         }
-        // Opening the file makes network file systems look it up afresh.
+        // Opening the file makes network file systems refresh its attributes.
         let Ok(touched) = File::open(path).and_then(|file| file.metadata()?.modified()) else {
             return true;
         };
@@ -207,7 +207,7 @@ impl Leases {
         Ok(paths)
     }
 
-    /// Removes all leases, whoever has them.
+    /// Removes all leases of all processes.
     ///
     /// # Errors
     /// [`ResultsError::Io`] where the folder cannot be read.
@@ -217,7 +217,7 @@ impl Leases {
             .try_for_each(|path| remove_own(path))
     }
 
-    /// Leases, and what is being written to become one; other files in the folder are somebody else's.
+    /// Leases and their temporary files; other files in the folder are foreign.
     fn all_paths(&self) -> Result<Vec<PathBuf>, ResultsError> {
         let entries = fs::read_dir(&self.folder)
             .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
@@ -227,7 +227,7 @@ impl Leases {
     }
 }
 
-/// Whether a file is called as a lease, `<case>.<generation>`, or is about to become one.
+/// Whether a file has the name of a lease, `<case>.<generation>`, or of its temporary file.
 fn is_lease_name(name: &str) -> bool {
     let generation = name.rsplit_once('.').map(|(_, generation)| generation);
     name.starts_with(TEMPORARY_PREFIX)
@@ -235,10 +235,10 @@ fn is_lease_name(name: &str) -> bool {
 }
 
 impl Lease {
-    /// Gives a sign of life.
+    /// Updates the lease.
     pub fn touch(&self) {
         if let Some(path) = self.files.last() {
-            // It takes no room on a full disk; should it fail, the next one may not.
+            // It needs no space on a full disk; if it fails, the next one may succeed.
             let _ = File::open(path).and_then(|file| file.set_modified(SystemTime::now()));
         }
     }
@@ -246,7 +246,7 @@ impl Lease {
 
 impl Drop for Lease {
     fn drop(&mut self) {
-        // The oldest first: what is left by a crash on the way is a lease of a dead process.
+        // The oldest first: a crash in between leaves a lease of a dead process.
         for path in &self.files {
             let _ = fs::remove_file(path);
         }
@@ -266,7 +266,8 @@ impl Owner {
         }
     }
 
-    /// Whether this process of the same machine as `observer` still runs; `None` where the system does not tell.
+    /// Whether this process of the same machine as `observer` still runs; `None` if the system does
+    /// not report it.
     fn lives_here(&self, observer: &Self) -> Option<bool> {
         observer.started?;
         Some(self.boot == observer.boot && self.started == start_of(self.process))
@@ -283,14 +284,14 @@ fn start_of(process: u32) -> Option<u64> {
     // Field 2, the program's name in parentheses, may hold blanks; field 3 is the first after it.
     let (_, after_name) = stat.rsplit_once(')')?;
     let mut fields = after_name.split_whitespace();
-    // A process that ended and was not waited for yet (a zombie) does not work any more.
+    // A process that has ended but was not waited for (a zombie) no longer works.
     if fields.next()? == "Z" {
         return None;
     }
     fields.nth(22 - 4)?.parse().ok()
 }
 
-/// Name of the machine, where the system tells it in a file or in the environment.
+/// Name of the machine, from a file or the environment, if available.
 pub fn host_name() -> Option<String> {
     let from_file = fs::read_to_string("/proc/sys/kernel/hostname").ok();
     from_file
@@ -310,7 +311,7 @@ mod tests {
         }
     }
 
-    /// Leases as another process of the given owner would make them.
+    /// Leases of another process with the given owner.
     fn of_another(folder: &Path, owner: Owner) -> Leases {
         Leases {
             owner,
@@ -350,7 +351,7 @@ mod tests {
                 process: child.id(),
                 ..Owner::this_process()
             },
-            // The number of the process is in use again.
+            // The process id is in use again.
             Owner {
                 started: Some(1),
                 ..Owner::this_process()
@@ -424,7 +425,7 @@ mod tests {
                         barrier.wait();
                         let lease = leased(&leases, "a");
                         taken.fetch_add(usize::from(lease.is_some()), Ordering::Relaxed);
-                        // Nobody lets go before all have tried.
+                        // No lease is released before all have tried.
                         barrier.wait();
                     });
                 }

@@ -20,8 +20,8 @@ pub const MAIN_CASE: &str = "main";
 pub struct Manifest {
     /// Version of the program.
     pub version: String,
-    /// Commit of the program: that of the clone that it was built from, or what the build was told (environment variable
-    /// `RODLAB_COMMIT`).
+    /// Commit of the program: that of the clone that it was built from, or the value of the
+    /// environment variable `RODLAB_COMMIT` at build time.
     pub commit: Option<String>,
     /// The last command line that wrote here.
     pub command_line: Vec<String>,
@@ -51,13 +51,13 @@ pub struct Manifest {
     pub seeds: BTreeMap<String, u64>,
     /// The cases by id; a single run is the case `main`.
     pub cases: BTreeMap<String, CaseRecord>,
-    /// Length and hash of each file as the run left it: those that grew, and those that are written whole. Results of
-    /// earlier versions do not mark the latter; they are read unchecked.
+    /// Length and hash of each file as the run left it: those that grew, and those that are written
+    /// at once. Results of earlier versions have no marks of the latter; they are read unchecked.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub files: FileMarks,
 }
 
-/// What readers of `nodes.csv` need to know of a rod.
+/// Data of a rod for readers of `nodes.csv`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RodRecord {
     /// Name of the rod.
@@ -71,11 +71,12 @@ pub struct RodRecord {
 }
 
 impl Manifest {
-    /// Reads the manifest of a directory; `None` where there is none, or an empty one: power was lost before
-    /// anything else of the run reached the disk.
+    /// Reads the manifest of a directory; `None` if there is none, or an empty one after a loss of
+    /// power at the start of the run.
     ///
     /// # Errors
-    /// [`ResultsError::Damaged`] where it is no manifest, [`ResultsError::Io`] where it cannot be read.
+    /// [`ResultsError::Damaged`] if it is not a manifest, [`ResultsError::Io`] where it cannot be
+    /// read.
     pub fn read(directory: &Path) -> Result<Option<Self>, ResultsError> {
         let path = directory.join(MANIFEST);
         let bytes = match fs::read(&path) {
@@ -101,14 +102,14 @@ impl Manifest {
         write_whole(&directory.join(MANIFEST), &self.to_bytes())
     }
 
-    /// Writes the manifest of a run that begins, and its scenario, without waiting for the disk. The manifest comes
-    /// first of all files: by it the directory is known for what it is.
+    /// Writes the manifest of a starting run, and its scenario, without waiting for the disk. The
+    /// manifest is the first file: it identifies the directory.
     pub fn place(&self, directory: &Path) -> Result<(), ResultsError> {
         place_whole(&directory.join(MANIFEST), &self.to_bytes())?;
         place_whole(&directory.join(SCENARIO), self.scenario.as_bytes())
     }
 
-    /// Writes summary, timings and manifest of a run that ends and leaves `files`.
+    /// Writes summary, timings and manifest of an ending run with the marks `files`.
     pub fn conclude(
         &mut self,
         directory: &Path,
@@ -125,7 +126,7 @@ impl Manifest {
         self.write(directory)
     }
 
-    /// Marks the files of the directory that are written whole, such as the summary.
+    /// Marks the files of the directory that are written at once, such as the summary.
     ///
     /// # Errors
     /// [`ResultsError::Io`].
@@ -134,11 +135,11 @@ impl Manifest {
         Ok(())
     }
 
-    /// [`Manifest::read`] for a reader of the other files: those that finished results
-    /// hold as a run wrote them whole, such as the summary, are checked.
+    /// [`Manifest::read`] for a reader of the other files: checks the files of finished results
+    /// that are written at once, such as the summary.
     ///
     /// # Errors
-    /// As [`Manifest::read`]; [`ResultsError::Altered`] where a file is not what was written.
+    /// As [`Manifest::read`]; [`ResultsError::Altered`] if a file was changed.
     pub fn read_checked(directory: &Path) -> Result<Option<Self>, ResultsError> {
         let manifest = Self::read(directory)?;
         if let Some(manifest) = manifest.as_ref().filter(|manifest| manifest.is_finished()) {
@@ -254,7 +255,7 @@ pub(super) mod tests {
             fs::write(path.join(name), written).unwrap();
         }
         assert!(Manifest::read_checked(path).is_ok());
-        // One of an earlier version, which marks none of them.
+        // One of an earlier version, without their marks.
         manifest.files.clear();
         manifest.write(path).unwrap();
         fs::write(path.join("summary.csv"), "changed").unwrap();
@@ -294,7 +295,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn times_that_are_no_times_are_none() {
+    fn invalid_durations_are_zero() {
         let directory = tempfile::tempdir().unwrap();
         let mut manifest = example("ab", CaseStatus::Finished);
         let case = manifest.cases.get_mut(MAIN_CASE).unwrap();

@@ -1,4 +1,4 @@
-//! Marks of files: what a run wrote, so that a later look notices when something else stands there.
+//! Marks of files: length and hash of the output of a run, to detect later changes.
 
 use super::ResultsError;
 use super::files::{END_STATE, SCENARIO, START, SUMMARY, TIMINGS, VTK_FOLDER, frame_names};
@@ -8,7 +8,7 @@ use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Bytes that are read at a time.
+/// Size of a read, bytes.
 const BLOCK: usize = 1 << 16;
 
 /// Length and hash of a file; of a series of frames, those of all its files one after the other.
@@ -23,7 +23,7 @@ pub struct FileMark {
 /// The marks of the files that grow during a run, by their names in the results directory.
 pub type FileMarks = BTreeMap<String, FileMark>;
 
-/// Marks what passes through it.
+/// Computes the mark of the bytes written to it.
 #[derive(Clone, Default)]
 pub(super) struct Marker {
     hasher: blake3::Hasher,
@@ -31,13 +31,13 @@ pub(super) struct Marker {
 }
 
 impl Marker {
-    /// Takes note of further bytes.
+    /// Adds further bytes.
     pub fn update(&mut self, bytes: &[u8]) {
         self.hasher.update(bytes);
         self.bytes += bytes.len() as u64;
     }
 
-    /// Takes note of further bytes of a file, at most `most`.
+    /// Adds further bytes of a file, at most `most`.
     fn read(&mut self, file: impl Read, most: u64) -> io::Result<()> {
         let mut file = file.take(most);
         let mut block = vec![0; BLOCK];
@@ -63,7 +63,7 @@ impl Marker {
     }
 }
 
-/// A file whose contents are marked as they are written.
+/// A file whose mark is computed while it is written.
 pub(super) struct MarkedFile {
     file: File,
     marker: Marker,
@@ -78,7 +78,8 @@ impl MarkedFile {
         })
     }
 
-    /// Reads the first `length` bytes of a file that is open for reading and writing; what is written comes after them.
+    /// Reads the first `length` bytes of a file that is open for reading and writing; new bytes are
+    /// appended after them.
     pub fn after(mut file: File, length: u64) -> io::Result<Self> {
         let mut marker = Marker::default();
         marker.read(&mut file, length)?;
@@ -90,7 +91,7 @@ impl MarkedFile {
         &self.file
     }
 
-    /// The mark of what was read and written.
+    /// The mark of the bytes read and written.
     pub fn mark(&self) -> FileMark {
         self.marker.mark()
     }
@@ -105,12 +106,12 @@ impl MarkedFile {
         self.marker.bytes()
     }
 
-    /// Whether the name still leads to this file, whole.
+    /// Whether the name still refers to this complete file.
     pub fn is_in_place(&self, path: &Path) -> bool {
         let (Ok(named), Ok(open)) = (fs::metadata(path), self.file.metadata()) else {
             return false;
         };
-        // What is no regular file, such as a device, has no length.
+        // Files that are not regular, such as devices, have no length.
         is_same_file(&named, &open) && (!open.is_file() || open.len() == self.marker.bytes())
     }
 }
@@ -138,10 +139,10 @@ fn is_same_file(_: &fs::Metadata, _: &fs::Metadata) -> bool {
     true
 }
 
-/// Checks that files in a results directory are those that were marked, by length and hash.
+/// Checks that files in a results directory match their marks, by length and hash.
 ///
 /// # Errors
-/// [`ResultsError::Altered`] names the first that is not.
+/// [`ResultsError::Altered`] names the first that does not.
 pub fn check_files(directory: &Path, marks: &FileMarks) -> Result<(), ResultsError> {
     check_lengths(directory, marks)?;
     marks.iter().try_for_each(|(name, mark)| {
@@ -157,10 +158,10 @@ pub fn check_files(directory: &Path, marks: &FileMarks) -> Result<(), ResultsErr
     })
 }
 
-/// Files that are written whole, once, by a run that ends: small ones.
+/// Small files that are written at once at the end of a run.
 const WRITTEN_ONCE: [&str; 5] = [SCENARIO, START, END_STATE, SUMMARY, TIMINGS];
 
-/// Marks the files of a directory that are written whole, as far as they are there.
+/// Marks the existing files of a directory that are written at once.
 ///
 /// # Errors
 /// [`ResultsError::Io`] where one cannot be read.
@@ -181,7 +182,7 @@ pub(super) fn marks_of_whole_files(directory: &Path) -> Result<FileMarks, Result
     Ok(marks)
 }
 
-/// Checks what takes little time: the files that are written whole by length and hash, the lengths of all others.
+/// Fast check: files written at once by length and hash, all others by length.
 ///
 /// # Errors
 /// [`ResultsError::Altered`] names the first that differs.
@@ -190,7 +191,7 @@ pub fn check_quickly(directory: &Path, marks: &FileMarks) -> Result<(), ResultsE
     check_whole_files(directory, marks)
 }
 
-/// Checks the files that are written whole, and no others.
+/// Checks only the files that are written at once.
 ///
 /// # Errors
 /// [`ResultsError::Altered`] names the first that differs.
@@ -201,7 +202,7 @@ pub(super) fn check_whole_files(directory: &Path, marks: &FileMarks) -> Result<(
     check_files(directory, &whole.collect())
 }
 
-/// Checks the lengths alone, which takes no time.
+/// Checks the lengths only, which is fast.
 ///
 /// # Errors
 /// [`ResultsError::Altered`] names the first that differs.
@@ -225,7 +226,7 @@ fn length_of(path: &Path) -> Result<u64, ResultsError> {
     Ok(found.len())
 }
 
-/// Length of the frames that hold the first `bytes` of them.
+/// Number of frames in the first `bytes` of them.
 fn length_of_frames(
     directory: &Path,
     bytes: u64,
@@ -239,7 +240,7 @@ fn length_of_frames(
     Ok(length)
 }
 
-/// Reads the frames that were marked, to go on after them.
+/// Reads the marked frames, to continue after them.
 ///
 /// # Errors
 /// [`ResultsError::Altered`] names a frame that is missing, or the folder.
@@ -265,7 +266,7 @@ pub(super) fn marked_frames(
     Ok(marker)
 }
 
-/// Compares what was read with what was written.
+/// Compares the mark of a file with the expected one.
 pub(super) fn compare(path: &Path, mark: &FileMark, read: &Marker) -> Result<(), ResultsError> {
     if read.mark() == *mark {
         return Ok(());

@@ -1,15 +1,16 @@
 //! Results directories: manifests, series, node files, checkpoints, VTK.
 //!
-//! A run opens a [`ResultsDirectory`], writes its [`Manifest`], lets a [`Recorder`] write each output time,
-//! keeps [`CheckpointFiles`], and ends with [`write_summary`] and [`write_timings`]. Nothing here knows
-//! mechanics: rods are names, node counts and arrays.
+//! A run opens a [`ResultsDirectory`], writes its [`Manifest`], uses a [`Recorder`] for each output
+//! time and [`CheckpointFiles`], and ends with [`write_summary`] and [`write_timings`]. This module
+//! is independent of mechanics: rods are names, node counts and arrays.
 //!
-//! The directory of a sweep ([`SweepDirectory`]) has such a directory for each case; [`Leases`] tell the processes
-//! that share it who works on which.
+//! The directory of a sweep ([`SweepDirectory`]) has such a directory for each case; [`Leases`]
+//! distribute the cases among processes.
 //!
-//! Files that are written once appear whole ([`write_whole`]); files that grow are flushed at each output
-//! time and cut back to the length noted in the checkpoint when a run is continued. Checkpoint and manifest hold their
-//! lengths and hashes ([`FileMark`]), by which files that were removed or changed are noticed.
+//! Files that are written once appear atomically ([`write_whole`]); files that grow are flushed at
+//! each output time and truncated to the length in the checkpoint when a run is continued.
+//! Checkpoint and manifest hold their lengths and hashes ([`FileMark`]), which detect removed or
+//! changed files.
 
 mod atomic;
 mod branch;

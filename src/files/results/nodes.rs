@@ -1,4 +1,4 @@
-//! `nodes.csv`: where the nodes are at each output time.
+//! `nodes.csv`: positions of the nodes at each output time.
 
 use super::files::NODES;
 use super::frame::{Frame, node_places};
@@ -62,10 +62,11 @@ struct PositionRow {
 
 /// Reads `nodes.csv` of a results directory whose rods have `nodes` nodes in all.
 ///
-/// A run at work or a crash may leave the last output in part; it is left out.
+/// A running process or a crash may leave a partial last output; it is ignored.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] where it is no such table.
+/// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] if it is not such a
+/// table.
 pub fn read_nodes(directory: &Path, nodes: usize) -> Result<Vec<NodePositions>, ResultsError> {
     let rows: Vec<PositionRow> = read_rows(&directory.join(NODES))?;
     let outputs = rows.chunks_exact(nodes.max(1));
@@ -123,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_node_table_is_refused() {
+    fn invalid_node_tables_are_rejected() {
         let directory = tempfile::tempdir().unwrap();
         assert!(matches!(
             read_nodes(directory.path(), 4),

@@ -1,4 +1,5 @@
-//! Obstacles beside the rods in the frames for ParaView: `vtk/obstacles_000000.vtp`, one for all times where nothing moves.
+//! Obstacles beside the rods in the frames for ParaView: `vtk/obstacles_000000.vtp`, a single one
+//! if none moves.
 
 use super::files::obstacle_frame_name;
 use super::mark::{FileMark, Marker};
@@ -10,30 +11,30 @@ use std::path::Path;
 /// The surfaces of all obstacles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObstacleSurfaces {
-    /// Where they are at time zero, in the order of the obstacles.
+    /// Their positions at time zero, in the order of the obstacles.
     pub surfaces: Vec<Surface>,
     /// Whether any of them moves.
     pub moving: bool,
 }
 
-/// The frames of obstacles that were written so far.
+/// The frames of obstacles written so far.
 pub(super) struct ObstacleFrames {
     obstacles: ObstacleSurfaces,
     marker: Marker,
 }
 
 impl ObstacleFrames {
-    /// Frames that go on behind those marked.
+    /// Frames that continue after the marked ones.
     pub fn after(obstacles: ObstacleSurfaces, marker: Marker) -> Self {
         Self { obstacles, marker }
     }
 
-    /// Whether frames have to tell where obstacles are.
+    /// Whether frames must include the poses of obstacles.
     pub fn need_poses(&self) -> bool {
         self.obstacles.moving
     }
 
-    /// Writes the obstacles of frame number `index`, if they are elsewhere than before.
+    /// Writes the obstacles of frame number `index`, if they have moved.
     pub fn write(
         &mut self,
         directory: &Path,

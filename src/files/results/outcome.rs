@@ -1,9 +1,9 @@
-//! What a case came to: the numbers of `summary.csv` and of the manifest.
+//! Outcome of a case: the numbers of `summary.csv` and of the manifest.
 
 use super::NamedValues;
 use serde::{Deserialize, Serialize};
 
-/// Scalar outcomes of a case; what follows from the scenario, not from the load of the machine.
+/// Scalar outcomes of a case that depend on the scenario, not on the load of the machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CaseOutcome {
     /// Simulated time reached, s.
@@ -16,13 +16,13 @@ pub struct CaseOutcome {
     pub retries: u64,
     /// Krylov iterations of all fluid solves.
     pub fluid_iterations: u64,
-    /// Steps that ended with at least one contact bearing force.
+    /// Steps that ended with at least one contact with a force.
     pub steps_with_contact: u64,
     /// Newton iterations of those steps.
     pub newton_iterations_with_contact: u64,
     /// End of the first step with contact, s.
     pub first_contact: Option<f64>,
-    /// Distance of the bodies, planes included, that came nearest to touching, m.
+    /// Smallest distance of the bodies, planes included, m.
     pub minimum_distance: Option<f64>,
     /// That distance over the one at which their surfaces touch.
     pub minimum_distance_ratio: Option<f64>,
@@ -35,24 +35,24 @@ pub struct CaseOutcome {
     pub gravitational_energy: Option<f64>,
     /// Path parameter of the first fold, bifurcation or onset of flutter of a path of equilibria.
     pub critical_parameter: Option<f64>,
-    /// What observers of the run say of it: further columns of the summary. Earlier versions called it `knot`, the only
-    /// thing that was observed.
+    /// Values of observers of the run: further columns of the summary. Named `knot` in earlier
+    /// versions, which observed knots only.
     #[serde(default, alias = "knot")]
     pub observed: NamedValues,
-    /// What else people should know of the case, a sentence each: strains beyond the theory of rods and the like.
+    /// Remarks on the case, a sentence each: strains beyond the theory of rods and the like.
     #[serde(default)]
     pub remarks: Vec<String>,
-    /// Why the run ended before its time, as it should; `None` where it did not.
+    /// Why the run ended early on purpose; `None` if it did not.
     #[serde(default)]
     pub ending: Option<Ending>,
 }
 
-/// The end of a run that has seen all that it was for.
+/// The early end of a run that has reached its goal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Ending {
     /// A word for tables, such as `inverted`.
     pub word: String,
-    /// A sentence for people.
+    /// A sentence for users.
     pub sentence: String,
 }
 

@@ -12,7 +12,7 @@ use super::stream::CsvStream;
 use super::{ResultsError, RodRecord, SeriesRow, Value, vtk};
 use std::path::{Path, PathBuf};
 
-/// Which files a run writes beside `series.csv`.
+/// Files that a run writes beside `series.csv`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecorderPlan {
     /// Names of the columns that observers add to `series.csv`.
@@ -23,7 +23,7 @@ pub struct RecorderPlan {
     pub forces: bool,
     /// `vtk/` and `rods.pvd`.
     pub vtk: bool,
-    /// Obstacles that stand in `vtk/` beside the rods.
+    /// Obstacles in `vtk/` beside the rods.
     pub obstacles: Option<ObstacleSurfaces>,
 }
 
@@ -35,13 +35,13 @@ pub struct Recorder {
     observed: Vec<String>,
     nodes: Option<CsvStream>,
     forces: Option<CsvStream>,
-    /// What was written to frames so far.
+    /// Mark of the frames written so far.
     frames: Option<Marker>,
     obstacles: Option<ObstacleFrames>,
 }
 
 impl Recorder {
-    /// Starts all files afresh.
+    /// Creates all files.
     pub fn create(
         directory: &Path,
         rods: Vec<RodRecord>,
@@ -63,10 +63,10 @@ impl Recorder {
         })
     }
 
-    /// Continues all files where a checkpoint marked them; what was written later is dropped.
+    /// Continues all files from the marks of a checkpoint; later data is dropped.
     ///
     /// # Errors
-    /// [`ResultsError::Altered`] where a file is not what it was at the checkpoint.
+    /// [`ResultsError::Altered`] if a file differs from its state at the checkpoint.
     pub fn continue_at(
         directory: &Path,
         rods: Vec<RodRecord>,
@@ -103,7 +103,7 @@ impl Recorder {
         self.forces.is_some() || self.frames.is_some()
     }
 
-    /// Whether the frames must hold where obstacles are.
+    /// Whether the frames must hold the poses of obstacles.
     pub fn needs_obstacle_poses(&self) -> bool {
         self.obstacles
             .as_ref()
@@ -115,8 +115,8 @@ impl Recorder {
         self.nodes.is_some() || self.needs_forces()
     }
 
-    /// Writes output number `index`; afterwards readers see it. `observed` are the values of the columns that
-    /// observers add to the series.
+    /// Writes output number `index`; it is visible to readers afterwards. `observed` are the values
+    /// of the columns that observers add to the series.
     pub fn record(
         &mut self,
         index: usize,
@@ -141,12 +141,12 @@ impl Recorder {
         if let Some(obstacles) = &mut self.obstacles {
             obstacles.write(&self.directory, index, frame)?;
         }
-        // Last, so that a time in the series is there in all files.
+        // Last, so that a time in the series exists in all files.
         self.series.write_with(row, &self.observed, observed)?;
         self.series.flush()
     }
 
-    /// Puts all files on the disk, `times` being those of all outputs so far, and marks them.
+    /// Syncs all files to the disk, `times` being those of all outputs so far, and marks them.
     ///
     /// # Errors
     /// [`ResultsError::Altered`] where one was removed or replaced meanwhile, [`ResultsError::Io`].

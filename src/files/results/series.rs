@@ -22,9 +22,9 @@ pub struct SeriesRow {
     pub newton_iterations: Option<f64>,
     /// Mean number of Krylov iterations of the fluid solves per step.
     pub fluid_iterations: Option<f64>,
-    /// Contacts that bear force at the end of the last step.
+    /// Number of contacts with a force at the end of the last step.
     pub contacts: Option<usize>,
-    /// Distance of the bodies, planes included, that are nearest to touching; empty where none is near.
+    /// Distance of the bodies, planes included, that are nearest to contact; empty if none is near.
     pub min_distance_m: Option<f64>,
     /// Kinetic energy.
     pub kinetic_energy_j: f64,
@@ -60,16 +60,17 @@ pub fn series_columns() -> Vec<String> {
     header_of(&SeriesRow::default())
 }
 
-/// Reads `series.csv` of a results directory; a last row that a crash left in part is left out.
+/// Reads `series.csv` of a results directory; a partial last row after a crash is ignored.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] where it is no such table.
+/// [`ResultsError::Io`] where there is no such file, [`ResultsError::Damaged`] if it is not such a
+/// table.
 pub fn read_series(directory: &Path) -> Result<Vec<SeriesRow>, ResultsError> {
     read_series_as(directory)
 }
 
-/// Reads `series.csv` as rows of another type, whose fields are found by the names of the columns: what an observer
-/// added, or a choice of columns.
+/// Reads `series.csv` as rows of another type, whose fields are found by the names of the columns:
+/// those of an observer, or a selection of columns.
 ///
 /// # Errors
 /// As [`read_series`]; [`ResultsError::Damaged`] also where a column is missing.

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub struct CsvStream {
     path: PathBuf,
     writer: csv::Writer<MarkedFile>,
-    /// Whether the names of the columns are still to be written.
+    /// Whether the column names must still be written.
     is_empty: bool,
 }
 
@@ -24,7 +24,7 @@ impl CsvStream {
         Ok(Self::over(path, file))
     }
 
-    /// Continues a stream where it was marked; later rows are dropped.
+    /// Continues a stream from its mark; later rows are dropped.
     ///
     /// # Errors
     /// [`ResultsError::Altered`] where something else stands there, [`ResultsError::Io`].
@@ -34,7 +34,8 @@ impl CsvStream {
         })
     }
 
-    /// Continues a stream after its first `length` bytes, which nobody has marked; later rows are dropped.
+    /// Continues a stream after its first `length` bytes, which have no mark; later rows are
+    /// dropped.
     ///
     /// # Errors
     /// [`ResultsError::Altered`] where the file is shorter, [`ResultsError::Io`].
@@ -108,14 +109,14 @@ impl CsvStream {
             })
     }
 
-    /// Hands all rows to the operating system, so that readers see them.
+    /// Flushes all rows to the operating system, so that they are visible to readers.
     pub fn flush(&mut self) -> Result<(), ResultsError> {
         self.writer
             .flush()
             .map_err(ResultsError::io("write", &self.path))
     }
 
-    /// Flushes, waits until the bytes are on the disk, and marks them.
+    /// Flushes, syncs to the disk, and marks the bytes.
     ///
     /// # Errors
     /// [`ResultsError::Altered`] where the file was removed or replaced meanwhile, [`ResultsError::Io`].
@@ -144,7 +145,7 @@ pub(super) fn header_of(row: &impl Serialize) -> Vec<String> {
     header.iter().map(str::to_owned).collect()
 }
 
-/// Reads the whole lines of a file; a last line that a crash or a run at work left in part is left out.
+/// Reads the whole lines of a file; a partial last line after a crash or during a run is ignored.
 pub(super) fn read_whole_lines(path: &Path) -> Result<Vec<u8>, ResultsError> {
     let mut bytes = fs::read(path).map_err(ResultsError::io("read", path))?;
     let newline = bytes.iter().rposition(|byte| *byte == b'\n');
@@ -152,9 +153,9 @@ pub(super) fn read_whole_lines(path: &Path) -> Result<Vec<u8>, ResultsError> {
     Ok(bytes)
 }
 
-/// What can be used of a stream that was cut short.
+/// The usable part of a truncated stream.
 pub struct WholeRows<Row> {
-    /// The rows but a last one in part.
+    /// The rows without a partial last one.
     pub rows: Vec<Row>,
     /// Bytes up to there, for [`CsvStream::continue_unmarked`].
     pub length: u64,
@@ -163,7 +164,7 @@ pub struct WholeRows<Row> {
 /// Reads a stream to continue it.
 ///
 /// # Errors
-/// [`ResultsError::Io`] where it cannot be read, [`ResultsError::Damaged`] where a row is none.
+/// [`ResultsError::Io`] where it cannot be read, [`ResultsError::Damaged`] if a row is invalid.
 pub fn read_whole_rows<Row: DeserializeOwned>(path: &Path) -> Result<WholeRows<Row>, ResultsError> {
     Ok(WholeRows {
         rows: read_rows(path)?,
@@ -171,7 +172,7 @@ pub fn read_whole_rows<Row: DeserializeOwned>(path: &Path) -> Result<WholeRows<R
     })
 }
 
-/// Reads all rows of a stream, but a last one in part.
+/// Reads all rows of a stream, without a partial last one.
 pub(super) fn read_rows<Row: DeserializeOwned>(path: &Path) -> Result<Vec<Row>, ResultsError> {
     let bytes = read_whole_lines(path)?;
     let mut reader = csv::Reader::from_reader(bytes.as_slice());

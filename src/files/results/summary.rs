@@ -1,7 +1,8 @@
 //! `summary.csv` and `timings.csv`: a row per case.
 //!
-//! The summary holds what follows from the scenario; what depends on the machine and its load is in the timings. The
-//! last bits may differ where C libraries compute sines, exponentials and logarithms differently.
+//! The summary holds values that follow from the scenario; values that depend on the machine and
+//! its load are in the timings. The last bits may differ where C libraries compute sines,
+//! exponentials and logarithms differently.
 
 use super::atomic::write_whole_before;
 use super::files::{SUMMARY, TIMINGS};
@@ -15,7 +16,7 @@ use std::path::Path;
 pub struct SummaryRow {
     /// Id of the case.
     pub case: String,
-    /// How it ended.
+    /// Its status.
     pub status: CaseStatus,
     /// Simulated time reached.
     pub simulated_time_s: f64,
@@ -33,7 +34,8 @@ pub struct SummaryRow {
     pub steps_with_contact: u64,
     /// End of the first of them; empty where there was none.
     pub first_contact_s: Option<f64>,
-    /// Distance of the bodies, planes included, that came nearest to touching; empty where none came near.
+    /// Distance of the bodies, planes included, that were nearest to contact; empty if none was
+    /// near.
     pub min_distance_m: Option<f64>,
     /// The same over the distance at which their surfaces touch.
     pub min_distance_ratio: Option<f64>,
@@ -45,10 +47,10 @@ pub struct SummaryRow {
     pub gravitational_energy_j: Option<f64>,
     /// Path parameter of the first fold, bifurcation or onset of flutter; empty where there is no path, or none on it.
     pub critical_parameter: Option<f64>,
-    /// What people should know of the case, sentences joined by "; ".
+    /// Remarks on the case, sentences joined by "; ".
     #[serde(default)]
     pub remarks: String,
-    /// What observers say of the case: further columns of tables with a case that has them.
+    /// Values of observers: further columns of tables with such a case.
     #[serde(skip)]
     pub observed: NamedValues,
 }
@@ -139,8 +141,8 @@ pub fn write_sweep_summary(
     write_whole_before(&directory.join(SUMMARY), &bytes)
 }
 
-/// Column names and rows of a summary, with all columns that observers of any case add, in the order in which they
-/// first come.
+/// Column names and rows of a summary, with all columns that observers of any case add, in order of
+/// first occurrence.
 fn summary_table<'a>(rows: impl Iterator<Item = &'a SummaryRow> + Clone) -> Vec<u8> {
     let mut observed: Vec<&str> = Vec::new();
     for name in rows.clone().flat_map(|row| row.observed.names()) {
@@ -216,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_observed_of_some_cases_has_columns_that_are_empty_for_the_others() {
+    fn columns_observed_in_some_cases_are_empty_in_the_others() {
         let directory = tempfile::tempdir().unwrap();
         let row = |case, observed: NamedValues| {
             let outcome = CaseOutcome {

@@ -20,14 +20,14 @@ const LEASES: &str = "leases";
 /// that leased it, those of the whole under a lock.
 pub struct SweepDirectory {
     path: PathBuf,
-    /// Who works on which case.
+    /// Leases of the cases.
     pub leases: Leases,
 }
 
 impl SweepDirectory {
-    /// Opens the directory of a sweep whose first manifest, should there be none, is `manifest`; its hash tells
-    /// whether an old directory is of the same sweep. With `force` old results are removed, files of these names of its
-    /// own kind of experiment among them.
+    /// Opens the directory of a sweep and writes `manifest` if there is none; its hash identifies
+    /// the sweep of an old directory. With `force` old results are removed, including the listed
+    /// files of its kind of experiment.
     ///
     /// # Errors
     /// Those of [`ResultsDirectory::open`](super::ResultsDirectory::open); with `force`
@@ -62,7 +62,7 @@ impl SweepDirectory {
                 old.remove_all()?;
             }
             remove_results(path, own_files)?;
-            // First of all files: by it the directory is known for what it is.
+            // Written first: it identifies the directory.
             manifest.write(path)?;
         }
         write_whole(&path.join(SCENARIO), manifest.scenario.as_bytes())?;
@@ -102,7 +102,7 @@ impl SweepDirectory {
                 }
             }
             fs::create_dir_all(&on_the_way).map_err(not_writable(&on_the_way))?;
-            // What is there already is left alone: other processes may be reading it.
+            // Existing files are kept: other processes may be reading them.
             if fs::read(&file).is_ok_and(|found| found == contents) {
                 continue;
             }
@@ -111,7 +111,8 @@ impl SweepDirectory {
         Ok(())
     }
 
-    /// Gives the directories of cases their names of today; the pairs are earlier and present names.
+    /// Renames the directories of cases of earlier versions; the pairs are earlier and present
+    /// names.
     ///
     /// # Errors
     /// [`ResultsError::Io`].
@@ -133,7 +134,7 @@ impl SweepDirectory {
         Ok(())
     }
 
-    /// Where it lies.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -143,7 +144,7 @@ impl SweepDirectory {
         self.path.join(CASES).join(id)
     }
 
-    /// Writes files of the whole while no other process does.
+    /// Writes files of the whole sweep under its lock.
     ///
     /// # Errors
     /// Those of `write`, and [`ResultsError::NotWritable`].
@@ -165,7 +166,8 @@ fn lock(path: &Path) -> Result<File, ResultsError> {
         .open(path.join(LOCK))
         .map_err(not_writable(path))?;
     match file.lock() {
-        // Without locks two processes may write a table at a time; each appears whole, and the last counts.
+        // Without locks, two processes may write a table at the same time; each is complete, and
+        // the last one is kept.
         Err(error) if error.kind() != ErrorKind::Unsupported => Err(not_writable(path)(error)),
         _ => Ok(file),
     }
@@ -180,14 +182,14 @@ fn remove_cases(folder: &Path, own_files: &[&str]) -> Result<(), ResultsError> {
         sweep_temporary_files(&case).map_err(not_writable(&case))?;
         remove_results(&case, own_files)?;
         remove_own(&case.join(LOCK))?;
-        // Stays where somebody else's files are in it.
+        // Kept if it has foreign files.
         let _ = fs::remove_dir(&case);
     }
     let _ = fs::remove_dir(folder);
     Ok(())
 }
 
-/// What a folder holds; nothing where there is none, or only a link to one.
+/// The content of a folder; nothing if it does not exist or is a link.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, ResultsError> {
     if !is_own_folder(folder) {
         return Ok(Vec::new());
@@ -217,7 +219,7 @@ mod tests {
         SweepDirectory::open(&path, &manifest, &[], false).unwrap();
         assert!(case.join(SERIES).exists());
 
-        // A lease that cannot be read may be somebody's.
+        // An unreadable lease may belong to another process.
         fs::write(path.join(LEASES).join("a.0"), "").unwrap();
         let error = SweepDirectory::open(&path, &manifest, &[], true)
             .err()

@@ -1,4 +1,4 @@
-//! Any of our CSV files, read column by column.
+//! A rodlab CSV file, read column by column.
 
 use super::ResultsError;
 use super::stream::read_whole_lines;
@@ -13,7 +13,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads a file; a last row that a crash left in part is left out.
+    /// Reads a file; a partial last row after a crash is ignored.
     ///
     /// # Errors
     /// [`ResultsError::Io`] where it cannot be read, [`ResultsError::Damaged`] where rows differ in length.
@@ -60,7 +60,8 @@ impl Table {
         Some(self.rows.iter().map(move |row| row[index].as_str()))
     }
 
-    /// The numbers of a column, `None` for cells that are no numbers; `None` where there is no such column.
+    /// The numbers of a column, `None` for cells that are not numbers; `None` where there is no
+    /// such column.
     pub fn numbers(&self, name: &str) -> Option<Vec<Option<f64>>> {
         Some(self.column(name)?.map(finite::number).collect())
     }

@@ -1,4 +1,4 @@
-//! What a run cost: wall time, processor time, memory.
+//! Cost of a run: wall time, processor time, memory.
 
 use serde::{Deserialize, Serialize};
 use std::ops::Add;
@@ -11,9 +11,9 @@ pub struct Usage {
     pub wall_time: Duration,
     /// The part of it that went into steps with contact.
     pub wall_time_with_contact: Duration,
-    /// Processor time of all threads that worked on it; `None` where the system does not tell.
+    /// Processor time of all threads that worked on it; `None` if the system does not report it.
     pub cpu_time: Option<Duration>,
-    /// Largest resident memory of the process, bytes; `None` where the system does not tell.
+    /// Largest resident memory of the process, bytes; `None` if the system does not report it.
     pub peak_memory: Option<u64>,
 }
 
@@ -43,7 +43,7 @@ impl Add for Usage {
     }
 }
 
-/// A time of so many seconds; none for a number that is no time, as a damaged file may hold.
+/// A duration in seconds; zero for an invalid number, as in a damaged file.
 pub fn duration(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or_default()
 }
@@ -87,8 +87,7 @@ impl UsageMeter {
     }
 }
 
-/// Processor time so far of those who do the work at hand: of the threads of the pool that does it, or of the
-/// whole process.
+/// Processor time so far of the current work: of the threads of its pool, or of the whole process.
 fn cpu_time() -> Option<Duration> {
     match rayon::current_thread_index() {
         Some(_) => rayon::broadcast(|_| thread_cpu_time()).into_iter().sum(),
@@ -105,7 +104,7 @@ pub fn thread_cpu_time() -> Option<Duration> {
 
 /// User and system time of the process, from `/proc/self/stat` (fields 14 and 15 of proc(5)).
 fn process_cpu_time() -> Option<Duration> {
-    // Linux counts in units of 10 ms in this file, whatever the kernel's own clock.
+    // Linux counts in units of 10 ms in this file, regardless of the clock of the kernel.
     const TICK: Duration = Duration::from_millis(10);
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     // Field 2, the program's name in parentheses, may hold blanks; field 3 is the first after it.

@@ -1,4 +1,4 @@
-//! Values under named columns: what observers of a run add to `series.csv` and to `summary.csv`.
+//! Values under named columns, which observers of a run add to `series.csv` and to `summary.csv`.
 
 use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
@@ -8,11 +8,11 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(remote = "Self")]
 pub enum Value {
-    /// Nothing to say.
+    /// No value.
     Empty,
     /// `true` or `false`.
     Flag(bool),
-    /// A whole number.
+    /// An integer.
     Integer(u64),
     /// A number.
     Number(f64),
@@ -21,7 +21,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// The number, where it is one.
+    /// The number, if it is one.
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Integer(number) => Some(*number as f64),
@@ -30,7 +30,7 @@ impl Value {
         }
     }
 
-    /// The text, where it is text.
+    /// The text, if it is one.
     pub fn text(&self) -> Option<&str> {
         match self {
             Self::Text(text) => Some(text),
@@ -81,7 +81,7 @@ impl<T: Into<Self>> From<Option<T>> for Value {
     }
 }
 
-/// Tables and JSON hold the bare value; formats that do not describe themselves also hold which kind it is.
+/// Tables and JSON hold the bare value; formats that are not self-describing also store its kind.
 impl Serialize for Value {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if !serializer.is_human_readable() {
@@ -193,7 +193,7 @@ impl<'de> Visitor<'de> for NamedValuesVisitor {
         formatter.write_str("a map from names to values")
     }
 
-    /// Manifests of earlier versions say `null` where nothing was observed.
+    /// Manifests of earlier versions contain `null` if nothing was observed.
     fn visit_unit<E: de::Error>(self) -> Result<NamedValues, E> {
         Ok(NamedValues::default())
     }

@@ -1,9 +1,10 @@
 //! VTK PolyData: a frame per output time (`vtk/rods_000000.vtp`, ...) and `rods.pvd`, which ParaView opens. Obstacles are its
 //! second part, triangles with their number as the cell data `obstacle`.
 //!
-//! Each rod is a polyline. Point data: `radius`, `velocity`, and the forces that there are; cell data: `rod`,
-//! the number of the rod. Numbers are stored as they are in memory, 64 bits each, behind the XML ("appended raw"). In
-//! ParaView, the filter "Tube" with "Vary Radius: By Absolute Scalar" draws the rods as they are.
+//! Each rod is a polyline. Point data: `radius`, `velocity`, and the available forces; cell data:
+//! `rod`, the number of the rod. Numbers are stored in binary, 64 bits each, after the XML
+//! ("appended raw"). In ParaView, the filter "Tube" with "Vary Radius: By Absolute Scalar" draws
+//! the rods with their radii.
 //!
 //! Format: VTK User's Guide, "VTK File Formats", XML PolyData, version 1.0.
 
@@ -37,7 +38,7 @@ fn write_part(directory: &Path, name: &str, bytes: &[u8]) -> Result<(), ResultsE
     write_whole(&directory.join(name), bytes)
 }
 
-/// Writes obstacles where they are at the time of a frame; returns the bytes.
+/// Writes the obstacles at the time of a frame; returns the bytes.
 pub(super) fn write_obstacles(
     directory: &Path,
     name: &str,
@@ -66,7 +67,8 @@ pub(super) fn write_obstacles(
     Ok(bytes)
 }
 
-/// Writes the collection that gives each frame its time, with the obstacles of a frame where they have a file.
+/// Writes the collection that gives each frame its time, with the obstacles of a frame if they have
+/// a file.
 pub(super) fn write_collection(
     directory: &Path,
     times: impl Iterator<Item = f64>,
@@ -120,7 +122,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The surface of triangles given by their corners, which share those that lie in the same place.
+    /// The surface of triangles given by their corners, with equal corners merged.
     pub fn from_triangles(triangles: &[[Vector3<f64>; 3]]) -> Self {
         let mut surface = Self::default();
         let mut numbers = HashMap::new();
@@ -220,7 +222,7 @@ impl PolyData {
         self.array("Float64", name, components, values.map(f64::to_le_bytes));
     }
 
-    /// Point numbers, offsets and numbers of rods: lists without components, as VTK demands of them.
+    /// Point numbers, offsets and numbers of rods: lists without components, as required by VTK.
     fn integers(&mut self, name: &str, values: impl Iterator<Item = usize>) {
         let bytes = values.map(|value| (value as u64).to_le_bytes());
         self.array("Int64", name, 1, bytes);
@@ -277,7 +279,7 @@ mod tests {
         rest.split_once('"').unwrap().0
     }
 
-    /// The numbers of an array, read as the format says.
+    /// The numbers of an array, decoded from the file.
     fn numbers(file: &[u8], name: &str) -> Vec<f64> {
         let (tags, data) = read(file);
         let is_array = |tag: &&String| tag.contains(&format!("Name=\"{name}\""));

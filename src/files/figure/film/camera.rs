@@ -1,11 +1,12 @@
-//! Where the camera is while the film runs: it turns about the scene and shows all of the motion, or follows a rod.
+//! Position of the camera during the film: it turns about the scene and shows all of the motion, or
+//! follows a rod.
 
 use super::super::motion::{MovieCase, Outline, centre, outline};
 use super::FilmOptions;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Directions from which the size of a scene is measured that the camera turns around.
+/// Number of directions for the size of a scene with a turning camera.
 const DIRECTIONS: usize = 25;
 
 /// The axes of a picture.
@@ -17,7 +18,8 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Looks from an azimuth, which is zero at the front (−y) and grows towards the right (+x), and an elevation, rad.
+    /// View from an azimuth, which is zero at the front (−y) and grows towards the right (+x), and
+    /// an elevation, rad.
     pub fn from(azimuth: f64, elevation: f64) -> Self {
         let (sa, ca) = libm::sincos(azimuth);
         let (se, ce) = libm::sincos(elevation);
@@ -46,7 +48,7 @@ pub(super) struct Camera {
     pub axes: Axes,
     /// Point in the middle of the free part of the picture, m.
     pub target: Vector3<f64>,
-    /// Where that is in the picture, samples.
+    /// Its position in the picture, samples.
     pub middle: [f64; 2],
     /// Samples per metre.
     pub scale: f64,
@@ -85,9 +87,9 @@ pub(super) struct CameraPath {
     azimuth: f64,
     elevation: f64,
     turn: f64,
-    /// Where it looks; from the middle of the followed rod on where there is one, m.
+    /// Its target, m; relative to the middle of the followed rod, if there is one.
     target: Vector3<f64>,
-    /// From there to what is in the middle, along right and up, m.
+    /// From there to the middle of the picture, along right and up, m.
     shift: [f64; 2],
     middle: [f64; 2],
     scale: f64,
@@ -145,7 +147,7 @@ impl CameraPath {
         self.scale
     }
 
-    /// The camera when a part (0 to 1) of the film has passed and the nodes are at these positions.
+    /// The camera at a fraction (0 to 1) of the film, with the nodes at these positions.
     pub fn at(&self, part: f64, positions: &[Vector3<f64>]) -> Camera {
         let axes = Axes::from(self.azimuth + part * self.turn, self.elevation);
         let followed = self
@@ -167,7 +169,7 @@ fn nodes_of(case: &MovieCase, rod: usize) -> std::ops::Range<usize> {
     first..first + case.rods[rod].nodes
 }
 
-/// The least and the largest place along right and up of all that is seen, from the target on, m.
+/// The smallest and the largest visible position along right and up, relative to the target, m.
 fn extent(
     case: &MovieCase,
     outline: &Outline,
@@ -200,7 +202,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_camera_stands_where_azimuth_and_elevation_say() {
+    fn azimuth_and_elevation_set_the_camera_direction() {
         let near = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm() < 1e-12;
         let quarter = std::f64::consts::FRAC_PI_2;
         let front = Axes::from(0.0, 0.0);

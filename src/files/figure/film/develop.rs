@@ -11,22 +11,22 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{LazyLock, Mutex};
 
-/// Levels of light for which the brightness of a pixel is kept in a table.
+/// Levels of light in the table of pixel brightness.
 const LEVELS: usize = 4096;
 
-/// Brightness of a pixel by its part of the light of white.
+/// Brightness of a pixel by its share of the light of white.
 static BRIGHTNESS: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let light = |level: usize| level as f64 / (LEVELS - 1) as f64;
     let brightness = |level| (255.0 * libm::pow(light(level), 1.0 / 2.2)).round() as u8;
     (0..LEVELS).map(brightness).collect()
 });
 
-/// What is kept from picture to picture, so that a film allocates it once for each thread.
+/// Buffers that are reused from picture to picture, so that a film allocates them once per thread.
 pub(super) struct Workspace {
     pub positions: Vec<Vector3<f64>>,
     pub nodes: Vec<Place>,
     pub across: Vec<Place>,
-    /// Surfaces of rods and bodies, and of bodies that are half clear.
+    /// Surfaces of rods and bodies, and of translucent bodies.
     pub solid: Mesh,
     pub clear: Mesh,
     /// The picture: red, green, blue by row.
@@ -37,7 +37,7 @@ pub(super) struct Workspace {
 }
 
 impl Workspace {
-    /// For pictures of a size in pixels.
+    /// Creates the buffers for pictures of a size in pixels.
     pub fn new(size: [usize; 2]) -> Self {
         let [width, height] = size.map(|side| side * FINENESS);
         Self {
@@ -53,7 +53,7 @@ impl Workspace {
         }
     }
 
-    /// Draws the surfaces and lights what is seen. `radius`: that of the scene, m.
+    /// Draws the surfaces and lights the visible ones. `radius`: that of the scene, m.
     pub fn develop(
         &mut self,
         light: &Light,
@@ -89,7 +89,7 @@ impl Workspace {
     }
 }
 
-/// A scene of which is found what is seen where, and how it is lit.
+/// A scene with its visible surfaces and its lighting.
 struct Lit<'a> {
     samples: &'a Samples,
     clear: Option<&'a Samples>,
@@ -174,7 +174,8 @@ fn pixels_of(samples: &Samples, row: usize) -> Range<usize> {
     span.start / FINENESS..span.end.div_ceil(FINENESS)
 }
 
-/// Whether the samples of a pixel show one surface that hardly turns, or nothing: one of them then stands for all.
+/// Whether the samples of a pixel show one nearly flat surface, or nothing: one of them then
+/// represents all.
 fn is_smooth(samples: &Samples, corners: [usize; FINENESS * FINENESS]) -> bool {
     /// Steps of normals from sample to sample, of two thousand.
     const TURN: u32 = 60;
@@ -195,13 +196,13 @@ fn is_smooth(samples: &Samples, corners: [usize; FINENESS * FINENESS]) -> bool {
     })
 }
 
-/// Opacity of bodies that are half clear.
+/// Opacity of translucent bodies.
 const CLOUD: f32 = 0.4;
-/// Light that the ground gives back in the sun and in the shadow; beyond the scene it fades to white.
+/// Light reflected by the ground in the sun and in the shadow; beyond the scene it fades to white.
 const SUNNY: f32 = 0.86;
 const SHADY: f32 = 0.42;
 
-/// A plane as seen: its depth over the picture.
+/// A plane in the view: its depth over the picture.
 struct Ground {
     at: Place,
     normal: Place,
@@ -211,7 +212,7 @@ struct Ground {
 }
 
 impl Ground {
-    /// A plane that is seen from its front; `None` from behind or along it.
+    /// A plane viewed from its front; `None` from behind or edge-on.
     fn of(plane: &MoviePlane, camera: &Camera, radius: f64) -> Option<Self> {
         let normal = camera.turn(&plane.normal.into());
         let at = camera.place(&plane.point.into());
@@ -231,7 +232,7 @@ impl Ground {
     }
 }
 
-/// Light of the nearest plane at a pixel; that of white paper where there is none.
+/// Light of the nearest plane at a pixel; that of white paper if there is none.
 fn ground_light(
     grounds: &[Ground],
     shadows: &ShadowMap,
@@ -260,10 +261,10 @@ fn ground_light(
 }
 
 impl Film<'_> {
-    /// Draws all pictures in parallel, and hands each over in its order after it was packed.
+    /// Draws all pictures in parallel, and passes on each in order after packing.
     ///
-    /// `watch` is called with the number of pictures done, and returns whether to continue. What is handed over is the same for any
-    /// number of threads.
+    /// `watch` is called with the number of pictures done, and returns whether to continue. The
+    /// result is the same for any number of threads.
     pub(super) fn each_picture<P: Send>(
         &self,
         watch: &(dyn Fn(usize) -> bool + Sync),
@@ -305,7 +306,7 @@ impl Film<'_> {
         Ok(())
     }
 
-    /// Some pictures, evenly spread: for what must be decided before the first is handed over.
+    /// Some evenly spread pictures, for decisions before the first one is passed on.
     pub(super) fn some_pictures(&self, count: usize) -> Vec<Vec<u8>> {
         let count = count.min(self.pictures());
         let last = self.pictures() - 1;

@@ -1,4 +1,4 @@
-//! A film as GIF: one palette for all pictures, and of each picture only what has changed.
+//! A film as GIF: one palette for all pictures, and only the changed part of each picture.
 
 use super::{Film, FilmError};
 use color_quant::NeuQuant;
@@ -7,14 +7,14 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Number of the colour that stands for no change; those before it are colours, of which the last two are white and black.
+/// Index of the colour for unchanged pixels; the last two colours before it are white and black.
 const UNCHANGED: u8 = 255;
 const LEARNT: usize = 253;
-/// Pictures from which the palette is taken.
+/// Number of pictures from which the palette is computed.
 const SAMPLED: usize = 6;
-/// Bits of a channel by which the nearest colour is looked up.
+/// Bits per channel of the lookup of the nearest colour.
 const BITS: u32 = 6;
-/// Most pictures per second that browsers show.
+/// Maximum number of pictures per second in browsers.
 const FASTEST: f64 = 50.0;
 
 impl Film<'_> {
@@ -38,7 +38,7 @@ impl Film<'_> {
         let mut shown: Vec<u8> = Vec::new();
         let mut number = 0;
         let take = |numbers: Vec<u8>| {
-            // Times are in hundredths of a second; what rounding takes from one picture the next one gets.
+            // Times are in hundredths of a second; rounding errors are carried to the next picture.
             let time = |picture: usize| (100.0 * picture as f64 / self.pictures_per_second).round();
             let delay = (time(number + 1) - time(number)) as u16;
             number += 1;
@@ -54,7 +54,8 @@ impl Film<'_> {
     }
 }
 
-/// The rectangle of a picture that differs from the one before, equal pixels in it left out.
+/// The rectangle of a picture that differs from the one before, with equal pixels marked as
+/// unchanged.
 fn changes(before: &[u8], after: &[u8], width: usize) -> Frame<'static> {
     let frame = |rectangle: [usize; 4], buffer: Vec<u8>| Frame {
         left: rectangle[0] as u16,
@@ -105,13 +106,14 @@ struct Palette {
 }
 
 impl Palette {
-    /// The colours that show some pictures best.
+    /// The best palette for some pictures.
     fn of(pictures: &[Vec<u8>]) -> Self {
         let mut counts: BTreeMap<[u8; 3], u32> = BTreeMap::new();
         for pixel in pictures.iter().flat_map(|pixels| pixels.chunks_exact(3)) {
             *counts.entry([pixel[0], pixel[1], pixel[2]]).or_default() += 1;
         }
-        // Rare colours count more than their share: without this all colours are those of the background.
+        // Rare colours have more weight than their share; otherwise all colours would be those of
+        // the background.
         let weighted = counts.iter().flat_map(|([red, green, blue], count)| {
             let weight = f64::from(*count).sqrt().ceil().min(48.0) as usize;
             std::iter::repeat_n([*red, *green, *blue, 255], weight)

@@ -1,4 +1,4 @@
-//! The words of a film: its scale bar and its time.
+//! Labels of a film: its scale bar and its time.
 
 use super::super::drawing::{Anchor, Drawing, Stroke, Words, number};
 use super::super::palette::Color;
@@ -6,7 +6,7 @@ use super::super::scale_bar::{length_label, round_length_below};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
-/// A stamp of black on white: how much light each pixel leaves of what is below, red, green, blue.
+/// A black stamp on white: transmitted light of each pixel, red, green, blue.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stamp {
     width: usize,
@@ -86,12 +86,12 @@ mod tests {
 
     #[test]
     fn a_scale_bar_is_as_long_as_it_says() {
-        // 3000 pixels for a metre: 5 cm are 150.
+        // 3000 pixels per metre: 5 cm are 150.
         let stamp = scale_bar(3000.0, 200.0, 20.0);
         let row = 37;
         let pixels = stamp.light[3 * row * stamp.width..][..3 * stamp.width].chunks_exact(3);
         let dark = pixels.filter(|pixel| pixel[0] < 128).count() as f64;
-        // Its round ends reach beyond by half of its thickness each.
+        // Its round ends extend it by half of its thickness each.
         assert!((dark - 150.0 - 3.2).abs() < 2.5, "{dark}");
     }
 
@@ -102,7 +102,7 @@ mod tests {
         stamp.print(&mut picture, 40, [2, 2]);
         assert!(picture.iter().any(|light| *light < 60));
         assert_eq!(picture[0], 200);
-        // Beyond the edge nothing is written.
+        // Nothing is drawn beyond the edge.
         stamp.print(&mut picture, 40, [39, 28]);
         stamp.print(&mut picture, 40, [60, 60]);
     }

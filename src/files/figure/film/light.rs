@@ -1,27 +1,28 @@
-//! Light on what is seen: a sky and a ground, a key light with soft shadows, and less of the sky in corners.
+//! Lighting of visible surfaces: a sky and a ground, a key light with soft shadows, and ambient
+//! occlusion.
 
 use super::mesh::{Mesh, Place, cross, dot, norm, plus, times, unit};
 use super::samples::{Corner, NOTHING, Samples, unpacked};
 
 /// Side of the shadow map, samples of it.
 const MAP: usize = 1400;
-/// Places around a point at which its surroundings are looked at: a spiral in the unit disk (Vogel 1979).
+/// Sample points of the ambient occlusion: a spiral in the unit disk (Vogel 1979).
 const TAPS: usize = 16;
-/// Steps over which the spiral is turned from sample to sample, so that no pattern shows.
+/// Number of rotations of the spiral from sample to sample, to avoid visible patterns.
 const TURNS: usize = 16;
 
-/// Part of the way to white of what lies at the back.
+/// Fading towards white at the back, 0 to 1.
 const HAZE: f32 = 0.2;
 
-/// Directions of the light in the axes of a picture, and reach of the darkness in corners.
+/// Directions of the light in the axes of a picture, and range of the ambient occlusion.
 pub(super) struct Light {
     /// Unit vector towards the key light.
     pub key: Place,
     /// Unit vector upwards in the scene.
     pub sky: Place,
-    /// Distance within which others take light of the sky away, samples.
+    /// Distance within which surfaces occlude the sky, samples.
     pub reach: f32,
-    /// Depth over which things become pale, from the nearest to the farthest, samples.
+    /// Depth over which colours fade, from the nearest to the farthest, samples.
     pub haze: [f32; 2],
     spiral: [[[f32; 2]; TAPS]; TURNS],
     halfway: Place,
@@ -77,7 +78,7 @@ impl Light {
         let shine = dot(normal, self.halfway).max(0.0);
         // To the 64th power.
         let shine = (0..6).fold(shine, |power, _| power * power);
-        // Rims that turn from the eye are darker, which sets rods apart that cross.
+        // Rims that turn from the eye are darker, which separates crossing rods.
         let rim = 0.55 + 0.45 * smooth(normal[2] / 0.5);
         let diffuse = (open * (0.22 + 0.3 * sky) + 0.72 * lit) * rim;
         let far = smooth((self.haze[0] - at[2]) / (self.haze[0] - self.haze[1]).max(1e-6));
@@ -88,7 +89,7 @@ impl Light {
         })
     }
 
-    /// The part of the sky that is not hidden by what is near in the picture.
+    /// The share of the sky that nearby surfaces do not hide.
     fn openness(
         &self,
         samples: &Samples,
@@ -131,12 +132,12 @@ fn smooth(x: f32) -> f32 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// What the key light sees: nearness to it, over the axes of its own picture.
+/// The view of the key light: nearness to it, over the axes of its own picture.
 pub(super) struct ShadowMap {
     samples: Samples,
     /// Right, down and towards the light.
     axes: [Place; 3],
-    /// Where the map begins, and its samples for each of the picture.
+    /// Origin of the map, and its samples per sample of the picture.
     origin: [f32; 2],
     scale: f32,
 }
@@ -151,7 +152,7 @@ impl ShadowMap {
         }
     }
 
-    /// Looks at a surface from a light.
+    /// Draws the shadow map of a surface.
     pub fn look(&mut self, mesh: &Mesh, key: Place) {
         let aside = if key[1].abs() < 0.9 {
             [0.0, 1.0, 0.0]
@@ -169,7 +170,7 @@ impl ShadowMap {
             }
         }
         let extent = (high[0] - low[0]).max(high[1] - low[1]);
-        // Half a sample of the map for one of the picture is enough: shadows are soft.
+        // Half the resolution of the picture is enough: shadows are soft.
         self.scale = ((MAP - 8) as f32 / extent.max(1.0)).min(0.6);
         self.origin = [0, 1].map(|k| low[k] - 4.0 / self.scale);
         self.samples.clear();
@@ -182,7 +183,7 @@ impl ShadowMap {
         });
     }
 
-    /// A place of the picture in the map.
+    /// A position of the picture in the map.
     fn seen(&self, place: Place) -> Place {
         let [x, y, z] = self.axes.map(|axis| dot(axis, place));
         [
@@ -202,9 +203,9 @@ impl ShadowMap {
         }
     }
 
-    /// The part of the key light that reaches a place on a surface.
+    /// The share of the key light that reaches a point of a surface.
     pub fn light(&self, at: Place, normal: Place, taps: &[[f32; 2]; TAPS]) -> f32 {
-        // The map is coarse, and a surface must not hide itself.
+        // The map is coarse, and a surface must not shadow itself.
         let offset = 2.2 / self.scale;
         let at = self.seen(plus(at, times(normal, offset)));
         let hidden = taps
@@ -213,7 +214,8 @@ impl ShadowMap {
         1.0 - hidden.count() as f32 / TAPS as f32
     }
 
-    /// The part of the key light that reaches a place on the ground: shadows are sharper, the nearer what casts them.
+    /// The share of the key light that reaches a point of the ground: shadows are sharper near the
+    /// casting surface.
     pub fn light_on_ground(&self, at: Place, light: &Light, column: usize, row: usize) -> f32 {
         /// Width of the penumbra over the distance.
         const SOFTNESS: f32 = 0.16;

@@ -1,6 +1,6 @@
 //! Surfaces as triangles in the axes of the picture: tubes, strips and rigid bodies.
 //!
-//! The arrays are kept from picture to picture, so that a film allocates them once.
+//! The arrays are reused from picture to picture, so that a film allocates them once.
 
 use super::samples::{Corner, Samples};
 use std::ops::Range;
@@ -8,11 +8,11 @@ use std::ops::Range;
 /// A vector in samples: right, down, towards the eye.
 pub(super) type Place = [f32; 3];
 
-/// Thinner things than this are drawn this thick, samples: they would not be seen.
+/// Minimum thickness of drawn things, samples: thinner ones would be invisible.
 const LEAST_RADIUS: f32 = 1.4;
-/// By how much the outline of a tube may miss its circle, samples.
+/// Tolerance of the outline of a tube, samples.
 const SAGITTA: f32 = 0.12;
-/// Turn of a tube from ring to ring, rad, and how many rings a segment may have.
+/// Rotation of a tube from ring to ring, rad, and maximum number of rings of a segment.
 const TURN: f32 = 0.16;
 const MOST_RINGS: usize = 10;
 
@@ -54,7 +54,7 @@ pub(super) struct DrawnRod<'a> {
 }
 
 impl Mesh {
-    /// Forgets what was added.
+    /// Removes all triangles.
     pub fn clear(&mut self) {
         self.corners.clear();
         self.triangles.clear();
@@ -66,12 +66,12 @@ impl Mesh {
         self.triangles.is_empty()
     }
 
-    /// Where the corners are.
+    /// Positions of the corners.
     pub fn places(&self) -> impl Iterator<Item = Place> {
         self.corners.iter().map(|corner| corner.at)
     }
 
-    /// Draws what was added.
+    /// Draws the triangles.
     pub fn draw(&self, samples: &mut Samples) {
         for part in &self.parts {
             for triangle in &self.triangles[part.triangles.clone()] {
@@ -81,7 +81,7 @@ impl Mesh {
         }
     }
 
-    /// Visits the places of each triangle.
+    /// Visits the positions of each triangle.
     pub fn each_triangle(&self, mut take: impl FnMut([Place; 3])) {
         for triangle in &self.triangles {
             take(triangle.map(|corner| self.corners[corner as usize].at));
@@ -118,7 +118,8 @@ impl Mesh {
         self.end_part(first, rod.material, rod.across.is_empty());
     }
 
-    /// Cross-sections along a rod, more where it bends more. On tubes their first direction is carried along without a twist.
+    /// Cross-sections along a rod, more where it bends more. On tubes their first direction is
+    /// transported without twist.
     fn lay_rings(&mut self, rod: &DrawnRod) {
         self.rings.clear();
         let count = rod.nodes.len();
@@ -207,7 +208,8 @@ impl Mesh {
         }
     }
 
-    /// A ring of corners; `cap`: how far onto the round end, from −1 at its first to 1 at its last point.
+    /// A ring of corners; `cap`: position on the round end, from −1 at its first to 1 at its last
+    /// point.
     fn add_ring(&mut self, ring: &Ring, radius: f32, cap: f32) {
         let other = cross(ring.tangent, ring.across);
         // Rows of a cap are evenly spaced along its meridians.
@@ -228,7 +230,7 @@ impl Mesh {
             for ring in &rings {
                 let axes = [ring.across, cross(ring.tangent, ring.across)];
                 let normal = sum(&axes, &side);
-                // The face reaches to both sides of its middle.
+                // The face extends to both sides of its middle.
                 for end in [-1.0, 1.0] {
                     let (x, y) = (side[0] - end * side[1], side[1] + end * side[0]);
                     let corner = sum(&axes, &[half[0] * x, half[1] * y]);
@@ -330,7 +332,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// A rod as it is drawn.
+    /// A drawn rod.
     fn drawn(nodes: &[Place], across: &[Place], half: [f32; 2], closed: bool) -> Samples {
         let mut mesh = Mesh::default();
         mesh.add_rod(&DrawnRod {
@@ -371,7 +373,7 @@ mod tests {
             );
             let (_, normal) = unpacked(samples.surface[middle]);
             assert!(normal[2] > 0.99, "{normal:?}");
-            // Above the middle the tube turns upwards, which is towards smaller rows.
+            // Above the middle the tube turns upwards, towards smaller rows.
             if across.is_empty() {
                 let (_, normal) = unpacked(samples.surface[170 * samples.width + 300]);
                 assert!(normal[1] < -0.5, "{normal:?}");

@@ -1,8 +1,9 @@
 //! Films of rods: pictures of a scene in motion, one after the other, drawn without a graphics card.
 //!
-//! A picture is drawn in steps: triangles around rods and bodies (`mesh`) go into a depth buffer with four samples a pixel (`samples`),
-//! what is seen there is lit (`light`), and scale bar and time are printed on top (`labels`). The camera is orthographic (`camera`).
-//! Pictures are drawn side by side and do not depend on the number of threads.
+//! A picture is drawn in steps: triangles around rods and bodies (`mesh`) go into a depth buffer
+//! with four samples a pixel (`samples`), the visible surfaces are lit (`light`), and scale bar and
+//! time are printed on top (`labels`). The camera is orthographic (`camera`). Pictures are drawn
+//! side by side and do not depend on the number of threads.
 
 mod bodies;
 mod camera;
@@ -31,17 +32,17 @@ use mesh::DrawnRod;
 use nalgebra::Vector3;
 use timeline::{Moment, Timeline};
 
-/// How a film is made.
+/// Options of a film.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmOptions {
     /// Width and height, pixels; even numbers.
     pub size: [usize; 2],
     /// Pictures per second.
     pub pictures_per_second: f64,
-    /// How fast time passes.
+    /// Speed of the film.
     pub pace: Pace,
-    /// Azimuth and elevation of the camera, rad; by default those that show the scene well. The azimuth is zero at the front (−y) and
-    /// grows towards the right (+x).
+    /// Azimuth and elevation of the camera, rad; chosen to show the scene well by default. The
+    /// azimuth is zero at the front (−y) and grows towards the right (+x).
     pub from: Option<[f64; 2]>,
     /// Angle by which the camera turns around the scene, rad.
     pub turn: f64,
@@ -51,24 +52,22 @@ pub struct FilmOptions {
     pub follow: Option<usize>,
 }
 
-/// How fast time passes in a film.
+/// Speed of a film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// Ten seconds of film, or fewer where there are few outputs.
     Usual,
-    /// So many seconds of film.
+    /// Length of the film, s.
     Duration(f64),
-    /// So many simulated seconds for each second of film.
+    /// Simulated seconds per second of film.
     Speed(f64),
 }
 
-/// Why there is no film.
+/// Why a film cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
-    /// What does not move in time has no speed.
-    #[error(
-        "these rods do not move in time, so a film of them has no speed; set its length with --duration"
-    )]
+    /// A static scene has no speed.
+    #[error("these rods do not move in time; set the length of the film with --duration")]
     NoSpeed,
     /// Too many pictures.
     #[error("a film of {pictures} pictures is too long; allowed: at most {MOST_PICTURES}")]
@@ -76,7 +75,7 @@ pub enum FilmError {
         /// Number of pictures.
         pictures: f64,
     },
-    /// More pictures per second than the format has.
+    /// More pictures per second than the format supports.
     #[error("GIF files show at most 50 pictures per second")]
     TooFast,
     /// The caller asked to stop.
@@ -116,7 +115,7 @@ impl<'a> Film<'a> {
     /// [`FilmError::NoSpeed`], [`FilmError::TooLong`].
     ///
     /// # Panics
-    /// Where the case has no frames.
+    /// If the case has no frames.
     pub fn new(case: &'a MovieCase, options: &FilmOptions) -> Result<Self, FilmError> {
         let timeline = Timeline::of(case, options)?;
         let [width, height] = options.size.map(|side| side as f64);
@@ -151,7 +150,7 @@ impl<'a> Film<'a> {
         self.timeline.pictures
     }
 
-    /// How long it takes to see it, s.
+    /// Its duration, s.
     pub fn seconds(&self) -> f64 {
         self.pictures() as f64 / self.pictures_per_second
     }
@@ -247,7 +246,8 @@ impl<'a> Film<'a> {
         }
     }
 
-    /// What stands at the top: the time, or the parameter of a path of equilibria; nothing where there is one output.
+    /// The text at the top: the time, or the parameter of a path of equilibria; nothing for a
+    /// single output.
     fn label(&self, moment: &Moment) -> Option<String> {
         if self.case.frames.len() < 2 {
             return None;
@@ -266,7 +266,7 @@ impl<'a> Film<'a> {
     }
 }
 
-/// A colour in parts of the light of white.
+/// A colour in linear light, 1 for white.
 fn linear(colour: Color) -> [f32; 3] {
     colour.0.map(|channel| libm::pow(channel, 2.2) as f32)
 }
@@ -277,7 +277,7 @@ pub(super) mod tests {
     use super::super::motion::{MovieFrame, MovieObstacle, MoviePlane, MovieRod};
     use super::*;
 
-    /// A rod above a floor that turns by a quarter in a second, so many outputs.
+    /// A rod above a floor that makes a quarter turn in a second, with a number of outputs.
     pub fn swinging(outputs: usize) -> MovieCase {
         let rod = MovieRod {
             name: "rod".into(),

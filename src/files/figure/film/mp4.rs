@@ -1,4 +1,4 @@
-//! A film as MP4 with H.264, which all browsers and slides play.
+//! A film as MP4 with H.264, which all browsers and presentation programs play.
 
 use super::{Film, FilmError};
 use openh264::OpenH264API;
@@ -16,11 +16,11 @@ use shiguredo_mp4::mux::{Mp4FileMuxer, Sample};
 use std::fmt::Display;
 use std::num::NonZeroU32;
 
-/// Ticks of the file's clock for a second.
+/// Clock ticks of the file per second.
 const TICKS: u32 = 90_000;
-/// Coarseness of the encoder: fine lines stay clean.
+/// Quantiser of the encoder, low enough for fine lines.
 const COARSENESS: QpRange = QpRange::new(10, 24);
-/// Seconds from one whole picture to the next, to which players can jump.
+/// Seconds between key frames, to which players can jump.
 const WHOLE_EVERY: f64 = 2.0;
 
 impl Film<'_> {

@@ -4,7 +4,7 @@ use super::{Film, FilmError};
 use png::{BitDepth, ColorType, Compression, Encoder};
 
 impl Film<'_> {
-    /// Hands over each picture as PNG in its order. `watch`: see [`Film::gif`].
+    /// Passes on each picture as PNG in order. `watch`: see [`Film::gif`].
     ///
     /// # Errors
     /// [`FilmError::Interrupted`], or what `take` returns.

@@ -1,4 +1,4 @@
-//! Triangles into a depth buffer: what surface is seen at each sample of a picture, and how it is turned.
+//! Triangles into a depth buffer: the visible surface at each sample of a picture, and its normal.
 
 /// A corner of a triangle in samples: x to the right, y downwards, nearness to the eye; and the unit normal of the surface there, in
 /// the same axes.
@@ -8,21 +8,22 @@ pub(super) struct Corner {
     pub normal: [f32; 3],
 }
 
-/// Depth of a sample where nothing is seen.
+/// Depth of an empty sample.
 pub(super) const NOTHING: f32 = f32::NEG_INFINITY;
 
 /// Levels of a component of a normal.
 const LEVELS: f32 = 2047.0;
 
-/// The samples of a picture: arrays by row. Spans of the rows that something was drawn in keep it cheap to clear and to shade.
+/// The samples of a picture: arrays by row. The used spans of the rows make it cheap to clear and
+/// to shade.
 pub(super) struct Samples {
     pub width: usize,
     pub height: usize,
-    /// Nearness to the eye of what is seen; [`NOTHING`] where that is nothing.
+    /// Nearness of the visible surface to the eye; [`NOTHING`] if there is none.
     pub depth: Vec<f32>,
     /// Its material and normal, see [`packed`].
     pub surface: Vec<u32>,
-    /// Columns of each row that may hold something: first, and one beyond the last.
+    /// Columns of each row that may be used: first, and one beyond the last.
     spans: Vec<[usize; 2]>,
 }
 
@@ -37,7 +38,7 @@ impl Samples {
         }
     }
 
-    /// Forgets what was drawn.
+    /// Clears the picture.
     pub fn clear(&mut self) {
         for (row, span) in self.spans.iter_mut().enumerate() {
             if span[0] < span[1] {
@@ -48,15 +49,17 @@ impl Samples {
         }
     }
 
-    /// The columns of a row that may hold something; an empty range where there are none.
+    /// The columns of a row that may be used; an empty range if there are none.
     pub fn span(&self, row: usize) -> std::ops::Range<usize> {
         let [first, end] = self.spans[row];
         first..end.max(first)
     }
 
-    /// Draws a triangle of a material. `one_sided`: it is part of a closed surface, of which the sides that face away are hidden.
+    /// Draws a triangle of a material. `one_sided`: it is part of a closed surface, whose back
+    /// faces are hidden.
     ///
-    /// Samples on an edge belong to both triangles; of equally near ones the first that was drawn is kept.
+    /// Samples on an edge belong to both triangles; of equally near ones, the first one drawn is
+    /// kept.
     pub fn fill(&mut self, corners: [&Corner; 3], material: u8, one_sided: bool) {
         let [a, b, c] = corners.map(|corner| corner.at);
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -120,7 +123,7 @@ fn inside(start: [f32; 3], slopes: [f32; 3], most: usize) -> [usize; 2] {
             high = zero.min(high);
         }
     }
-    // A step more to both sides makes up for rounding: what is outside is left out later.
+    // One more step on both sides compensates for rounding: outside samples are discarded later.
     let from = (low as usize).saturating_sub(1);
     let to = if high < 0.0 {
         0
@@ -130,7 +133,8 @@ fn inside(start: [f32; 3], slopes: [f32; 3], most: usize) -> [usize; 2] {
     [from.min(to), to]
 }
 
-/// The samples whose centres may lie between the least and the largest of three coordinates; `None` where there are none in the picture.
+/// The samples whose centres may lie between the least and the largest of three coordinates; `None`
+/// if there are none in the picture.
 fn covered(coordinates: [f32; 3], count: usize) -> Option<[usize; 2]> {
     let low = coordinates.iter().copied().fold(f32::INFINITY, f32::min);
     let high = coordinates
@@ -140,7 +144,7 @@ fn covered(coordinates: [f32; 3], count: usize) -> Option<[usize; 2]> {
     if !(high >= 0.5 && low <= count as f32 - 0.5) {
         return None;
     }
-    // Rounded up and down by conversion to whole numbers, which is faster than to call a function.
+    // Rounded up and down by conversion to integers, which is faster than a function call.
     let start = (low - 0.5).max(0.0);
     let whole = start as usize;
     let first = whole + usize::from((whole as f32) < start);
@@ -148,10 +152,11 @@ fn covered(coordinates: [f32; 3], count: usize) -> Option<[usize; 2]> {
     (first <= last).then_some([first, last])
 }
 
-/// A material and a normal in 32 bits: twelve for each component in the picture. The third follows, for surfaces that are seen face the eye.
+/// A material and a normal in 32 bits: twelve for each component in the picture. The third follows,
+/// because visible surfaces face the eye.
 fn packed(material: u8, [x, y, z]: [f32; 3]) -> u32 {
     let length = (x * x + y * y + z * z).sqrt().max(1e-12);
-    // A side that faces away is seen from behind.
+    // A back face is seen from behind.
     let scale = if z < 0.0 { -1.0 } else { 1.0 } / length;
     let level = |component: f32| (component * scale * LEVELS + LEVELS + 0.5) as u32 & 0xfff;
     u32::from(material) << 24 | level(x) << 12 | level(y)
@@ -198,7 +203,7 @@ mod tests {
         assert!((seen(&samples) as f64 - area).abs() < 0.005 * area);
         samples.clear();
         assert_eq!(seen(&samples), 0);
-        // Where it bounds a body, only its front is seen: the side from which it runs clockwise.
+        // For a closed body only its front is visible: the side from which it runs clockwise.
         samples.fill([a, c, b], 1, true);
         assert_eq!(seen(&samples), 0);
         samples.fill([a, b, c], 1, true);

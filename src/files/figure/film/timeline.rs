@@ -1,25 +1,25 @@
-//! Which outputs a picture of a film lies between.
+//! Position of each picture of a film between outputs.
 
 use super::super::motion::MovieCase;
 use super::{FilmError, FilmOptions, Pace};
 
-/// Seconds of film by default, at most.
+/// Default maximum length of a film, s.
 const USUAL: f64 = 10.0;
-/// Outputs that a second of film shows by default, at least.
+/// Default minimum number of outputs per second of film.
 const OUTPUTS: f64 = 6.0;
-/// Seconds of a whole turn around what does not move, by default.
+/// Default time of a full turn around a static scene, s.
 const WHOLE_TURN: f64 = 8.0;
-/// Most pictures of a film.
+/// Maximum number of pictures of a film.
 pub const MOST_PICTURES: usize = 20_000;
 
-/// A place between two outputs.
+/// A position between two outputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Moment {
     pub from: usize,
     pub to: usize,
-    /// How far between them, 0 to 1.
+    /// Fraction between them, 0 to 1.
     pub blend: f64,
-    /// The part of the film that has passed, 0 to 1.
+    /// Fraction of the film that has passed, 0 to 1.
     pub part: f64,
     /// Time, s, or the parameter of a path of equilibria.
     pub time: f64,
@@ -28,7 +28,8 @@ pub(super) struct Moment {
 /// The pictures of a film.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Timeline {
-    /// Where outputs are along the film: their times, or on a path of equilibria their numbers.
+    /// Positions of the outputs along the film: their times, or their numbers on a path of
+    /// equilibria.
     places: Vec<f64>,
     times: Vec<f64>,
     pub pictures: usize,
@@ -64,7 +65,7 @@ impl Timeline {
         })
     }
 
-    /// The place of a picture; a film of a single picture shows the last output.
+    /// The position of a picture; a film of a single picture shows the last output.
     pub fn moment(&self, picture: usize) -> Moment {
         let part = match self.pictures {
             1 => 1.0,

@@ -1,4 +1,4 @@
-//! Scenes in motion: what films and the 3-D page show of a results directory.
+//! Scenes in motion, for films and the 3-D page of a results directory.
 
 mod movie;
 mod outline;

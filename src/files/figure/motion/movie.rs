@@ -1,10 +1,10 @@
-//! What moves in a film and on the page.
+//! The content of a film or a page.
 
 use super::super::View;
 use super::strip::Strip;
 use nalgebra::Vector3;
 
-/// Everything that a page shows: a run, or the cases of a sweep.
+/// The content of a page: a run, or the cases of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Movie {
     /// Title for people.
@@ -13,16 +13,16 @@ pub struct Movie {
     pub subtitle: String,
     /// The cases; a single run is one.
     pub cases: Vec<MovieCase>,
-    /// Seconds after which the page loads itself again, while a run is at work; none for a page that stays as it is.
+    /// Seconds after which the page reloads during a run; `None` for a static page.
     pub reload: Option<f64>,
 }
 
-/// A run in motion. Arrays over nodes run rod after rod.
+/// A run in motion. Arrays over nodes are ordered rod after rod.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovieCase {
     /// Id of the case.
     pub name: String,
-    /// What sets it apart from the other cases, as (key, value).
+    /// Its differences from the other cases, as (key, value).
     pub distinction: Vec<(String, String)>,
     /// The scenario, as (dotted key, value).
     pub parameters: Vec<(String, String)>,
@@ -32,15 +32,16 @@ pub struct MovieCase {
     pub planes: Vec<MoviePlane>,
     /// The obstacles.
     pub obstacles: Vec<MovieObstacle>,
-    /// From where the rods are looked at first.
+    /// Initial view of the rods.
     pub view: View,
     /// The outputs in the order of time.
     pub frames: Vec<MovieFrame>,
-    /// What the rods can be coloured by.
+    /// Fields for colouring the rods.
     pub fields: Vec<Field>,
-    /// What can be plotted beside the motion.
+    /// Series that can be plotted beside the motion.
     pub series: Vec<MovieSeries>,
-    /// Branches of the frames where these are equilibria along a path: then their time is its parameter.
+    /// Branches of the frames if these are equilibria along a path; their time is then its
+    /// parameter.
     pub branches: Option<Vec<usize>>,
 }
 
@@ -68,7 +69,7 @@ pub struct MovieRod {
     pub radius: f64,
     /// Whether it is an obstacle, which does not move.
     pub held: bool,
-    /// Its cross-section where that is a rectangle; circles have none.
+    /// Its cross-section if rectangular; `None` for a circle.
     pub strip: Option<Strip>,
 }
 
@@ -86,11 +87,11 @@ pub struct MoviePlane {
 pub struct MovieObstacle {
     /// The triangles of its surface at time zero, m.
     pub triangles: Vec<[Vector3<f64>; 3]>,
-    /// The matrix that carries it from there to each frame, column after column; none where it stays.
+    /// The transformation from there to each frame, column after column; empty if it does not move.
     pub poses: Vec<[f64; 16]>,
-    /// Whether rods are inside: it is then drawn half clear.
+    /// Whether rods are inside: it is then drawn translucent.
     pub hollow: bool,
-    /// Whether rods carry it: it then moves with them, and pictures leave room for it.
+    /// Whether rods carry it: it then moves with them, and counts for the bounds of pictures.
     pub is_carried: bool,
 }
 
@@ -101,7 +102,7 @@ pub struct MovieFrame {
     pub time: f64,
     /// Positions of all nodes, m.
     pub positions: Vec<Vector3<f64>>,
-    /// Where rods touch each other or a plane, m.
+    /// Positions of contacts between rods or with a plane, m.
     pub contacts: Vec<Vector3<f64>>,
 }
 
@@ -112,7 +113,7 @@ pub struct Field {
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// Whether its sign means something: then zero has the colour in the middle.
+    /// Whether its sign is meaningful: zero then has the middle colour.
     pub signed: bool,
     /// Values by frame and node.
     pub values: Vec<Vec<f64>>,

@@ -1,11 +1,11 @@
-//! How much room a scene in motion takes.
+//! Bounds of a scene in motion.
 
 use super::super::View;
 use super::movie::MovieCase;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// What bounds the scene beside the nodes, and the box around all of it.
+/// Bounds of the scene other than nodes, and the box around all of it.
 pub(in crate::figure) struct Outline {
     /// Farthest point of each carried body from its origin along each axis of its own: corners of a box.
     boxes: Vec<Option<[Vector3<f64>; 8]>>,
@@ -13,7 +13,7 @@ pub(in crate::figure) struct Outline {
     upper: Vector3<f64>,
 }
 
-/// The outline of a case; where a rod is followed, of that rod alone, about its middle.
+/// The outline of a case; if a rod is followed, that of this rod alone, about its middle.
 pub(in crate::figure) fn outline(case: &MovieCase, follow: Option<&Range<usize>>) -> Outline {
     let boxes = case.obstacles.iter().map(|body| {
         let corners = body.triangles.iter().flatten();
@@ -48,7 +48,7 @@ pub(in crate::figure) fn outline(case: &MovieCase, follow: Option<&Range<usize>>
     outline
 }
 
-/// The box around all that moves in a case with its thickness: lowest corner and extents, m.
+/// The box around the motion of a case, thickness included: lowest corner and extents, m.
 pub(in crate::figure) fn room(case: &MovieCase) -> [Vector3<f64>; 2] {
     let outline = outline(case, None);
     [outline.lower, outline.upper - outline.lower]
@@ -82,7 +82,7 @@ impl Outline {
         0.5 * (self.lower + self.upper)
     }
 
-    /// Visits points that bound what is seen at a frame, with how far it reaches around each, m.
+    /// Visits points that bound the visible scene at a frame, with the radius around each, m.
     pub(in crate::figure) fn visit(
         &self,
         case: &MovieCase,
@@ -131,7 +131,7 @@ pub(in crate::figure) fn centre(points: &[Vector3<f64>]) -> Vector3<f64> {
     points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
 }
 
-/// A point carried by a matrix, column after column.
+/// A point transformed by a matrix, column after column.
 pub(in crate::figure) fn placed(pose: &[f64; 16], point: &Vector3<f64>) -> Vector3<f64> {
     Vector3::from_fn(|row, _| {
         pose[row] * point.x + pose[4 + row] * point.y + pose[8 + row] * point.z + pose[12 + row]

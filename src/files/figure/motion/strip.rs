@@ -2,10 +2,11 @@
 
 use nalgebra::Vector3;
 
-/// The rectangle of a rod's cross-section, and how it lay when the rod was placed.
+/// The rectangle of a rod's cross-section, and its orientation as placed.
 ///
-/// Results hold positions of nodes, not how rods are turned about themselves: pictures turn a strip the shortest way from where it was
-/// placed. Strips that bend about their width alone, as sheets do, show no difference.
+/// Results hold positions of nodes, not the rotation of rods about their tangents: pictures rotate
+/// a strip the shortest way from its placed orientation. Strips that bend about their width alone,
+/// such as sheets, are drawn exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
     /// Extent along the width, m.
@@ -17,7 +18,8 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// A strip with its width along `director` at its first node, carried along the rod without a twist.
+    /// A strip with its width along `director` at its first node, transported along the rod without
+    /// twist.
     pub fn placed(
         width: f64,
         thickness: f64,
@@ -64,7 +66,8 @@ fn tangent(node: usize, points: &[Vector3<f64>], closed: bool) -> Vector3<f64> {
     along.try_normalize(0.0).unwrap_or_else(Vector3::x)
 }
 
-/// A unit vector square to `from`, turned with it the shortest way to `to`; half a turn is one about the vector.
+/// A unit vector normal to `from`, rotated with it the shortest way to `to`; for opposite vectors,
+/// a half turn.
 fn turned(vector: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     let along = from.dot(to);
     if along < -1.0 + 1e-9 {
@@ -75,7 +78,7 @@ fn turned(vector: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vect
     square_to(&turned, to)
 }
 
-/// The part of a vector square to a unit tangent, normalized; any such where there is none.
+/// The component of a vector normal to a unit tangent, normalised; any normal if it is zero.
 fn square_to(vector: &Vector3<f64>, tangent: &Vector3<f64>) -> Vector3<f64> {
     let square =
         |vector: &Vector3<f64>| (vector - tangent * tangent.dot(vector)).try_normalize(1e-9);

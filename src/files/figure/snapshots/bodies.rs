@@ -14,11 +14,11 @@ const SHADES: usize = 12;
 pub struct Body {
     /// The triangles of its surface, m.
     pub triangles: Vec<[Vector3<f64>; 3]>,
-    /// Whether rods are inside: it then lies behind all of them.
+    /// Whether rods are inside: it is then drawn behind all of them.
     pub hollow: bool,
 }
 
-/// The faces of a body, each as near as its farthest corner: a rod that lies on a face is painted over it.
+/// The faces of a body, sorted by their farthest corners: a rod on a face is painted over it.
 pub(super) fn faces(body: &Body, view: &View, placement: &Placement) -> Vec<Piece> {
     let light = (view.eye() + Vector3::new(-0.3, 0.2, 0.8)).normalize();
     let face = |corners: &[Vector3<f64>; 3]| {

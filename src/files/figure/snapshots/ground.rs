@@ -1,4 +1,4 @@
-//! Planes below and beside rods: a pale patch, or a hatched line where it is seen from its edge.
+//! Planes below and beside rods: a pale patch, or a hatched line if seen edge-on.
 
 use super::super::drawing::{Drawing, Stroke, number};
 use super::super::palette::Color;
@@ -16,17 +16,17 @@ pub struct Plane {
     pub normal: Vector3<f64>,
 }
 
-/// Part of the extent of the rods by which a patch reaches beyond them.
+/// Margin of a patch beyond the rods, as a share of their extent.
 const ROOM: f64 = 0.06;
 /// A plane seen at less than this sine is a line.
 const EDGE_ON: f64 = 0.04;
 
 impl Plane {
-    /// The corners of the part of the plane below all rods; `None` where none comes near it.
+    /// The corners of the part of the plane below all rods; `None` if none is near it.
     pub(super) fn patch(&self, snapshots: &[Snapshot], view: &View) -> Option<[Vector3<f64>; 4]> {
         let rods = snapshots.iter().flat_map(|snapshot| &snapshot.rods);
         let points: Vec<Vector3<f64>> = rods.flat_map(|rod| rod.points.iter().copied()).collect();
-        // Along the axis that lies flattest in the plane.
+        // Along the axis with the smallest angle to the plane.
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
         let flattest = axes.into_iter().min_by(|a, b| {
             let slope = |axis: &Vector3<f64>| axis.dot(&self.normal).abs();
@@ -51,7 +51,7 @@ impl Plane {
         let room = ROOM * size;
         let corner = |a: f64, b: f64| self.point + u * a + v * b;
         let is_line = self.normal.dot(&view.eye()).abs() < EDGE_ON;
-        // Seen from the edge, the patch has no depth that shows.
+        // Seen edge-on, the patch has no visible depth.
         let depth = if is_line { 0.0 } else { room };
         let ([a, b], [c, d]) = (
             [u_low - room, u_high + room],
@@ -78,7 +78,7 @@ pub(super) fn draw_plane(
     }
     let corner = |corner: &Vector2<f64>| format!("{} {}", number(corner.x), number(corner.y));
     let path = format!("M{}Z", corners.each_ref().map(corner).join("L"));
-    // From behind, a plane would hide what it carries.
+    // From behind, a plane would hide the rods on it.
     let fill = (facing > 0.0).then(|| Color::BLACK.towards(Color::WHITE, 0.93));
     drawing.path(&path, &edge, fill);
 }

@@ -1,16 +1,16 @@
-//! Where the pictures of a figure stand, and how large they are.
+//! Positions and sizes of the pictures of a figure.
 
 use super::super::paper::Paper;
 use super::super::view::{Projected, View};
 use super::Snapshot;
 use nalgebra::Vector2;
 
-/// Greatest height of all pictures together over the width of the page.
+/// Largest total height of the pictures relative to the width of the page.
 const HEIGHT_OVER_WIDTH: f64 = 0.54;
-/// Room beside and between pictures over the size of the letters.
+/// Space beside and between pictures relative to the font size.
 const MARGIN: f64 = 1.2;
 
-/// How the pictures are laid out.
+/// Layout of the pictures.
 pub(super) struct Grid {
     pub columns: usize,
     pub rows: usize,
@@ -22,8 +22,8 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The grid on which the pictures are largest, and of equals the one with the fewest rows.
-    /// `head`: room for the title of each, pixels.
+    /// The grid with the largest pictures; of equal ones, that with the fewest rows. `head`: space
+    /// for the title of each, pixels.
     pub fn largest(pictures: usize, extent: &Extent, paper: &Paper, head: f64) -> Self {
         let with_rows = |rows| Self::with_rows(rows, pictures, extent, paper, head);
         let grids = (1..=pictures).map(with_rows);
@@ -42,7 +42,7 @@ impl Grid {
         let columns = pictures.div_ceil(rows);
         let (size, margin) = (extent.size(), MARGIN * paper.em);
         let width = (paper.width - margin) / columns as f64;
-        // Titles of many rows take no room from the pictures.
+        // Titles of many rows do not shrink the pictures.
         let height = (HEIGHT_OVER_WIDTH * paper.width / rows as f64 - head).max(2.0 * head);
         let scale = ((width - margin) / size.x).min(height / size.y);
         Self {
@@ -77,7 +77,7 @@ impl Extent {
             high: Vector2::repeat(f64::NEG_INFINITY),
         };
         for rod in snapshots.iter().flat_map(|snapshot| &snapshot.rods) {
-            // A margin beyond the surface leaves room for the bulge of the spline.
+            // The margin beyond the surface allows for the bulge of the spline.
             let reach = Vector2::repeat(1.5 * rod.radius);
             for point in &rod.points {
                 let point = view.project(point);
@@ -100,7 +100,7 @@ impl Extent {
         }
     }
 
-    /// Grows to hold points, too.
+    /// Extends it to include points.
     pub fn include(&mut self, points: impl Iterator<Item = Projected>) {
         for point in points {
             let point = Vector2::new(point.x, point.y);

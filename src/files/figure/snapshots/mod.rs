@@ -23,7 +23,7 @@ use nalgebra::{Vector2, Vector3};
 /// Rods at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
-    /// What stands above the picture.
+    /// Title of the picture.
     pub title: String,
     /// The rods, in the order of their colours.
     pub rods: Vec<RodCurve>,
@@ -34,13 +34,13 @@ pub struct Snapshot {
 pub struct RodsFigure {
     /// The pictures.
     pub snapshots: Vec<Snapshot>,
-    /// From where the rods are looked at.
+    /// View of the rods.
     pub view: View,
-    /// Names of the rods for the legend; none where it says nothing.
+    /// Names of the rods for the legend; empty for no legend.
     pub names: Vec<String>,
     /// Planes that the rods may rest on.
     pub planes: Vec<Plane>,
-    /// Rigid bodies in each picture; empty where there are none.
+    /// Rigid bodies in each picture; empty if there are none.
     pub bodies: Vec<Vec<Body>>,
 }
 
@@ -55,17 +55,17 @@ pub fn snapshots(snapshots: Vec<Snapshot>, view: View) -> Figure {
     })
 }
 
-/// Lengths over the size of the letters.
+/// Lengths relative to the font size.
 const MARGIN: f64 = 1.0;
-/// Room for the title above each picture, and for the scale bar and the axes below all.
+/// Space for the title above each picture, and for the scale bar and the axes below all.
 const HEAD: f64 = 2.0;
 const FOOT: f64 = 4.8;
 
 impl RodsFigure {
     /// Draws the figure as SVG.
     ///
-    /// Wide scenes stand in several rows, whatever makes them largest. Lengths across the view are true; what lies
-    /// farther from the eye is paler. The scale bar and the axes of the scene stand below.
+    /// Wide scenes are placed in several rows if that makes them larger. Lengths across the view
+    /// are true; farther parts are paler. The scale bar and the axes of the scene are below.
     pub(super) fn svg(&self, paper: &Paper) -> String {
         let em = paper.em;
         let mut drawing = Drawing::new(paper.width);
@@ -152,7 +152,7 @@ fn draw_scale_bar(start: Vector2<f64>, scale: f64, em: f64, drawing: &mut Drawin
     });
 }
 
-/// The three axes as seen, each named at its tip; one that points at the eye is left out.
+/// The three axes as seen, each named at its tip; one that points at the eye is omitted.
 fn draw_axes(centre: Vector2<f64>, view: &View, em: f64, drawing: &mut Drawing) {
     let length = 1.5 * em;
     let placement = Placement {
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_lies_on_the_page_whatever_its_size() {
+    fn everything_is_on_the_page_at_any_size() {
         for (width, font_size) in [(0.085, 8.0), (0.2, 10.0), (0.5, 30.0)] {
             let paper = Paper::new(width, font_size).unwrap();
             let svg = figure(vec![]).svg(&paper);

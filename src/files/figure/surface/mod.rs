@@ -25,7 +25,7 @@ pub struct ColouredSurface<'a> {
     pub subtitle: &'a str,
     /// Names of the axes.
     pub axes: [&'a str; 3],
-    /// What the numbers are.
+    /// Name and unit of the numbers.
     pub quantity: &'a str,
     /// The corners.
     pub points: Vec<[f64; 3]>,

@@ -1,6 +1,6 @@
 //! The 3-D page: one HTML file that shows rods in motion, without a network and without any other file.
 //!
-//! `page/` holds the page in its own languages; [`movie_page`] puts it together with the packed movie.
+//! `page/` holds the sources of the page; [`movie_page`] combines them with the packed movie.
 
 mod packing;
 
@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 const PAGE: &str = include_str!("page/page.html");
 
-/// What is put in the place of its name in double braces, in the page.
+/// Replacements of the names in double braces in the page.
 const PARTS: [(&str, &str); 9] = [
     ("style", include_str!("page/style.css")),
     ("tube.vert", include_str!("page/tube.vert")),
@@ -45,7 +45,7 @@ const SCRIPTS: [&str; 10] = [
 /// The page as HTML. Browsers need WebGL 2, which all have since 2021.
 ///
 /// # Panics
-/// Where a case has no frames, or arrays of unlike lengths.
+/// If a case has no frames, or arrays of different lengths.
 pub fn movie_page(movie: &Movie) -> String {
     let (header, blobs) = data(movie);
     let data = format!("<script type=\"application/json\" id=\"movie\">{header}</script>\n{blobs}");
@@ -113,7 +113,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         .iter()
         .map(|obstacle| {
             let corners = obstacle.triangles.iter().flatten();
-            // Single precision is what graphics cards draw with.
+            // Graphics cards use single precision.
             let numbers: Vec<f32> = corners.flat_map(|x| x.iter().map(|c| *c as f32)).collect();
             json!({ "corners": numbers, "poses": obstacle.poses, "carried": obstacle.is_carried })
         })
@@ -234,7 +234,7 @@ mod tests {
         let page = page();
         assert!(!page.contains("{{"), "a part is missing");
         assert!(page.contains("<title>Spin &amp; &lt;touch&gt;"));
-        // The version that made it, by which a reader finds what has changed since.
+        // The version that wrote the page.
         let generator = format!("content=\"rodlab {}", crate::origin::VERSION);
         assert!(page.contains(&generator));
         assert!(is_page(page.as_bytes()));

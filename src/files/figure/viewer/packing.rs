@@ -7,10 +7,10 @@ use nalgebra::Vector3;
 const COORDINATE_LEVELS: f64 = 65535.0;
 /// Levels of a colour.
 const COLOR_LEVELS: f64 = 255.0;
-/// The part of the largest values that lies beyond the colour range, so that a spike does not hide the rest.
+/// Share of the largest values beyond the colour range, so that a spike does not hide the rest.
 const CLIPPED: f64 = 0.002;
 
-/// A box along the axes around all that moves.
+/// An axis-aligned box around the whole motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
     /// Lowest corner, m.
@@ -46,20 +46,20 @@ impl Bounds {
     }
 }
 
-/// The values that the ends of a colour bar stand for.
+/// The values at the ends of a colour bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ColorRange {
     pub low: f64,
     pub high: f64,
-    /// Whether some values lie beyond.
+    /// Whether some values are beyond the range.
     pub clips: bool,
 }
 
 impl ColorRange {
-    /// A range that shows the field well; `None` where it is the same everywhere.
+    /// A range that shows the field well; `None` if it is constant.
     ///
-    /// Of values other than zero the largest 0.2 % may lie beyond. A range without sign starts at zero unless
-    /// the values vary little; one with sign is symmetric.
+    /// The largest 0.2 % of the non-zero values may be beyond it. A range without sign starts at
+    /// zero unless the values vary little; one with sign is symmetric.
     pub fn of(field: &Field) -> Option<Self> {
         let all = field.values.iter().flatten().copied();
         let (minimum, maximum) = all.clone().fold(
@@ -94,7 +94,7 @@ impl ColorRange {
 /// |---|---|---|
 /// | times, s | f32 | F |
 /// | number of the first contact of each frame, and C | u32 | F + 1 |
-/// | series one after the other, NaN where there is no value | f32 | F for each |
+/// | series one after the other, NaN for missing values | f32 | F for each |
 /// | positions x, y, z, in levels of the bounds | u16 | 3 F N |
 /// | contacts x, y, z, in levels of the bounds | u16 | 3 C |
 /// | colours field by field, in levels of their ranges | u8 | F N for each field |

@@ -1,8 +1,8 @@
-//! What the files of a results directory hold, column by column, in words: `rodlab explain series`.
+//! Descriptions of the files of a results directory, column by column, for `rodlab explain series`.
 //!
-//! Here are the files of every run; a kind of experiment describes those that it adds, and its columns in the common
-//! ones, in its own folder. `tests/explained.rs` runs scenarios of every kind and fails where a file or a column that
-//! they write is not described.
+//! Here are the files of every run; a kind of experiment describes those that it adds, and its
+//! columns in the common ones, in its own folder. `tests/explained.rs` runs scenarios of every kind
+//! and fails if a written file or column is not described.
 
 /// A list of columns, each as `name: meaning`.
 #[macro_export]
@@ -21,16 +21,16 @@ use tables::{
 /// A column of a table, or a key of a JSON file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Its name in the header; the ending is the unit.
+    /// Its name in the header, with its unit at the end.
     pub name: &'static str,
-    /// What it holds.
+    /// Its meaning.
     pub meaning: &'static str,
 }
 
 /// Columns that appear together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ColumnGroup {
-    /// When they are there; empty for those that always are.
+    /// Condition for their presence; empty if they are always present.
     pub when: &'static str,
     /// The columns, in their order in the file.
     pub columns: &'static [Column],
@@ -39,11 +39,11 @@ pub struct ColumnGroup {
 /// A file, a folder, or several of one kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileDescription {
-    /// Names; the first stands for all.
+    /// Names; the first represents all.
     pub names: &'static [&'static str],
-    /// What it holds, and when it is written.
+    /// Its content, and when it is written.
     pub meaning: &'static str,
-    /// Its columns or keys; none where it is no table.
+    /// Its columns or keys; empty if it is not a table.
     pub groups: &'static [ColumnGroup],
 }
 
@@ -53,7 +53,7 @@ impl FileDescription {
         self.groups.iter().flat_map(|group| group.columns)
     }
 
-    /// How it is called in keys: tables and JSON files also without their ending.
+    /// Its names in keys: tables and JSON files also without their ending.
     pub fn is_called(&self, word: &str) -> bool {
         self.names.iter().any(|&name| {
             let stem = name.strip_suffix(".csv").or(name.strip_suffix(".json"));
@@ -62,7 +62,7 @@ impl FileDescription {
     }
 }
 
-/// A file whose columns are always there.
+/// A file whose columns are always present.
 pub const fn table(
     names: &'static [&'static str],
     meaning: &'static str,
@@ -75,12 +75,12 @@ pub const fn table(
     }
 }
 
-/// A file that is no table.
+/// A file that is not a table.
 pub const fn file(names: &'static [&'static str], meaning: &'static str) -> FileDescription {
     table(names, meaning, &[])
 }
 
-/// Columns that are always there.
+/// Columns that are always present.
 pub const fn always(columns: &'static [Column]) -> ColumnGroup {
     ColumnGroup { when: "", columns }
 }
@@ -126,35 +126,35 @@ pub const FILES: &[FileDescription] = &[
     ),
     table(
         &["search.csv"],
-        "What searches found ([sweep.search]), a row per search. The columns before `from` are the varied keys and, \
-         last, the searched one, with the value found; it is empty where there is none.",
+        "Results of searches ([sweep.search]), a row per search. The columns before `from` are the varied keys and, \
+         last, the searched one, with the value found; it is empty if there is none.",
         &[always(SEARCH)],
     ),
     table(
         &["manifest.json"],
-        "What was run, by which program, where and when, and how each case ended.",
+        "The scenario, program, machine and times of the run, and the end of each case.",
         &[always(MANIFEST)],
     ),
     file(
         &["scenario.toml"],
-        "The resolved scenario: every key with its value in SI units, defaults included. It runs as it stands.",
+        "The resolved scenario: every key with its value in SI units, defaults included. It can be run as it is.",
     ),
     file(
         &["cases"],
-        "Of a sweep: a folder for each case, called by its id, with the files of a single run.",
+        "Of a sweep: a folder for each case, named by its id, with the files of a single run.",
     ),
     file(
         &["leases"],
-        "Of a sweep: which process works on which case. Files here come and go.",
+        "Of a sweep: the process that works on each case. These files are temporary.",
     ),
     file(
         &["checkpoint.0", "checkpoint.1"],
-        "The state of an unfinished run, versioned and checksummed. Two files take turns, so that one is always whole; \
-         a finished run has none.",
+        "The state of an unfinished run, versioned and checksummed. Two files are written in turn, so that one is \
+         always complete; a finished run has none.",
     ),
     file(
         &[".lock"],
-        "Locked by the process that writes to the directory. Empty, and harmless when left behind.",
+        "Locked by the process that writes to the directory. Empty, and harmless if left behind.",
     ),
     file(
         &["rods.pvd"],
@@ -163,7 +163,8 @@ pub const FILES: &[FileDescription] = &[
     file(
         &["vtk"],
         "A frame per output time as VTK PolyData: polylines with radius, velocity, fluid and contact force at the \
-         nodes; beside them the obstacles, triangles with their number, once where none moves. ParaView's filter \"Tube\" with \"Vary Radius: By Absolute Scalar\" draws the rods as they are.",
+         nodes; beside them the obstacles, triangles with their number, one file if none moves. ParaView's filter \
+         \"Tube\" with \"Vary Radius: By Absolute Scalar\" draws the rods with their radii.",
     ),
     file(
         &["rods.svg", "rods.png"],
@@ -195,7 +196,7 @@ pub const FILES: &[FileDescription] = &[
         "The jobs that `rodlab submit` handed to Slurm.",
         &[always(SLURM)],
     ),
-    file(&["slurm"], "What the Slurm tasks printed, a file each."),
+    file(&["slurm"], "Output of the Slurm tasks, a file each."),
 ];
 
 #[cfg(test)]

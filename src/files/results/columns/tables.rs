@@ -8,9 +8,9 @@ pub(super) const SERIES: &[Column] = columns! {
     "steps": "Accepted time steps since the row before.",
     "newton_iterations": "Mean number of Newton iterations per step, those of repeated steps included.",
     "fluid_iterations": "Mean number of Krylov iterations of the fluid solves per step.",
-    "contacts": "Contacts that bear force at the end of the last step; empty where no step was taken.",
-    "min_distance_m": "Distance of the two bodies that are nearest to touching, m: between centrelines, which touch at the \
-        sum of their radii, or from a centreline to a plane. Rods are looked for near contact only; empty where none is near.",
+    "contacts": "Contacts with a force at the end of the last step; empty where no step was taken.",
+    "min_distance_m": "Distance of the two bodies that are nearest to contact, m: between centrelines, which touch at the \
+        sum of their radii, or from a centreline to a plane. Only rods near contact are included; empty if none is near.",
     "kinetic_energy_j": "Kinetic energy, J.",
     "stretching_energy_j": "Elastic energy of stretching, that of springs between nodes included, J.",
     "bending_energy_j": "Elastic energy of bending, that of springs about hinges included, J.",
@@ -80,20 +80,20 @@ pub(super) const SUMMARY: &[Column] = columns! {
     "fluid_iterations_mean": "Mean number of Krylov iterations of the fluid solves per step.",
     "steps_with_contact": "Steps that ended with contact.",
     "first_contact_s": "End of the first step with contact, s; empty where there was none.",
-    "min_distance_m": "Distance of the two bodies that came nearest to touching, m: of two centrelines, or of one from a plane \
+    "min_distance_m": "Smallest distance of two bodies during the run, m: of two centrelines, or of one from a plane \
         or an obstacle; empty where none came near.",
     "min_distance_ratio": "That distance over the one at which their surfaces touch, the sum of their radii, or that of \
         the rod alone at a plane or an obstacle: below 1 they penetrate each other.",
-    "mean_gap_m": "How far apart surfaces rest that touch, m: distance of the centrelines less the sum of the radii (from a \
+    "mean_gap_m": "Mean gap between touching surfaces, m: distance of the centrelines less the sum of the radii (from a \
         plane or an obstacle, less the radius), mean over all pairs of edges and all nodes at planes that bear force, weighted by \
         their normal forces, then over the outputs with contact; negative where they penetrate, empty where nothing touches.",
     "elastic_energy_j": "Energy of stretching, bending and twisting at the last output, J.",
     "gravitational_energy_j": "Potential of gravity at the last output, J.",
-    "critical_parameter": "Path parameter of the first fold, bifurcation or onset of flutter; empty where there is no path, or none \
-        on it.",
-    "remarks": "What people should know of the case, sentences joined by \"; \": strains beyond the theory of rods (stretch by \
-        more than 5 %, outer fibres by bending or twist by more than 20 %), energy that nothing gave, steps far smaller than \
-        asked for, and what the experiment adds; empty where there is nothing to remark.",
+    "critical_parameter": "Path parameter of the first fold, bifurcation or onset of flutter; empty where there is no \
+                           path, or none on it.",
+    "remarks": "Remarks on the case, sentences joined by \"; \": strains beyond the theory of rods (stretch by more \
+                than 5 %, outer fibres by bending or twist by more than 20 %), spurious energy, steps far smaller than \
+                requested, and what the experiment adds; empty where there is nothing to remark.",
 };
 
 pub(super) const TIMINGS: &[Column] = columns! {
@@ -106,11 +106,11 @@ pub(super) const TIMINGS: &[Column] = columns! {
 
 pub(super) const BRANCH: &[Column] = columns! {
     "branch": "Number of the branch; 0 begins at the start of the path.",
-    "parameter": "The path parameter, which stands in the place of time.",
+    "parameter": "The path parameter, used in the place of time.",
     "parameter_error": "Width of the last bracket around a critical point; 0 at other points.",
     "displacement_rms_m": "Root mean square of the nodes' displacement from where they were placed, m.",
     "elastic_energy_j": "Energy of stretching, bending and twisting, J.",
-    "energy_j": "Elastic energy with the potentials of contact and gravity, J; that of other loads is not in it.",
+    "energy_j": "Elastic energy with the potentials of contact and gravity, J; without that of other loads.",
     "negative_pivots": "Negative pivots of the Hessian: independent directions in which the energy falls; under forces without \
         an energy, small motions that grow, those that oscillate counted twice.",
     "stable": "Whether there are none: true or false.",
@@ -126,12 +126,12 @@ pub(super) const SEARCH: &[Column] = columns! {
     "from": "One end of the last interval.",
     "to": "The other end.",
     "evaluations": "Cases that the search took.",
-    "failure": "Why it found nothing; empty where it did.",
+    "failure": "Why it found nothing; empty if it succeeded.",
 };
 
 pub(super) const MANIFEST: &[Column] = columns! {
     "version": "Version of the program.",
-    "commit": "Commit of the program: of the clone that it was built from, or told to the build by RODLAB_COMMIT; else null.",
+    "commit": "Commit of the program: of the clone that it was built from, or the value of RODLAB_COMMIT at build time; else null.",
     "command_line": "The last command line that wrote here.",
     "name": "Short name of the scenario.",
     "experiment": "Its experiment.",
@@ -148,7 +148,7 @@ pub(super) const MANIFEST: &[Column] = columns! {
     "cases": "By id: status, outcome (the numbers of summary.csv), cost (wall_time in s, ...) and error, the reason why it ended \
         early. A single run is the case `main`.",
     "files": "Length (bytes) and BLAKE3 hash of each file that grew during the run, as it was left; of `vtk`, those of all \
-        frames one after the other. What was removed or changed since is noticed when the same command is given again.",
+        frames one after the other. Running the same command again detects files that were removed or changed.",
 };
 
 pub(super) const SLURM: &[Column] = columns! {
