@@ -339,7 +339,7 @@ suspended_length = { from = 0.9, to = 4.7 }
     other[3] = a4;
     let said = refused(folder, &other);
     assert!(
-        said.contains("learned suspended lengths from 0.9") && said.contains("up to 6.18"),
+        said.contains("trained for suspended lengths from 0.9") && said.contains("to 6.18"),
         "{said}"
     );
     let grasps = concat!(
@@ -394,7 +394,8 @@ fn what_is_no_sample_and_no_model_is_refused_by_name() {
     );
     assert!(refused(folder, &["train", ".", "--out", "n"]).contains("no results directory"));
     assert!(
-        refused(folder, &["train", "results/grasps", "--out", "."]).contains("holds no training")
+        refused(folder, &["train", "results/grasps", "--out", "."])
+            .contains("does not hold a training")
     );
     let few = [
         "dataset",

@@ -269,7 +269,7 @@ fn what_cannot_be_tied_is_refused_before_anything_moves() {
     let three = "over,under,over";
     refused(
         &cell,
-        "crossings that the pattern comes to again: 3",
+        "crossings of the pattern: 3",
         &with(three, "over,under"),
     );
     refused(
@@ -327,10 +327,7 @@ fn a_dry_run_of_two_rods_shows_how_both_are_laid_and_led() {
         arguments[10] = "over,over,over".into();
     });
     assert_eq!(code, Some(2), "{said}");
-    assert!(
-        said.contains("crossings that the rods come to again: 6"),
-        "{said}"
-    );
+    assert!(said.contains("crossings of the rods: 6"), "{said}");
 }
 
 #[test]

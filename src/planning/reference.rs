@@ -1,6 +1,6 @@
 //! Tables of reference solutions, for tests.
 
-/// The text of a table; `None`, with a note, where it is not here.
+/// The text of a table; `None`, with a message, if it is not available.
 pub fn text(file: &str) -> Option<String> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/reference/");
     let text = std::fs::read_to_string(format!("{folder}{file}")).ok();
@@ -10,7 +10,7 @@ pub fn text(file: &str) -> Option<String> {
     text
 }
 
-/// Its rows of numbers below the header; none where it is not here.
+/// Its rows of numbers below the header; empty if it is not available.
 pub fn rows(file: &str) -> Vec<Vec<f64>> {
     let text = text(file).unwrap_or_default();
     let numbers = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();

@@ -1,4 +1,4 @@
-//! The circle that fits points in space best.
+//! The best-fit circle of points in space.
 
 use rodlab_engine::mechanics::{Matrix3, Vector3};
 

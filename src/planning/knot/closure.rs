@@ -1,13 +1,13 @@
-//! Open curves, their ends joined far away: what makes knots of pulled rods.
+//! Closure of open curves, with their ends joined far away.
 
 use rodlab_engine::mechanics::Vector3;
 
-/// How far outside the curves their ends are joined, in multiples of their extent.
+/// Distance outside the curves at which their ends are joined, in multiples of their extent.
 const FAR: f64 = 20.0;
 
-/// A rod and the path that joins its ends: it leaves them along the line through both, away from each other, and
-/// closes outside the rod's extent. For a rod pulled at both ends this is the knot that people mean. `None` without
-/// nodes.
+/// A rod and the path that joins its ends: it leaves them along the line through both, away from
+/// each other, and closes outside the rod's extent. For a rod pulled at both ends this is the usual
+/// definition of its knot. `None` without nodes.
 pub fn closed_far_away(nodes: &[Vector3]) -> Option<Vec<Vector3>> {
     let (first, last) = (nodes.first()?, nodes.last()?);
     let extent = extent(nodes.iter(), first);
@@ -25,9 +25,9 @@ pub fn closed_far_away(nodes: &[Vector3]) -> Option<Vec<Vector3>> {
     Some(closed)
 }
 
-/// Two rods whose ends are pulled along `axis`, two to each side, made one closed curve: a path joins the starts of the
-/// rods to each other, another one their ends. Both leave the rods along the axis, outwards, and close on either side
-/// of it, that of the ends on the side where the ends are.
+/// Two rods whose ends are pulled along `axis`, two to each side, as one closed curve: a path joins
+/// the starts of the rods to each other, another one their ends. Both leave the rods along the
+/// axis, outwards, and close on either side of it, that of the ends on the side where the ends are.
 pub fn joined_far_away(rods: [&[Vector3]; 2], axis: &Vector3) -> Option<Vec<Vector3>> {
     let starts = [*rods[0].first()?, *rods[1].first()?];
     let ends = [*rods[0].last()?, *rods[1].last()?];

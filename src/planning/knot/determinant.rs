@@ -1,8 +1,9 @@
 //! The knot determinant: |Δ(−1)| with the Alexander polynomial Δ, 2n + 1 for the overhand knot of unknotting number n.
 //!
-//! From a projection: an arc runs from one passage below to the next, and every crossing gives the equation
-//! 2 over − before − after = 0 of Fox's colourings. The determinant is any cofactor of that matrix. It is
-//! computed modulo the prime 2⁶¹ − 1, exactly while it is smaller than half of that.
+//! From a projection: an arc runs from one passage below to the next, and every crossing gives the
+//! equation 2 over − before − after = 0 of Fox's colourings. The determinant is any cofactor of
+//! that matrix. It is computed modulo the prime 2⁶¹ − 1, which is exact if it is smaller than half
+//! of that.
 
 use super::closure::{closed_far_away, joined_far_away};
 use super::projection::{Crossing, crossings, some_crossings};
@@ -12,18 +13,19 @@ const PRIME: i128 = (1 << 61) - 1;
 /// Directions in which crossings are counted.
 const VIEWS: usize = 100;
 
-/// Determinant of the knot that arises when the ends of an open curve are joined far away.
+/// Determinant of the knot that results when the ends of an open curve are joined far away.
 ///
-/// The joining path leaves the ends along the line through both, away from each other, and closes outside the
-/// curve's extent: for a rod pulled at both ends this is the knot that people mean. `None` if two segments cross
-/// in space, or if no direction of projection was found in which all crossings are clear.
+/// The joining path leaves the ends along the line through both, away from each other, and closes
+/// outside the curve's extent: for a rod pulled at both ends this is the usual definition of its
+/// knot. `None` if two segments cross in space, or if no direction of projection was found in which
+/// all crossings are clear.
 pub fn determinant(nodes: &[Vector3]) -> Option<u64> {
     determinant_of_closed(&closed_far_away(nodes)?)
 }
 
-/// Determinant of the knot that arises when two rods are made one closed curve: far away their starts are joined to
-/// each other, and their ends. All four are pulled along `axis`, a unit vector, two to each side. `None` as for
-/// [`determinant`].
+/// Determinant of the knot that results when two rods are closed to one curve: far away their
+/// starts are joined to each other, and so are their ends. All four are pulled along `axis`, a unit
+/// vector, two to each side. `None` as for [`determinant`].
 pub fn determinant_of_pair(rods: [&[Vector3]; 2], axis: &Vector3) -> Option<u64> {
     determinant_of_closed(&joined_far_away(rods, axis)?)
 }
@@ -128,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn parallel_segments_are_no_crossings() {
+    fn parallel_segments_do_not_cross() {
         // The tail of a pulled rod is parallel to the path that closes it.
         let mut hook = curve(20, |t| Vector3::new(t, 0.0, 0.0));
         hook.extend(curve(20, |t| Vector3::new(1.0 - t, 0.5, 0.0)));

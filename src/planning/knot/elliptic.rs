@@ -8,7 +8,8 @@ pub fn complete_elliptic(m: f64) -> [f64; 2] {
     let (mut a, mut b) = (1.0, (1.0 - m).sqrt());
     let mut sum = 0.5 * m;
     let mut power = 0.5;
-    // The mean converges quadratically; eight halvings serve all m that differ from 1 in double precision.
+    // The mean converges quadratically; eight halvings are enough for all m that differ from 1 in
+    // double precision.
     for _ in 0..8 {
         let c = 0.5 * (a - b);
         (a, b) = (0.5 * (a + b), (a * b).sqrt());

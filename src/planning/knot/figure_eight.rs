@@ -24,7 +24,7 @@ const POINTS: usize = 2000;
 /// own mirror image, it is symmetric about a point.
 ///
 /// # Errors
-/// A sentence where loops and tails do not fit between the ends.
+/// A message if loops and tails do not fit between the ends.
 pub fn figure_eight_nodes(knot: &KnotSize, nodes: usize) -> Result<Vec<Vector3>, String> {
     let half_line = 0.5 * knot.end_to_end;
     let height = HEIGHT * knot.radius;

@@ -24,10 +24,12 @@ const SHORTEST_TAIL: f64 = 16.0;
 /// Points of the smooth curve per part: tail, core, arc, winding.
 const POINTS: usize = 1000;
 
-/// Determinant of the knot that arises when the starts of the rods are joined to each other, and their ends.
+/// Determinant of the knot that results when the starts of the rods are joined to each other, and
+/// their ends.
 ///
-/// With Fox's colourings a and b of the two strands between the knots, the windings colour the ends of the second rod
-/// a + 5d and a − 5d, those of the first a − 6d and a + 6d, with d = b − a: joined they ask for 11 d = 0.
+/// With Fox's colourings a and b of the two strands between the knots, the windings colour the ends
+/// of the second rod a + 5d and a − 5d, those of the first a − 6d and a + 6d, with d = b − a:
+/// joined they require 11 d = 0.
 pub const FISHERMAN_DETERMINANT: u64 = 11;
 
 /// The nodes of both rods of a fisherman's knot, m, equally spaced: the first rod comes from the left and ends on the
@@ -38,7 +40,7 @@ pub const FISHERMAN_DETERMINANT: u64 = 11;
 /// axis swaps the rods.
 ///
 /// # Errors
-/// A sentence where loops and tails do not fit between the ends.
+/// A message if loops and tails do not fit between the ends.
 pub fn fisherman_nodes(knot: &KnotSize, nodes: usize) -> Result<[Vec<Vector3>; 2], String> {
     let tail = (CLEARANCE + SHORTEST_TAIL) * knot.radius;
     let room = 0.5 * knot.end_to_end - winding_length(knot) - tail;

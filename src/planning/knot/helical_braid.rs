@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-/// Bending energy of a braid, with Eq. 3.8 of the thesis derived anew.
+/// Bending energy of a braid, with a derivation of Eq. 3.8 of the thesis.
 ///
-/// Both strands are helices of radius h, the axis of the braid being where they touch (thesis Eq. 3.7):
-/// (x, y, z)/h = (cos t, sin t, b t) with t over T = 2nπ − 2θ, each end of the braid being turned back by θ. A helix of
-/// radius 1 and pitch 2πb has the curvature κ̄ = 1/(1 + b²) and the arc length T √(1 + b²). Two strands with ½ EI κ²
-/// each, twist left out, have
+/// Both strands are helices of radius h, the axis of the braid being where they touch (thesis Eq.
+/// 3.7): (x, y, z)/h = (cos t, sin t, b t) with t over T = 2nπ − 2θ, each end of the braid being
+/// turned back by θ. A helix of radius 1 and pitch 2πb has the curvature κ̄ = 1/(1 + b²) and the
+/// arc length T √(1 + b²). Two strands with ½ EI κ² each, without twist, have
 ///
 /// ```text
 /// Ē_b = E_b h/EI = 2 · ½ κ̄² T √(1 + b²) = 2 (nπ − θ) (1 + b²)^(−3/2)
@@ -44,7 +44,7 @@ impl HelicalBraid {
         2.0 * self.half_angle * libm::pow(1.0 + self.pitch().powi(2), -1.5)
     }
 
-    /// −∂Ē_b/∂θ = (2 + 8b²)(1 + b²)^(−5/2): what the braid gains by being turned back.
+    /// −∂Ē_b/∂θ = (2 + 8b²)(1 + b²)^(−5/2): the energy that the braid gains by being turned back.
     pub fn unwinding_moment(&self) -> f64 {
         let squared = self.pitch().powi(2);
         (2.0 + 8.0 * squared) * libm::pow(1.0 + squared, -2.5)

@@ -1,12 +1,13 @@
-//! What tells knots apart.
+//! Knot invariants.
 
 use super::determinant::determinant_of_closed;
 use super::signature::signature_of_closed;
 use rodlab_engine::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Determinant and signature of a knot: 1 and 0 of none, 3 and −2 of the right-handed trefoil, 9 and 0 of the reef knot, 9 and ±4
-/// of the granny knot. Both are the same of a few other knots: 9 and 0 of the stevedore, too.
+/// Determinant and signature of a knot: 1 and 0 without a knot, 3 and −2 for the right-handed
+/// trefoil, 9 and 0 for the reef knot, 9 and ±4 for the granny knot. A few other knots have the
+/// same values: the stevedore also has 9 and 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct KnotInvariants {
     /// The determinant.

@@ -1,4 +1,5 @@
-//! Where an overhand knot inverts while it is pulled tight (thesis 3.4): its loop snaps onto the braid.
+//! Inversion of an overhand knot while it is pulled tight (thesis 3.4): its loop snaps onto the
+//! braid.
 
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -10,60 +11,65 @@ pub struct TightenedKnot {
     pub length: f64,
     /// F̄ = F h²/EI.
     pub force: f64,
-    /// Clear height H of the loop over the radius of the rod; `None` where it cannot be told.
+    /// Clear height H of the loop over the radius of the rod; `None` if it cannot be determined.
     pub height: Option<f64>,
 }
 
 /// The inversion point by both measures of the thesis, as l̄_k.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InversionPoint {
-    /// Where the traction begins to fall as the loop does; `None` where neither does.
+    /// Start of the fall of the traction while the loop falls; `None` if there is none.
     pub by_force: Option<f64>,
-    /// Where the height of the loop has come to zero; `None` where it has not.
+    /// Point at which the height of the loop reaches zero; `None` if it does not.
     pub by_height: Option<f64>,
 }
 
-/// Height of the loop, in radii of the rod, below which it lies on the braid (the bent loop may touch beside its middle)
-/// and above which it stands: four radii and more just before it snaps, depending on the unknotting number.
+/// Height of the loop, in radii of the rod, below which it is on the braid (the bent loop may touch
+/// beside its middle) and above which it is upright: at least four radii just before it snaps,
+/// depending on the unknotting number.
 const LYING: f64 = 1.0;
 const UPRIGHT: f64 = 3.0;
 /// Decrease of l̄_k within which an inverting loop falls. That of a trefoil, which closes and does not invert, takes 10.
 const FALLING: f64 = 3.0;
-/// Decrease of l̄_k within which the traction falls in an inversion, and by which that may begin after the loop lies. In the same distance the corners of the polyline,
-/// slipping over each other, move it by less than [`FALL`].
+/// Decrease of l̄_k within which the traction falls in an inversion, and largest delay of its start
+/// after the loop has fallen. In the same distance the corners of the polyline, slipping over each
+/// other, move it by less than [`FALL`].
 const DURING: f64 = 1.0;
-/// Decrease of l̄_k over which tractions are kept: those from a fall before the loop was last seen to stand.
+/// Decrease of l̄_k over which tractions are stored: back to a fall before the loop was last
+/// upright.
 const REMEMBERED: f64 = 2.0 * FALLING + DURING;
-/// Least part of its traction that an inverting knot loses.
+/// Smallest relative loss of traction of an inverting knot.
 const FALL: f64 = 0.3;
-/// Part of the steepest fall at which another that begins later is as good: vibrations before the fall do not decide
-/// where it begins.
+/// Share of the steepest fall from which a later one is preferred, so that vibrations before the
+/// fall do not determine its start.
 const NEARLY: f64 = 0.95;
 
-/// Watches a knot while it is pulled tight, and finds where it inverts.
+/// Observes a knot while it is pulled tight, and finds its inversion.
 ///
-/// By height that is where the loop has come to lie on the braid, if it stood within the last 3 of l̄_k. By force it is the
-/// start of the steepest fall of F̄ while the loop falls: where F̄ loses the largest part of itself while l̄_k decreases by
-/// 1, if that is 0.3 and more; the last such place where several are nearly as good.
+/// By height it is the point at which the loop reaches the braid, if it was upright within the last
+/// 3 of l̄_k. By force it is the start of the steepest fall of F̄ while the loop falls: the largest
+/// relative decrease of F̄ while l̄_k decreases by 1, if it is at least 0.3; the last such point if
+/// several are similar.
 ///
-/// Tractions fall steeply elsewhere, too: at the start of a pull from a loose knot, when the friction of the settled strands
-/// gives way, and when the corners of a tight knot jerk. The loop tells them apart, so that there is no inversion by force
-/// without one by height.
+/// Tractions also fall steeply elsewhere: at the start of a pull from a loose knot, when the
+/// friction of the settled strands gives way, and when the corners of a tight knot jerk. The loop
+/// distinguishes these cases, so that there is no inversion by force without one by height.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InversionWatch {
-    /// l̄_k when the loop was last seen to stand.
+    /// l̄_k when the loop was last upright.
     upright: Option<f64>,
     /// l̄_k and F̄ while l̄_k last decreased by [`REMEMBERED`].
     recent: VecDeque<(f64, f64)>,
-    /// Greatest and least l̄_k at which a fall of the traction may begin: about where the loop fell.
+    /// Largest and smallest l̄_k at which a fall of the traction may begin: near the fall of the
+    /// loop.
     falling: Option<[f64; 2]>,
-    /// Largest part of itself that F̄ lost there.
+    /// Largest relative decrease of F̄ there.
     steepest: f64,
     point: InversionPoint,
 }
 
 impl InversionWatch {
-    /// Looks at the knot, whose l̄_k never increases.
+    /// Records a state of the knot, whose l̄_k never increases.
     pub fn look(&mut self, knot: &TightenedKnot) {
         self.remember(knot);
         match self.falling {
@@ -80,17 +86,18 @@ impl InversionWatch {
         }
     }
 
-    /// The inversion point as far as it has been seen.
+    /// The inversion point observed so far.
     pub fn point(&self) -> InversionPoint {
         self.point
     }
 
-    /// Why there is no inversion point by force, in a sentence, where there is one by height.
+    /// Why there is no inversion point by force, as a sentence, if there is one by height.
     pub fn remark(&self) -> Option<String> {
         let height = self.point.by_height?;
         self.point.by_force.is_none().then(|| {
             format!(
-                "no inversion point by force: while the loop fell, at l̄_k = {height:.2}, the traction lost {:.0} % of itself, less than the {:.0} % that tell an inversion from other changes",
+                "no inversion point by force: while the loop fell, at l̄_k = {height:.2}, the \
+                 traction fell by {:.0} %, less than the {:.0} % of an inversion",
                 100.0 * self.steepest,
                 100.0 * FALL
             )
@@ -116,7 +123,7 @@ impl InversionWatch {
         }
     }
 
-    /// Looks at the falls of the traction that end at the sample `end` of the recent ones.
+    /// Evaluates the falls of the traction that end at the sample `end` of the recent ones.
     fn watch_force(&mut self, end: usize) {
         let Some([greatest, least]) = self.falling else {
             return;
@@ -140,13 +147,14 @@ impl InversionWatch {
 }
 
 impl InversionPoint {
-    /// Whether a knot at this l̄_k does not invert yet: it is 1 before both measures, since an inversion takes no more.
+    /// Whether a knot at this l̄_k does not invert yet: it is 1 before both measures, since an
+    /// inversion is not longer.
     pub fn is_ahead_of(&self, length: f64) -> bool {
         let mut measures = [self.by_force, self.by_height].into_iter().flatten();
         measures.all(|point| length >= point + DURING)
     }
 
-    /// Difference of the two measures over their mean; `None` where one is missing.
+    /// Difference of the two measures over their mean; `None` if one is missing.
     pub fn difference(&self) -> Option<f64> {
         let (force, height) = (self.by_force?, self.by_height?);
         Some((force - height).abs() / (0.5 * (force + height)))
@@ -191,7 +199,7 @@ mod tests {
     /// The traction of the settled friction, which gives way at the start of a pull from a loose knot, and a jerk of the
     /// tight knot long after its inversion.
     #[test]
-    fn inversion_by_force_is_no_transient_of_the_start_nor_a_later_jerk() {
+    fn inversion_by_force_ignores_initial_transients_and_later_jerks() {
         let mut record = pull_record(0.5);
         for knot in &mut record {
             knot.force *= match knot.length {
@@ -211,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn an_inversion_by_height_alone_says_why() {
+    fn an_inversion_by_height_alone_has_a_reason() {
         let mut watch = InversionWatch::default();
         for knot in pull_record(0.5) {
             let force = 1.0 / (knot.length * knot.length);
@@ -243,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn fluctuations_and_slow_changes_are_no_inversion() {
+    fn fluctuations_and_slow_changes_are_not_inversions() {
         let point = inversion_point(&pull_record(0.2));
         assert_eq!((point.by_force, point.difference()), (None, None));
         let slackening: Vec<TightenedKnot> = pull_record(0.0)

@@ -7,16 +7,16 @@
 //! | `two_throws` | reef, granny and surgeon's knot of two rods |
 //! | `fisherman` | the fisherman's knot of two rods |
 //! | `size`, `polyline` | the size of a knot that fits the rod; length and equal steps of curves |
-//! | `determinant`, `signature` | the knot determinant; the signature, which tells a knot from its mirror image |
+//! | `determinant`, `signature` | the knot determinant; the signature, which distinguishes a knot from its mirror image |
 //! | `invariants` | both |
 //! | `projection`, `closure` | crossings of closed curves; ends of open ones, joined far away |
 //! | `silhouette` | height and width of the loop |
-//! | `inversion` | where a knot inverts while it is pulled tight |
-//! | `circle` | the circle that fits points in space best |
+//! | `inversion` | inversion of a knot while it is pulled tight |
+//! | `circle` | the best-fit circle of points in space |
 //! | `loop_elastica` | the planar elastica that leaves and enters a braid tangentially |
 //! | `traction` | traction laws of Audoly et al. 2007 and Jawed et al. 2015 |
 //! | `helical_braid` | bending energy of a braid of two helical strands |
-//! | `simplified_knot` | braid and loop together: where the loop must turn over |
+//! | `simplified_knot` | braid and loop together, and their inversion |
 //! | `elliptic` | complete elliptic integrals |
 
 mod circle;
@@ -59,7 +59,8 @@ pub use traction::{
 };
 pub use two_throws::TwoThrows;
 
-/// Least distance between nodes of rods, those nearer along the same rod than `apart` (m) left out.
+/// Smallest distance between nodes of rods, without those nearer along the same rod than `apart`
+/// (m).
 #[cfg(test)]
 fn least_distance(rods: &[&[rodlab_engine::mechanics::Vector3]], apart: f64) -> f64 {
     let mut least = f64::INFINITY;

@@ -20,10 +20,11 @@ pub struct Overhand {
     pub end_to_end: f64,
 }
 
-/// Distance of the strands' centrelines from the axis of the braid, in radii: the surfaces stand 0.4 h apart. Nearer
-/// strands overlap where the polyline cuts the corners of a coarse helix; farther ones have longer to settle.
+/// Distance of the strands' centrelines from the axis of the braid, in radii: the surfaces stand
+/// 0.4 h apart. Nearer strands overlap where the polyline cuts the corners of a coarse helix;
+/// farther ones take longer to settle.
 const STRAND_OFFSET: f64 = 1.2;
-/// Least length of the tails beyond the braid, in radii: over it the strands come back to the axis.
+/// Least length of the tails beyond the braid, in radii: over it the strands return to the axis.
 const SHORTEST_TAIL: f64 = 8.0;
 /// Points of the smooth curve per part: tails, braid, loop.
 const POINTS: usize = 4000;
@@ -34,10 +35,10 @@ const REPETITIONS: usize = 20;
 /// distance of the ends; the loop lies in the half plane y > 0.
 ///
 /// Braid and loop have the proportions of least energy without friction
-/// ([`relaxed_loop`](super::relaxed_loop)), the strands stand a little apart.
+/// ([`relaxed_loop`](super::relaxed_loop)), the strands are slightly apart.
 ///
 /// # Errors
-/// A sentence where braid and loop do not fit between the ends.
+/// A message if braid and loop do not fit between the ends.
 pub fn overhand_nodes(knot: &Overhand, nodes: usize) -> Result<Vec<Vector3>, String> {
     let mut shortening = knot.length - knot.end_to_end;
     let mut curve = Vec::new();
@@ -63,7 +64,8 @@ fn smooth_curve(knot: &Overhand, shortening: f64) -> Result<Vec<Vector3>, String
     }
     let half_turns = 2 * knot.unknotting_number + 1;
     let offset = STRAND_OFFSET * knot.radius;
-    // Beyond the braid the strands come back to the axis as slowly as the tails allow, lest they touch the loop.
+    // Beyond the braid the strands return to the axis as slowly as the tails allow, so that they do
+    // not touch the loop.
     let faded = |along: f64| offset * (1.0 - smooth_step(along / tail));
     let strand = |x: f64, phase: f64| {
         let part = (x + half_braid) / (2.0 * half_braid);

@@ -1,4 +1,4 @@
-//! Polylines that stand for smooth curves: their length, nodes at equal steps.
+//! Polylines that approximate smooth curves: length, and nodes at equal steps.
 
 use rodlab_engine::mechanics::Vector3;
 

@@ -1,7 +1,9 @@
-//! The signature of a knot: zero where the knot is its own mirror image, −2 of the right-handed trefoil, 2 of the left-handed one.
+//! The signature of a knot: zero if the knot is its own mirror image, −2 for the right-handed
+//! trefoil, 2 for the left-handed one.
 //!
-//! Signatures of connected sums add up, so that it tells the reef knot, the sum of a trefoil and its mirror image, from the
-//! granny knot, the sum of two equal ones; their Alexander polynomials and determinants are the same.
+//! Signatures of connected sums add up, so that it distinguishes the reef knot, the sum of a
+//! trefoil and its mirror image, from the granny knot, the sum of two equal ones; their Alexander
+//! polynomials and determinants are the same.
 //!
 //! By Gordon and Litherland (On the signature of a link, Invent. Math. 47, 1978). The faces of a projection are coloured like a
 //! chessboard; those of one colour are a surface whose boundary is the knot, and each face i of the other colour is a loop
@@ -254,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reef_is_no_granny() {
+    fn a_reef_knot_is_not_a_granny_knot() {
         let (reef, granny) = (tied(TwoThrows::REEF), tied(TwoThrows::GRANNY));
         for knot in [&reef, &granny] {
             assert_eq!(determinant_of_closed(knot), Some(9));

@@ -3,11 +3,12 @@
 use rodlab_engine::mechanics::Vector3;
 use std::ops::RangeInclusive;
 
-/// Contacts between nodes farther apart along the rod than this part of the farthest are between the two strands of
-/// the braid. Where an inverted loop lies on the braid, nodes half as far apart touch.
+/// Contacts between nodes farther apart along the rod than this share of the farthest are between
+/// the two strands of the braid. If an inverted loop is on the braid, nodes half as far apart
+/// touch.
 const STRAND_TO_STRAND: f64 = 0.75;
 
-/// What the loop encloses.
+/// Dimensions of the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Silhouette {
     /// Clear height H: distance of the surface of the rod in the middle of the loop from that of the braid, m; 0 where
@@ -17,10 +18,12 @@ pub struct Silhouette {
     pub width: f64,
 }
 
-/// Measures the loop of an overhand knot from its nodes (m), its radius (m), and the pairs of nodes that touch, the
-/// first of each pair being the one nearer to the start of the rod; `None` where none touch.
+/// Measures the loop of an overhand knot from its nodes (m), its radius (m), and the pairs of nodes
+/// that touch, the first of each pair being the one nearer to the start of the rod; `None` if none
+/// touch.
 ///
-/// The braid reaches from the first to the last contact of its two strands, the loop joins the strands.
+/// The braid extends from the first to the last contact of its two strands, the loop joins the
+/// strands.
 pub fn silhouette(
     nodes: &[Vector3],
     radius: f64,
@@ -57,7 +60,7 @@ fn strands(touching: &[(usize, usize)]) -> Option<[RangeInclusive<usize>; 2]> {
         first = *first.start().min(&i)..=*first.end().max(&i);
         second = *second.start().min(&j)..=*second.end().max(&j);
     }
-    // Strands of one node each have no edges to be distant from.
+    // Strands of one node each have no edges for a distance.
     (first.start() < first.end() && second.start() < second.end()).then_some([first, second])
 }
 

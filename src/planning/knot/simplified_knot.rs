@@ -1,27 +1,30 @@
-//! The simplified knot of the thesis, section 3.6: a braid of two helices and the loop that hangs on its ends.
+//! The simplified knot of the thesis, section 3.6: a braid of two helices and a loop between its
+//! ends.
 //!
-//! What is left out: tails, friction, contact between loop and braid, and twist of the braid. The total energy over
-//! EI/h is Ē(θ) = Ē_b + Ē_l at fixed φ and ε; the knot turns its ends by a θ at which it is stationary.
+//! It omits tails, friction, contact between loop and braid, and twist of the braid. The total
+//! energy over EI/h is Ē(θ) = Ē_b + Ē_l at fixed φ and ε; the knot turns its ends by a θ at which
+//! it is stationary.
 //!
-//! The source leaves open how the loop is held. Here its ends lie on the axis of the braid or, by `offset`, on the
-//! strands; their tangents make the angle φ with the axis; and they either keep their twist or may spin.
+//! The source does not state how the loop is held. Here its ends are on the axis of the braid or,
+//! by `offset`, on the strands; their tangents make the angle φ with the axis; and they either keep
+//! their twist or may spin.
 
 use super::helical_braid::HelicalBraid;
 use rodlab_engine::mechanics::kirchhoff::{EndSpin, LoopEnds, SuspendedLoop, numerics::bisect};
 use std::f64::consts::FRAC_PI_3;
 
-/// Largest rotation θ looked at, rad: that of the thesis' figure 3.9.
+/// Largest rotation θ that is searched, rad: that of the thesis' figure 3.9.
 const LARGEST_ROTATION: f64 = 5.0;
 /// Step of θ, rad. Folds are found between steps by parabolas, to about 1e-4 of l̄_k.
 const ROTATION_STEP: f64 = 0.05;
-/// Largest l̄_k of an equilibrium; beyond, the braid is too weak to matter.
+/// Largest l̄_k of an equilibrium; beyond it, the braid has no significant effect.
 const LARGEST_LENGTH: f64 = 1e4;
 /// Repetitions of the substitution of l̄_k into the offset over the loop's length; each gains a digit or more.
 const SUBSTITUTIONS: usize = 30;
 /// Change of l̄_k, relative, at which they end.
 const SUBSTITUTION_TOLERANCE: f64 = 1e-9;
 
-/// A braid and its loop but for their size and the rotation of the ends.
+/// A braid and its loop, apart from their size and the rotation of the ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimplifiedKnot {
     /// Full turns of the strands around each other: the unknotting number n.
@@ -50,7 +53,7 @@ pub struct RotatedKnot {
     pub height: f64,
 }
 
-/// A rotation and the size at which it is stationary.
+/// A stationary rotation and its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equilibrium {
     /// θ, rad.
@@ -59,7 +62,7 @@ pub struct Equilibrium {
     pub length: f64,
 }
 
-/// Where a stable and an unstable equilibrium meet.
+/// A fold, at which a stable and an unstable equilibrium meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fold {
     /// θ, rad.
@@ -93,7 +96,7 @@ impl SimplifiedKnot {
         length / (1.0 + self.ratio)
     }
 
-    /// The planar loop of a knot of size l̄_k = `length`; `None` where there is none.
+    /// The planar loop of a knot of size l̄_k = `length`; `None` if there is none.
     fn planar_loop(&self, length: f64) -> Option<SuspendedLoop> {
         let offset = self.offset / self.loop_length(length);
         SuspendedLoop::planar(self.ratio, self.tilt, offset, self.spin)
@@ -120,7 +123,8 @@ impl SimplifiedKnot {
             .collect()
     }
 
-    /// Loops whose ends are turned step by step; `adjust` may change the ends further, given the loop before.
+    /// Loops whose ends are turned step by step; `adjust` may change the ends further, given the
+    /// previous loop.
     fn turned(
         &self,
         planar: SuspendedLoop,
@@ -149,8 +153,8 @@ impl SimplifiedKnot {
         loops
     }
 
-    /// The size l̄_k at which a loop is in balance with the braid; `None` where the loop does not resist, or more than
-    /// a loose braid can turn.
+    /// The size l̄_k at which a loop is in balance with the braid; `None` if the loop has no
+    /// resistance, or more than a loose braid can overcome.
     fn balanced_length(&self, turned: &SuspendedLoop) -> Option<f64> {
         let rotation = turned.ends.rotation;
         let resistance = (1.0 + self.ratio) * turned.turning_moment();

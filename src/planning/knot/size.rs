@@ -1,9 +1,9 @@
-//! How large a knot is tied.
+//! Size of a knot.
 
 use super::polyline::length;
 use rodlab_engine::mechanics::Vector3;
 
-/// Bisections of the size of a knot: as many as there are bits in a number.
+/// Bisections of the size of a knot: as many as the bits of a number.
 const BISECTIONS: usize = 53;
 
 /// Dimensions of a knot that is to be tied.
@@ -22,7 +22,7 @@ impl KnotSize {
     /// loops, m, which lies between two bounds.
     ///
     /// # Errors
-    /// A sentence where there is none.
+    /// A message if there is none.
     pub(super) fn fitted(
         &self,
         [mut smaller, mut larger]: [f64; 2],

@@ -16,12 +16,12 @@ const SMALLEST: f64 = 10.0;
 const END_OFFSET: f64 = 2.5;
 /// Clearance between a loop and the tails that pass around it, in radii.
 const CLEARANCE: f64 = 4.0;
-/// Least length of the tails on their way to the axis, over the distance of the throws from it.
+/// Smallest length of the tails between throws and axis, over the distance of the throws from it.
 const SLOPE: f64 = 1.5;
 /// Points of the smooth curve per part: tail, throw, loop.
 const POINTS: usize = 1000;
 
-/// Two throws, by their half turns, positive where they turn like an ordinary screw.
+/// Two throws, by their half turns, positive for right-handed screws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TwoThrows([i32; 2]);
 
@@ -33,7 +33,8 @@ impl TwoThrows {
     /// Surgeon's knot: a reef knot with another full turn in its first throw.
     pub const SURGEON: Self = Self([5, -3]);
 
-    /// Determinant of the knot that arises when the starts of the rods are joined to each other, and their ends.
+    /// Determinant of the knot that results when the starts of the rods are joined to each other,
+    /// and their ends.
     ///
     /// It is the sum of the torus knots (2, h) of the throws with h half turns, and determinants multiply.
     pub fn determinant(self) -> u64 {
@@ -44,14 +45,15 @@ impl TwoThrows {
             .product()
     }
 
-    /// The nodes of both rods, m, equally spaced: the first rod comes from the left and goes back there, the second
-    /// from the right, and both starts lie below the ends. All four are pulled along x, two to each side.
+    /// The nodes of both rods, m, equally spaced: the first rod comes from the left and returns
+    /// there, the second from the right, and both starts lie below the ends. All four are pulled
+    /// along x, two to each side.
     ///
     /// The rods turn around each other in the first throw, below the x axis, and in the second one above it; between
     /// the throws each makes a loop, inside the tails of the other. A turn by π about the y axis swaps the rods.
     ///
     /// # Errors
-    /// A sentence where loops and tails do not fit between the ends.
+    /// A message if loops and tails do not fit between the ends.
     pub fn nodes(self, knot: &KnotSize, nodes: usize) -> Result<[Vec<Vector3>; 2], String> {
         let half_line = 0.5 * knot.end_to_end;
         let half_throw = self.half_throw(knot.radius);
@@ -102,7 +104,7 @@ impl TwoThrows {
             let radius = extent - offset;
             Vector3::new(half_throw + radius * sine, -radius * cosine, 0.0)
         }));
-        // The second throw from its end to its start: as the first, seen from above.
+        // The second throw from its end to its start: like the first, seen from above.
         curve.extend(
             parts()
                 .skip(1)
@@ -145,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn throws_without_a_full_turn_are_no_knot() {
+    fn throws_without_a_full_turn_are_not_a_knot() {
         let [first, second] = rods(TwoThrows([1, -1]), 0.6, 301);
         assert_eq!(
             determinant_of_pair([&first, &second], &Vector3::x()),

@@ -1,4 +1,4 @@
-//! The directory of a training: model, rounds, figure, and where it stands.
+//! The directory of a training: model, rounds, figure and state.
 
 use super::loss_figure::loss_figure;
 use super::model::{ModelError, is_model, read_model};
@@ -19,13 +19,13 @@ pub const MODEL: &str = "model.safetensors";
 pub const EPOCHS: &str = "training.csv";
 /// The same as a figure.
 pub const LOSS_FIGURE: &str = "training.svg";
-/// Where the training stands.
+/// State of the training.
 pub const RECORD: &str = "training.json";
 
 /// First line of `training.csv`.
 const EPOCHS_HEADER: &[u8] = b"epoch,phase,training,held_back\n";
 
-/// Files beside the record, each with what its beginning shows where it is that of a training.
+/// Files beside the record, each with the first bytes of such a file.
 type IsOwn = fn(&[u8]) -> bool;
 const OWN_FILES: [(&str, IsOwn); 3] = [
     (MODEL, is_model),
@@ -33,54 +33,54 @@ const OWN_FILES: [(&str, IsOwn); 3] = [
     (LOSS_FIGURE, is_picture),
 ];
 
-/// How often the best network is written during a phase.
+/// Interval at which the best network is written during a phase.
 const SAVED_EVERY: Duration = Duration::from_secs(20);
 
-/// What is learned, and how.
+/// Task of a training.
 #[derive(Clone, Debug)]
 pub struct Task<'a> {
     /// CSV files of the samples.
     pub samples: &'a [PathBuf],
     /// Kind of the samples.
     pub kind: &'a str,
-    /// Columns that go in.
+    /// Input columns.
     pub inputs: &'a [&'a str],
-    /// Columns that shall come out.
+    /// Output columns.
     pub outputs: &'a [&'a str],
-    /// How much errors of each of these count; all alike where there are none.
+    /// Weights of their errors; equal if empty.
     pub weights: &'a [f64],
     /// How.
     pub plan: Plan,
-    /// What it is trained on.
+    /// The processor.
     pub processor: Processor,
-    /// Where the results go.
+    /// Directory of the results.
     pub directory: &'a Path,
-    /// Whether an earlier training there is thrown away.
+    /// Whether an earlier training there is discarded.
     pub force: bool,
 }
 
-/// What came of a training.
+/// Result of a training.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trained {
-    /// How it ended.
+    /// Its state at the end.
     pub status: Status,
-    /// Samples that were learned from, those held back included.
+    /// Number of samples, held-out ones included.
     pub samples: usize,
     /// Rounds over them.
     pub epochs: usize,
-    /// Least mean absolute error of the standardised outputs held back.
+    /// Smallest mean absolute error of the standardised held-out outputs.
     pub held_back_error: Option<f64>,
     /// The model.
     pub model: PathBuf,
 }
 
-/// Where a training stands.
+/// State of a training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// All phases are done.
     Finished,
-    /// It was stopped, and goes on when it is started again.
+    /// It was stopped; the next start resumes it.
     Stopped,
 }
 
@@ -88,9 +88,9 @@ pub enum Status {
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Record {
     status: Status,
-    /// What is learned from what, and how.
+    /// The task.
     task: RecordedTask,
-    /// The phase that comes next.
+    /// The next phase.
     next_phase: usize,
     samples: usize,
     epochs: usize,
@@ -118,7 +118,7 @@ struct EpochRow {
     held_back: f64,
 }
 
-/// Why nothing was trained.
+/// Why training failed.
 #[derive(Debug, Error)]
 pub enum TrainingError {
     /// Samples could not be read.
@@ -134,30 +134,31 @@ pub enum TrainingError {
     },
     /// The directory belongs to another training.
     #[error(
-        "{directory} holds another training, which differs in {what}; choose another directory with --out, or start over with --force"
+        "{directory} holds another training, which differs in {what}; choose another directory \
+         with --out, or start over with --force"
     )]
     Another {
         /// The directory.
         directory: PathBuf,
-        /// In what it differs.
+        /// The difference.
         what: &'static str,
     },
     /// The directory holds something else.
     #[error(
-        "{directory} is not empty, and holds no training ({RECORD}); choose another with --out"
+        "{directory} is not empty and does not hold a training ({RECORD}); choose another with --out"
     )]
     NotOwn {
         /// The directory.
         directory: PathBuf,
     },
-    /// A record of that name is of another program, or damaged.
+    /// The record belongs to another program, or is damaged.
     #[error(
-        "{path} is not the record of a training: {fault}; nothing there is replaced: choose another directory with --out"
+        "{path} is not the record of a training: {fault}; it is not replaced: choose another directory with --out"
     )]
     NotRecord {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         fault: String,
     },
     /// A file of an earlier call is damaged.
@@ -165,7 +166,7 @@ pub enum TrainingError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         fault: String,
     },
     /// The model failed.
@@ -174,24 +175,24 @@ pub enum TrainingError {
     /// A file could not be read or written.
     #[error(transparent)]
     Results(#[from] ResultsError),
-    /// The system refused something.
+    /// An error of the operating system.
     #[error("{path}: {error}")]
     System {
         /// The file.
         path: PathBuf,
-        /// What it says.
+        /// Its message.
         error: std::io::Error,
     },
 }
 
-/// Trains a network, or goes on with it; `goes_on` is asked after each round.
+/// Trains a network, or resumes its training; `keep_going` is called after each round.
 ///
 /// # Errors
 /// See [`TrainingError`].
 pub fn train(
     task: &Task<'_>,
     provenance: &[(&str, String)],
-    goes_on: &mut dyn FnMut(&Trainer) -> bool,
+    keep_going: &mut dyn FnMut(&Trainer) -> bool,
 ) -> Result<Trained, TrainingError> {
     let system = |path: &Path| {
         let path = path.to_owned();
@@ -240,7 +241,7 @@ pub fn train(
     std::fs::create_dir_all(task.directory).map_err(system(task.directory))?;
     match &earlier {
         None => begin(task, &recorded, &samples)?,
-        // One that was killed before its first round was written begins anew.
+        // A training killed before its first round was written starts from scratch.
         Some(record) if record.epochs == 0 => {}
         Some(record) => resume(task, record, &mut trainer)?,
     }
@@ -248,14 +249,14 @@ pub fn train(
         |trainer: &Trainer, status| write(task, &recorded, provenance, &samples, trainer, status);
     let mut written = Instant::now();
     let mut failed = None;
-    let mut goes_on = |trainer: &Trainer| {
+    let mut keep_going = |trainer: &Trainer| {
         if written.elapsed() > SAVED_EVERY {
             failed = write(trainer, Status::Stopped).err();
             written = Instant::now();
         }
-        goes_on(trainer) && failed.is_none()
+        keep_going(trainer) && failed.is_none()
     };
-    let standing = trainer.train(&mut goes_on, &mut |trainer| {
+    let standing = trainer.train(&mut keep_going, &mut |trainer| {
         write(trainer, Status::Stopped).map(drop)
     })?;
     if let Some(error) = failed {
@@ -303,7 +304,7 @@ fn earlier(task: &Task<'_>, recorded: &RecordedTask) -> Result<Option<Record>, T
     }
     if task.force {
         for name in [MODEL, EPOCHS, LOSS_FIGURE, RECORD] {
-            // What is not there need not be removed.
+            // Missing files need not be removed.
             let _ = std::fs::remove_file(directory.join(name));
         }
         return Ok(None);
@@ -321,7 +322,7 @@ fn earlier(task: &Task<'_>, recorded: &RecordedTask) -> Result<Option<Record>, T
     }
 }
 
-/// Notes whose directory this is, before anything else is written there.
+/// Writes the owner of the directory, before anything else.
 fn begin(task: &Task<'_>, recorded: &RecordedTask, samples: &Samples) -> Result<(), TrainingError> {
     place_record(
         task,
@@ -362,7 +363,7 @@ fn resume(task: &Task<'_>, record: &Record, trainer: &mut Trainer) -> Result<(),
         .collect();
     if epochs.len() < record.epochs {
         return Err(damaged(format!(
-            "{} rounds, where {} were noted",
+            "{} rounds, expected {}",
             epochs.len(),
             record.epochs
         )));

@@ -1,4 +1,4 @@
-//! How far the predictions of a model are from samples that it has not seen.
+//! Errors of the predictions of a model on unseen samples.
 
 use super::Samples;
 use super::model::{Model, ModelError};
@@ -8,11 +8,11 @@ use serde::Serialize;
 /// Errors of a quantity over many samples, in its unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Errors {
-    /// What is compared.
+    /// The quantity.
     pub quantity: String,
     /// Mean of the sizes.
     pub mean: f64,
-    /// 95 in a hundred are not larger.
+    /// The 95th percentile.
     pub percentile_95: f64,
     /// The largest.
     pub largest: f64,
@@ -23,7 +23,7 @@ pub struct Errors {
     pub sizes: Vec<f64>,
 }
 
-/// A quantity whose errors are told: a number or a vector that inputs and outputs give.
+/// A quantity whose errors are reported: a number or a vector computed from inputs and outputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Compared {
     /// Its name, with its unit.
@@ -73,7 +73,7 @@ pub fn evaluate(
     Ok(errors.collect())
 }
 
-/// How many samples have errors up to a size: a curve per quantity.
+/// Cumulative distribution of the errors: a curve per quantity.
 pub fn error_figure(errors: &[Errors]) -> Figure {
     let plots = errors.iter().map(|errors| {
         let count = errors.sizes.len().max(1) as f64;

@@ -1,4 +1,4 @@
-//! How the error fell while a network was trained.
+//! Error over the rounds of a training.
 
 use super::training::Epoch;
 use rodlab_files::figure::{AxisScale, Curve, LinePlot, Look, Paper, PlotStyle, styled_line_plots};

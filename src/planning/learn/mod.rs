@@ -1,6 +1,6 @@
 //! Learning from arrays: samples, networks, training, and models in files.
 //!
-//! Nothing here knows what the numbers mean.
+//! The module does not depend on the meaning of the numbers.
 
 mod directory;
 mod evaluation;

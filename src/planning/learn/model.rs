@@ -1,11 +1,12 @@
-//! A trained network with all that is needed to use it, and its file.
+//! A trained network with all data for its use, and its file.
 //!
-//! The file is one of safetensors: weights and biases as `layer.0.weight`, `layer.0.bias`, ... (single precision), and under
-//! `rodlab` in its metadata a JSON text with the names of columns, the standardisation, the range of the samples and where
-//! they came from.
+//! The file is in the safetensors format: weights and biases as `layer.0.weight`, `layer.0.bias`,
+//! ... (single precision), and under `rodlab` in its metadata a JSON text with the names of
+//! columns, the standardisation, the range of the samples and their origin.
 //!
-//! The text holds a BLAKE3 checksum of itself and of all weights and biases: a weight with a flipped bit is a finite number like
-//! any other, and the network would answer with it. Files of version 1 have none; they are read with a warning.
+//! The text holds a BLAKE3 checksum of itself and of all weights and biases: a weight with a
+//! flipped bit is usually a finite number, and the network would use it. Files of version 1 have
+//! none; they are read with a warning.
 
 use super::network::Network;
 use super::scaling::Scaling;
@@ -18,26 +19,26 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// What the first words of a model of this program say.
+/// Format name in the metadata of a model.
 const KIND: &str = "rodlab multilayer perceptron";
 /// Version of the file.
 const VERSION: u32 = 2;
 /// The last version whose files have no checksum.
 const UNCHECKED_VERSION: u32 = 1;
-/// Layers and numbers of a file that are believed: far beyond any that is trained here.
+/// Maximum number of layers and numbers of a file: far above those of any trained model.
 const MOST_LAYERS: usize = 64;
 /// Largest file, bytes.
 const LARGEST_FILE: u64 = 1 << 30;
 
-/// A network, what its numbers mean and where it may be used.
+/// A network with the meaning of its numbers and its range.
 #[derive(Clone, Debug)]
 pub struct Model {
-    /// What the file says beside the weights.
+    /// The metadata of the file.
     pub about: About,
     network: Network,
 }
 
-/// What a model is.
+/// Description of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct About {
@@ -55,23 +56,23 @@ pub struct About {
     pub output_scaling: Scaling,
     /// Least and largest value of each input that it was trained with.
     pub range: Vec<[f64; 2]>,
-    /// Least and largest value of each output; models of earlier versions do not say it.
+    /// Least and largest value of each output; missing in models of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub output_range: Vec<[f64; 2]>,
-    /// Where it came from: program, commit, number of samples, seed, errors.
+    /// Its origin: program, commit, number of samples, seed, errors.
     pub provenance: BTreeMap<String, String>,
-    /// Checksum of a file, see [`checksum`]; of a model in memory there is none.
+    /// Checksum of a file, see [`checksum`]; `None` for a model in memory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     checksum: Option<String>,
 }
 
-/// Why there is no model.
+/// Why a model cannot be used.
 #[derive(Debug, Error)]
 pub enum ModelError {
-    /// There is no GPU that it could be trained on.
+    /// There is no GPU for training.
     #[error("no GPU can be used: {0}")]
     NoGpu(String),
-    /// A file is none that could be used.
+    /// A file cannot be used.
     #[error("{path} {fault}")]
     File {
         /// The file.
@@ -84,43 +85,43 @@ pub enum ModelError {
     Tensors(#[from] candle_core::Error),
 }
 
-/// Why a file is no model, or not the one that is needed.
+/// Why a file is not a model, or not the required one.
 #[derive(Debug, Error)]
 pub enum ModelFault {
-    /// It is no file of safetensors, or a part of one.
+    /// It is not a safetensors file, or is truncated.
     #[error("is not a whole safetensors file: {0}")]
     NotSafetensors(safetensors::SafeTensorError),
     /// It is of another program.
     #[error(
-        "holds weights, but says nothing of a model of rodlab (no text `rodlab` in its metadata): train one with `rodlab train`"
+        "holds weights, but is not a model of rodlab (no text `rodlab` in its metadata): train one with `rodlab train`"
     )]
     Foreign,
     /// It is of another version.
     #[error("is a model of version {0}; this program reads version {VERSION}: train it again")]
     Version(u32),
-    /// Its bytes are not those that were written.
+    /// Its bytes were changed.
     #[error(
         "is damaged: its checksum is {found}, and {noted} was written with it; copy the file again, or train the model again \
          with `rodlab train`"
     )]
     Damaged {
-        /// Checksum of what is there.
+        /// Checksum of the content.
         found: String,
-        /// Checksum that was written.
+        /// Checksum in the file.
         noted: String,
     },
-    /// What it says does not fit together.
-    #[error("contradicts itself: {0}")]
+    /// Its metadata are inconsistent.
+    #[error("is inconsistent: {0}")]
     Contradiction(String),
-    /// It is a model of something else.
+    /// It is a model of another kind.
     #[error("is a model of `{found}`; a model of `{wanted}` is needed here")]
     OtherKind {
-        /// What it is.
+        /// Its kind.
         found: String,
-        /// What is needed.
+        /// The required kind.
         wanted: String,
     },
-    /// It has learned other columns.
+    /// It was trained on other columns.
     #[error("predicts {found}; needed here: {wanted}")]
     Columns {
         /// Its outputs and inputs.
@@ -132,12 +133,13 @@ pub enum ModelFault {
     #[error("cannot be read: {0}")]
     Unreadable(std::io::Error),
     /// The file is too large for a model.
-    #[error("is larger than {LARGEST_FILE} bytes: no model of rodlab is")]
+    #[error("is larger than {LARGEST_FILE} bytes, the limit for a model of rodlab")]
     TooLarge,
 }
 
 impl About {
-    /// A model of samples of a kind, with the standardisation and ranges of those it learns from, inputs first.
+    /// A model of samples of a kind, with the standardisation and ranges of its training samples,
+    /// inputs first.
     pub fn new(
         samples: &str,
         names: [Vec<String>; 2],
@@ -162,7 +164,7 @@ impl About {
         }
     }
 
-    /// What does not fit together.
+    /// The inconsistency.
     fn fault(&self) -> Option<String> {
         let (inputs, outputs) = (self.inputs.len(), self.outputs.len());
         let scaling = |scaling: &Scaling, width: usize| {
@@ -175,13 +177,13 @@ impl About {
         if inputs == 0 || outputs == 0 {
             Some("it has no inputs or no outputs".into())
         } else if !scaling(&self.input_scaling, inputs) || !scaling(&self.output_scaling, outputs) {
-            Some("the standardisation does not belong to the columns".into())
+            Some("the standardisation does not match the columns".into())
         } else if self.range.len() != inputs || self.range.iter().any(|[from, to]| !(from <= to)) {
-            Some("the range does not belong to the inputs".into())
+            Some("the range does not match the inputs".into())
         } else if ![0, outputs].contains(&self.output_range.len())
             || self.output_range.iter().any(|[from, to]| !(from <= to))
         {
-            Some("the range of the outputs does not belong to them".into())
+            Some("the range of the outputs does not match the outputs".into())
         } else {
             None
         }
@@ -189,7 +191,7 @@ impl About {
 }
 
 impl Model {
-    /// A network and what is to be said of it.
+    /// A network and its description.
     pub fn new(about: About, network: Network) -> Self {
         Self { about, network }
     }
@@ -203,7 +205,7 @@ impl Model {
     pub fn covers(&self, input: &[f64]) -> bool {
         let ranges = self.about.range.iter().zip(input);
         ranges.fold(true, |inside, ([from, to], value)| {
-            // The border belongs to it, whatever rounding made of it.
+            // The border is included, despite rounding.
             let margin = 1e-9 * (to - from);
             inside && (from - margin..=to + margin).contains(value)
         })
@@ -326,7 +328,7 @@ impl Model {
             .as_ref()
             .and_then(|texts| texts.get("rodlab"));
         let text = text.ok_or_else(|| refused(ModelFault::Foreign))?;
-        // The version first: other versions say other things.
+        // The version first: other versions have other metadata.
         let value: serde_json::Value =
             serde_json::from_str(text).map_err(|error| contradiction(error.to_string()))?;
         if value["kind"] != KIND {
@@ -364,7 +366,7 @@ impl Model {
                 let view = view.map_err(|error| contradiction(error.to_string()))?;
                 numbers(&view).ok_or_else(|| {
                     contradiction(format!(
-                        "{} holds something else than finite numbers of single precision",
+                        "{} must hold finite numbers of single precision",
                         name(index, part)
                     ))
                 })
@@ -372,11 +374,14 @@ impl Model {
             let (weight, weights) = read("weight")?;
             let (bias, biases) = read("bias")?;
             let [outputs] = bias[..] else {
-                return Err(contradiction(format!("{} is no list", name(index, "bias"))));
+                return Err(contradiction(format!(
+                    "{} is not a list",
+                    name(index, "bias")
+                )));
             };
             if weight != [outputs, width] {
                 return Err(contradiction(format!(
-                    "{} is of shape {weight:?}, where [{outputs}, {width}] is needed",
+                    "{} is of shape {weight:?}, expected [{outputs}, {width}]",
                     name(index, "weight")
                 )));
             }
@@ -388,7 +393,7 @@ impl Model {
         }
         if width != about.outputs.len() {
             return Err(contradiction(format!(
-                "the last layer has {width} outputs, and {} have names",
+                "the last layer has {width} outputs, but {} names",
                 about.outputs.len()
             )));
         }
@@ -404,7 +409,8 @@ impl Model {
                 return Err(contradiction("it has no checksum".into()));
             }
             None => tracing::warn!(
-                "{} has no checksum, so that damage to it is not noticed: it is of an earlier version; train it again to give it one",
+                "{} has no checksum, so damage cannot be detected: it was written by an earlier \
+                 version; train it again to add one",
                 path.display()
             ),
         }
@@ -416,7 +422,7 @@ impl Model {
     }
 }
 
-/// Whether a file begins as a model of this program does. The metadata are the first key of its header.
+/// Whether a file begins like a model of rodlab. The metadata are the first key of its header.
 pub fn is_model(head: &[u8]) -> bool {
     let text = head.get(8..).unwrap_or_default();
     text.starts_with(b"{\"__metadata__\":{\"rodlab\":")
@@ -451,7 +457,7 @@ fn checksum<'a>(
 ) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut add = |bytes: &[u8]| {
-        // With their length, so that no byte moves from one part to the next.
+        // With their length, so that bytes cannot move between parts.
         hasher.update(&(bytes.len() as u64).to_le_bytes());
         hasher.update(bytes);
     };

@@ -4,7 +4,7 @@ use candle_core::{DType, Device, Result, Tensor, Var};
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 
-/// Weights and biases, which training changes in place.
+/// Weights and biases, which training updates in place.
 #[derive(Clone, Debug)]
 pub struct Network {
     layers: Vec<Layer>,
@@ -56,7 +56,7 @@ impl Network {
             .collect()
     }
 
-    /// Everything that training changes.
+    /// All trainable parameters.
     pub fn variables(&self) -> Vec<Var> {
         let layers = self.layers.iter();
         layers
@@ -82,7 +82,7 @@ impl Network {
         Self::from_tensors(copies.collect::<Result<_>>()?)
     }
 
-    /// Takes over the weights and biases of a network of the same shape, on whatever device.
+    /// Copies the weights and biases of a network of the same shape, on any device.
     pub fn restore(&self, other: &Self) -> Result<()> {
         for (here, there) in self.variables().iter().zip(other.variables()) {
             here.set(&there.to_device(here.device())?)?;

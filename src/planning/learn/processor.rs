@@ -1,9 +1,9 @@
-//! What a network is trained on.
+//! Processor for training.
 
 use super::ModelError;
 use candle_core::Device;
 
-/// What a network is trained on.
+/// Processor for training.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Processor {
     /// The processor of the machine: the same network on every machine of a kind.
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_program_without_gpus_says_so() {
+    fn a_program_without_gpus_reports_it() {
         assert!(Processor::Cpu.device().is_ok());
         if !Processor::KNOWS_GPUS {
             let refused = Processor::Gpu.device();

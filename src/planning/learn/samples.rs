@@ -1,4 +1,4 @@
-//! Samples: rows of numbers that go in and rows that shall come out.
+//! Samples: rows of inputs and of expected outputs.
 
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
@@ -27,7 +27,7 @@ pub enum SamplesError {
     File {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         error: csv::Error,
     },
     /// A column is missing.
@@ -49,7 +49,7 @@ pub enum SamplesError {
         line: u64,
         /// The column.
         column: String,
-        /// What stands there.
+        /// Its text.
         cell: String,
     },
 }
@@ -70,7 +70,7 @@ impl Samples {
         &self.outputs[row * self.output_width..][..self.output_width]
     }
 
-    /// Reads columns of a CSV file; rows whose outputs are all empty are left out.
+    /// Reads columns of a CSV file; rows whose outputs are all empty are skipped.
     ///
     /// # Errors
     /// See [`SamplesError`].
@@ -164,7 +164,7 @@ impl Samples {
         }
     }
 
-    /// Two parts by chance: those to learn from, and a share that is held back.
+    /// Random split into training samples and a held-out share.
     pub fn split(&self, held_back: f64, seed: u64) -> [Self; 2] {
         let mut rows: Vec<usize> = (0..self.rows()).collect();
         shuffle(&mut rows, &mut Pcg64::seed_from_u64(seed));

@@ -1,4 +1,4 @@
-//! Standardisation: what a network sees and says are numbers of size one.
+//! Standardisation: inputs and outputs of a network are scaled to the order of one.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Scaling {
     /// Mean of each column.
     pub mean: Vec<f64>,
-    /// Standard deviation of each column, over its weight; 1 where a column does not vary.
+    /// Standard deviation of each column, over its weight; 1 for constant columns.
     pub deviation: Vec<f64>,
 }
 
@@ -37,7 +37,7 @@ impl Scaling {
         }
     }
 
-    /// The same with columns that count more where they have a larger weight; all count alike where there are none.
+    /// The same with weights of the columns; equal ones if none are given.
     pub fn weighted(mut self, weights: &[f64]) -> Self {
         for (deviation, weight) in self.deviation.iter_mut().zip(weights) {
             *deviation /= weight;
@@ -53,7 +53,7 @@ impl Scaling {
             .collect()
     }
 
-    /// The way back.
+    /// The inverse transformation.
     pub fn restored(&self, rows: &[f32]) -> Vec<f64> {
         let columns = self.mean.iter().zip(&self.deviation).cycle();
         let rows = rows.iter().zip(columns);

@@ -1,4 +1,4 @@
-//! Networks learn what they are shown, and their files say what they are.
+//! Tests of training and of model files.
 
 use super::*;
 use rand_pcg::Pcg64;
@@ -116,7 +116,7 @@ fn the_same_seed_gives_the_same_network() {
 }
 
 #[test]
-fn training_goes_on_where_it_was_stopped() {
+fn training_resumes_where_it_was_stopped() {
     let mut trainer_a = trainer(&plan());
     let mut left = 3;
     let standing = trainer_a.train::<ModelError>(
@@ -192,7 +192,7 @@ fn along_a_cosine_as_many_rounds_are_trained_as_were_asked_for() {
     assert_eq!(again.epochs().len(), 40);
 }
 
-/// What counts more is learned better.
+/// Outputs with a larger weight are learned better.
 #[test]
 fn weights_say_which_errors_matter() {
     let plan = Plan {
@@ -298,7 +298,7 @@ fn fault(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn files_that_are_no_models_are_named_with_what_they_are() {
+fn files_that_are_not_models_are_reported_with_their_kind() {
     let bytes = small_model(&[32, 32]).to_bytes().unwrap();
     for length in [0, 5, 200, bytes.len() - 1] {
         let said = fault(&bytes[..length]);
@@ -324,10 +324,10 @@ fn files_that_are_no_models_are_named_with_what_they_are() {
         fault(&changed)
     };
     assert!(text("\\\"version\\\":2", "\\\"version\\\":7").contains("version 7"));
-    assert!(text("multilayer", "multipayer").contains("says nothing of a model of rodlab"));
+    assert!(text("multilayer", "multipayer").contains("is not a model of rodlab"));
     assert!(text("\"__metadata__\"", "\"__metadota__\"").contains("model.safetensors"));
-    assert!(text("layer.1.bias", "layer.1.bios").contains("contradicts itself"));
-    assert!(text("[32,32]", "[64,16]").contains("contradicts itself"));
+    assert!(text("layer.1.bias", "layer.1.bios").contains("is inconsistent"));
+    assert!(text("[32,32]", "[64,16]").contains("is inconsistent"));
     assert!(text("from_2", "from\\2").contains("model.safetensors"));
 }
 
@@ -387,7 +387,7 @@ fn only_files_of_the_earlier_version_may_lack_a_checksum() {
     assert_eq!(read.to_bytes().unwrap(), bytes);
 }
 
-/// Whatever bytes are changed, an answer or an error comes, no panic.
+/// Any changed bytes give a result or an error, never a panic.
 #[test]
 fn damaged_files_do_not_panic() {
     let bytes = small_model(&[3]).to_bytes().unwrap();

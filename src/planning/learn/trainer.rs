@@ -1,4 +1,4 @@
-//! A training that can be interrupted: phase after phase, with what is needed to go on.
+//! A training that can be interrupted: phase after phase, with the state needed to resume.
 
 use super::model::{About, Model, ModelError};
 use super::network::Network;
@@ -8,12 +8,12 @@ use super::scaling::{Scaling, range_of};
 use super::training::{Epoch, Phase, Plan, Rows, random_of_phase, train_phase};
 use candle_core::{Device, Tensor};
 
-/// Share of the samples that is held back from training (thesis 5.3.5).
+/// Share of held-out samples (thesis 5.3.5).
 pub const HELD_BACK: f64 = 0.2;
-/// Fewest samples that can be split and standardised.
+/// Minimum number of samples that can be split and standardised.
 pub const FEWEST_SAMPLES: usize = 50;
 
-/// Standardised samples, a network, and how far it is.
+/// Standardised samples, a network, and its progress.
 #[derive(Debug)]
 pub struct Trainer {
     plan: Plan,
@@ -21,24 +21,25 @@ pub struct Trainer {
     training: Rows,
     held_back: Rows,
     network: Network,
-    /// The network that served the samples held back best.
+    /// The best network for the held-out samples.
     best: Network,
     next: usize,
     epochs: Vec<Epoch>,
 }
 
-/// Where a training stands.
+/// State of a training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing {
     /// All phases are done.
     Finished,
-    /// It was asked to stop.
+    /// It was stopped.
     Stopped,
 }
 
 impl Trainer {
-    /// Before the first phase. `names` are those of the columns of samples of a kind; an error of an output of `weight` 2 counts like
-    /// one twice as large of another, and all count alike where there are no weights.
+    /// A training before its first phase. `names` are those of the columns of samples of a kind; an
+    /// error of an output of `weight` 2 counts like one twice as large of another; without weights,
+    /// all count equally.
     ///
     /// # Errors
     /// [`ModelError::Tensors`]; [`ModelError::NoGpu`].
@@ -92,7 +93,7 @@ impl Trainer {
         })
     }
 
-    /// Takes up a training where it stopped: the best weights so far, the rounds that led to them, and the phase to go on
+    /// Resumes a training: the best weights so far, the rounds before, and the phase to continue
     /// with.
     ///
     /// # Errors
@@ -115,7 +116,7 @@ impl Trainer {
         self.plan.phases()
     }
 
-    /// The phase that comes next, or was interrupted.
+    /// The next or interrupted phase.
     pub fn next_phase(&self) -> usize {
         self.next
     }
@@ -125,19 +126,21 @@ impl Trainer {
         &self.epochs
     }
 
-    /// Least mean absolute error of the standardised outputs held back; none before the first round.
+    /// Least mean absolute error of the standardised held-out outputs; `None` before the first
+    /// round.
     pub fn least_error(&self) -> Option<f64> {
         let errors = self.epochs.iter().map(|epoch| epoch.held_back);
         errors.min_by(f64::total_cmp)
     }
 
-    /// Trains until all is done, or until `goes_on` says no after a round; `saved` is called after each phase.
+    /// Trains until all phases are done, or until `keep_going` returns `false` after a round; `saved`
+    /// is called after each phase.
     ///
     /// # Errors
     /// [`ModelError::Tensors`], and what `saved` fails with.
     pub fn train<Error: From<ModelError>>(
         &mut self,
-        goes_on: &mut dyn FnMut(&Self) -> bool,
+        keep_going: &mut dyn FnMut(&Self) -> bool,
         saved: &mut dyn FnMut(&Self) -> Result<(), Error>,
     ) -> Result<Standing, Error> {
         for (index, phase) in self.phases().iter().enumerate().skip(self.next) {
@@ -149,14 +152,14 @@ impl Trainer {
                 let patience = self.plan.patience_of(phase);
                 let done = self.epochs.iter().filter(|epoch| epoch.phase == index);
                 let done = done.count();
-                let mut told = |error: f64, held_back: f64, best: &Network| {
+                let mut report = |error: f64, held_back: f64, best: &Network| {
                     self.best = best.clone();
                     self.epochs.push(Epoch {
                         phase: index,
                         training: error,
                         held_back,
                     });
-                    stopped = !goes_on(self);
+                    stopped = !keep_going(self);
                     !stopped && self.epochs.len() < self.plan.most_epochs
                 };
                 train_phase(
@@ -167,7 +170,7 @@ impl Trainer {
                     &training,
                     &held_back,
                     &mut random,
-                    &mut told,
+                    &mut report,
                 )
                 .map_err(ModelError::from)?;
             }
@@ -181,7 +184,7 @@ impl Trainer {
         Ok(Standing::Finished)
     }
 
-    /// The best network so far, as a model with what is to be said of where it comes from.
+    /// The best network so far, as a model with its origin.
     ///
     /// # Errors
     /// [`ModelError::Tensors`].

@@ -1,5 +1,6 @@
-//! Training: the mean absolute error of standardised outputs, made small by Adam and stochastic gradient descent in turns
-//! (thesis 4.3.4 and 5.3.5) or by Adam alone with steps that shrink along a cosine, with batches that grow.
+//! Training: the mean absolute error of standardised outputs, minimised by Adam and stochastic
+//! gradient descent in turns (thesis 4.3.4 and 5.3.5) or by Adam alone with a cosine schedule, with
+//! growing batches.
 
 use super::network::Network;
 use super::samples::shuffle;
@@ -9,23 +10,24 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 
-/// How a network is trained.
+/// Options of a training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Widths of the hidden layers.
     pub hidden: Vec<usize>,
-    /// Chooses the first weights and the order of samples.
+    /// Seed of the initial weights and the order of samples.
     pub seed: u64,
-    /// Batches at first and at last; they are doubled in between.
+    /// Initial and final batch size, doubled in between.
     pub batch: [usize; 2],
-    /// How the steps get smaller.
+    /// Schedule of the learning rate.
     #[serde(default)]
     pub schedule: Schedule,
-    /// Rates of Adam with the first and with the last batch; along a cosine only the first, from which it falls to zero.
+    /// Learning rates of Adam with the first and the last batch size; with a cosine only the first,
+    /// which decreases to zero.
     pub rates: [f64; 2],
-    /// Rounds over all samples without a lower error of those held back after which the method changes.
+    /// Number of rounds without a lower held-out error after which the method changes.
     pub patience: usize,
-    /// Rounds in all, at most.
+    /// Maximum number of rounds.
     pub most_epochs: usize,
 }
 
@@ -43,19 +45,19 @@ impl Default for Plan {
     }
 }
 
-/// How the steps of a training get smaller.
+/// Schedule of the learning rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Schedule {
-    /// With each size of batches, Adam and gradient descent each until the error no longer falls.
+    /// With each batch size, Adam and gradient descent, each until the error no longer decreases.
     #[default]
     Plateau,
-    /// Adam for all rounds that there may be, with a rate that falls to zero along half a wave of a cosine (Loshchilov and Hutter
-    /// 2017), and as many rounds with each size of batches.
+    /// Adam for the maximum number of rounds, with a rate that decreases to zero along a half
+    /// cosine (Loshchilov and Hutter 2017), and equal numbers of rounds with each batch size.
     Cosine,
 }
 
-/// What makes the error small.
+/// Optimisation method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Adam (Kingma and Ba 2015).
@@ -64,30 +66,31 @@ pub enum Method {
     GradientDescent,
 }
 
-/// A stretch of training with one method and one size of batches.
+/// A phase of training with one method and one batch size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phase {
     /// The method.
     pub method: Method,
     /// Samples in a batch.
     pub batch: usize,
-    /// Size of its steps, or of the first of the schedule.
+    /// Its learning rate, or the first of the schedule.
     pub rate: f64,
-    /// How they shrink; they do not where there is none, and the phase ends when the error no longer falls.
+    /// Its schedule; `None` for a constant rate, with which the phase ends when the error no longer
+    /// decreases.
     pub decay: Option<Decay>,
 }
 
-/// A part of a half wave of a cosine.
+/// A part of a half cosine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay {
     /// Rounds of the phase.
     pub rounds: usize,
-    /// Where in the half wave it begins and ends, from 0 to 1.
+    /// Its start and end in the half cosine, from 0 to 1.
     pub parts: [f64; 2],
 }
 
 impl Phase {
-    /// Size of the steps after so many rounds of the phase.
+    /// Learning rate after a number of rounds of the phase.
     pub fn rate_after(&self, rounds: f64) -> f64 {
         let Some(decay) = &self.decay else {
             return self.rate;
@@ -101,16 +104,17 @@ impl Phase {
 /// A round over all samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Epoch {
-    /// The phase that it belongs to, from 0.
+    /// Its phase, from 0.
     pub phase: usize,
-    /// Mean absolute error of the batches, before the step that each led to.
+    /// Mean absolute error of the batches, before their steps.
     pub training: f64,
-    /// Mean absolute error of the samples held back, after the round.
+    /// Mean absolute error of the held-out samples, after the round.
     pub held_back: f64,
 }
 
 impl Plan {
-    /// Rounds without a lower error after which a phase ends. Gradient descent gains little here, and gets less.
+    /// Rounds without a lower error after which a phase ends. Gradient descent gains little here,
+    /// and has fewer.
     pub fn patience_of(&self, phase: &Phase) -> usize {
         match phase.method {
             Method::Adam => self.patience,
@@ -218,8 +222,9 @@ impl Descent {
     }
 }
 
-/// Trains a network for a phase, of which some rounds may be done, and which ends with the weights that served the samples held back
-/// best; `told` hears of each round, with both errors and the best network so far, and says whether to go on.
+/// Trains a network for the rest of a phase, which ends with the best weights for the held-out
+/// samples; `report` is called after each round, with both errors and the best network so far, and
+/// returns whether to continue.
 #[allow(clippy::too_many_arguments)]
 pub fn train_phase(
     network: &Network,
@@ -229,7 +234,7 @@ pub fn train_phase(
     training: &Rows,
     held_back: &Rows,
     random: &mut Pcg64,
-    told: &mut dyn FnMut(f64, f64, &Network) -> bool,
+    report: &mut dyn FnMut(f64, f64, &Network) -> bool,
 ) -> Result<f64> {
     let error_of = |network: &Network| held_back.mean_absolute_error(network)?.to_scalar::<f32>();
     let mut best = (error_of(network)?, network.snapshot()?);
@@ -257,13 +262,13 @@ pub fn train_phase(
         since += 1;
         done += 1;
         if held < best.0 {
-            // Small gains do not keep a phase alive.
+            // Small gains do not extend a phase.
             if held < 0.998 * best.0 {
                 since = 0;
             }
             best = (held, network.snapshot()?);
         }
-        if !told(sum / count as f64, f64::from(held), &best.1) {
+        if !report(sum / count as f64, f64::from(held), &best.1) {
             break;
         }
     }
@@ -271,7 +276,7 @@ pub fn train_phase(
     Ok(f64::from(best.0))
 }
 
-/// Random numbers of a phase: it can be begun again.
+/// Random numbers of a phase, which can be restarted.
 pub fn random_of_phase(seed: u64, phase: usize) -> Pcg64 {
     Pcg64::seed_from_u64(seed.wrapping_mul(1_000_003).wrapping_add(phase as u64 + 1))
 }

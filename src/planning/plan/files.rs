@@ -47,7 +47,7 @@ fn entries(poses: &[TimedPose]) -> Result<Vec<PoseEntry>, NotFinite> {
 /// Columns time_s, x_m, y_m, z_m, qw, qx, qy, qz.
 ///
 /// # Errors
-/// A number is not finite: no gripper is to follow it.
+/// A number is not finite.
 pub fn trajectory_csv(poses: &[TimedPose]) -> Result<String, NotFinite> {
     let mut text = COLUMNS.join(",") + "\n";
     for pose in entries(poses)? {
@@ -61,7 +61,7 @@ pub fn trajectory_csv(poses: &[TimedPose]) -> Result<String, NotFinite> {
     Ok(text)
 }
 
-/// The same as JSON, with what it belongs to: the pattern, the rod and its gravito-bending length, m.
+/// The same as JSON, with its context: the pattern, the rod and its gravito-bending length, m.
 ///
 /// # Errors
 /// As of [`trajectory_csv`].

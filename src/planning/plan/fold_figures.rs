@@ -3,13 +3,13 @@
 use super::fold::{Cell, Fold, FoldPath, ForceManifold};
 use rodlab_files::figure::{Curve, Figure, LinePlot, Look, line_plots, plot_to_scale};
 
-/// Poses of the sheet that are drawn, and points of each.
+/// Number of drawn poses of the sheet, and of points of each.
 const POSES: usize = 7;
 const POINTS: usize = 60;
-/// Rows and columns of the manifold between two that are looked at.
+/// Rows and columns of the manifold between two samples.
 const EVERY: usize = 4;
 
-/// The sheet along its path over the places where it neither pushes nor pulls along the table, to scale, in L_gb.
+/// The sheet along its path, over the positions without a force along the table, to scale, in L_gb.
 pub fn fold_figure(path: &FoldPath, manifold: &ForceManifold, length: f64) -> Figure {
     let mut poses = vec![];
     for pose in 0..POSES {
@@ -32,8 +32,8 @@ pub fn fold_figure(path: &FoldPath, manifold: &ForceManifold, length: f64) -> Fi
     plot_to_scale(plot, "x/L_{gb}")
 }
 
-/// λ, and the friction demand of a sheet of length L̄, along the way of the gripper in L_gb, against the friction there is; and how
-/// far the sheet has slid.
+/// λ, and the friction demand of a sheet of length L̄, along the path of the gripper in L_gb, with
+/// the friction of the table, and the sliding of the sheet.
 pub fn friction_figure(
     path: &FoldPath,
     length: f64,
@@ -80,7 +80,7 @@ fn point([x, z]: [f64; 2]) -> (f64, Option<f64>) {
     (x, Some(z))
 }
 
-/// Places, on some rows and columns of the grid, where H changes its sign.
+/// Positions on some rows and columns of the grid where H changes its sign.
 fn without_push(manifold: &ForceManifold) -> Vec<(f64, Option<f64>)> {
     let [columns, rows] = manifold.size();
     let right = (0..rows)

@@ -1,4 +1,4 @@
-//! A fold as it is asked for, planned to the way of the gripper and what that asks of the table.
+//! Request and plan of a fold: the path of the gripper and its friction demand.
 
 use super::deployment::{GripperPose, TimedPose, timed};
 use super::files::trajectory_csv;
@@ -12,19 +12,19 @@ use rodlab_files::finite::NotFinite;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Fastest turn of the gripper, rad/s.
+/// Largest angular speed of the gripper, rad/s.
 const FASTEST_TURN: f64 = 1.0;
 
-/// How a sheet is folded.
+/// Options of a fold.
 #[derive(Clone, Copy, Debug)]
 pub struct FoldPlanRequest<'a> {
-    /// How the way of the gripper is planned.
+    /// Planning method of the path of the gripper.
     pub algorithm: Algorithm,
-    /// A network over whose folds the least Σλ is searched.
+    /// A network whose folds are used in the search for the least Σλ.
     pub network: Option<&'a NeuralFolds>,
-    /// Friction of the table, where it is known.
+    /// Friction of the table, if known.
     pub friction: Option<f64>,
-    /// Speed of the gripper, m/s; slower where it would turn faster than 1 rad/s.
+    /// Speed of the gripper, m/s; lower where it would turn faster than 1 rad/s.
     pub speed: f64,
 }
 
@@ -39,8 +39,8 @@ impl Default for FoldPlanRequest<'_> {
     }
 }
 
-/// Sheets, and how far their edges go, m, of folds in half one after the other: each folds what the one before has left, whose
-/// gravito-bending length is so many times as large.
+/// Sheets and edge displacements, m, of successive folds in half: each folds the result of the
+/// previous one, whose gravito-bending length is larger by a factor.
 pub fn halvings(
     sheet: FoldedSheet,
     target: f64,
@@ -57,10 +57,10 @@ pub fn halvings(
 }
 
 impl FoldPlanRequest<'_> {
-    /// What plans the fold of a sheet, and how folds of a network compare with exact ones.
+    /// The planner for the fold of a sheet, and the comparison of network folds with exact ones.
     ///
     /// # Errors
-    /// The network does not serve.
+    /// The network cannot be used.
     pub fn planner(
         &self,
         sheet: &FoldedSheet,
@@ -75,7 +75,7 @@ impl FoldPlanRequest<'_> {
         }
     }
 
-    /// Plans the fold of a sheet whose edge goes so far, m.
+    /// Plans the fold of a sheet for an edge displacement, m.
     ///
     /// # Errors
     /// The target cannot be reached.
@@ -125,7 +125,7 @@ impl FoldPlanRequest<'_> {
         })
     }
 
-    /// When the gripper passes its poses, s, from 0.
+    /// Times of the poses of the gripper, s, from 0.
     fn times_of(&self, poses: &[GripperPose]) -> Vec<f64> {
         let mut time = 0.0;
         let steps = poses.windows(2).map(|pair| {
@@ -142,13 +142,14 @@ impl FoldPlanRequest<'_> {
 pub struct PlannedFold {
     /// The sheet.
     pub sheet: FoldedSheet,
-    /// The way of the gripper, in L_gb.
+    /// The path of the gripper, in L_gb.
     pub path: FoldPath,
     /// The same in metres, with times.
     pub trajectory: Vec<TimedPose>,
-    /// How far the sheet slides on the way, in L_gb, where the friction is known and it does not slide away.
+    /// Sliding of the sheet during the fold, in L_gb, if the friction is known and it does not
+    /// slide away.
     pub slid: Option<Vec<f64>>,
-    /// What it came to, for programs.
+    /// Summary for programs.
     pub numbers: FoldNumbers,
 }
 
@@ -167,7 +168,7 @@ pub struct FoldNumbers {
     friction: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     holds: Option<bool>,
-    /// Farthest on the way.
+    /// Largest during the fold.
     #[serde(skip_serializing_if = "Option::is_none")]
     slides_m: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -215,7 +216,7 @@ impl PlannedFold {
                 fold.angle,
                 fold.force_ratio(),
                 fold.friction_demand(length),
-                // Added to zero, a zero has no sign.
+                // Adding zero removes the sign of zero.
                 fold.forces.horizontal + 0.0,
                 fold.forces.vertical + 0.0,
                 (1e9 * fold.moment).round() / 1e9 + 0.0

@@ -1,4 +1,4 @@
-//! Plans: what a gripper must do so that a rod comes to lie, or a sheet is folded, as it should.
+//! Plans of gripper motions that lay a rod or fold a sheet.
 
 pub mod deployment;
 pub mod files;

@@ -1,4 +1,5 @@
-//! What makes a pattern that is refused one that can be laid: another size, or a larger deviation from what was drawn.
+//! Remedies for a pattern that cannot be laid: another size, or a larger deviation from the
+//! drawing.
 
 use super::deployment::{DeployedRod, DeploymentError, Spare, checked_points, long_enough};
 use super::grasp::{GraspError, GraspProblem};
@@ -6,21 +7,21 @@ use super::pattern::{Drawing, PatternSource, Point};
 use super::request::{DeploymentRequest, RequestError};
 use std::fmt;
 
-/// Largest deviation that is proposed, over the longer side of the drawing.
+/// Largest proposed deviation, relative to the longer side of the drawing.
 const LARGEST_DEVIATION: f64 = 0.1;
-/// Parts of the longest pattern that a rod can follow, which are tried as lengths of one of another size.
+/// Shares of the longest possible pattern that are tried as lengths of a scaled one.
 const LENGTHS: [f64; 4] = [0.9, 0.75, 0.5, 0.25];
 /// Halvings, on a logarithmic scale, between a deviation that does not work and one that does.
 const HALVINGS: usize = 4;
 /// Factor between the deviations that are tried before.
 const STEP: f64 = 1.6;
 
-/// What is proposed, each for itself as the option takes it.
+/// Proposed values of the options.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remedy {
-    /// Length of the longer side of the drawing, m; none where it may stay as it is.
+    /// Length of the longer side of the drawing, m; `None` to keep it.
     pub size: Option<f64>,
-    /// Deviation from the drawing, m; none where it may stay as it is.
+    /// Deviation from the drawing, m; `None` to keep it.
     pub deviation: Option<f64>,
 }
 
@@ -39,8 +40,9 @@ impl fmt::Display for Remedy {
 }
 
 impl DeploymentRequest<'_> {
-    /// The smallest change with which a drawing can be planned: its deviation if that is enough, otherwise its size too. It is
-    /// tried by a whole plan. None where nothing is found, or the pattern is a formula.
+    /// The smallest change with which a drawing can be planned: its deviation if that is enough,
+    /// otherwise also its size. It is verified by a complete plan. `None` if nothing is found, or
+    /// the pattern is a formula.
     pub fn remedy(
         &self,
         source: &PatternSource,
@@ -77,7 +79,7 @@ impl DeploymentRequest<'_> {
             };
             let most = deviation.max(LARGEST_DEVIATION * side);
             let least = self.least_deviation(*deviation, most, rod, &drawn)?;
-            // The whole plan may ask for more.
+            // The complete plan may need more.
             let works = [1.0, STEP, STEP * STEP]
                 .iter()
                 .map(|factor| match least == *deviation {
@@ -121,7 +123,7 @@ impl DeploymentRequest<'_> {
         Some(high)
     }
 
-    /// What a plan checks before it computes poses.
+    /// Checks of a plan before it computes poses.
     fn check(&self, source: &PatternSource, rod: &DeployedRod) -> Result<(), RequestError> {
         let pattern = self.pattern(source, rod)?;
         long_enough(rod, &pattern)?;
@@ -176,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_proposed_works_and_what_is_less_does_not() {
+    fn proposed_values_work_and_smaller_ones_do_not() {
         let request = DeploymentRequest::default();
         let spare = Spare::HANGS;
         for (size, is_scaled) in [(0.1, false), (10.0, true), (0.002, true)] {

@@ -1,4 +1,5 @@
-//! A deployment as it is asked for, planned from the source of its pattern to the path of the gripper and what that asks for.
+//! Request and plan of a deployment: from the source of its pattern to the path of the gripper and
+//! its demands.
 
 use super::deployment::{
     DeployedRod, DeploymentError, Feasibility, LaidPath, MOST_POSES, OptimalGrasps, Scheme, Spare,
@@ -11,31 +12,31 @@ use thiserror::Error;
 /// Length of a lead-in or a lead-out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum LeadLength {
-    /// As long as it should be.
+    /// Automatic.
     #[default]
     Auto,
-    /// So long, m.
+    /// A length, m.
     Given(f64),
 }
 
-/// How a rod is laid along a pattern.
+/// Options for laying a rod along a pattern.
 #[derive(Clone, Debug)]
 pub struct DeploymentRequest<'a> {
     /// The start in front of the pattern.
     pub lead_in: LeadLength,
-    /// What is laid behind it; of a rod that is longer than its pattern as much as there is room for, where no length is given.
+    /// The lead-out behind it; by default as much of the surplus of the rod as there is space for.
     pub lead_out: LeadLength,
-    /// Distance of neighbouring poses along the pattern, at most, m.
+    /// Largest distance of neighbouring poses along the pattern, m.
     pub step: f64,
     /// Speed of laying, m/s.
     pub speed: f64,
-    /// How the gripper leads the rod.
+    /// Scheme of the gripper.
     pub scheme: Scheme,
-    /// Who finds the optimal grasps.
+    /// Solver for the optimal grasps.
     pub grasps: OptimalGrasps<'a>,
-    /// Friction of the table, where it is known.
+    /// Friction of the table, if known.
     pub friction: Option<f64>,
-    /// How the rod passes its crossings where a knot is tied; empty without.
+    /// Passes of the rod at its crossings for a knot; empty otherwise.
     pub knot: Vec<Pass>,
 }
 
@@ -54,10 +55,10 @@ impl Default for DeploymentRequest<'_> {
     }
 }
 
-/// Why there is no plan.
+/// Why planning failed.
 #[derive(Debug, Error)]
 pub enum RequestError {
-    /// The pattern is none.
+    /// The pattern is invalid.
     #[error(transparent)]
     Pattern(#[from] PatternError),
     /// It cannot be laid.
@@ -66,7 +67,7 @@ pub enum RequestError {
     /// No knot can be tied along it.
     #[error(transparent)]
     Tying(#[from] TyingError),
-    /// It takes too many poses.
+    /// It needs too many poses.
     #[error("a distance of {step} m cuts {length:.4} m into more than {MOST_POSES} poses")]
     TooManyPoses {
         /// Distance of poses, m.
@@ -84,23 +85,23 @@ pub struct PlannedDeployment {
     pub pattern: Pattern,
     /// Length of the lead-in over which the curvature grows, m.
     pub bent: f64,
-    /// When the gripper passes its poses, s.
+    /// Times of the poses of the gripper, s.
     pub times: Vec<f64>,
-    /// What the pattern asks for, at worst.
+    /// The largest demands of the pattern.
     pub feasibility: Feasibility,
-    /// The friction that it asks for at each point.
+    /// Its friction demand at each point.
     pub demands: Vec<f64>,
-    /// Where it crosses itself.
+    /// Its self-crossings.
     pub crossings: Vec<Crossing>,
-    /// Of a knot the whole pattern, the path of the rod's end included, and its crossings.
+    /// For a knot, the whole pattern, including the path of the end of the rod, and its crossings.
     pub knot: Option<(Pattern, Vec<Passage>)>,
 }
 
 impl DeploymentRequest<'_> {
-    /// Plans all of it; `spare` says what is done with a rod that is longer than its pattern.
+    /// Plans the deployment; `spare` is the treatment of a rod that is longer than its pattern.
     ///
     /// # Errors
-    /// The pattern is none, or the rod cannot be laid or tied along it.
+    /// The pattern is invalid, or the rod cannot be laid or tied along it.
     pub fn plan(
         &self,
         source: &PatternSource,
@@ -142,7 +143,7 @@ impl DeploymentRequest<'_> {
     /// The pattern with its lead-in.
     ///
     /// # Errors
-    /// It is none.
+    /// It is invalid.
     pub fn pattern(
         &self,
         source: &PatternSource,
@@ -156,10 +157,11 @@ impl DeploymentRequest<'_> {
         Ok(pattern.with_lead_in(length))
     }
 
-    /// One of the rods of a knot of several: its whole pattern, and the path along which it is laid before its end is led.
+    /// One of the rods of a knot of several: its whole pattern, and the path along which it is laid
+    /// before its end is moved.
     ///
     /// # Errors
-    /// The pattern is none, or the rod cannot be laid along it.
+    /// The pattern is invalid, or the rod cannot be laid along it.
     pub fn tied(
         &self,
         source: &PatternSource,
@@ -181,7 +183,7 @@ impl DeploymentRequest<'_> {
         passages(&tied.collect::<Vec<_>>(), &self.knot)
     }
 
-    /// Before anything is sampled: it may be very long.
+    /// Checked before sampling: it may be very long.
     fn refuse_long(&self, pattern: &Pattern, rod: &DeployedRod) -> Result<(), RequestError> {
         long_enough(rod, pattern)?;
         let (step, length) = (self.step, pattern.length());

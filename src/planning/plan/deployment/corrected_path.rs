@@ -1,4 +1,4 @@
-//! A gripper's path that is planned anew, while a rod is laid, from where the rod is seen to lie.
+//! A path of the gripper that is replanned during laying from the observed position of the rod.
 
 use super::{
     DeployedRod, ObservedContact, OptimalGrasps, Scheme, corrected_length, return_curve, trajectory,
@@ -9,42 +9,44 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Length of lying rod, in gravito-bending lengths, by which its end is seen.
+/// Length of lying rod, in gravito-bending lengths, used to observe its end.
 const WINDOW: f64 = 1.5;
-/// Length behind the last place that seems to lie, in gravito-bending lengths, which may have risen already: z = s³/8 there.
+/// Length behind the last lying point, in gravito-bending lengths, that may already be lifted: z =
+/// s³/8 there.
 const RISEN: f64 = 0.2;
-/// Part of the length between two corrections over which the gripper goes over to the new path.
+/// Share of the length between two corrections for the transition of the gripper to the new path.
 const TRANSITION: f64 = 0.5;
-/// Shortest length of return over that between two corrections.
+/// Smallest ratio of the length of return to that between two corrections.
 const SHORTEST_RETURN: f64 = 3.0;
-/// Largest curvature, over 1/L_gb, by which the rod is bent beside that of its pattern.
+/// Largest curvature, over 1/L_gb, in addition to that of its pattern.
 const LARGEST_CURVATURE: f64 = 0.3;
-/// Difference of direction, rad, above which something else was seen.
+/// Difference of direction, rad, above which an observation is rejected.
 const MOST_TURNED: f64 = 0.5;
 
-/// The path of a gripper that lays a rod by the optimal scheme, with what is believed of the rod.
+/// The path of a gripper that lays a rod by the optimal scheme, with the estimated parameters of
+/// the rod.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CorrectedPath {
-    /// The rod as it is believed to be, and its L_gb at first, m.
+    /// The estimated rod, and its initial L_gb, m.
     rod: DeployedRod,
     nominal: f64,
     /// Length between two corrections, and that over which the rod returns to the pattern, m.
     every: f64,
     return_length: f64,
-    /// Length ahead that is planned anew, m; without one all.
+    /// Length ahead that is replanned, m; `None` for the whole rest.
     horizon: Option<f64>,
     /// The pattern.
     pattern: Vec<PatternPoint>,
-    /// What is aimed at, and the gripper's poses for it.
+    /// The target curve, and the poses of the gripper for it.
     aim: Vec<PatternPoint>,
     poses: Vec<(Vector3, UnitQuaternion)>,
-    /// Where the rod was seen to end last.
+    /// The last observed end of the rod.
     last: Option<ObservedContact>,
 }
 
 impl CorrectedPath {
-    /// The path as it was planned before, with the `poses` for the points of the `pattern`. The rod is looked at each length
-    /// `every`, and returns to the pattern over `return_length`, m.
+    /// The initial path, with the `poses` for the points of the `pattern`. The rod is observed at
+    /// every length `every`, and returns to the pattern over `return_length`, m.
     pub fn new(
         rod: DeployedRod,
         pattern: Vec<PatternPoint>,
@@ -64,14 +66,15 @@ impl CorrectedPath {
         }
     }
 
-    /// Plans anew no farther ahead than the rod needs to return to the pattern, and goes back to the poses of before behind that:
-    /// in the next look they are planned anew as well, and all of them take longer.
+    /// Replans only as far ahead as the rod needs to return to the pattern, and keeps the previous
+    /// poses behind that: they are replanned after the next observation anyway, and replanning all
+    /// of them takes longer.
     pub fn with_horizon(mut self) -> Self {
         self.horizon = Some(self.return_length + self.every);
         self
     }
 
-    /// The rod as it is believed to be.
+    /// The estimated rod.
     pub fn rod(&self) -> &DeployedRod {
         &self.rod
     }
@@ -81,17 +84,17 @@ impl CorrectedPath {
         &self.pattern
     }
 
-    /// Place, m, and orientation of the gripper at the points of the pattern.
+    /// Position, m, and orientation of the gripper at the points of the pattern.
     pub fn poses(&self) -> &[(Vector3, UnitQuaternion)] {
         &self.poses
     }
 
-    /// Length of lying rod by which its end is seen, m.
+    /// Length of lying rod used to observe its end, m.
     pub fn window(&self) -> f64 {
         WINDOW * self.rod.gravito_bending_length
     }
 
-    /// Length behind the last place that seems to lie which may have risen already, m.
+    /// Length behind the last lying point that may already be lifted, m.
     pub fn risen(&self) -> f64 {
         RISEN * self.rod.gravito_bending_length
     }
@@ -102,7 +105,8 @@ impl CorrectedPath {
         self.pattern.partition_point(|point| point.s < wanted)
     }
 
-    /// Whether a rod may have been seen so: within a gravito-bending length and half a radian of what is aimed at.
+    /// Whether an observation is plausible: within a gravito-bending length and half a radian of
+    /// the target curve.
     pub fn is_plausible(&self, contact: &ObservedContact) -> bool {
         let after = self.aim.partition_point(|point| point.s < contact.s);
         self.aim.get(after).is_some_and(|aimed| {
@@ -113,8 +117,8 @@ impl CorrectedPath {
         })
     }
 
-    /// Plans anew from pose `index` on, where the rod has been seen to end at `contact`; the next look comes at pose `next`.
-    /// Nothing changes where the pattern cannot be laid from there.
+    /// Replans from pose `index` on, for an observed end of the rod at `contact`; the next
+    /// observation is at pose `next`. Nothing changes if the pattern cannot be laid from there.
     pub fn correct(
         &mut self,
         index: usize,

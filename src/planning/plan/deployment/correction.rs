@@ -1,12 +1,13 @@
-//! Online correction: what remains to be laid, from where the rod was seen to lie.
+//! Online correction: the rest of the path from the observed position of the rod.
 //!
-//! A camera, or a simulation in its place, sees the lying rod as places at arc lengths. From its end the rod is to return to the
-//! pattern over a length ℓ: with the heading error ψ and the distance b to the left of the pattern there, it is laid with the
-//! curvature
+//! A camera, or a simulation instead, observes positions of the lying rod at arc lengths. From its
+//! end the rod returns to the pattern over a length ℓ: with the heading error ψ and the distance b
+//! to the left of the pattern there, it is laid with the curvature
 //!
 //! > κ(s) + (c₀ + c₁ x)(1 − x)²,  x = (s − s₀)/ℓ,  c₀ = −20 b/ℓ² − 8 ψ/ℓ,  c₁ = −12 ψ/ℓ − 4 c₀,
 //!
-//! for which both errors are gone at s₀ + ℓ as far as they are small: ψ' and b' = ψ follow from the curvature alone.
+//! which removes both errors at s₀ + ℓ to first order: ψ' and b' = ψ follow from the curvature
+//! alone.
 
 use super::DeployedRod;
 use crate::plan::pattern::{PatternPoint, Point};
@@ -14,15 +15,16 @@ use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Fewest places to which a parabola is fitted.
+/// Minimum number of positions for the fit of a parabola.
 const FEWEST: usize = 4;
-/// Curvature, over 1/L_gb, below which a bend says little about the gravito-bending length.
+/// Curvature, over 1/L_gb, below which a bend has little information about the gravito-bending
+/// length.
 const LEAST_BEND: f64 = 0.2;
-/// Part of what a stretch says of the gravito-bending length that is believed, and most that it may change in all.
+/// Gain of the correction of the gravito-bending length, and its largest total change.
 const BELIEF: f64 = 0.6;
 const LARGEST_CHANGE: f64 = 0.3;
 
-/// The end of the lying rod, as it was seen.
+/// The observed end of the lying rod.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObservedContact {
     /// Arc length of the rod, m.
@@ -34,8 +36,8 @@ pub struct ObservedContact {
 }
 
 impl ObservedContact {
-    /// Place and direction at the last of the `lying` places (arc length and place, m), by parabolas through those within
-    /// `window` (m) of it; `None` where there are too few.
+    /// Position and direction at the last of the `lying` points (arc length and position, m), by
+    /// parabolas through those within `window` (m) of it; `None` if there are too few.
     pub fn of(lying: &[(f64, Point)], window: f64) -> Option<Self> {
         let end = lying.last()?.0;
         let near = || lying.iter().filter(|(s, _)| end - s <= window);
@@ -60,7 +62,8 @@ impl ObservedContact {
         })
     }
 
-    /// The same carried on to `s` (m) along a curve of given curvatures (1/m): points of increasing arc length.
+    /// The same extrapolated to `s` (m) along a curve of given curvatures (1/m): points of
+    /// increasing arc length.
     pub fn carried(&self, along: &[PatternPoint], s: f64) -> Self {
         let mut carried = *self;
         for pair in along.windows(2) {
@@ -75,7 +78,7 @@ impl ObservedContact {
         carried
     }
 
-    /// Goes on along an arc.
+    /// Continues along an arc.
     fn step(&mut self, curvature: f64, length: f64) {
         let turn = curvature * length;
         let half = 0.5 * turn;
@@ -91,8 +94,9 @@ impl ObservedContact {
     }
 }
 
-/// The curve on which the rod is to return from `contact` to the pattern, whose `points` begin there, over `return_length` (m),
-/// with no more than `largest_curvature` (1/m) beside that of the pattern.
+/// The curve on which the rod is to return from `contact` to the pattern, whose `points` begin
+/// there, over `return_length` (m), with at most `largest_curvature` (1/m) in addition to that of
+/// the pattern.
 pub fn return_curve(
     points: &[PatternPoint],
     contact: &ObservedContact,
@@ -109,7 +113,7 @@ pub fn return_curve(
     let heading = heading - TAU * (heading / TAU).round();
     let start = -20.0 * aside / (return_length * return_length) - 8.0 * heading / return_length;
     let slope = -12.0 * heading / return_length - 4.0 * start;
-    // Not more than the linear theory bears.
+    // Limited to the range of the linear theory.
     let largest = start.abs().max((start + slope / 3.0).abs() * 4.0 / 9.0);
     let part = (largest_curvature / largest.max(1e-300)).min(1.0);
     let added = |s: f64| {
@@ -137,11 +141,11 @@ pub fn return_curve(
     curve
 }
 
-/// The gravito-bending length, m, by which a rod is planned for, corrected by what it was laid with: over a stretch it turned
-/// by `turned` (rad) beside `aimed`, the curvatures (1/m) that were asked for, over `length` (m).
+/// The gravito-bending length, m, used in planning, corrected by the observed bend: over `length`
+/// (m) the rod turned by `turned` (rad), while `aimed` are the planned curvatures (1/m).
 ///
-/// What is laid with an L_gb that is too large bends too much: the gripper is as far aside as L_gb² κ asks for, so that
-/// the curvature is laid (L_gb/L)² times. `nominal` is the length that was first believed.
+/// A rod laid with an L_gb that is too large bends too much: the gripper is as far aside as L_gb² κ
+/// requires, so that the curvature is laid (L_gb/L)² times. `nominal` is the initial length.
 pub fn corrected_length(
     rod: &DeployedRod,
     nominal: f64,
@@ -181,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rod_that_lies_well_goes_on_along_the_pattern() {
+    fn a_well_laid_rod_continues_along_the_pattern() {
         let circle = Pattern::new(Box::new(Circle { radius: -0.15 }), 0.0).unwrap();
         let points = circle.sampled(0.003);
         let from = 40;
@@ -252,7 +256,7 @@ mod tests {
             rod.gravito_bending_length = corrected_length(&rod, 0.033, [turned, aimed], 0.02);
         }
         assert!((rod.gravito_bending_length / truth - 1.0).abs() < 1e-3);
-        // A straight stretch says nothing.
+        // A straight part has no information.
         let same = corrected_length(&rod, 0.033, [0.01, 0.0], 0.02);
         assert_eq!(same, rod.gravito_bending_length);
     }

@@ -1,17 +1,18 @@
-//! What a pattern asks of rod and table.
+//! Requirements of a pattern on rod and table.
 
 use super::{DeployedRod, DeploymentError, GripperPose, Lead};
 use crate::plan::grasp::GraspProblem;
 use crate::plan::pattern::{LeadBend, Pattern, PatternPoint};
 use serde::Serialize;
 
-/// Friction that a lead-in may ask for.
+/// Largest friction demand of a lead-in.
 const LEAD_IN_DEMAND: f64 = 0.1;
-/// Largest |d²κ/dx²| of the lead-in's curvature over x = s/ℓ, of a pattern that goes on with constant curvature 1.
+/// Largest |d²κ/dx²| of the lead-in's curvature over x = s/ℓ, of a pattern that continues with
+/// constant curvature 1.
 const LEAD_IN_BEND: f64 = 5.7735;
-/// Least radius of curvature of a lead, in radii of the rod.
+/// Smallest radius of curvature of a lead, in radii of the rod.
 const LEAD_RADII: f64 = 3.0;
-/// How far a lead may turn whose curvature swings beyond that of the pattern, rad.
+/// Largest rotation of a lead whose curvature overshoots that of the pattern, rad.
 const MOST_TURN: f64 = std::f64::consts::PI;
 /// Factor between two lengths of a lead that are tried.
 const SHORTER: f64 = 0.9;
@@ -28,8 +29,9 @@ pub fn lying_demand(rod: &DeployedRod, point: &PatternPoint) -> f64 {
 /// The coefficient of friction that holds a rod at each point of a pattern: in its curve where it lies, and at its contact node when the
 /// gripper has the pose of that point.
 ///
-/// Thesis Eq. 5.2 counts the lying rod alone. Where the pattern is curved, the suspended part pushes the contact node sideways, which
-/// can ask for several times as much: of a circle it is all there is.
+/// Thesis Eq. 5.2 includes the lying rod only. Where the pattern is curved, the suspended part
+/// pushes the contact node sideways, which can need several times as much friction: for a circle it
+/// is the whole demand.
 pub fn friction_demands(
     rod: &DeployedRod,
     points: &[PatternPoint],
@@ -55,11 +57,12 @@ fn contact_demand_at(poses: &[GripperPose], s: f64) -> f64 {
     }
 }
 
-/// Length of the lead-in that a pattern needs which starts at this point, m: zero where that is nearly straight. Of a lead-out it is
-/// that of the last point turned round.
+/// Length of the lead-in for a pattern that starts at this point, m: zero if it is nearly straight
+/// there. For a lead-out, use the reversed last point.
 ///
-/// It is shorter than the friction demand wants where the lead would bend below three radii of the rod, or coil: a curvature
-/// that changes fast where the pattern begins makes a long lead swing to and fro.
+/// It is shorter than for the friction demand alone where the lead would bend below three radii of
+/// the rod, or coil: a rapidly changing curvature at the start of the pattern makes a long lead
+/// oscillate.
 pub fn lead_length(rod: &DeployedRod, end: &PatternPoint) -> f64 {
     let unit = rod.gravito_bending_length;
     let bent = end.curvature.abs() * unit;
@@ -84,7 +87,7 @@ fn sharpest_of_lead(rod: &DeployedRod) -> f64 {
     1.0 / (LEAD_RADII * rod.radius)
 }
 
-/// Whether the gripper still has something to hold when the pattern ends.
+/// Checks that the gripper still holds the rod at the end of the pattern.
 ///
 /// # Errors
 /// [`DeploymentError::TooLong`].
@@ -110,32 +113,33 @@ pub fn long_enough(rod: &DeployedRod, pattern: &Pattern) -> Result<(), Deploymen
     })
 }
 
-/// What a pattern asks for, at worst.
+/// Largest demands of a pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Feasibility {
     /// Least radius of curvature, m; infinite for a straight line.
     pub least_radius_m: f64,
-    /// Where, m from the start.
+    /// Its position, m from the start.
     pub least_radius_at_m: f64,
     /// Largest friction demand, of the lying rod or at the contact node.
     #[serde(rename = "largest_friction_demand")]
     pub largest_demand: f64,
-    /// Where, m from the start.
+    /// Its position, m from the start.
     #[serde(rename = "largest_friction_demand_at_m")]
     pub largest_demand_at_m: f64,
     /// Largest friction demand of the lying rod alone (thesis Eq. 5.2).
     #[serde(rename = "largest_lying_friction_demand")]
     pub largest_lying_demand: f64,
-    /// Friction of the table, where it is known.
+    /// Friction of the table, if known.
     pub friction: Option<f64>,
-    /// Part of the length whose demand is above a coefficient of friction, if there was one.
+    /// Share of the length whose demand is above the friction of the table, if given.
     pub share_above_friction: Option<f64>,
 }
 
-/// Least number of points at which a pattern is checked, and most.
+/// Minimum and maximum number of points at which a pattern is checked.
 const CHECKED_POINTS: [f64; 2] = [8000.0, 400_000.0];
 
-/// Points of a pattern whose poses lie `spacing` (m) apart at which it is checked: closer ones, for corners may lie between poses.
+/// Points of a pattern whose poses lie `spacing` (m) apart at which it is checked: closer ones,
+/// because corners may be between poses.
 ///
 /// # Errors
 /// The pattern is too sharp for the rod.
@@ -160,7 +164,8 @@ pub fn checked_points(
     Ok(points)
 }
 
-/// Leads must not bend below three radii of the rod, unless the pattern itself begins or ends so.
+/// Leads must not bend below three radii of the rod, unless the pattern itself does so at its start
+/// or end.
 fn leads_bend_little(
     pattern: &Pattern,
     points: &[PatternPoint],
@@ -204,8 +209,8 @@ fn worst(points: &[PatternPoint], value: &dyn Fn(&PatternPoint) -> f64) -> (f64,
 }
 
 impl Feasibility {
-    /// What a pattern asks for at the points of [`checked_points`], with the demand at the contact node that the poses have. That a rod
-    /// slides is no error; `friction` is that of the table.
+    /// The demands of a pattern at the points of [`checked_points`], with the demand of the poses
+    /// at the contact node. Sliding is not an error; `friction` is that of the table.
     pub fn of(
         points: &[PatternPoint],
         rod: &DeployedRod,
@@ -249,7 +254,8 @@ mod tests {
 
     #[test]
     fn a_circle_asks_for_friction_at_its_contact_node() {
-        // Eq. 5.2 sees no demand along a circle after its lead-in; a simulated rod slides at a friction of 0.12.
+        // Eq. 5.2 has no demand along a circle after its lead-in; a simulated rod slides at a
+        // friction of 0.12.
         let circle = Pattern::new(Box::new(Circle { radius: 0.08 }), 0.0).unwrap();
         let lead_in = lead_length(&GREEN, &circle.at(0.0));
         let circle = || {
@@ -277,7 +283,7 @@ mod tests {
         assert!(asked.share_above_friction.unwrap() > 0.5);
     }
 
-    /// A hook that is 12 mm wide: its curvature changes fast where it begins and ends.
+    /// A hook that is 12 mm wide: its curvature changes rapidly at its start and end.
     fn hook() -> Pattern {
         let corners = [[2e-3, 2e-3], [12e-3, 2e-3], [0.0, 10e-3], [10e-3, 10e-3]].map(Point::from);
         let points = (0..=100).map(|k| {

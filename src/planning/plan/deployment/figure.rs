@@ -7,7 +7,7 @@ use std::fmt::Write;
 /// Width of the figure and its margin, pixels.
 const WIDTH: f64 = 760.0;
 const MARGIN: f64 = 48.0;
-/// Heights of the title, of the view from above at most, and of the plot of the friction demand.
+/// Heights of the title, of the view from above (maximum), and of the plot of the friction demand.
 const TITLE: f64 = 64.0;
 const LARGEST_VIEW: f64 = 640.0;
 const PLOT: f64 = 200.0;

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::plan::pattern::{Pattern, PatternPoint};
 
-/// A path that is laid.
+/// A path for laying.
 #[derive(Clone, Debug)]
 pub struct LaidPath {
     /// The pattern with lead-in and lead-out.
@@ -15,15 +15,16 @@ pub struct LaidPath {
     pub poses: Vec<GripperPose>,
     /// Length of the lead-in, m.
     pub lead_in: f64,
-    /// Whether more is laid than the pattern and its lead-in.
+    /// Whether the path is longer than the pattern and its lead-in.
     pub lays_spare: bool,
-    /// How many answers of a network were replaced.
+    /// Number of replaced outputs of a network.
     pub rejected: usize,
 }
 
 impl LaidPath {
-    /// The path along a pattern with its lead-in and, where `spare` says so, of the rest of the rod; its points are at most `step`
-    /// apart, m, and `way` says how the gripper leads the rod, and who finds its grasps.
+    /// The path along a pattern with its lead-in and, depending on `spare`, the rest of the rod;
+    /// its points are at most `step` apart, m, and `way` is the scheme of the gripper and the
+    /// solver for its grasps.
     ///
     /// # Errors
     /// There is no grasp at some point.
@@ -39,7 +40,7 @@ impl LaidPath {
         Self::along(&pattern, length, rod, step, way)
     }
 
-    /// The same along a pattern with all that is laid, of which `length`, m, is the pattern and its lead-in.
+    /// The same along the whole laid curve, of which `length`, m, is the pattern and its lead-in.
     ///
     /// # Errors
     /// There is no grasp at some point.

@@ -1,16 +1,17 @@
-//! Where the rod hangs before it is laid down: the start of a simulation.
+//! The hanging rod before it is laid: the start of a simulation.
 
 use super::{DeployedRod, DeploymentError, Scheme};
 use crate::plan::grasp::{GraspProblem, GraspSolver};
 use crate::plan::pattern::PatternPoint;
 use rodlab_engine::mechanics::{Vector3, rotation};
 
-/// Nodes of the whole rod as it hangs from the gripper's first pose, its free end on the table at the first point of the
-/// pattern, m: an equilibrium. Of the optimal scheme it is that of the optimal grasp; of the intuitive one the rod hangs
-/// straight down, drawn a little by its own weight.
+/// Nodes of the whole rod hanging from the first pose of the gripper, its free end on the table at
+/// the first point of the pattern, m: an equilibrium. For the optimal scheme it is that of the
+/// optimal grasp; for the intuitive one the rod hangs straight down, slightly stretched by its own
+/// weight.
 ///
 /// # Errors
-/// There is no grasp.
+/// No grasp was found.
 pub fn hanging_rod(
     first: &PatternPoint,
     rod: &DeployedRod,
@@ -50,8 +51,8 @@ fn grasped(
     })
 }
 
-/// Heights of the nodes of a rod that hangs freely over its lowest one, m: the part s below bears the weight of what is
-/// below it, so that it is stretched to s (1 + s/(4 k̄_s L_gb)).
+/// Heights of the nodes of a rod that hangs freely over its lowest one, m: the part s carries the
+/// weight below it, so that it is stretched to s (1 + s/(4 k̄_s L_gb)).
 fn upright(rod: &DeployedRod, edges: usize) -> impl Iterator<Item = f64> {
     let stretch = 0.25 / (rod.stretch_stiffness() * rod.gravito_bending_length);
     let length = rod.length;

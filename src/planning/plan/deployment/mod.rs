@@ -1,16 +1,17 @@
-//! Deployment of a rod along a pattern: the gripper's trajectory (thesis Algorithm 9), and what it asks of the table.
+//! Deployment of a rod along a pattern: the trajectory of the gripper (thesis Algorithm 9), and its
+//! demands on the table.
 //!
 //! | file | what |
 //! |---|---|
 //! | `rod` | the rod by its gravito-bending length and radius |
 //! | `trajectory` | poses of the gripper |
-//! | `laid_path` | all of that for the path along which a rod is laid |
-//! | `timing` | when the gripper is where |
+//! | `laid_path` | the whole path along which a rod is laid |
+//! | `timing` | timing of the gripper |
 //! | `feasibility` | friction, bending and length that the pattern needs |
-//! | `spare` | what of the rod is longer than its pattern, laid as well |
+//! | `spare` | the surplus of a rod that is longer than its pattern |
 //! | `landing` | the hanging rod at the start |
-//! | `corrected_path` | the gripper's path, planned anew while the rod is laid |
-//! | `correction` | what remains to be laid, from where the rod was seen to lie |
+//! | `corrected_path` | the path of the gripper, replanned during laying |
+//! | `correction` | the rest of the path from the observed position of the rod |
 //! | `figure` | pattern, path of the gripper and friction demand |
 
 mod corrected_path;
@@ -42,10 +43,10 @@ use crate::plan::grasp::GraspError;
 use std::fmt;
 use thiserror::Error;
 
-/// Most poses of a trajectory.
+/// Maximum number of poses of a trajectory.
 pub const MOST_POSES: f64 = 100_000.0;
 
-/// What is laid in front of a pattern or behind it.
+/// The curve laid in front of a pattern or behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lead {
     /// In front.
@@ -55,7 +56,7 @@ pub enum Lead {
 }
 
 impl Lead {
-    /// How it is left out, in words.
+    /// How to omit it, as text.
     fn without(self) -> &'static str {
         match self {
             Self::In => "--lead-in none, or `lead_in = 0` in a scenario",
@@ -84,7 +85,7 @@ pub enum DeploymentError {
     TooLong {
         /// Length of the pattern, m.
         pattern_m: f64,
-        /// What of it is the lead-in, in words.
+        /// The lead-in included, as text.
         lead_in: String,
         /// Length of the rod, m.
         rod_m: f64,
@@ -99,15 +100,16 @@ pub enum DeploymentError {
     TooSharp {
         /// Least radius of curvature, m.
         radius_m: f64,
-        /// Where, m from the start.
+        /// Its position, m from the start.
         s_m: f64,
         /// Radius of the rod, m.
         rod_m: f64,
     },
     /// A lead bends more than a rod should.
     #[error(
-        "the {lead} bends to a radius of {radius_m:.2e} m at {s_m:.4} m, and three radii of the rod, {least_m:.4} m, are the least: \
-         the drawing is not at fault; shorten the {lead}, or leave it out ({})",
+        "the {lead} bends to a radius of {radius_m:.2e} m at {s_m:.4} m; allowed: at least three \
+         radii of the rod, {least_m:.4} m. The drawing is not the cause: shorten the {lead}, or \
+         leave it out ({})",
         lead.without()
     )]
     SharpLead {
@@ -115,9 +117,9 @@ pub enum DeploymentError {
         lead: Lead,
         /// Its least radius of curvature, m.
         radius_m: f64,
-        /// Where, m from the start.
+        /// Its position, m from the start.
         s_m: f64,
-        /// The least that is allowed, m.
+        /// The smallest allowed radius, m.
         least_m: f64,
     },
     /// There is no grasp at some point.
@@ -125,7 +127,7 @@ pub enum DeploymentError {
     Grasp {
         /// Arc length, m.
         s_m: f64,
-        /// What is wrong.
+        /// The error.
         error: GraspError,
     },
     /// A network failed.

@@ -1,8 +1,8 @@
-//! A rod that is laid on a table.
+//! A rod for laying on a table.
 
 use serde::{Deserialize, Serialize};
 
-/// What of a rod matters for laying it.
+/// Parameters of a rod for laying.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DeployedRod {
     /// L_gb, (E h²/(8ρg))^(1/3), m.
@@ -32,7 +32,8 @@ impl DeployedRod {
         8.0 * density * gravity * self.gravito_bending_length.powi(3) / self.radius.powi(2)
     }
 
-    /// Length to which the rod is drawn by its own weight when it hangs freely, m: L (1 + l̄/(4 k̄_s)), l̄ = L/L_gb.
+    /// Length of the freely hanging rod, stretched by its own weight, m: L (1 + l̄/(4 k̄_s)), l̄ =
+    /// L/L_gb.
     pub fn hanging_length(&self) -> f64 {
         let relative = self.length / self.gravito_bending_length;
         self.length * (1.0 + 0.25 * relative / self.stretch_stiffness())

@@ -1,47 +1,52 @@
-//! What of a rod is longer than its pattern: laid behind it and in front of it, so that it does not fall.
+//! The surplus of a rod that is longer than its pattern: laid behind it and in front of it, so that
+//! it does not fall.
 
 use super::{DeployedRod, lead_length};
 use crate::plan::pattern::{Pattern, PatternPoint, Point};
 
-/// Suspended length, in gravito-bending lengths, at which the gripper lets go: it is 0.73 L_gb above the table then. A longer
-/// rest pulls at what lies when it falls, and with a shorter one the fingers come down to the table.
+/// Suspended length, in gravito-bending lengths, at which the gripper releases: it is then 0.73
+/// L_gb above the table. A longer rest pulls at the lying part when it falls, and with a shorter
+/// one the fingers reach the table.
 const SUSPENDED: f64 = 2.5;
-/// Longest rest, in gravito-bending lengths, that falls straight when the gripper lets go: a longer one may fall upon itself.
+/// Longest rest, in gravito-bending lengths, that falls straight when the gripper releases it: a
+/// longer one may fall onto itself.
 const FALLS_STRAIGHT: f64 = SUSPENDED + LEAST;
-/// Least length, in gravito-bending lengths, that is worth a lead-out or a straight start.
+/// Smallest length, in gravito-bending lengths, of a lead-out or a straight start.
 const LEAST: f64 = 1.0;
-/// Distance of points that are looked at, and least distance of one part of the rod from another, in radii: between rods that
-/// touch, pictures show no gap.
+/// Distance of checked points, and smallest distance between parts of the rod, in radii: pictures
+/// show no gap between rods that touch.
 const SPACING: f64 = 2.0;
 const CLEARANCE: f64 = 6.0;
 
-/// Most points at which the rod is looked at.
+/// Maximum number of checked points of the rod.
 const MOST_POINTS: f64 = 1000.0;
 
-/// Whether what is left of a rod behind a path of some length, m, falls straight when the gripper lets go.
+/// Whether the rest of a rod behind a path of some length, m, falls straight when the gripper
+/// releases it.
 pub fn falls_straight(rod: &DeployedRod, laid: f64) -> bool {
     rod.length - laid <= FALLS_STRAIGHT * rod.gravito_bending_length
 }
 
-/// What is done with a rod that is longer than its pattern.
+/// Treatment of a rod that is longer than its pattern.
 #[derive(Clone, Copy)]
 pub struct Spare<'a> {
-    /// The part of what is longer, from 0 to 1, that is laid where there is room.
+    /// The share of the surplus, from 0 to 1, that is laid if there is space.
     pub part: f64,
-    /// Whether there is room at a place in the frame of the pattern, m.
+    /// Whether there is space at a position in the frame of the pattern, m.
     pub is_free: &'a dyn Fn(Point) -> bool,
 }
 
 impl Spare<'_> {
-    /// All of it hangs from the gripper to the end.
+    /// The whole surplus hangs from the gripper until the end.
     pub const HANGS: Spare<'static> = Spare {
         part: 0.0,
         is_free: &|_| true,
     };
 }
 
-/// Lays a part of the rod that a pattern leaves over: behind its end, as far as there is room, and the rest in front of its
-/// lead-in. There is room where `spare` says so and no other part of the rod lies.
+/// Lays a part of the surplus: behind the end of the pattern, as far as there is space, and the
+/// rest in front of its lead-in. There is space where `spare` allows it and no other part of the
+/// rod is.
 pub fn with_spare_laid(pattern: Pattern, rod: &DeployedRod, spare: &Spare<'_>) -> Pattern {
     let unit = rod.gravito_bending_length;
     let (whole, bent) = (pattern.length(), pattern.lead_in());
@@ -74,16 +79,17 @@ pub fn with_spare_laid(pattern: Pattern, rod: &DeployedRod, spare: &Spare<'_>) -
         .with_lead_out(back, behind)
 }
 
-/// Where a rod may lie.
+/// Free space for a rod.
 struct Room<'a> {
     clearance: f64,
     is_free: &'a dyn Fn(Point) -> bool,
 }
 
 impl Room<'_> {
-    /// How far a rod whose points `laid` lie already can be laid on along `next`, which begins at the arc length `from`, m.
+    /// Length over which a rod with the laid points `laid` can be laid further along `next`, which
+    /// begins at the arc length `from`, m.
     fn along(&self, laid: &[PatternPoint], next: &[PatternPoint], from: f64) -> f64 {
-        // What is as near along the rod is near for this reason.
+        // Points that are near along the rod are excluded.
         let apart = std::f64::consts::PI * self.clearance;
         let mut far = 0.0;
         for (index, point) in next.iter().enumerate() {
@@ -112,7 +118,7 @@ mod tests {
         Pattern::new(Box::new(Line { length: 0.5 }), 0.0).unwrap()
     }
 
-    /// All of a rod that there is room for.
+    /// As much of a rod as there is space for.
     fn laid(pattern: Pattern, rod: &DeployedRod, is_free: &dyn Fn(Point) -> bool) -> Pattern {
         with_spare_laid(pattern, rod, &Spare { part: 1.0, is_free })
     }
@@ -125,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_lie_on_the_table_behind_is_laid_in_front() {
+    fn the_surplus_without_space_behind_is_laid_in_front() {
         // A table whose edge is 10 cm beyond the end.
         let wide = laid(line(), &GREEN, &|place| place.x < 0.6);
         assert!(
@@ -141,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_laid_on_what_lies() {
+    fn the_surplus_is_not_laid_on_the_lying_rod() {
         let circle = Pattern::new(Box::new(Circle { radius: 0.06 }), 0.0).unwrap();
         let lead_in = lead_length(&GREEN, &circle.at(0.0));
         let circle = circle.with_lead_in(lead_in);

@@ -1,16 +1,17 @@
-//! When the gripper is where.
+//! Timing of the gripper.
 
 use super::GripperPose;
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 
-/// Most that the gripper moves for each length that is laid, of what sets the pace: above it, laying is slower. Along a
-/// straight line it moves √2 times as far, with the optimal scheme around a bend of 1/L_gb about four times, and a rod that
-/// is led through bends at a steady pace of laying is whipped out of them: an A laid at 5 cm/s lies twice as far from its
-/// pattern as with this limit.
+/// Largest gripper displacement per laid length at full speed: above it, laying is slower. Along a
+/// straight line it moves √2 times as far, with the optimal scheme around a bend of 1/L_gb about
+/// four times, and a constant speed of laying throws the rod out of bends: an A laid at 5 cm/s is
+/// twice as far from its pattern as with this limit.
 const LARGEST_RATIO: f64 = 1.5;
 
-/// Times at which the gripper passes its poses, s, from 0: laying goes on at `speed` (m/s) or, where the gripper moves
-/// more than 1.5 times as far, so much slower that it moves at 1.5 times that speed.
+/// Times of the poses of the gripper, s, from 0: laying proceeds at `speed` (m/s) or, where the
+/// gripper moves more than 1.5 times as far, at a lower speed such that it moves at 1.5 times
+/// `speed`.
 pub fn times(poses: &[GripperPose], speed: f64) -> Vec<f64> {
     let mut time = 0.0;
     let mut times = Vec::with_capacity(poses.len());
@@ -27,19 +28,20 @@ pub fn times(poses: &[GripperPose], speed: f64) -> Vec<f64> {
     times
 }
 
-/// Arc length laid at a time between the first and the last of `times`, m; that of the nearest beyond them.
+/// Arc length laid at a time between the first and the last of `times`, m; constant beyond them.
 pub fn laid_after(poses: &[GripperPose], times: &[f64], time: f64) -> f64 {
     let after = times.partition_point(|known| *known < time);
     between(after, times.len(), time, |k| [times[k], poses[k].s])
 }
 
-/// When an arc length is laid (m), s: the inverse of [`laid_after`].
+/// Time at which an arc length (m) is laid, s: the inverse of [`laid_after`].
 pub fn when_laid(poses: &[GripperPose], times: &[f64], s: f64) -> f64 {
     let after = poses.partition_point(|pose| pose.s < s);
     between(after, times.len(), s, |k| [poses[k].s, times[k]])
 }
 
-/// The second of a row of pairs where the first is `at`, between the pairs before and at `after`; that of the nearest beyond them.
+/// The second of a row of pairs where the first is `at`, between the pairs before and at `after`;
+/// constant beyond them.
 fn between(after: usize, count: usize, at: f64, pair: impl Fn(usize) -> [f64; 2]) -> f64 {
     match (after, count) {
         (_, 0) => 0.0,

@@ -11,20 +11,21 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 
-/// How the gripper leads the rod.
+/// Scheme of the gripper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// By the optimal grasp of each point.
     Optimal,
-    /// Upright above the contact node, lower by what has been laid (thesis 5.1.1, Fig. 5.2): the gripper goes along the
-    /// pattern and, at the same pace, down.
+    /// Upright above the contact node, lower by the laid length (thesis 5.1.1, Fig. 5.2): the
+    /// gripper moves along the pattern and, at the same rate, down.
     Intuitive,
 }
 
-/// Every so many-th answer of a network is compared with the equations, and those between them with what is interpolated there.
+/// Interval of network outputs that are compared with the equations; those between are compared
+/// with interpolated grasps.
 const CHECKED: usize = 8;
-/// How far an answer may be off, L_gb and rad: twice what the network of the program is off at worst.
+/// Allowed error of an output, L_gb and rad: twice the largest error of the built-in network.
 const TOLERANCES: [f64; 2] = [0.05, 0.02];
 
 /// Solver for the optimal grasps.
@@ -32,7 +33,8 @@ const TOLERANCES: [f64; 2] = [0.05, 0.02];
 pub enum OptimalGrasps<'a> {
     /// The equations of the suspended rod.
     Exact,
-    /// A network whose answers are checked; the equations out of the range of its samples and where an answer is wrong.
+    /// A network whose outputs are checked; the equations outside the range of its samples and
+    /// where an output is wrong.
     Neural(&'a NeuralGrasps),
 }
 
@@ -41,11 +43,11 @@ pub enum OptimalGrasps<'a> {
 pub struct Trajectory {
     /// The poses.
     pub poses: Vec<GripperPose>,
-    /// How many answers of a network were replaced, because they are not those of the equations.
+    /// Number of replaced outputs of a network that differ from the equations.
     pub rejected: usize,
 }
 
-/// Where the gripper is when the rod touches the table at an arc length of the pattern.
+/// Pose of the gripper when the rod touches the table at an arc length of the pattern.
 #[derive(Clone, Debug)]
 pub struct GripperPose {
     /// Arc length of the contact node, m.
@@ -55,14 +57,14 @@ pub struct GripperPose {
     /// Orientation: its x axis is the tangent of the rod, towards the gripper; the frame of the rod that lies on the
     /// table, (t, ẑ × t, ẑ), goes over into it without twist.
     pub rotation: UnitQuaternion,
-    /// The exact grasp, dimensionless; none for the intuitive scheme and for a network, which do not know it.
+    /// The exact grasp, dimensionless; `None` for the intuitive scheme and for a network.
     pub grasp: Option<Grasp>,
-    /// Friction by which the table must hold the rod at the contact node; none where no grasp says so.
+    /// Friction demand at the contact node; `None` without a grasp.
     pub contact_demand: Option<f64>,
 }
 
 impl GripperPose {
-    /// A pose that no grasp belongs to.
+    /// A pose without a grasp.
     pub fn new(s: f64, position: Vector3, rotation: UnitQuaternion) -> Self {
         Self {
             s,
@@ -81,7 +83,7 @@ impl GripperPose {
     }
 }
 
-/// The gripper's poses for the points of a pattern; quaternions go over into each other without a change of sign.
+/// The gripper's poses for the points of a pattern; quaternions are continuous in sign.
 ///
 /// # Errors
 /// There is no grasp at some point.
@@ -94,7 +96,7 @@ pub fn trajectory(
     checked_trajectory(points, rod, scheme, grasps).map(|trajectory| trajectory.poses)
 }
 
-/// The same, with the number of a network's answers that were replaced, of which a warning tells.
+/// The same, with the number of replaced outputs of a network, which is also logged as a warning.
 ///
 /// # Errors
 /// There is no grasp at some point.
@@ -119,7 +121,8 @@ pub fn checked_trajectory(
     if rejected > 0 {
         let [position, angle] = TOLERANCES;
         tracing::warn!(
-            "{rejected} of {} answers of the network are more than {position} L_gb or {:.1}° off and were replaced by exact grasps",
+            "{rejected} of {} outputs of the network were more than {position} L_gb or {:.1}° off \
+             and were replaced by exact grasps",
             points.len(),
             angle.to_degrees()
         );
@@ -133,7 +136,7 @@ pub fn checked_trajectory(
 /// Poses by a network alone, without a check; points out of its range by the equations.
 ///
 /// # Errors
-/// There is no grasp at some point, or an answer of the network is not finite.
+/// There is no grasp at some point, or an output of the network is not finite.
 pub fn network_trajectory(
     points: &[PatternPoint],
     rod: &DeployedRod,
@@ -200,7 +203,7 @@ fn exact(
     })
 }
 
-/// An exact grasp, brought to a point of the pattern.
+/// An exact grasp at a point of the pattern.
 fn placed_grasp(point: &PatternPoint, rod: &DeployedRod, grasp: Grasp) -> GripperPose {
     let force = [-grasp.contact_force.y, -grasp.contact_force.z];
     GripperPose {
@@ -210,7 +213,7 @@ fn placed_grasp(point: &PatternPoint, rod: &DeployedRod, grasp: Grasp) -> Grippe
     }
 }
 
-/// An answer of a network, brought to a point of the pattern.
+/// An output of a network at a point of the pattern.
 fn placed_answer(
     point: &PatternPoint,
     rod: &DeployedRod,
@@ -229,7 +232,7 @@ fn curvature_slope(point: &PatternPoint, rod: &DeployedRod) -> f64 {
     point.curvature_slope * rod.gravito_bending_length.powi(2)
 }
 
-/// What a network says at each point, all at once; nothing out of its range.
+/// Outputs of a network at all points; `None` outside its range.
 fn predictions(
     points: &[PatternPoint],
     rod: &DeployedRod,
@@ -244,11 +247,12 @@ fn predictions(
     Ok(problems.into_iter().zip(found).collect())
 }
 
-/// Poses by a network whose answers are checked, and how many of them were replaced.
+/// Poses by a network whose outputs are checked, and the number of replaced ones.
 ///
-/// Every eighth answer is compared with the exact grasp. Those between them are compared with what lies between the exact grasps on
-/// either side; where they differ, be it that the curvature changes there, the equations are solved for that point, too. An answer
-/// that is off by more than the tolerances gives way to the exact grasp.
+/// Every eighth output is compared with the exact grasp. Those between are compared with the
+/// interpolation of the exact grasps on either side; where they differ, for example because the
+/// curvature changes, the equations are solved for that point as well. An output with an error
+/// beyond the tolerances is replaced by the exact grasp.
 fn learned(
     points: &[PatternPoint],
     rod: &DeployedRod,
@@ -297,7 +301,7 @@ fn learned_of(grasp: &Grasp) -> LearnedGrasp {
     }
 }
 
-/// Whether an answer is a known one within the tolerances; numbers that are not finite are not.
+/// Whether an output equals a known one within the tolerances; numbers that are not finite are not.
 fn is_near(answer: &LearnedGrasp, known: &LearnedGrasp) -> bool {
     let [farthest, most] = TOLERANCES;
     (answer.position - known.position).norm() <= farthest
@@ -324,7 +328,7 @@ fn between(
     })
 }
 
-/// The grasp that a point of the pattern asks for.
+/// The grasp for a point of the pattern.
 fn problem(point: &PatternPoint, rod: &DeployedRod) -> Result<GraspProblem, DeploymentError> {
     let unit = rod.gravito_bending_length;
     let problem = GraspProblem::new(
@@ -338,7 +342,7 @@ fn problem(point: &PatternPoint, rod: &DeployedRod) -> Result<GraspProblem, Depl
     })
 }
 
-/// A dimensionless grasp, brought to a point of the pattern.
+/// A dimensionless grasp at a point of the pattern.
 fn placed(
     point: &PatternPoint,
     rod: &DeployedRod,
@@ -363,7 +367,7 @@ mod tests {
 
     const GREEN: DeployedRod = DeployedRod::GREEN;
 
-    /// A wavy curve, moved by a motion of the plane, mirrored about x first where asked for.
+    /// A wavy curve, moved by a motion of the plane, mirrored about x first if requested.
     fn wave(turn: f64, shift: Point, mirror: f64) -> Vec<PatternPoint> {
         let turned = nalgebra::Rotation2::new(turn);
         let points: Vec<Point> = (0..=300)
@@ -425,7 +429,7 @@ mod tests {
             let ahead = pose.position.x - pose.s;
             assert!((ahead / 0.032 - 2.566).abs() < 2e-3, "{pose:?}");
             assert!(pose.position.y.abs() < 1e-12);
-            // Upright, but for the last few gravito-bending lengths.
+            // Upright, except for the last few gravito-bending lengths.
             let tangent = pose.rotation * Vector3::x();
             assert!(tangent.z > 0.99999);
         }
@@ -461,7 +465,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_answers_of_a_network_give_way_to_exact_grasps() {
+    fn wrong_outputs_of_a_network_are_replaced_by_exact_grasps() {
         let circle = Pattern::new(Box::new(Circle { radius: 0.09 }), 0.0).unwrap();
         let points = circle.with_lead_in(0.2).sampled(0.003);
         let planned = |network: &NeuralGrasps| {
@@ -495,7 +499,7 @@ mod tests {
             );
             assert!(trajectory.poses.iter().all(GripperPose::is_finite));
             let [far, turned] = off(&trajectory.poses);
-            // What is interpolated between exact grasps is off, too.
+            // The interpolation between exact grasps has an error, too.
             assert!(
                 far < 2.0 * TOLERANCES[0] && turned < 2.0 * TOLERANCES[1],
                 "{by}: {far} {turned}"

@@ -1,4 +1,4 @@
-//! Gentle folds all over the workspace, from which any other is a step of Newton's method away.
+//! Gentle folds all over the workspace, as initial guesses for Newton's method.
 
 use super::FoldError;
 use super::equilibrium::{Fold, between};
@@ -9,15 +9,15 @@ const LENGTHS: [f64; 2] = [0.1, Fold::LONGEST];
 const GROWTH: f64 = 1.15;
 /// Angle between neighbours, rad.
 const ANGLE: f64 = 0.1;
-/// Part of an angle below which no shorter one is tried.
+/// Smallest ratio of successive angles.
 const SHORTEST: f64 = 1e-3;
 /// Largest pull H l̄_s².
 const LARGEST_PULL: f64 = 100.0;
-/// What two neighbours differ by at most: ln l̄_s, α, V l̄_s².
+/// Largest differences of two neighbours: ln l̄_s, α, V l̄_s².
 const FARTHEST: [f64; 3] = [0.3, 0.4, 6.0];
-/// Neighbours from which a fold is sought.
+/// Number of neighbours from which a fold is searched.
 const STARTS: usize = 6;
-/// Parts of the way to a point that are tried when the whole fails.
+/// Number of steps to a point that are tried if a single step fails.
 const MOST_PARTS: usize = 64;
 
 /// Folds by suspended length and angle.
@@ -36,7 +36,7 @@ impl FoldAtlas {
         while let Some(free) = freely {
             folds.push(free);
             for direction in [-1.0, 1.0] {
-                // The longest sheets turn over on their way to the table.
+                // The longest sheets turn over before they reach the table.
                 let stable = |fold: &Fold| fold.unstable_modes() == 0;
                 folds.extend(angles_from(free, direction).take_while(stable));
             }
@@ -78,7 +78,7 @@ impl FoldAtlas {
         })
     }
 
-    /// All folds at a gripper that are found, the gentle one first where there is one.
+    /// All folds found at a gripper position, the gentle one first if it exists.
     ///
     /// # Errors
     /// There is none in the workspace.
@@ -94,7 +94,8 @@ impl FoldAtlas {
         }
     }
 
-    /// A sheet that is lifted without a push along the table, from next to flat to a suspended length, in equal steps of it.
+    /// A sheet that is lifted without a push along the table, from nearly flat to a suspended
+    /// length, in equal steps of it.
     pub fn lift(longest: f64, steps: usize) -> Vec<Fold> {
         let length = |step: usize| longest * step as f64 / steps as f64;
         let mut lift: Vec<Fold> = vec![];
@@ -120,14 +121,14 @@ impl Default for FoldAtlas {
     }
 }
 
-/// The gentle fold at a gripper from another one, in as many steps as it takes.
+/// The gentle fold at a gripper position from another one, in as many steps as needed.
 pub fn solve_from(start: &Fold, gripper: [f64; 2]) -> Option<Fold> {
     in_parts(start, gripper, MOST_PARTS, |fold, place| {
         Fold::at(place, fold).filter(|next| is_near(next, fold))
     })
 }
 
-/// A fold with the gripper elsewhere, by steps over the whole of the way there or, where one fails, over ever smaller parts of it.
+/// A fold at another gripper position, by one step or, if it fails, by ever smaller steps.
 pub(super) fn in_parts(
     start: &Fold,
     gripper: [f64; 2],
@@ -186,7 +187,7 @@ impl Iterator for Angles {
 
     fn next(&mut self) -> Option<Fold> {
         let (last, before) = (self.last, self.before);
-        // Towards zero ever smaller steps: the forces grow without bound there.
+        // Ever smaller steps towards zero, where the forces grow without bound.
         let largest = if self.direction < 0.0 {
             ANGLE.min(0.2 * last.angle)
         } else {
@@ -239,7 +240,8 @@ mod tests {
         })
     }
 
-    /// Where the reference gives another solution than the gentle one, that one is unstable and among all.
+    /// If the reference has a solution other than the gentle one, it is unstable and among all
+    /// folds.
     #[test]
     fn folds_agree_with_the_reference() {
         let atlas = FoldAtlas::new();
@@ -270,8 +272,8 @@ mod tests {
         assert!((found.suspended_length - 0.2).abs() < 1e-8, "{found:?}");
     }
 
-    /// The sheet presses with |V| and is held up by the gripper: both together carry its weight; and moments about the touchdown
-    /// point vanish.
+    /// The table force |V| and the gripper together carry the weight of the sheet; and moments
+    /// about the touchdown point vanish.
     #[test]
     fn forces_and_moments_balance() {
         let fold = FoldAtlas::new().solve([3.4, 1.7]).unwrap();
@@ -288,7 +290,8 @@ mod tests {
         assert!(moment.abs() < 1e-5, "{moment}");
     }
 
-    /// At (9.625, 0.175) the longest sheets hang over before they come to the table; an unstable one of them was the answer.
+    /// At (9.625, 0.175) the longest sheets hang over before they reach the table; one of them,
+    /// unstable, was returned.
     #[test]
     fn gentle_folds_are_stable_where_long_sheets_turn_over() {
         let atlas = FoldAtlas::new();

@@ -1,4 +1,4 @@
-//! Ways of folding that the thesis compares its own with (sec. 4.6.2).
+//! Baseline methods of folding in the thesis (sec. 4.6.2).
 
 use super::FoldError;
 use super::atlas::solve_from;
@@ -28,11 +28,11 @@ pub fn circle(target: f64) -> Vec<FoldPose> {
     (0..=POSES).map(pose).collect()
 }
 
-/// Steps that look no further than the next: the gripper goes around the crease, each time to the cell beside it in which the
-/// sheet pushes or pulls least, λ, and is held without a moment.
+/// Greedy steps: the gripper moves around the crease, each time to the neighbouring cell with the
+/// smallest λ, and holds without a moment.
 ///
-/// What the thesis says of the method of Petrík et al., which it compares with: a beam on a table, whose current state alone decides on
-/// the next grasp.
+/// This follows the description in the thesis of the method of Petrík et al.: a beam on a table,
+/// whose current state alone determines the next grasp.
 ///
 /// # Errors
 /// No cell is left before the edge is down.
@@ -42,7 +42,7 @@ pub fn step_by_step(
     target: f64,
 ) -> Result<Vec<FoldPose>, FoldError> {
     let lost = FoldError::NoPath(target);
-    // On the lift it neither pushes nor pulls; that goes on as long as there is a sheet to lift.
+    // The lift has no force along the table, and continues as long as there is a sheet to lift.
     let mut folds = lift_of(sheet);
     let is_known = |fold: &Fold| manifold.fold(manifold.cell(fold.gripper)).is_some();
     let end = folds.iter().rposition(is_known).ok_or(lost)?;
@@ -55,8 +55,8 @@ pub fn step_by_step(
         let here = around(manifold.place(cell));
         let ahead = neighbours(cell).filter_map(|next| {
             let fold = manifold.fold(next)?;
-            let goes_on = around(fold.gripper) < here && sheet.allows(fold);
-            goes_on.then_some((next, fold))
+            let continues = around(fold.gripper) < here && sheet.allows(fold);
+            continues.then_some((next, fold))
         });
         let best = ahead.min_by(|(_, one), (_, other)| {
             let ratios = [one, other].map(|fold| fold.force_ratio());

@@ -19,13 +19,13 @@ pub struct Fold {
     pub angle: f64,
     /// l̄_s.
     pub suspended_length: f64,
-    /// What the suspended part exerts on the lying one.
+    /// Force of the suspended part on the lying one.
     pub forces: Forces,
     /// θ'(l̄_s): the moment at the gripper, in EI/L_gb.
     pub moment: f64,
 }
 
-/// A condition on a fold; three of them make out one.
+/// A condition on a fold; three of them determine it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Condition {
     /// H.
@@ -45,7 +45,7 @@ pub(super) enum Condition {
 }
 
 impl Condition {
-    /// By how much it is missed at an end, and the derivatives of that by H, V and l̄_s.
+    /// Its residual at an end, and the derivatives by H, V and l̄_s.
     fn fault(self, forces: Forces, (end, by_length): &(Place, State)) -> (f64, [f64; 3]) {
         let of = |part: fn(&State) -> f64| {
             let by = [&end.by_horizontal, &end.by_vertical, by_length].map(part);
@@ -76,7 +76,7 @@ impl Condition {
 }
 
 impl Fold {
-    /// Longest suspended length at which folds are sought, L_gb.
+    /// Longest suspended length at which folds are searched, L_gb.
     pub const LONGEST: f64 = 7.4;
 
     /// Without a force along the table and next to flat: α = l̄³/24, z̄ = l̄⁴/48 and V = −l̄/4 of a beam.
@@ -98,7 +98,8 @@ impl Fold {
         Self::solved(guess, suspended_length, conditions, end)
     }
 
-    /// Of a suspended length and an angle: θ(l̄_s) = α and θ'(l̄_s) = 0 by the choice of H and V.
+    /// The fold of a suspended length and an angle: θ(l̄_s) = α and θ'(l̄_s) = 0 by the choice of H
+    /// and V.
     pub fn at_angle(suspended_length: f64, angle: f64, guess: Forces) -> Option<Self> {
         let conditions = [
             Condition::Length(suspended_length),
@@ -113,7 +114,8 @@ impl Fold {
         Self::held(gripper, Condition::NoMoment, near)
     }
 
-    /// With the gripper at (x̄, z̄) and its angle held at α, by whatever moment that takes, from another fold nearby.
+    /// With the gripper at (x̄, z̄) and its angle held at α, by the required moment, from another
+    /// fold nearby.
     pub fn clamped_at(gripper: [f64; 2], angle: f64, near: &Self) -> Option<Self> {
         Self::held(gripper, Condition::Angle(angle), near)
     }
@@ -211,7 +213,7 @@ fn end(forces: Forces, length: f64) -> (Place, State) {
     (end, sheet.slope(&end))
 }
 
-/// A place between two, at a part of the way.
+/// Linear interpolation between two positions.
 pub(super) fn between(from: [f64; 2], to: [f64; 2], part: f64) -> [f64; 2] {
     [0, 1].map(|k| from[k] + part * (to[k] - from[k]))
 }

@@ -9,13 +9,13 @@ use std::collections::BinaryHeap;
 /// A cell of the grid: column and row.
 pub type Cell = [usize; 2];
 
-/// A cell that waits for its turn, with what leads there; the cheapest first, equal costs in the order of the cells.
+/// A queued cell with its predecessor; the cheapest first, equal costs in the order of the cells.
 pub struct Waiting<From = ()> {
-    /// What it costs.
+    /// Its cost.
     pub cost: f64,
     /// The cell.
     pub cell: Cell,
-    /// What leads there.
+    /// Its predecessor.
     pub from: From,
 }
 
@@ -40,7 +40,7 @@ impl<From> Ord for Waiting<From> {
     }
 }
 
-/// What a path over the manifold is to make small.
+/// Objective of a path over the manifold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Objective {
     /// The sum over its cells (thesis Eq. 4.11).
@@ -49,8 +49,9 @@ pub enum Objective {
     Largest,
 }
 
-/// Uniform-cost search (thesis Algorithm 4): the path of neighbouring cells, eight to each, from one of `starts` to `goal` whose
-/// costs over the cells after the first are least, and their sum or largest. `cost` is none for cells that may not be entered.
+/// Uniform-cost search (thesis Algorithm 4): the path of neighbouring cells, eight to each, from
+/// one of `starts` to `goal` whose costs over the cells after the first are least, and their sum or
+/// largest. `cost` is `None` for forbidden cells.
 pub fn uniform_cost_search(
     manifold: &ForceManifold,
     starts: &[Cell],

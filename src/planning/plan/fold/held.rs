@@ -1,4 +1,5 @@
-//! Folds whose edge is held by a moment, so that the sheet asks for no more friction than there is.
+//! Folds whose edge is held by a moment that keeps the friction demand within the friction of the
+//! table.
 
 use super::FoldError;
 use super::atlas::in_parts;
@@ -8,24 +9,25 @@ use super::manifold::ForceManifold;
 use super::path::{FoldPath, Sheet, after_lift, lift_of, starts, way_over};
 use std::collections::BinaryHeap;
 
-/// Parts of the way to a neighbour that are tried when the whole fails.
+/// Number of steps to a neighbour that are tried if a single step fails.
 const MOST_PARTS: usize = 4;
-/// What a fold and its neighbour differ by at most: ln l̄_s and α.
+/// Largest differences of a fold and its neighbour: ln l̄_s and α.
 const FARTHEST: [f64; 2] = [0.3, 0.5];
-/// Cost of a step where no moment is needed: the shortest of such ways is taken.
+/// Cost of a step without a moment, to select the shortest of such paths.
 const STEP_COST: f64 = 0.02;
-/// Sweeps in which the corners of a way are rounded off, and by how much a moment may grow in each.
+/// Number of smoothing sweeps of a path, and allowed growth of a moment in each.
 const SWEEPS: usize = 16;
 const LARGER: f64 = 1e-3;
-/// Points of a sheet that must not be below the table, and how far they may.
+/// Number of points of a sheet checked against the table, and tolerance.
 const POINTS: usize = 24;
 const BELOW: f64 = 1e-6;
 
-/// From a fold to another place of the gripper, with as little moment there as the friction φ of the table allows:
+/// From a fold to another gripper position, with the smallest moment that the friction φ of the
+/// table allows:
 ///
 /// > |H| ≤ φ ((L̄ − l̄_s)/2 − V)
 ///
-/// Without a moment where the sheet asks for no more, else with a push or pull of that size.
+/// Without a moment if the demand is not larger, otherwise with a push or pull of that size.
 pub fn held_from(start: &Fold, gripper: [f64; 2], length: f64, friction: f64) -> Option<Fold> {
     in_parts(start, gripper, MOST_PARTS, |fold, place| {
         held_next_to(fold, place, length, friction)
@@ -55,12 +57,12 @@ fn is_like(fold: &Fold, near: &Fold, length: f64) -> bool {
 }
 
 impl ForceManifold {
-    /// Folds of a sheet on a table of friction φ at every cell that `held_from` reaches, from those of the lift on; from the
-    /// cells with the smallest moments first.
+    /// Folds of a sheet on a table of friction φ at every cell that `held_from` reaches, starting
+    /// at those of the lift; from the cells with the smallest moments first.
     pub fn held(spacing: f64, sheet: &Sheet, friction: f64) -> Self {
         let cells = |reach: f64| (reach / spacing).ceil() as usize + 1;
         let longest = sheet.length.min(Fold::LONGEST);
-        // x̄ is the suspended length and what the sheet reaches beyond the touchdown point.
+        // x̄ is the suspended length plus the extent of the sheet beyond the touchdown point.
         let (columns, rows) = (cells(sheet.length.min(2.0 * longest)), cells(longest));
         let mut manifold = Self::without_folds(spacing, [columns, rows]);
         let mut waiting = BinaryHeap::new();
@@ -99,11 +101,11 @@ impl ForceManifold {
     }
 }
 
-/// Plans a fold whose edge comes to (C̄, 0), with moments at the gripper by which the sheet asks for no more than a friction φ:
-/// those whose sum over the cells of [`ForceManifold::held`] is least.
+/// Plans a fold whose edge reaches (C̄, 0), with moments at the gripper that keep the friction
+/// demand within φ and whose sum over the cells of [`ForceManifold::held`] is least.
 ///
 /// # Errors
-/// The target is not reached so.
+/// The target cannot be reached.
 pub fn held_path(
     manifold: &ForceManifold,
     sheet: &Sheet,
@@ -141,8 +143,8 @@ pub fn held_path(
     })
 }
 
-/// Rounds the corners of the grid off: each place of the gripper but the first and the last goes half way between its neighbours as long as
-/// that takes no larger moment.
+/// Smooths the path on the grid: each gripper position except the first and the last moves halfway
+/// between its neighbours if that needs no larger moment.
 fn smooth(way: &mut [Fold], sheet: &Sheet, friction: f64) {
     for _ in 0..SWEEPS {
         for index in 1..way.len() - 1 {
@@ -161,7 +163,7 @@ fn smooth(way: &mut [Fold], sheet: &Sheet, friction: f64) {
     }
 }
 
-/// What a fold on such a way costs; none where it is not allowed.
+/// Cost of a fold on such a path; `None` if it is not allowed.
 pub fn held_cost(fold: &Fold, sheet: &Sheet) -> Option<f64> {
     let cost = fold.moment.abs() + STEP_COST;
     sheet.allows(fold).then_some(cost)
@@ -198,7 +200,7 @@ mod tests {
                 .iter()
                 .all(|fold| fold.unstable_modes_held() == 0)
         );
-        // Without friction enough for it no moment is needed.
+        // With sufficient friction no moment is needed.
         let free = plan(0.7);
         assert!(free.folds.iter().map(moment).fold(0.0, f64::max) < 1e-9);
     }
@@ -214,8 +216,8 @@ mod tests {
         }
     }
 
-    /// Where the weight is nothing a sheet that leaves the table under a force at atan φ swings about its direction like a
-    /// pendulum, and its edge never comes down.
+    /// Without weight, a sheet that leaves the table under a force at atan φ swings about its
+    /// direction like a pendulum, and its edge never reaches the table.
     #[test]
     fn a_tight_fold_is_held_by_no_moment() {
         let cardboard = Sheet {

@@ -1,4 +1,4 @@
-//! The force manifold: folds at the points of a grid, and between them.
+//! The force manifold: folds at the points of a grid, with interpolation.
 
 use super::atlas::{FoldAtlas, solve_from};
 use super::equilibrium::Fold;
@@ -10,16 +10,16 @@ pub struct ForceManifold {
     spacing: f64,
     columns: usize,
     rows: usize,
-    /// Row by row; none where no fold reaches.
+    /// Row by row; `None` without a fold.
     folds: Vec<Option<Fold>>,
 }
 
-/// Folds of the atlas from which a row is begun.
+/// Number of folds of the atlas from which a row is started.
 const STARTS: usize = 8;
-/// Pull H l̄_s² of such a fold, at most.
+/// Largest pull H l̄_s² of such a fold.
 const MOST_PULL: f64 = 5.0;
 
-/// What the manifold knows of a place: λ = |H|/|V|, α (rad) and l̄_s.
+/// Values of the manifold at a position: λ = |H|/|V|, α (rad) and l̄_s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {
     /// λ.
@@ -36,8 +36,8 @@ impl ForceManifold {
     /// The thesis' longest suspended length, in L_gb (sec. 4.3.3).
     pub const LONGEST: f64 = 6.84;
 
-    /// Exact folds of suspended lengths up to `longest`, at every cell of the grid that the gripper can reach. Each row starts
-    /// from the atlas and goes on from cell to cell.
+    /// Exact folds of suspended lengths up to `longest`, at every cell of the grid that the gripper
+    /// can reach. Each row starts from the atlas and continues from cell to cell.
     pub fn new(atlas: &FoldAtlas, spacing: f64, longest: f64) -> Self {
         let reach = |k: usize| {
             let within = atlas
@@ -70,7 +70,7 @@ impl ForceManifold {
         }
     }
 
-    /// A grid on which no fold is known.
+    /// A grid without folds.
     pub(super) fn without_folds(spacing: f64, [columns, rows]: [usize; 2]) -> Self {
         Self::of(spacing, [columns, rows], vec![None; columns * rows])
     }
@@ -91,12 +91,12 @@ impl ForceManifold {
             .flat_map(move |row| (0..self.columns).map(move |column| self.place([column, row])))
     }
 
-    /// The folds that are known, row by row.
+    /// The available folds, row by row.
     pub(super) fn folds(&self) -> impl Iterator<Item = &Fold> {
         self.folds.iter().flatten()
     }
 
-    /// Notes the fold of a cell.
+    /// Stores the fold of a cell.
     pub(super) fn set(&mut self, [column, row]: [usize; 2], fold: Fold) {
         self.folds[row * self.columns + column] = Some(fold);
     }
@@ -124,7 +124,8 @@ impl ForceManifold {
         gripper.map(|value| (value / self.spacing).max(0.0) as usize)
     }
 
-    /// Between the four cells around a place, by H, V, α and l̄_s bilinearly; none where one of them is out of reach.
+    /// Between the four cells around a place, by H, V, α and l̄_s bilinearly; `None` if one of them
+    /// is out of reach.
     pub fn at(&self, gripper: [f64; 2]) -> Option<ManifoldPoint> {
         let grid = gripper.map(|value| value / self.spacing - 0.5);
         if !(grid[0] >= 0.0 && grid[1] >= 0.0) {

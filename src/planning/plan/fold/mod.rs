@@ -8,8 +8,9 @@
 //! >
 //! > x̄ = l̄_s − ∫ cos θ ds,  z̄ = ∫ sin θ ds,  α = θ(l̄_s),  λ = |H|/|V|
 //!
-//! (H, V) is what the suspended part exerts on the lying one: it presses on the table with |V|, and pulls (H > 0) or pushes it.
-//! Some places of the gripper have several solutions; the gentle one belongs to the family that begins with the flat sheet.
+//! (H, V) is the force of the suspended part on the lying one: it presses on the table with |V|,
+//! and pulls (H > 0) or pushes it. Some gripper positions have several solutions; the gentle one
+//! belongs to the family that begins with the flat sheet.
 //!
 //! | file | what |
 //! |---|---|
@@ -18,16 +19,16 @@
 //! | `search_all` | all folds at a gripper |
 //! | `stability` | the second variation |
 //! | `discrete` | the same with a discrete elastic rod |
-//! | `workspace` | where the gripper can be |
+//! | `workspace` | gripper positions |
 //! | `manifold` | folds on a grid |
 //! | `neural` | folds by a network |
 //! | `graph_search` | paths over that grid |
-//! | `held` | folds and ways with a moment at the gripper, where friction is scarce |
-//! | `path` | the way of the gripper from the flat sheet to the crease |
-//! | `baseline` | the ways of folding that the thesis compares with |
+//! | `held` | folds and paths with a moment at the gripper, for low friction |
+//! | `path` | the path of the gripper from the flat sheet to the crease |
+//! | `baseline` | baseline methods of the thesis |
 //! | `pose` | a pose of the gripper |
-//! | `planner` | a plan by any of these, and its rest planned anew |
-//! | `sliding` | how far the sheet slides on the way |
+//! | `planner` | a plan by any of these, and replanning of its rest |
+//! | `sliding` | sliding of the sheet during the fold |
 //! | `sheet` | the same in metres |
 
 mod atlas;
@@ -63,19 +64,19 @@ pub use workspace::Workspace;
 
 use thiserror::Error;
 
-/// Why there is no fold.
+/// Why a fold was not found.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum FoldError {
     /// The gripper is out of the workspace.
     #[error(
-        "no sheet can be held without a moment at x̄ = {}, z̄ = {} with a suspended length up to {} L_gb; the nearest place known is \
+        "no sheet can be held without a moment at x̄ = {}, z̄ = {} with a suspended length up to {} L_gb; the nearest feasible place found is \
          ({:.4}, {:.4})",
         gripper[0], gripper[1], Fold::LONGEST, nearest[0], nearest[1]
     )]
     Unreachable {
         /// (x̄, z̄).
         gripper: [f64; 2],
-        /// A place that is reached.
+        /// A reachable position.
         nearest: [f64; 2],
     },
     /// The discrete rod has no such equilibrium.
@@ -86,9 +87,10 @@ pub enum FoldError {
         /// Edges.
         edges: usize,
     },
-    /// The edge cannot be brought there.
+    /// The target cannot be reached.
     #[error(
-        "the edge cannot be brought to x̄ = {target}: it would lie {reason}; targets from {least:.4} to {largest:.4} L_gb can be reached"
+        "the edge cannot be brought to x̄ = {target}: it would lie {reason}; targets from \
+         {least:.4} to {largest:.4} L_gb can be reached"
     )]
     Target {
         /// C̄.
@@ -97,18 +99,16 @@ pub enum FoldError {
         least: f64,
         /// Largest.
         largest: f64,
-        /// What is wrong.
+        /// The error.
         reason: &'static str,
     },
-    /// No way leads there.
-    #[error(
-        "no way over the manifold leads to x̄ = {0} within the suspended lengths that are allowed"
-    )]
+    /// No path leads there.
+    #[error("no path over the manifold reaches x̄ = {0} within the allowed suspended lengths")]
     NoPath(f64),
-    /// No moment at the gripper makes do with a friction.
+    /// No moment at the gripper is sufficient for a friction.
     #[error(
-        "no moment at the gripper brings the edge to x̄ = {target:.4} without asking the table for a friction of more than {friction:.4}: \
-         so tight a fold pushes or pulls what lies"
+        "no moment at the gripper brings the edge to x̄ = {target:.4} with a friction demand of at \
+         most {friction:.4}: so tight a fold pushes or pulls the lying part"
     )]
     NotHeld {
         /// C̄.
@@ -116,7 +116,7 @@ pub enum FoldError {
         /// φ.
         friction: f64,
     },
-    /// A sheet that slides is not held anywhere.
-    #[error("with the gripper at x̄ = {:.4}, z̄ = {:.4} the sheet slides away without a hold", .0[0], .0[1])]
+    /// Nothing holds a sliding sheet.
+    #[error("with the gripper at x̄ = {:.4}, z̄ = {:.4} nothing holds the sheet and it slides away", .0[0], .0[1])]
     NoHold([f64; 2]),
 }

@@ -1,7 +1,8 @@
-//! Folds by a network that has learned them from exact ones (thesis 4.3.4), and the force manifold that it gives (4.4.1).
+//! Folds by a network trained on exact ones (thesis 4.3.4), and its force manifold (4.4.1).
 //!
-//! It sees x̄ and z̄, and answers with α, l̄_s and the inclination of the force on the lying part, arctan(H/|V|), whose tangent is λ with
-//! a sign: smooth where λ has its kink, and bounded where λ is not.
+//! Its inputs are x̄ and z̄, its outputs α, l̄_s and the inclination of the force on the lying
+//! part, arctan(H/|V|), whose tangent is λ with a sign: smooth where λ has its kink, and bounded
+//! where λ is not.
 
 use super::atlas::FoldAtlas;
 use super::equilibrium::Fold;
@@ -21,7 +22,7 @@ pub struct NeuralFolds {
     lengths: [f64; 2],
 }
 
-/// What a network says of a fold.
+/// Output of a network for a fold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearnedFold {
     /// arctan(H/|V|), rad.
@@ -39,18 +40,19 @@ impl LearnedFold {
     }
 }
 
-/// Why there is no network for folds.
+/// Why a network cannot be used for folds.
 #[derive(Debug, Error)]
 pub enum NeuralFoldError {
-    /// It is no model, or fails.
+    /// It is not a model, or fails.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// It does not say what folds it has learned, or there are none like them.
-    #[error("{0} does not say which suspended lengths it has learned: train it again")]
+    /// It has no range of suspended lengths, or an impossible one.
+    #[error("{0} has no range of suspended lengths: train it again")]
     Lengths(PathBuf),
-    /// It has learned no such sheets.
+    /// It was not trained for such sheets.
     #[error(
-        "the network has learned suspended lengths from {:.3} to {:.3} L_gb; needed here: up to {longest:.3}, and {least:.3} and more",
+        "the network was trained for suspended lengths from {:.3} to {:.3} L_gb; needed here: from \
+         {least:.3} to {longest:.3}",
         learned[0], learned[1]
     )]
     OutOfRange {
@@ -64,15 +66,16 @@ pub enum NeuralFoldError {
 }
 
 impl NeuralFolds {
-    /// The kind of samples that it learns from.
+    /// The kind of its samples.
     pub const SAMPLES: &str = "fold-samples";
-    /// Columns of samples that it sees.
+    /// Its input columns.
     pub const INPUTS: [&str; 2] = ["x", "z"];
-    /// Columns that it predicts.
+    /// Its output columns.
     pub const OUTPUTS: [&str; 3] = ["force_inclination", "alpha", "suspended_length"];
-    /// How much their errors count: standardised, those of α and l̄_s would be the larger ones in their units.
+    /// Weights of their errors: without weights, those of α and l̄_s would be larger in their
+    /// units.
     pub const WEIGHTS: [f64; 3] = [1.0, 1.5, 2.0];
-    /// Quantities whose errors are told.
+    /// Quantities whose errors are reported.
     pub const COMPARED: [Compared; 3] = [
         Compared {
             quantity: "lambda",
@@ -122,7 +125,8 @@ impl NeuralFolds {
         Ok(outputs.map(|output| output.map(fold)).collect())
     }
 
-    /// Compares every fifth fold of a manifold of this network with the exact one, and looks whether all are finite.
+    /// Compares every fifth fold of a manifold of this network with the exact one, and checks that
+    /// all are finite.
     pub fn check(atlas: &FoldAtlas, manifold: &ForceManifold) -> NetworkCheck {
         let folds: Vec<&Fold> = manifold.folds().collect();
         let not_finite = folds.iter().filter(|fold| !is_finite(fold)).count();
@@ -138,9 +142,10 @@ impl NeuralFolds {
         }
     }
 
-    /// The manifold by the network (thesis sec. 4.4.1), of a sheet whose suspended length is between `least` and `longest`: at every cell
-    /// of the grid within the workspace that the network has learned. It tells λ, but not V, which is that of the nearest fold of the
-    /// atlas; so the manifold is for [`Objective::Sum`](super::Objective::Sum).
+    /// The manifold by the network (thesis sec. 4.4.1), of a sheet whose suspended length is
+    /// between `least` and `longest`: at every cell of the grid within the training workspace of
+    /// the network. It has λ, but V is that of the nearest fold of the atlas; so the manifold is
+    /// for [`Objective::Sum`](super::Objective::Sum).
     ///
     /// # Errors
     /// [`NeuralFoldError::OutOfRange`]; [`ModelError::Tensors`].
@@ -157,7 +162,7 @@ impl NeuralFolds {
             longest,
         };
         let longest_learned = longest.min(to);
-        // Samples do not lie on the border of their workspace.
+        // Samples are not on the border of their workspace.
         if least < from || longest > MARGIN * to {
             return Err(out_of_range());
         }
@@ -178,29 +183,31 @@ impl NeuralFolds {
     }
 }
 
-/// Longest suspended length that is asked for over the longest of the samples.
+/// Longest requested suspended length over the longest of the samples.
 const MARGIN: f64 = 1.01;
 
 /// Every so many-th fold of a manifold is compared with the exact one.
 const COMPARED_STEP: usize = 5;
-/// How far it may be off: the inclination of the force and α, rad, and l̄_s. The networks of the guide are 0.003 off on average.
+/// Allowed error: the inclination of the force and α, rad, and l̄_s. The networks of the guide are
+/// 0.003 off on average.
 const TOLERANCE: f64 = 0.2;
-/// Part of the compared folds that may be farther off: next to x̄ = 0, where λ rises from 0 to 2 within 0.05 L_gb, any network is.
+/// Share of the compared folds that may have larger errors: next to x̄ = 0, where λ rises from 0 to
+/// 2 within 0.05 L_gb, any network is.
 const MOST_WRONG: f64 = 0.05;
 
 /// A manifold of a network beside the exact folds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NetworkCheck {
-    /// Folds that were compared.
+    /// Number of compared folds.
     pub compared: usize,
-    /// Those of them that are wrong.
+    /// Number of those with too large errors.
     pub wrong: usize,
-    /// Folds with numbers that are not finite, of all.
+    /// Number of folds with numbers that are not finite, of all.
     pub not_finite: usize,
 }
 
 impl NetworkCheck {
-    /// Whether a way may be searched over the manifold.
+    /// Whether the manifold can be used for a search.
     pub fn is_passed(&self) -> bool {
         self.not_finite == 0 && self.wrong as f64 <= MOST_WRONG * self.compared as f64
     }
@@ -225,7 +232,8 @@ fn is_near(fold: &Fold, exact: &Fold) -> bool {
     off.iter().all(|off| off.abs() <= TOLERANCE)
 }
 
-/// What the network says at a place, with V of the nearest exact fold, by distance over that from where the edge lay.
+/// Output of the network at a position, with V of the nearest exact fold, by distance relative to
+/// that from the initial edge.
 fn fold(gripper: [f64; 2], learned: &LearnedFold, atlas: &FoldAtlas) -> Fold {
     let distance = |fold: &Fold| {
         let [x, z] = fold.gripper;

@@ -1,4 +1,4 @@
-//! The way of the gripper from the flat sheet to the crease target.
+//! The path of the gripper from the flat sheet to the crease target.
 
 use super::FoldError;
 use super::atlas::{FoldAtlas, solve_from};
@@ -9,15 +9,16 @@ use serde::{Deserialize, Serialize};
 
 /// Folds of the lift per L_gb of suspended length.
 const LIFT_STEPS: usize = 100;
-/// Parts between two folds of a way in its integral.
+/// Intervals between two folds of a path in its integral.
 const PARTS: usize = 3;
-/// Sweeps of the refinement, the least gain of a move, the first move of a point in grid spacings, and the least.
+/// Sweeps of the refinement, the smallest gain of a move, and the initial and the smallest move of
+/// a point in grid spacings.
 const SWEEPS: usize = 400;
 const LEAST_GAIN: f64 = 1e-9;
 const FIRST_MOVE: f64 = 0.5;
 const LEAST_MOVE: f64 = 0.01;
 
-/// What of a sheet matters for folding it, in L_gb.
+/// Parameters of a sheet for folding, in L_gb.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sheet {
     /// L̄, its length in the direction of the fold.
@@ -29,13 +30,13 @@ pub struct Sheet {
 /// A planned fold.
 #[derive(Clone, Debug)]
 pub struct FoldPath {
-    /// From next to flat to the crease target.
+    /// From nearly flat to the crease target.
     pub folds: Vec<Fold>,
-    /// How many of them only lift the edge, without a push along the table.
+    /// Number of them that only lift the edge, without a push along the table.
     pub lift: usize,
-    /// What the search over the grid made least: Σλ or the largest friction demand.
+    /// The minimum of the search over the grid: Σλ or the largest friction demand.
     pub grid_cost: f64,
-    /// ∫ λ over the way of the gripper, in L_gb, along the cells and along the folds.
+    /// ∫ λ over the path of the gripper, in L_gb, along the cells and along the folds.
     pub grid_integral: f64,
     /// Along the folds.
     pub integral: f64,
@@ -49,7 +50,8 @@ impl Sheet {
         least_suspended: 0.958,
     };
 
-    /// Whether a fold is allowed: neither too little nor more than the sheet suspended.
+    /// Whether a fold is allowed: its suspended length is neither too small nor larger than the
+    /// sheet.
     pub(super) fn allows(&self, fold: &Fold) -> bool {
         self.allows_place(fold.gripper, fold.suspended_length)
     }
@@ -59,9 +61,10 @@ impl Sheet {
     }
 }
 
-/// Plans a fold whose edge comes to (C̄, 0). The edge is lifted without a push; where the way leaves the lift, and how it goes on
-/// over the grid (thesis Algorithm 4), is searched; then its points are moved until ∫ λ ds no longer decreases, for
-/// [`Objective::Sum`], and the folds along it are solved exactly.
+/// Plans a fold whose edge reaches (C̄, 0). The edge is lifted without a push; the point where the
+/// path leaves the lift, and its continuation over the grid (thesis Algorithm 4), are searched;
+/// then its points are moved until ∫ λ ds no longer decreases, for [`Objective::Sum`], and the
+/// folds along it are solved exactly.
 ///
 /// # Errors
 /// The target cannot be reached.
@@ -84,7 +87,7 @@ pub fn fold_path(
     if objective == Objective::Sum {
         let moved = refined(&way, manifold, sheet);
         let exact = exactly(&way, &moved)?;
-        // The manifold is only as good as its grid.
+        // The manifold is only as accurate as its grid.
         if integral(&exact)? < grid_integral {
             way = exact;
         }
@@ -99,7 +102,7 @@ pub fn fold_path(
     })
 }
 
-/// What a fold on the way costs; none where it is not allowed.
+/// Cost of a fold on the path; `None` if it is not allowed.
 pub fn path_cost(fold: &Fold, sheet: &Sheet, objective: Objective) -> Option<f64> {
     let cost = match objective {
         Objective::Sum => fold.force_ratio(),
@@ -120,7 +123,8 @@ pub fn starts(lift: &[Fold], manifold: &ForceManifold, sheet: &Sheet) -> Vec<Cel
     allowed.map(|fold| manifold.cell(fold.gripper)).collect()
 }
 
-/// The folds of a path over cells: from that of the lift where it begins, whose index comes first, to the goal.
+/// The folds of a path over cells: from that of the lift at its start, whose index is first, to the
+/// goal.
 pub fn way_over(
     cells: &[Cell],
     lift: &[Fold],
@@ -139,7 +143,7 @@ pub fn way_over(
     Ok((leave, way.collect()))
 }
 
-/// How many folds of a lift are kept, a spacing apart, and they with the way after it.
+/// Number of folds of a lift that are kept at a spacing, and these with the path after it.
 pub fn after_lift(lift: &[Fold], way: &[Fold], spacing: f64) -> (usize, Vec<Fold>) {
     let mut folds = lift.to_vec();
     thin(&mut folds, spacing);
@@ -162,7 +166,7 @@ impl FoldPath {
         moments.fold(0.0, f64::max)
     }
 
-    /// The coefficient of friction that holds a sheet of length L̄ all along.
+    /// The coefficient of friction that holds a sheet of length L̄ during the whole fold.
     pub fn friction_demand(&self, length: f64) -> f64 {
         self.folds.iter().fold(0.0, |largest, fold| {
             fold.friction_demand(length).max(largest)
@@ -202,7 +206,7 @@ fn goal_fold(atlas: &FoldAtlas, sheet: &Sheet, target: f64) -> Result<Fold, Fold
     Ok(goal)
 }
 
-/// ∫ λ |dr|, by the trapezoidal rule with folds between those of the way.
+/// ∫ λ |dr|, by the trapezoidal rule with folds between those of the path.
 fn integral(way: &[Fold]) -> Result<f64, FoldError> {
     let mut sum = 0.0;
     for pair in way.windows(2) {
@@ -218,8 +222,9 @@ fn integral(way: &[Fold]) -> Result<f64, FoldError> {
     Ok(sum)
 }
 
-/// The places of a way, each inner one moved across it as long as the parts of the integral beside it decrease, by ever smaller
-/// moves; λ is that of the manifold. The end stays where it is, and so does the start on the lift.
+/// The positions of a path, each inner one moved across it while the adjacent parts of the integral
+/// decrease, by ever smaller moves; λ is that of the manifold. The end and the start on the lift
+/// are fixed.
 fn refined(way: &[Fold], manifold: &ForceManifold, sheet: &Sheet) -> Vec<[f64; 2]> {
     let mut places: Vec<[f64; 2]> = way.iter().map(|fold| fold.gripper).collect();
     let mut ratios: Vec<f64> = way.iter().map(Fold::force_ratio).collect();
@@ -265,7 +270,7 @@ fn refined(way: &[Fold], manifold: &ForceManifold, sheet: &Sheet) -> Vec<[f64; 2
     places
 }
 
-/// The folds at moved places, from those before.
+/// The folds at moved positions, from the previous ones.
 fn exactly(way: &[Fold], places: &[[f64; 2]]) -> Result<Vec<Fold>, FoldError> {
     let folds = way
         .iter()
@@ -278,7 +283,7 @@ fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
     libm::hypot(to[0] - from[0], to[1] - from[1])
 }
 
-/// Leaves out folds whose gripper is nearer to the last kept than a spacing.
+/// Removes folds whose gripper is nearer to the last kept one than a spacing.
 pub fn thin(folds: &mut Vec<Fold>, spacing: f64) {
     let mut last = [0.0; 2];
     folds.retain(|fold| {
@@ -317,7 +322,7 @@ mod tests {
         }
     }
 
-    /// The least friction is no larger than what the least sum needs, and the other way round.
+    /// The least friction is at most the friction of the least sum, and vice versa.
     #[test]
     fn each_plan_is_best_in_what_it_is_made_for() {
         let atlas = FoldAtlas::new();

@@ -1,4 +1,4 @@
-//! One plan by any of the ways there are, and its rest planned anew.
+//! A plan by any of the methods, and replanning of its rest.
 
 use super::FoldError;
 use super::atlas::FoldAtlas;
@@ -13,31 +13,31 @@ use super::pose::FoldPose;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Part of the table's friction that a plan with moments asks for at most.
+/// Largest friction demand of a plan with moments, as a share of the friction of the table.
 pub const PART_OF_FRICTION: f64 = 0.85;
-/// Part of the suspended length of a sheet that has slid, below which it is not bent more sharply on its way out.
+/// Smallest suspended length of a slid sheet, relative to its current one, during recovery.
 const SHORTER: f64 = 0.95;
-/// Planners that are kept.
+/// Number of cached planners.
 const KEPT: usize = 8;
 
-/// Longest suspended length of a sheet that is looked at, L_gb.
+/// Longest suspended length of a sheet that is considered, L_gb.
 fn longest(sheet: &Sheet) -> f64 {
     sheet.length.min(ForceManifold::LONGEST)
 }
 
-/// A way of folding.
+/// A method of folding.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Algorithm {
-    /// Without a moment at the gripper: of what the thesis makes least, Σλ, or of the largest friction demand.
+    /// Without a moment at the gripper: least Σλ, as in the thesis, or least friction demand.
     Optimal(Objective),
-    /// With as little moment as a table of friction μ needs.
+    /// With the smallest moment for a table of friction μ.
     Held {
         /// μ.
         friction: f64,
     },
     /// The edge on half a circle.
     Circle,
-    /// Each step by itself.
+    /// Step by step.
     StepByStep,
 }
 
@@ -51,7 +51,7 @@ pub struct FoldPlanner {
 }
 
 impl FoldPlanner {
-    /// With the force manifold that the way of folding needs.
+    /// With the force manifold of the method.
     pub fn new(sheet: Sheet, algorithm: Algorithm) -> Self {
         let atlas = FoldAtlas::new();
         let spacing = ForceManifold::SPACING;
@@ -69,7 +69,8 @@ impl FoldPlanner {
         }
     }
 
-    /// With the folds of a network, for [`Objective::Sum`]; where too many of them differ from exact ones, with exact folds.
+    /// With the folds of a network, for [`Objective::Sum`]; if too many of them differ from exact
+    /// ones, with exact folds.
     ///
     /// # Errors
     /// As of [`NeuralFolds::manifold`].
@@ -94,12 +95,12 @@ impl FoldPlanner {
         Ok((planner, check))
     }
 
-    /// The folds over which ways are searched.
+    /// The folds over which paths are searched.
     pub fn manifold(&self) -> &ForceManifold {
         &self.manifold
     }
 
-    /// The same, of those that were made last: trials of one fold plan the same sheet again and again.
+    /// The same with a cache: trials of one fold plan the same sheet repeatedly.
     pub fn shared(sheet: Sheet, algorithm: Algorithm) -> Arc<Self> {
         static MADE: Mutex<Vec<Arc<FoldPlanner>>> = Mutex::new(Vec::new());
         let made = || MADE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -128,10 +129,10 @@ impl FoldPlanner {
         }
     }
 
-    /// The way to the edge at (C̄, 0) with its folds.
+    /// The path to the edge at (C̄, 0) with its folds.
     ///
     /// # Errors
-    /// The target cannot be reached, or this way of folding has poses only.
+    /// The target cannot be reached, or this method has poses only.
     pub fn path(&self, target: f64) -> Result<FoldPath, FoldError> {
         match self.algorithm {
             Algorithm::Circle | Algorithm::StepByStep => Err(FoldError::NoPath(target)),
@@ -145,11 +146,12 @@ impl FoldPlanner {
         }
     }
 
-    /// The next part of a way, of a sheet that has slid (thesis Algorithm 5): the gripper is at a planned pose; on the sheet, which has
-    /// slid by `farther`, L_gb, since that was planned, it is behind, and goes on to where it was to go. Poses are those on the sheet.
+    /// The next part of a path for a slid sheet (thesis Algorithm 5): the gripper is at a planned
+    /// pose; relative to the sheet, which has slid by `farther`, L_gb, since planning, it is
+    /// behind, and continues to its planned goal. Poses are those on the sheet.
     ///
     /// # Errors
-    /// No way leads there, or the gripper is beyond the end of the sheet.
+    /// No path leads there, or the gripper is beyond the end of the sheet.
     pub fn next_part(
         &self,
         at: FoldPose,
@@ -166,17 +168,18 @@ impl FoldPlanner {
         self.onwards(held, to)
     }
 
-    /// Poses from one that is held to another, as a part of a way that is planned anew (thesis Eq. 4.15): the best over the manifold, whose
-    /// angles differ at first by what the held one differs from that of the manifold, and less and less on the way:
+    /// Poses from a held one to another, as a part of a replanned path (thesis Eq. 4.15): the best
+    /// over the manifold, with the initial difference of angle from the manifold decreasing along
+    /// the path:
     ///
     /// > α_k + Δα (1 − k/L),  Δα = α − α(x̄, z̄)
     ///
     /// # Errors
-    /// No way leads there.
+    /// No path leads there.
     pub fn onwards(&self, held: FoldPose, to: FoldPose) -> Result<Vec<FoldPose>, FoldError> {
         let lost = FoldError::NoPath(to.gripper[0]);
         let [start, goal] = [held, to].map(|pose| self.manifold.cell(pose.gripper));
-        // Along the borders of the grid its next cell is as good.
+        // Along the borders of the grid the nearest cell is used.
         let known = self.manifold.at(held.gripper);
         let known = known.map(|point| (point.angle, point.suspended_length));
         let of_cell = || {
@@ -184,7 +187,7 @@ impl FoldPlanner {
             Some((fold.angle, fold.suspended_length))
         };
         let (free, suspended) = known.or_else(of_cell).ok_or(lost)?;
-        // A sheet that has slid may be bent more sharply than it should be: from there it must be let out.
+        // A slid sheet may be bent too sharply: it must first be relaxed.
         let least = self.sheet.least_suspended.min(SHORTER * suspended);
         let sheet = Sheet {
             least_suspended: least,
@@ -219,7 +222,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rest_that_is_planned_anew_begins_where_the_edge_is_held() {
+    fn a_replanned_rest_begins_at_the_held_edge() {
         let sheet = Sheet::A4;
         let planner = FoldPlanner::new(sheet, Algorithm::Optimal(Objective::Sum));
         let poses = planner.poses(sheet.length).unwrap();
@@ -236,7 +239,7 @@ mod tests {
             assert!(dx.hypot(dz) < 3.0 * ForceManifold::SPACING, "{pair:?}");
             assert!((pair[1].angle - pair[0].angle).abs() < 0.3, "{pair:?}");
         }
-        // From a sheet that is bent too sharply it is let out.
+        // A sheet that is bent too sharply is relaxed.
         let bent = FoldPose {
             gripper: [0.75, 0.55],
             angle: 2.4,
@@ -244,7 +247,7 @@ mod tests {
         let fold = planner.manifold.at(bent.gripper).unwrap();
         assert!(fold.suspended_length < sheet.least_suspended, "{fold:?}");
         assert!(planner.onwards(bent, from).is_ok());
-        // Next to the table, too.
+        // Also next to the table.
         let low = FoldPose {
             gripper: [to.gripper[0], 0.01],
             angle: to.angle,

@@ -5,10 +5,10 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Way of the gripper, in L_gb, that takes as long as a turn by 1 rad.
+/// Distance of the gripper, in L_gb, that takes as long as a turn by 1 rad.
 const TURN: f64 = 1.0;
 
-/// Where the gripper holds the edge, in L_gb from where it lay, and by which angle it is turned.
+/// Position of the held edge, in L_gb from its initial position, and its angle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FoldPose {
     /// (x̄, z̄).
@@ -18,7 +18,7 @@ pub struct FoldPose {
 }
 
 impl FoldPose {
-    /// That of a fold.
+    /// The pose of a fold.
     pub fn of(fold: &Fold) -> Self {
         Self {
             gripper: fold.gripper,
@@ -26,7 +26,7 @@ impl FoldPose {
         }
     }
 
-    /// The edge of a sheet that lies flat.
+    /// The edge of a flat sheet.
     pub const FLAT: Self = Self {
         gripper: [0.0; 2],
         angle: 0.0,
@@ -38,7 +38,8 @@ impl FoldPose {
         rotation::from_vector(self.angle * Vector3::y()) * rotation::from_vector(PI * Vector3::z())
     }
 
-    /// How far another pose is, as it counts for the time that the gripper takes: the way or the turn, whichever is more, in L_gb.
+    /// Distance to another pose for the time of the gripper: the larger of displacement and
+    /// rotation, in L_gb.
     pub fn way_to(&self, other: &Self) -> f64 {
         let [dx, dz] = [0, 1].map(|k| other.gripper[k] - self.gripper[k]);
         libm::hypot(dx, dz).max(TURN * (other.angle - self.angle).abs())

@@ -1,4 +1,4 @@
-//! All folds at a gripper that are found.
+//! Search for all folds at a gripper position.
 
 use super::equilibrium::Fold;
 use rodlab_engine::mechanics::kirchhoff::elastica::{Elastica, Forces, Piece, Place};
@@ -8,9 +8,9 @@ const HORIZONTAL: [f64; 2] = [-9.0, 5.0];
 const VERTICAL: [f64; 2] = [-5.0, 0.0];
 /// Forces in each direction.
 const GRID: usize = 90;
-/// Places without curvature that are followed along a sheet.
+/// Number of points without curvature that are followed along a sheet.
 const INFLECTIONS: usize = 4;
-/// Two folds are one where their suspended lengths differ by less.
+/// Two folds are the same if their suspended lengths differ by less.
 const SAME: f64 = 1e-6;
 
 /// Folds whose gripper is at (x̄, z̄), by growing suspended length: for every pair of forces the sheet is followed from the
@@ -47,7 +47,7 @@ pub(super) fn folds_at(gripper: [f64; 2]) -> Vec<Fold> {
     found
 }
 
-/// Whether two folds are not one.
+/// Whether two folds are different.
 pub(super) fn differ(one: &Fold, other: &Fold) -> bool {
     let length = (one.suspended_length - other.suspended_length).abs();
     length > SAME || (one.angle - other.angle).abs() > SAME

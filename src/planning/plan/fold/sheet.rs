@@ -1,4 +1,4 @@
-//! A sheet that is folded, in metres.
+//! A sheet for folding, in metres.
 
 use super::equilibrium::Fold;
 use super::path::Sheet;
@@ -6,7 +6,7 @@ use super::pose::FoldPose;
 use crate::plan::deployment::GripperPose;
 use rodlab_engine::mechanics::Vector3;
 
-/// What of a sheet matters for folding it.
+/// Parameters of a sheet for folding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoldedSheet {
     /// L_gb = (E h²/(24 ρ g))^(1/3), m.
@@ -36,9 +36,10 @@ impl FoldedSheet {
         }
     }
 
-    /// Poses of the gripper for folds, in the plane y = 0: the edge lay at the origin, the sheet along x on the table z = 0. The
-    /// gripper's x axis is the tangent of the sheet, towards the gripper, its z axis the normal that points up where the sheet
-    /// lies flat. `s` is the way of the gripper so far, m.
+    /// Poses of the gripper for folds, in the plane y = 0: the edge lay at the origin, the sheet
+    /// along x on the table z = 0. The gripper's x axis is the tangent of the sheet, towards the
+    /// gripper, its z axis the normal that points up where the sheet lies flat. `s` is the arc
+    /// length of the gripper path, m.
     pub fn poses(&self, folds: &[Fold]) -> Vec<GripperPose> {
         let mut way = 0.0;
         let mut before = Vector3::zeros();

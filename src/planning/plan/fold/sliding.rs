@@ -1,23 +1,24 @@
-//! How far a sheet slides while it is folded.
+//! Sliding of a sheet during a fold.
 
 use super::FoldError;
 use super::equilibrium::{Fold, between};
 
-/// Steps in which a sheet slides, L_gb, the farthest, and how well the end of a slide is found.
+/// Step of sliding, L_gb, largest sliding, and accuracy of its end.
 const STEP: f64 = 0.004;
 const FARTHEST: f64 = 4.0;
 const BISECTIONS: usize = 30;
-/// Parts of the way from one planned fold to the next.
+/// Number of steps from one planned fold to the next.
 const PARTS: usize = 4;
 
-/// How far the sheet has slid along x at each fold of a way, in L_gb, on a table of friction μ: without inertia, by a gripper that
-/// holds its planned angles.
+/// Sliding of the sheet along x at each fold of a path, in L_gb, on a table of friction μ, without
+/// inertia, with a gripper that holds its planned angles.
 ///
-/// A fold at x̄ of a sheet that has slid by Δ is one at x̄ − Δ, no longer without a moment at the gripper. Where it asks for more
-/// friction than there is, the sheet slides, away where it is pushed and back where it is pulled, until it asks for μ.
+/// A fold at x̄ of a sheet that has slid by Δ is one at x̄ − Δ, no longer without a moment at the
+/// gripper. Where its friction demand exceeds μ, the sheet slides, away if it is pushed and back if
+/// it is pulled, until its demand is μ.
 ///
 /// # Errors
-/// It finds no hold.
+/// No friction can hold it.
 pub fn sliding(folds: &[Fold], length: f64, friction: f64) -> Result<Vec<f64>, FoldError> {
     let mut slid = 0.0;
     let mut last: Option<(&Fold, Fold)> = None;
@@ -42,7 +43,7 @@ pub fn sliding(folds: &[Fold], length: f64, friction: f64) -> Result<Vec<f64>, F
                 let Some(moved) = held(next, &state) else {
                     break;
                 };
-                // Past the fold without a push it is held on the way, by less than μ.
+                // Past the fold without a push it is held in between, by less than μ.
                 let turned = moved.forces.horizontal * here.forces.horizontal <= 0.0;
                 if turned || moved.friction_demand(length) <= friction {
                     held_at = Some(next);
@@ -70,7 +71,7 @@ pub fn sliding(folds: &[Fold], length: f64, friction: f64) -> Result<Vec<f64>, F
     Ok(all)
 }
 
-/// From one planned fold to the next, while the sheet stays where it has slid to.
+/// From one planned fold to the next, while the sheet keeps its position.
 fn carried(from: &Fold, to: &Fold, slid: f64, state: &Fold) -> Option<Fold> {
     (1..=PARTS).try_fold(*state, |state, part| {
         let part = part as f64 / PARTS as f64;
@@ -107,7 +108,7 @@ mod tests {
             assert!(largest > 0.01 && largest < 0.3, "{largest}");
             // The sheet is pushed away.
             assert!(less.iter().all(|slid| *slid >= 0.0));
-            // Less friction, farther.
+            // With less friction it slides farther.
             let least = sliding(&path.folds, sheet.length, 0.7 * demand).unwrap();
             assert!(least.iter().copied().fold(0.0, f64::max) > largest);
         }

@@ -7,12 +7,13 @@ use rodlab_engine::mechanics::kirchhoff::elastica::Elastica;
 const PARTS: usize = 200;
 
 impl Fold {
-    /// Directions in which the energy decreases while the gripper stays where it is and turns freely.
+    /// Number of directions of decreasing energy with the gripper at a fixed position, free to
+    /// turn.
     pub fn unstable_modes(&self) -> usize {
         unstable_modes(self, PARTS)
     }
 
-    /// Directions in which the energy decreases while the gripper stays where it is and does not turn.
+    /// Number of directions of decreasing energy with the gripper at a fixed pose.
     pub fn unstable_modes_held(&self) -> usize {
         unstable_modes(self, PARTS - 1)
     }
@@ -23,9 +24,9 @@ impl Fold {
 ///
 /// > δ²E = ∫ η'² + (H cos θ + (V + s/2) sin θ) η² ds,  η(0) = 0,  ∫ η cos θ ds = ∫ η sin θ ds = 0
 ///
-/// With piecewise linear η a tridiagonal matrix, bordered by the two conditions; its negative pivots are counted. Where the
-/// sheet leaves the table it does so without curvature, so that a little more or less of it lifted changes nothing to second
-/// order.
+/// With piecewise linear η a tridiagonal matrix, bordered by the two conditions; its negative
+/// pivots are counted. The sheet leaves the table without curvature, so that a small change of the
+/// lifted length has no second-order effect.
 fn unstable_modes(fold: &Fold, nodes: usize) -> usize {
     let places = Elastica::heavy(fold.forces).places(fold.suspended_length, PARTS);
     let ds = fold.suspended_length / PARTS as f64;

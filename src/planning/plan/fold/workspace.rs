@@ -1,16 +1,16 @@
-//! The workspace: where the gripper can be between a sheet that is pulled taut and one whose edge is back on the table.
+//! The workspace: gripper positions between a taut sheet and one whose edge is back on the table.
 
 use super::atlas::{angles_from, lengthened};
 use super::equilibrium::Fold;
 use rayon::prelude::*;
 use rodlab_engine::mechanics::kirchhoff::elastica::Forces;
 
-/// Growth of the suspended length from curve to curve, at most.
+/// Largest growth of the suspended length from curve to curve.
 const GROWTH: f64 = 1.02;
-/// Iterations that find an end of a curve, and how well it is found.
+/// Iterations for the end of a curve, and its accuracy.
 const ITERATIONS: usize = 40;
 const ACCURACY: f64 = 1e-11;
-/// Folds between two of a curve that are added to the outline.
+/// Number of folds added to the outline between two of a curve.
 const BETWEEN: usize = 4;
 
 /// Places (x̄, z̄) of gentle folds of suspended lengths from one to another (thesis sec. 4.4.1), from sheets that are pulled with
@@ -24,7 +24,8 @@ impl Workspace {
     /// Suspended lengths that a workspace may have, L_gb.
     pub const LENGTHS: [f64; 2] = [0.1, Fold::LONGEST];
 
-    /// Of suspended lengths from one to another, L_gb; none where they are out of [`LENGTHS`](Self::LENGTHS) or do not grow.
+    /// The workspace of suspended lengths from one to another, L_gb; `None` if they are outside
+    /// [`LENGTHS`](Self::LENGTHS) or do not grow.
     pub fn new([from, to]: [f64; 2]) -> Option<Self> {
         let [least, largest] = Self::LENGTHS;
         if !(least <= from && from < to && to <= largest) {
@@ -47,8 +48,8 @@ impl Workspace {
         })
     }
 
-    /// Around it: along the taut sheets from the shortest to the longest ones, along these to where they end, back to the shortest
-    /// ones, and along these.
+    /// Its outline: along the taut sheets from the shortest to the longest ones, along these to
+    /// where they end, back to the shortest ones, and along these.
     pub fn outline(&self) -> &[[f64; 2]] {
         &self.outline
     }
@@ -72,7 +73,8 @@ impl Workspace {
         inside
     }
 
-    /// Places of the gripper at a suspended length, from the taut sheet on; none where it is out of [`LENGTHS`](Self::LENGTHS).
+    /// Gripper positions at a suspended length, starting at the taut sheet; `None` if it is outside
+    /// [`LENGTHS`](Self::LENGTHS).
     pub fn places_of_length(length: f64) -> Option<Vec<[f64; 2]>> {
         let [least, largest] = Self::LENGTHS;
         let free = (least..=largest).contains(&length).then_some(length);
@@ -81,7 +83,7 @@ impl Workspace {
     }
 }
 
-/// The fold without a push, from the flat sheet on.
+/// The fold without a push, starting at the flat sheet.
 fn free_fold(length: f64) -> Option<Fold> {
     lengthened(Fold::just_lifted(length.min(1.0))?, length)
 }
@@ -137,7 +139,7 @@ fn between(one: &Fold, other: &Fold, part: f64) -> Option<Fold> {
     Fold::at_angle(one.suspended_length, angle, guess)
 }
 
-/// By how much a sheet is pulled more than H = |V|, relative to both.
+/// Excess of the pull over H = |V|, relative to both.
 fn pull(fold: &Fold) -> f64 {
     let Forces {
         horizontal,
@@ -146,7 +148,7 @@ fn pull(fold: &Fold) -> f64 {
     (horizontal + vertical) / (horizontal.abs() + vertical.abs())
 }
 
-/// How far the edge is below the table.
+/// Depth of the edge below the table.
 fn below(fold: &Fold) -> f64 {
     -fold.gripper[1]
 }
@@ -186,7 +188,7 @@ mod tests {
         for fold in FoldAtlas::new().folds() {
             let [x, z] = fold.gripper;
             let length = fold.suspended_length;
-            // The outline is a polygon; and so close to the flat sheet all lengths are at one place.
+            // The outline is a polygon; and so close to the flat sheet, all lengths coincide.
             let is_near = (length - 0.7).abs() < 0.02 || (length - 5.0).abs() < 0.02;
             if is_near || pull(fold).abs() < 0.02 || z.abs() < 0.01 || x < 1e-4 {
                 continue;

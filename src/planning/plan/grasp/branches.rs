@@ -1,4 +1,4 @@
-//! All grasps that are found: planar rods by shooting, led to the curvature and length that are asked for.
+//! All grasps found: planar rods by shooting, continued to the requested curvature and length.
 
 use super::continuation::{settled, walk};
 use super::mesh::first_mesh;
@@ -7,18 +7,18 @@ use super::{GraspProblem, Vector3};
 use rodlab_engine::mechanics::kirchhoff::elastica::{Elastica, Forces};
 use rodlab_engine::mechanics::kirchhoff::numerics::bisect;
 
-/// Forces n_z(0) that are looked through.
+/// Range of forces n_z(0) that is searched.
 const FORCES: [f64; 2] = [-12.0, 4.0];
 /// Steps between them.
 const FORCE_STEPS: usize = 6400;
-/// Suspended length up to which shooting tells solutions apart; longer rods start from this one.
+/// Suspended length up to which shooting separates solutions; longer rods start from this one.
 const SHOOTING_LENGTH: f64 = 8.0;
-/// Parts of a rod between which it is guessed.
+/// Number of intervals of the initial guess.
 const PARTS: usize = 2000;
 /// Forces nearer than this belong to one solution.
 const SAME: f64 = 1e-6;
 
-/// The solutions that are found beside the gentle one, which has the force `gentle`.
+/// The solutions other than the gentle one, which has the force `gentle`.
 pub fn others(problem: &GraspProblem, gentle: [f64; 2], march: &mut March) -> Vec<Shape> {
     let mut found: Vec<Shape> = Vec::new();
     let flat = GraspProblem {

@@ -1,20 +1,22 @@
-//! From one grasp to another in steps, so that the branch of solutions stays the same.
+//! Continuation from one grasp to another in steps on the same branch of solutions.
 
 use super::mesh::{finer_mesh, first_mesh};
 use super::shape::{March, Shape};
 use super::{GraspProblem, Vector3, WEIGHT};
 use std::f64::consts::FRAC_PI_2;
 
-/// Largest turn of a tangent in one step: more, and the solution may have jumped to another branch.
+/// Largest rotation of a tangent in one step: with more, the solution may have jumped to another
+/// branch.
 const LARGEST_TURN: f64 = 0.5;
-/// Smallest step, as a part of the way.
+/// Smallest step, as a share of the path.
 const SMALLEST_STEP: f64 = 1e-3;
-/// Most refinements of the mesh.
+/// Maximum number of refinements of the mesh.
 const REFINEMENTS: usize = 8;
-/// Suspended length at which curvature is brought in: beyond, the contact node no longer feels the gripper.
+/// Suspended length at which the curvature is introduced: for longer rods, the gripper has no
+/// effect on the contact node.
 const SHORT: f64 = 4.0;
 
-/// The gentle branch, from the planar rod on. `None` where Newton's method gets stuck on the way.
+/// The gentle branch, starting at the planar rod. `None` if Newton's method does not converge.
 pub fn gentle(problem: &GraspProblem, march: &mut March) -> Option<Shape> {
     let short = GraspProblem {
         suspended_length: problem.suspended_length.min(SHORT),
@@ -57,7 +59,8 @@ pub fn settled(mut shape: Shape, march: &mut March) -> Option<Shape> {
     Some(shape)
 }
 
-/// The solution of `problem` on the branch of `shape`; steps are halved where Newton's method fails or jumps.
+/// The solution of `problem` on the branch of `shape`; steps are halved if Newton's method fails or
+/// jumps.
 pub fn walk(shape: Shape, problem: &GraspProblem, march: &mut March) -> Option<Shape> {
     let from = shape.problem;
     let mut shape = shape;

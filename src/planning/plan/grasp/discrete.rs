@@ -1,11 +1,12 @@
 //! The optimal grasp of the discrete elastic rod: the engine's energies, in second order of the edge length.
 //!
-//! Nodes 0 to N, the contact node first; edges are short there and become longer towards the gripper. At the contact
-//! node the pattern's curvature turns a ghost edge, which lies behind the tangent x̂ by half the turn φ of the vertex,
-//! into the first edge, which lies ahead of it by the other half. The moment there, the derivative of the energy
-//! ½ (2 tan(φ/2))²/l̄ over φ, is κ̄ EI: with x = tan(φ/2), x + x³ = κ̄ l̄/2. The force of the gripper has no component
-//! along x̂ and no moment. Unknown are the nodes, the angles of the edges, and the components y and z of that force:
-//! Newton's method on the band of the rod, bordered by the direction of the first edge.
+//! Nodes 0 to N, the contact node first; edges are short there and become longer towards the
+//! gripper. At the contact node the curvature of the pattern is the angle φ between a ghost edge,
+//! at half of φ behind the tangent x̂, and the first edge, at half of φ ahead of it. The moment
+//! there, the derivative of the energy ½ (2 tan(φ/2))²/l̄ over φ, is κ̄ EI: with x = tan(φ/2), x +
+//! x³ = κ̄ l̄/2. The force of the gripper has no component along x̂ and no moment. Unknown are the
+//! nodes, the angles of the edges, and the components y and z of that force: Newton's method on the
+//! band of the rod, bordered by the direction of the first edge.
 
 use super::shape::Shape;
 use super::{Grasp, GraspError, GraspProblem, TWIST_STIFFNESS, Vector3, WEIGHT};
@@ -18,21 +19,23 @@ use rodlab_engine::mechanics::rod::{
 };
 use rodlab_engine::mechanics::{Matrix3, UnitQuaternion};
 
-/// Most Newton iterations.
+/// Maximum number of Newton iterations.
 const ITERATIONS: usize = 40;
-/// Fewest edges: those next to the two ends are held where stability is asked for.
+/// Minimum number of edges: those next to the two ends are held in the stability analysis.
 pub const FEWEST_EDGES: usize = 8;
-/// Largest move of a node in one iteration, over the length of the rod.
+/// Largest displacement of a node in one iteration, relative to the length of the rod.
 const LARGEST_MOVE: f64 = 0.05;
-/// Move, over the length of the rod, at which the rounding of a stiff rod is reached.
+/// Displacement, relative to the length of the rod, at which the rounding of a stiff rod is
+/// reached.
 const CONVERGED: f64 = 1e-9;
-/// Stiffness k̄_s of the discrete rod where the rod is inextensible, or stiffer: it stretches by some millionths.
+/// Largest stiffness k̄_s of the discrete rod, also for inextensible rods: it stretches by some
+/// millionths.
 const STIFFEST: f64 = 1e6;
 /// Distance from the contact node, L_gb, over which edges there double in length. Half of all edges are spread evenly,
 /// half by the logarithm of the distance: strongly bent edges are short.
 const GRADING: f64 = 0.5;
 
-/// The grasp of a rod of so many edges near the shape of the continuous one.
+/// The grasp of a rod with a number of edges near the shape of the continuous one.
 ///
 /// # Errors
 /// Newton's method does not converge.
@@ -73,7 +76,7 @@ impl DiscreteRod {
         let direction = |angle: f64| Vector3::new(libm::cos(angle), libm::sin(angle), 0.0);
         let normal = |angle: f64| Vector3::new(-libm::sin(angle), libm::cos(angle), 0.0);
 
-        // Edges along the tangents at their middles, as long as they become by the force there.
+        // Edges along the tangents at their middles, stretched by the force there.
         let mut unknowns = vec![0.0; STRIDE * nodes];
         let mut reference = ReferenceFrames {
             tangent: vec![Vector3::zeros(); nodes],
@@ -129,7 +132,7 @@ impl DiscreteRod {
         }
         self.factor.factor(&self.matrix).ok()?;
         self.factor.solve(&mut right);
-        // What a unit of the gripper's force moves.
+        // Displacement by a unit force of the gripper.
         let mut lifts = [vec![0.0; size], vec![0.0; size]];
         for (axis, lift) in lifts.iter_mut().enumerate() {
             lift[last + 1 + axis] = 1.0;
@@ -193,7 +196,7 @@ impl DiscreteRod {
         let last = STRIDE * edges;
         gradient[last + 1] -= self.force[0];
         gradient[last + 2] -= self.force[1];
-        // The contact node, and the angle of the edge that does not start at the last node.
+        // The contact node, and the angle of the last, non-existent edge.
         for held in [0, 1, 2, last + 3] {
             self.matrix.hold(held);
             gradient[held] = 0.0;
@@ -208,7 +211,7 @@ impl DiscreteRod {
         let residual = nodes
             .map(|node| libm::hypot(libm::hypot(node[0], node[1]), node[2]))
             .fold(0.0, f64::max);
-        // The gripper holds the last edge and its angle, too.
+        // The gripper also holds the last edge and its angle.
         for held in STRIDE * (edges - 1)..STRIDE * edges + 3 {
             self.matrix.hold(held);
         }

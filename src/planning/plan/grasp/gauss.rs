@@ -10,7 +10,7 @@ pub const STAGES: usize = 5;
 /// The method's coefficients for a step of length 1.
 #[derive(Debug)]
 pub struct GaussRule {
-    /// c, where the stages lie.
+    /// c, positions of the stages.
     pub nodes: [f64; STAGES],
     /// b, the weights of quadrature.
     pub weights: [f64; STAGES],
@@ -22,7 +22,7 @@ pub struct GaussRule {
     barycentric: [f64; STAGES + 1],
 }
 
-/// The rule, worked out at its first use.
+/// The rule, computed at its first use.
 pub static RULE: LazyLock<GaussRule> = LazyLock::new(GaussRule::new);
 
 impl GaussRule {

@@ -214,7 +214,7 @@ impl MomentSlope {
     }
 }
 
-/// Gaussian elimination with row pivoting; the solutions stand in the last columns.
+/// Gaussian elimination with row pivoting; the solutions are in the last columns.
 pub fn eliminate<const ROWS: usize, const WIDTH: usize>(system: &mut [[f64; WIDTH]; ROWS]) {
     for pivot in 0..ROWS {
         let largest = (pivot..ROWS)

@@ -1,7 +1,8 @@
 //! Meshes for the suspended rod.
 //!
-//! Disturbances of the rod decay over 1/√|n|, and the pattern's curvature and the turn upwards lie within a few L_gb of
-//! the contact node. The first mesh follows this; where the shape asks for more, intervals are split.
+//! Disturbances of the rod decay over 1/√|n|, and the effects of the pattern's curvature and the
+//! upward bend are within a few L_gb of the contact node. The first mesh follows this; intervals
+//! are split where the shape needs it.
 
 use super::gauss::{RULE, STAGES};
 use super::shape::Shape;
@@ -9,18 +10,19 @@ use super::{GraspProblem, WEIGHT};
 
 /// Decay lengths in an interval far from the contact node.
 const DECAY_LENGTHS: f64 = 2.5;
-/// Intervals per L_gb at the contact node, beside the above, and over which length they become fewer.
+/// Additional intervals per L_gb at the contact node, and their decay length.
 const DENSITY_AT_CONTACT: f64 = 1.2;
 const CONTACT_LENGTH: f64 = 2.5;
-/// Fewest intervals.
+/// Minimum number of intervals.
 const FEWEST: usize = 3;
-/// Most intervals.
+/// Maximum number of intervals.
 const MOST: usize = 4000;
 /// Points at which the density is added up, per L_gb.
 const RESOLUTION: f64 = 8.0;
 
-/// By how much the equations may be missed at the ends of intervals, times the length of the interval: the polynomials
-/// are of the fifth degree, but exact to order 10 at the ends, so that the shape errs by about the square of this.
+/// Allowed residual of the equations at the ends of intervals, times the length of the interval:
+/// the polynomials are of the fifth degree, but exact to order 10 at the ends, so that the error of
+/// the shape is about the square of this.
 const DEFECT: f64 = 1e-4;
 
 /// Intervals per length.
@@ -58,7 +60,8 @@ pub fn first_mesh(problem: &GraspProblem) -> Vec<f64> {
     mesh
 }
 
-/// A mesh that is finer where the shape needs it; `None` where it needs it nowhere, or would need too many intervals.
+/// A mesh refined where the shape needs it; `None` if it is fine enough, or would need too many
+/// intervals.
 pub fn finer_mesh(shape: &Shape) -> Option<Vec<f64>> {
     let mut mesh = vec![0.0];
     for (index, interval) in shape.intervals.iter().enumerate() {
@@ -74,7 +77,8 @@ pub fn finer_mesh(shape: &Shape) -> Option<Vec<f64>> {
         }
         turn -= interval.length * moment.cross(&tangent);
         change += interval.length * stretch * tangent.cross(&force);
-        // The moment is a derivative of the tangent: what it misses counts over the length of the interval.
+        // The moment is a derivative of the tangent: its residual counts over the length of the
+        // interval.
         let defect = turn.norm().max(interval.length.min(1.0) * change.norm());
         let parts = libm::pow(defect / DEFECT, 1.0 / (STAGES + 1) as f64);
         let parts = parts.ceil().clamp(1.0, 4.0) as usize;

@@ -1,5 +1,5 @@
-//! Optimal grasps: where and how a gripper must hold a rod that hangs from it onto a table, so that what already lies
-//! there feels no force along itself (thesis secs. 5.2 and 5.3).
+//! Optimal grasps: position and orientation of a gripper that holds a rod hanging onto a table,
+//! such that the lying part has no axial force (thesis secs. 5.2 and 5.3).
 //!
 //! A suspended part of length l_s rises from the contact node, where it continues the lying part: same tangent t and
 //! same curvature κ. With lengths in L_gb and forces in EI/L_gb², so that EI = 1 and the weight per length is 1/2,
@@ -8,23 +8,23 @@
 //! >
 //! > r(0) = 0,  t(0) = x̂,  M(0) = κ̄ ẑ,  n(0)·x̂ = 0,  M(l̄_s) = 0
 //!
-//! n(s) and M(s) are what the material beyond s exerts. Without a moment at the gripper the force at the contact node
-//! cannot vanish, as thesis Eq. 5.8 asks: the moments of the suspended part about z give x_M n_y(0) = κ̄. Its component
-//! along the lying part does.
+//! n(s) and M(s) are the force and the moment of the material beyond s. Without a moment at the
+//! gripper the force at the contact node cannot vanish, as required by thesis Eq. 5.8: the moments
+//! of the suspended part about z give x_M n_y(0) = κ̄. Its component along the lying part does.
 //!
 //! | file | what |
 //! |---|---|
 //! | `gauss`, `interval` | Gauss collocation, and the linearised equations on an interval |
 //! | `shape` | Newton's method for the suspended rod |
-//! | `mesh` | where the intervals lie |
-//! | `continuation` | from the planar rod to the length and curvature that are asked for |
-//! | `branches` | all solutions that are found |
+//! | `mesh` | distribution of the intervals |
+//! | `continuation` | from the planar rod to the requested length and curvature |
+//! | `branches` | all solutions found |
 //! | `stability` | the second variation |
 //! | `sideways` | a push out of the plane, by linear theory |
-//! | `region` | where the gripper may be above a straight line |
-//! | `solution` | the gripper's place and rotation |
+//! | `region` | allowed positions of the gripper above a straight line |
+//! | `solution` | position and rotation of the gripper |
 //! | `discrete` | the same with the discrete elastic rod |
-//! | `solver` | grasps one after the other |
+//! | `solver` | sequences of grasps |
 //! | `neural` | the same by a network |
 
 mod branches;
@@ -57,7 +57,7 @@ use thiserror::Error;
 /// Weight per length where EI = L_gb = 1: EI/w = 2 L_gb³.
 const WEIGHT: f64 = 0.5;
 
-/// What a grasp is asked for.
+/// Problem of a grasp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GraspProblem {
     /// l̄_s, the suspended length over L_gb.
@@ -68,7 +68,7 @@ pub struct GraspProblem {
     stretch_compliance: f64,
 }
 
-/// Why there is no grasp.
+/// Why no grasp was found.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum GraspError {
     /// The suspended length is out of range.
@@ -93,17 +93,17 @@ pub enum GraspError {
     /// No solution was found.
     #[error("no grasp was found for {problem}")]
     NoConvergence {
-        /// What was asked for.
+        /// The requested value.
         problem: GraspProblem,
     },
 }
 
 impl GraspProblem {
-    /// Suspended lengths for which grasps are found, in L_gb.
+    /// Allowed suspended lengths, in L_gb.
     pub const LENGTHS: [f64; 2] = [0.1, 100.0];
     /// Largest |κ̄|.
     pub const LARGEST_CURVATURE: f64 = 12.0;
-    /// Least k̄_s: softer rods would stretch by a large part of their length.
+    /// Smallest k̄_s: softer rods would stretch by a large share of their length.
     pub const LEAST_STIFFNESS: f64 = 100.0;
 
     /// A rod of suspended length l̄_s on a pattern of curvature κ̄, with the stretching stiffness k̄_s; infinite: it
@@ -143,12 +143,12 @@ impl GraspProblem {
         self.curvature
     }
 
-    /// k̄_s, infinite where the rod does not stretch.
+    /// k̄_s, infinite if the rod does not stretch.
     pub fn stretch_stiffness(&self) -> f64 {
         1.0 / self.stretch_compliance
     }
 
-    /// A part of the way to another problem.
+    /// Interpolation to another problem.
     fn towards(&self, other: &Self, part: f64) -> Self {
         let between = |from: f64, to: f64| from + part * (to - from);
         Self {

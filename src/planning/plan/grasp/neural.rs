@@ -1,9 +1,10 @@
-//! Optimal grasps by a network that has learned them from exact ones (thesis 5.3.5).
+//! Optimal grasps by a network trained on exact ones (thesis 5.3.5).
 //!
-//! It sees ln(1 + l̄_s), |κ̄| and 1/k̄_s, and answers with what is even in κ̄, of the gripper's place x and the drop from where it would be
-//! if the rod hung upright, in L_gb, and of the rotation vector its component y; and with what is odd, y and the components x and z of
-//! the rotation vector, over κ̄. So what it says of straight patterns is straight, and what is planned for mirrored patterns is mirrored
-//! exactly.
+//! Its inputs are ln(1 + l̄_s), |κ̄| and 1/k̄_s. Its outputs are the quantities even in κ̄: x of
+//! the gripper and the drop from its height on an upright rod, in L_gb, and the component y of the
+//! rotation vector; and the odd ones over κ̄: y and the components x and z of the rotation vector.
+//! Grasps on straight patterns are thus exactly straight, and those on mirrored patterns are
+//! exactly mirrored.
 
 use super::{GraspProblem, Vector3};
 use crate::learn::{Compared, Model, ModelError, read_model};
@@ -17,10 +18,10 @@ pub struct NeuralGrasps {
     model: Model,
 }
 
-/// What a network says of a grasp: place in L_gb, rotation as of [`Grasp`](super::Grasp).
+/// Output of a network for a grasp: position in L_gb, rotation as of [`Grasp`](super::Grasp).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearnedGrasp {
-    /// Place of the gripper.
+    /// Position of the gripper.
     pub position: Vector3,
     /// Its rotation.
     pub rotation: UnitQuaternion,
@@ -44,12 +45,12 @@ static BUILT_IN: LazyLock<NeuralGrasps> = LazyLock::new(|| {
 });
 
 impl NeuralGrasps {
-    /// The kind of samples that it learns from.
+    /// The kind of its samples.
     pub const SAMPLES: &str = "grasp-samples";
 
-    /// Columns of samples that it sees.
+    /// Its input columns.
     pub const INPUTS: [&str; 3] = ["log_length", "curvature", "stretch_compliance"];
-    /// Columns that it predicts.
+    /// Its output columns.
     pub const OUTPUTS: [&str; 6] = [
         "x",
         "y_per_curvature",
@@ -58,7 +59,7 @@ impl NeuralGrasps {
         "rotation_y",
         "rotation_z_per_curvature",
     ];
-    /// Quantities whose errors are told: what is over the curvature is multiplied with it.
+    /// Quantities whose errors are reported: outputs over the curvature are multiplied by it.
     pub const COMPARED: [Compared; 2] = [
         Compared {
             quantity: "position in L_gb",
@@ -88,10 +89,10 @@ impl NeuralGrasps {
         Self::of(path, Model::from_bytes(path, bytes, Self::SAMPLES)?)
     }
 
-    /// The network of a model that was read from a file.
+    /// The network of a model from a file.
     ///
     /// # Errors
-    /// It has learned other columns.
+    /// It was trained on other columns.
     pub fn of(path: &Path, model: Model) -> Result<Self, ModelError> {
         Ok(Self {
             model: model.with_columns(path, &Self::INPUTS, &Self::OUTPUTS)?,
@@ -150,10 +151,10 @@ mod tests {
     }
 
     #[test]
-    fn the_built_in_network_knows_grasps_that_it_has_not_seen() {
+    fn the_built_in_network_generalises_to_unseen_grasps() {
         let mut problems = Vec::new();
         for index in 0..500 {
-            // An own lattice: no points of Sobol's.
+            // A separate lattice, not Sobol' points.
             let part = |factor: f64| (f64::from(index) * factor).fract();
             problems.push(problem(
                 0.5 + 49.0 * part(0.754_877_666).powi(2),
@@ -198,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn what_it_has_not_learned_it_does_not_answer() {
+    fn problems_outside_the_training_range_have_no_output() {
         let problems = [problem(9.0, 0.7), problem(9.0, 5.0), problem(80.0, 0.1)];
         let found = NeuralGrasps::built_in().predict(&problems).unwrap();
         let answered: Vec<bool> = found.iter().map(Option::is_some).collect();

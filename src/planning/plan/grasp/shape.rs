@@ -1,27 +1,28 @@
 //! The suspended rod by collocation: its shape, and Newton's method for it.
 //!
-//! Growing solutions of the linearised equations are kept apart by orthonormalisation at every interval, and only two
-//! columns are carried: those that satisfy the conditions at the contact node (stabilised march; Ascher, Mattheij &
-//! Russell, Numerical Solution of Boundary Value Problems for Ordinary Differential Equations, sec. 4.4). A single
-//! shooting would lose all digits beyond l̄_s ≈ 12: disturbances grow by exp(∫√|n| ds).
+//! Growing solutions of the linearised equations are kept independent by orthonormalisation at
+//! every interval, and only two columns are carried: those that satisfy the conditions at the
+//! contact node (stabilised march; Ascher, Mattheij & Russell, Numerical Solution of Boundary Value
+//! Problems for Ordinary Differential Equations, sec. 4.4). A single shooting would lose all digits
+//! beyond l̄_s ≈ 12: disturbances grow by exp(∫√|n| ds).
 
 use super::gauss::{RULE, STAGES};
 use super::interval::{COLUMNS, Interval, PARTICULAR, Stages, State};
 use super::{GraspProblem, Vector3, WEIGHT};
 
-/// Most Newton iterations.
+/// Maximum number of Newton iterations.
 const ITERATIONS: usize = 30;
 /// Largest change of a tangent in one iteration.
 const LARGEST_TURN: f64 = 0.6;
-/// Change at which the next one is below round-off.
+/// Change for which the next one is below round-off.
 const CONVERGED: f64 = 1e-6;
-/// Change of a force or moment beyond which there is nothing to find.
+/// Change of a force or moment that counts as divergence.
 const DIVERGED: f64 = 1e4;
 
 /// A suspended rod in balance, EI = L_gb = 1.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// What it solves.
+    /// Its problem.
     pub problem: GraspProblem,
     /// The intervals, from the contact node to the gripper.
     pub intervals: Vec<Interval>,
@@ -70,7 +71,8 @@ impl Shape {
         Vector3::new(0.0, self.force[0], self.force[1] + WEIGHT * s)
     }
 
-    /// t and M at s. Beyond the gripper the rod goes on straight and turns into the direction of its internal force.
+    /// t and M at s. Beyond the gripper the rod continues straight in the direction of its internal
+    /// force.
     pub fn at(&self, s: f64) -> (Vector3, Vector3) {
         let beyond = s - self.problem.suspended_length;
         if beyond > 0.0 {
@@ -98,7 +100,7 @@ impl Shape {
         (tangent, moment)
     }
 
-    /// Newton's method; the number of iterations, or `None` where it does not converge.
+    /// Newton's method; the number of iterations, or `None` if it does not converge.
     pub fn converge(&mut self, scratch: &mut March) -> Option<usize> {
         for iteration in 1..=ITERATIONS {
             let change = self.iterate(scratch)?;
@@ -129,7 +131,7 @@ impl Shape {
             });
             columns = ends;
         }
-        // M = 0 at the gripper, across the tangent: along it M·t = 0 holds of itself.
+        // M = 0 at the gripper, across the tangent: along it M·t = 0 holds automatically.
         let last = self.tangents.len() - 1;
         let [one, other] = across(&self.tangents[last]);
         let row = |direction: &Vector3| columns.map(|column| direction.dot(&column.moment));
@@ -156,7 +158,7 @@ impl Shape {
         self.take(march)
     }
 
-    /// Moves to the new values, not further than the linearisation can be trusted.
+    /// Moves to the new values, limited to the range of the linearisation.
     fn take(&mut self, march: &March) -> Option<f64> {
         let mut turn: f64 = 0.0;
         for (interval, leg) in self.intervals.iter().zip(&march.legs) {
@@ -203,7 +205,7 @@ pub struct March {
     ends: Vec<State>,
 }
 
-/// What the march remembers of an interval.
+/// Data of the march for an interval.
 #[derive(Clone, Copy, Debug)]
 struct Leg {
     stages: Stages,
@@ -212,7 +214,7 @@ struct Leg {
 }
 
 impl Leg {
-    /// Adds the columns up into the last one.
+    /// Sums the columns into the last one.
     fn combine(&mut self, factors: [f64; 2]) {
         let sums = self
             .stages
@@ -226,8 +228,8 @@ impl Leg {
     }
 }
 
-/// How the columns at the end of an interval have become orthonormal: old = new · [[a, b], [0, d]], and the
-/// particular solution has lost its parts along them.
+/// Orthonormalisation of the columns at the end of an interval: old = new · [[a, b], [0, d]], and
+/// the components of the particular solution along them are removed.
 #[derive(Clone, Copy, Debug)]
 struct Turned {
     triangle: [f64; 3],

@@ -1,15 +1,16 @@
-//! A planar rod whose gripper is pushed out of the plane by a little: linear theory.
+//! A planar rod whose gripper is slightly pushed out of the plane: linear theory.
 //!
-//! Of all small rotations θ(s) of the cross-sections, zero at both ends, the one that brings the gripper to its new place has the
-//! least second variation (see `stability`): with the place as a condition C θ = Δ and its multiplier λ,
+//! Of all small rotations θ(s) of the cross-sections, zero at both ends, the one that moves the
+//! gripper to its new position has the least second variation (see `stability`): with the position
+//! as a condition C θ = Δ and its multiplier λ,
 //!
 //! > K θ + Cᵀ λ = 0,  C θ − m λ = Δ.
 
 use super::Vector3;
 use super::stability::{Element, Elimination, variations};
 
-/// Largest sideways displacement of the rod over that of its gripper, which keeps its direction; without a sign for rods that
-/// are unstable, too, and infinite where one is about to become so.
+/// Largest sideways displacement of the rod over that of its gripper, which keeps its direction;
+/// the absolute value also for unstable rods, and infinite at the limit of stability.
 pub fn largest_sideways(elements: &[Element], twist_stiffness: f64, compliance: f64) -> f64 {
     let variations = variations(elements, twist_stiffness, compliance);
     if variations.is_empty() {
@@ -56,7 +57,8 @@ mod tests {
 
     #[test]
     fn a_rod_with_guided_ends_follows_its_gripper() {
-        // Clamped at both ends, one of them guided sideways: it is displaced most at that end, whatever pulls at it.
+        // Clamped at both ends, one of them guided sideways: it is displaced most at that end, for
+        // any tension.
         for force in [-6.0, 0.0, 50.0] {
             let largest = largest_sideways(&straight(force), 0.7, 1e-6);
             assert!((largest - 1.0).abs() < 1e-6, "{force}: {largest}");

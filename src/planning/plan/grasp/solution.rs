@@ -1,4 +1,4 @@
-//! The grasp that a shape asks for.
+//! The grasp of a shape.
 
 use super::gauss::{RULE, STAGES};
 use super::interval::eliminate;
@@ -8,15 +8,15 @@ use super::{GraspProblem, Vector3, WEIGHT};
 use nalgebra::Rotation3;
 use rodlab_engine::mechanics::{Matrix3, UnitQuaternion};
 
-/// How far below the table a rod may dip that counts as above it, in L_gb: rounding.
+/// Tolerance of the height above the table, in L_gb, for rounding.
 const TOUCH: f64 = 1e-9;
 
-/// Where and how the gripper holds the rod; lengths in L_gb, forces in EI/L_gb².
+/// Pose of the gripper that holds the rod; lengths in L_gb, forces in EI/L_gb².
 ///
 /// The contact node is the origin, its tangent x̂, and ẑ points up from the table; positive curvature turns to +ŷ.
 #[derive(Clone, Debug)]
 pub struct Grasp {
-    /// What it answers.
+    /// Its problem.
     pub problem: GraspProblem,
     /// q_M.
     pub position: Vector3,
@@ -24,12 +24,12 @@ pub struct Grasp {
     pub rotation: UnitQuaternion,
     /// Force of the rod that lies on the suspended part, −n(0).
     pub contact_force: Vector3,
-    /// What is left at convergence: of the continuous rod the moment at the gripper and x_M n_y(0) − κ̄, of the discrete
-    /// one the force at a node.
+    /// Residual at convergence: for the continuous rod the moment at the gripper and x_M n_y(0) −
+    /// κ̄, for the discrete one the force at a node.
     pub residual: f64,
     /// Lowest height of the suspended part.
     pub lowest: f64,
-    /// Ways in which the rod gives way with both ends held.
+    /// Number of unstable modes of the rod with both ends held.
     pub unstable_modes: usize,
 }
 
@@ -55,7 +55,7 @@ impl Grasp {
         }
     }
 
-    /// Whether no small push brings the rod out of this shape while both ends are held.
+    /// Whether the shape is stable with both ends held.
     pub fn is_stable(&self) -> bool {
         self.unstable_modes == 0
     }
@@ -66,8 +66,8 @@ impl Grasp {
     }
 }
 
-/// n_y(0) and n_z(0) of a rod that is held at a place with a rotation, without a moment at the gripper and without a force along the
-/// lying part; `None` where there is no such force.
+/// n_y(0) and n_z(0) of a rod that is held at a position with a rotation, without a moment at the
+/// gripper and without a force along the lying part; `None` where there is no such force.
 ///
 /// The moments about the vertical through the contact node give x_M n_y(0) = κ̄, and of the suspended rod
 ///
@@ -93,8 +93,9 @@ pub fn force_of_pose(
     (across.is_finite() && up.is_finite()).then_some([across, up])
 }
 
-/// The coefficient of friction that holds a lying rod at its contact node, where the suspended part exerts n(0) on it and the shear
-/// force of the lying part is −κ̄': the table bears the difference,
+/// The coefficient of friction that holds a lying rod at its contact node, where the suspended part
+/// exerts n(0) on it and the shear force of the lying part is −κ̄': the table supports the
+/// difference,
 ///
 /// > |n_y(0) + κ̄'|/|n_z(0)|,
 ///
@@ -155,7 +156,7 @@ fn ends(shape: &Shape) -> Ends {
         director = carried(director, &interval.moments, h);
     }
     let tangent = shape.tangents.last().copied().unwrap_or(Vector3::x());
-    // Unit and perpendicular but for round-off, which the quaternion must not inherit.
+    // Unit and perpendicular up to round-off, which is removed for the quaternion.
     let tangent = tangent.normalize();
     let director = (director - director.dot(&tangent) * tangent).normalize();
     let frame = Matrix3::from_columns(&[tangent, director, tangent.cross(&director)]);

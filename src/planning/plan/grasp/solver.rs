@@ -1,4 +1,4 @@
-//! Grasps, one after the other.
+//! Solver for sequences of grasps.
 
 use super::branches;
 use super::continuation::{gentle, walk};
@@ -7,17 +7,18 @@ use super::shape::{March, Shape};
 use super::solution::centreline;
 use super::{Grasp, GraspError, GraspProblem, Vector3};
 
-/// Largest changes of l̄_s, as a part of it, and of κ̄ over which the last grasp is a start for the next one.
+/// Largest relative change of l̄_s, and change of κ̄, for which the last grasp is the initial guess
+/// of the next one.
 const NEAR: [f64; 2] = [0.3, 0.8];
 
-/// How a grasp is found.
+/// Method of solution for a grasp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraspMethod {
     /// By collocation of the continuous rod.
     Theory,
     /// By the discrete elastic rod.
     Discrete {
-        /// Edges, [`Self::FEWEST_EDGES`] or more.
+        /// Number of edges, at least [`Self::FEWEST_EDGES`].
         edges: usize,
     },
 }
@@ -34,7 +35,7 @@ impl GraspMethod {
     }
 }
 
-/// Finds grasps; each starts from the one before it where the two are near.
+/// Finds grasps; each starts from the previous one if the two are close.
 #[derive(Debug, Default)]
 pub struct GraspSolver {
     march: March,
@@ -42,7 +43,7 @@ pub struct GraspSolver {
 }
 
 impl GraspSolver {
-    /// A solver without a start.
+    /// A solver without an initial guess.
     pub fn new() -> Self {
         Self::default()
     }
@@ -61,9 +62,10 @@ impl GraspSolver {
 
     /// All grasps that are found: the gentle one first, the others by growing force at the contact node.
     ///
-    /// At κ̄ = 0 and l̄_s ≤ 8 these are all planar ones whose n_z(0) lies between −12 and 4 EI/L_gb². For longer rods and
-    /// other curvatures they are what those lead to: what comes into being on the way is not found. Of the discrete rod
-    /// they are those to which Newton's method leads from the continuous ones.
+    /// At κ̄ = 0 and l̄_s ≤ 8 these are all planar ones whose n_z(0) lies between −12 and 4
+    /// EI/L_gb². For longer rods and other curvatures they are continued from those: new branches
+    /// are not found. For the discrete rod they are those to which Newton's method converges from
+    /// the continuous ones.
     ///
     /// # Errors
     /// Newton's method does not converge for the gentle one.
@@ -100,7 +102,8 @@ impl GraspSolver {
         self.all(problem, of, |(grasp, _)| grasp)
     }
 
-    /// What is asked of the gentle rod and of all others, which grow by the force at the contact node.
+    /// A property of the gentle rod and of all others, in the order of the force at the contact
+    /// node.
     fn all<Answer>(
         &mut self,
         problem: &GraspProblem,
@@ -110,7 +113,7 @@ impl GraspSolver {
         let gentle = self.shape(problem)?;
         let mut found = vec![answer(gentle)?];
         let force = gentle.force;
-        // A discrete rod need not have them all.
+        // A discrete rod may not have all of them.
         let others = branches::others(problem, force, &mut self.march);
         found.extend(others.iter().flat_map(answer));
         let size = |answer: &Answer| grasp(answer).contact_force.norm();
@@ -205,7 +208,7 @@ mod tests {
 
     #[test]
     fn moments_about_z_are_in_balance() {
-        // Exactly so for the discrete rod, too: x_M n_y(0) = κ̄.
+        // This is also exact for the discrete rod: x_M n_y(0) = κ̄.
         let mut solver = GraspSolver::new();
         for (length, curvature, stiffness) in [
             (0.5, 0.3, f64::INFINITY),
@@ -244,7 +247,8 @@ mod tests {
             let grasp = solver.solve(&problem, Theory).unwrap();
             assert!((places[300] - grasp.position).norm() < 1e-6, "{problem}");
             let first = (places[1] - places[0]).normalize();
-            // The chord is half an edge's turn ahead of the tangent, up to the change of the curvature.
+            // The chord is ahead of the tangent by half the rotation of an edge, up to the change
+            // of curvature.
             let edge = length / 300.0;
             let off = first.y - 0.5 * curvature * edge;
             assert!(off.abs() < 0.3 * edge * edge && first.z >= 0.0, "{first}");
@@ -306,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_out_of_range_is_refused() {
+    fn values_out_of_range_are_rejected() {
         assert_eq!(
             GraspProblem::new(0.05, 0.0, 500.0),
             Err(GraspError::Length(0.05))

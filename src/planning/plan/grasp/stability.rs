@@ -1,7 +1,7 @@
 //! Stability of a suspended rod whose two ends are held: inertia of the second variation of its energy.
 //!
-//! With the force at the gripper as the multiplier of its place, the rod in balance is a stationary point over all
-//! rotations exp([θ]×) of its cross-sections, stretch eliminated, of
+//! With the force at the gripper as the multiplier of its position, the rod in balance is a
+//! stationary point over all rotations exp([θ]×) of its cross-sections, stretch eliminated, of
 //!
 //! > Π = ∫ ½ EI|t'|² + ½ GJ τ² − n·t − (n·t)²/2k_s ds.
 //!
@@ -9,8 +9,9 @@
 //!
 //! > ½ ∫ θ'·K θ' − M·(θ × θ') + λ[(n·t)|θ|² − (n·θ)(t·θ)] − (n·(θ × t))²/k_s ds,  K = EI(I − t tᵀ) + GJ t tᵀ,
 //!
-//! and the rod is stable if this is positive for all θ that leave the gripper in its place. θ is piecewise linear here;
-//! the three conditions border the matrix, and each takes one negative eigenvalue.
+//! and the rod is stable if this is positive for all θ that keep the position of the gripper. θ is
+//! piecewise linear here; the three conditions border the matrix, and each accounts for one
+//! negative eigenvalue.
 
 use super::Vector3;
 use super::shape::Shape;
@@ -22,10 +23,11 @@ pub const TWIST_STIFFNESS: f64 = 2.0 / 3.0;
 const ELEMENTS_PER_INTERVAL: usize = 8;
 /// Conditions at the gripper.
 const CONDITIONS: usize = 3;
-/// Least 1/k̄_s: the gripper's distance along a straight rod is no condition on its rotations if it cannot stretch.
+/// Smallest 1/k̄_s: for an inextensible straight rod, the distance of the gripper is not a
+/// condition on the rotations.
 const LEAST_COMPLIANCE: f64 = 1e-12;
 
-/// What the second variation needs to know of an element, at its middle.
+/// Data of an element for the second variation, at its middle.
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
     /// Its length.
@@ -38,7 +40,7 @@ pub struct Element {
     pub force: Vector3,
 }
 
-/// Number of independent ways in which the rod gives way with both ends held: zero where it is stable.
+/// Number of unstable modes of the rod with both ends held: zero if it is stable.
 pub fn unstable_modes(shape: &Shape) -> usize {
     let elements = shape.intervals.iter().flat_map(|interval| {
         let length = interval.length / ELEMENTS_PER_INTERVAL as f64;
@@ -74,17 +76,17 @@ pub fn variations(elements: &[Element], twist_stiffness: f64, compliance: f64) -
 
 /// The nodes between the two ends, which are held, eliminated one after the other.
 pub struct Elimination {
-    /// What each node left.
+    /// Remainder at each node.
     pub legs: Vec<Leg>,
-    /// What is left of the conditions.
+    /// Remainder of the conditions.
     pub conditions: Matrix3,
 }
 
-/// What is left at a node when those before it are eliminated.
+/// Remainder at a node after the elimination of those before it.
 pub struct Leg {
     /// Its block.
     pub block: Matrix3,
-    /// The inverse of that, where there is one.
+    /// Its inverse, if it exists.
     pub inverse: Option<Matrix3>,
     /// Its block with the next node.
     pub across: Matrix3,
@@ -100,7 +102,7 @@ impl Elimination {
         let mut before: Option<(Matrix3, Matrix3)> = None;
         for variation in variations {
             conditions += variation.multiplier;
-            // The contact node is held: nothing of the block before the first element.
+            // The contact node is held: no contribution before the first element.
             before = Some(match before {
                 None => (variation.after, variation.condition),
                 Some((block, part)) => {
@@ -134,9 +136,9 @@ pub struct Variation {
     pub across: Matrix3,
     /// Of its second end.
     pub after: Matrix3,
-    /// ∂(place of the gripper)/∂θ, the same for both ends.
+    /// ∂(position of the gripper)/∂θ, the same for both ends.
     pub condition: Matrix3,
-    /// Of the multiplier of the gripper's place.
+    /// For the multiplier of the gripper's position.
     pub multiplier: Matrix3,
 }
 

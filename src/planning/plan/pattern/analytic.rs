@@ -68,7 +68,7 @@ impl PlaneCurve for Sine {
     }
 
     fn pieces(&self) -> usize {
-        // Short enough for steep waves, too.
+        // Short enough also for steep waves.
         let steepness = 1.0 + TAU * (self.amplitude / self.wavelength).abs();
         (32.0 * self.waves * steepness).ceil().max(8.0) as usize
     }

@@ -1,29 +1,29 @@
-//! Where a pattern crosses itself, or another pattern.
+//! Crossings of a pattern with itself, or with another pattern.
 //!
-//! Polygons of curves that touch cross each other many times by chance: a full circle ends along its own start. So each crossing
-//! of two polygons is followed both ways along the second one, as long as it lies within the chord error of the first. It is a
-//! crossing of the curves if the second one leaves on the other side from where it came. Curves that come together and leave on
-//! the same side, or end there, touch.
+//! Polygons of curves that touch cross each other many times by chance: a full circle ends along
+//! its own start. So each crossing of two polygons is followed both ways along the second one, as
+//! long as it is within the chord error of the first. It is a crossing of the curves if the second
+//! one leaves on the other side. Curves that meet and leave on the same side, or end there, touch.
 
 use super::{PatternPoint, Point};
 
-/// Distance below which two polygons are not told apart, over their largest chord error h² κ/8.
+/// Distance below which two polygons count as equal, relative to their largest chord error h² κ/8.
 const CHORD_ERRORS: f64 = 4.0;
-/// The same at least, over the length of the curves: a drawn line that is retraced is not met more exactly.
+/// Its minimum, relative to the length of the curves: a retraced line is not matched more exactly.
 const LEAST_DISTANCE: f64 = 1e-4;
 
-/// A place where a pattern crosses itself, or another one.
+/// A crossing of a pattern with itself or another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// Arc length at which it lies there first, m.
+    /// Arc length of the first pass, m.
     pub first: f64,
-    /// Arc length at which it comes there again, or the other one does, m.
+    /// Arc length of the second pass, or that of the other pattern, m.
     pub second: f64,
-    /// The place, m.
+    /// Its position, m.
     pub position: Point,
 }
 
-/// Where a pattern crosses itself.
+/// Crossings of a pattern with itself.
 pub fn crossings(points: &[PatternPoint]) -> Vec<Crossing> {
     let curves = Curves::new(points, points);
     let mut found = Vec::new();
@@ -36,7 +36,7 @@ pub fn crossings(points: &[PatternPoint]) -> Vec<Crossing> {
     curves.crossings(&found)
 }
 
-/// Where a pattern crosses another one; `second` is the arc length of the other.
+/// Crossings of a pattern with another one; `second` is the arc length of the other.
 pub fn crossings_of_two(points: &[PatternPoint], others: &[PatternPoint]) -> Vec<Crossing> {
     let curves = Curves::new(points, others);
     let mut found = Vec::new();
@@ -52,22 +52,23 @@ pub fn crossings_of_two(points: &[PatternPoint], others: &[PatternPoint]) -> Vec
 struct Curves<'a> {
     first: &'a [PatternPoint],
     second: &'a [PatternPoint],
-    /// Distance below which they are not told apart, m.
+    /// Distance below which they count as equal, m.
     distance: f64,
 }
 
-/// How far two curves lie on each other about a crossing of their polygons: pieces of the first and of the second one.
+/// The coinciding part of two curves about a crossing of their polygons: pieces of the first and of
+/// the second one.
 struct Contact {
     first: [usize; 2],
     second: [usize; 2],
     crosses: bool,
 }
 
-/// Where a curve leaves another one.
+/// The point where a curve leaves another one.
 struct Exit {
     /// The pieces that were reached, of the first curve and of the second one.
     pieces: [usize; 2],
-    /// On which side of the first curve, +1 left and −1 right; `None` where one of them ends.
+    /// Side of the first curve, +1 left and −1 right; `None` if one of them ends.
     side: Option<f64>,
 }
 
@@ -85,7 +86,7 @@ impl<'a> Curves<'a> {
             .iter()
             .filter_map(|points| points.last())
             .fold(0.0, |most: f64, last| most.max(last.s));
-        // The chord error of a piece is no longer than the piece.
+        // The chord error of a piece is at most its length.
         let chord_error = (spacing * spacing * curvature / 8.0).min(0.1 * spacing);
         Self {
             first,
@@ -136,7 +137,7 @@ impl<'a> Curves<'a> {
         let mut point = if ahead { second + 1 } else { second };
         loop {
             let position = self.second[point].position;
-            // The nearest piece of the first curve, downhill from the one before.
+            // The nearest piece of the first curve, by descent from the previous one.
             while piece < last && self.away(piece + 1, position) < self.away(piece, position) {
                 piece += 1;
             }
@@ -178,7 +179,7 @@ impl<'a> Curves<'a> {
     }
 }
 
-/// Where two pieces cross.
+/// Intersection of two pieces.
 fn crossing(one: &[PatternPoint], other: &[PatternPoint]) -> Option<Crossing> {
     let [a, b, c, d] = [one[0], one[1], other[0], other[1]].map(|point| point.position);
     let (along, across) = (b - a, d - c);

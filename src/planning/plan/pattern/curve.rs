@@ -6,18 +6,18 @@ use serde::{Deserialize, Serialize};
 
 /// Points of the Gauss rule on each piece of a curve.
 const QUADRATURE: usize = 5;
-/// Most Newton iterations for the parameter at an arc length.
+/// Maximum number of Newton iterations for the parameter at an arc length.
 const ITERATIONS: usize = 20;
-/// Step of the differences that make derivatives of the curvature, as a part of a piece.
+/// Step of the finite differences of the curvature, as a share of a piece.
 const DIFFERENCE: f64 = 0.02;
 
 /// A smooth curve by a parameter u.
 pub trait PlaneCurve: Send + Sync {
     /// The parameter runs from 0 to this.
     fn end(&self) -> f64;
-    /// How many pieces the curve is best cut into: on each, it is nearly a polynomial.
+    /// Number of pieces on each of which the curve is nearly a polynomial.
     fn pieces(&self) -> usize;
-    /// Place and its first two derivatives.
+    /// Position and its first two derivatives.
     fn at(&self, u: f64) -> [Point; 3];
 }
 
@@ -58,7 +58,7 @@ impl ArcLength {
             let length = between(curve, &rule, start, start + width);
             if !(length > 1e-9 * width && length.is_finite()) {
                 return Err(PatternError::Degenerate(
-                    "the curve stands still somewhere, or has no length",
+                    "the derivative of the curve is zero somewhere, or the curve has no length",
                 ));
             }
             sum += length;
@@ -89,7 +89,7 @@ impl ArcLength {
         }
         let [position, velocity, acceleration] = curve.at(u);
         let speed = velocity.norm();
-        // Differences inside of the curve, to one side at its ends.
+        // Differences inside the curve, one-sided at its ends.
         let step = DIFFERENCE * width;
         let middle = u.clamp(2.0 * step, curve.end() - 2.0 * step);
         let [before, here, after] =

@@ -6,35 +6,36 @@ use rodlab_engine::mechanics::kirchhoff::numerics::gauss_legendre;
 /// Points of the Gauss rule for places along the lead-in.
 const QUADRATURE: usize = 40;
 
-/// First straight; then κ is the polynomial of the fifth degree that vanishes with two derivatives where it begins, and goes
-/// over into the pattern with its value and two derivatives.
+/// First straight; then κ is the polynomial of the fifth degree that vanishes with two derivatives
+/// at its start, and matches the pattern at its end in value and two derivatives.
 #[derive(Clone, Debug)]
 pub struct LeadIn {
     /// Length of the straight part, m.
     straight: f64,
     /// Length over which the curvature grows, m.
     bent: f64,
-    /// Where the pattern begins.
+    /// Start of the pattern.
     end: PatternPoint,
     /// Coefficients of (σ/ℓ)³, (σ/ℓ)⁴ and (σ/ℓ)⁵.
     coefficients: [f64; 3],
     rule: Vec<(f64, f64)>,
 }
 
-/// Points at which the curvature of a lead-in is looked at.
+/// Number of points at which the curvature of a lead-in is sampled.
 const LOOKS: u32 = 200;
 
-/// How a lead-in bends.
+/// Curvature measures of a lead-in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeadBend {
     /// Largest curvature, 1/m.
     pub sharpest: f64,
-    /// How far the tangent turns, to either side added up, rad.
+    /// Total rotation of the tangent, to both sides, rad.
     pub turn: f64,
 }
 
 impl LeadBend {
-    /// That of the lead-in of a length, m, to a point. Of a lead-out it is that to the point turned round.
+    /// The measures of the lead-in of a length, m, to a point. For a lead-out, to the reversed
+    /// point.
     pub fn of(end: &PatternPoint, bent: f64) -> Self {
         let lead = LeadIn::new(end, 0.0, bent);
         let [c3, c4, c5] = lead.coefficients;

@@ -1,21 +1,22 @@
-//! A stretch behind a pattern, over which its curvature goes back to zero.
+//! A curve behind a pattern, over which its curvature returns to zero.
 
 use super::PatternPoint;
 use super::lead_in::LeadIn;
 use std::f64::consts::PI;
 
-/// The [`LeadIn`] of the pattern that runs the other way.
+/// The [`LeadIn`] of the reversed pattern.
 #[derive(Clone, Debug)]
 pub struct LeadOut {
     /// Length, m.
     pub length: f64,
-    /// Where the pattern ends, m.
+    /// End of the pattern, m.
     begin: f64,
     lead_in: LeadIn,
 }
 
 impl LeadOut {
-    /// Behind the last point of a pattern; the curvature goes to zero over the length `bent`, m, of which there may be less.
+    /// Behind the last point of a pattern; the curvature decreases to zero over the length `bent`,
+    /// m, or over less if it is shorter.
     pub fn new(last: &PatternPoint, bent: f64, length: f64) -> Self {
         Self {
             length,
@@ -34,7 +35,8 @@ impl LeadOut {
 }
 
 impl PatternPoint {
-    /// The point of the same curve run through from its end: curvature and bend change their signs, the slope does not.
+    /// The point of the reversed curve: the curvature and its second derivative change sign, the
+    /// first derivative does not.
     pub fn turned_round(&self) -> Self {
         Self {
             angle: self.angle + PI,

@@ -3,12 +3,12 @@
 //! | file | what |
 //! |---|---|
 //! | `svg` | the strokes of an SVG drawing, metres |
-//! | `spline` | a smooth curve along drawn points, as near to them as is asked for |
+//! | `spline` | a smooth curve along drawn points, within a deviation |
 //! | `analytic` | line, circle and sine |
 //! | `curve` | arc length, tangent, curvature and its derivatives |
 //! | `source` | a formula or a drawing, in its size and direction |
-//! | `lead_in`, `lead_out` | a start whose curvature grows from zero, and an end where it goes back to zero |
-//! | `check` | what a pattern asks of a rod, and where it crosses itself |
+//! | `lead_in`, `lead_out` | a start whose curvature grows from zero, and an end where it returns to zero |
+//! | `check` | requirements of a pattern, and its self-crossings |
 
 mod analytic;
 mod check;
@@ -35,11 +35,11 @@ use thiserror::Error;
 /// A point of the plane, m.
 pub type Point = nalgebra::Vector2<f64>;
 
-/// Why a drawing is no pattern.
+/// Why a drawing is not a pattern.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PatternError {
-    /// The file is no SVG.
-    #[error("it is no SVG: {0}")]
+    /// The file is not SVG.
+    #[error("it is not an SVG file: {0}")]
     Syntax(String),
     /// An attribute cannot be read.
     #[error("line {line}: <{element}>: {reason}")]
@@ -48,19 +48,19 @@ pub enum PatternError {
         line: u32,
         /// Name of the element.
         element: String,
-        /// What is wrong with it.
+        /// The error.
         reason: String,
     },
-    /// There is nothing to follow.
+    /// There is no path.
     #[error("it has no path{hint}")]
     NoPath {
-        /// What may help.
+        /// Advice.
         hint: &'static str,
     },
     /// There are several strokes.
     #[error("it has {count} strokes that do not join; choose one, `stroke` 1 to {count}{list}")]
     SeveralStrokes {
-        /// How many.
+        /// Their number.
         count: usize,
         /// The longest of them, a line each.
         list: String,
@@ -68,46 +68,46 @@ pub enum PatternError {
     /// Several strokes, or none, have an id.
     #[error("id `{id}`: {found}")]
     StrokeId {
-        /// What was asked for.
+        /// The requested value.
         id: String,
-        /// What was found, in words.
+        /// The strokes found, as text.
         found: String,
     },
     /// Strokes cannot be joined.
     #[error("{0} strokes are too many to be joined; allowed: {most} at most", most = StrokeChoice::MOST_JOINED)]
     TooManyToJoin(usize),
     /// There is no such stroke.
-    #[error("there is no stroke {wanted}: it has {count}")]
+    #[error("no stroke {wanted}: the drawing has {count}")]
     NoStroke {
-        /// What was asked for, from 1.
+        /// The requested number, from 1.
         wanted: usize,
-        /// How many there are.
+        /// The number of strokes.
         count: usize,
     },
-    /// The curve has no length, or its points are no numbers.
+    /// The curve has no length, or its points are not finite numbers.
     #[error("{0}")]
     Degenerate(&'static str),
-    /// No smooth curve is near enough.
+    /// No smooth curve is close enough.
     #[error(
         "no smooth curve stays within {allowed_m} m of the drawing; the nearest found deviates by {least_m:.2e} m: \
          draw its corners round, or allow a larger `deviation`"
     )]
     Deviation {
-        /// What is allowed, m.
+        /// The allowed deviation, m.
         allowed_m: f64,
-        /// What was reached, m.
+        /// The smallest deviation found, m.
         least_m: f64,
     },
 }
 
-/// A curve by its arc length, with a lead-in and a lead-out where it has them.
+/// A curve by its arc length, with an optional lead-in and lead-out.
 pub struct Pattern {
     curve: Box<dyn PlaneCurve>,
     arc_length: ArcLength,
     lead_in: Option<LeadIn>,
     end: Option<f64>,
     lead_out: Option<LeadOut>,
-    /// Largest distance of the curve from the points that were drawn, m; zero for analytic curves.
+    /// Largest distance of the curve from the drawn points, m; zero for analytic curves.
     pub deviation: f64,
 }
 
@@ -115,7 +115,7 @@ impl Pattern {
     /// The pattern of a curve.
     ///
     /// # Errors
-    /// The curve has no length, or stands still somewhere.
+    /// The curve has no length, or its derivative is zero somewhere.
     pub fn new(curve: Box<dyn PlaneCurve>, deviation: f64) -> Result<Self, PatternError> {
         let arc_length = ArcLength::of(&*curve)?;
         Ok(Self {
@@ -128,7 +128,7 @@ impl Pattern {
         })
     }
 
-    /// The pattern along drawn points, which it nowhere misses by more than `deviation`, m.
+    /// The pattern along drawn points, within `deviation`, m.
     ///
     /// # Errors
     /// The points have no length, or have corners too sharp for this.
@@ -156,8 +156,8 @@ impl Pattern {
         self.lead_in.as_ref().map_or(0.0, LeadIn::length)
     }
 
-    /// Goes on behind the end over a length, m. The curvature goes to zero over the length `bent`, m, as that of a lead-in
-    /// grows; what is left is straight.
+    /// Adds a lead-out of a length, m, behind the end. The curvature decreases to zero over the
+    /// length `bent`, m, as that of a lead-in grows; the rest is straight.
     pub fn with_lead_out(mut self, bent: f64, length: f64) -> Self {
         self.lead_out = None;
         let last = self.at(self.length());

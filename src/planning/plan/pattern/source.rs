@@ -1,4 +1,4 @@
-//! What a pattern is made from: a formula, or a drawing.
+//! Source of a pattern: a formula or a drawing.
 
 use super::{Circle, Line, Pattern, PatternError, Point, Sine, Stroke};
 
@@ -15,13 +15,13 @@ pub enum PatternSource {
     Drawn {
         /// The points, m.
         points: Vec<Point>,
-        /// How far the smooth curve may be from them, m.
+        /// Allowed deviation of the smooth curve from them, m.
         deviation: f64,
     },
 }
 
 impl PatternSource {
-    /// Length of what was drawn, m; zero for a formula.
+    /// Length of the drawing, m; zero for a formula.
     pub fn drawn_length(&self) -> f64 {
         match self {
             Self::Drawn { points, .. } => {
@@ -46,10 +46,10 @@ impl PatternSource {
     }
 }
 
-/// How a drawing is taken.
+/// Size and direction of a drawing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drawing {
-    /// Length of its longer side, m; as drawn where there is none.
+    /// Length of its longer side, m; `None` as drawn.
     pub size: Option<f64>,
     /// From the last point to the first.
     pub reverse: bool,
@@ -59,7 +59,7 @@ impl Drawing {
     /// The points of a drawing in its size and direction.
     ///
     /// # Errors
-    /// It has no extent that could be made as large.
+    /// It has no extent that could be scaled.
     pub fn of(&self, mut points: Vec<Point>) -> Result<Vec<Point>, PatternError> {
         if self.reverse {
             points.reverse();
@@ -80,10 +80,10 @@ impl Drawing {
     }
 }
 
-/// The stroke of a number, from 1; the only one where none is named.
+/// The stroke of a number, from 1; without a number, the only one.
 ///
 /// # Errors
-/// There are several to choose from, or not so many.
+/// There are several, or fewer than the number.
 pub fn chosen_stroke(
     mut strokes: Vec<Stroke>,
     wanted: Option<usize>,

@@ -1,23 +1,23 @@
 //! A smooth curve along drawn points: a penalised spline (Eilers & Marx, Statistical Science 11, 1996).
 //!
-//! Uniform B-splines of the fifth degree, so that κ'' is continuous, along the arc length of the drawing. Of all that
-//! stay within the allowed deviation, the one that minimises Σ|x(u) − q|² + λ Σ|Δ³c|² with the largest λ is taken:
-//! its curvature changes least.
+//! Uniform B-splines of the fifth degree, so that κ'' is continuous, along the arc length of the
+//! drawing. Of all curves within the allowed deviation, the one that minimises Σ|x(u) − q|² + λ
+//! Σ|Δ³c|² with the largest λ is used: its curvature changes least.
 
 use super::{PatternError, PlaneCurve, Point};
 
 /// Degree of the spline.
 const DEGREE: usize = 5;
-/// Pieces at first, and at most.
+/// Initial and maximum number of pieces.
 const PIECES: [usize; 2] = [128, 4096];
 /// Drawn points, resampled, per piece.
 const POINTS_PER_PIECE: usize = 6;
-/// Weights λ of the penalty that are tried, as powers of ten.
+/// Range of trial weights λ of the penalty, as powers of ten.
 const WEIGHTS: [f64; 2] = [-8.0, 10.0];
 /// Halvings of their range.
 const HALVINGS: usize = 14;
 
-/// A spline by arc length of what was drawn, m.
+/// A spline over the arc length of the drawing, m.
 #[derive(Clone, Debug)]
 pub struct SmoothCurve {
     control: Vec<Point>,
@@ -26,16 +26,18 @@ pub struct SmoothCurve {
 }
 
 impl SmoothCurve {
-    /// The smoothest curve within `allowed` (m) of the points, and by how much it misses them.
+    /// The smoothest curve within `allowed` (m) of the points, and its deviation.
     ///
     /// # Errors
-    /// The points have no length or are no numbers; corners too sharp.
+    /// The points have no length or are not finite, or corners are too sharp.
     pub fn along(points: &[Point], allowed: f64) -> Result<(Self, f64), PatternError> {
         if !points
             .iter()
             .all(|point| point.iter().all(|x| x.is_finite()))
         {
-            return Err(PatternError::Degenerate("a coordinate is no finite number"));
+            return Err(PatternError::Degenerate(
+                "a coordinate is not a finite number",
+            ));
         }
         let mut sums = vec![0.0];
         let mut kept: Vec<Point> = points.first().copied().into_iter().collect();

@@ -53,7 +53,7 @@ fn derivatives_of_the_curvature_are_those_over_arc_length() {
 }
 
 #[test]
-fn a_lead_in_starts_straight_and_goes_over_smoothly() {
+fn a_lead_in_starts_straight_and_joins_smoothly() {
     let circle = Pattern::new(Box::new(Circle { radius: 0.1 }), 0.0).unwrap();
     let pattern = circle.with_lead_in(0.12);
     assert!((pattern.length() - 0.1 * TAU - 0.12).abs() < 1e-12);
@@ -67,7 +67,7 @@ fn a_lead_in_starts_straight_and_goes_over_smoothly() {
 }
 
 #[test]
-fn a_straight_lead_in_goes_over_into_one_that_bends() {
+fn a_straight_lead_in_continues_as_a_bent_one() {
     let circle = || Pattern::new(Box::new(Circle { radius: 0.1 }), 0.0).unwrap();
     let bent = circle().with_lead_in(0.12);
     let pattern = circle().with_straight_lead_in(0.05, 0.12);
@@ -80,15 +80,15 @@ fn a_straight_lead_in_goes_over_into_one_that_bends() {
         assert!((here.position - there.position).norm() < 1e-12, "{s}");
         assert!((here.curvature - there.curvature).abs() < 1e-9, "{s}");
     }
-    // Without a bend it begins where the pattern does.
+    // Without a bend it starts at the start of the pattern.
     let line = Pattern::new(Box::new(Line { length: 0.3 }), 0.0).unwrap();
     let start = line.with_straight_lead_in(0.1, 0.0).at(0.02).position;
     assert!((start - Point::new(-0.08, 0.0)).norm() < 1e-15);
 }
 
-/// Where the lead-out begins and everywhere on it, by differences.
+/// At the start of the lead-out and everywhere on it, by differences.
 #[test]
-fn a_lead_out_goes_on_smoothly_and_ends_straight() {
+fn a_lead_out_continues_smoothly_and_ends_straight() {
     let sine = Sine {
         amplitude: 0.04,
         wavelength: 0.25,
@@ -169,7 +169,7 @@ fn sharp_corners_are_rounded_within_the_deviation() {
 }
 
 #[test]
-fn what_has_no_length_is_refused() {
+fn curves_of_zero_length_are_rejected() {
     let at = |points: &[[f64; 2]]| {
         let points: Vec<Point> = points.iter().map(|point| Point::from(*point)).collect();
         Pattern::along(&points, 1e-4).err()
@@ -200,7 +200,7 @@ fn an_eight_crosses_itself_once() {
     );
 }
 
-/// A circle over a number of turns, as far as points go, with or without a lead-in.
+/// A circle over a number of turns, up to the given points, with or without a lead-in.
 fn turned(radius: f64, turns: f64, lead_in: f64, step: f64) -> Vec<PatternPoint> {
     let points: Vec<Point> = (0..=400)
         .map(|index| turns * TAU * f64::from(index) / 400.0)
@@ -226,7 +226,7 @@ fn a_circle_that_closes_touches_itself_and_does_not_cross() {
             }
         }
     }
-    // Nor does one that goes on along itself, a quarter of a turn too far.
+    // Nor does one that continues along itself, a quarter of a turn too far.
     for step in [0.001, 0.003] {
         let found = crossings(&turned(0.08, 1.25, 0.0, step));
         assert!(found.is_empty(), "{found:?}");
@@ -240,7 +240,7 @@ fn curves_that_cross_at_a_small_angle_cross_once() {
         let circle = Pattern::new(Box::new(Circle { radius: 0.1 }), 0.0).unwrap();
         let mut points = circle.sampled(0.003);
         for point in &mut points {
-            // Their starts lie away from the crossings.
+            // Their starts are away from the crossings.
             point.position = Point::new(point.position.y + shift, -point.position.x);
         }
         points
@@ -257,7 +257,7 @@ fn a_pattern_whose_end_meets_its_start_at_a_corner_does_not_cross_itself() {
     let points: Vec<Point> = corners.iter().map(|corner| Point::from(*corner)).collect();
     let square = Pattern::along(&points, 1e-3).unwrap();
     assert!(crossings(&square.sampled(0.002)).is_empty());
-    // An end that goes on beyond it does.
+    // An end that continues beyond it does.
     let mut points = points;
     points[4] = Point::new(0.0, -0.02);
     let beyond = Pattern::along(&points, 1e-3).unwrap().with_lead_in(0.05);

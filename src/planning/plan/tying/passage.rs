@@ -1,4 +1,4 @@
-//! How patterns come to their crossings again.
+//! Second passes of patterns through their crossings.
 
 use crate::plan::deployment::DeployedRod;
 use crate::plan::pattern::{Pattern, PatternPoint, Point, crossings, crossings_of_two};
@@ -6,22 +6,22 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// Distance of points of the pattern between which crossings are looked for, m.
+/// Distance of points of the pattern for the search for crossings, m.
 const SPACING: f64 = 1e-3;
-/// Points of a pattern, at most: of a longer one they lie farther apart.
+/// Maximum number of points of a pattern; those of longer patterns are farther apart.
 const MOST_POINTS: f64 = 4_000.0;
-/// Length of the rod that is still held when the rest lies, in gravito-bending lengths l̄: its end is l̄⁴/48 above the rest then,
-/// so that a gripper that trembles does not meet the table.
+/// Length of the rod that is still held when the rest is laid, in gravito-bending lengths l̄: its
+/// end is then l̄⁴/48 above the rest, so that the jitter of the gripper does not reach the table.
 const HELD: f64 = 1.6;
-/// Least way of the end before a crossing, in gravito-bending lengths.
+/// Smallest distance of the end before a crossing, in gravito-bending lengths.
 const BEFORE_CROSSING: f64 = 1.0;
 
-/// How a rod comes to a crossing for the second time.
+/// Second pass of a rod through a crossing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum Pass {
-    /// Over what lies there.
+    /// Over the first strand.
     Over,
     /// Under it.
     Under,
@@ -37,13 +37,13 @@ pub struct TiedRod<'a> {
 }
 
 impl TiedRod<'_> {
-    /// Whether its end is led on when it is laid.
+    /// Whether its end is moved on after laying.
     pub fn is_led(&self) -> bool {
         self.curve.length() > self.rod.length
     }
 }
 
-/// A place along the pattern of a rod.
+/// A position along the pattern of a rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Number of the rod, from 0, in the order in which they are laid.
@@ -55,51 +55,53 @@ pub struct Place {
 /// A crossing of a pattern with itself or with another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
-    /// Where a rod comes there first.
+    /// Position of the first pass.
     pub first: Place,
-    /// Where it comes there again, or another one does.
+    /// Position of the second pass, by the same rod or another.
     pub second: Place,
-    /// The place, m.
+    /// Its position, m.
     pub place: Point,
-    /// How it passes the second time.
+    /// Over or under, at the second pass.
     pub pass: Pass,
 }
 
 /// Why a knot cannot be tied along a pattern.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TyingError {
-    /// Not as many words as crossings.
+    /// The number of passes is not that of the crossings.
     #[error(
-        "crossings that the pattern comes to again: {crossings}; passes given: {words}; say \"over\" or \"under\" for each, in the order \
-         in which it comes there"
+        "crossings of the pattern: {crossings}; passes given: {words}; give \"over\" or \"under\" \
+         for each crossing, in the order of the second passes"
     )]
     Words {
         /// Crossings of the pattern.
         crossings: usize,
-        /// Words.
+        /// Given passes.
         words: usize,
     },
     /// The same of two rods.
     #[error(
-        "crossings that the rods come to again: {crossings}; passes given: {words}; say \"over\" or \"under\" for each, in the order in \
-         which rods come there: first the second rod as it is laid, then its end as it is led, then that of the first"
+        "crossings of the rods: {crossings}; passes given: {words}; give \"over\" or \"under\" for \
+         each crossing, in the order of the second passes: first the second rod as it is laid, \
+         then its end, then the end of the first rod"
     )]
     WordsOfTwo {
         /// Crossings of the patterns.
         crossings: usize,
-        /// Words.
+        /// Given passes.
         words: usize,
     },
-    /// Nothing is led.
+    /// No end is moved.
     #[error(
-        "neither pattern is longer than its rod: what goes on is the path along which the end of the rod is led, under a strand of the \
-         other; without it the second rod lies on the first, and no knot arises"
+        "neither pattern is longer than its rod: the rest of a pattern is the path of the end of \
+         its rod, which passes under a strand of the other rod; without it the second rod only \
+         lies on the first, and no knot is tied"
     )]
     NothingIsLed,
     /// There is no path for the end.
     #[error(
-        "the pattern is {pattern_m:.4} m long, and the rod {rod_m} m: the rest of the pattern is the path along which the end of the \
-         rod is led, so that it must be longer than the rod"
+        "the pattern is {pattern_m:.4} m long, and the rod {rod_m} m: the pattern must be longer \
+         than the rod, because its rest is the path of the end of the rod"
     )]
     NoPath {
         /// Length of the pattern, m.
@@ -109,39 +111,39 @@ pub enum TyingError {
     },
     /// A laid rod cannot go under.
     #[error(
-        "crossing {number} lies at {second_m:.4} m of the pattern, which the rod of {rod_m} m covers when it is laid: it goes over \
-         there; to be led under, its end must stop {least_m:.4} m before"
+        "crossing {number} is at {second_m:.4} m of the pattern, which the rod of {rod_m} m \
+         covers when it is laid, so it passes over there; to pass under, it must end {least_m:.4} m before"
     )]
     LaidOver {
         /// Number of the crossing, from 1.
         number: usize,
-        /// Where the pattern comes to it again, m.
+        /// Position of the second pass, m.
         second_m: f64,
         /// Length of the rod, m.
         rod_m: f64,
-        /// Least way of the end before it, m.
+        /// Smallest distance of the end before it, m.
         least_m: f64,
     },
     /// The path of the end crosses itself.
     #[error(
-        "crossing {number} lies at {first_m:.4} m of the pattern when it comes there first, where no rod of {rod_m} m lies yet"
+        "crossing {number} is first passed at {first_m:.4} m of the pattern, beyond the end of the laid rod of {rod_m} m"
     )]
     NothingThere {
         /// Number of the crossing, from 1.
         number: usize,
-        /// Where the pattern comes to it first, m.
+        /// Position of the first pass, m.
         first_m: f64,
         /// Length of the rod, m.
         rod_m: f64,
     },
 }
 
-/// The length of pattern along which a rod is laid before its end is led on, m.
+/// The length of pattern along which a rod is laid before its end is moved on, m.
 pub fn laid_length(rod: &DeployedRod) -> f64 {
     rod.length - HELD * rod.gravito_bending_length
 }
 
-/// When a rod comes to a place: rods are laid one after the other, and the last one's end is the first to be led.
+/// Order of passes: rods are laid one after the other, and the end of the last one is moved first.
 fn stage(rods: &[TiedRod<'_>], place: &Place) -> (usize, f64) {
     if place.s <= rods[place.rod].rod.length {
         (place.rod, place.s)
@@ -150,7 +152,7 @@ fn stage(rods: &[TiedRod<'_>], place: &Place) -> (usize, f64) {
     }
 }
 
-/// The crossings of patterns, in the order in which rods come to them again.
+/// The crossings of patterns, in the order of their second passes.
 fn found(rods: &[TiedRod<'_>]) -> Vec<(Place, Place, Point)> {
     let sampled: Vec<Vec<PatternPoint>> = rods
         .iter()
@@ -188,10 +190,11 @@ fn found(rods: &[TiedRod<'_>]) -> Vec<(Place, Place, Point)> {
     found
 }
 
-/// The crossings of the patterns of one or two rods in the order in which they are come to again, with the words that say how.
+/// The crossings of the patterns of one or two rods in the order of their second passes, with the
+/// given passes.
 ///
 /// # Errors
-/// The knot cannot be tied so.
+/// The knot cannot be tied in this way.
 pub fn passages(rods: &[TiedRod<'_>], words: &[Pass]) -> Result<Vec<Passage>, TyingError> {
     let found = found(rods);
     if found.len() != words.len() {

@@ -1,4 +1,4 @@
-//! Poses of the gripper that leads the end of a rod, and of the one that lifts strands.
+//! Poses of the gripper that moves the end of a rod, and of the one that lifts strands.
 
 use super::{Handling, Pass, Passage, Place, Schedule};
 use crate::plan::deployment::{DeployedRod, TimedPose};
@@ -9,45 +9,48 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3, rotation};
 
 /// Time between poses, s.
 const INTERVAL: f64 = 0.1;
-/// Height of the end over the table, in radii: clear of it for a gripper that trembles by a third of a radius.
+/// Height of the end over the table, in radii: clear of it for a gripper with a jitter of a third
+/// of a radius.
 const LOW: f64 = 2.2;
 /// The same over a strand that it passes, in radii over the top of the strand.
 const HIGH: f64 = 4.0;
-/// Where the end is high before and after such a strand, and where it is low again, in gravito-bending lengths.
+/// Distances from such a strand within which the end is high, and beyond which it is low, in
+/// gravito-bending lengths.
 const HIGH_WITHIN: f64 = 0.7;
 const LOW_BEYOND: f64 = 1.75;
-/// Length over which the end goes over from its last pose of the laying to the path, in gravito-bending lengths.
+/// Length of the transition of the end from its last pose of laying to the path, in gravito-bending
+/// lengths.
 const TRANSITION: f64 = 1.0;
-/// Height at which a strand that is put down on another is let go, in radii over the top of the other: it lies there at one, and
-/// falls from a little above.
+/// Height at which a strand is released on another, in radii over the top of the other: it rests at
+/// one, and falls from slightly above.
 const PUT_DOWN: f64 = 2.5;
 
-/// Times (s), places (m) and orientations, as a clamp follows them.
+/// Times (s), positions (m) and orientations of a clamp.
 pub type GripperPoses = Vec<TimedPose>;
 
-/// A gripper that lifts a strand, and puts it down again.
+/// A gripper that lifts a strand and puts it down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiftPath {
     /// Number of the rod whose strand it is, from 0.
     pub rod: usize,
-    /// When it takes hold and when it lets go, s.
+    /// Times of grasp and release, s.
     pub held: [f64; 2],
     /// Its poses; the x axis is the tangent of the strand as it was drawn.
     pub poses: GripperPoses,
 }
 
-/// Rods that are tied, and where the planner sees their patterns.
+/// Rods to tie, and the positions of their patterns.
 pub struct TyingTask<'a> {
     /// The rods.
     pub rods: &'a [DeployedRod],
     /// The crossings.
     pub passages: &'a [Passage],
-    /// Where a place of a pattern is.
+    /// Pose of a position along a pattern.
     pub pattern: &'a dyn Fn(Place) -> PatternPoint,
 }
 
 impl TyingTask<'_> {
-    /// The poses of the gripper that leads an end, from the `first` place and rotation on.
+    /// The poses of the gripper that moves an end, starting at the `first` position and rotation.
     pub fn end_path(&self, schedule: &Schedule, first: (Vector3, UnitQuaternion)) -> GripperPoses {
         let number = schedule.rod;
         let rod = &self.rods[number];
@@ -68,7 +71,7 @@ impl TyingTask<'_> {
         times(&schedule.end).into_iter().map(pose).collect()
     }
 
-    /// The paths of the gripper that lifts strands, one for each.
+    /// The paths of the gripper that lifts strands, one per strand.
     pub fn lift_paths(&self, schedule: &Schedule, handling: &Handling) -> Vec<LiftPath> {
         let led = &self.rods[schedule.rod];
         let lift = |&(number, times): &(usize, [f64; 4])| {
@@ -120,7 +123,7 @@ fn times(corners: &[(f64, f64)]) -> Vec<f64> {
     times
 }
 
-/// A value that goes from corner to corner and rests at each.
+/// A value that moves from corner to corner and rests at each.
 fn smoothly(corners: &[(f64, f64)], time: f64) -> f64 {
     let after = corners.partition_point(|corner| corner.0 <= time);
     let (Some(before), Some(next)) = (corners.get(after.wrapping_sub(1)), corners.get(after))
@@ -181,7 +184,7 @@ mod tests {
         };
         let last = last(&curve);
         let end = task.end_path(&schedule, (last.position, last.rotation));
-        // It begins where the rod was laid, and ends with the pattern.
+        // It begins at the end of laying, and ends with the pattern.
         assert!((end[0].1 - last.position).norm() < 1e-12);
         assert!(end[0].2.angle_to(&last.rotation) < 1e-9);
         let arrived = end.last().unwrap();
@@ -214,13 +217,13 @@ mod tests {
         let clear = strand(under.0).z - under.1.z;
         assert!(clear > 2.0 * ROD.radius, "{clear}");
         assert!((strand(under.0).xy() - passages[1].place).norm() < 1e-3);
-        // Over the other strand, which is two radii thick, there is room for the rod.
+        // Over the other strand, which is two radii thick, there is space for the rod.
         assert!(over.1.z > 4.0 * ROD.radius, "{}", over.1.z);
         assert!(under.0 < over.0);
     }
 
     #[test]
-    fn patterns_that_cannot_be_tied_say_why() {
+    fn patterns_that_cannot_be_tied_have_a_reason() {
         use Pass::{Over, Under};
         let curve = trefoil();
         let fault = |rod: &DeployedRod, words: &[Pass]| {
@@ -234,7 +237,7 @@ mod tests {
                 words: 2
             }
         );
-        // What is laid goes over.
+        // Laid strands pass over.
         let laid = fault(&ROD, &[Under, Under, Over]);
         assert!(
             matches!(laid, TyingError::LaidOver { number: 1, .. }),

@@ -1,28 +1,29 @@
-//! When the end of a rod is led where, and when strands are lifted and put down.
+//! Schedule of the end of a rod, and of strands that are lifted and put down.
 
 use super::{Pass, Passage, TiedRod};
 use crate::plan::deployment::DeployedRod;
 
-/// Time in which a strand is lifted, and in which it is put down, s.
+/// Time to lift a strand, and to put it down, s.
 const LIFTING: f64 = 2.0;
-/// Where the end waits before a strand that is lifted, in gravito-bending lengths.
+/// Distance before a lifted strand at which the end waits, in gravito-bending lengths.
 const WAITING: f64 = 1.0;
 
-/// How a rod is handled.
+/// Parameters of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Handling {
     /// Height to which strands are lifted, m.
     pub lift: f64,
-    /// Speed at which the end is led, m/s.
+    /// Speed of the end, m/s.
     pub speed: f64,
 }
 
-/// Height to which strands are lifted where nothing is said, in radii of the thickest rod, and speed at which the end is led, m/s.
+/// Default height to which strands are lifted, in radii of the thickest rod, and default speed of
+/// the end, m/s.
 const USUAL_LIFT: f64 = 8.0;
 const USUAL_SPEED: f64 = 0.04;
 
 impl Handling {
-    /// How rods are handled where nothing is said.
+    /// The default parameters of the motion.
     pub fn usual<'a>(rods: impl IntoIterator<Item = &'a DeployedRod>) -> Self {
         let thickest = rods.into_iter().map(|rod| rod.radius).fold(0.0, f64::max);
         Self {
@@ -32,22 +33,22 @@ impl Handling {
     }
 }
 
-/// When the end of a rod is led. Times are counted from when it begins, s.
+/// Schedule of the end of a rod. Times count from its start, s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
     /// Number of the rod, from 0.
     pub rod: usize,
-    /// Times and the arc length of the pattern at which the end is then, m; linear between them.
+    /// Times, and arc lengths of the pattern of the end, m; linear in between.
     pub end: Vec<(f64, f64)>,
-    /// Strands that are lifted: number of the passage, when the gripper takes hold, when it has lifted, when it begins to put
-    /// down, and when it lets go.
+    /// Strands that are lifted: number of the passage, times of the grasp, of the end of lifting,
+    /// of the start of lowering, and of the release.
     pub lifts: Vec<(usize, [f64; 4])>,
 }
 
 impl Schedule {
-    /// The schedule of the rod of a number, whose end is led along the rest of its pattern: it waits before each crossing under
-    /// which it must go until the strand there is lifted; a strand is put down before the next one is lifted, or when the end has
-    /// arrived.
+    /// The schedule of the rod of a number, whose end moves along the rest of its pattern: it waits
+    /// before each crossing under which it must go until the strand there is lifted; a strand is
+    /// put down before the next one is lifted, or when the end has arrived.
     pub fn new(
         number: usize,
         tied: &TiedRod<'_>,
@@ -82,7 +83,7 @@ impl Schedule {
         schedule
     }
 
-    /// How long it takes, s.
+    /// Its duration, s.
     pub fn duration(&self) -> f64 {
         self.end.last().map_or(0.0, |(time, _)| *time)
     }
@@ -101,7 +102,7 @@ impl Schedule {
         }
     }
 
-    /// Puts the last strand down that was lifted, if there is one.
+    /// Puts down the last lifted strand, if there is one.
     fn put_down(&mut self) {
         if self.lifts.is_empty() {
             return;

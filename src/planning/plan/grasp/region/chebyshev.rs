@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// What turns values at the points into derivatives and integrals.
+/// Matrices that map values at the points to derivatives and integrals.
 #[derive(Debug)]
 pub struct Chebyshev {
     /// The points, from 0 to 1.
@@ -20,7 +20,7 @@ pub struct Chebyshev {
 }
 
 impl Chebyshev {
-    /// For polynomials of a degree: one more points.
+    /// For polynomials of a degree: one more point.
     ///
     /// # Panics
     /// The degree is 0.

@@ -1,15 +1,18 @@
-//! Which places a gripper may have above a straight line (thesis 5.3.2, Algorithm 6).
+//! Allowed positions of a gripper above a straight line (thesis 5.3.2, Algorithm 6).
 //!
-//! The thesis leaves open what is held at the two ends. Its solver is given a place of the gripper alone, and Eq. 5.3 asks for no
-//! bending there, so that here the contact node is clamped level on the table and the gripper holds a place, free to turn:
-//! each place has its force (F_x, F_z) on the contact node, its moment M(0) and its direction α. The constraints of Eq. 5.6,
-//! a rod above the table and F_z ≥ 0, then bound a region M of places. Along a ray from the contact node they hold between
-//! two distances: beyond the outer one the rod is stretched and pulls upwards (region I of Fig. 5.4b), within the inner one it
-//! comes down to the table (region III), somewhere along it or, where M(0) < 0, at the contact node itself. Rods are followed
-//! inwards from stretched ones: others of the same places, which are folded over, are not among them.
+//! The thesis does not state the conditions at the two ends. Its solver gets a position of the
+//! gripper only, and Eq. 5.3 requires zero bending there, so that here the contact node is clamped
+//! level on the table and the gripper holds a position, free to turn: each position has its force
+//! (F_x, F_z) on the contact node, its moment M(0) and its direction α. The constraints of Eq. 5.6,
+//! a rod above the table and F_z ≥ 0, then bound a region M of positions. Along a ray from the
+//! contact node they hold between two distances: beyond the outer one the rod is stretched and
+//! pulls upwards (region I of Fig. 5.4b), within the inner one it touches the table (region III),
+//! somewhere along it or, where M(0) < 0, at the contact node itself. Rods are followed inwards
+//! from stretched ones: folded rods at the same positions are not included.
 //!
-//! What lies on the table bears no moment: the rod of a straight pattern has κ̄ = M(0) = 0. Such grasps form a curve, the inner
-//! boundary as long as that is where M(0) = 0, and beyond; where its F_x vanishes are the grasps of Eq. 5.3.
+//! The lying part carries no moment: the rod of a straight pattern has κ̄ = M(0) = 0. Such grasps
+//! form a curve, the inner boundary as long as that is where M(0) = 0, and beyond; where its F_x
+//! vanishes are the grasps of Eq. 5.3.
 
 mod chebyshev;
 mod planar_rod;
@@ -19,13 +22,14 @@ use super::sideways::largest_sideways;
 use super::stability::{TWIST_STIFFNESS, negative_modes};
 use super::{GraspError, GraspProblem};
 use planar_rod::PlanarRod;
-use ray::{JUMP, Way};
+use ray::{JUMP, Ray};
 
-/// Direction of the ray, rad, on which grasps without a contact moment are begun, and steps of F_z between them.
+/// Direction of the first ray, rad, for grasps without a contact moment, and steps of F_z between
+/// them.
 const FREE_START: f64 = 1.3;
 const FORCE_STEP: f64 = 0.05;
 
-/// A place of the gripper in the plane of a straight pattern, EI = L_gb = 1.
+/// A position of the gripper in the plane of a straight pattern, EI = L_gb = 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanarGrasp {
     /// x and z of the gripper.
@@ -34,22 +38,22 @@ pub struct PlanarGrasp {
     pub angle: f64,
     /// F_x and F_z of the lying part on the suspended one.
     pub contact_force: [f64; 2],
-    /// M(0) that the clamped contact node bears; a lying rod bears none.
+    /// M(0) of the clamped contact node; zero for a lying rod.
     pub contact_moment: f64,
     /// Lowest height away from the contact node.
     pub lowest: f64,
 }
 
-/// A grasp whose lying part bears no moment.
+/// A grasp whose lying part carries no moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FreeGrasp {
     /// The grasp.
     pub grasp: PlanarGrasp,
-    /// Its answer to a push.
+    /// Its response to a push.
     pub answer: SidewaysAnswer,
 }
 
-/// What ends the grasps along a ray.
+/// Constraint at the end of the grasps along a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraspBound {
     /// The contact node would have to be held down: F_z < 0.
@@ -67,16 +71,16 @@ pub struct GraspStretch {
     pub direction: f64,
     /// The farthest grasp and the nearest one.
     pub ends: [PlanarGrasp; 2],
-    /// What ends the grasps at each.
+    /// The constraint at each end.
     pub bounds: [GraspBound; 2],
     compliance: f64,
     rods: [(f64, PlanarRod); 2],
 }
 
-/// How a grasp in the plane answers to a push out of it, both ends held.
+/// Response of a planar grasp to a push out of the plane, both ends held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SidewaysAnswer {
-    /// Ways in which the rod gives way without a push.
+    /// Number of unstable modes without a push.
     pub unstable_modes: usize,
     /// Largest sideways displacement of the rod over that of the gripper, for a small one: at least 1.
     pub largest_over_push: f64,
@@ -93,15 +97,15 @@ pub fn grasp_region(
 ) -> Result<Vec<GraspStretch>, GraspError> {
     let problem = GraspProblem::new(suspended_length, 0.0, stretch_stiffness)?;
     let of = |&direction: &f64| {
-        let way = Way::new(&problem, direction);
-        let rod = way.stretched();
-        rod.map_or(Vec::new(), |rod| way.stretches(rod))
+        let ray = Ray::new(&problem, direction);
+        let rod = ray.stretched();
+        rod.map_or(Vec::new(), |rod| ray.stretches(rod))
     };
     Ok(directions.iter().flat_map(of).collect())
 }
 
-/// The grasps whose lying part bears no moment, by growing `contact_forces` F_z: from the inner boundary of the region on, as far
-/// as they are found.
+/// The grasps whose lying part carries no moment, by growing `contact_forces` F_z: from the inner
+/// boundary of the region, as far as they are found.
 ///
 /// # Errors
 /// The length or the stiffness is out of range.
@@ -111,8 +115,8 @@ pub fn free_grasps(
     contact_forces: &[f64],
 ) -> Result<Vec<FreeGrasp>, GraspError> {
     let problem = GraspProblem::new(suspended_length, 0.0, stretch_stiffness)?;
-    let way = Way::new(&problem, FREE_START);
-    let stretches = way.stretched().map(|rod| way.stretches(rod));
+    let ray = Ray::new(&problem, FREE_START);
+    let stretches = ray.stretched().map(|rod| ray.stretches(rod));
     let Some([_, (_, start)]) = stretches.and_then(|found| Some(found.first()?.rods.clone()))
     else {
         return Ok(Vec::new());
@@ -165,7 +169,8 @@ fn walked(rod: &PlanarRod, contact_force: f64) -> Option<PlanarRod> {
     }
 }
 
-/// Nodes (x, z) at equal arc lengths of the rod whose gripper is at a distance along a ray; `None` where there is none.
+/// Nodes (x, z) at equal arc lengths of the rod whose gripper is at a distance along a ray; `None`
+/// if there is none.
 ///
 /// # Errors
 /// The length or the stiffness is out of range.
@@ -176,15 +181,15 @@ pub fn rod_along_ray(
     edges: usize,
 ) -> Result<Option<Vec<[f64; 2]>>, GraspError> {
     let problem = GraspProblem::new(suspended_length, 0.0, stretch_stiffness)?;
-    let way = Way::new(&problem, direction);
-    let start = way.stretched();
-    let rod = start.and_then(|rod| way.walk(rod, distance));
+    let ray = Ray::new(&problem, direction);
+    let start = ray.stretched();
+    let rod = start.and_then(|rod| ray.walk(rod, distance));
     Ok(rod.map(|(_, rod)| rod.places(edges)))
 }
 
 impl GraspStretch {
-    /// So many grasps at equal distances from the farthest to the nearest, at least two, each with its answer to a
-    /// push sideways; fewer where one is not found.
+    /// A number of grasps, at least two, at equal distances from the farthest to the nearest, each
+    /// with its response to a sideways push; fewer if one is not found.
     pub fn grasps(&self, count: usize) -> Vec<(PlanarGrasp, SidewaysAnswer)> {
         let [(far, rod), (near, _)] = &self.rods;
         let (sine, cosine) = libm::sincos(self.direction);
@@ -241,7 +246,8 @@ mod tests {
 
     #[test]
     fn the_optimal_grasps_are_free_of_moment_and_axial_force() {
-        // Local minimum 1, the gentle grasp, and local minimum 2, the other one that gives way in the fewest directions.
+        // Local minimum 1, the gentle grasp, and local minimum 2, the other one with the fewest
+        // unstable modes.
         let found = GraspSolver::new()
             .solve_all(&problem(), GraspMethod::Theory)
             .unwrap();

@@ -1,4 +1,5 @@
-//! A suspended rod in the plane: its contact node clamped level on the table, its other end held in a place, free to turn.
+//! A suspended rod in the plane: its contact node clamped level on the table, its other end held at
+//! a position, free to turn.
 //!
 //! EI = L_gb = 1, so that the weight per length is 1/2. With the angle θ(s) of the tangent above the table and the force
 //! n(s) = (H, V + s/2) that the material beyond s exerts,
@@ -16,13 +17,13 @@ use std::sync::LazyLock;
 
 /// Degree of the polynomial θ(s).
 const DEGREE: usize = 72;
-/// Most Newton iterations.
+/// Maximum number of Newton iterations.
 const ITERATIONS: usize = 60;
 /// Largest turn of a tangent in one iteration.
 const LARGEST_TURN: f64 = 0.5;
 /// Change at which the next one is below the rounding of second derivatives, 1e-9.
 const CONVERGED: f64 = 1e-7;
-/// Pull from which a stretched rod is guessed.
+/// Tension of the initial guess of a stretched rod.
 const PULL: f64 = 6.0;
 /// Elements of the second variation between two of the Chebyshev points.
 const ELEMENTS_BETWEEN: usize = 4;
@@ -41,8 +42,8 @@ pub struct PlanarRod {
 }
 
 impl PlanarRod {
-    /// A rod that is drawn nearly straight from the contact node to the gripper, if there is one. The curvature of the
-    /// problem is not asked for: what the clamp bears follows.
+    /// A nearly straight rod from the contact node to the gripper, if there is one. The curvature
+    /// of the problem is ignored: the moment of the clamp follows.
     pub fn stretched(problem: &GraspProblem, gripper: [f64; 2]) -> Option<Self> {
         let length = problem.suspended_length;
         let direction = libm::atan2(gripper[1], gripper[0]);
@@ -59,12 +60,14 @@ impl PlanarRod {
         start.moved(gripper)
     }
 
-    /// The rod near this one whose gripper is elsewhere; `None` where Newton's method does not find it.
+    /// The rod near this one whose gripper is elsewhere; `None` if Newton's method does not find
+    /// it.
     pub fn moved(&self, gripper: [f64; 2]) -> Option<Self> {
         self.converged(&End::Place(gripper))
     }
 
-    /// The rod near this one that the table presses with another force, and that bears no moment at the contact node.
+    /// The rod near this one with another force of the table, and without a moment at the contact
+    /// node.
     pub fn without_contact_moment(&self, contact_force: f64) -> Option<Self> {
         self.converged(&End::Free {
             vertical: -contact_force,
@@ -101,7 +104,7 @@ impl PlanarRod {
         self.angles[DEGREE]
     }
 
-    /// Lowest height above the table away from the contact node: where the rod comes down and rises again, or at the
+    /// Lowest height above the table away from the contact node: at a local minimum, or at the
     /// gripper.
     pub fn lowest(&self) -> f64 {
         let heights = self.heights();
@@ -130,7 +133,7 @@ impl PlanarRod {
         [libm::cos, libm::sin].map(|part| self.sums(part)[DEGREE])
     }
 
-    /// Places (x, z) at equal arc lengths, from the contact node to the gripper.
+    /// Positions (x, z) at equal arc lengths, from the contact node to the gripper.
     pub fn places(&self, edges: usize) -> Vec<[f64; 2]> {
         let sums = [libm::cos, libm::sin].map(|part| self.sums(part));
         let place = |edge: usize| {
@@ -236,7 +239,7 @@ impl PlanarRod {
                 right[z] = vertical - self.force[1];
             }
         }
-        // θ(0) = 0 and θ'(l̄_s) = 0 in place of the equation at the two ends.
+        // θ(0) = 0 and θ'(l̄_s) = 0 instead of the equation at the two ends.
         matrix.row_mut(0).fill(0.0);
         matrix[(0, 0)] = 1.0;
         right[0] = -self.angles[0];
@@ -259,7 +262,7 @@ impl PlanarRod {
     }
 }
 
-/// What is asked of a rod beside its balance.
+/// Additional conditions on a rod.
 enum End {
     /// x and z of the gripper.
     Place([f64; 2]),

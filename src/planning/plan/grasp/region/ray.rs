@@ -1,32 +1,33 @@
-//! A ray from the contact node: rods whose gripper is on it, and where along it they are grasps.
+//! A ray from the contact node: rods whose gripper is on it, and the part where they are grasps.
 
 use super::planar_rod::PlanarRod;
 use super::{GraspBound, GraspStretch, PlanarGrasp};
 use crate::plan::grasp::GraspProblem;
 use std::f64::consts::FRAC_PI_2;
 
-/// Distance of the first guess over the suspended length, and the largest that is looked at.
+/// Distance of the initial guess, and the largest distance searched, relative to the suspended
+/// length.
 const STRETCHED: f64 = 0.985;
 const FARTHEST: f64 = 1.5;
 /// Steps along a ray over the suspended length.
 const STEP: f64 = 0.01;
-/// Distance over the suspended length within which nothing is looked for.
+/// Smallest distance searched, relative to the suspended length.
 const NEAREST: f64 = 0.3;
 /// Largest turn of a ray in one step, rad.
 const LARGEST_TURN: f64 = 0.02;
-/// Turn of a tangent beyond which a rod has jumped, rad.
+/// Rotation of a tangent that counts as a jump, rad.
 pub const JUMP: f64 = 0.5;
-/// How well boundaries are known, L_gb.
+/// Accuracy of boundaries, L_gb.
 const TOLERANCE: f64 = 1e-8;
 
 /// A ray, from the contact node.
-pub struct Way {
+pub struct Ray {
     problem: GraspProblem,
     /// Sine and cosine.
     direction: [f64; 2],
 }
 
-impl Way {
+impl Ray {
     /// In a direction, rad above the table.
     pub fn new(problem: &GraspProblem, direction: f64) -> Self {
         Self {
@@ -40,7 +41,7 @@ impl Way {
         [distance * cosine, distance * sine]
     }
 
-    /// The rod at another distance; `None` where there is none near this one.
+    /// The rod at another distance; `None` if there is none near this one.
     fn moved(&self, (_, rod): &(f64, PlanarRod), distance: f64) -> Option<(f64, PlanarRod)> {
         let moved = rod.moved(self.place(distance))?;
         (moved.largest_turn_from(rod) < JUMP).then_some((distance, moved))
@@ -81,8 +82,8 @@ impl Way {
         Some(rod)
     }
 
-    /// Between two rods for which different constraints do not hold, or none, the two next to the place where the first
-    /// one's state ends.
+    /// Between two rods with different violated constraints, or none, the two next to the point
+    /// where the state of the first one ends.
     fn bisected(
         &self,
         from: (f64, PlanarRod),
@@ -101,7 +102,7 @@ impl Way {
         Some([from, to])
     }
 
-    /// All grasps along the way that a rod leads to, outwards until it pulls upwards, then inwards.
+    /// All grasps along the ray from a rod, outwards until it pulls upwards, then inwards.
     pub fn stretches(&self, mut rod: (f64, PlanarRod)) -> Vec<GraspStretch> {
         let length = self.problem.suspended_length;
         let step = STEP * length;
@@ -138,7 +139,7 @@ impl Way {
         found
     }
 
-    /// Where grasps begin between a rod that is none and another one.
+    /// Start of the grasps between a rod that is not a grasp and another one.
     fn first(&self, rod: (f64, PlanarRod), next: &(f64, PlanarRod)) -> Option<End> {
         let bound = violated(&rod.1)?;
         let [_, grasp] = self.bisected(rod, next.clone())?;
@@ -159,7 +160,7 @@ impl Way {
         }
     }
 
-    /// Where they end between a grasp and a rod that is none.
+    /// End of the grasps between a grasp and a rod that is not one.
     fn last(&self, grasp: (f64, PlanarRod), next: &(f64, PlanarRod)) -> Option<End> {
         let [rod, beyond] = self.bisected(grasp, next.clone())?;
         let bound = violated(&beyond.1)?;
@@ -167,7 +168,7 @@ impl Way {
     }
 }
 
-/// Where grasps begin or end along a ray, and by what.
+/// Start or end of grasps along a ray, and the constraint there.
 struct End {
     rod: (f64, PlanarRod),
     bound: GraspBound,

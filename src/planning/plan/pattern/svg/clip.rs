@@ -1,16 +1,17 @@
-//! The parts of strokes that clips leave.
+//! Clipping of strokes.
 
 use super::Stroke;
 use crate::plan::pattern::Point;
 use kurbo::BezPath;
 
-/// Most pairs of a chord of a stroke and one of a clip.
+/// Maximum number of pairs of a chord of a stroke and one of a clip.
 const MOST_PAIRS: usize = 50_000_000;
 
 /// A chord of the border of an area, m.
 type Border = [Point; 2];
 
-/// Cuts a stroke at the border of areas, m, and returns the pieces inside one; none where there are too many pairs of chords.
+/// Cuts a stroke at the border of areas, m, and returns the pieces inside one; `None` if there are
+/// too many pairs of chords.
 pub fn clipped(stroke: &Stroke, areas: &[BezPath], flatness: f64) -> Option<Vec<Stroke>> {
     let areas: Vec<Vec<Border>> = areas.iter().map(|path| borders(path, flatness)).collect();
     let count: usize = areas.iter().map(Vec::len).sum();
@@ -73,7 +74,7 @@ fn borders(path: &BezPath, flatness: f64) -> Vec<Border> {
     borders
 }
 
-/// How often closed chords wind around a place.
+/// Winding number of closed chords around a point.
 fn winding(borders: &[Border], at: Point) -> i32 {
     let turns = borders.iter().map(|[from, to]| {
         let side = (to - from).perp(&(at - from));
@@ -86,7 +87,7 @@ fn winding(borders: &[Border], at: Point) -> i32 {
     turns.sum()
 }
 
-/// Where a chord crosses a border, as a part of the chord.
+/// Intersections of a chord with a border, as fractions of the chord.
 fn crossing(from: Point, along: Point, [start, end]: &Border) -> Option<f64> {
     let across = end - start;
     let determinant = along.perp(&across);

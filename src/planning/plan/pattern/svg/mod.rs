@@ -1,12 +1,12 @@
-//! Strokes of SVG drawings (SVG 1.1, chapters 7 to 9): paths and basic shapes that are seen, in metres.
+//! Strokes of SVG drawings (SVG 1.1, chapters 7 to 9): visible paths and basic shapes, in metres.
 //!
 //! | file | what |
 //! |---|---|
-//! | `visible` | which shapes are seen, and where |
+//! | `visible` | visible shapes and their positions |
 //! | `shape`, `path_data` | the outline of a shape |
 //! | `units` | lengths, and the size of the page |
-//! | `clip` | what a clip leaves of a stroke |
-//! | `strokes` | which stroke is followed, and strokes that are joined |
+//! | `clip` | parts of a stroke inside a clip |
+//! | `strokes` | selection and joining of strokes |
 
 mod clip;
 mod path_data;
@@ -22,26 +22,27 @@ pub use strokes::StrokeChoice;
 use units::Page;
 use visible::{Seen, Visible};
 
-/// Chords of curves miss them by at most this, over the size of the stroke.
+/// Largest deviation of chords from curves, relative to the size of the stroke.
 const FLATNESS: f64 = 1e-6;
-/// Gaps over which strokes join, over the size of the drawing.
+/// Gaps across which strokes are joined, relative to the size of the drawing.
 const GAP: f64 = 1e-6;
 /// Largest size of a path, m.
 const LARGEST: f64 = 1000.0;
-/// Smallest drawing, m; what is smaller is a point.
+/// Smallest drawing, m; smaller ones count as points.
 const SMALLEST: f64 = 1e-9;
-/// Most elements of a file.
+/// Maximum number of elements of a file.
 const MOST_NODES: u32 = 1_000_000;
-/// Most points of all strokes of a drawing: the chords of its curves.
+/// Maximum number of points of all strokes of a drawing: the ends of the chords of its curves.
 const MOST_POINTS: usize = 1_000_000;
-/// Deepest nesting of groups.
+/// Maximum nesting of groups.
 const DEEPEST: usize = 200;
-/// Part of the page that a background covers at least, each way.
+/// Smallest share of the page that a background covers, in each direction.
 const BACKGROUND: f64 = 0.99;
-/// Most notes about single elements.
+/// Maximum number of messages about single elements.
 const MOST_NOTES: usize = 10;
 
-/// A line drawn without lifting the pen: points in metres, y upwards. Curves are chords that miss them by a millionth.
+/// A line drawn without lifting the pen: points in metres, y upwards. Curves are replaced by chords
+/// within a millionth.
 pub type Stroke = Vec<Point>;
 
 /// A stroke and the element that draws it.
@@ -49,7 +50,7 @@ pub type Stroke = Vec<Point>;
 pub struct DrawnStroke {
     /// The points, m.
     pub points: Stroke,
-    /// `id` of the element, or of what is around it.
+    /// `id` of the element, or of a group around it.
     pub id: Option<String>,
     /// Line of the element in the file.
     pub line: u32,
@@ -61,21 +62,23 @@ pub struct DrawnStroke {
     pub is_background: bool,
 }
 
-/// The strokes of a drawing in the order of the file; those that end where the next begins are joined.
+/// The strokes of a drawing in the order of the file; those that end at the start of the next are
+/// joined.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SvgDrawing {
     /// The strokes.
     pub strokes: Vec<DrawnStroke>,
-    /// What was left out or assumed, in words.
+    /// Messages about ignored parts and assumptions.
     pub notes: Vec<String>,
-    /// Lines of the file with text, which is not followed.
+    /// Lines of the file with text, which is ignored.
     pub text_lines: Vec<u32>,
 }
 
 /// The strokes of a drawing, see [`SvgDrawing::read`].
 ///
 /// # Errors
-/// [`PatternError`]: no SVG, an attribute that cannot be read, no path, or something that is no path.
+/// [`PatternError`]: not SVG, an attribute that cannot be read, no path, or an element that is not
+/// a path.
 pub fn read_svg(text: &str) -> Result<Vec<Stroke>, PatternError> {
     let drawing = SvgDrawing::read(text)?;
     Ok(drawing
@@ -86,13 +89,14 @@ pub fn read_svg(text: &str) -> Result<Vec<Stroke>, PatternError> {
 }
 
 impl SvgDrawing {
-    /// Reads the strokes of a drawing that are seen.
+    /// Reads the visible strokes of a drawing.
     ///
-    /// The size of the drawing (`width`, `height`, `viewBox`) says how long a unit is; without, it is 1/96 inch. The origin
-    /// is the lower left corner of the view box, or of the first unit. Elements that cannot be read are left out with a note.
+    /// The size of the drawing (`width`, `height`, `viewBox`) gives the length of a unit; by
+    /// default it is 1/96 inch. The origin is the lower left corner of the view box, or of the
+    /// first unit. Elements that cannot be read are ignored with a message.
     ///
     /// # Errors
-    /// [`PatternError`]: no SVG, a page without a length, no path, or none that can be read.
+    /// [`PatternError`]: not SVG, a page without a length, no path, or none that can be read.
     pub fn read(text: &str) -> Result<Self, PatternError> {
         let options = ParsingOptions {
             // Editors write document types; entities in other files are never read.
@@ -114,7 +118,7 @@ impl SvgDrawing {
         let shapes = visible::shapes(&document);
         let is_deep = |node: &&Node| node.ancestors().nth(DEEPEST + 2).is_some();
         if let Some(deep) = shapes.iter().find(is_deep) {
-            return Err(fault(*deep, "g", "groups are nested too deep").into());
+            return Err(fault(*deep, "g", "groups are nested too deeply").into());
         }
         let visible = Visible::of(text, &shapes, &page)?;
         let mut reader = Reader {
@@ -145,7 +149,7 @@ impl SvgDrawing {
         let count = faults.len();
         notes.extend(faults.into_iter().take(MOST_NOTES).map(|fault| {
             format!(
-                "line {}: <{}>: {}; the rest of the element is left out",
+                "line {}: <{}>: {}; the rest of the element is ignored",
                 fault.line, fault.element, fault.reason
             )
         }));
@@ -164,7 +168,7 @@ impl SvgDrawing {
     }
 }
 
-/// What may help where an element of this name is all that a drawing has.
+/// Advice if a drawing only has elements of this name.
 fn hint(name: &str) -> Option<&'static str> {
     match name {
         "text" => Some("; text must be made into paths first (Inkscape: Path, Object to Path)"),
@@ -173,7 +177,7 @@ fn hint(name: &str) -> Option<&'static str> {
     }
 }
 
-/// Where the lines of a text begin.
+/// Starts of the lines of a text.
 struct Lines(Vec<usize>);
 
 impl Lines {
@@ -189,7 +193,7 @@ impl Lines {
     }
 }
 
-/// What cannot be read of an element.
+/// An unreadable part of an element.
 #[derive(Clone, Debug, PartialEq)]
 struct Fault {
     line: u32,
@@ -269,7 +273,7 @@ impl Reader<'_> {
                 .push(fault(node, "d", format!("it is larger than {LARGEST} m")));
             return Ok(());
         }
-        // A point; and so small that squares of the tolerance vanish, chords would be without number.
+        // A point. Where squares of the tolerance underflow, there would be endless chords.
         if size < SMALLEST {
             return Ok(());
         }
@@ -282,7 +286,8 @@ impl Reader<'_> {
             common.width >= BACKGROUND * sheet.width()
                 && common.height >= BACKGROUND * sheet.height()
         };
-        // Sub-path by sub-path, so that a drawing with too many points is refused before all of them are computed.
+        // Sub-path by sub-path, so that a drawing with too many points is rejected before all of
+        // them are computed.
         for elements in path
             .elements()
             .chunk_by(|_, next| !matches!(next, kurbo::PathEl::MoveTo(_)))
@@ -303,7 +308,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A sub-path as chords that miss it by at most `tolerance`; without points where it has no length.
+    /// A sub-path as chords that miss it by at most `tolerance`; without points if it has no
+    /// length.
     fn flattened(
         &mut self,
         node: Node,
@@ -330,7 +336,8 @@ impl Reader<'_> {
                 node,
                 "d",
                 format!(
-                    "the curves of the drawing need more than {MOST_POINTS} points; allowed: at most that. Simplify the drawing"
+                    "the curves of the drawing need more than {MOST_POINTS} points; allowed: at \
+                     most that. Simplify the drawing"
                 ),
             )
             .into());
@@ -340,7 +347,7 @@ impl Reader<'_> {
         Ok(stroke)
     }
 
-    /// What the clips around a shape leave of its stroke.
+    /// The parts of the stroke of a shape inside the clips around it.
     fn clipped(&self, stroke: Stroke, seen: &Seen, flatness: f64) -> Vec<Stroke> {
         let mut pieces = vec![stroke];
         pieces.retain(|piece| piece.len() > 1);
@@ -374,7 +381,7 @@ fn id_of(node: Node) -> Option<String> {
         .map(str::to_owned)
 }
 
-/// Joins strokes that go on where the one before them ends.
+/// Joins strokes that start at the end of the previous one.
 fn joined(strokes: Vec<DrawnStroke>) -> Vec<DrawnStroke> {
     let first = strokes[0].points[0];
     let all = || strokes.iter().flat_map(|stroke| &stroke.points);

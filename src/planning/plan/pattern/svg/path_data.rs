@@ -3,12 +3,12 @@
 use kurbo::{Arc, BezPath, Point, SvgArc, Vec2};
 use svgtypes::{Error, PathParser, PathSegment};
 
-/// Largest distance of an arc from its Bézier curves, over its radius.
+/// Largest distance of an arc from its Bézier curves, relative to its radius.
 const ARC_ACCURACY: f64 = 1e-9;
-/// Smallest radius of an arc that is one.
+/// Smallest radius of an arc.
 const SMALLEST_ARC: f64 = 1e-100;
 
-/// Reads path data up to its first fault, and that fault.
+/// Reads path data up to its first error, and that error.
 pub fn bezier_path(data: &str) -> (BezPath, Option<Error>) {
     let mut pen = Pen::default();
     for segment in PathParser::from(data) {
@@ -42,7 +42,7 @@ impl Pen {
             }
         };
         let (cubic, quadratic) = (self.cubic.take(), self.quadratic.take());
-        // A control point mirrored about where the pen is.
+        // A control point mirrored about the current point.
         let mirrored =
             |control: Option<Point>| control.map_or(from, |control| from + (from - control));
         match *segment {
@@ -96,7 +96,7 @@ impl Pen {
                     sweep,
                 };
                 match Arc::from_svg_arc(&arc) {
-                    // Of smaller ones no fraction is left, and cubics would be without number.
+                    // For larger angles no fraction is left, and there would be endless cubics.
                     Some(arc) if arc.radii.x.max(arc.radii.y) > SMALLEST_ARC => {
                         let accuracy = ARC_ACCURACY * arc.radii.x.max(arc.radii.y);
                         arc.to_cubic_beziers(accuracy, |one, other, end| {
@@ -132,7 +132,7 @@ impl Pen {
         (self.at, self.quadratic) = (to, Some(control));
     }
 
-    /// After a subpath was closed, drawing goes on from its start.
+    /// After a closed subpath, drawing continues from its start.
     fn reopen(&mut self) {
         if let Some(kurbo::PathEl::ClosePath) = self.path.elements().last() {
             self.path.move_to(self.at);
@@ -166,7 +166,7 @@ mod tests {
         );
         assert!(ends("L 1 1").is_empty());
         assert!(bezier_path("M 0 0 L 1").1.is_some());
-        // What comes before a fault is drawn.
+        // Data before an error is drawn.
         assert_eq!(ends("M 0 0 L 1 2 X 3"), [(0., 0.), (1., 2.)]);
     }
 

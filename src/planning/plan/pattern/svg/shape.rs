@@ -11,10 +11,10 @@ pub const SHAPES: [&str; 7] = [
     "path", "line", "polyline", "polygon", "circle", "ellipse", "rect",
 ];
 
-/// The outline of a shape; none where it is not drawn. As much of faulty path data is drawn as comes before the fault.
+/// The outline of a shape; `None` if it is not drawn. Invalid path data is drawn up to the error.
 ///
 /// # Errors
-/// An attribute that cannot be read, with what is drawn up to there.
+/// An attribute that cannot be read, with the outline up to there.
 pub fn outline(node: Node) -> Result<Option<BezPath>, (Fault, BezPath)> {
     let data = match node.tag_name().name() {
         "path" => node.attribute("d").unwrap_or_default().to_owned(),
@@ -72,7 +72,7 @@ fn measured(node: Node) -> Result<Option<BezPath>, Fault> {
             if !(width > 0.0 && height > 0.0) {
                 return Ok(None);
             }
-            // A radius that is not stated is the other one; none is more than half of its side.
+            // A missing radius equals the other one; both are at most half of their side.
             let stated = |name, side| {
                 let radius = length(node, name, side)?;
                 Ok::<_, Fault>(radius.filter(|radius| *radius >= 0.0))
@@ -110,7 +110,7 @@ fn rounded([x, y]: [f64; 2], [width, height]: [f64; 2], [rx, ry]: [f64; 2]) -> B
 
 /// Whether a circle or an ellipse of these radii is drawn: one without size is not.
 fn has_size(node: Node, radii: &[f64]) -> Result<bool, Fault> {
-    // Squares of larger ones are no numbers.
+    // Squares of larger ones overflow.
     if !radii.iter().all(|radius| *radius < 1e100) {
         return Err(fault(node, "r", format!("it is larger than {LARGEST} m")));
     }

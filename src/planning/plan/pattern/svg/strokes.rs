@@ -1,4 +1,4 @@
-//! Which stroke of a drawing is followed, and strokes that are joined across gaps.
+//! Selection of the stroke of a drawing, and joining of strokes across gaps.
 
 use super::{DrawnStroke, SvgDrawing};
 use crate::plan::pattern::{PatternError, Point};
@@ -9,22 +9,22 @@ use std::str::FromStr;
 /// Strokes that a message lists.
 const LISTED: usize = 10;
 
-/// Which stroke of a drawing is meant.
+/// Selection of a stroke of a drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum StrokeChoice {
-    /// The only one, the background of the page not counted.
+    /// The only one, apart from the background of the page.
     #[default]
     Only,
-    /// That of a number, from 1.
+    /// The one with a number, from 1.
     Number(usize),
-    /// That of an element with this `id`.
+    /// The one of an element with this `id`.
     Id(String),
     /// The longest one.
     Longest,
 }
 
 impl StrokeChoice {
-    /// Most strokes that are joined.
+    /// Maximum number of strokes that are joined.
     pub const MOST_JOINED: usize = 5000;
 }
 
@@ -66,10 +66,10 @@ impl DrawnStroke {
 }
 
 impl SvgDrawing {
-    /// The number of the stroke that is meant, from 1.
+    /// The number of the selected stroke, from 1.
     ///
     /// # Errors
-    /// There are several to choose from, or none is meant.
+    /// There are several strokes, or none is selected.
     pub fn choose(&self, choice: &StrokeChoice) -> Result<usize, PatternError> {
         let count = self.strokes.len();
         let numbered = || self.strokes.iter().zip(1..);
@@ -96,7 +96,7 @@ impl SvgDrawing {
                 if lengths.is_empty() {
                     lengths = numbered().collect();
                 }
-                // Of equal ones the first.
+                // The first of equal ones.
                 let longest = lengths
                     .iter()
                     .rev()
@@ -110,9 +110,9 @@ impl SvgDrawing {
                     .collect();
                 let found = match found[..] {
                     [only] => return Ok(only),
-                    [] => format!("no stroke has it; the strokes:{}", self.list()),
+                    [] => format!("no stroke has this id; the strokes:{}", self.list()),
                     _ => format!(
-                        "{} strokes have it; choose one by its number: {}",
+                        "{} strokes have this id; choose one by its number: {}",
                         found.len(),
                         enumerated(&found)
                     ),
@@ -125,8 +125,8 @@ impl SvgDrawing {
         }
     }
 
-    /// Joins strokes whose ends are at most `gap` apart, m, in any order and direction, from the first one on. Of several ends
-    /// the nearest is taken.
+    /// Joins strokes whose ends are at most `gap` apart, m, in any order and direction, from the
+    /// first one on. Of several ends the nearest is joined.
     ///
     /// # Errors
     /// There are too many.
@@ -159,7 +159,8 @@ impl SvgDrawing {
         Ok(self)
     }
 
-    /// The smallest gap, m, that joins all strokes to one; none where they are far apart, or too many.
+    /// The smallest gap, m, that joins all strokes to one; `None` if they are far apart, or too
+    /// many.
     pub fn gap_that_joins(&self) -> Option<f64> {
         const MOST: usize = 200;
         if self.strokes.len() > MOST {
@@ -177,7 +178,7 @@ impl SvgDrawing {
                     .count(),
             )
         };
-        // Of 1, 2 and 5 times powers of ten, m, as far as a tenth of the drawing.
+        // Of 1, 2 and 5 times powers of ten, m, up to a tenth of the drawing.
         let gaps = (-5..0)
             .flat_map(|power| [1.0, 2.0, 5.0].map(|first| first * libm::exp10(f64::from(power))));
         gaps.take_while(|gap| *gap <= 0.1 * whole)
@@ -223,12 +224,13 @@ impl SvgDrawing {
     }
 }
 
-/// The end of another stroke nearest to an end of a chain: its index, whether it is at the chain's last point, and whether that
-/// stroke must be turned round.
+/// The end of another stroke nearest to an end of a chain: its index, whether it is at the last
+/// point of the chain, and whether that stroke must be reversed.
 fn nearest(chain: &DrawnStroke, rest: &[DrawnStroke], gap: f64) -> Option<(usize, bool, bool)> {
     let [first, last] = chain.ends();
     let mut best: Option<(f64, (usize, bool, bool))> = None;
-    // The rest is in reverse order: of equally near ones the first of the drawing is taken, behind the chain if it can be.
+    // The rest is in reverse order: of equally near ones the first of the drawing is used, after
+    // the chain if possible.
     for (index, stroke) in rest.iter().enumerate().rev() {
         let [start, end] = stroke.ends();
         for (distance, place) in [

@@ -1,9 +1,9 @@
-//! Drawings as text, and the strokes that they give.
+//! Drawings as text, and their strokes.
 
 use super::*;
 
 #[test]
-fn drawings_without_size_are_no_drawings_and_take_no_memory() {
+fn drawings_without_size_are_rejected_and_need_no_memory() {
     for element in [
         "<path d='M0 0C1e-300 0 0 1e-300 1e-300 1e-300'/>",
         "<path d='M0 0a1e-320 1e-320 0 0 0 1e-320 0'/>",
@@ -104,7 +104,7 @@ fn strokes_that_touch_are_one() {
 }
 
 #[test]
-fn what_is_no_path_is_named() {
+fn elements_that_are_not_paths_are_reported() {
     let message = |content: &str| drawing(content).unwrap_err().to_string();
     assert!(message("<text>A</text>").contains("text must be made into paths"));
     assert!(message("").contains("no path"));
@@ -173,13 +173,13 @@ fn lengths(content: &str) -> Vec<f64> {
 fn drawings_are_read_as_browsers_show_them() {
     let line = "<path id='a' d='M10 50H50'/>";
     for (content, expected) in [
-        // What is referred to, each time that it is.
+        // Referenced elements, each time they are used.
         (format!("<defs>{line}</defs><use xlink:href='#a'/>"), vec![40.0]),
         (format!("<defs>{line}</defs><use href='#a'/><use href='#a' y='5' transform='scale(.5)'/>"), vec![40.0, 20.0]),
         (format!("<symbol id='s' viewBox='0 0 50 50'>{line}</symbol><use href='#s' width='100' height='100'/>"), vec![80.0]),
         ("<use id='c' href='#c'/><path d='M0 0H7'/>".into(), vec![7.0]),
         ("<g id='g'><use href='#g'/><path d='M0 0H7'/></g>".into(), vec![7.0]),
-        // Nested pages: their units, their own aspect ratio, what is cut off.
+        // Nested pages: their units, their own aspect ratio, clipping.
         (format!("<svg viewBox='0 0 50 50'>{line}</svg>"), vec![80.0]),
         ("<svg x='10' width='50' height='100' viewBox='0 0 10 10' preserveAspectRatio='none'><path d='M0 1H8M1 0V5'/></svg>".into(), vec![40.0, 50.0]),
         ("<svg width='20' height='100'><path d='M5 5H50'/></svg>".into(), vec![15.0]),
@@ -191,7 +191,7 @@ fn drawings_are_read_as_browsers_show_them() {
         ("<path style='fill:none' d='M0 0H50'/><path style='stroke:red;fill:none' d='M0 5H7'/>".into(), vec![7.0]),
         ("<path stroke='black' stroke-opacity='0' fill='none' d='M0 0H50'/><path d='M0 5H7'/>".into(), vec![7.0]),
         ("<switch><path systemLanguage='xx' d='M0 0H50'/><path d='M0 5H7'/></switch>".into(), vec![7.0]),
-        // Definitions are no strokes.
+        // Definitions are not strokes.
         (format!("<clipPath id='k'>{line}</clipPath><marker id='m'>{line}</marker><path marker-end='url(#m)' d='M0 5H7'/>"), vec![7.0]),
         // Clips.
         ("<clipPath id='k'><rect x='20' width='10' height='100'/></clipPath><path clip-path='url(#k)' d='M0 5H90'/>".into(), vec![10.0]),
@@ -204,7 +204,7 @@ fn drawings_are_read_as_browsers_show_them() {
         // Round corners.
         ("<rect x='10' y='10' width='80' height='50' rx='20' fill='none' stroke='black'/>".into(), vec![100.0 + 40.0 * std::f64::consts::PI]),
         ("<rect width='80' height='50' ry='99' rx='1' stroke='black'/>".into(), vec![2.0 * 78.0 + 100.328_4]),
-        // Path data are drawn up to a fault.
+        // Path data are drawn up to an error.
         ("<path d='M10 50 L90 50 X'/>".into(), vec![80.0]),
         ("<path transform='turn(9)' d='M0 0H9'/><path d='M0 5H7'/>".into(), vec![7.0]),
         // Fills, masks and clips that depend on the box around a shape.
@@ -340,7 +340,10 @@ fn strokes_are_chosen_listed_and_joined() {
         (Ok(2), Ok(3), Ok(2))
     );
     let message = choose("c").unwrap_err().to_string();
-    assert!(message.contains("id `c`: no stroke has it"), "{message}");
+    assert!(
+        message.contains("id `c`: no stroke has this id"),
+        "{message}"
+    );
     let message = apart.choose(&StrokeChoice::Only).unwrap_err().to_string();
     for part in [
         "3 strokes",

@@ -10,7 +10,7 @@ use svgtypes::{Align, AspectRatio, Length, LengthUnit, ViewBox};
 const PIXEL: f64 = 0.0254 / 96.0;
 /// Size of a font where a length is in `em`, user units. An `ex` is half of it.
 const FONT_SIZE: f64 = 16.0;
-/// Sides of a viewport that is stated nowhere, user units.
+/// Default sides of a viewport, user units.
 const VIEWPORT: [f64; 2] = [100.0, 100.0];
 
 /// The page of a drawing.
@@ -24,7 +24,8 @@ pub struct Page {
 }
 
 impl Page {
-    /// The page of a root element. The origin is its lower left corner, or that of the first unit where it has no view box.
+    /// The page of a root element. The origin is its lower left corner, or that of the first unit
+    /// without a view box.
     ///
     /// # Errors
     /// A length or the view box cannot be read.
@@ -58,7 +59,8 @@ impl Page {
     }
 }
 
-/// `width` or `height` of the page, m; none where it depends on the window, as `auto` and percentages do.
+/// `width` or `height` of the page, m; `None` if it depends on the window, such as `auto` and
+/// percentages.
 fn side(root: Node, name: &str, notes: &mut Vec<String>) -> Result<Option<f64>, Fault> {
     let text = root.attribute(name).map_or("", str::trim);
     if text.is_empty() || text == "auto" {
@@ -81,7 +83,7 @@ fn side(root: Node, name: &str, notes: &mut Vec<String>) -> Result<Option<f64>, 
     };
     if metres == 0.0 {
         notes.push(format!(
-            "{name}=\"{text}\" is no size of a page; a unit is 1/96 inch unless the other side gives its length"
+            "{name}=\"{text}\" is not a size of a page; a unit is 1/96 inch unless the other side gives its length"
         ));
         return Ok(None);
     }
@@ -110,7 +112,7 @@ fn view_box(root: Node, notes: &mut Vec<String>) -> Result<Option<[f64; 4]>, Fau
     }
 }
 
-/// Which length a percentage is a part of.
+/// Reference length of a percentage.
 #[derive(Clone, Copy)]
 pub enum Side {
     /// The width of the viewport.
@@ -121,7 +123,7 @@ pub enum Side {
     Both,
 }
 
-/// A length of an element in user units; none where the attribute is missing or `auto`.
+/// A length of an element in user units; `None` if the attribute is missing or `auto`.
 ///
 /// # Errors
 /// It cannot be read.

@@ -1,8 +1,10 @@
-//! Which shapes of a drawing are seen, and where: `usvg` resolves styles, `<use>`, symbols, nested pages, conditions and clips.
+//! Visible shapes of a drawing and their positions: `usvg` resolves styles, `<use>`, symbols,
+//! nested pages, conditions and clips.
 //!
-//! Its outlines are in single precision, and its arcs miss circles by more than patterns may. So it is given a copy of the drawing in
-//! which each shape is a small one of the same kind at the origin whose width states which shape it is, and the outlines are
-//! computed here. Fills that depend on the box around a shape do not matter; clips that do are left out.
+//! Its outlines are in single precision, and its arcs deviate from circles by more than is allowed
+//! for patterns. It therefore gets a copy of the drawing in which each shape is a small one of the
+//! same kind at the origin whose width encodes its index, and the outlines are computed here. Fills
+//! that depend on the box around a shape do not matter; such clips are ignored.
 
 use super::shape::SHAPES;
 use super::units::Page;
@@ -16,7 +18,7 @@ use svgtypes::Transform;
 
 /// Stack of the resolver, which recurses into groups, bytes.
 const STACK: usize = 64 << 20;
-/// What is not followed, and in sizes that cannot be resolved would end the program.
+/// Elements that are ignored, and that would end the program if their sizes cannot be resolved.
 const BOX: [(&str, &str); 8] = [
     ("x", "0"),
     ("y", "0"),
@@ -27,22 +29,22 @@ const BOX: [(&str, &str); 8] = [
     ("filterUnits", "userSpaceOnUse"),
     ("viewBox", "0 0 1 1"),
 ];
-/// Difference of transforms in single precision, over their size.
+/// Difference of transforms in single precision, relative to their size.
 const SINGLE: f64 = 1e-5;
 
-/// A shape that is seen.
+/// A visible shape.
 pub struct Seen {
     /// Its number among all elements of [`shapes`].
     pub shape: usize,
     /// From its coordinates to user units of the page.
     pub place: Affine,
-    /// Whether it has a colour inside, and no line around it.
+    /// Whether it is filled and has no outline.
     pub is_filled: bool,
-    /// Indices of the clips that hide parts of it, into [`Visible::clips`].
+    /// Indices of the clips that apply to it, into [`Visible::clips`].
     pub clips: Vec<usize>,
 }
 
-/// The area that a clip leaves, in user units of the page.
+/// The area inside a clip, in user units of the page.
 #[derive(Default)]
 pub struct Clip {
     /// Shapes of the drawing that are its area, with their places.
@@ -51,7 +53,7 @@ pub struct Clip {
     pub frames: Vec<BezPath>,
 }
 
-/// What is seen of a drawing, in the order in which it is drawn.
+/// The visible parts of a drawing, in drawing order.
 #[derive(Default)]
 pub struct Visible {
     /// The shapes.
@@ -72,7 +74,8 @@ impl Visible {
     /// Resolves a drawing.
     ///
     /// # Errors
-    /// It is nested too deep, or has too many elements after each `<use>` is replaced by what it shows.
+    /// It is nested too deep, or has too many elements after each `<use>` is replaced by its
+    /// content.
     pub fn of(text: &str, shapes: &[Node], page: &Page) -> Result<Self, PatternError> {
         let copy = copy(text, shapes, page);
         let resolve = || {
@@ -101,8 +104,7 @@ impl Visible {
                 usvg::Error::ElementsLimitReached
                 | usvg::Error::ParsingFailed(roxmltree::Error::NodesLimitReached),
             )) => Err(PatternError::Syntax(
-                "it shows more than a million elements, or a <use> shows itself through others"
-                    .into(),
+                "it shows more than a million elements, or a <use> refers to itself".into(),
             )),
             Ok(Err(error)) => Err(PatternError::Syntax(error.to_string())),
             Err(()) => Err(PatternError::Syntax("it cannot be resolved".into())),
@@ -163,8 +165,8 @@ impl Clip {
     }
 }
 
-/// Which shape of the drawing one of the copy stands for; none for the frame of a nested page, which is the only rectangle with
-/// sharp corners.
+/// The shape of the drawing for one of the copy; `None` for the frame of a nested page, which is
+/// the only rectangle with sharp corners.
 fn shape_of(path: &usvg::Path) -> Option<usize> {
     let is_line = |segment: &PathSegment| matches!(segment, PathSegment::LineTo(_));
     let is_curve = |segment: &PathSegment| {
@@ -281,7 +283,7 @@ fn copy(text: &str, shapes: &[Node], page: &Page) -> String {
     let mut copy = String::with_capacity(2 * text.len());
     let mut at = 0;
     for (start, end, with) in edits {
-        // Elements of an entity that is used twice are in one place.
+        // Elements of an entity that is used twice have one position in the text.
         if let Some(before) = text.get(at..start).filter(|_| start >= at && end >= start) {
             copy += before;
             copy += &with;
@@ -292,7 +294,8 @@ fn copy(text: &str, shapes: &[Node], page: &Page) -> String {
     copy
 }
 
-/// The place of an element, exactly, where it is that of `found`: the transforms around it, in double precision.
+/// The exact position of an element, if it agrees with `found`: the transforms around it, in double
+/// precision.
 ///
 /// # Errors
 /// A transform around it cannot be read.
