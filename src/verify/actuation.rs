@@ -1,4 +1,4 @@
-//! Rods that bend, twist and lengthen by themselves, from scenario files.
+//! Actuated rods that bend, twist and lengthen, from scenario files.
 
 use super::rods::run_until;
 use super::scenario::{at_rest, moved, simulation};
@@ -28,7 +28,8 @@ const THREE: f64 = 0.3;
 const ARC_BOUND: f64 = 2e-4;
 const EXACT: f64 = 1e-6;
 
-/// Rods without load take their natural shape, at rest and after they have moved there; a filament swims.
+/// Rods without load have their natural shape, in the static solution and after motion; a filament
+/// swims.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let text = include_str!("scenes/actuated_rods.toml");
     let grown = [
@@ -66,7 +67,7 @@ fn three_rods(how: &str, simulation: &Simulation) -> Vec<Check> {
             simulation.total_twist(1),
             EXACT,
         ),
-        quantity(LENGTH, "rod that lengthens: its end", "m").relative(
+        quantity(LENGTH, "rod that lengthens: position of its end", "m").relative(
             (1.0 + GROWTH) * THREE,
             ends[2].x,
             EXACT,
@@ -74,7 +75,7 @@ fn three_rods(how: &str, simulation: &Simulation) -> Vec<Check> {
     ]
 }
 
-/// Speed over whole cycles, once the start is forgotten.
+/// Speed over whole cycles, after the initial transient.
 fn swimmer() -> Result<Check, GroupError> {
     let mut simulation = simulation(include_str!("scenes/swimmer.toml"), &[])?;
     let centre = |simulation: &Simulation| {

@@ -1,4 +1,5 @@
-//! Bodies whose centre of mass is off the node that bears them, from scenario files, against closed forms.
+//! Bodies whose centre of mass is off the node that carries them, from scenario files, against
+//! closed forms.
 
 use super::frequencies::{ascending, frequencies, nearest};
 use super::scenario::{at_rest, simulation};
@@ -49,7 +50,7 @@ fn cantilever() -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// From rest, 112 degrees from where it would hang, to its lowest place.
+/// From rest, at 112 degrees from the vertical, to its lowest position.
 fn pendulum() -> Result<Check, GroupError> {
     let mut simulation = simulation(include_str!("scenes/physical_pendulum.toml"), &[])?;
     let (mass, gravity) = (0.1, 9.81);
@@ -61,7 +62,7 @@ fn pendulum() -> Result<Check, GroupError> {
     let start = 0.5 * PI + ahead;
     let quarter = 0.5 * PI / mean_of_gauss(1.0, libm::cos(0.5 * start));
     let expected = quarter * (inertia / (mass * gravity * square.sqrt())).sqrt();
-    // The rod turns downwards about y, from x on.
+    // The rod rotates downwards about y, starting along x.
     let angle = |simulation: &Simulation| {
         let end = simulation.positions()[2];
         libm::atan2(-end.z, end.x).rem_euclid(TAU)

@@ -1,5 +1,5 @@
-//! Loads at which straight rods and rings buckle, where the stiffness matrix ceases to be positive, and one at which small
-//! motions begin to flutter.
+//! Loads at which straight rods and rings buckle, where the stiffness matrix loses positive
+//! definiteness, and one at which small motions begin to flutter.
 
 use super::check::order;
 use super::rods::{STIFFNESS_RATIO, clamp, line, steady, straight, unit_rod, unit_stiffness};
@@ -33,7 +33,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     )?;
     let rod = critical(5.0..15.0, twisted_rod)?;
     let ring = critical(10.0..25.0, twisted_ring)?;
-    let beck = "Beck's column, pushed along its end, 60 edges: load of flutter P L²/EI";
+    let beck = "Beck's column, pushed along its end, 60 edges: flutter load P L²/EI";
     Ok(vec![
         BECK.of(beck, "").relative(exact, fine, BOUND),
         order(
@@ -56,7 +56,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
 
 /// The load at which the lowest eigenvalue of the stiffness matrix turns negative.
 fn critical(range: std::ops::Range<f64>, scene: fn(f64) -> Scene) -> Result<f64, SimulationError> {
-    // Errors of a scene do not depend on the load: one try before the search tells them.
+    // Errors of a scene do not depend on the load: one run before the search reports them.
     Simulation::new(&scene(range.start), &IntegrationParameters::default())?;
     Ok(bisect(range.start, range.end, |load| {
         let simulation = Simulation::new(&scene(load), &IntegrationParameters::default());
@@ -118,7 +118,7 @@ fn clamped(rod: RodDescription) -> Scene {
     }
 }
 
-/// A column held at a length that compresses it with the force P.
+/// A column held at the length of compression by the force P.
 fn compressed_column(force: f64) -> Scene {
     let shortening = force / unit_stiffness().stretching;
     let natural = line(Vector3::zeros(), Vector3::x(), EDGES);

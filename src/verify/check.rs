@@ -1,21 +1,21 @@
-//! One line of the table: what was expected, what came out, and how far apart they may be.
+//! One line of the table: expected value, found value, and allowed error.
 
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Where an expected value comes from.
+/// Origin of an expected value.
 #[derive(Clone, Copy, Debug)]
 pub struct Expectation {
     /// The formula or equation.
     pub formula: &'static str,
-    /// Who found it.
+    /// Its source.
     pub source: &'static str,
 }
 
 /// A comparison of a simulation with theory.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// What is compared.
+    /// The compared quantity.
     pub name: String,
     /// The formula or equation behind the expected value.
     pub formula: String,
@@ -43,10 +43,11 @@ pub enum Verdict {
     Fail,
 }
 
-/// Rods and joints converge in the second order: the measured order is that between a mesh and one of half its edge length.
+/// Rods and joints converge with second order, measured between a mesh and one of half its edge
+/// length.
 const ORDER: Expectation = Expectation::new("log₂(error at N / error at 2N)", "second order");
 
-/// What is compared, before its values are given.
+/// A compared quantity without values.
 #[derive(Clone, Debug)]
 pub struct Quantity<'a> {
     expectation: Expectation,
@@ -55,7 +56,7 @@ pub struct Quantity<'a> {
 }
 
 impl Expectation {
-    /// A formula or equation, and who found it.
+    /// A formula or equation, and its source.
     pub const fn new(formula: &'static str, source: &'static str) -> Self {
         Self { formula, source }
     }
@@ -103,7 +104,7 @@ pub(super) fn order(name: impl Into<String>, ratio_of_errors: f64) -> Check {
 }
 
 impl Check {
-    /// A failed check in place of a group whose simulation failed; the reason stands for its source.
+    /// A failed check in place of a group whose simulation failed; the reason replaces its source.
     pub fn not_run(group: &str, reason: &str) -> Self {
         Self {
             name: format!("{group}: not run"),
@@ -127,7 +128,7 @@ impl Check {
     }
 }
 
-/// The checks as a table for people.
+/// The checks as a text table.
 pub fn table(checks: &[Check]) -> String {
     let width = |of: fn(&Check) -> &str| {
         checks
@@ -169,7 +170,7 @@ pub fn table(checks: &[Check]) -> String {
     text
 }
 
-/// Eight significant digits, in powers of ten only where the number is very large or small.
+/// Eight significant digits, in scientific notation only if the number is very large or small.
 pub(super) fn number(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         format!("{value:.8}")

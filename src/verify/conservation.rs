@@ -1,4 +1,4 @@
-//! A free rod that tumbles and vibrates: what the implicit midpoint rule keeps.
+//! A free rod that tumbles and vibrates: quantities that the implicit midpoint rule conserves.
 
 use super::rods::unit_rod;
 use super::{Check, Expectation, GroupError};
@@ -44,7 +44,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
     ])
 }
 
-/// A naturally straight rod let go from an arc that is no plane curve, thrown and turning.
+/// A naturally straight rod released from a non-planar arc with linear and angular velocity.
 fn scene() -> Scene {
     let centreline = (0..=EDGES)
         .map(|k| {

@@ -24,7 +24,7 @@ const FRICTION: f64 = 0.3;
 const LENGTH: f64 = 0.2;
 const EDGES: usize = 10;
 
-/// Collisions by all models, and one so fast that only a barrier notices.
+/// Collisions by all models, and one so fast that only a barrier detects it.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for (model, name, penetration) in MODELS {
@@ -68,7 +68,7 @@ pub(super) fn contact_parameters(model: ContactModel, friction: f64) -> ContactP
     }
 }
 
-/// What was seen of a collision; not a number where nothing was.
+/// Measures of a collision; NaN if there was none.
 struct Collision {
     /// Largest penetration, as a fraction of the diameter.
     penetration: f64,

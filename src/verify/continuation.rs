@@ -1,5 +1,5 @@
-//! Paths of equilibria: where columns, strips and rings buckle, found by following them; of columns and strips
-//! also by the inertia of the Hessian at loads on either side.
+//! Paths of equilibria: where columns, strips and rings buckle, by continuation; for columns and
+//! strips also by the inertia of the Hessian at loads on either side.
 
 use super::rods::{STIFFNESS_RATIO, clamp, force_on, straight, unit_rod, unit_stiffness};
 use super::theory::beam::{CLAMPED_COLUMN, FREE_COLUMN, ring_twist, strip_tip_load};
@@ -120,7 +120,7 @@ fn free_column() -> Scene {
     }
 }
 
-/// The clamp at the far end moves towards the other by the parameter in m.
+/// The clamp at the far end moves towards the other one by the parameter, in m.
 fn clamped_column() -> Scene {
     let moving = Clamp {
         motion: Motion {
@@ -136,8 +136,8 @@ fn clamped_column() -> Scene {
     }
 }
 
-/// A ring that is cut at one place, where a clamp holds either face; one of them turns by the parameter in rad.
-/// Held there, the ring is free but for rigid motions.
+/// A ring cut at one point, where clamps hold both faces; one of them turns by the parameter, in
+/// rad. The clamps only remove rigid motions of the ring.
 fn twisted_ring() -> Scene {
     let node = |k: usize| {
         let angle = TAU * k as f64 / RING_EDGES as f64;

@@ -19,11 +19,11 @@ const AXIAL_SPEED: f64 = 1000.0;
 const GYRATION: f64 = 5e-3;
 /// Loss factor of its material at 1 Hz.
 const LOSS_FACTOR: f64 = 0.02;
-/// By then the higher modes, which are damped more, are gone, s.
+/// Time after which the more strongly damped higher modes have decayed, s.
 const START: f64 = 1.0;
 const END: f64 = 3.0;
 
-/// What of its modulus relaxes in the second file, over that which does not, and the relaxation time, s.
+/// Ratio of the relaxing to the remaining modulus in the second file, and the relaxation time, s.
 const RATIO: f64 = 0.2;
 const TIME: f64 = 0.02;
 
@@ -74,7 +74,7 @@ fn damping_ratio(material: [&str; 2]) -> Result<f64, GroupError> {
         .filter_map(|heights| peak([heights[0], heights[1], heights[2]]))
         .collect();
     let [Some(first), Some(last)] = [peaks.first(), peaks.last()] else {
-        return Err("the rod does not swing".into());
+        return Err("the rod does not oscillate".into());
     };
     let decrement = libm::log(first / last) / (peaks.len() - 1) as f64;
     Ok(decrement / libm::hypot(TAU, decrement))

@@ -73,7 +73,7 @@ impl Sample {
         })
     }
 
-    /// A stage that began somewhere nearby, so that everything slides.
+    /// A stage that started nearby, so that all contacts slide.
     fn sliding_stage(&self) -> Stage {
         let mut number = uniform_numbers(2);
         let mut start = self.unknowns.clone();

@@ -92,10 +92,10 @@ fn run_through(prepared: &PreparedRun, directory: &Path) -> Result<(), RunError>
     run(prepared, &options(directory)).map(drop)
 }
 
-/// Stops the run by its time limit again and again, later each time.
+/// Stops the run repeatedly by its time limit, later each time.
 ///
 /// # Errors
-/// Those of the run, and where the machine is so fast that nothing was interrupted.
+/// Those of the run, or an error if the machine is so fast that nothing was interrupted.
 fn run_in_pieces(prepared: &PreparedRun, directory: &Path) -> Result<(), GroupError> {
     let mut limit = Duration::from_millis(1);
     let mut interruptions = 0;

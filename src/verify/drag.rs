@@ -102,7 +102,7 @@ fn helix() -> Result<Vec<Check>, SimulationError> {
     ])
 }
 
-/// Forces of a rigid rod on the fluid as the engine finds them.
+/// Forces of a rigid rod on the fluid, by the engine.
 fn fluid_forces(
     nodes: &[Vector3],
     velocities: &[Vector3],

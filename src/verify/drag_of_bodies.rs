@@ -70,7 +70,7 @@ fn weight(nodes: &[Vector3]) -> f64 {
     (MASS + 1000.0 * PI * RADIUS * RADIUS * length) * GRAVITY
 }
 
-/// A ball on the first node of a rod, after fourteen times the time in which its speed settles.
+/// A ball on the first node of a rod, after fourteen times the relaxation time of its speed.
 fn sink(nodes: &[Vector3], fluid: FluidModel) -> Result<Simulation, SimulationError> {
     let scene = Scene {
         rods: vec![round_rod(nodes.to_vec(), YOUNG, RADIUS)],

@@ -1,4 +1,4 @@
-//! Single filaments in a fluid, as the engine has them.
+//! Single filaments in a fluid, by the engine.
 
 use rodlab_engine::mechanics::fluid::{Filament, Fluid, FluidError};
 use rodlab_engine::mechanics::{Matrix3, Vector3};
@@ -22,6 +22,6 @@ pub fn forces_on(
     let mut forces = vec![Vector3::zeros(); nodes.len()];
     let mut resistance = vec![Matrix3::zeros(); nodes.len()];
     fluid.drag(nodes, velocities, &[], &mut forces, &mut resistance)?;
-    // The fluid reports what it does to the rod.
+    // The fluid reports its forces on the rod.
     Ok(forces.into_iter().map(|force| -force).collect())
 }

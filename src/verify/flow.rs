@@ -65,7 +65,7 @@ fn speed_beside_wall(nodes: &[Vector3]) -> f64 {
         Vector2::new(force, torque.sum::<f64>())
     };
     let along = wrench(&|_| Vector3::x());
-    // In units of the length, so that both columns are of one size.
+    // In units of the length, so that both columns are of the same order.
     let turning = wrench(&|x| Vector3::z().cross(&(x - middle)) / LENGTH);
     let resistance = Matrix2::from_columns(&[along, turning]);
     let motion = resistance.lu().solve(&Vector2::new(PULL * LENGTH, 0.0));
@@ -81,7 +81,7 @@ edges = 20
 shape = { kind = "straight", start = [0, "0.5 mm", 0], end = ["10 mm", "0.5 mm", 0] }
 "#;
 
-/// Two pieces of a filament that a joint holds together, and what is beside them.
+/// Two pieces of a filament that a joint holds together, and an optional rod beside them.
 fn scene(beside: &str) -> String {
     let pull = |rod: &str| {
         format!(

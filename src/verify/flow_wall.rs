@@ -53,7 +53,7 @@ fn filament() -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// Places of the nodes, and the speed of the middle one, after a millisecond.
+/// Positions of the nodes, and the speed of the middle one, after a millisecond.
 fn speed(overrides: &[String]) -> Result<(Vec<Vector3>, f64), GroupError> {
     let mut simulation = simulation(include_str!("scenes/filament_at_wall.toml"), overrides)?;
     for _ in 0..100 {
@@ -81,7 +81,8 @@ fn long_cylinder() -> Result<Vec<Check>, FluidError> {
     Ok(checks)
 }
 
-/// Forces on the fluid, N per node, of a rod that moves as a whole over the wall z = 0, as the engine finds them.
+/// Forces on the fluid, N per node, of a rod that moves as a whole over the wall z = 0, by the
+/// engine.
 fn forces_at_wall(
     nodes: &[Vector3],
     velocity: &Vector3,

@@ -31,7 +31,7 @@ pub(super) fn ascending(numbers: impl Iterator<Item = f64>) -> Vec<f64> {
     all
 }
 
-/// The frequency that is nearest to one; not a number where there is none.
+/// The frequency nearest to a given one; NaN if there is none.
 pub(super) fn nearest(frequencies: &[f64], to: f64) -> f64 {
     let distance = |one: &f64| (one - to).abs();
     let found = frequencies.iter().copied();

@@ -20,10 +20,11 @@ const CAPSTAN: Expectation = Expectation::new(
 );
 const GRAVITY: f64 = 9.81;
 
-/// The contact models by their names in scenario files, with the speed at which each may creep instead of
-/// sticking, as a fraction of the slip tolerance.
+/// The contact models by their names in scenario files, with the creep speed allowed in sticking,
+/// as a fraction of the slip tolerance.
 ///
-/// The smoothed law creeps below its slip tolerance; rigid contact sticks but for the tolerance of Newton's method.
+/// The smoothed law creeps below its slip tolerance; rigid contact sticks up to the tolerance of
+/// Newton's method.
 const MODELS: [(ContactModel, &str, f64); 3] = [
     (ContactModel::ImplicitContact, "imc", 1.0),
     (ContactModel::IncrementalPotential, "ipc", 1.0),
@@ -55,7 +56,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// What a rod on an incline does at the end.
+/// Result for a rod on an incline.
 struct Slide {
     /// Mean acceleration over the second half of the time, m/s².
     acceleration: f64,
@@ -63,7 +64,7 @@ struct Slide {
     speed: f64,
 }
 
-/// A rod along the line of steepest descent, let go at rest.
+/// A rod along the line of steepest descent, released at rest.
 fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, GroupError> {
     let contact = contact_parameters(model, friction);
     let rod = unit_rod(line(Vector3::zeros(), 0.1 * Vector3::x(), 4));
@@ -85,7 +86,7 @@ fn slide(model: ContactModel, incline: f64, friction: f64) -> Result<Slide, Grou
         contact: Some(contact),
         ..Scene::default()
     };
-    // What Newton's method leaves of the residual moves a rod that sticks.
+    // The residual of Newton's method moves a sticking rod.
     let integration = IntegrationParameters {
         force_tolerance: 1e-8,
         ..IntegrationParameters::default()
@@ -142,8 +143,8 @@ pub(super) fn capstan_check(name: String, tensions: [f64; 2], bending: f64, boun
         .relative(expected, greater / lesser, bound)
 }
 
-/// Mean tensions of the straight parts of both legs, N, of a rope of a stretching stiffness (N) that was placed at `nodes`: from
-/// when the pull has settled, 0.3 s, to 0.5 s.
+/// Mean tensions of the straight parts of both legs, N, of a rope of a stretching stiffness (N)
+/// that was placed at `nodes`: from 0.3 s, when the pull has settled, to 0.5 s.
 pub(super) fn leg_tensions(
     simulation: &mut Simulation,
     nodes: &[Vector3],
@@ -171,8 +172,9 @@ pub(super) fn leg_tensions(
     Ok(sums.map(|sum| sum / samples))
 }
 
-/// Nodes of a rope over the post, from the end with the weight to the end that is pulled, with so many edges around the post and in
-/// each leg. They stand outside, so that the edges between them touch the post in their middle, and a gap away, in parts of the radius.
+/// Nodes of a rope over the post, from the end with the weight to the end that is pulled, with
+/// given numbers of edges around the post and in each leg. They are outside, so that the edges
+/// touch the post at their middles, with a gap, as a fraction of the radius.
 pub(super) fn rope_over_post(wrapped: usize, leg_edges: usize, gap: f64) -> Vec<Vector3> {
     let step = PI / wrapped as f64;
     let edge = 2.0 * WRAP_RADIUS * libm::tan(0.5 * step);
@@ -226,7 +228,7 @@ fn capstan_scene(model: ContactModel, rope: RodDescription) -> Scene {
         }],
         loads: vec![
             steady(force_on(0, -WEIGHT * Vector3::y())),
-            // Settles the swinging of the legs; along the rope it takes 3e-4 N.
+            // Damps the swinging of the legs; along the rope it is 3e-4 N.
             steady(LoadKind::Drag {
                 rod: Some(0),
                 translation: 0.1,

@@ -23,8 +23,8 @@ const FAR: f64 = 12.0;
 const MATERIAL: Expectation =
     Expectation::new("critical distance of (κ, τ, ω) L", "Borum & Bretl 2020");
 const PATH: Expectation = Expectation::new(
-    "rod at once on the helix, or followed from straight",
-    "two ways to one boundary",
+    "rod placed on the helix, or followed from straight",
+    "two paths to one boundary",
 );
 
 /// Critical distances on a mesh and extrapolated in it, their independence of material and path, the mirror image,
@@ -123,7 +123,7 @@ fn path(count: usize) -> Result<Check, SimulationError> {
         let helix = Helix::from([height, across * cosine, across * sine]);
         let critical =
             |search| rod().critical_distance(&helix, search, 0.25 * EDGES as f64, None, &|| true);
-        // Directions without a boundary have none either way.
+        // Directions without a boundary have none on either path.
         let pair = match (critical(HelixSearch::Fast)?, critical(HelixSearch::Path)?) {
             (None, None) => continue,
             (fast, path) => (fast.unwrap_or(f64::NAN), path.unwrap_or(f64::NAN)),

@@ -1,4 +1,5 @@
-//! Helical rods manipulated slowly in time: where they leave the helix, against conjugate points.
+//! Helical rods manipulated slowly in time: their deviation from the helix, against conjugate
+//! points.
 
 use super::rods::{run_until, steps_of};
 use super::{Check, Expectation, GroupError};
@@ -17,15 +18,15 @@ const ROD: DiscreteRod = DiscreteRod {
     stiffness_ratio: 1.0 / 1.33,
     bending_stiffness: 1.0,
 };
-/// Speed of the end over L/T, where T = L² √(ρA/EI): half a length of the rod in a hundred T, with the first vibration
-/// of the straight rod taking 0.28 T.
+/// Speed of the end over L/T, where T = L² √(ρA/EI): half of the rod length in a hundred T, with
+/// the first vibration of the straight rod taking 0.28 T.
 const SPEED: f64 = 0.005;
 /// Time step over T.
 const STEP: f64 = 0.02;
 /// Outputs along a path to this multiple of the critical distance.
 const OUTPUTS: usize = 500;
 const BEYOND: f64 = 1.1;
-/// Directions that are manipulated have a curvature of at least this, without which there is no radius, and lose
+/// Directions that are manipulated have a curvature of at least this, needed for a radius, and lose
 /// stability within this distance, where 100 edges are fine enough.
 const LEAST_CURVATURE: f64 = 0.1;
 const FARTHEST: f64 = 14.0;
@@ -52,7 +53,7 @@ pub fn checks(full: bool) -> Result<Vec<Check>, GroupError> {
             worst = pair;
         }
     }
-    let name = format!("{count} random helices, manipulated slowly: distance where they buckle");
+    let name = format!("{count} random helices, manipulated slowly: buckling distance");
     Ok(vec![SLOW.of(name, "").relative(worst.0, worst.1, 3e-2)])
 }
 

@@ -1,6 +1,6 @@
-//! Joints and bodies: frames against beam theory, pendulums and a heavy disk against their frequencies,
-//! a net and a gridshell against their symmetry; slides, and bodies whose centre is off
-//! their node, are files of their own.
+//! Joints and bodies: frames against beam theory, pendulums and a heavy disk against their
+//! frequencies, a net and a gridshell against their symmetry; slides, and bodies whose centre is
+//! off their node, are in separate files.
 
 use super::check::order;
 use super::frequencies::{ascending, frequencies, frequencies_of, nearest};
@@ -31,7 +31,8 @@ const KEPT: Expectation = Expectation::new("E(t) = E(0)", "conservation");
 const MIRRORED: Expectation =
     Expectation::new("z(x, y) = z(−x, y) = z(x, −y) = z(y, x)", "symmetry");
 
-/// Rods of the frames: length (m), radius (m), EI = 1e-3 N m² and GJ = ⅔ EI with Poisson's ratio one half.
+/// Dimensions of the rods of the frames: length (m), radius (m), EI = 1e-3 N m² and GJ = ⅔ EI with
+/// Poisson's ratio one half.
 const LENGTH: f64 = 0.2;
 const RADIUS: f64 = 1e-3;
 const BENDING: f64 = 1e-3;
@@ -109,7 +110,7 @@ fn clamp_of(rod: usize) -> Clamp {
     Clamp { rod, ..clamp(0) }
 }
 
-/// How far a node has moved at rest from where it was placed.
+/// Displacement of a node at rest from its placed position.
 fn deflection(scene: &Scene, rod: usize, node: usize) -> Result<Vector3, SimulationError> {
     let mut simulation = Simulation::new(scene, &IntegrationParameters::default())?;
     simulation.find_equilibrium()?;
@@ -198,7 +199,8 @@ fn two_hanging(places: [Vector3; 3], edges: usize, density: f64) -> Scene {
 
 /// Two stiff rods that hang from a hinge and from each other: frequencies, and energy in a wide swing.
 fn double_pendulum() -> Result<Vec<Check>, GroupError> {
-    // Spin about their own axes costs no energy: what is soft there is left out by a little drag of the static state.
+    // Spin about their own axes costs no energy: a small drag in the static state suppresses these
+    // soft modes.
     let hanging = [0.0, -LENGTH, -2.0 * LENGTH].map(|z| Vector3::new(0.0, 0.0, z));
     let scene = two_hanging(hanging, 20, 10.0);
     let mut simulation = Simulation::new(&scene, &IntegrationParameters::default())?;
@@ -229,17 +231,19 @@ fn double_pendulum() -> Result<Vec<Check>, GroupError> {
         kinetic = kinetic.max(energies.kinetic);
         worst = worst.max((energies.total() - start).abs());
     }
-    let name = "double pendulum, wide swing for 1 s, midpoint rule: energy gained or lost, of the largest kinetic energy";
+    let name = "double pendulum, wide swing for 1 s, midpoint rule: energy error over the largest kinetic energy";
     checks.push(KEPT.of(name, "J").scaled(0.0, worst, kinetic, 1e-3));
     Ok(checks)
 }
 
-/// Frequencies of the modes in which rods swing, in pairs of equal ones; they spin about themselves without any stiffness.
+/// Frequencies of the modes in which rods swing, in pairs of equal ones; their spin has no
+/// stiffness.
 fn swinging(simulation: &mut Simulation) -> Result<Vec<f64>, GroupError> {
     let stiffness = simulation.stiffness_matrix();
     let scale = stiffness.amax();
     let unknowns = simulation.free_unknowns();
-    // What twists the rods against nothing is held by a weak spring, far above the pendulum's frequencies.
+    // A weak spring holds the free twist of the rods, with frequencies far above those of the
+    // pendulum.
     let spring = |k: usize| {
         if unknowns[k] % 4 == 3 {
             1e-6 * scale
@@ -282,7 +286,7 @@ fn disk() -> Result<Vec<Check>, GroupError> {
         let got = nearest(&found, expected);
         checks.push(DISK.of(name, "rad/s").relative(expected, got, BOUND));
     }
-    // Thrown sideways with a small velocity it moves as the sum of both modes.
+    // With a small sideways velocity it moves as the sum of both modes.
     let (speed, end) = (1e-3, TAU / theory[0] * 3.2);
     scene.rods[0].velocity = Vector3::new(0.0, speed, 0.0);
     let simulation = run(&scene, Scheme::BackwardDifferences, end / 4000.0, end)?;
@@ -292,13 +296,15 @@ fn disk() -> Result<Vec<Check>, GroupError> {
         speed * part * part * libm::sin(frequency * end) / frequency
     });
     let (expected, amplitude) = (parts.sum(), speed / theory[0]);
-    let name = "heavy disk, thrown sideways: deflection after 3.2 periods, of its amplitude";
+    let name =
+        "heavy disk, thrown sideways: deflection after 3.2 periods, error over its amplitude";
     let got = simulation.positions()[40].y;
     checks.push(DISK.of(name, "m").scaled(expected, got, amplitude, 3e-3));
     Ok(checks)
 }
 
-/// A square lattice of a material, by its keys, and so many rods each way, in pieces of so many edges.
+/// A square lattice of a material, given by its keys, with numbers of rods in each direction and of
+/// edges of each piece.
 fn lattice(material: &str, rods: usize, edges: usize, rest: &str) -> String {
     format!(
         "experiment = \"scene\"\n[material]\n{material}\ndensity = 1000.0\n\
@@ -308,7 +314,8 @@ fn lattice(material: &str, rods: usize, edges: usize, rest: &str) -> String {
     )
 }
 
-/// A flat lattice whose corners are pushed towards each other: how far the dome is from symmetric, of its height.
+/// A flat lattice whose corners are pushed towards each other: asymmetry of the dome over its
+/// height.
 fn gridshell() -> Result<Check, GroupError> {
     let rods = 5;
     let text = lattice(
@@ -325,11 +332,11 @@ fn gridshell() -> Result<Check, GroupError> {
     if height < 0.1 * LENGTH {
         return Err(format!("the lattice rose by {height} m only").into());
     }
-    let name = "gridshell of 5 × 5 laths from a flat lattice, corners pushed in by 10 %: asymmetry, of its height";
+    let name = "gridshell of 5 × 5 laths from a flat lattice, corners pushed in by 10 %: asymmetry over its height";
     Ok(MIRRORED.of(name, "m").scaled(0.0, worst, height, 1e-9))
 }
 
-/// A square net of balls under its weight, held at its corners: how far it is from symmetric, of its sag.
+/// A square net of balls under its weight, held at its corners: asymmetry over its sag.
 fn net(rods: usize) -> Result<Check, GroupError> {
     let text = lattice(
         "youngs_modulus = \"1 MPa\"\npoissons_ratio = 0.5",
@@ -341,7 +348,7 @@ fn net(rods: usize) -> Result<Check, GroupError> {
     let simulation = at_rest(&text, &[])?;
     let (worst, sag) = asymmetry(&simulation, rods, 2 * (rods - 1) + 1);
     let name = format!(
-        "net of {rods} × {rods} rods in ball joints under its weight: asymmetry, of its sag"
+        "net of {rods} × {rods} rods in ball joints under its weight: asymmetry over its sag"
     );
     Ok(MIRRORED.of(name, "m").scaled(0.0, worst, sag, 1e-9))
 }

@@ -33,7 +33,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
         .windows(2)
         .map(|edge| (edge[1] - edge[0]).normalize().x)
         .collect();
-    // At the middle of the rod a node lies; the tangent there is the mean of those beside it.
+    // There is a node in the middle of the rod; its tangent is the mean of the adjacent ones.
     let middle = 0.5 * (cosines[EDGES / 2 - 1] + cosines[EDGES / 2]);
     let worst = cosines
         .iter()

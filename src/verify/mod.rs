@@ -1,8 +1,8 @@
 //! `rodlab verify`: the engine against theory.
 //!
-//! Every [`Check`] compares one number of a simulation with one number of a theory that knows nothing of
-//! the simulation: closed forms and independent solutions in [`theory`]. The groups run in parallel;
-//! the table keeps its order.
+//! Every [`Check`] compares one number of a simulation with one number of a theory that is
+//! independent of the simulation: closed forms and independent solutions in [`theory`]. The groups
+//! run in parallel; the table keeps its order.
 
 mod actuation;
 mod bodies;
@@ -53,7 +53,7 @@ use std::error::Error;
 /// A group of checks. With `full` it may take minutes and cover more parameters.
 type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 
-/// Whatever kept a group from coming to its numbers.
+/// The error of a group without results.
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
@@ -83,7 +83,7 @@ const GROUPS: [(&str, CheckGroup); 23] = [
     ("determinism", determinism::checks),
 ];
 
-/// What a group came to.
+/// Result of a group.
 #[derive(Clone, Debug)]
 pub struct GroupResult {
     /// Name of the group.
@@ -92,7 +92,7 @@ pub struct GroupResult {
     pub checks: Vec<Check>,
 }
 
-/// Runs every check. A group whose simulation fails yields one failed check that says why.
+/// Runs every check. A group whose simulation fails gives one failed check with the reason.
 pub fn verify(full: bool) -> Vec<GroupResult> {
     GROUPS
         .par_iter()

@@ -1,5 +1,5 @@
-//! Obstacles of every shape, through scenario files: ropes over round ones, a beam lifted by an edge and by a ball, rods that
-//! buckle in a tube.
+//! Obstacles of every shape, through scenario files: ropes over round ones, a beam lifted by an
+//! edge and by a ball, and rods that buckle in a tube.
 
 use super::friction::{POST_RADIUS, capstan_check, leg_tensions, rope_over_post};
 use super::scenario::{moved, simulation};
@@ -54,7 +54,7 @@ fn capstan(over: &str, model: &str, shape: &str) -> Result<Check, GroupError> {
     Ok(capstan_check(name, tensions, BENDING, 5e-3))
 }
 
-/// The cylinder as a mesh with so many faces around it; its corners lie on the cylinder.
+/// The cylinder as a mesh with a number of faces around it and corners on the cylinder.
 fn prism(faces: usize) -> String {
     let corner = |k: usize, z: f64| {
         let (sine, cosine) = libm::sincos(2.0 * PI * k as f64 / faces as f64);
@@ -76,7 +76,8 @@ fn prism(faces: usize) -> String {
     mesh(&vertices, &triangles)
 }
 
-/// A ball as a mesh: an octahedron whose faces are cut in four so many times, with corners on the ball.
+/// A ball as a mesh: an octahedron whose faces are divided into four a number of times, with
+/// corners on the ball.
 fn ball(centre: [f64; 3], radius: f64, cuts: usize) -> String {
     let directions = [
         [1, 0, 0],
@@ -135,11 +136,11 @@ fn lifted_beam() -> Result<[Check; 2], GroupError> {
         let forces = simulation.contact_forces();
         Ok(forces.iter().map(|force| force.z).sum())
     };
-    // The centreline is lifted by what the edge has risen beyond its first touch, 1 mm.
+    // The lift of the centreline is that of the edge beyond its first contact, 1 mm.
     let (lift, arm, radius): (f64, f64, f64) = (0.005, 0.5, 2e-3);
     let bending = 1e9 * PI * radius.powi(4) / 4.0;
     let expected = 3.0 * bending * lift / arm.powi(3);
-    // A millimetre below the beam, as the edge of the box is at first.
+    // A millimetre below the beam, like the initial position of the edge of the box.
     let centre = [arm, 0.0, -radius - 1e-3 - BALL];
     let of_formula = format!(
         "obstacles.0.shape={{ kind = \"sphere\", centre = {centre:?}, radius = {BALL:?} }}"

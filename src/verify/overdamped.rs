@@ -1,4 +1,4 @@
-//! Filaments beside whose drag inertia is nothing, against a dense solution of the flow and a beam at rest.
+//! Filaments with negligible inertia, against a dense solution of the flow and a beam at rest.
 
 use super::rods::{clamp, line, round_rod, run, steady};
 use super::theory::stokeslet::forces;
@@ -19,7 +19,8 @@ const VISCOSITY: f64 = 1.0;
 const LOAD: f64 = 1e-3;
 const YOUNG: f64 = 1e9;
 
-/// A filament with edges of five radii: inertia is gone after 25 µs, a fortieth of the smaller step, bending after a second.
+/// A filament with edges of five radii: inertia decays after 25 µs, a fortieth of the smaller step,
+/// bending after a second.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let nodes = line(Vector3::zeros(), Vector3::x() * LENGTH, EDGES);
     let drag: Vector3 = forces(
@@ -43,7 +44,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     }
     let clamped = scene(&nodes, Vector3::z(), true);
     let bent = run(&clamped, Scheme::BackwardDifferences, 1e-2, 5.0)?;
-    let name = "clamped filament that has relaxed in a fluid, backward differences: tip";
+    let name = "clamped filament relaxed in a fluid, backward differences: tip";
     let expected = LOAD * LENGTH.powi(4) / (8.0 * YOUNG * 0.25 * PI * RADIUS.powi(4));
     let got = bent.positions()[EDGES].z;
     checks.push(AT_REST.of(name, "m").relative(expected, got, 1e-3));

@@ -13,10 +13,9 @@ const FOUND: [usize; 2] = [3, 5];
 /// A table per group.
 pub fn markdown(groups: &[GroupResult]) -> String {
     let mut text = format!(
-        "# The engine against theory\n\n\
-         Made by `rodlab verify --markdown`, version {}. Errors are fractions of the expected value, or of the scale of the \
-         check: the length of the rod, its radius, a force. A test holds names, expected values and bounds to those of the \
-         program.\n",
+        "# The engine against theory\n\nMade by `rodlab verify --markdown`, version {}. Errors are fractions of the \
+         expected value, or of the scale of the check: the length of the rod, its radius, a force. A test compares \
+         names, expected values and bounds with those of the program.\n",
         env!("CARGO_PKG_VERSION")
     );
     for group in groups {
@@ -54,7 +53,7 @@ fn line(cells: &[String; 8]) -> String {
     format!("| {} |\n", escaped.join(" | "))
 }
 
-/// Fails unless the page has the rows of a group, but for what was found.
+/// Fails unless the page has the rows of a group, apart from the found values.
 #[cfg(test)]
 pub(super) fn assert_on_page(group: &str, checks: &[Check]) {
     let page = include_str!("../../results/reproduced/verify.md");
@@ -73,7 +72,7 @@ pub(super) fn assert_on_page(group: &str, checks: &[Check]) {
         .iter()
         .map(|check| kept(&line(&cells(check))))
         .collect();
-    let advice = "`rodlab verify --markdown > results/reproduced/verify.md` writes it anew";
+    let advice = "`rodlab verify --markdown > results/reproduced/verify.md` rewrites it";
     assert_eq!(on_page, expected, "{advice}");
 }
 

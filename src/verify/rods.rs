@@ -8,7 +8,7 @@ use rodlab_engine::mechanics::scene::{
     Clamp, Load, LoadKind, Motion, RodDescription, Scene, Stiffness,
 };
 
-/// Radius of the rod, m: slender enough for theories of inextensible rods without shear.
+/// Radius of the rod, m: slender enough for the theories of inextensible, unshearable rods.
 pub const RADIUS: f64 = 1e-3;
 /// Ratio EI/GJ of a circular cross-section that keeps its volume.
 pub const STIFFNESS_RATIO: f64 = 1.5;
@@ -50,7 +50,7 @@ pub fn steps_of(step: f64) -> IntegrationParameters {
 /// Moves a simulation up to a time, s.
 ///
 /// # Errors
-/// What ends it earlier.
+/// The error that ends it earlier.
 pub fn run_until(simulation: &mut Simulation, end: f64) -> Result<(), SimulationError> {
     while simulation.time() < end {
         simulation.advance(end)?;
@@ -61,7 +61,7 @@ pub fn run_until(simulation: &mut Simulation, end: f64) -> Result<(), Simulation
 /// The simulation of a scene with steps of a size (s) up to a time (s).
 ///
 /// # Errors
-/// What ends it earlier.
+/// The error that ends it earlier.
 pub fn run(
     scene: &Scene,
     scheme: Scheme,

@@ -1,4 +1,4 @@
-//! Scenes from scenario files, so that what a user writes is what is checked.
+//! Scenes from scenario files, so that the checks include the file format.
 
 use super::GroupError;
 use super::rods::run_until;

@@ -1,9 +1,11 @@
-//! A rod bent out of a tube, whose rim pushes it out.
+//! A rod bent out of a tube whose rim pushes it.
 //!
-//! Along a rod without loads between its ends, M²/2EI + T is the same everywhere, with the moment M and the tension T. A frictionless rim
-//! does not change it, since its force is normal to the rod, and a frictionless wall not where the rod lies along it. So the tension deep in
-//! the tube is what the end has of both: P sin θ for a dead load P across the tube at an end that has turned by θ. With little clearance it is M²/2EI
-//! for the moment M at the mouth, as in a sleeve (Bigoni, Dal Corso, Bosi and Misseroni 2015).
+//! Along a rod without loads between its ends, M²/2EI + T is constant, with the moment M and the
+//! tension T. A frictionless rim does not change it, since its force is normal to the rod, and
+//! neither does a frictionless wall along the rod. So the tension deep in the tube is the sum of
+//! both at the end: P sin θ for a dead load P across the tube at an end that has turned by θ. With
+//! little clearance it is M²/2EI for the moment M at the mouth, as in a sleeve (Bigoni, Dal Corso,
+//! Bosi and Misseroni 2015).
 
 use super::scenario::moved;
 use super::{Check, Expectation, GroupError};
@@ -17,7 +19,7 @@ const PUSHED_OUT: Expectation = Expectation::new(
 const LOAD: f64 = 0.028;
 /// Edges of the rod; at twice as many the error is less.
 const EDGES: usize = 75;
-/// Time in which the rod comes to rest, s.
+/// Time after which the rod is at rest, s.
 const REST: f64 = 2.0;
 
 /// The same rod with all models of contact.
@@ -25,7 +27,7 @@ pub(super) fn checks() -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
     for model in ["imc", "ipc", "complementarity"] {
         let [expected, got] = tensions(model, EDGES)?;
-        let name = format!("rod bent out of a tube, {model}: tension that holds it in");
+        let name = format!("rod bent out of a tube, {model}: axial tension in the tube");
         checks.push(PUSHED_OUT.of(name, "N").relative(expected, got, 2e-2));
     }
     Ok(checks)

@@ -31,20 +31,17 @@ fn incline() -> Result<[Check; 2], GroupError> {
     }
     let place = simulation.positions()[81];
     let kinetic = simulation.energies().kinetic;
-    let name = "shuttle that slides down a wire over fifty of its edges, midpoint rule: way";
+    let name = "shuttle sliding down a wire over fifty of its edges, midpoint rule: distance";
     Ok([
         FALL.of(name, "m")
             .relative(0.5 * 9.81 * 0.8 * end * end, place.norm() - 0.05, 1e-9),
-        KEPT.of(
-            "the same: energy gained or lost, of its kinetic energy",
-            "J",
-        )
-        .scaled(0.0, worst, kinetic, 1e-9),
+        KEPT.of("the same: energy error over its kinetic energy", "J")
+            .scaled(0.0, worst, kinetic, 1e-9),
     ])
 }
 
-/// Length of the rope, m, how far the posts are apart and by how much the second is higher, m, EI, N m², EA, N, and the
-/// weight, N.
+/// Length of the rope, m, distance of the posts, m, and height of the second above the first, m,
+/// EI, N m², EA, N, and the weight, N.
 const LENGTH: f64 = 1.0;
 const SPAN: f64 = 0.8;
 const RISE: f64 = 0.2;
@@ -63,7 +60,8 @@ fn ring_on_rope() -> Result<[Check; 2], GroupError> {
     };
     let fine = place(80)?;
     let off = (place(40)?.z - expected.z) / (fine.z - expected.z);
-    let name = "ring on a slack rope between posts of different heights: distance from where it rests, of the length of the rope";
+    let name = "ring on a slack rope between posts of different heights: distance from its rest position over the \
+                length of the rope";
     let distance = (fine - expected).norm();
     Ok([
         RING.of(name, "m").scaled(0.0, distance, LENGTH, 1e-3),
@@ -71,8 +69,9 @@ fn ring_on_rope() -> Result<[Check; 2], GroupError> {
     ])
 }
 
-/// Where the ring rests, m: tensions are the same on either side, and so are the angles α with the vertical. At the ring the
-/// rope turns by θ = π/2 − α into the horizontal, tan ϑ/4 ∝ e^(−s/λ), which takes c off its length and d off its line.
+/// Rest position of the ring, m: tensions are the same on either side, and so are the angles α with
+/// the vertical. At the ring the rope turns by θ = π/2 − α into the horizontal, tan ϑ/4 ∝ e^(−s/λ),
+/// which takes c off its length and d off its line.
 fn ring_at_rest() -> Vector3 {
     let (mut low, mut high) = (0.0, FRAC_PI_2);
     let bend = |angle: f64| {

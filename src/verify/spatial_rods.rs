@@ -1,8 +1,9 @@
 //! Scenario files of rods that bend and twist in space, against Kirchhoff's rod.
 //!
-//! Other checks build their scenes from plain data; these begin with the text of a file, so that they see which way
-//! keys are understood: the sides of a section, the director, the signs of natural curvatures and twist, of forces and
-//! moments, the handedness of a helix. The theory has its own numbers.
+//! Other checks build their scenes from plain data; these start with the text of a file, so that
+//! they check the interpretation of keys: the sides of a section, the director, the signs of
+//! natural curvatures and twist, of forces and moments, the handedness of a helix. The theory uses
+//! separate numbers.
 
 use super::check::order;
 use super::rods::farthest;
@@ -24,7 +25,7 @@ const GRAVITY: f64 = 9.81;
 const STRIP: &str = include_str!("scenes/strip.toml");
 const SPRING: &str = include_str!("scenes/spring.toml");
 
-/// Loads, as they are added to the files.
+/// Loads that are added to the files.
 const WEIGHT: &str = "[[loads]]\nkind = 'gravity'\nacceleration = [0, 0, -9.81]\n";
 const WIND: &str =
     "[[loads]]\nkind = 'distributed'\nrod = 'strip'\nforce_per_length = [0.1, -0.3, 0.2]\n";
@@ -35,14 +36,14 @@ const PULL: &str =
 const PULL_OF_SPRING: &str =
     "[[loads]]\nkind = 'force'\nrod = 'spring'\nat = 'end'\nforce = [0.01, -0.02, -0.05]\n";
 
-/// A strip that would be a helix. It is placed straight, along the first tangent of that.
+/// A strip with a helix as natural shape, placed straight along its first tangent.
 const COILED: [&str; 3] = [
     "rods.0.shape={ kind = \"straight\", start = [0, 0, 0], end = [0, 0.8, 0.6] }",
     "rods.0.natural_shape={ kind = \"helix\", centre = [0, 0, 0], radius = \"0.2 m\", pitch = 0.9424777960769379, length = \"0.6 m\" }",
     "rods.0.director=[-0.8, -0.36, 0.48]",
 ];
 
-/// A scenario, and what the theory makes of what it says.
+/// A scenario, and the theory for it.
 struct Case {
     name: &'static str,
     /// Its file, loads that are added, and keys that are set to other values.
@@ -270,9 +271,9 @@ mod tests {
     use super::*;
     use crate::verify::Verdict;
 
-    /// Each key that has a sign or a side, the other way round: the shape is then far from that of the theory.
+    /// Each key that has a sign or a side, reversed: the shape is then far from that of the theory.
     #[test]
-    fn whatever_is_the_wrong_way_round_is_seen() {
+    fn reversed_keys_are_detected() {
         let wrong: [(usize, &[&str]); 16] = [
             (0, &["rods.0.director=[0, 0.8, -0.6]"]),
             (

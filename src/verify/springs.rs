@@ -1,5 +1,5 @@
-//! Springs between nodes and about hinges, from scenario files, against closed forms; those that turn frames are a file of
-//! their own.
+//! Springs between nodes and about hinges, from scenario files, against closed forms; torsional
+//! springs between frames are in a separate file.
 
 use super::frequencies::frequencies_of;
 use super::scenario::{at_rest, moved, simulation};
@@ -85,7 +85,8 @@ fn orbit() -> Result<Check, GroupError> {
         let across = Vector3::y() * (speed / frequency * libm::sin(phase));
         worst = worst.max((simulation.positions()[4] - along - across).norm());
     }
-    let name = "weight about a spring without length for 2.4 turns, midpoint rule: farthest from the ellipse, of its axis";
+    let name = "weight orbiting on a spring of zero length for 2.4 turns, midpoint rule: largest distance from the \
+                ellipse over its axis";
     Ok(ORBIT.of(name, "m").scaled(0.0, worst, radius, 1e-3))
 }
 
@@ -97,8 +98,7 @@ fn broken_spring() -> Result<[Check; 2], GroupError> {
     let [Some(found)] = simulation.breaks()[..] else {
         return Err("the spring holds".into());
     };
-    let name =
-        "weight that leaves on a spring: time at which it breaks at half of the largest force";
+    let name = "weight moving away on a spring: time at which the spring breaks, at half of the largest force";
     let velocity = simulation.velocities()[4].x;
     Ok([
         BREAK

@@ -1,4 +1,4 @@
-//! Cantilevers that bend far, against the elastica.
+//! Cantilevers with large deflections, against the elastica.
 
 use super::check::order;
 use super::rods::{clamp, farthest, force_on, gravity, run_until, steady, steps_of, straight};
@@ -15,7 +15,7 @@ const TIP_LOADED: Expectation = Expectation::new("θ'' = −α cos θ", "Bisshop
 const RELAXED: Expectation =
     Expectation::new("rest of damped motion = equilibrium", "static solution");
 
-/// Ratio γ of weight to bending stiffness at which released codes were compared.
+/// Ratio γ of weight to bending stiffness at which the released codes were compared.
 const GAMMA: f64 = 15.696;
 
 /// Shapes of heavy and tip-loaded cantilevers, order of convergence, and the same by damped motion.

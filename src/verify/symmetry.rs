@@ -1,4 +1,4 @@
-//! Answers that must not depend on where the axes point or how nodes and rods are numbered.
+//! Invariance of results under rotation of the axes and renumbering of nodes and rods.
 
 use super::rods::{clamp, farthest, force_on, gravity, line, steady, steps_of, unit_rod};
 use super::{Check, Expectation, GroupError};

@@ -1,8 +1,9 @@
-//! Every group passes; one test each, so that they run side by side and a failure names its group.
+//! Every group passes; one test per group, so that they run in parallel and a failure names its
+//! group.
 
 use super::*;
 
-/// The checks of a group pass, and the page of `rodlab verify --markdown` has them.
+/// The checks of a group pass, and are on the page of `rodlab verify --markdown`.
 fn assert_passes(name: &str) {
     let group = GROUPS.iter().find(|(known, _)| *known == name);
     let (_, group) = group.expect("a group of this name");

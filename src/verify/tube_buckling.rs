@@ -1,5 +1,5 @@
-//! Rods pushed into a horizontal tube: where they begin to snake, by continuation and in a slow push, and where a helix has the
-//! energy of the straight rod.
+//! Rods pushed into a horizontal tube: onset of snaking by continuation and in a slow push, and the
+//! push at which a helix has the energy of the straight rod.
 
 use super::continuation::critical_on_path;
 use super::scenario::{prepared, simulation};
@@ -17,11 +17,13 @@ const UNEVEN: Expectation = Expectation::new(
     "energy of θ = kx + a sin kx",
 );
 
-/// Swing of the snake over the clearance at which it is seen to grow: fifty times that by which the tube leans.
+/// Amplitude of the snake over the clearance that counts as growth: fifty times the tilt of the
+/// tube.
 const SEEN: f64 = 0.05;
-/// The push has grown by 2 % while the snake grows from the lean of the tube; by less in a slower one.
+/// The push has grown by 2 % while the snake grows from the lean of the tube; by less in a slower
+/// push.
 const LATE: f64 = 5e-2;
-/// A helix that turns evenly needs a push larger by 1.3 % than one that hastens over the top.
+/// An even helix needs a push larger by 1.3 % than one that turns faster over the top.
 const EVEN: f64 = 2e-2;
 
 /// The pushes of three files.
@@ -65,7 +67,7 @@ impl RodInTube {
     }
 }
 
-/// Where the path of the straight rod branches.
+/// Bifurcation of the path of the straight rod.
 fn snake_on_path() -> Result<Check, GroupError> {
     let prepared = prepared(include_str!("scenes/tube.toml"), &[])?;
     let rod = RodInTube::of(&prepared);
@@ -78,7 +80,7 @@ fn snake_on_path() -> Result<Check, GroupError> {
     Ok(SNAKING.of(name, "N").relative(expected, got, 5e-3))
 }
 
-/// The largest push that a rod bears before it is seen to snake.
+/// The largest push of a rod before snaking is detected.
 fn snake_in_time() -> Result<Check, GroupError> {
     let text = include_str!("scenes/snake_in_tube.toml");
     let rod = RodInTube::of(&prepared(text, &[])?);
@@ -93,18 +95,18 @@ fn snake_in_time() -> Result<Check, GroupError> {
         largest = f64::max(largest, simulation.reaction(0).x);
     }
     let seen = swing(&simulation) >= SEEN;
-    let name = "rod pushed slowly into a horizontal tube: largest push before it is seen to snake";
+    let name = "rod pushed slowly into a horizontal tube: largest push before snaking is detected";
     let expected = SNAKE * rod.push();
     let got = if seen { largest } else { f64::NAN };
     Ok(SNAKING.of(name, "N").relative(expected, got, LATE))
 }
 
-/// The push at which a helix that is let out along equilibria has the energy of the straight rod.
+/// The push at which a helix, unloaded along equilibria, has the energy of the straight rod.
 fn helix() -> Result<[Check; 2], GroupError> {
     let prepared = prepared(include_str!("scenes/helix_in_tube.toml"), &[])?;
     let rod = RodInTube::of(&prepared);
     let Mode::Continuation(plan) = prepared.mode else {
-        return Err("the file follows no path".into());
+        return Err("the file has no path of equilibria".into());
     };
     let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
     let mut tracer = simulation.path(plan)?;
@@ -144,7 +146,7 @@ fn helix() -> Result<[Check; 2], GroupError> {
     ])
 }
 
-/// A turn on either side of the middle of a helix, where its ends are not felt.
+/// A turn on either side of the middle of a helix, where its ends have no effect.
 struct MiddleTurns {
     /// Push along the tube, N.
     push: f64,
@@ -166,7 +168,7 @@ impl MiddleTurns {
             let turned = (after - before).norm() / (0.5 * (after + before).norm());
             turned / (0.5 * (lengths[node - 1] + lengths[node]))
         };
-        // Angle about the axis of the tube from its bottom, counted on from turn to turn.
+        // Cumulative angle about the axis of the tube from its bottom.
         let turn = |from: &Vector3, to: &Vector3| {
             libm::atan2(from.y * to.z - from.z * to.y, from.y * to.y + from.z * to.z)
         };
@@ -194,7 +196,7 @@ impl MiddleTurns {
                         - straight)
                     + push * (advance - length);
                 let turned = turn(&start, &end).abs();
-                // Nothing beyond the turn, and of the edge on which it ends a part.
+                // Zero beyond the turn, and a fraction for the edge at its end.
                 let part = ((TAU - angle) / turned).clamp(0.0, 1.0);
                 sums[0] += part * energy;
                 sums[1] += part * advance;

@@ -1,4 +1,4 @@
-//! Springs that turn the frames of rods towards each other, from scenario files, against closed forms.
+//! Torsional springs between the frames of rods, from scenario files, against closed forms.
 
 use super::frequencies::{frequencies, nearest};
 use super::scenario::{at_rest, moved, simulation};
@@ -41,7 +41,7 @@ fn arcs() -> Result<[Check; 2], GroupError> {
     let z = radius * (libm::cos(a) - libm::cos(b) + libm::cos(c) - libm::cos(d));
     let tip = simulation.positions().last().ok_or("no nodes")?;
     let name = |axis| {
-        format!("two beams that a turning spring ties, under an end moment: {axis} of the end")
+        format!("two beams joined by a turning spring, under an end moment: {axis} of the end")
     };
     let check = |axis, expected, got| {
         ARCS.of(name(axis), "m")
@@ -59,7 +59,7 @@ fn small_swings() -> Result<[Check; 2], GroupError> {
     let mut simulation = simulation(PENDULUM, &[])?;
     let found = frequencies(&mut simulation)?;
     let spin = (2.0 * STIFFNESS / (MASS * RADIUS * RADIUS)).sqrt();
-    let name = "stiff rod that a turning spring holds by its end: ω of its swing";
+    let name = "stiff rod held at its end by a turning spring: ω of its swing";
     let got = [swing(), spin].map(|expected| nearest(&found, expected));
     Ok([
         SWING.of(name, "rad/s").relative(swing(), got[0], BOUND),
@@ -68,16 +68,16 @@ fn small_swings() -> Result<[Check; 2], GroupError> {
     ])
 }
 
-/// About one axis the moment is c times the angle however far the rod turns.
+/// About one axis the moment is c times the angle, for any angle.
 fn wide_swing() -> Result<Check, GroupError> {
     let rest: f64 = 1.5;
     let rotation = format!("joints.1.rest_rotation=[0, {:?}, 0]", -rest);
     let end = 1.3 * 2.0 * PI / swing();
     let simulation = moved(PENDULUM, &[rotation], end)?;
     let tip = simulation.positions().last().ok_or("no nodes")?;
-    // It turns about −y from x to z.
+    // It rotates about −y from x to z.
     let angle = libm::atan2(tip.z, tip.x).rem_euclid(2.0 * PI);
     let expected = rest * (1.0 - libm::cos(swing() * end));
-    let name = "the same, let go 1.5 rad from where its spring rests: angle after 1.3 periods, of its amplitude";
+    let name = "the same, released 1.5 rad from the rest angle of its spring: angle after 1.3 periods, error over its amplitude";
     Ok(HARMONIC.of(name, "rad").scaled(expected, angle, rest, 3e-3))
 }

@@ -1,5 +1,5 @@
-//! Small vibrations of straight rods, from the eigenproblem of their stiffness and mass matrices. The rods come from
-//! scenario files, so that what `rods.inertia` does by default is what is checked.
+//! Small vibrations of straight rods, from the eigenproblem of their stiffness and mass matrices.
+//! The rods come from scenario files, so that the default of `rods.inertia` is checked.
 
 use super::scenario::{prepared, simulation};
 use super::theory::beam::{
@@ -96,7 +96,7 @@ fn stretched_string(overrides: &[String]) -> Result<Vec<Check>, GroupError> {
     Ok((1..=3).map(check).collect())
 }
 
-/// How a mode moves mostly.
+/// Dominant motion of a mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Motion {
     Bending,
@@ -104,8 +104,8 @@ enum Motion {
     Axial,
 }
 
-/// Angular frequencies of all modes of a rod along x, ascending, with the motion that holds most of their
-/// kinetic energy; without those of the rigid body.
+/// Angular frequencies of all modes of a rod along x, ascending, with the motion that holds most of
+/// their kinetic energy; without rigid-body modes.
 struct Modes(Vec<(f64, Motion)>);
 
 impl Modes {
@@ -203,7 +203,7 @@ mod tests {
             let found = libm::log2(coarse.error / fine.error);
             println!("{}: {:e} {found}", fine.name, fine.error);
             assert!((1.8..2.2).contains(&found), "{found}");
-            // What is left of both without the error of second order.
+            // The remainder of both without the second-order error.
             let limit = (4.0 * fine.got - coarse.got) / 3.0;
             assert!((limit / fine.expected - 1.0).abs() < 1.5e-4, "{limit}");
         }
@@ -211,7 +211,8 @@ mod tests {
 
     #[test]
     fn a_ring_is_left_to_lumped_masses_by_default() {
-        // The nodes of a rod that is bent closely lie outside of its centreline, which consistent masses make worse.
+        // The nodes of a strongly bent rod are outside its centreline, which consistent masses make
+        // worse.
         let text = FREE_ROD.replace(
             "kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0]",
             "kind = \"ring\", centre = [0, 0, 0], normal = [0, 0, 1], radius = 1.0",

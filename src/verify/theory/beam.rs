@@ -13,7 +13,7 @@ pub fn cantilever_wave_number(mode: usize) -> f64 {
     })
 }
 
-/// The same of a free rod, roots of cos x cosh x = 1; those of the rigid body do not count.
+/// The same of a free rod, roots of cos x cosh x = 1; without rigid-body modes.
 pub fn free_wave_number(mode: usize) -> f64 {
     let middle = (mode as f64 + 0.5) * PI;
     bisect(middle - 0.25 * PI, middle + 0.25 * PI, |x| {
@@ -55,8 +55,9 @@ pub const CLAMPED_COLUMN: f64 = 4.0 * PI * PI;
 /// Critical compression of a column with one end clamped and one free, P L²/EI = π²/4 (Euler).
 pub const FREE_COLUMN: f64 = 0.25 * PI * PI;
 
-/// Load at which a column flutters that is clamped at one end and pushed at the other by a force along its tangent there,
-/// P L²/EI = 20.0509 (Beck 1952). Motions of the frequency ω (in √(EI/ρA)/L²) obey, with p = P L²/EI,
+/// Flutter load of a column that is clamped at one end and pushed at the other by a force along its
+/// tangent there, P L²/EI = 20.0509 (Beck 1952). Motions of the frequency ω (in √(EI/ρA)/L²) obey,
+/// with p = P L²/EI,
 ///
 /// ```text
 /// p² + 2ω² (1 + cosh λ₁ cos λ₂) + p ω sinh λ₁ sin λ₂ = 0,    λ₁,₂² = √(p²/4 + ω²) ∓ p/2
@@ -73,7 +74,7 @@ pub fn beck_load() -> f64 {
                 + 2.0 * frequency * frequency * (1.0 + libm::cosh(first) * cosine)
                 + load * frequency * libm::sinh(first) * sine
         };
-        // Golden sections of the way between the roots.
+        // Golden-section search between the roots.
         let (mut low, mut high) = (6.0, 16.0);
         let part = 0.5 * (5f64.sqrt() - 1.0);
         for _ in 0..60 {
@@ -139,7 +140,7 @@ mod tests {
             // A clamped beam has the wave numbers of a free one.
             let beam = (free_wave_number(mode) / 3.0).powi(2) * 0.5_f64.sqrt();
             assert!((frequency(1e-9, 1.0) / beam - 1.0).abs() < 1e-9);
-            // To first order either end of a stiff string takes √(EI/T) from its length.
+            // To first order each end of a stiff string shortens it by √(EI/T).
             let string = mode as f64 * PI / 3.0 * 0.5_f64.sqrt();
             let stiff = frequency(1.0, 1e-8) / string - 1.0;
             assert!((stiff / (2.0 * 1e-4 / 3.0) - 1.0).abs() < 1e-3, "{stiff}");

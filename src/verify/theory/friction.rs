@@ -9,10 +9,11 @@ pub fn sliding_acceleration(gravity: f64, incline: f64, friction: f64) -> f64 {
 
 /// A rope of bending stiffness EI that slides around a post, turning by the angle φ in all.
 ///
-/// On the post the curvature is 1/ρ (ρ: radius of the rope's centreline) and the tension grows with the
-/// angle as in Euler's capstan. A leg of tension T still turns by ψ, T (1 − cos ψ) = EI/2ρ², after it has
-/// left the post, since its bending moment fades out over a length; there T = t + EI/2ρ² with the tension t
-/// at the post, and the shear force T sin ψ is borne by a concentrated contact force, which rubs as well:
+/// On the post the curvature is 1/ρ (ρ: radius of the rope's centreline) and the tension grows with
+/// the angle as in Euler's capstan. A leg of tension T still turns by ψ, T (1 − cos ψ) = EI/2ρ²,
+/// after it has left the post, since its bending moment fades out over a length; there T = t +
+/// EI/2ρ² with the tension t at the post, and the shear force T sin ψ is carried by a concentrated
+/// contact force, which also has friction:
 ///
 /// T₂ − EI/2ρ² − μ T₂ sin ψ₂ = (T₁ − EI/2ρ² + μ T₁ sin ψ₁) exp(μ (φ − ψ₁ − ψ₂)).
 ///
@@ -32,7 +33,7 @@ pub struct Capstan {
 }
 
 impl Capstan {
-    /// Greater tension T₂ that belongs to the lesser T₁, N.
+    /// Larger tension T₂ for the smaller T₁, N.
     pub fn greater_tension(&self, lesser: f64) -> f64 {
         let excess = self.bending / (2.0 * self.radius * self.radius);
         let turning = |tension: f64| libm::acos(1.0 - excess / tension);
@@ -69,7 +70,8 @@ mod tests {
 
     #[test]
     fn bending_matters_to_second_order_in_the_turning_of_the_legs() {
-        // ψ₁ = 0.1 and 0.05: the concentrated forces make up for the angle that the legs do not touch.
+        // ψ₁ = 0.1 and 0.05: the concentrated forces compensate for the angle of the legs without
+        // contact.
         let deviation = |bending: f64| (ratio(bending) / ratio(0.0) - 1.0).abs();
         let (stiff, soft) = (deviation(2e-2), deviation(5e-3));
         assert!(

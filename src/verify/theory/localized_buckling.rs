@@ -25,8 +25,8 @@ pub struct LocalizedBuckle {
 }
 
 impl LocalizedBuckle {
-    /// Solves end shortening D = √(16 B/T − 4 M²/T²) and end rotation R = M L/C + 4 acos m for tension and
-    /// moment. Of the two solutions it takes the one with the larger m, which is the stable one.
+    /// Solves end shortening D = √(16 B/T − 4 M²/T²) and end rotation R = M L/C + 4 acos m for
+    /// tension and moment. Of the two solutions it returns the stable one, with the larger m.
     pub fn new(bending: f64, twisting: f64, length: f64, rotation: f64, shortening: f64) -> Self {
         let at = |m: f64| {
             let tension = 16.0 * bending * (1.0 - m * m) / shortening.powi(2);

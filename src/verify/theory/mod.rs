@@ -1,4 +1,4 @@
-//! Independent answers that the checks compare with, each computed here from its continuum theory.
+//! Independent reference values for the checks, each computed here from its continuum theory.
 
 pub mod beam;
 pub mod friction;

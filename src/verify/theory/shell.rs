@@ -1,4 +1,5 @@
-//! Drag of a sphere with a tail, with the surface of the sphere as points on which the fluid sticks, and a dense solution.
+//! Drag of a sphere with a tail, with the surface of the sphere as points with no slip, and a dense
+//! solution.
 
 use super::stokeslet::{adaptive_segment_integral, regularized_stokeslet};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -9,8 +10,9 @@ const POINTS: usize = 400;
 /// Regularisation of the points over their distance.
 const REGULARIZATION: f64 = 0.5;
 
-/// Drag per velocity (N s/m) of a sphere and a straight tail that move together along the tail: the sphere of the `radius` around
-/// the first of the `nodes`, of which those inside of it take no force. The shell is as large as has by itself Stokes' drag.
+/// Drag per velocity (N s/m) of a sphere and a straight tail that move together along the tail: the
+/// sphere of the `radius` around the first of the `nodes`, of which those inside it carry no force.
+/// The shell has the size for which it has Stokes' drag without a tail.
 pub fn drag_of_sphere_with_tail(
     radius: f64,
     nodes: &[Vector3<f64>],
@@ -23,7 +25,7 @@ pub fn drag_of_sphere_with_tail(
     factor * drag(radius * wanted / alone, nodes[0], nodes, regularization)
 }
 
-/// The same over 8πη for a shell of some radius.
+/// The same over 8πη for a shell of a given radius.
 fn drag(shell: f64, centre: Vector3<f64>, nodes: &[Vector3<f64>], regularization: f64) -> f64 {
     let points: Vec<Vector3<f64>> = (0..POINTS)
         .map(|k| {

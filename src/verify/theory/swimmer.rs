@@ -42,7 +42,8 @@ pub struct Swimmer {
 const PIECES: usize = 2000;
 
 impl Swimmer {
-    /// U, m/s; positive the way that the wave runs. `None` where the free waves do not fit the ends.
+    /// U, m/s; positive in the direction of the wave. `None` if the free waves cannot satisfy the
+    /// end conditions.
     pub fn speed(&self) -> Option<f64> {
         let i = Complex::i();
         let (k, omega) = (self.wave_number, self.angular_frequency);
@@ -52,7 +53,7 @@ impl Swimmer {
             / (Complex::from(stiffness * k.powi(4)) - drag);
         let root = (drag / stiffness).powf(0.25);
         let roots = [root, i * root, -root, -i * root];
-        // Each free wave is one at the end where it is largest.
+        // Each free wave is 1 at the end where it is largest.
         let free = |beta: Complex<f64>, x: f64| {
             let from = if beta.re > 0.0 { self.length } else { 0.0 };
             (beta * (x - from)).exp()
@@ -123,7 +124,7 @@ mod tests {
         let endless = -0.5 * (13.0 / 8.0 - 1.0) * squared * k * omega;
         let off = |waves: f64| filament(waves).speed().unwrap() / endless - 1.0;
         println!("{} {} {}", off(2.5), off(25.0), off(50.0));
-        // What the ends do is the same however long the filament is.
+        // The effect of the ends does not depend on the length of the filament.
         assert!(off(50.0).abs() < 0.05 && off(2.5).abs() > 0.05);
         assert!((off(25.0) / off(50.0) - 2.0).abs() < 0.05);
     }

@@ -16,7 +16,8 @@ pub const SNAKE: f64 = 2.0;
 /// e = ½ k⁴ − ½ f k² + 1, zero at first for k⁴ = 2 and f = 2√2.
 pub const EVEN_HELIX: f64 = 2.0 * std::f64::consts::SQRT_2;
 
-/// The same of a helix of the wave number k that turns faster where it is high, θ = kx + a sin kx. To second order in a
+/// The same of a helix of the wave number k that turns faster near the top, θ = kx + a sin kx. To
+/// second order in a
 ///
 /// ```text
 /// e = ½ k⁴ − ½ f k² + 1 + ½ a + q a²,     q = (7 k⁴ − f k²)/4
@@ -59,7 +60,7 @@ mod tests {
             let push = uneven_helix(beside * wave_number);
             let least = (-200..0).map(|k| energy(beside * wave_number, 1e-3 * f64::from(k), push));
             let least = least.fold(f64::INFINITY, f64::min);
-            // What is of fourth order in a is left.
+            // The remainder is of fourth order in a.
             assert!(least.abs() < 1e-3, "{least}");
         }
         assert!(uneven_helix(wave_number) < EVEN_HELIX);

@@ -97,8 +97,9 @@ mod tests {
 
     #[test]
     fn a_sphere_of_forces_near_the_wall_is_slowed_as_faxen_found() {
-        // A force that spreads over a blob moves it more slowly by 9a/16h along the wall and 9a/8h across it (Faxén 1922,
-        // Lorentz 1907), a the radius of the sphere of the same drag: 8πη u = (6πηa)⁻¹ 8πη f = 4/(3a) f.
+        // The velocity of a blob under a force is reduced by 9a/16h along the wall and 9a/8h across
+        // it (Faxén 1922, Lorentz 1907), a the radius of the sphere of the same drag: 8πη u =
+        // (6πηa)⁻¹ 8πη f = 4/(3a) f.
         let epsilon = 1e-3;
         let radius = 4.0 / 3.0 / (2.0 / epsilon);
         let y = Vector3::new(0.0, 0.0, 50.0 * radius);
