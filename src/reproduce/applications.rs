@@ -11,7 +11,7 @@ use rodlab_planning::plan::pattern::{chosen_stroke, read_svg};
 pub(super) struct Task {
     /// Its name in the thesis.
     pub name: &'static str,
-    /// The same for files.
+    /// Its name for files.
     pub id: &'static str,
     /// Successes in ten trials of the thesis, by the intuitive and by the optimal scheme.
     pub measured: [usize; 2],
@@ -62,7 +62,7 @@ pub(super) const TASKS: [Task; 4] = [
     },
 ];
 
-/// Trials of each task by each scheme.
+/// Number of trials of each task by each scheme.
 pub(super) const TRIALS: u64 = 10;
 /// A few steps, s.
 #[cfg(test)]
@@ -77,12 +77,12 @@ pub(super) struct Application {
     pub is_optimal: bool,
     /// Seed of the jitter.
     pub seed: u64,
-    /// Time, s; all that the scenario says where there is none.
+    /// Time, s; `None` for that of the scenario.
     shortened: Option<f64>,
 }
 
 impl Application {
-    /// Ten trials of each task by each scheme; a quick look has one.
+    /// Ten trials of each task by each scheme; a quick version has one.
     pub fn of_table_5_4(quick: bool) -> Vec<Self> {
         let trials = if quick { 1 } else { TRIALS };
         let trial = |task: usize, is_optimal: bool| {
@@ -102,7 +102,7 @@ impl Application {
         tasks.flat_map(both).collect()
     }
 
-    /// Those trials that are made in the virtual cell: knots by the optimal scheme only.
+    /// The trials in the virtual cell: knots by the optimal scheme only.
     pub fn of_table_5_4_in_cell(quick: bool) -> Vec<Self> {
         let mut trials = Self::of_table_5_4(quick);
         trials.retain(|trial| {
@@ -134,7 +134,8 @@ impl Application {
             if line.starts_with('[') {
                 table = line;
             }
-            // A line of 2 mm has neither clips nor crossings, and there is no time for another one.
+            // A line of 2 mm has neither clips nor crossings, and a quick version has no time for
+            // another one.
             let is_dropped = self.shortened.is_some()
                 && ["[deployment.clips]", "[deployment.knot]"]
                     .iter()
@@ -146,7 +147,7 @@ impl Application {
             if !line.starts_with("pattern = ") {
                 return format!("{line}\n");
             }
-            // The patterns stand in the order of the strokes.
+            // The patterns are in the order of the strokes.
             let keys = match self.shortened {
                 Some(_) => "kind = \"line\", length = 0.002".to_owned(),
                 None => drawn.next().expect("a stroke for each pattern"),
@@ -185,12 +186,12 @@ fn strokes(svg: &str) -> Vec<String> {
 }
 
 impl Case<Application> {
-    /// What came of the rod, wherever it was left.
+    /// Outcome of the rod, also for unfinished runs.
     pub fn outcome(&self) -> Option<DeploymentOutcome> {
         DeploymentOutcome::of(&self.record.outcome)
     }
 
-    /// Whether the trial came to its end, and to success.
+    /// Whether the trial finished, and succeeded.
     pub fn has_succeeded(&self) -> bool {
         let has_ended = self.record.outcome.simulated_time >= self.run.end() * (1.0 - 1e-9);
         let outcome = self.outcome();

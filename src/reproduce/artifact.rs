@@ -1,4 +1,4 @@
-//! What can be reproduced: one value for each table and figure, with its runs and what is made of them.
+//! The artefacts: one value for each table and figure, with its runs and its page.
 
 use super::cases::{Case, Run, run_all};
 use super::page::{Heading, Page, PageFigure};
@@ -6,7 +6,8 @@ use super::{ReproduceOptions, Result};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// A table or figure of the thesis, or one about this engine itself; each is declared beside what its page is made of.
+/// A table or figure of the thesis, or one about this engine itself; each is declared beside the
+/// code of its page.
 pub struct Artifact {
     pub(super) name: &'static str,
     pub(super) title: &'static str,
@@ -14,17 +15,17 @@ pub struct Artifact {
 }
 
 impl Artifact {
-    /// What the command line and directories call it.
+    /// Its name on the command line and of directories.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// What it shows, with its number.
+    /// Its title, with its number.
     pub fn title(&self) -> &'static str {
         self.title
     }
 
-    /// What its page is called.
+    /// Name and title of its page.
     pub(super) fn heading(&self) -> Heading {
         Heading {
             name: self.name,
@@ -50,18 +51,18 @@ impl fmt::Debug for Artifact {
     }
 }
 
-/// How an artefact is made: its runs, and the page that is written of them.
+/// Recipe of an artefact: its runs, and its page.
 pub(super) trait Recipe: Sync {
-    /// What is run.
+    /// The run.
     type Run: Run;
 
-    /// The runs, quick ones or all of their time.
+    /// The runs, quick or complete.
     fn runs(&self, quick: bool) -> Vec<Self::Run>;
 
     /// Writes the page.
     fn write(&self, page: &mut Page, cases: &[Case<Self::Run>]) -> Result<()>;
 
-    /// The figures from the table alone, where they hold no more.
+    /// Draws the figures from the table alone, if it is sufficient.
     fn figures_of_table(&self, _: &Path) -> Option<Result<Vec<PageFigure>>> {
         None
     }
@@ -74,7 +75,7 @@ pub(super) struct Free<R> {
 }
 
 impl<R> Free<R> {
-    /// Runs and what writes their page.
+    /// Runs and the writer of their page.
     pub const fn new(
         runs: fn(quick: bool) -> Vec<R>,
         write: fn(&mut Page, &[Case<R>]) -> Result<()>,
@@ -95,12 +96,12 @@ impl<R: Run> Recipe for Free<R> {
     }
 }
 
-/// A [`Recipe`] of whatever runs.
+/// A [`Recipe`] with any kind of runs.
 pub(super) trait AnyRecipe: Sync {
     /// Rough cost of all runs on one core, s.
     fn cost(&self, quick: bool) -> f64;
 
-    /// The figures from the table alone, where they hold no more.
+    /// Draws the figures from the table alone, if it is sufficient.
     fn redrawn(&self, table: &Path) -> Option<Result<Vec<PageFigure>>>;
 
     /// Makes the runs and writes the page; returns the files written.
@@ -129,7 +130,7 @@ pub(super) trait AnyRecipe: Sync {
     #[cfg(test)]
     fn kind(&self) -> &'static str;
 
-    /// Prepares so many of the runs, each of which has a rod.
+    /// Prepares a number of the runs, each of which has a rod.
     #[cfg(test)]
     fn check_scenarios(&self, quick: bool, count: usize);
 }

@@ -79,7 +79,7 @@ mod tests {
         }
     }
 
-    /// One of each kind; the test of the pages prepares more.
+    /// One of each kind; the test of the pages includes more.
     #[test]
     fn runs_of_an_artefact_are_scenarios() {
         let is_full = crate::reproduce::tests_are_full();

@@ -1,4 +1,5 @@
-//! Automatic steps over the whole simulated time of the thesis, beside what a small difference at the start grows to.
+//! Automatic steps over the whole simulated time of the thesis, beside the growth of a small
+//! initial difference.
 
 use super::bundling::{Bundling, STEP_VARIANTS};
 use super::difference::{Difference, curve, differences, figure, nodes_of};
@@ -11,10 +12,10 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Free::new(Bundling::of_auto_steps, write),
 };
 
-/// Difference in radii that automatic steps should keep below.
+/// Largest difference of automatic steps, in radii.
 const BOUND: f64 = 0.5;
 
-/// Part of the simulated time after which flagella have bundled, and means are taken.
+/// Share of the simulated time after which flagella have bundled and means are computed.
 const BUNDLED: f64 = 0.2;
 
 /// A row of the CSV file; differences are ē of thesis Eq. 2.28.
@@ -31,7 +32,7 @@ struct Row {
     cpu_time_s: Option<f64>,
     /// Largest over the whole time that both runs reached.
     difference_radii: Option<f64>,
-    /// When it first exceeds [`BOUND`].
+    /// Time at which it first exceeds [`BOUND`].
     bound_exceeded_s: Option<f64>,
     /// Means over the output times after the part [`BUNDLED`] of the simulated time.
     mean_bending_energy_j: f64,
@@ -56,11 +57,11 @@ fn write(page: &mut Page, cases: &[Case<Bundling>]) -> Result<()> {
         }
     }
     page.text(
-        "By backward differences. ē is the mean distance of the nodes from the solution with steps of 1 ms and the same \
-         number of flagella, in radii (thesis Eq. 2.28), at the output times. The last run of each number begins with \
-         helices wider by 1e-8 of their radius: no method whose steps lose more than that can keep ē smaller for long. \
-         Means are over the last four fifths of the simulated time: where ē has grown, they tell whether the motion is of \
-         the same kind.",
+        "By backward differences. ē is the mean distance of the nodes from the solution with steps of 1 ms and the \
+         same number of flagella, in radii (thesis Eq. 2.28), at the output times. The last run of each number begins \
+         with helices wider by 1e-8 of their radius: no method with larger errors per step can keep ē smaller for \
+         long. Means are over the last four fifths of the simulated time: where ē has grown, they show whether the \
+         motion is still of the same kind.",
     );
     page.table(columns! { row in &rows;
         "Flagella" => row.flagella.to_string(),
@@ -114,7 +115,7 @@ fn row(case: &Case<Bundling>, differences: &[Difference]) -> Result<Row> {
     })
 }
 
-/// What a curve shows.
+/// Name of a curve.
 fn name(case: &Case<Bundling>) -> String {
     let what = match case.run.widening {
         0.0 => case.run.step.in_words(),

@@ -3,7 +3,7 @@
 use super::cases::{Run, prepared};
 use rodlab_lab::run::PreparedRun;
 
-/// What the flagella scenarios have in common.
+/// The common part of the flagella scenarios.
 const BASE: &str = include_str!("../../scenarios/flagella_base.toml");
 
 /// A run of bundling flagella.
@@ -21,7 +21,7 @@ pub(super) struct Bundling {
     pub scheme: Scheme,
     /// Time step.
     pub step: Step,
-    /// By which part of itself the helices' radius is larger, to see what becomes of a small difference.
+    /// Relative enlargement of the helix radius, to show the growth of a small difference.
     pub widening: f64,
     /// Simulated time, s.
     pub end: f64,
@@ -40,7 +40,7 @@ pub(super) enum Scheme {
 }
 
 impl Scheme {
-    /// As scenario files have it.
+    /// In the notation of scenario files.
     pub fn key(self) -> &'static str {
         match self {
             Self::ImplicitEuler => "implicit-euler",
@@ -62,7 +62,7 @@ pub(super) enum Step {
 pub(super) const STEP: Step = Step::Fixed(1e-3);
 
 impl Step {
-    /// As scenario files have it.
+    /// In the notation of scenario files.
     pub fn key(self) -> String {
         match self {
             Self::Fixed(step) => format!("{step:?}"),
@@ -70,7 +70,7 @@ impl Step {
         }
     }
 
-    /// As tables have it: in s, or "auto".
+    /// In the notation of tables: in s, or "auto".
     pub fn in_words(self) -> String {
         self.key().trim_matches('"').to_owned()
     }
@@ -92,9 +92,10 @@ const END_OF_COST: [f64; 2] = [0.4, 0.05];
 /// The same of the comparison of steps.
 const END_OF_STEPS: [f64; 2] = [20.0, 5.0];
 
-/// Distance tolerance δ by which contact models are compared, m: a fifth of that of the thesis, since ē shrinks with it. Smaller is stiffer without need.
+/// Distance tolerance δ by which contact models are compared, m: a fifth of that of the thesis,
+/// since ē shrinks with it. Smaller values are unnecessarily stiff.
 pub(super) const DISTANCE_TOLERANCE_OF_DIFFERENCE: f64 = 2e-6;
-/// Time steps that are compared; the first is the measure of the others.
+/// Time steps that are compared; the first is the reference.
 pub(super) const COMPARED_STEPS: [(Scheme, Step); 12] = [
     (Scheme::BackwardDifferences, Step::Fixed(2.5e-4)),
     (Scheme::BackwardDifferences, Step::Fixed(1e-3)),
@@ -113,7 +114,7 @@ pub(super) const COMPARED_STEPS: [(Scheme, Step); 12] = [
 /// Numbers of flagella with automatic steps.
 const FLAGELLA_OF_AUTO_STEPS: [usize; 2] = [2, 10];
 
-/// Step and widening of the helices; the first is the measure of the others.
+/// Step and widening of the helices; the first is the reference.
 pub(super) const STEP_VARIANTS: [(Step, f64); 3] = [(STEP, 0.0), (Step::Auto, 0.0), (STEP, 1e-8)];
 
 /// Contact models that the thesis compares.
@@ -282,15 +283,15 @@ impl Run for Bundling {
         self.end
     }
 
-    /// Rough cost on one core, s: of steps whose fluid costs grow with the square of the flagella, up to the thousand
-    /// nodes above which the fluid is computed by clusters.
+    /// Rough cost on one core, s: the cost of the fluid grows with the square of the number of
+    /// flagella, up to a thousand nodes, above which the fluid is computed by clusters.
     fn cost(&self) -> f64 {
         let flagella = self.flagella as f64;
         let rubbing = 1.0 + 3.0 * self.friction;
         let cost_of_step = 0.1e-3 * flagella + 0.04e-3 * flagella * flagella.min(40.0);
         let step = match self.step {
             Step::Fixed(step) => step,
-            // As seen with two flagella in contact.
+            // As measured with two flagella in contact.
             Step::Auto => 3e-3,
         };
         self.end / step * cost_of_step * rubbing
@@ -322,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_flagella_are_built_as_are_asked_for() {
+    fn the_requested_number_of_flagella_is_built() {
         for run in Bundling::of_cost(true) {
             assert_eq!(run.prepare().scene.rods.len(), run.flagella);
         }

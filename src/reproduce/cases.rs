@@ -13,22 +13,22 @@ const CASES: &str = "cases";
 /// Digits of the scenario's hash in the name of a run's directory.
 const HASH_DIGITS: usize = 8;
 
-/// What an artefact asks to be run.
+/// A run of an artefact.
 pub(super) trait Run: Clone + Sync + Send {
     /// Its name, for directories.
     fn id(&self) -> String;
     /// The run, ready to start.
     fn prepare(&self) -> PreparedRun;
-    /// Simulated time, s; none of what is solved for, not simulated in time.
+    /// Simulated time, s; `None` for solutions without time.
     fn end(&self) -> f64 {
         0.0
     }
     /// Rough cost on one core, s.
     fn cost(&self) -> f64;
-    /// A few steps of it.
+    /// A short version of it, a few steps.
     #[cfg(test)]
     fn shortened(&self) -> Self;
-    /// How much is done, for a quick look to say it.
+    /// Extent of the run, for the text of a quick version.
     fn extent(&self) -> String {
         format!("{} s were simulated", self.end())
     }
@@ -44,14 +44,14 @@ pub(super) fn prepared(id: &str, text: &str, overrides: &[String]) -> PreparedRu
     prepare(&loaded.scenario).unwrap_or_else(|issues| panic!("{issues:?}"))
 }
 
-/// A run that came to an end.
+/// A finished run.
 #[derive(Clone, Debug)]
 pub(super) struct Case<R> {
-    /// What was run.
+    /// The run.
     pub run: R,
     /// Its results directory.
     pub directory: PathBuf,
-    /// What came out; the status tells whether the simulated time was reached.
+    /// Outcome; the status shows whether the simulated time was reached.
     pub record: CaseRecord,
     /// Its manifest.
     pub manifest: Manifest,
@@ -59,10 +59,10 @@ pub(super) struct Case<R> {
     pub was_finished: bool,
 }
 
-/// How a run came to an end.
+/// End of a run.
 type Ended<R> = Result<Case<R>>;
 
-/// Runs whatever has not been run yet, `options.jobs` at a time, in order.
+/// Runs all unfinished runs, `options.jobs` at a time, in order.
 pub(super) fn run_all<R: Run>(
     runs: &[R],
     options: &ReproduceOptions,
@@ -78,12 +78,12 @@ pub(super) fn run_all<R: Run>(
             }
             Err(_) => ControlFlow::Break(()),
         };
-        // Each index comes once.
+        // Each index occurs once.
         let _ = results[index].set(result);
         flow
     })
     .map_err(|error| ReproduceError::Threads(error.to_string()))?;
-    // Runs are begun in order: before one that was not, another has failed.
+    // Runs are started in order: before one that was not started, another has failed.
     results
         .into_iter()
         .map_while(OnceLock::into_inner)
@@ -92,7 +92,7 @@ pub(super) fn run_all<R: Run>(
 
 fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>> {
     let prepared = asked.prepare();
-    // Another version of the program may resolve the scenario to something else: that is another run.
+    // Another version of the program may resolve the scenario differently: that is another run.
     let hash = blake3::hash(prepared.scenario_toml.as_bytes()).to_hex();
     let name = format!("{}-{}", asked.id(), &hash[..HASH_DIGITS]);
     let directory = options.directory.join(CASES).join(name);
@@ -103,7 +103,7 @@ fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>> {
     };
     let was_finished = match run(&prepared, &run_options) {
         Ok(outcome) => outcome.status == RunStatus::AlreadyFinished,
-        // Where the mechanics gives up, the thesis' simulations end, too: a result.
+        // A failure of the mechanics is a result: the simulations of the thesis also end there.
         Err(RunError::Simulation { .. }) => false,
         Err(error) => return Err(error.into()),
     };
@@ -118,7 +118,7 @@ fn run_one<R: Run>(asked: &R, options: &ReproduceOptions) -> Result<Case<R>> {
 }
 
 impl<R: Run> Case<R> {
-    /// How it ended, for progress reports.
+    /// Its end, for progress reports.
     fn in_a_line(&self) -> String {
         let Self { run, record, .. } = self;
         let how = if self.was_finished {
@@ -133,7 +133,7 @@ impl<R: Run> Case<R> {
         format!("{}: {}{at}, {how}", run.id(), self.status())
     }
 
-    /// Its status in words.
+    /// Its status as text.
     pub fn status(&self) -> &'static str {
         self.record.status.in_words()
     }

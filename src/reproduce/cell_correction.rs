@@ -1,4 +1,4 @@
-//! What correction by the camera makes up for in the virtual cell, through drivers and pictures.
+//! Effect of the correction by the camera in the virtual cell, through drivers and pictures.
 
 use super::deployment_correction::{Errors, distances, disturbance, verdict};
 use super::laying::{Laying, PATTERNS};
@@ -7,7 +7,7 @@ use super::virtual_laying::lay_in_cell;
 
 pub(super) const ARTIFACT: Artifact = Artifact {
     name: "cell-correction",
-    title: "Rods laid in the virtual cell: what correction makes up for",
+    title: "Rods laid in the virtual cell: effect of the correction",
     recipe: &Tabled::new(Laying::of_cell_correction, Rows::All(rows), write, figures),
 };
 
@@ -27,22 +27,23 @@ struct Row {
 }
 
 impl Row {
-    /// The pattern, and what disturbed its laying.
+    /// The pattern, and the disturbance of its laying.
     fn trial(&self) -> (&str, String) {
         let name = disturbance(self.jitter_mm, self.seed, self.length_error);
         (&self.pattern, name)
     }
 }
 
-/// Writes the table; means are over what was laid both ways.
+/// Writes the table; means are over patterns that were laid with and without correction.
 fn write(page: &mut Page, _: &[Case<Laying>], rows: &[Row]) -> Result<()> {
     page.text(
-        "The green rod of thesis Tab. 5.1 on a table of friction 0.4, laid by the gantry of the virtual cell: mean distance from the pattern \
-         in cm at equal arc lengths, in the picture of the camera, along the path as it was planned before (open), and by \
-         `rodlab deploy --correct`: each 0.8 gravito-bending lengths the arm stops, the camera looks, and the rest is planned anew. The \
-         hand trembles without the arm knowing (root mean square in each direction, periods from 1 to 5 s), or the rod is believed to \
-         have a gravito-bending length that is a tenth too large or too small. Beside it the same in plain simulation, where places of \
-         the lying rod are seen exactly.",
+        "The green rod of thesis Tab. 5.1 on a table of friction 0.4, laid by the gantry of the virtual cell: mean \
+         distance from the pattern in cm at equal arc lengths, in the picture of the camera, along the initially \
+         planned path (open), and by `rodlab deploy --correct`: every 0.8 gravito-bending lengths the arm stops, the \
+         camera takes a picture, and the rest is replanned. The hand has jitter that the joint encoders do not see \
+         (root mean square in each direction, periods from 1 to 5 s), or the path is planned for a gravito-bending \
+         length that is a tenth too large or too small. Beside it is the same in plain simulation, where the positions \
+         of the lying rod are seen exactly.",
     );
     page.table(columns! { row in rows;
         "pattern" => row.pattern.clone(),
@@ -105,8 +106,9 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     ];
     vec![PageFigure::new(
         "cell-correction",
-        "Mean distance from each pattern in the virtual cell as planned before and corrected by the camera, over what disturbed the hand or \
-         the plan. Rods that were not laid to their end, or not seen whole, have no mark",
+        "Mean distance from each pattern in the virtual cell, as initially planned and as corrected by the camera, for \
+         each disturbance of the hand or the plan. Rods that were not laid completely, or not seen as a whole, have no \
+         mark",
         distances(rows, Row::trial, &quantities),
     )]
 }

@@ -1,4 +1,4 @@
-//! What a time step costs over the number of flagella, of rods in a heap, and of edges of one rod.
+//! Cost of a time step over the number of flagella, of rods in a heap, and of edges of one rod.
 
 use super::bundling::Bundling;
 use super::cases::{Run, prepared};
@@ -11,14 +11,14 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Tabled::new(Costly::all, Rows::Row(row), write, figures),
 };
 
-/// What is run.
+/// The run.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Costly {
     /// Flagella in a viscous fluid.
     Flagella(Bundling),
-    /// A heap of so many rods, for a time, s.
+    /// A heap of a number of rods, for a time, s.
     Heap(usize, f64),
-    /// A rod of so many edges, for a time, s.
+    /// A rod of a number of edges, for a time, s.
     Rod(usize, f64),
 }
 
@@ -30,7 +30,7 @@ const END_OF_HEAP: [f64; 2] = [0.2, 0.02];
 /// The same of the rod.
 const END_OF_ROD: [f64; 2] = [0.5, 0.02];
 
-/// A heap before it falls, but for its rods.
+/// A heap before it falls, without its rods.
 const HEAP: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "10 MPa", poissons_ratio = 0.5, density = 1000 }
@@ -39,7 +39,7 @@ loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
 contact = { model = "imc", friction = 0.3 }
 "#;
 
-/// A clamped rod that swings; its edges and the end are overridden.
+/// A clamped swinging rod; its edges and the end are overridden.
 const ROD: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = "100 MPa", poissons_ratio = 0.5, density = 1000 }
@@ -50,7 +50,7 @@ time = { step = "1 ms", end = 0.5 }
 "#;
 
 impl Costly {
-    /// All that the page shows.
+    /// All runs of the page.
     pub fn all(quick: bool) -> Vec<Self> {
         let end = |ends: [f64; 2]| ends[usize::from(quick)];
         let flagella = Bundling::of_cost(quick).into_iter().map(Self::Flagella);
@@ -158,7 +158,7 @@ struct Row {
 fn write(page: &mut Page, _: &[Case<Costly>], rows: &[Row]) -> Result<()> {
     page.text(
         "Steps of 1 ms. Flagella turn in a fluid from rest, with the search for contacts but before they meet. Rods of 20 \
-         edges fall on a floor and in on each other, with friction 0.3 (the first steps of `scenarios/pile.toml`). One rod \
+         edges fall on a floor and on each other, with friction 0.3 (the first steps of `scenarios/pile.toml`). One rod \
          swings from a clamp. The table says how many steps had contacts. Times are those of a whole run over its steps: \
          processor time of all threads, the set-up and the first preconditioner of the fluid included.",
     );

@@ -1,4 +1,5 @@
-//! What online correction makes up for: jitter of the gripper and errors of the gravito-bending length.
+//! Effect of the online correction on jitter of the gripper and errors of the gravito-bending
+//! length.
 
 use super::laying::{Laying, PATTERNS};
 use super::prelude::*;
@@ -6,7 +7,7 @@ use rodlab_files::figure::Figure;
 
 pub(super) const ARTIFACT: Artifact = Artifact {
     name: "deployment-correction",
-    title: "Laid rods: what online correction makes up for",
+    title: "Laid rods: effect of the online correction",
     recipe: &Tabled::new(Laying::of_correction, Rows::All(rows), write, figures),
 };
 
@@ -24,7 +25,7 @@ struct Row {
 }
 
 impl Row {
-    /// The pattern, and what disturbed its laying.
+    /// The pattern, and the disturbance of its laying.
     fn trial(&self) -> (&str, String) {
         let name = disturbance(self.jitter_mm, self.seed, self.length_error);
         (&self.pattern, name)
@@ -34,11 +35,12 @@ impl Row {
 /// Writes the table.
 fn write(page: &mut Page, _: &[Case<Laying>], rows: &[Row]) -> Result<()> {
     page.text(
-        "The green rod of thesis Tab. 5.1 on a table of friction 0.4, laid by the optimal scheme: mean distance from the pattern in cm (thesis \
-         Eq. 5.11) along the path as it was planned before (open), and along one that is planned anew each 0.8 gravito-bending lengths, \
-         2.6 cm, from where the rod is seen to lie (`[deployment.correction]`). The gripper moves about its path at random (root mean square in \
-         each direction, periods from 1 to 5 s), or the path is planned for a gravito-bending length that is a tenth too large or too \
-         small. A camera sees places of the lying rod exactly, or with an error of 0.5 mm root mean square in each direction.",
+        "The green rod of thesis Tab. 5.1 on a table of friction 0.4, laid by the optimal scheme: mean distance from \
+         the pattern in cm (thesis Eq. 5.11) along the initially planned path (open), and along one that is replanned \
+         every 0.8 gravito-bending lengths, 2.6 cm, from the observed position of the rod (`[deployment.correction]`). \
+         The gripper deviates from its path at random (root mean square in each direction, periods from 1 to 5 s), or \
+         the path is planned for a gravito-bending length that is a tenth too large or too small. The camera measures \
+         positions of the lying rod exactly, or with an error of 0.5 mm root mean square in each direction.",
     );
     page.table(columns! { row in rows;
         "pattern" => row.pattern.clone(),
@@ -84,7 +86,7 @@ fn rows(cases: &[Case<Laying>]) -> Result<Vec<Row>> {
     Ok(rows.collect())
 }
 
-/// What disturbed the laying of a rod, and its distances from the pattern, cm.
+/// Disturbance of the laying of a rod, and its distances from the pattern, cm.
 pub(super) struct Errors {
     pub jitter: f64,
     pub length: f64,
@@ -118,7 +120,7 @@ pub(super) fn verdict(errors: &[Errors]) -> String {
 /// A quantity of rows with its name.
 type Quantity<Row> = (&'static str, fn(&Row) -> Option<f64>);
 
-/// What disturbed the laying of a rod, in words.
+/// Disturbance of the laying of a rod, as text.
 pub(super) fn disturbance(jitter_mm: f64, seed: u64, length_error: f64) -> String {
     match (jitter_mm > 0.0, length_error != 0.0) {
         (true, _) => format!("jitter {jitter_mm} mm, seed {seed}"),
@@ -127,7 +129,7 @@ pub(super) fn disturbance(jitter_mm: f64, seed: u64, length_error: f64) -> Strin
     }
 }
 
-/// Mean distances from each pattern over what disturbed its laying; `trial` gives both.
+/// Mean distances from each pattern for each disturbance; `trial` gives both.
 pub(super) fn distances<Row>(
     rows: &[Row],
     trial: fn(&Row) -> (&str, String),
@@ -162,8 +164,8 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     );
     vec![PageFigure::new(
         "deployment-correction",
-        "Mean distance from each pattern as planned before and corrected online, over what disturbed the hand or the plan. Runs that did not \
-         finish have no mark",
+        "Mean distance from each pattern, as initially planned and as corrected online, for each disturbance of the \
+         hand or the plan. Runs that did not finish have no mark",
         figure,
     )]
 }

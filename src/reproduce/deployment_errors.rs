@@ -1,4 +1,4 @@
-//! What errors of gripper, rod and camera do to a laid rod.
+//! Effect of errors of gripper, rod and camera on a laid rod.
 
 use super::laying::{Disturbance, Laying, PATTERNS};
 use super::prelude::*;
@@ -26,7 +26,7 @@ struct Row {
 fn write(page: &mut Page, _: &[Case<Laying>], rows: &[Row]) -> Result<()> {
     page.text(
         "The green rod of thesis Tab. 5.1 on a table of friction 0.4, laid by the optimal scheme: mean distance from the pattern \
-         where the gripper moves about its path at random (root mean square in each direction, periods from 1 to 5 s), and \
+         where the gripper deviates from its path at random (root mean square in each direction, periods from 1 to 5 s), and \
          where the path is planned for a gravito-bending length that is too large or too small.",
     );
     page.table(columns! { row in rows;

@@ -8,7 +8,7 @@ use rodlab_files::results::{NodePositions, ResultsError, RodRecord, read_nodes};
 /// Height of the figure over the size of its letters.
 const HEIGHT: f64 = 24.0;
 
-/// How far two runs are apart at a time; a row of CSV files.
+/// Difference of two runs at a time; a row of CSV files.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Difference {
     pub time_s: f64,
@@ -19,13 +19,14 @@ pub(super) struct Difference {
 /// Positions of all nodes of a run at its output times.
 ///
 /// # Errors
-/// [`ResultsError`] where `nodes.csv` is not to be read.
+/// [`ResultsError`] if `nodes.csv` cannot be read.
 pub(super) fn nodes_of(case: &Case<Bundling>) -> Result<Vec<NodePositions>, ResultsError> {
     let count = |rod: &RodRecord| rod.nodes;
     read_nodes(&case.directory, case.manifest.rods.iter().map(count).sum())
 }
 
-/// ē at the output times that both runs reached: they are the same products of the same interval. The radius is in m.
+/// ē at the output times that both runs reached: both are the same multiples of the interval. The
+/// radius is in m.
 pub(super) fn differences(
     first: &[NodePositions],
     second: &[NodePositions],

@@ -16,27 +16,27 @@ use std::sync::Arc;
 
 const CELL: &str = include_str!("../../scenarios/cells/helix_gantry.toml");
 const ROD: &str = include_str!("../../scenarios/rods/nitinol_wire.toml");
-/// What is said of the run beside its own numbers.
+/// Notes of the run beside its own numbers.
 const BASE: &str = include_str!("../../scenarios/helix_boundary.toml");
 /// Directions of the thesis.
 pub(super) const DIRECTIONS: usize = 328;
-/// Of these, a quick look takes one in so many.
+/// Interval of these in a quick version.
 const QUICK: usize = 41;
-/// How many times as fast as real time the cells are at most.
+/// Largest speed of the cells relative to real time.
 const RATE: f64 = 40.0;
 /// Processor time of a direction, s: measured, right to a factor of two.
 const SECONDS_PER_DIRECTION: f64 = 10.0;
 
-/// Directions of the thesis, explored by an arm each by itself.
+/// Directions of the thesis, each explored separately by an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Explored {
-    /// One direction in so many is explored.
+    /// Interval of the explored directions.
     pub every: usize,
     /// Distance ‖(κ, τ, ω)‖ at which a search ends.
     pub farthest: f64,
 }
 
-/// How they are searched.
+/// Options of the search.
 pub(super) const SEARCH: SearchSteps = SearchSteps {
     step: 0.5,
     precision: 0.05,
@@ -67,7 +67,7 @@ impl Run for Explored {
 
     fn prepare(&self) -> PreparedRun {
         let mut run = prepared(&self.id(), BASE, &[]);
-        // The run is known by this text: another cell, rod or search is another run.
+        // This text identifies the run: another cell, rod or search is another run.
         for (what, text) in [("cell", CELL), ("rod", ROD)] {
             let hash = blake3::hash(text.as_bytes()).to_hex();
             run.scenario_toml +=
@@ -159,7 +159,8 @@ fn exploration(rod: ClampedRod, directions: &[[f64; 3]], farthest: f64) -> Explo
     }
 }
 
-/// Serves the cell in a thread, and gives the cell of its clients, the rod and an empty directory to what is done in it meanwhile.
+/// Serves the cell in a thread, and passes the cell of its clients, the rod and an empty directory
+/// to a function.
 fn with_cell<T>(
     task: impl FnOnce(&Cell, ClampedRod, &Path) -> Result<T, String>,
 ) -> Result<T, String> {
@@ -196,11 +197,12 @@ mod tests {
         [0.249, 0.498, -0.831],
     ];
 
-    /// The 21st of the 328 directions: a wire that snapped here, and is not taken anew, snaps far earlier the second time.
+    /// The 21st of the 328 directions: a wire that snapped here, and is not regrasped, snaps far
+    /// earlier the second time.
     const SNAPS: [[f64; 3]; 1] = [[0.9375, 0.299_694_16, 0.176_853_497]];
 
     #[test]
-    fn a_rod_that_snapped_is_another_one_until_it_is_taken_anew() {
+    fn a_snapped_rod_stays_different_until_it_is_regrasped() {
         let rows = with_cell(|cell, rod, directory| {
             let exploration = exploration(rod, &SNAPS, 9.0);
             let task = ExplorationTask::new(exploration, cell, directory, true);
@@ -213,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn an_interrupted_exploration_goes_on_at_its_direction_and_finds_what_theory_says() {
+    fn an_interrupted_exploration_resumes_at_its_direction_and_agrees_with_theory() {
         let rows = with_cell(|cell, rod, directory| {
             let planned = |is_new| {
                 let exploration = exploration(rod.clone(), &TWO, 9.0);

@@ -13,10 +13,10 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Tabled::new(Bundling::of_figure_2_5, Rows::All(rows), write, figures),
 };
 
-/// Time after the first contact over which the difference is summed up, s.
+/// Time after the first contact over which the difference is reported, s.
 const FIRST_SECONDS: f64 = 20.0;
 
-/// Writes how large the difference is; the cases are IMC and IPC.
+/// Writes the size of the difference; the cases are IMC and IPC.
 fn write(page: &mut Page, cases: &[Case<Bundling>], rows: &[Difference]) -> Result<()> {
     let largest_until = |end: f64| {
         let until = rows.iter().filter(|row| row.time_s <= end);

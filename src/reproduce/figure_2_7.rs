@@ -38,7 +38,7 @@ struct Loose {
     sigma: f64,
 }
 
-/// Writes traction over tightness, and what becomes of it as ε → 0.
+/// Writes traction over tightness, and its limit for ε → 0.
 fn write(page: &mut Page, cases: &[Case<Tightening>], rows: &[Row]) -> Result<()> {
     let (mut balances, mut by_law) = (Vec::new(), Vec::new());
     for case in cases.iter().take(FRICTIONS.len()) {
@@ -56,7 +56,7 @@ fn write(page: &mut Page, cases: &[Case<Tightening>], rows: &[Row]) -> Result<()
     page.text(&density_in_words());
     page.next_figure()?;
     page.text(
-        "The energy balance, and the work of friction, were all strands to slip by as much as the ends move:",
+        "The energy balance, and the work of friction if all strands slipped by as much as the ends move:",
     );
     let header = [
         "μ",
@@ -65,8 +65,9 @@ fn write(page: &mut Page, cases: &[Case<Tightening>], rows: &[Row]) -> Result<()
     ];
     page.lines(&header, &balances);
     page.text(
-        "Eq. 2.30, which has friction only and a braid of many turns, is not for a trefoil (figure 2.8): it has nearly \
-         three times the friction, and comes near the traction only where what it leaves out happens to make up for it.",
+        "Eq. 2.30, which assumes friction only and a braid of many turns, does not apply to a trefoil (figure 2.8): it \
+         predicts nearly three times the friction, and is close to the traction only where the terms that it omits \
+         happen to compensate.",
     );
     page.lines(&[["μ"].as_slice(), &overhand_law::HEADER].concat(), &by_law);
     limit(page, &loose(rows));
@@ -168,10 +169,10 @@ fn limit(page: &mut Page, loose: &[Loose]) {
         ));
     }
     page.text(
-        "Both corrections are of first order in ε with large factors, for the braid is about 15 ε R long: σ has \
-         doubled near ε = 0.18. That is why Eq. 2.29 lies below simulations and experiments of usual thickness. Eq. 2.30 \
-         has σ = 0.975 at n = 1 and ε → 0, twice too much, for its braid is a uniform double helix; that this is near what \
-         knots of usual thickness have is chance.",
+        "Both corrections are of first order in ε with large factors, because the braid is about 15 ε R long: σ has \
+         doubled near ε = 0.18. That is why Eq. 2.29 lies below simulations and experiments of usual thickness. Eq. \
+         2.30 has σ = 0.975 at n = 1 and ε → 0, twice too much, because its braid is a uniform double helix; the \
+         agreement with knots of usual thickness is a coincidence.",
     );
 }
 
@@ -204,17 +205,17 @@ fn by_tightness(loose: &[Loose], value: Measure) -> Vec<(f64, f64)> {
     points
 }
 
-/// The loose limit: what was measured, the line and the parabola by which it is extrapolated, and Eq. 2.29.
+/// The loose limit: measurements, the line and the parabola for its extrapolation, and Eq. 2.29.
 fn loose_limit(loose: &[Loose]) -> PageFigure {
     let over_tightness = |label: &str, value: Measure, theory: f64| {
         let points = by_tightness(loose, value);
         let farthest = points.last().map_or(0.0, |point| point.0);
-        let through = |name: &str, count: usize, kin: usize| {
+        let through = |name: &str, count: usize, style_index: usize| {
             let on = points.get(..count).unwrap_or_default();
             let places = (0..=40).map(|k| farthest * f64::from(k) / 40.0);
             let drawn = places.filter(|_| !on.is_empty());
             let extrapolated = curve(name, drawn, |x| (x, interpolated(on, x)));
-            extrapolated.looking(Look::Dashed).like(kin)
+            extrapolated.looking(Look::Dashed).like(style_index)
         };
         let theory = curve("Eq. 2.29", [theory], |theory| (0.0, theory));
         plot(
@@ -233,8 +234,8 @@ fn loose_limit(loose: &[Loose]) -> PageFigure {
     ];
     PageFigure::new(
         "fig2.7_limit",
-        "The loose limit of a trefoil: means over runs of ever thinner rods, how they are extrapolated to ε = 0, and \
-         the limit by Eq. 2.29",
+        "The loose limit of a trefoil: means over runs of ever thinner rods, their extrapolation to ε = 0, and the \
+         limit by Eq. 2.29",
         line_plots(plots, "ε = √(h/R)"),
     )
 }

@@ -1,4 +1,4 @@
-//! Figure 3.4: the inversion of an overhand knot, and what its inversion point depends on.
+//! Figure 3.4: the inversion of an overhand knot, and the factors of its inversion point.
 
 use super::inversion::Inversion;
 use super::inversion_page::{Row, figure, plots, rows, runs_of, table};
@@ -16,7 +16,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     ),
 };
 
-/// What distinguishes the runs of [`Inversion::of_figure_3_4`].
+/// Differences of the runs of [`Inversion::of_figure_3_4`].
 const NAMES: [&str; 7] = [
     "n = 3, h = 1.6 mm, μ = 0.1",
     "pulled from l̄_k = 312.5",
@@ -37,14 +37,14 @@ fn write(page: &mut Page, cases: &[Case<Inversion>], _: &[Row]) -> Result<()> {
     ))?;
     page.next_figure()?;
     page.text(
-        "The inversion point is l̄_k where the traction falls most steeply, and where the loop has come to lie on the \
-         braid. H is the clear height of the loop, from surface to surface, so that it ends at zero; W is the length \
-         of the braid. The traction swings because the corners of the polyline slip over each other: the swings \
-         become smaller and faster with shorter edges.",
+        "The inversion point is l̄_k where the traction falls most steeply, and where the loop reaches the braid. H is \
+         the clear height of the loop, from surface to surface, so that it ends at zero; W is the length of the braid. \
+         The traction swings because the corners of the polyline slip over each other: the swings become smaller and \
+         faster with shorter edges.",
     );
     table(page, "run", cases, |index, _| NAMES[index].into());
     page.text(
-        "Each run differs from the first in what is named. The last two are pulled from l̄_k = 165 at 4 mm/s.",
+        "The name of each run states how it differs from the first. The last two are pulled from l̄_k = 165 at 4 mm/s.",
     );
     Ok(())
 }

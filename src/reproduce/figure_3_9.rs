@@ -30,7 +30,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
         figures,
     ),
 };
-/// The two ways to hold the loop's ends, and their names.
+/// The two conditions at the ends of the loop, and their names.
 pub(super) const SPINS: [(&str, EndSpin); 2] =
     [("clamped", CLAMPED), ("free to spin", EndSpin::Free)];
 /// Unknotting number of the figure.
@@ -43,7 +43,7 @@ const LARGEST_LENGTH: f64 = 250.0;
 /// Equilibria whose rotations differ by more are of different pieces, rad.
 const GAP: f64 = 0.3;
 
-/// Energies and moments of knots held, and the equilibria.
+/// Energies and moments of held knots, and the equilibria.
 fn rows(_: &[Case<Inversion>]) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for (name, spin) in SPINS {
@@ -70,7 +70,8 @@ fn rows(_: &[Case<Inversion>]) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Writes energies, moments, equilibria, and how the fold moves with the conditions at the ends of the loop.
+/// Writes energies, moments, equilibria, and the effect of the conditions at the ends of the loop
+/// on the fold.
 fn write(page: &mut Page, cases: &[Case<Inversion>], _: &[Row]) -> Result<()> {
     page.text(
         "Braid of two helices (Eq. 3.8) and a loop between its ends, solved as a Kirchhoff rod by shooting; φ = π/3, \
@@ -82,7 +83,7 @@ fn write(page: &mut Page, cases: &[Case<Inversion>], _: &[Row]) -> Result<()> {
         .first()
         .and_then(|case| Inversion::outcome(case).inversion_by_height);
     page.text(&format!(
-        "How the inversion point moves with what section 3.6 of the thesis leaves open or fixes by observation; the \
+        "Dependence of the inversion point on choices that section 3.6 of the thesis leaves open or fixes by observation; the \
          full simulation with μ = 0.1 inverts at l̄_k = {}:",
         number(simulated, 1)
     ));
@@ -142,7 +143,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     ]
 }
 
-/// Points of the equilibria in the range drawn, with a gap between pieces, which lie far apart.
+/// Points of the equilibria in the range drawn, with a gap between pieces, which are far apart.
 fn equilibria(rows: &[&Row]) -> Vec<(f64, Option<f64>)> {
     let mut points = Vec::new();
     for (index, row) in rows.iter().enumerate() {

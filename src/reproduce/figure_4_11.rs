@@ -1,11 +1,12 @@
-//! Figure 4.11: seven folds by several ways: how far sheets slide, and where their creases come to be.
+//! Figure 4.11: seven folds by several methods: sliding of the sheets, and positions of their
+//! creases.
 
-use super::folds::{Folded, SCENARIOS, Scenario, TRIALS, WAYS};
+use super::folds::{Folded, METHODS, SCENARIOS, Scenario, TRIALS};
 use super::prelude::*;
 
 pub(super) const ARTIFACT: Artifact = Artifact {
     name: "fig4.11",
-    title: "Figure 4.11: seven folds by several ways, simulated",
+    title: "Figure 4.11: seven folds by several methods, simulated",
     recipe: &Tabled::new(Folded::of_figure_4_11, Rows::Row(row), write, figures),
 };
 
@@ -23,25 +24,27 @@ pub(super) struct Row {
     wall_time_s: f64,
 }
 
-/// Ways of the thesis' own and ours, which slide by millimetres.
+/// Methods of the thesis and ours, with sliding by millimetres.
 const OURS: [&str; 3] = ["open", "closed", "held"];
 
 /// Writes table and figures.
 fn write(page: &mut Page, _: &[Case<Folded>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
-        "The seven scenarios of thesis sec. 4.6.3, folded in simulation on a table of friction 0.12: a planar strip of the sheet, which \
-         sticks and slips on the table and on itself, and a gripper that holds its edge at the planned angle. The gripper moves about its \
-         path at random, by 1 mm root mean square in each direction and 0.5°; {TRIALS} seeds make {TRIALS} trials. The crease is pressed \
-         half a crease target back from where the edge is; its error is that of the fold length."
+        "The seven scenarios of thesis sec. 4.6.3, folded in simulation on a table of friction 0.12: a planar strip of \
+         the sheet, which sticks and slips on the table and on itself, and a gripper that holds its edge at the \
+         planned angle. The gripper deviates from its path at random, by 1 mm root mean square in each direction and \
+         0.5°; {TRIALS} seeds make {TRIALS} trials. The crease is pressed half a crease target back from where the \
+         edge is; its error is that of the fold length."
     ));
     page.text(
-        "The ways: half a circle (Eq. 4.17); step by step, which is what the thesis says of the method of Petrík et al. (the next step alone \
-         is looked at: the sheet is lifted as long as nothing pushes, then the gripper goes where it pushes least), not that program; \
-         the least sum of λ (Algorithm 4) in open loop, and in closed loop with five parts (Algorithm 5); and ours, which holds the edge by \
-         as little moment as keeps the friction demand below 0.85 of the friction.",
+        "The methods: half a circle (Eq. 4.17); step by step, after the thesis' description of the method of Petrík et \
+         al., not with that program (only the next step is considered: the sheet is lifted as long as nothing pushes, \
+         then the gripper moves where it pushes least); the least sum of λ (Algorithm 4) in open loop, and in closed \
+         loop with five parts (Algorithm 5); and ours, which holds the edge with the smallest moment that keeps the \
+         friction demand below 0.85 of the friction.",
     );
     let lines = SCENARIOS.iter().flat_map(|scenario| {
-        WAYS.iter().filter_map(move |way| {
+        METHODS.iter().filter_map(move |way| {
             let of = rows.iter().filter(|row| row.scenario == scenario.id);
             let of: Vec<&Row> = of.filter(|row| row.way == way.id).collect();
             (!of.is_empty()).then(|| line(scenario.name, way.name, &of))
@@ -49,12 +52,14 @@ fn write(page: &mut Page, _: &[Case<Folded>], rows: &[Row]) -> Result<()> {
     });
     page.lines(&HEADER, &lines.collect::<Vec<_>>());
     page.text(
-        "Without a moment at the gripper a sheet of paper cannot come over the ridge of the force manifold without sliding by 7 to 9 mm at \
-         this friction, even without jitter (guide, page `folding`); the thesis reports near-perfect folds. In closed loop the crease comes to be where it should, \
-         although the sheet slides as far. A moment of less than EI/L_gb makes up for the ridge: then A4, US letter in half and origami \
-         slide by about twice what the gripper trembles at most, and by a tenth of a millimetre where it does not (fig4.10). The three tightest folds (US letter to 0.20 m and cardboard) need a friction of 0.24 and 0.41 to \
-         0.43 even with the best moments, because a tight fold springs open: as an elastic sheet none of the ways closes them here. Paper and \
-         cardboard that have been bent so sharply stay bent, which the simulated sheet does not.",
+        "Without a moment at the gripper a sheet of paper cannot pass over the ridge of the force manifold without \
+         sliding by 7 to 9 mm at this friction, even without jitter (guide, page `folding`); the thesis reports \
+         near-perfect folds. In closed loop the crease is where it should be, although the sheet slides as far. A \
+         moment of less than EI/L_gb compensates for the ridge: then A4, US letter in half and origami slide by at \
+         most about twice the jitter of the gripper, and by a tenth of a millimetre without jitter (fig4.10). The \
+         three tightest folds (US letter to 0.20 m and cardboard) need a friction of 0.24 and 0.41 to 0.43 even with \
+         the best moments, because a tight fold springs open: none of the methods closes them here, with an elastic \
+         sheet. Real paper and cardboard that have been bent so sharply stay bent; the simulated sheet does not.",
     );
     Ok(())
 }
@@ -66,7 +71,7 @@ pub(super) fn row(case: &Case<Folded>) -> Row {
     let mm = |metres: f64| 1e3 * metres;
     Row {
         scenario: SCENARIOS[run.scenario].id.into(),
-        way: WAYS[run.way].id.into(),
+        way: METHODS[run.method].id.into(),
         seed: run.seed,
         status: case.status().into(),
         largest_sliding_mm: outcome.map(|folded| mm(folded.largest_sliding_m)),
@@ -82,7 +87,7 @@ pub(super) fn row(case: &Case<Folded>) -> Row {
 /// Head of the table of trials.
 pub(super) const HEADER: [&str; 6] = [
     "scenario",
-    "way",
+    "method",
     "folds",
     "error of the fold, mm",
     "slid at most, mm",
@@ -122,7 +127,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         index.map(|index| index as f64 + 1.0 + shift)
     };
     let by_scenario = |label: &str, ways: &[&str], value: &dyn Fn(&Row) -> Option<f64>| {
-        let shown = WAYS.iter().filter(|way| ways.contains(&way.id));
+        let shown = METHODS.iter().filter(|way| ways.contains(&way.id));
         let curves = shown.enumerate().map(|(index, way)| {
             let shift = 0.12 * (index as f64 - 0.5 * (ways.len() - 1) as f64);
             let of = rows.iter().filter(|row| row.way == way.id);
@@ -131,7 +136,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         });
         plot(label, curves)
     };
-    let all: Vec<&str> = WAYS.iter().map(|way| way.id).collect();
+    let all: Vec<&str> = METHODS.iter().map(|way| way.id).collect();
     let paper = |row: &Row| !["us_20", "ca_20", "ca_half"].contains(&row.scenario.as_str());
     let slid = by_scenario("slid at most in mm", &all, &|row| row.largest_sliding_mm);
     let ours = [
@@ -145,7 +150,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     vec![
         PageFigure::new(
             "fig4.11_sliding",
-            "How far sheets slide, by all ways",
+            "Sliding of the sheets, by all methods",
             named_plots([slid], Scenario::compared()),
         ),
         PageFigure::new(

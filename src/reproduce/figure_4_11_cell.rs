@@ -1,6 +1,6 @@
 //! Figure 4.11 in the virtual cell: seven folds through drivers and camera, beside the plain simulation.
 
-use super::folds::{Folded, SCENARIOS, Scenario, WAYS};
+use super::folds::{Folded, METHODS, SCENARIOS, Scenario};
 use super::folds_in_cell::{FRICTION, FoldedInCell, PARTS, fold_in_cell};
 use super::prelude::*;
 
@@ -10,26 +10,26 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Tabled::new(Folded::of_cell, Rows::Series(rows), write, figures),
 };
 
-/// What a sheet is to slide by at most, mm.
+/// Allowed sliding of a sheet, mm.
 const BOUND: f64 = 2.0;
 
 /// A row of the CSV file; lengths in mm.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Row {
     scenario: String,
-    /// How the edge is held: `held` by a moment, or `closed` without one, as in fig4.11.
+    /// Method of holding the edge: `held` by a moment, or `closed` without one, as in fig4.11.
     way: String,
-    /// `folded`, or why not.
+    /// `folded`, or the reason of the failure.
     status: String,
-    /// How far the sheet of the cell slid at most while it was held, and how far it had slid at last.
+    /// Largest sliding of the sheet of the cell while it was held, and final sliding.
     largest_sliding_mm: Option<f64>,
     final_sliding_mm: Option<f64>,
-    /// The same as the camera saw it at last; none where the edge lay over the free end then.
+    /// The same by the camera at the end; `None` if the edge then covered the free end.
     seen_sliding_mm: Option<f64>,
     /// Error of the fold length of the sheet of the cell, and the same by camera and joints.
     fold_length_error_mm: Option<f64>,
     seen_fold_length_error_mm: Option<f64>,
-    /// Parts of the way that were planned anew.
+    /// Number of replanned parts.
     planned_anew: usize,
     /// The plain simulation.
     simulated_sliding_mm: Option<f64>,
@@ -39,33 +39,35 @@ pub(super) struct Row {
 /// Folds all sheets in the cell, and writes table and figure.
 fn write(page: &mut Page, _: &[Case<Folded>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
-        "The seven scenarios of thesis sec. 4.6.3, each folded by the gantry of the virtual cell (`rodlab cell serve --paper`) through its \
-         drivers, as `rodlab fold --feedback {PARTS}` does: the camera looks where the sheet lies, the arm takes its edge, and after each of \
-         {PARTS} parts of the way the camera looks how far the free end has slid; where that is more than 0.3 mm the next part is planned \
-         anew (Algorithm 5). The table has a friction of {FRICTION}; the arm is 20 ms late and runs 20 ms behind; a pixel is 0.73 mm. All \
-         are folded anew for this page."
+        "The seven scenarios of thesis sec. 4.6.3, each folded by the gantry of the virtual cell (`rodlab cell serve \
+         --paper`) through its drivers, as `rodlab fold --feedback {PARTS}` does: the camera locates the sheet, the \
+         arm grasps its edge, and after each of {PARTS} parts of the path the camera measures how far the free end has \
+         slid; if this is more than 0.3 mm, the next part is replanned (Algorithm 5). The table has a friction of \
+         {FRICTION}; the arm has a latency of 20 ms and a lag of 20 ms; a pixel is 0.73 mm. All sheets were folded for \
+         this page."
     ));
     page.text(
-        "Sheets that can be are held by as little moment as keeps the friction demand below 0.85 of the friction. Three folds are too tight \
-         for that with any moment (fig4.11): they are tried without one, by the least sum of λ. Sliding and errors are those of the \
-         sheet of the cell until the gripper lets go, beside them what camera and joints say at the end, and the plain simulation, without \
-         arm and camera. Where at the end the edge lies over the free end, the camera cannot see how far this has slid, nor how long the fold \
-         is: such entries are `not seen`, and the last column says when it was seen last.",
+        "Where possible, the edge is held by the smallest moment that keeps the friction demand below 0.85 of the \
+         friction. Three folds are too tight for any moment (fig4.11): they are tried without one, by the least sum of \
+         λ. Sliding and errors are those of the simulated sheet until the gripper releases it; beside them are the \
+         final values by camera and joints, and those of the plain simulation, without arm and camera. Where the edge \
+         finally covers the free end, the camera cannot measure how far this has slid, nor how long the fold is: such \
+         entries are `not seen`, and the last column states the last sighting.",
     );
     let scenario = |row: &Row| SCENARIOS.iter().find(|known| known.id == row.scenario);
-    let way = |row: &Row| WAYS.iter().find(|known| known.id == row.way);
+    let way = |row: &Row| METHODS.iter().find(|known| known.id == row.way);
     page.table(columns! { row in rows;
         "scenario" => scenario(row).map_or("", |known| known.name),
-        "way" => way(row).map_or("", |known| known.name),
+        "method" => way(row).map_or("", |known| known.name),
         "slid at most, mm" => number(row.largest_sliding_mm, 2),
         "slid at the end, mm" => number(row.final_sliding_mm, 2),
-        "as seen, mm" => row.seen(row.seen_sliding_mm),
+        "by camera, mm" => row.seen(row.seen_sliding_mm),
         "plain simulation, at most, mm" => number(row.simulated_sliding_mm, 2),
         "error of the fold, mm" => number(row.fold_length_error_mm, 2),
-        "as seen, mm" => row.seen(row.seen_fold_length_error_mm),
+        "by camera, mm" => row.seen(row.seen_fold_length_error_mm),
         "plain simulation, mm" => number(row.simulated_fold_length_error_mm, 2),
-        "parts planned anew" => row.planned_anew.to_string(),
-        "what came of it" => row.status.replace('|', " "),
+        "parts replanned" => row.planned_anew.to_string(),
+        "outcome" => row.status.replace('|', " "),
     });
     Ok(())
 }
@@ -82,7 +84,7 @@ fn rows(case: &Case<Folded>) -> Result<Vec<Row>> {
     let error = |folded: &FoldedInCell| folded.held.edge[0] - folded.target - folded.held.sliding;
     Ok(vec![Row {
         scenario: SCENARIOS[case.run.scenario].id.into(),
-        way: WAYS[case.run.way].id.into(),
+        way: METHODS[case.run.method].id.into(),
         status: match &folded {
             Ok(folded) => match (&folded.ended, score) {
                 (Ok(()), Some(score)) if score.is_end_hidden => format!(
@@ -111,7 +113,7 @@ fn rows(case: &Case<Folded>) -> Result<Vec<Row>> {
 }
 
 impl Row {
-    /// What the camera saw of a folded sheet, in mm.
+    /// Measurements of a folded sheet by the camera, in mm.
     fn seen(&self, value: Option<f64>) -> String {
         match value {
             None if self.status.starts_with("folded") => "not seen".to_owned(),
@@ -120,7 +122,7 @@ impl Row {
     }
 }
 
-/// How far sheets slide that are held by a moment; the others are far beyond.
+/// Sliding of sheets that are held by a moment; the others slide much farther.
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let place = |row: &Row| {
         let index = SCENARIOS.iter().position(|known| known.id == row.scenario);
@@ -143,7 +145,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     );
     vec![PageFigure::new(
         "fig4.11-cell_sliding",
-        "How far sheets slide that an arm folds in the virtual cell, where a moment can hold them",
+        "Sliding of sheets that an arm folds in the virtual cell, where a moment can hold them",
         named_plots([plot], Scenario::compared()),
     )]
 }

@@ -1,4 +1,4 @@
-//! Figure 4.5: the force manifold, and the ways of the gripper over it.
+//! Figure 4.5: the force manifold, and the paths of the gripper over it.
 
 use super::folds::{Folded, SCENARIOS};
 use super::prelude::*;
@@ -35,11 +35,12 @@ struct Row {
 /// Writes table and figures.
 fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     page.text(
-        "λ and α over the places of the gripper, for suspended lengths up to 6.84 L_gb: the exact folds of the thesis' grid of 0.0548 L_gb, of \
-         which every fourth in each direction is drawn. λ vanishes along two canyons, the lift of the flat sheet on the left and a \
-         second one that leads from z̄ = 0.9 down to the table; between them lies a ridge. The ways of least Σλ (without jitter, any table) leave \
-         the lift, cross the ridge low, where it is narrow, and go on along the second canyon to their crease targets; the penalty region \
-         (l̄_s below 0.958) is left of them. The thesis draws what its network has learned; here nothing is learned. `rodlab \
+        "λ and α over the positions of the gripper, for suspended lengths up to 6.84 L_gb: the exact folds of the \
+         thesis' grid of 0.0548 L_gb, of which every fourth in each direction is drawn. λ vanishes along two canyons, \
+         the lift of the flat sheet on the left and a second one that leads from z̄ = 0.9 down to the table; between \
+         them lies a ridge. The paths of least Σλ (without jitter, any table) leave the lift, cross the ridge low, \
+         where it is narrow, and continue along the second canyon to their crease targets; the penalty region (l̄_s \
+         below 0.958) is left of them. The thesis draws the output of its network; here no network is used. `rodlab \
          evaluate` compares a network with these folds (guide, page `folding`).",
     );
     let atlas = FoldAtlas::new();
@@ -88,7 +89,7 @@ fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     let drawn: Vec<&Fold> = folds(DRAWN).collect();
     page.figure(&PageFigure::new(
         "fig4.5_lambda",
-        "λ over the places of the gripper, and ways of least Σλ",
+        "λ over the positions of the gripper, and paths of least Σλ",
         coloured(
             &drawn,
             ("λ", Some(LARGEST_RATIO)),
@@ -98,7 +99,7 @@ fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     ))?;
     page.figure(&PageFigure::new(
         "fig4.5_alpha",
-        "α over the places of the gripper, and ways of least Σλ",
+        "α over the positions of the gripper, and paths of least Σλ",
         coloured(
             &drawn,
             ("α in degrees", None),
@@ -109,7 +110,8 @@ fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     Ok(())
 }
 
-/// Distance of the places of the gripper, L_gb: that of the thesis, four times as far in short tests.
+/// Grid spacing of the gripper positions, L_gb: that of the thesis, four times as large in short
+/// tests.
 fn spacing() -> f64 {
     #[cfg(test)]
     if !super::tests_are_full() {
@@ -118,7 +120,7 @@ fn spacing() -> f64 {
     ForceManifold::SPACING
 }
 
-/// A value of folds over the places of the gripper, with the outline of the workspace and ways over it.
+/// A value of folds over the gripper positions, with the outline of the workspace and paths.
 fn coloured(
     folds: &[&Fold],
     (label, most): (&str, Option<f64>),

@@ -1,4 +1,4 @@
-//! Figure 4.9: the gravito-bending length of a sheet from how far a strip of it hangs down.
+//! Figure 4.9: the gravito-bending length of a sheet from the drop of a hanging strip.
 
 use super::hanging_strips::{Hanging, LENGTHS, UNIT};
 use super::prelude::*;
@@ -27,10 +27,11 @@ struct Row {
 /// Writes table and figure.
 fn write(page: &mut Page, _: &[Case<Hanging>], rows: &[Row]) -> Result<()> {
     page.text(
-        "A strip is held horizontally, and a length l of it hangs down by l_h. The drop ε = l_h/l tells the length in gravito-bending \
-         lengths, l̄ = 𝓛(ε) (thesis Eq. 4.16), and with it L_gb = l/l̄. Drops of simulated strips of 100 edges, static equilibria of the discrete \
-         rod, beside those of the heavy cantilever; the last column is the length that the simulated drop would be taken for. `rodlab solve \
-         hanging-plate` gives either number, `rodlab measure` L_gb from a photograph.",
+        "A strip is held horizontally, and a length l of it hangs down by l_h. The drop ε = l_h/l gives the length in \
+         gravito-bending lengths, l̄ = 𝓛(ε) (thesis Eq. 4.16), and with it L_gb = l/l̄. Drops of simulated strips of \
+         100 edges, static equilibria of the discrete rod, beside those of the heavy cantilever; the last column is \
+         the length inferred from the simulated drop. `rodlab solve hanging-plate` gives either number, `rodlab \
+         measure` L_gb from a photograph.",
     );
     page.table(columns! { row in rows;
         "l/L_gb" => number(row.length_over_unit, 1),

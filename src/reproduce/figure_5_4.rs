@@ -1,4 +1,4 @@
-//! Figure 5.4: where a gripper may be above a straight line.
+//! Figure 5.4: allowed positions of a gripper above a straight line.
 
 use super::figure_5_5::largest_sideways_at;
 use super::prelude::*;
@@ -18,7 +18,8 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 /// Rays, degrees above the table, and grasps along each.
 const RAY_STEP: usize = 3;
 const GRASPS_PER_RAY: usize = 9;
-/// Forces of the table, EI/L_gb², at which grasps without a contact moment are shown: up to this, in such steps.
+/// Forces of the table, EI/L_gb², of the shown grasps without a contact moment: largest value and
+/// step.
 const LARGEST_FORCE: f64 = 2.5;
 const FORCE_STEP: f64 = 0.05;
 /// The push of thesis Fig. 5.4d.
@@ -71,19 +72,21 @@ impl Row {
 /// Writes table and figures.
 fn write(page: &mut Page, cases: &[Case<SidewaysPush>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
-        "Places of the gripper above a straight line (thesis 5.3.2, Algorithm 6) for l̄_s = {SUSPENDED} and k̄_s = {:.0}, the green rod of \
-         Tab. 5.1, by the equations of the suspended rod. Lengths are in L_gb, forces in EI/L_gb²; the thesis' F̄ = F h²/EI is (h/L_gb)² = \
-         1/400 of them.",
+        "Positions of the gripper above a straight line (thesis 5.3.2, Algorithm 6) for l̄_s = {SUSPENDED} and k̄_s = \
+         {:.0}, the green rod of Tab. 5.1, by the equations of the suspended rod. Lengths are in L_gb, forces in \
+         EI/L_gb²; the thesis' F̄ = F h²/EI is (h/L_gb)² = 1/400 of them.",
         stretch_stiffness()
     ));
     page.text(
-        "What the thesis leaves out. Algorithm 6 gives its solver a place and no direction, and Eq. 5.3 asks for no bending at the \
-         gripper: here the contact node is clamped level on the table, the gripper holds a place and the rod turns freely in it; α \
-         follows. Then there is a region with the two bounds of Fig. 5.4b: outside, F_z < 0; inside, the rod comes down to the table. \
-         Such a clamp bears a moment M(0) where a lying rod of κ̄ = 0 bears none. F = 0 (Eq. 5.8) is found once, on the outer \
-         boundary, with the moment of the last row: a rod cannot lie straight there. Grasps with M(0) = 0 form a curve, which is the inner \
-         boundary of the region up to rays of about 108° and goes on from there among rods that lean back over the contact node; on \
-         it the axial force F_x, which friction must hold, vanishes twice: the local minima 1 and 2, the optimal grasps.",
+        "Assumptions that the thesis does not state: Algorithm 6 gives its solver a position and no direction, and Eq. \
+         5.3 requires zero bending at the gripper. Here the contact node is clamped level on the table, and the rod \
+         turns freely in the gripper at its position; α follows. Then there is a region with the two bounds of Fig. \
+         5.4b: outside, F_z < 0; inside, the rod touches the table. Such a clamp bears a moment M(0) where a \
+         lying rod of κ̄ = 0 bears none. F = 0 (Eq. 5.8) is found once, on the outer boundary, with the moment of the \
+         last row: a rod cannot lie straight there. Grasps with M(0) = 0 form a curve, which is the inner boundary of \
+         the region up to rays of about 108° and continues from there among rods that lean back over the contact node; \
+         on it the axial force F_x, which friction must hold, vanishes twice: the local minima 1 and 2, the optimal \
+         grasps.",
     );
     let minima = minima();
     let simulated = |minimum: usize| {
@@ -132,7 +135,7 @@ fn write(page: &mut Page, cases: &[Case<SidewaysPush>], rows: &[Row]) -> Result<
             "\\|F_x\\|",
             "F_z",
             "M(0)",
-            "unstable ways",
+            "unstable modes",
             "sideways at Δȳ = 0.12, simulated",
         ],
         &lines,
@@ -179,7 +182,7 @@ fn rows(_: &[Case<SidewaysPush>]) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Local minima 1 and 2: the gentle grasp, and the other one that gives way in the fewest directions.
+/// Local minima 1 and 2: the gentle grasp, and the other one with the fewest unstable modes.
 fn minima() -> [Grasp; 2] {
     let problem = GraspProblem::new(SUSPENDED, 0.0, stretch_stiffness());
     let problem = problem.expect("a length and a stiffness in range");
@@ -192,7 +195,7 @@ fn minima() -> [Grasp; 2] {
     [found.swap_remove(0).0, second]
 }
 
-/// The grasp of the outer boundary whose axial force vanishes, too.
+/// The grasp of the outer boundary whose axial force also vanishes.
 fn without_force() -> Option<PlanarGrasp> {
     let outer = |direction: f64| {
         let region = grasp_region(SUSPENDED, stretch_stiffness(), &[direction]).ok()?;
@@ -218,10 +221,10 @@ fn verdict(rows: &[Row]) -> String {
         .filter(|row| row.of == "free" && row.unstable_modes == 0);
     let last = largest(stable.map(|row| row.force_z));
     format!(
-        "Of the grasps without a contact moment those with F_z up to {last:.2} are stable, so that local minimum 1 is and local minimum 2 \
-         is not: by linear theory a rod there gives way without a push. How far a rod goes sideways when the gripper is pushed by a \
-         little (Fig. 5.4d) is the largest displacement over the push, by the second variation of its energy; near the boundary of the \
-         unstable grasps it grows without bound."
+        "Of the grasps without a contact moment those with F_z up to {last:.2} are stable, so that local minimum 1 is \
+         and local minimum 2 is not: by linear theory a rod there gives way without a push. The sideways response to a \
+         small push of the gripper (Fig. 5.4d) is the largest displacement over the push, by the second variation of \
+         its energy; near the boundary of the unstable grasps it grows without bound."
     )
 }
 
@@ -260,7 +263,8 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     ]
 }
 
-/// Grasps coloured by a value, with the unstable ones and the line of those that are free of a contact moment.
+/// Grasps coloured by a value, with the unstable ones and the line of those without a contact
+/// moment.
 fn region(
     rows: &[Row],
     field: ColourField,

@@ -25,7 +25,7 @@ struct Row {
     force: f64,
 }
 
-/// What is read of `series.csv`.
+/// Columns read from `series.csv`.
 #[derive(Deserialize)]
 struct SeriesRow {
     time_s: f64,

@@ -18,7 +18,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     ),
 };
 
-/// What is read of `samples.csv`.
+/// Columns read from `samples.csv`.
 #[derive(Deserialize)]
 struct Sample {
     suspended_length: f64,
@@ -56,7 +56,7 @@ struct Row {
 /// A quantity: its label, exact, and by the network.
 type Quantity = (&'static str, fn(&Row) -> f64, fn(&Row) -> Option<f64>);
 
-/// What is drawn.
+/// The drawn quantities.
 const QUANTITIES: [Quantity; 6] = [
     ("x/L_{gb}", |row| row.x, |row| row.network_x),
     ("y/L_{gb}", |row| row.y, |row| row.network_y),
@@ -69,10 +69,10 @@ const QUANTITIES: [Quantity; 6] = [
 /// Writes table and figures.
 fn write(page: &mut Page, _: &[Case<GraspGrid>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
-        "Optimal grasps over the curvature κ̄ of the pattern, for suspended lengths l̄_s at k̄_s = {STIFFNESS:.0} (Fig. 5.6a) and for \
-         stretching stiffnesses k̄_s at l̄_s = {LENGTH} (Fig. 5.6b): place of the gripper in L_gb and rotation vector e in rad, in the frame \
-         of the contact node. Lines are exact, by collocation; marks are what the network of this program says. The thesis draws \
-         surfaces and does not give their ranges."
+        "Optimal grasps over the curvature κ̄ of the pattern, for suspended lengths l̄_s at k̄_s = {STIFFNESS:.0} \
+         (Fig. 5.6a) and for stretching stiffnesses k̄_s at l̄_s = {LENGTH} (Fig. 5.6b): place of the gripper in L_gb \
+         and rotation vector e in rad, in the frame of the contact node. Lines are exact, by collocation; marks are \
+         the outputs of the network of this program. The thesis draws surfaces and does not give their ranges."
     ));
     let header = [
         "part",
@@ -148,7 +148,8 @@ fn line(part: &str, rows: &[Row]) -> Vec<String> {
     line
 }
 
-/// Quantities over the curvature for each value of a part, less those of its first value where `is_difference`.
+/// Quantities over the curvature for each value of a part, minus those of its first value if
+/// `is_difference`.
 fn over_curvature(
     rows: &[Row],
     part: &str,
@@ -172,7 +173,7 @@ fn over_curvature(
             let of_value = || rows.iter().filter(move |row| value(row) == chosen);
             let exact = |row: &&Row| (row.curvature, exact(row) - first(row.curvature));
             curves.push(curve(name(chosen), of_value(), exact));
-            // Every fourth, to be told apart.
+            // Every fourth, for readability.
             let seen = of_value().step_by(4);
             marks.extend(seen.map(|row| {
                 let learned = network(row).map(|learned| learned - first(row.curvature));
@@ -213,8 +214,8 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
         ),
         PageFigure::new(
             "fig5.6b",
-            "What stretching changes of grasps over the curvature: exact grasps (lines) and those of the network (marks) at five stretching \
-             compliances, less the exact grasp of a rod that does not stretch",
+            "Effect of stretching on grasps over the curvature: exact grasps (lines) and those of the network (marks) \
+             at five stretching compliances, less the exact grasp of a rod that does not stretch",
             by_compliance,
         ),
     ]

@@ -42,7 +42,7 @@ fn write(page: &mut Page, cases: &[Case<Helices>], rows: &[BoundaryRow]) -> Resu
     );
     page.text(&format!(
         "`{PAGE}` shows the surface in the browser; `{SURFACE}` is for ParaView. Every row is in the CSV file, with \
-         what became of the rod: most buckle, some touch themselves before, near (0, 1, 2) they stay stable."
+         the outcome: most rods buckle, some touch themselves first, and near (0, 1, 2) they stay stable."
     ));
     comparison(page, rows);
     Ok(())
@@ -51,8 +51,8 @@ fn write(page: &mut Page, cases: &[Case<Helices>], rows: &[BoundaryRow]) -> Resu
 /// Writes the section ω = 0.
 fn write_section(page: &mut Page, _: &[Case<Helices>], rows: &[BoundaryRow]) -> Result<()> {
     page.text(
-        "Helices without twisting moment, ω = 0. The thesis holds the discrete rod against a robot's experiments \
-         in this plane; here it is held against the conjugate points of the smooth rod.",
+        "Helices without twisting moment, ω = 0. The thesis compares the discrete rod with a robot's experiments in \
+         this plane; here it is compared with the conjugate points of the smooth rod.",
     );
     comparison(page, rows);
     Ok(())
@@ -77,7 +77,7 @@ fn sections(rows: &[BoundaryRow]) -> Vec<PageFigure> {
     figures.map(figure).collect()
 }
 
-/// The section ω = 0, and how far the discrete rod is from theory there.
+/// The section ω = 0, and the difference of the discrete rod from theory there.
 fn section(rows: &[BoundaryRow]) -> Vec<PageFigure> {
     let Some((_, plane)) = sections_of(rows).into_iter().next() else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! Figure 6.5: what material, gravity, speed and jitter do to the buckling of a helical rod.
+//! Figure 6.5: effect of material, gravity, speed and jitter on the buckling of a helical rod.
 
 use super::manipulated_helix::{DIRECTION, ManipulatedHelix, UNDISTURBED, observations};
 use super::prelude::*;
@@ -30,11 +30,11 @@ struct Row {
     kinetic_energy_over_that_of_the_end: f64,
 }
 
-/// A parameter, and how it is set back to that of the undisturbed rod.
+/// A parameter, and a function that resets it to that of the undisturbed rod.
 struct Parameter {
     name: &'static str,
     symbol: &'static str,
-    /// What stands before and behind its value in a figure.
+    /// Text before and after its value in a figure.
     around: [&'static str; 2],
     value: fn(&ManipulatedHelix) -> f64,
     set_back: fn(&mut ManipulatedHelix),
@@ -83,19 +83,19 @@ const PARAMETERS: [Parameter; 5] = [
 fn write(page: &mut Page, _: &[Case<ManipulatedHelix>], rows: &[Row]) -> Result<()> {
     let predicted = critical_distance(&DIRECTION).map(|critical| critical.distance);
     page.text(&format!(
-        "Error e (Eq. 6.1: mean distance of the nodes from the helix over its radius) of a rod of length 1 m whose \
-         end is led along (κ, τ, ω) ∝ (1, 1, 1), by implicit Euler steps. Dashed: the loss of stability by conjugate \
-         points, ‖(κ, τ, ω)‖ = {}. But for the parameter that varies, E = 1.12 GPa, ν = 0.33, no gravity, v = 2.5 mm/s, \
-         no jitter. v is the speed of the end along its path; c = 1/(1 + ν). Jitter adds to each component of its position a \
-         random number of at most d/√3, redrawn every 0.2 of distance and linear between. Gravity is in −z and grows to its \
-         strength in the first tenth of the time. The rod may pass through itself.",
+        "Error e (Eq. 6.1: mean distance of the nodes from the helix over its radius) of a rod of length 1 m whose end \
+         moves along (κ, τ, ω) ∝ (1, 1, 1), by implicit Euler steps. Dashed: the loss of stability by conjugate \
+         points, ‖(κ, τ, ω)‖ = {}. Except for the varied parameter, E = 1.12 GPa, ν = 0.33, no gravity, v = 2.5 mm/s, \
+         no jitter. v is the speed of the end along its path; c = 1/(1 + ν). Jitter adds to each component of its \
+         position a random number of at most d/√3, redrawn every 0.2 of distance and linear between. Gravity is in −z \
+         and grows to its strength in the first tenth of the time. The rod may pass through itself.",
         number(predicted, 4)
     ));
     page.text(
-        "A rod counts as buckled where e passes 0.1. It snaps if it is then seen with ten times the kinetic energy that \
-         it would have if all of it moved like its end, and buckles continuously if not. A rod that gravity bends \
-         away from the helix from the beginning counts by the same rule, so that its first distance is no loss of \
-         stability.",
+        "A rod counts as buckled where e passes 0.1. It snaps if its kinetic energy at a later output exceeds ten \
+         times that of a rod that moves as a whole with its end, and buckles continuously otherwise. The same rule \
+         applies to a rod that gravity bends away from the helix from the beginning, so its first distance is not a \
+         loss of stability.",
     );
     let seen = seen(rows);
     for parameter in &PARAMETERS {
@@ -104,14 +104,14 @@ fn write(page: &mut Page, _: &[Case<ManipulatedHelix>], rows: &[Row]) -> Result<
             "Buckling" => Buckling::of(observations).kind(),
             "e passes 0.1 at" => number(Buckling::of(observations).deviates, 3),
             "over prediction" => number(over_prediction(observations, predicted), 4),
-            "first seen to snap at" => number(Buckling::of(observations).snaps, 3),
+            "snap first observed at" => number(Buckling::of(observations).snaps, 3),
         });
         page.next_figure()?;
     }
     Ok(())
 }
 
-/// A run and what was seen of it.
+/// A run and its observations.
 type Seen = (ManipulatedHelix, Vec<Observation>);
 
 /// The runs of a table.
@@ -129,7 +129,7 @@ fn figures(rows: &[Row]) -> Vec<PageFigure> {
     PARAMETERS.iter().map(figure).collect()
 }
 
-/// The runs that differ in a parameter at most, in its order.
+/// The runs that differ at most in a parameter, in its order.
 fn varying<'a>(parameter: &Parameter, seen: &'a [Seen]) -> Vec<&'a Seen> {
     let of_parameter = seen.iter();
     let of_parameter = of_parameter.filter(|(run, _)| differs_at_most_in(run, parameter));
@@ -177,7 +177,7 @@ fn rows(case: &Case<ManipulatedHelix>) -> Result<Vec<Row>> {
     Ok(observations(case)?.iter().map(row).collect())
 }
 
-/// Whether a run is the undisturbed one but for a parameter.
+/// Whether a run differs from the undisturbed one in at most one parameter.
 fn differs_at_most_in(run: &ManipulatedHelix, parameter: &Parameter) -> bool {
     let mut set_back = *run;
     (parameter.set_back)(&mut set_back);
@@ -198,7 +198,7 @@ fn value_in_words(value: f64) -> String {
     }
 }
 
-/// Distance at which the rod deviates from the helix over that at which theory has stability lost.
+/// Distance at which the rod deviates from the helix over the critical distance of theory.
 fn over_prediction(observations: &[Observation], predicted: Option<f64>) -> Option<f64> {
     Some(Buckling::of(observations).deviates? / predicted?)
 }

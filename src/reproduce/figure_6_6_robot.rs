@@ -20,26 +20,28 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 
 /// Errors of the thesis' experiment: mean, standard deviation and largest.
 const MEASURED: [f64; 3] = [0.0272, 0.0238, 0.1298];
-/// |ω| of a unit direction below which it is drawn beside the section ω = 0.
+/// Largest |ω| of a unit direction that is drawn with the section ω = 0.
 const NEAR: f64 = 0.15;
 
-/// Writes what was found beside theory and beside what the thesis measured.
+/// Writes the results beside theory and the measurements of the thesis.
 fn write(page: &mut Page, _: &[Case<Explored>], rows: &[ExplorationRow]) -> Result<()> {
     page.text(&format!(
-        "A nitinol wire of 50 cm (E = 67.5 GPa, ν = 0.33, 6,450 kg/m³, diameter 1.5875 mm, that of the thesis) is clamped between the \
-         chuck of a stepper and the hand of a gantry, both simulated, behind the drivers of real ones, with the wire's weight and \
-         inertia, the arm's latency and lag, and a camera with noise. `rodlab explore` leads the clamps along each direction of \
-         (κ, τ, ω), looks at 15 markers every {} of ‖(κ, τ, ω)‖, takes the helix for lost where they are {} % of the wire's length \
-         from their places in the mean, goes back to the straight wire, which the hand takes anew, and finds the place by steps of \
-         {}. Theory is that of the smooth wire without weight (conjugate points).",
+        "A nitinol wire of 50 cm (E = 67.5 GPa, ν = 0.33, 6,450 kg/m³, diameter 1.5875 mm, that of the thesis) is \
+         clamped between the chuck of a stepper and the hand of a gantry, both simulated, behind the drivers of real \
+         ones, with the wire's weight and inertia, the arm's latency and lag, and a camera with noise. `rodlab \
+         explore` moves the clamps along each direction of (κ, τ, ω), locates 15 markers every {} of ‖(κ, τ, ω)‖, \
+         considers the helix lost where they are {} % of the wire's length from their places in the mean, returns to \
+         the straight wire, which the hand grasps again, and locates the boundary by steps of {}. Theory is that of \
+         the smooth wire without weight (conjugate points).",
         SEARCH.step,
         1e2 * SEARCH.deviation,
         SEARCH.precision
     ));
     page.text(&format!(
-        "The thesis explores {DIRECTIONS} directions with τ > 0 and does not say which; these are {DIRECTIONS} evenly spread over κ > 0, \
-         τ > 0, of which {} were explored here. Where the wire touches itself, or the arm, the hand or the chuck would be in the way \
-         before stability is lost, nothing can be found, as in the thesis, whose directions are those in which something was.",
+        "The thesis explores {DIRECTIONS} directions with τ > 0 and does not list them; these are {DIRECTIONS} evenly \
+         spread over κ > 0, τ > 0, of which {} were explored here. Where the wire touches itself, or the arm, the hand \
+         or the chuck is in the way, before stability is lost, no boundary can be found, as in the thesis, which lists \
+         the directions with a result.",
         rows.len()
     ));
     comparison(page, rows);
@@ -64,7 +66,7 @@ fn comparison(page: &mut Page, rows: &[ExplorationRow]) {
             DIRECTIONS.to_string(),
         ),
         (
-            "lost by theory within reach, not seen",
+            "lost by theory within reach, not detected",
             summary.missed.to_string(),
             none,
         ),
@@ -91,7 +93,7 @@ fn comparison(page: &mut Page, rows: &[ExplorationRow]) {
     });
 }
 
-/// Why directions could not be led to where stability is lost.
+/// Reasons why directions have no result.
 fn limits(page: &mut Page, rows: &[ExplorationRow]) {
     let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
     for row in rows.iter().filter(|row| row.found.is_none()) {
@@ -103,18 +105,18 @@ fn limits(page: &mut Page, rows: &[ExplorationRow]) {
     }
     if !reasons.is_empty() {
         page.table(columns! { (reason, count) in reasons;
-            "why nothing was found" => reason,
+            "why no boundary was found" => reason,
             "directions" => count.to_string(),
         });
     }
 }
 
-/// The section near ω = 0, and where stability was found to be lost at all, how well.
+/// The section near ω = 0, and the accuracy of all distances found.
 fn figures(rows: &[ExplorationRow]) -> Vec<PageFigure> {
     let mut figures = vec![PageFigure::new(
         "fig6.6-robot",
-        "Directions near ω = 0, in its plane: line, the boundary of the stable helices by theory; marks, where the arm found the \
-         wire to be a helix no longer, for |ω| below 0.15 of the direction",
+        "Directions near ω = 0, in its plane: line, the boundary of the stable helices by theory; marks, where the arm \
+         found the helix lost, for |ω| below 0.15 of the direction",
         section_figure(rows, NEAR),
     )];
     let errors = || {
@@ -143,7 +145,7 @@ fn figures(rows: &[ExplorationRow]) -> Vec<PageFigure> {
     ));
     figures.push(PageFigure::new(
         "fig6.6-robot_difference",
-        "Difference from theory over the distance at which theory has stability lost",
+        "Difference from theory over the critical distance of theory",
         styled_line_plots([plot], "Distance ‖(κ, τ, ω)‖ of theory", style),
     ));
     figures

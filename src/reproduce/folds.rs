@@ -7,15 +7,15 @@ use rodlab_lab::run::PreparedRun;
 /// A sheet and its crease.
 #[derive(Debug)]
 pub(super) struct Scenario {
-    /// Its name for people.
+    /// Its display name.
     pub name: &'static str,
-    /// The same for files.
+    /// Its name for files.
     pub id: &'static str,
-    /// How far the edge goes, m, as its key is typed.
+    /// Displacement of the edge, m, as text of its key.
     pub crease: &'static str,
     /// The file of the sheet.
     pub paper: &'static str,
-    /// Whether a moment at the gripper keeps the sheet from sliding on a table of friction 0.12.
+    /// Whether a moment at the gripper prevents sliding on a table of friction 0.12.
     pub is_held: bool,
 }
 
@@ -23,7 +23,7 @@ const A4: &str = include_str!("../../scenarios/papers/a4.toml");
 const US_LETTER: &str = include_str!("../../scenarios/papers/us_letter.toml");
 const CARDBOARD: &str = include_str!("../../scenarios/papers/cardboard.toml");
 const ORIGAMI: &str = include_str!("../../scenarios/papers/origami.toml");
-/// The scenario in which the papers take their places.
+/// The scenario into which the papers are inserted.
 const SCENARIO: &str = include_str!("../../scenarios/folding_a4.toml");
 
 /// The seven scenarios of thesis sec. 4.6.3, and that of Fig. 4.10.
@@ -78,33 +78,34 @@ impl Scenario {
     }
 }
 
-/// Ways of folding: key of the scenario, whether it is planned anew on the way, and names for files and people.
+/// Methods of folding: key of the scenario, whether it replans during the fold, and names for files
+/// and display.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Way {
+pub(super) struct Method {
     algorithm: &'static str,
     is_closed: bool,
     /// Its name for files.
     pub id: &'static str,
-    /// Its name for people.
+    /// Its display name.
     pub name: &'static str,
 }
 
-/// All ways, the thesis' four and that with moments.
-pub(super) const WAYS: [Way; 5] = [
-    way("circle", false, "circle", "circle (intuitive)"),
-    way("step-by-step", false, "step-by-step", "step by step"),
-    way("optimal", false, "open", "optimal, open loop"),
-    way("optimal", true, "closed", "optimal, closed loop"),
-    way("held", false, "held", "held by a moment"),
+/// All methods, the four of the thesis and the one with moments.
+pub(super) const METHODS: [Method; 5] = [
+    method("circle", false, "circle", "circle (intuitive)"),
+    method("step-by-step", false, "step-by-step", "step by step"),
+    method("optimal", false, "open", "optimal, open loop"),
+    method("optimal", true, "closed", "optimal, closed loop"),
+    method("held", false, "held", "held by a moment"),
 ];
 
-const fn way(
+const fn method(
     algorithm: &'static str,
     is_closed: bool,
     id: &'static str,
     name: &'static str,
-) -> Way {
-    Way {
+) -> Method {
+    Method {
         algorithm,
         is_closed,
         id,
@@ -112,7 +113,7 @@ const fn way(
     }
 }
 
-/// Trials of each scenario by each way.
+/// Number of trials of each scenario by each method.
 pub(super) const TRIALS: u64 = 5;
 /// Time of a fold, s: `time.end` of the scenario.
 const END: f64 = 15.0;
@@ -125,55 +126,58 @@ const FEW_STEPS: f64 = 0.05;
 pub(super) struct Folded {
     /// Index into [`SCENARIOS`].
     pub scenario: usize,
-    /// Index into [`WAYS`].
-    pub way: usize,
-    /// Seed of the jitter; none without any.
+    /// Index into [`METHODS`].
+    pub method: usize,
+    /// Seed of the jitter; `None` without jitter.
     pub seed: Option<u64>,
-    /// Time, s; all that the scenario says where there is none.
+    /// Time, s; `None` for that of the scenario.
     shortened: Option<f64>,
 }
 
 impl Folded {
-    fn new(scenario: usize, way: usize, seed: Option<u64>) -> Self {
+    fn new(scenario: usize, method: usize, seed: Option<u64>) -> Self {
         Self {
             scenario,
-            way,
+            method,
             seed,
             shortened: None,
         }
     }
 
-    /// The seven scenarios by all ways that there are; a quick look has one trial each.
+    /// The seven scenarios by all methods; a quick version has one trial each.
     pub fn of_figure_4_11(quick: bool) -> Vec<Self> {
         let trials = if quick { 1 } else { TRIALS };
-        let ways = |scenario: usize| {
+        let methods = |scenario: usize| {
             let held = SCENARIOS[scenario].is_held;
-            (0..WAYS.len()).filter(move |way| held || WAYS[*way].id != "held")
+            (0..METHODS.len()).filter(move |method| held || METHODS[*method].id != "held")
         };
         let of = |scenario: usize| {
-            ways(scenario).flat_map(move |way| {
-                (1..=trials).map(move |seed| Self::new(scenario, way, Some(seed)))
+            methods(scenario).flat_map(move |method| {
+                (1..=trials).map(move |seed| Self::new(scenario, method, Some(seed)))
             })
         };
         (0..COMPARED).flat_map(of).collect()
     }
 
-    /// One scenario by all ways, without jitter.
+    /// One scenario by all methods, without jitter.
     pub fn of_figure_4_10(_quick: bool) -> Vec<Self> {
-        let ways = 0..WAYS.len();
-        ways.map(|way| Self::new(COMPARED, way, None)).collect()
+        let methods = 0..METHODS.len();
+        methods
+            .map(|method| Self::new(COMPARED, method, None))
+            .collect()
     }
 
-    /// The seven scenarios by the optimal way, without jitter.
+    /// The seven scenarios by the optimal method, without jitter.
     pub fn of_table_4_1(_quick: bool) -> Vec<Self> {
-        let open = WAYS.iter().position(|way| way.id == "open");
-        let open = open.expect("the ways are those above");
+        let open = METHODS.iter().position(|method| method.id == "open");
+        let open = open.expect("the methods are those above");
         (0..COMPARED)
             .map(|scenario| Self::new(scenario, open, None))
             .collect()
     }
 
-    /// The seven scenarios without jitter, held by a moment where one can, otherwise in closed loop; a quick look has the first.
+    /// The seven scenarios without jitter, held by a moment if possible, otherwise in closed loop;
+    /// a quick version has the first.
     pub fn of_cell(quick: bool) -> Vec<Self> {
         let of = |scenario: usize| {
             let id = if SCENARIOS[scenario].is_held {
@@ -181,13 +185,13 @@ impl Folded {
             } else {
                 "closed"
             };
-            let way = WAYS.iter().position(|way| way.id == id);
-            Self::new(scenario, way.expect("the ways are those above"), None)
+            let method = METHODS.iter().position(|method| method.id == id);
+            Self::new(scenario, method.expect("the methods are those above"), None)
         };
         (0..if quick { 1 } else { COMPARED }).map(of).collect()
     }
 
-    /// Three papers of the thesis, folded in half by the optimal way, without jitter.
+    /// Three papers of the thesis, folded in half by the optimal method, without jitter.
     pub fn of_figure_4_5(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_table_4_1(quick);
         runs.retain(|run| ["a4_half", "us_half", "ca_half"].contains(&SCENARIOS[run.scenario].id));
@@ -195,11 +199,11 @@ impl Folded {
     }
 
     fn overrides(&self) -> Vec<String> {
-        let Way {
+        let Method {
             algorithm,
             is_closed,
             ..
-        } = WAYS[self.way];
+        } = METHODS[self.method];
         let mut overrides = vec![
             format!("folding.algorithm={algorithm}"),
             format!("folding.crease={}", SCENARIOS[self.scenario].crease),
@@ -226,7 +230,7 @@ impl Folded {
 }
 
 impl Case<Folded> {
-    /// What came of the sheet, wherever it was left.
+    /// Outcome of the sheet, also for unfinished runs.
     pub fn outcome(&self) -> Option<FoldingOutcome> {
         FoldingOutcome::of(&self.record.outcome)
     }
@@ -234,7 +238,10 @@ impl Case<Folded> {
 
 impl Run for Folded {
     fn id(&self) -> String {
-        let name = format!("fold_{}-{}", SCENARIOS[self.scenario].id, WAYS[self.way].id);
+        let name = format!(
+            "fold_{}-{}",
+            SCENARIOS[self.scenario].id, METHODS[self.method].id
+        );
         match self.seed {
             Some(seed) => format!("{name}-{seed}"),
             None => name,

@@ -22,41 +22,43 @@ use std::path::Path;
 const CELL: &str = include_str!("../../scenarios/cells/gantry.toml");
 /// Friction of the table.
 pub(super) const FRICTION: f64 = 0.12;
-/// Parts of a way, after each of which the camera looks (thesis sec. 4.6.5).
+/// Number of parts of a path, with a camera look after each (thesis sec. 4.6.5).
 pub(super) const PARTS: usize = 5;
-/// How many times as fast as real time the cell is, if it can.
+/// Requested speed of the cell relative to real time.
 const RATE: f64 = 10.0;
-/// Speeds of the hand while it folds and on its way, m/s, and least distance of the arm to anything, m: those of `rodlab fold`.
+/// Speeds of the hand during folding and otherwise, m/s, and smallest distance of the arm to
+/// obstacles, m: those of `rodlab fold`.
 const SPEEDS: [f64; 2] = [0.05, 0.1];
 const MARGIN: f64 = 0.01;
 
-/// Why a sheet was not folded.
+/// Why folding a sheet failed.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum FoldingError {
-    /// The cell cannot be served, or not to the end.
+    /// The cell cannot be served, or stopped early.
     #[error(transparent)]
     Served(#[from] ServeError),
     /// It has no sheet.
     #[error(transparent)]
     Sheet(#[from] RodError),
-    /// No hand took it.
+    /// The sheet was not grasped.
     #[error("the sheet was not taken: {0}")]
     NotTaken(String),
 }
 
-/// A sheet that was folded, or was to be.
+/// A sheet after folding, successful or not.
 pub(super) struct FoldedInCell {
     /// Looks and score of the task, by camera and joints.
     pub record: FoldRecord,
-    /// Whether it came to its end, or why not.
+    /// Success, or the reason of the failure.
     pub ended: Result<(), TaskError>,
-    /// What the simulated sheet came to while it was held.
+    /// Outcome of the simulated sheet while it was held.
     pub held: HeldSheet,
-    /// How far its edge was to go, m.
+    /// Target displacement of its edge, m.
     pub target: f64,
 }
 
-/// Folds the sheet of a run that was simulated in the virtual cell, in closed loop. Pictures and logs go into a folder beside the run.
+/// Folds the sheet of a simulated run in the virtual cell, in closed loop. Pictures and logs go
+/// into a folder beside the run.
 pub(super) fn fold_in_cell(case: &Case<Folded>) -> Result<Result<FoldedInCell, FoldingError>> {
     let text = fs::read_to_string(case.directory.join(SCENARIO))
         .map_err(ResultsError::io("read", &case.directory))?;
@@ -86,7 +88,7 @@ pub(super) fn fold_in_cell(case: &Case<Folded>) -> Result<Result<FoldedInCell, F
     Ok(fold.in_cell(&cell))
 }
 
-/// What is folded.
+/// The task of folding.
 struct FoldInCell<'a> {
     tables: &'a FoldingTables,
     algorithm: Algorithm,

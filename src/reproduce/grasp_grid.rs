@@ -24,7 +24,7 @@ pub(super) struct GraspGrid {
 }
 
 impl GraspGrid {
-    /// Both parts of figure 5.6; a quick look has fewer curvatures.
+    /// Both parts of figure 5.6; a quick version has fewer curvatures.
     pub fn of_figure_5_6(quick: bool) -> Vec<Self> {
         let grasps = if quick { 11 } else { GRASPS };
         [true, false]

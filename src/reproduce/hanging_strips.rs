@@ -1,4 +1,4 @@
-//! Strips that are held horizontally at one end and hang down under their weight (thesis 4.6.1).
+//! Strips held horizontally at one end that hang down under their weight (thesis 4.6.1).
 
 use super::cases::{Run, prepared};
 use rodlab_lab::run::PreparedRun;
@@ -24,7 +24,7 @@ pub(super) struct Hanging {
 }
 
 impl Hanging {
-    /// All strips; a quick look has coarse ones.
+    /// All strips; a quick version has coarse ones.
     pub fn of_figure_4_9(quick: bool) -> Vec<Self> {
         let edges = if quick { 25 } else { EDGES };
         let strip = |strip| Self { strip, edges };

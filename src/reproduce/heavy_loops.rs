@@ -33,7 +33,7 @@ pub(super) struct LoopOfRod {
 }
 
 impl LoopOfRod {
-    /// All rods; a quick look has coarse ones.
+    /// All rods; a quick version has coarse ones.
     pub fn of_figure_5_8(quick: bool) -> Vec<Self> {
         let edges = if quick { 40 } else { EDGES };
         (0..RODS.len()).map(|rod| Self { rod, edges }).collect()

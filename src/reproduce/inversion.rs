@@ -39,8 +39,9 @@ pub(super) struct Inversion {
 const RADII: [f64; 5] = [1.6e-3, 2.0e-3, 2.4e-3, 2.8e-3, 3.2e-3];
 /// Unknotting numbers of figure 3.6, and the tightness from which each is pulled.
 const NUMBERS: [(usize, f64); 5] = [(1, 125.0), (2, 125.0), (3, 210.0), (4, 320.0), (5, 425.0)];
-/// Friction coefficients of figure 3.7, and the tightness from which these knots are pulled: strong friction remembers
-/// the start for long. The thesis has the radius 3.4 mm, at which so loose a knot does not fit into the rod.
+/// Friction coefficients of figure 3.7, and the tightness from which these knots are pulled: with
+/// strong friction, the effect of the start lasts long. The thesis has the radius 3.4 mm, at which
+/// such a loose knot does not fit into the rod.
 const FRICTIONS: [f64; 4] = [0.1, 0.3, 0.5, 0.7];
 const START_OF_FRICTION: f64 = 312.5;
 /// Length of the rods, m.
@@ -50,14 +51,14 @@ const LENGTH: f64 = 1.0;
 const EDGE: f64 = 1.04;
 /// Time step of the scenario, s.
 const STEP: f64 = 2.5e-3;
-/// Part of the tightness at the start at which a run without inversion ends.
+/// Share of the initial tightness at which a run without inversion ends.
 const LAST: f64 = 0.3;
-/// The same of a quick look, which sees no inversion.
+/// The same for a quick version, which has no inversion.
 const QUICK_LAST: f64 = 0.95;
 
 impl Inversion {
-    /// The inversion of figure 3.4, the same with one choice after the other changed, and a short one with IMC and with
-    /// IPC.
+    /// The inversion of figure 3.4, the same with one choice at a time changed, and a short one
+    /// with IMC and with IPC.
     pub fn of_figure_3_4(quick: bool) -> Vec<Self> {
         let base = Self {
             nodes: 301,
@@ -134,12 +135,12 @@ impl Inversion {
         }
     }
 
-    /// What became of the knot.
+    /// Outcome of the knot.
     pub fn outcome(case: &Case<Self>) -> KnotOutcome {
         KnotOutcome::of(&case.record.outcome).unwrap_or_default()
     }
 
-    /// What was measured of the knot while its ends moved.
+    /// Measurements of the knot while its ends moved.
     pub fn pulled_rows(case: &Case<Self>) -> Result<Vec<(f64, KnotRow)>, ResultsError> {
         let rows = read_knot_series(&case.directory)?.into_iter();
         Ok(rows
@@ -187,7 +188,7 @@ impl Run for Inversion {
             format!("output.interval={interval:?}"),
         ];
         if self.model == "imc" {
-            // That of the thesis whatever the radius.
+            // That of the thesis for any radius.
             overrides.push("contact.stiffness_factor=1e5".to_owned());
         }
         prepared(&self.id(), BASE, &overrides)

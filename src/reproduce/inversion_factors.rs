@@ -1,4 +1,4 @@
-//! Figures 3.5 to 3.7: what the inversion point depends on: radius, unknotting number, friction.
+//! Figures 3.5 to 3.7: dependence of the inversion point on radius, unknotting number and friction.
 
 use super::artifact::Recipe;
 use super::inversion::Inversion;
@@ -40,14 +40,15 @@ pub(super) const FIGURE_3_7: Artifact = Artifact {
         name: "fig3.7",
         head: "μ",
         value: |run| format!("μ = {}", run.friction),
-        statement: "The thesis: the larger the friction, the earlier, at larger l̄_k, the knot inverts. Its rod is 3.4 mm thick; \
-            here it has 1.6 mm, so that knots can be pulled from l̄_k = 312.5: strong friction remembers a start nearby.",
+        statement: "The thesis: the larger the friction, the earlier, at larger l̄_k, the knot inverts. Its rod is 3.4 \
+                    mm thick; here it has 1.6 mm, so that knots can be pulled from l̄_k = 312.5: with strong friction, \
+                    the result depends on a start nearby.",
     },
 };
 
-/// What is varied in a figure.
+/// The varied parameter of a figure.
 struct Factor {
-    /// Runs in which it varies.
+    /// Its runs.
     runs: fn(quick: bool) -> Vec<Inversion>,
     /// Name of the figure.
     name: &'static str,
@@ -55,7 +56,7 @@ struct Factor {
     head: &'static str,
     /// Its value in a run.
     value: fn(&Inversion) -> String,
-    /// What the thesis says.
+    /// Statement of the thesis.
     statement: &'static str,
 }
 
@@ -90,14 +91,14 @@ impl Recipe for Factor {
         Ok(page.figure(&figure)?)
     }
 
-    /// The curves; pictures of the knots stay as they are.
+    /// The curves; pictures of the knots are unchanged.
     fn figures_of_table(&self, table: &Path) -> Option<Result<Vec<PageFigure>>> {
         let rows = rows_of::<Row>(table);
         Some(rows.map(|rows| vec![figure(self.name, &runs_of(&rows))]))
     }
 }
 
-/// The range of the inversion points over their mean, in words.
+/// The range of the inversion points over their mean, as text.
 fn spread(cases: &[Case<Inversion>]) -> String {
     let points: Vec<f64> = cases
         .iter()

@@ -1,4 +1,5 @@
-//! What the pages of inversions have in common: the series, their plot, and the table of inversion points.
+//! Common parts of the pages of inversions: the series, their plot, and the table of inversion
+//! points.
 
 use super::inversion::Inversion;
 use super::prelude::*;
@@ -88,7 +89,8 @@ pub(super) fn plots(runs: &[&[Row]]) -> Figure {
     line_plots(plots, TIGHTNESS)
 }
 
-/// The table of inversion points; `head` is the name of the first column, in which the names of the runs stand.
+/// The table of inversion points; `head` is the name of the first column, with the names of the
+/// runs.
 pub(super) fn table(
     page: &mut Page,
     head: &str,

@@ -11,18 +11,20 @@ use rodlab_lab::experiment::KnotRow;
 /// A moment of an inversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Moment {
-    /// The loop stands, shortly before it falls.
+    /// The loop is upright, shortly before it falls.
     Before,
-    /// The loop has begun to fall.
+    /// The loop is falling.
     During,
-    /// The loop lies on the braid, the traction has grown again.
+    /// The loop is on the braid, and the traction has grown again.
     After,
 }
 
-/// l̄_k of a knot before its inversion over that of the inversion: the traction is near its peak, the loop stands.
+/// l̄_k of a knot before its inversion over that of the inversion: the traction is near its peak,
+/// and the loop is upright.
 const SHORTLY_BEFORE: f64 = 1.03;
-/// l̄_k over that of the inversion from which the fall is looked for, and the part of the height there below which the
-/// loop has fallen: it loses most of it between two outputs, of which the first is shown.
+/// l̄_k over that of the inversion at the start of the search for the fall, and the share of the
+/// initial height below which the loop has fallen: it loses most of its height between two outputs,
+/// of which the first is shown.
 const FALL_BEGINS: f64 = 1.01;
 const FALLEN: f64 = 0.5;
 
@@ -32,13 +34,13 @@ const WIDTH: f64 = 1.6;
 /// Least distance of the points that are drawn, in radii: finer curves look the same and make large files.
 const SPACING: f64 = 1.5;
 
-/// Looks along z: the knot lies around the x axis and its loop above it.
+/// View along z: the knot is around the x axis and its loop above it.
 pub(super) fn side_view(pictures: Vec<Snapshot>) -> Figure {
     snapshots(pictures, View::from(Vector3::z()))
 }
 
-/// The knot of a run at the given moments, turned about its axis so that the loop stands up before it inverts, its
-/// tails cut off beside the braid; nothing where it did not invert.
+/// The knot of a run at the given moments, rotated about its axis so that the loop is upright
+/// before it inverts, with its tails cut off beside the braid; empty if it did not invert.
 pub(super) fn pictures(
     case: &Case<Inversion>,
     moments: &[Moment],
@@ -85,7 +87,7 @@ fn row_at(rows: &[(f64, KnotRow)], moment: Moment, inversion: f64) -> Option<&(f
     }
 }
 
-/// The turn about x after which what stands away from the axis of the knot stands up, along y.
+/// The rotation about x that turns the part away from the axis of the knot upright, along y.
 fn turn_to_upright(positions: &[Vector3], radius: f64) -> Rotation3<f64> {
     let away = |point: &&Vector3| libm::hypot(point.y, point.z) > 4.0 * radius;
     let loop_: Vector3 = positions.iter().filter(away).sum();
@@ -107,7 +109,7 @@ fn picture(
     let last = positions.iter().rposition(near).unwrap_or(0);
     let edge = (positions[1] - positions[0]).norm();
     let stride = (SPACING * case.run.radius / edge).ceil() as usize;
-    // Each in the middle of its picture, wherever along the rod it was tied.
+    // Each in the middle of its picture, regardless of its position along the rod.
     let shown = |point: &Vector3| turn * (point - Vector3::x() * middle);
     Snapshot {
         title: format!("l̄_{{k}} = {:.1}", row.length_normalized),
@@ -151,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_before_during_and_after_an_inversion_show_what_they_say() {
+    fn pictures_show_the_states_before_during_and_after_an_inversion() {
         let rows = rows();
         let height = |moment| {
             let (_, row) = row_at(&rows, moment, 155.5).unwrap();

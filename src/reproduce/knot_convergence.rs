@@ -1,4 +1,4 @@
-//! What mesh, pull speed and contact tolerance change in the traction of overhand knots pulled tight.
+//! Effect of mesh, pull speed and contact tolerance on the traction of overhand knots pulled tight.
 
 use super::inversion_page::TIGHTNESS;
 use super::overhand_law::force_by_law;
@@ -13,7 +13,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Free::new(Tightening::of_convergence, write),
 };
 
-/// Parts of the way in which tractions are averaged for the figure.
+/// Number of intervals for the averages of the figure.
 const PARTS: usize = 20;
 
 /// A row of the CSV file.
@@ -27,7 +27,8 @@ struct Row {
     force_normalized: f64,
 }
 
-/// Writes tractions over tightness, a plot for each unknotting number, and their means over the whole way.
+/// Writes tractions over tightness, a plot for each unknotting number, and their means over the
+/// whole range.
 fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<()> {
     let mut rows = Vec::new();
     let mut plots = Vec::new();
@@ -63,8 +64,8 @@ fn write(page: &mut Page, cases: &[Case<Tightening>]) -> Result<()> {
     page.csv(&rows)?;
     page.text(
         "Overhand knots of figure 2.8 (h = 1.6 mm, L = 1 m, μ = 0.07; 301 nodes, 3 mm/s, contact from a gap of h/80), \
-         and the same with one choice after the other changed. Mean traction over the range of l̄_k before any of them \
-         inverts, and what the change makes of it, in %:",
+         and the same with one choice at a time changed. Mean traction over the range of l̄_k before any of them \
+         inverts, and the effect of the change, in %:",
     );
     let variants = VARIANTS.map(|(variant, _)| variant);
     page.lines(
@@ -96,7 +97,7 @@ fn common_range(knots: &[Case<Tightening>]) -> Result<[f64; 2]> {
     Ok(range.unwrap_or_default())
 }
 
-/// A line of the table: the first force, and by how much the others differ from it.
+/// A line of the table: the first force, and the differences of the others from it.
 fn differences(
     unknotting_number: usize,
     [tight, loose]: [f64; 2],

@@ -82,10 +82,10 @@ pub(super) fn in_panels(names: &[&str], patterns: &[NumberedOutlines]) -> Option
     (!shown.is_empty()).then(|| panels(shown, COLUMNS))
 }
 
-/// A rod as it lies along its pattern, and the pattern, from above, m.
+/// A laid rod and its pattern from above, m.
 type Outlines = (Vec<[f64; 2]>, Vec<[f64; 2]>);
 
-/// The laid part of a rod from above and its pattern; `None` where the run left no nodes.
+/// The laid part of a rod from above and its pattern; `None` if the run has no nodes.
 fn outlines_of(case: &Case<Laying>) -> Result<Option<Outlines>> {
     let scenario = std::fs::read_to_string(case.directory.join(SCENARIO)).unwrap_or_default();
     let Ok(loaded) = from_text("scenario", &scenario, Path::new(""), &[]) else {

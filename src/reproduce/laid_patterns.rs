@@ -23,10 +23,10 @@ const GREEN: usize = 1;
 /// Writes figure 5.10: three rods on fabric.
 fn write_rods(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     page.text(
-        "The thesis shows photographs of the three rods of Tab. 5.1 on fabric, laid along the patterns of Tab. 5.2 by both schemes. Here \
-         they are simulated: Tab. 5.1 calls the friction of fabric low for the rubber rods (0.2) and medium for the rope (0.4). Mean \
-         distance and standard deviation are in cm, below them what the thesis measured; a star marks patterns that ask for more \
-         friction than the table has.",
+        "The thesis shows photographs of the three rods of Tab. 5.1 on fabric, laid along the patterns of Tab. 5.2 by \
+         both schemes. Here they are simulated: Tab. 5.1 calls the friction of fabric low for the rubber rods (0.2) \
+         and medium for the rope (0.4). Mean distance and standard deviation are in cm, below them the values measured \
+         in the thesis; a star marks patterns that need more friction than the table has.",
     );
     let shown: Vec<(usize, usize)> = (0..RODS.len())
         .map(|rod| {
@@ -42,10 +42,10 @@ fn write_rods(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
 /// Writes figure 5.11: the green rod on three tables.
 fn write_tables(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     page.text(
-        "The thesis shows photographs of the green rod on fabric, steel and foam, laid along the patterns of Tab. 5.2 by both schemes. \
-         Here it is simulated: Tab. 5.1 calls their friction low, medium and high, 0.2, 0.4 and 0.8. Mean distance and standard \
-         deviation are in cm, below them what the thesis measured; a star marks patterns that ask for more friction than the table \
-         has.",
+        "The thesis shows photographs of the green rod on fabric, steel and foam, laid along the patterns of Tab. 5.2 \
+         by both schemes. Here it is simulated: Tab. 5.1 calls their friction low, medium and high, 0.2, 0.4 and 0.8. \
+         Mean distance and standard deviation are in cm, below them the values measured in the thesis; a star marks \
+         patterns that need more friction than the table has.",
     );
     let shown: Vec<(usize, usize)> = (0..FRICTIONS.len()).map(|table| (GREEN, table)).collect();
     write(page, cases, &shown)

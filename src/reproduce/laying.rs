@@ -8,7 +8,7 @@ use rodlab_planning::plan::pattern::{chosen_stroke, read_svg};
 /// A pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LaidPattern {
-    /// Its name, for people and files.
+    /// Its name, for display and files.
     pub name: &'static str,
     source: Source,
 }
@@ -33,7 +33,7 @@ pub(super) struct LaidRod {
     scenario: &'static str,
 }
 
-/// What rods were laid on.
+/// A substrate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Substrate {
     Fabric,
@@ -41,8 +41,8 @@ pub(super) enum Substrate {
     Foam,
 }
 
-/// The seven patterns of Tab. 5.2. Line, circle and sine are as long and as wide as those of the thesis' released data;
-/// letters are drawn anew.
+/// The seven patterns of Tab. 5.2. Line, circle and sine are as long and as wide as those of the
+/// thesis' released data; letters were redrawn.
 pub(super) const PATTERNS: [LaidPattern; 7] = [
     formula("line", "kind = \"line\", length = 0.5"),
     formula("circle", "kind = \"circle\", radius = 0.09"),
@@ -98,8 +98,8 @@ pub(super) const RODS: [LaidRod; 3] = {
 /// Coefficients of friction that the thesis calls low, medium and high.
 pub(super) const FRICTIONS: [f64; 3] = [0.2, 0.4, 0.8];
 
-/// How long a pattern is laid, s. The green rod along A at the medium friction, which slides, lies 0.652 cm from it; in 80 s
-/// it is 0.640 cm.
+/// Duration of laying a pattern, s. The green rod along A at the medium friction, which slides,
+/// lies 0.652 cm from it; in 80 s it is 0.640 cm.
 const END: f64 = 40.0;
 /// Time step, s: the same rod lies 0.647 cm from its pattern with this, 0.652 cm with 5 ms and 0.672 cm with 2 ms; with twice
 /// the 111 edges 0.652 cm, with δ = 20 µm instead of 50 µm 0.654 cm, with a slip tolerance of 3 µm/s instead of 10 µm/s 0.651 cm.
@@ -117,17 +117,17 @@ pub(super) struct Laying {
     pub friction: usize,
     /// Whether it is laid by the optimal grasps; else by the intuitive scheme.
     pub is_optimal: bool,
-    /// Whether a network finds the optimal grasps.
+    /// Whether the optimal grasps are computed by a network.
     pub is_neural: bool,
     /// Index into [`PATTERNS`].
     pub pattern: usize,
     /// Time, s.
     pub end: f64,
-    /// What disturbs it.
+    /// Its disturbances.
     pub disturbance: Disturbance,
 }
 
-/// What disturbs the laying of a rod.
+/// Disturbances of the laying of a rod.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Disturbance {
     /// Root mean square of the gripper's jitter in each direction, m.
@@ -136,7 +136,7 @@ pub(super) struct Disturbance {
     pub seed: u64,
     /// Relative error of the gravito-bending length that is planned for.
     pub length_error: f64,
-    /// Whether the path is corrected while the rod is laid; then root mean square of the camera's noise, m.
+    /// Root mean square of the noise of the camera, m, if the path is corrected during laying.
     pub correction: Option<f64>,
 }
 
@@ -169,7 +169,7 @@ fn disturbances(jitters: &[f64], length_errors: &[f64]) -> Vec<Disturbance> {
     disturbances
 }
 
-/// The patterns that are laid with errors; a quick look has one.
+/// The patterns that are laid with errors; a quick version has one.
 fn patterns_of_errors(quick: bool) -> &'static [usize] {
     if quick { &DISTURBED[..1] } else { &DISTURBED }
 }
@@ -195,7 +195,7 @@ impl Laying {
         }
     }
 
-    /// All of Tab. 5.2; a quick look has the green rod at the medium friction.
+    /// All of Tab. 5.2; a quick version has the green rod at the medium friction.
     pub fn of_table_5_2(quick: bool) -> Vec<Self> {
         let mut runs = Vec::new();
         for rod in 0..RODS.len() {
@@ -214,7 +214,7 @@ impl Laying {
         runs
     }
 
-    /// All rods on fabric; a quick look has the green one.
+    /// All rods on fabric; a quick version has the green one.
     pub fn of_figure_5_10(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_table_5_2(false);
         runs.retain(|run| {
@@ -223,7 +223,7 @@ impl Laying {
         runs
     }
 
-    /// The green rod on fabric by the optimal scheme, all patterns; a quick look has two.
+    /// The green rod on fabric by the optimal scheme, all patterns; a quick version has two.
     pub fn of_cell(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_table_5_2(false);
         runs.retain(|run| {
@@ -235,14 +235,15 @@ impl Laying {
         runs
     }
 
-    /// The green rod on all tables; a quick look has the medium friction.
+    /// The green rod on all tables; a quick version has the medium friction.
     pub fn of_figure_5_11(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_table_5_2(false);
         runs.retain(|run| run.rod == 1 && (run.friction == 1 || !quick));
         runs
     }
 
-    /// All rods and patterns at the medium friction, by exact grasps and by the network; a quick look has the green rod.
+    /// All rods and patterns at the medium friction, by exact grasps and by the network; a quick
+    /// version has the green rod.
     pub fn of_table_5_3(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_table_5_2(false);
         runs.retain(|run| run.is_optimal && run.friction == 1 && (run.rod == 1 || !quick));
@@ -254,7 +255,7 @@ impl Laying {
         runs
     }
 
-    /// The green rod at the medium friction with errors; a quick look has one pattern.
+    /// The green rod at the medium friction with errors; a quick version has one pattern.
     pub fn of_errors(quick: bool) -> Vec<Self> {
         let disturbances = disturbances(&JITTERS, &LENGTH_ERRORS);
         let of = |&pattern: &usize| {
@@ -266,7 +267,8 @@ impl Laying {
         patterns_of_errors(quick).iter().flat_map(of).collect()
     }
 
-    /// The green rod at the medium friction with errors, as planned before and corrected online; a quick look has one pattern.
+    /// The green rod at the medium friction with errors, as planned before and corrected online; a
+    /// quick version has one pattern.
     pub fn of_correction(quick: bool) -> Vec<Self> {
         let mut runs = Vec::new();
         for &pattern in patterns_of_errors(quick) {
@@ -287,7 +289,7 @@ impl Laying {
         runs
     }
 
-    /// The same without noise of the camera; a quick look has one pattern with one jitter.
+    /// The same without noise of the camera; a quick version has one pattern with one jitter.
     pub fn of_cell_correction(quick: bool) -> Vec<Self> {
         let mut runs = Self::of_correction(quick);
         runs.retain(|run| {
@@ -303,7 +305,8 @@ impl Laying {
         self.disturbance.correction.is_some()
     }
 
-    /// Whether this is another run but for its correction, by a camera of such a noise.
+    /// Whether this run equals another one except for its correction, with a given noise of the
+    /// camera.
     pub fn corrects(&self, other: &Self, is_seen: fn(f64) -> bool) -> bool {
         let without = Disturbance {
             correction: None,
@@ -343,12 +346,12 @@ impl Laying {
 }
 
 impl Case<Laying> {
-    /// What came of the rod, wherever it was left.
+    /// Outcome of the rod, also for unfinished runs.
     pub fn laid(&self) -> Option<DeploymentOutcome> {
         DeploymentOutcome::of(&self.record.outcome)
     }
 
-    /// What came of a rod that was laid to its end.
+    /// Outcome of a completely laid rod.
     pub fn laid_to_the_end(&self) -> Option<DeploymentOutcome> {
         let has_ended = self.record.outcome.simulated_time >= self.run.end * (1.0 - 1e-9);
         self.laid().filter(|_| has_ended)

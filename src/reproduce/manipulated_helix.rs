@@ -20,7 +20,7 @@ pub(super) const DIRECTION: Helix = Helix {
 const LENGTH: f64 = 1.0;
 const RADIUS: f64 = 0.781e-3;
 const DENSITY: f64 = 1180.0;
-/// Distance ‖(κ, τ, ω)‖ to which the rod is led; theory has it unstable from 10.75.
+/// Largest distance ‖(κ, τ, ω)‖ of the rod; by theory it is unstable from 10.75.
 const FARTHEST: f64 = 13.0;
 /// Edges of the rod, and of a quick look.
 const EDGES: usize = 100;
@@ -49,13 +49,14 @@ pub(super) struct ManipulatedHelix {
     pub speed: f64,
     /// Amplitude d of the jitter over the length.
     pub jitter: f64,
-    /// Distance ‖(κ, τ, ω)‖ to which the rod is led.
+    /// Largest distance ‖(κ, τ, ω)‖ of the rod.
     pub farthest: f64,
     /// Edges of the rod.
     pub edges: usize,
 }
 
-/// The rod of the thesis, undisturbed: no gravity, for with that of the earth its L_gb would be 0.19 L.
+/// The rod of the thesis, undisturbed: no gravity, because with that of the earth its L_gb would be
+/// 0.19 L.
 pub(super) const UNDISTURBED: ManipulatedHelix = ManipulatedHelix {
     poissons_ratio: 0.33,
     youngs_modulus: 1.12e9,
@@ -224,7 +225,7 @@ impl Run for ManipulatedHelix {
     }
 }
 
-/// What was seen of a run at its output times.
+/// Observations of a run at its output times.
 pub(super) fn observations(
     case: &Case<ManipulatedHelix>,
 ) -> Result<Vec<Observation>, ResultsError> {

@@ -1,4 +1,4 @@
-//! What the thesis measured of laid rods (Tab. 5.2).
+//! Measurements of laid rods in the thesis (Tab. 5.2).
 
 use super::laying::{Laying, Substrate};
 

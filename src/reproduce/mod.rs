@@ -1,7 +1,8 @@
 //! Tables and figures of the thesis, made again with this engine.
 //!
-//! An [`Artifact`] is a set of runs and what is made of them; all stand in [`ARTIFACTS`]. Each run is an ordinary one, with its own
-//! results directory: an interrupted [`reproduce`] continues where it was, and artefacts share their runs.
+//! An [`Artifact`] is a set of runs and their page; all are in [`ARTIFACTS`]. Each run is an
+//! ordinary one, with its own results directory: an interrupted [`reproduce`] resumes, and
+//! artefacts share their runs.
 
 mod applications;
 mod artifact;
@@ -78,34 +79,35 @@ use rodlab_files::results::ResultsError;
 use rodlab_lab::run::RunError;
 use std::path::PathBuf;
 
-/// How to reproduce, as opposed to what.
+/// Options of a reproduction.
 #[derive(Clone, Debug)]
 pub struct ReproduceOptions {
-    /// Where things go: each artefact into a directory of its name, the runs into `cases`.
+    /// The output folder, with a directory for each artefact, and `cases` for the runs.
     pub directory: PathBuf,
     /// Simulate a short time only.
     pub quick: bool,
-    /// Runs at a time, at least 1; they share the threads of the program.
+    /// Number of simultaneous runs, at least 1; they share the threads of the program.
     pub jobs: usize,
     /// The command line, for the manifests.
     pub command_line: Vec<String>,
-    /// How figures are drawn.
+    /// Size and formats of figures.
     pub figures: FigureOptions,
 }
 
-/// What making an artefact comes to.
+/// Result of making an artefact.
 type Result<T, E = ReproduceError> = std::result::Result<T, E>;
 
-/// Why an artefact was not made.
+/// Why making an artefact failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReproduceError {
-    /// A run did not begin, or was stopped. A run that the mechanics ended is a result, not an error.
+    /// A run did not start, or was stopped. A run that the mechanics ended is a result, not an
+    /// error.
     #[error(transparent)]
     Run(#[from] RunError),
     /// Results could not be written or read.
     #[error(transparent)]
     Results(#[from] ResultsError),
-    /// A short version would take the place of the whole page.
+    /// A quick version would replace the complete page.
     #[error(
         "`{}` holds the page of the whole artefact, which --quick does not replace; choose another folder with --out",
         page.display()
@@ -117,7 +119,7 @@ pub enum ReproduceError {
     /// The system could not start the threads of a run.
     #[error("cannot start the threads of a run: {0}")]
     Threads(String),
-    /// There is no table to draw figures from.
+    /// The table for the figures is missing.
     #[error("there is no `{}`; make it by `rodlab reproduce {artifact}`", table.display())]
     NoTable {
         /// The artefact.
@@ -125,7 +127,7 @@ pub enum ReproduceError {
         /// Its table.
         table: PathBuf,
     },
-    /// Figures hold more than the table.
+    /// The figures show more than the table.
     #[error(
         "the figures of {artifact} show more than its table holds; `rodlab reproduce {artifact}` draws them from its runs"
     )]
@@ -135,7 +137,7 @@ pub enum ReproduceError {
     },
 }
 
-/// Makes an artefact and returns the files written; `report` is told of each run that ended.
+/// Makes an artefact and returns the files written; `report` is called for each run that ended.
 ///
 /// # Errors
 /// See [`ReproduceError`].
@@ -152,7 +154,7 @@ pub fn reproduce(
     artifact.recipe.make(artifact, options, report)
 }
 
-/// Whether tests run at whole scale: `RODLAB_TESTS_FULL=1`, as `scripts/ci --full` sets it.
+/// Whether tests run at full scale: `RODLAB_TESTS_FULL=1`, as `scripts/ci --full` sets it.
 #[cfg(test)]
 fn tests_are_full() -> bool {
     std::env::var("RODLAB_TESTS_FULL").is_ok_and(|value| value == "1")
@@ -198,7 +200,8 @@ mod tests {
         }
     }
 
-    /// Runs of an artefact that make its page: some take long to prepare, and a page needs only a few of them.
+    /// Runs of an artefact that make its page: some are slow to prepare, and a page needs only a
+    /// few of them.
     fn runs_of_page(name: &str) -> usize {
         match name {
             _ if tests_are_full() => usize::MAX,
@@ -268,14 +271,14 @@ mod tests {
             "{error}"
         );
         assert_eq!(fs::read_to_string(&page).unwrap(), published);
-        // A quick page may be replaced by a whole one, and by another quick one.
+        // A quick page may be replaced by a complete one, or by another quick one.
         fs::remove_dir_all(directory.path().join("fig2.6")).unwrap();
         shortened(&options);
         assert!(!page::is_whole(&directory.path().join("fig2.6")));
     }
 
     #[test]
-    fn runs_are_made_once_whatever_asks_for_them() {
+    fn shared_runs_are_made_once() {
         let directory = tempfile::tempdir().unwrap();
         let reports = Mutex::new(Vec::new());
         let report = |line: &str| reports.lock().unwrap().push(line.to_owned());

@@ -1,14 +1,14 @@
 //! Knots pulled tight against the law of Jawed et al. 2015 (thesis Eq. 2.30).
 //!
-//! The law has friction only, and a braid that is a uniform double helix of n turns. What it has too much and what it
-//! leaves out shows where the traction is split into the part that friction takes and the rest, by which the ends
-//! change the energy of the rod.
+//! The law includes friction only, and a braid that is a uniform double helix of n turns. Its
+//! errors are visible when the traction is split into the part of friction and the rest, by which
+//! the ends change the energy of the rod.
 
 use super::prelude::*;
 use super::tightening::{Stretch, Tightening, range_before_inversion, stretches};
 use rodlab_planning::knot::{jawed_shortening, jawed_traction};
 
-/// Parts of the way before the inversion of which each is compared.
+/// Number of intervals before the inversion that are compared.
 const PARTS: usize = 10;
 
 /// F̄ by the law at an l̄_k.
@@ -17,7 +17,7 @@ pub(super) fn force_by_law(run: &Tightening, length: f64) -> f64 {
     jawed_traction(squared / length, run.friction) / squared
 }
 
-/// A part of the way over what the law has for it.
+/// An interval relative to the law.
 struct OverLaw {
     /// n² h/e at the same traction.
     shortening: f64,
@@ -49,7 +49,7 @@ pub(super) const HEADER: [&str; 6] = [
     "n (1 − friction over it)",
 ];
 
-/// Means and range over tenths of the way before the inversion.
+/// Means and range over tenths of the range before the inversion.
 pub(super) fn line(case: &Case<Tightening>) -> Result<Vec<String>> {
     let range = range_before_inversion(case)?.unwrap_or_default();
     let parts = stretches(case, range, PARTS)?;
@@ -88,7 +88,7 @@ mod tests {
         let over = OverLaw::of(&run, &on_the_law);
         assert!((over.shortening - 1.0).abs() < 1e-6);
         assert_eq!((over.friction, over.rest), (1.0, 0.0));
-        // With less traction than the law has, the knot is tighter than by the law.
+        // With less traction than the law, the knot is tighter than by the law.
         let weaker = Stretch {
             force: 0.9 * force,
             ..on_the_law

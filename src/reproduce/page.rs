@@ -1,4 +1,4 @@
-//! The files of an artefact: CSV, Markdown, figures, and a manifest that says how they were made.
+//! The files of an artefact: CSV, Markdown, figures, and a manifest of their origin.
 
 use super::ReproduceOptions;
 use super::cases::{Case, Run};
@@ -12,12 +12,12 @@ use std::collections::VecDeque;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// What a page is called.
+/// Name and title of a page.
 #[derive(Clone, Copy)]
 pub(super) struct Heading {
     /// Name of the artefact, for commands, directories and files.
     pub name: &'static str,
-    /// What it shows, with its number.
+    /// Its title, with its number.
     pub title: &'static str,
 }
 
@@ -49,7 +49,7 @@ impl PageFigure {
     }
 }
 
-/// Writes a figure into the directory of its page in all formats asked for; returns the paths.
+/// Writes a figure into the directory of its page in all requested formats; returns the paths.
 pub(super) fn write_figures(
     directory: &Path,
     figure: &PageFigure,
@@ -60,7 +60,7 @@ pub(super) fn write_figures(
     write_figure(&path, &figure.figure, options)
 }
 
-/// The directory of an artefact while it is written.
+/// The directory of an artefact during writing.
 pub(super) struct Page {
     heading: Heading,
     directory: PathBuf,
@@ -72,7 +72,7 @@ pub(super) struct Page {
     held: VecDeque<PageFigure>,
 }
 
-/// A table with a line for each row: the head of each column, and what stands below it.
+/// A table with a line for each row: the head of each column, and its cells.
 macro_rules! columns {
     ($row:pat in $rows:expr; $($head:expr => $cell:expr,)+) => {
         $crate::reproduce::page::MarkdownTable {
@@ -83,7 +83,7 @@ macro_rules! columns {
 }
 pub(super) use columns;
 
-/// A table as it stands on a page.
+/// A table of a page.
 pub(super) struct MarkdownTable<'a> {
     /// Heads of the columns.
     pub header: Vec<&'a str>,
@@ -91,7 +91,7 @@ pub(super) struct MarkdownTable<'a> {
     pub lines: Vec<Vec<String>>,
 }
 
-/// How an artefact was made.
+/// Origin of an artefact.
 #[derive(Serialize)]
 struct PageManifest {
     artifact: &'static str,
@@ -107,14 +107,14 @@ struct PageManifest {
     cases: Vec<CaseNote>,
 }
 
-/// How a run was made.
+/// Origin of a run.
 #[derive(Serialize)]
 struct CaseNote {
     case: String,
     status: CaseStatus,
     simulated_time_s: f64,
     wall_time_s: f64,
-    /// Processor time of the process meanwhile, other runs at the same time included.
+    /// Processor time of the process during the run, including simultaneous runs.
     cpu_time_s: Option<f64>,
     threads: usize,
     version: String,
@@ -122,7 +122,7 @@ struct CaseNote {
     was_finished: bool,
 }
 
-/// Whether a folder holds the page of a whole artefact, no short version.
+/// Whether a folder holds the complete page of an artefact, not a quick version.
 pub(super) fn is_whole(page: &Path) -> bool {
     let manifest = std::fs::read(page.join(MANIFEST)).ok();
     let manifest = manifest.and_then(|bytes| serde_json::from_slice(&bytes).ok());
@@ -193,12 +193,12 @@ impl Page {
         })
     }
 
-    /// What directories and files of the artefact are called.
+    /// Name of directories and files of the artefact.
     pub fn name(&self) -> &'static str {
         self.heading.name
     }
 
-    /// Writes rows as a CSV file, called like the artefact.
+    /// Writes rows as a CSV file named after the artefact.
     pub fn csv(&mut self, rows: &[impl Serialize]) -> Result<(), ResultsError> {
         let mut writer = csv::Writer::from_writer(Vec::new());
         for row in rows {
@@ -291,7 +291,7 @@ impl Page {
     }
 }
 
-/// Title, command, and what a reader must know of times and timings.
+/// Title, command, and remarks on times and timings.
 fn head<R: Run>(heading: Heading, options: &ReproduceOptions, cases: &[Case<R>]) -> String {
     let mut text = format!("# {}\n\n", heading.title);
     let mut add = |paragraph: String| {
@@ -308,7 +308,7 @@ fn head<R: Run>(heading: Heading, options: &ReproduceOptions, cases: &[Case<R>])
         .max_by(|a, b| a.run.end().total_cmp(&b.run.end()));
     if let Some(longest) = longest.filter(|_| options.quick) {
         add(format!(
-            "**Quick: {}, which is not all. Totals and ends are those of this part.**",
+            "**Quick version: {} only. Totals and end times are those of this part.**",
             longest.run.extent()
         ));
     }
@@ -316,7 +316,7 @@ fn head<R: Run>(heading: Heading, options: &ReproduceOptions, cases: &[Case<R>])
     let at_a_time = if jobs == 1 {
         "one at a time".to_owned()
     } else {
-        format!("{jobs} at a time, which slows each of them")
+        format!("{jobs} at a time, which slows down each of them")
     };
     let threads = threads_of_a_job(options.jobs);
     let before = cases.iter().filter(|case| case.was_finished).count();
@@ -324,13 +324,13 @@ fn head<R: Run>(heading: Heading, options: &ReproduceOptions, cases: &[Case<R>])
         format!("Wall times: runs of this call were made {at_a_time}; threads of each: {threads}.");
     if before > 0 {
         timings += &format!(
-            " {before} of {} runs had been made by earlier calls; their times are of then.",
+            " {before} of {} runs were made by earlier calls; their times were measured then.",
             cases.len()
         );
     }
     if let Some(ratio) = wall_time_over_cpu_time(cases).filter(|_| jobs * threads == 1) {
         timings += &format!(
-            " All wall time over all processor time is {ratio:.2}; beyond 1 the machine was busy with other work."
+            " Total wall time over total processor time is {ratio:.2}; above 1 the machine was busy with other work."
         );
     }
     add(timings);
@@ -350,7 +350,7 @@ pub(super) fn number(value: impl Into<Option<f64>>, decimals: usize) -> String {
     value.map_or("–".to_owned(), |value| format!("{value:.decimals$}"))
 }
 
-/// A count in units of a power of ten, as the thesis prints it: 6.01×10⁵ is `6.01e5`.
+/// A count in units of a power of ten, as printed in the thesis: 6.01×10⁵ is `6.01e5`.
 pub(super) fn count(value: f64) -> String {
     format!("{value:.2e}")
 }

@@ -1,4 +1,4 @@
-//! What modules of pages have in common.
+//! Common imports of modules of pages.
 
 pub(super) use super::Result;
 pub(super) use super::artifact::{Artifact, Free};

@@ -1,4 +1,4 @@
-//! The figures of a page drawn again from the table that lies beside it, without any run.
+//! Redraws the figures of a page from the table beside it, without runs.
 
 use super::page::{PageFigure, write_figures};
 use super::{Artifact, ReproduceError, ReproduceOptions};
@@ -10,8 +10,9 @@ use std::path::PathBuf;
 /// Draws the figures of an artefact again, and sets their captions; returns the files written.
 ///
 /// # Errors
-/// [`ReproduceError::NotRedrawn`] where its figures hold more than its table, [`ReproduceError::NoTable`] where it has
-/// not been made, or results cannot be read or written.
+/// [`ReproduceError::NotRedrawn`] if its figures show more than its table,
+/// [`ReproduceError::NoTable`] if the table is missing, or an error if results cannot be read or
+/// written.
 pub fn redraw(
     artifact: &'static Artifact,
     options: &ReproduceOptions,
@@ -43,7 +44,7 @@ pub fn redraw(
     Ok(written)
 }
 
-/// A page with the caption of a figure that it shows.
+/// A page with the new caption of a figure.
 fn with_caption(page: String, figure: &PageFigure) -> String {
     let shown = format!("]({}.svg)", figure.name);
     if !page.contains(&shown) {
@@ -59,7 +60,7 @@ fn with_caption(page: String, figure: &PageFigure) -> String {
         if is_picture {
             text += &figure.in_markdown("svg");
         } else if is_below && paragraph.starts_with('*') && paragraph.ends_with('*') {
-            // The caption came with its picture.
+            // The caption is written with its picture.
             text.truncate(text.len() - 2);
         } else {
             text += paragraph;

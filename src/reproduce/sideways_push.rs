@@ -16,7 +16,7 @@ const DENSITY: f64 = 1000.0;
 const GRAVITY: f64 = 9.81;
 /// Largest push Δȳ.
 pub(super) const LARGEST: f64 = 0.5;
-/// How long the push takes, s: far longer than the swings of the rod.
+/// Duration of the push, s: far longer than the oscillations of the rod.
 const END: f64 = 20.0;
 /// Drag per length that takes their energy out, N s/m².
 const DRAG: f64 = 0.05;
@@ -61,7 +61,7 @@ impl SidewaysPush {
         let problem = problem.expect("a length, a curvature and a stiffness in range");
         let found = GraspSolver::new().all_centrelines(&problem, EDGES);
         let mut found = found.expect("there are planar grasps of this length");
-        // The second minimum is, of the others, the one that gives way in the fewest directions.
+        // The second minimum is, of the others, the one that has the fewest unstable modes.
         let chosen = if self.minimum == 1 {
             0
         } else {

@@ -37,16 +37,16 @@ struct Row {
     free_to_spin: Option<f64>,
 }
 
-/// Over what the inversion points are drawn.
+/// Abscissa of the inversion points.
 struct Factor {
     /// Name of the figure.
     name: &'static str,
-    /// Its head in the table and its axis in the figure.
+    /// Its head in the table and label in the figure.
     head: &'static str,
     axis: &'static str,
-    /// The place of a row along the axis.
+    /// The position of a row along the axis.
     place: fn(&Row) -> f64,
-    /// How the model is drawn: it has every radius, but only whole numbers n.
+    /// Style of the model: it exists for every radius, but only for integer n.
     look: Look,
 }
 

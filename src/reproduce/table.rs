@@ -1,4 +1,4 @@
-//! Pages whose figures come of their table alone, and what pages compute from rows.
+//! Pages whose figures are drawn from their table alone, and functions on rows.
 
 use super::Result;
 use super::artifact::Recipe;
@@ -10,30 +10,30 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// A page with a table whose rows are all that its figures show.
+/// A page whose figures only show the rows of its table.
 pub(super) struct Tabled<R, Row> {
     runs: fn(quick: bool) -> Vec<R>,
     rows: Rows<R, Row>,
-    /// Writes what stands above the figures; those that stand between are placed by [`Page::next_figure`].
+    /// Writes the text above the figures; figures in the text are placed by [`Page::next_figure`].
     write: Write<R, Row>,
     figures: fn(&[Row]) -> Vec<PageFigure>,
 }
 
-/// What writes a page of runs and rows.
+/// Writer of a page from runs and rows.
 type Write<R, Row> = fn(&mut Page, &[Case<R>], &[Row]) -> Result<()>;
 
-/// How rows are made of runs that came to an end.
+/// Conversion of finished runs to rows.
 pub(super) enum Rows<R, Row> {
-    /// A row of each.
+    /// One row per run.
     Row(fn(&Case<R>) -> Row),
-    /// Several rows of each.
+    /// Several rows per run.
     Series(fn(&Case<R>) -> Result<Vec<Row>>),
-    /// Rows of all together.
+    /// Rows of all runs together.
     All(fn(&[Case<R>]) -> Result<Vec<Row>>),
 }
 
 impl<R, Row> Tabled<R, Row> {
-    /// Runs, the rows that are made of them, the text of the page and its figures.
+    /// Runs, the rows that are made of them, the text of the page, and its figures.
     pub const fn new(
         runs: fn(quick: bool) -> Vec<R>,
         rows: Rows<R, Row>,

@@ -10,8 +10,8 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Tabled::new(Bundling::of_table_2_1, Rows::All(rows), write, figures),
 };
 
-/// What the thesis prints of a run over the steps with contact: iterations and time (ms) of a step, all iterations, and their
-/// time (h).
+/// Values of the thesis for a run over the steps with contact: iterations and time (ms) of a step,
+/// all iterations, and their time (h).
 struct Printed(f64, f64, f64, f64);
 
 /// Rows of the thesis for the numbers of [`FLAGELLA`].
@@ -143,16 +143,20 @@ fn row(
 
 fn figures(rows: &[Row]) -> Vec<PageFigure> {
     let models = [ContactModel::Imc, ContactModel::Ipc].map(ContactModel::name);
-    let curves = models.into_iter().enumerate().flat_map(|(kin, model)| {
-        let rows = || rows.iter().filter(|row| row.model == model);
-        let ours = curve(model, rows(), |row| {
-            (row.flagella as f64, row.iterations_per_step)
+    let curves = models
+        .into_iter()
+        .enumerate()
+        .flat_map(|(style_index, model)| {
+            let rows = || rows.iter().filter(|row| row.model == model);
+            let ours = curve(model, rows(), |row| {
+                (row.flagella as f64, row.iterations_per_step)
+            });
+            let thesis = curve(format!("{model}, thesis"), rows(), |row| {
+                (row.flagella as f64, row.thesis_iterations_per_step)
+            });
+            [ours.looking(Look::Marks), thesis.looking(Look::OpenMarks)]
+                .map(|curve| curve.like(style_index))
         });
-        let thesis = curve(format!("{model}, thesis"), rows(), |row| {
-            (row.flagella as f64, row.thesis_iterations_per_step)
-        });
-        [ours.looking(Look::Marks), thesis.looking(Look::OpenMarks)].map(|curve| curve.like(kin))
-    });
     let plot = plot("Iterations per step", curves);
     let figure = line_plots([plot], "Number of flagella");
     vec![PageFigure::new(

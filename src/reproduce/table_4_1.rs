@@ -1,4 +1,4 @@
-//! Table 4.1: how long plans of folds take.
+//! Table 4.1: time of planning folds.
 
 use super::folds::{Folded, SCENARIOS};
 use super::prelude::*;
@@ -8,11 +8,12 @@ use std::time::Instant;
 
 pub(super) const ARTIFACT: Artifact = Artifact {
     name: "tab4.1",
-    title: "Table 4.1: how long plans of folds take",
+    title: "Table 4.1: time of planning folds",
     recipe: &Free::new(Folded::of_table_4_1, write),
 };
 
-/// Times of the thesis, s: of its own method, two of which are missing in the printed table, and of that which it compares with.
+/// Times of the thesis, s: of its own method, two of which are missing in the printed table, and of
+/// the method of comparison.
 const THESIS: [(Option<f64>, f64); 7] = [
     (Some(3.28), 59.46),
     (None, 51.15),
@@ -22,9 +23,9 @@ const THESIS: [(Option<f64>, f64); 7] = [
     (Some(4.19), 77.28),
     (Some(11.73), 43.20),
 ];
-/// Friction of the table that the plans with moments are made for.
+/// Friction of the table in the plans with moments.
 const FRICTION: f64 = 0.12;
-/// How often a plan is timed; the fastest counts.
+/// Number of timings of a plan, of which the fastest is used.
 const TIMES: usize = 3;
 
 /// A row of the CSV file; times in ms.
@@ -40,10 +41,10 @@ struct Row {
 /// Writes the table.
 fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
     page.text(
-        "Wall time of plans, on the machine and with the threads of the manifest, beside those of the thesis (one Intel i9-9900KF). The exact \
-         manifold of a sheet is made once; from it each plan is the grid search, the continuous refinement and the exact solution of \
-         all its folds. Plans with a moment have a manifold of their own. The thesis' numbers are as printed; two of the seven of its own \
-         method are missing there.",
+        "Wall time of plans, on the machine and with the threads of the manifest, beside those of the thesis (one \
+         Intel i9-9900KF). The exact manifold of a sheet is computed once; each plan then consists of the grid search, \
+         the continuous refinement and the exact solution of all its folds. Plans with a moment use a separate \
+         manifold. The thesis' numbers are as printed; two of the seven of its own method are missing there.",
     );
     let rows: Vec<Row> = cases.iter().filter_map(row).collect();
     page.table(columns! { (row, (own, other)) in rows.iter().zip(THESIS);
@@ -93,7 +94,7 @@ fn figure(rows: &[Row]) -> PageFigure {
     )
 }
 
-/// The plan of a case made anew, and timed.
+/// The plan of a case, recomputed and timed.
 fn row(case: &Case<Folded>) -> Option<Row> {
     let scenario = &SCENARIOS[case.run.scenario];
     let (sheet, target) = planned_fold(&case.directory)?;

@@ -1,4 +1,4 @@
-//! Table 5.2: how well rods are laid along patterns, simulated beside measured.
+//! Table 5.2: accuracy of rods laid along patterns, simulated and measured.
 
 use super::laid_outlines::outlines_figure;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS, Substrate};
@@ -43,7 +43,7 @@ impl Row {
         self.scheme == "optimal"
     }
 
-    /// Whether the pattern asks for more friction than the table has.
+    /// Whether the pattern needs more friction than the table has.
     fn is_marked(&self) -> bool {
         self.share_above_friction.is_some_and(|share| share > 0.0)
     }
@@ -74,10 +74,10 @@ fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     let rows: Vec<Row> = cases.iter().map(row).collect();
     page.text(
         "Mean distance and standard deviation in cm between the laid rod and its pattern at equal arc lengths, over 50 \
-         points without the lead-in (thesis Eq. 5.11, the deviations squared). Below each value stands what the thesis \
-         measured. The thesis calls friction low, medium and high: 0.2, 0.4 and 0.8 here. Line, circle and sine are as long \
-         and as wide as those of the thesis, letters are drawn anew. A star marks patterns that ask for more friction somewhere \
-         than the table has (thesis Eq. 5.2), so that the rod must slide there.",
+         points without the lead-in (thesis Eq. 5.11, the deviations squared). Below each value is the value measured \
+         in the thesis. The thesis calls friction low, medium and high: 0.2, 0.4 and 0.8 here. Line, circle and sine \
+         are as long and as wide as those of the thesis, letters were redrawn. A star marks patterns that need more \
+         friction somewhere than the table has (thesis Eq. 5.2), so that the rod must slide there.",
     );
     page.table(patterns(&rows));
     page.text(&verdict(&rows));
@@ -90,7 +90,7 @@ fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     Ok(())
 }
 
-/// What a run came to, beside what was measured.
+/// Result of a run, beside the measurement.
 pub(super) fn row(case: &Case<Laying>) -> Row {
     let run = &case.run;
     let rod = &RODS[run.rod];
@@ -156,7 +156,7 @@ pub(super) fn patterns(rows: &[Row]) -> MarkdownTable<'static> {
     }
 }
 
-/// What comes of it all, in words.
+/// Summary of all results.
 fn verdict(rows: &[Row]) -> String {
     let mean = |wanted: fn(&&Row) -> bool, value: fn(&Row) -> Option<f64>| {
         mean(rows.iter().filter(wanted).filter_map(value))
@@ -176,8 +176,8 @@ fn verdict(rows: &[Row]) -> String {
     let slowest = largest(times);
     let total: f64 = rows.iter().map(|row| row.wall_time_s).sum();
     let mut text = format!(
-        "On average the optimal scheme lies {} cm from the pattern ({} cm where there is friction enough), the intuitive one \
-         {} cm: {} times as far; measured were {} and {} cm. Of {} entries of the optimal scheme {} lie farther from the \
+        "On average the optimal scheme lies {} cm from the pattern ({} cm where friction suffices), the intuitive one \
+         {} cm: {} times as far; the thesis measured {} and {} cm. Of {} entries of the optimal scheme {} lie farther from the \
          pattern than measured",
         number(optimal, 3),
         number(held, 3),
@@ -194,13 +194,13 @@ fn verdict(rows: &[Row]) -> String {
             .map(|row| format!("{} of #{} at {}", row.pattern, row.rod, row.friction))
             .collect();
         text += &format!(
-            ", {marked} of which ask for more friction than there is: {}",
+            ", {marked} of which need more friction than the table has: {}",
             names.join(", ")
         );
     }
     text += ".";
     if open > 0 {
-        text += &format!(" {open} runs did not come to their end.");
+        text += &format!(" {open} runs did not finish.");
     }
     text += &format!(
         " All took {total:.0} s of wall time, a simulation at most {slowest:.2} s of processor time for each second of motion."

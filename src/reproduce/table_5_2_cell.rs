@@ -1,4 +1,5 @@
-//! Table 5.2 in the virtual cell: how well an arm lays a rod, through drivers and camera, beside the plain simulation.
+//! Table 5.2 in the virtual cell: accuracy of a rod laid by an arm, through drivers and camera,
+//! beside the plain simulation.
 
 use super::laid_outlines::in_panels;
 use super::laying::{FRICTIONS, Laying, PATTERNS, RODS, Substrate};
@@ -18,7 +19,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 #[derive(Serialize)]
 struct Row {
     pattern: &'static str,
-    /// Whether it was laid and seen, or why not.
+    /// Status: laid and seen, or the reason of the failure.
     status: String,
     /// By the camera.
     mean_cm: Option<f64>,
@@ -43,11 +44,12 @@ fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
     let rod = cases.first().map_or(1, |case| case.run.rod);
     let friction = cases.first().map_or(0, |case| case.run.friction);
     page.text(&format!(
-        "Rod #{} of thesis Tab. 5.1, {}, on fabric (friction {}) in the virtual cell of `rodlab cell serve`: planned, laid by the gantry \
-         through its drivers, let go, seen by the camera and scored as by `rodlab deploy`. Mean distance from the pattern and standard \
-         deviation in cm at equal arc lengths, in the camera's picture, a pixel of which is 0.07 cm; the mean distance to the nearest \
-         point; the same as the first in plain simulation, without arm and camera and without letting go; and what the thesis \
-         measured. What the rod is longer than its pattern is laid behind it or in front of it. All are laid anew for this page.",
+        "Rod #{} of thesis Tab. 5.1, {}, on fabric (friction {}) in the virtual cell of `rodlab cell serve`: planned, \
+         laid by the gantry through its drivers, released, photographed by the camera and scored as by `rodlab \
+         deploy`. Mean distance from the pattern and standard deviation in cm at equal arc lengths, in the camera's \
+         picture, a pixel of which is 0.07 cm; the mean distance to the nearest point; the first value in plain \
+         simulation, without arm, camera and release; and the values measured in the thesis. Where the rod is longer \
+         than its pattern, the rest is laid behind or in front of it. All rods were laid for this page.",
         RODS[rod].number, RODS[rod].name, FRICTIONS[friction]
     ));
     page.table(columns! { row in &rows;
@@ -90,7 +92,7 @@ fn row(case: &Case<Laying>, laid: &Result<LaidInCell, LayingError>) -> Row {
 }
 
 impl Row {
-    /// Distance by the camera, or why there is none.
+    /// Distance by the camera, or the reason for its absence.
     fn cell(&self) -> String {
         match self.mean_cm {
             Some(mean) => format!("{mean:.2} ± {}", number(self.deviation_cm, 2)),

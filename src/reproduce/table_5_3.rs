@@ -20,9 +20,9 @@ pub(super) const ARTIFACT: Artifact = Artifact {
 
 /// Poses along a letter, as in the thesis.
 const POSES: usize = 190;
-/// Trajectories that are timed; the fastest counts, as nothing else can hurry it.
+/// Number of timed trajectories, of which the fastest is used.
 const REPEATS: usize = 10;
-/// What the thesis gives as times of its solvers in the same table, s.
+/// Times of the solvers of the thesis in the same table, s.
 const THESIS_EXACT_S: [f64; 2] = [666.0, 4777.0];
 const THESIS_NEURAL_S: [f64; 2] = [0.391, 0.431];
 
@@ -48,12 +48,13 @@ struct Row {
 /// Writes table and figure.
 fn write(page: &mut Page, _: &[Case<Laying>], rows: &[Row]) -> Result<()> {
     page.text(&format!(
-        "Trajectories of {POSES} poses along the patterns of Tab. 5.2, by exact grasps (collocation) and by the network of this \
-         program, which has seen none of them: times of whole trajectories on one thread, the fastest of {REPEATS}, and the \
-         difference of their poses. Poses for suspended lengths or curvatures that the network has not learned are exact \
-         in both, and are left out of the errors. The last columns are mean distances of simulated rods from their patterns \
-         (thesis Eq. 5.11) at the medium friction, laid along either trajectory. The thesis' solvers took {:.0} to {:.0} s and \
-         {} to {} s, with mean position errors of 0.0007 to 0.0021 m.",
+        "Trajectories of {POSES} poses along the patterns of Tab. 5.2, by exact grasps (collocation) and by the \
+         network of this program, which was not trained on them: times of whole trajectories on one thread, the \
+         fastest of {REPEATS}, and the difference of their poses. Poses for suspended lengths or curvatures outside \
+         the training range of the network are exact in both, and are excluded from the errors. The last columns are \
+         mean distances of simulated rods from their patterns (thesis Eq. 5.11) at the medium friction, laid along \
+         each of the two trajectories. The thesis' solvers took {:.0} to {:.0} s and {} to {} s, with mean position \
+         errors of 0.0007 to 0.0021 m.",
         THESIS_EXACT_S[0], THESIS_EXACT_S[1], THESIS_NEURAL_S[0], THESIS_NEURAL_S[1],
     ));
     page.table(columns! { row in rows;
@@ -90,7 +91,7 @@ fn row(case: &Case<Laying>, laid_neural_cm: Option<f64>) -> Result<Row> {
     let (points, rod) = planned(case);
     let (exact, exact_ms) =
         timed(|| trajectory(&points, &rod, Scheme::Optimal, OptimalGrasps::Exact));
-    // What a network says by itself: `plan deployment` checks its answers.
+    // Unchecked outputs of the network; `plan deployment` checks them.
     let (neural, neural_ms) = timed(|| network_trajectory(&points, &rod, NeuralGrasps::built_in()));
     let unit = rod.gravito_bending_length;
     let pairs = || {
@@ -147,7 +148,7 @@ fn planned(case: &Case<Laying>) -> (Vec<PatternPoint>, DeployedRod) {
     )
 }
 
-/// A trajectory, and the shortest time that it took, ms.
+/// A trajectory, and its shortest time, ms.
 fn timed(
     trajectory: impl Fn() -> Result<Vec<GripperPose>, DeploymentError>,
 ) -> (Vec<GripperPose>, f64) {
@@ -166,8 +167,8 @@ fn verdict(rows: &[Row]) -> String {
     let mean = |value: fn(&Row) -> f64| mean(rows.iter().map(value)).unwrap_or(f64::NAN);
     let largest = |value: fn(&Row) -> f64| largest(rows.iter().map(value));
     format!(
-        "On average over all trajectories the network is {:.4} L_gb and {:.3}° off, at worst {:.4} L_gb and {:.2}°; it takes {:.1} ms, \
-         the exact solver {:.1} ms.",
+        "On average over all trajectories the network is {:.4} L_gb and {:.3}° off, at worst {:.4} L_gb and {:.2}°; it \
+         takes {:.1} ms, the exact solver {:.1} ms.",
         mean(|row| row.mean_position_error),
         mean(|row| row.mean_angle_degrees),
         largest(|row| row.largest_position_error),

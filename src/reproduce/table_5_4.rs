@@ -1,4 +1,4 @@
-//! Table 5.4: how often cables are placed in clips and knots are tied, simulated beside measured.
+//! Table 5.4: success rates of cables placed in clips and of knots, simulated and measured.
 
 use super::applications::{Application, TASKS, TRIALS, Task};
 use super::prelude::*;
@@ -36,34 +36,39 @@ struct Row {
 /// Writes table and figures.
 fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<()> {
     page.text(
-        "A gripper lays a USB cable (rod #5 of thesis Tab. 5.1: L_gb = 8.01 cm, 3.6 mm thick) along a U of 70 cm and an S of 74 cm, on \
-         steel of friction 0.2, which cannot hold it in its bends: the U asks for 2.1 and the S for 2.9. Clips hold it, 11 along the U and 12 \
-         along the S, each a pair of pegs of 8 mm thickness and 6 mm height with round tops, 8 mm apart. The thesis shows its fixtures in \
-         a photograph only; shape and size of these are a choice. The gripper moves about its path at random, by 1 mm root mean square in \
-         each direction, ten times the repeatability that the maker of the thesis' robot states, and by 0.5° about each axis; ten \
-         seeds make ten trials. When the pattern is laid the gripper lets go, and the cable is left to itself for 3 s.",
+        "A gripper lays a USB cable (rod #5 of thesis Tab. 5.1: L_gb = 8.01 cm, 3.6 mm thick) along a U of 70 cm and \
+         an S of 74 cm, on steel of friction 0.2, which cannot hold it in its bends: the U needs 2.1 and the S 2.9. \
+         Clips hold it, 11 along the U and 12 along the S, each a pair of pegs of 8 mm thickness and 6 mm height with \
+         round tops, 8 mm apart. The thesis shows its fixtures in a photograph only; the shape and size of these were \
+         chosen here. The gripper deviates from its path at random, by 1 mm root mean square in each direction, ten \
+         times the repeatability stated by the maker of the thesis' robot, and by 0.5° about each axis; ten seeds make \
+         ten trials. When the pattern is laid, the gripper releases the cable, which then moves freely for 3 s.",
     );
     page.text(
-        "A trial succeeds when the cable passes every peg as its pattern does: seen from above, no peg stands between the cable and the \
-         pattern (the closed curve of both does not go around it), and beside the peg the cable lies below its top.",
+        "A trial succeeds when the cable passes every peg as its pattern does: seen from above, no peg stands between \
+         the cable and the pattern (the closed curve of both does not go around it), and beside the peg the cable lies \
+         below its top.",
     );
     page.text(
-        "The trefoil is tied with the thick pink rod (#4: L_gb = 2.86 cm, 6.4 mm thick) on a table of friction 0.4. It is laid along a \
-         pattern that is longer than the rod by 23 cm; where it returns to the first crossing it comes to lie over itself. Then a second \
-         gripper takes hold of the strand at the next crossing, where it should lie, if it finds the rod within 1.5 cm, and lifts it by \
-         2.6 cm; the first one leads the end along the rest of the pattern, under that strand and over the next one, and both let go. A \
-         trial succeeds when the rod then has the determinant and the signature of the knot that was drawn, 3 and −2, whether its ends are \
-         joined above or below the table. The second gripper has a jitter of its own. Rods do not slip out of these grippers, which the \
-         thesis names as the cause of its failures.",
+        "The trefoil is tied with the thick pink rod (#4: L_gb = 2.86 cm, 6.4 mm thick) on a table of friction 0.4. It \
+         is laid along a pattern that is longer than the rod by 23 cm; where it returns to the first crossing it lies \
+         over itself. Then a second gripper grasps the strand at the planned place of the next crossing, if the rod is \
+         within 1.5 cm of it, and lifts it by 2.6 cm; the first one moves the end along the rest of the pattern, under \
+         that strand and over the next one, and both release the rod. A trial succeeds when the rod then has the \
+         determinant and the signature of the knot that was drawn, 3 and −2, whether its ends are joined above or \
+         below the table. The second gripper has a jitter of its own. Rods do not slip out of these grippers; the \
+         thesis names slipping as the cause of its failures.",
     );
     page.text(
-        "The reef knot is tied with the thick pink rod and the green one (#2: L_gb = 3.2 cm, 3.2 mm thick), as in the thesis, which shows its \
-         patterns and moves in photographs only; those here are a choice. One gripper lays the thick rod along a bight and lets it go, and the \
-         other one lays the green rod along a bight over it. Then the first gripper lifts the thick rod by 2.6 cm, the second leads the end of \
-         the green one under it and, 9 cm farther on, over it, and lets it go; the first takes hold of the end of the thick rod where it \
-         should lie, again within 1.5 cm, and leads it over the green rod and under it, while the second lifts that. A trial succeeds when \
-         the rods then have the determinant and the signature of the reef knot that was drawn, 9 and 0 (a granny knot: 9 and ±4; none: 1 and \
-         0), the end of each joined to the start of the other, above the table as well as below.",
+        "The reef knot is tied with the thick pink rod and the green one (#2: L_gb = 3.2 cm, 3.2 mm thick), as in the \
+         thesis, which shows its patterns and moves in photographs only; those here were chosen. One gripper lays the \
+         thick rod along a bight and releases it, and the other one lays the green rod along a bight over it. Then the \
+         first gripper lifts the thick rod by 2.6 cm, the second moves the end of the green one under it and, 9 cm \
+         farther on, over it, and releases it; the first grasps the end of the thick rod at its planned place, again \
+         within 1.5 cm, and moves it over the green rod and under it, while the second lifts the green rod. A trial \
+         succeeds when the rods then have the determinant and the signature of the reef knot that was drawn, 9 and 0 \
+         (a granny knot: 9 and ±4; none: 1 and 0), the end of each joined to the start of the other, above the table \
+         as well as below.",
     );
     let rows: Vec<Row> = cases.iter().map(row).collect();
     let lines = TASKS
@@ -81,8 +86,9 @@ fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<()> {
     page.lines(&header, &lines.collect::<Vec<_>>());
     let wall: f64 = rows.iter().map(|row| row.wall_time_s).sum();
     page.text(&format!(
-        "All {} trials took {wall:.0} s of wall time. Run one by itself with `rodlab run scenarios/cable_placement_s.toml`, `scenarios/tied_trefoil.toml` or \
-         `scenarios/tied_reef.toml`, and look at it with `rodlab view`.",
+        "All {} trials took {wall:.0} s of wall time. Run one by itself with `rodlab run \
+         scenarios/cable_placement_s.toml`, `scenarios/tied_trefoil.toml` or `scenarios/tied_reef.toml`, and look at \
+         it with `rodlab view`.",
         rows.len()
     ));
     page.csv(&rows)?;
@@ -158,7 +164,7 @@ fn line(task: usize, is_optimal: bool, cases: &[Case<Application>]) -> Vec<Strin
     ]
 }
 
-/// Knots of rods by determinant and signature, and how often each was found.
+/// Knots of rods by determinant and signature, with their counts.
 pub(super) fn knots(found: impl Iterator<Item = Option<(u64, i64)>>) -> String {
     let mut counts: BTreeMap<Option<(u64, i64)>, usize> = BTreeMap::new();
     for knot in found {
@@ -171,13 +177,14 @@ pub(super) fn knots(found: impl Iterator<Item = Option<(u64, i64)>>) -> String {
     words.collect::<Vec<_>>().join("; ")
 }
 
-/// A task from above: pegs, pattern and what lies there after all trials, or, of knots, after the first one.
+/// A task from above: pegs, pattern and the rods after all trials, or for knots after the first
+/// one.
 fn figures(task: usize, cases: &[Case<Application>]) -> Result<Vec<PageFigure>> {
     let mut laid = Vec::new();
     for (is_optimal, name) in [(true, "optimal"), (false, "intuitive")] {
         for case in trials(task, is_optimal, cases) {
             if let Some(outlines) = outlines(case)? {
-                // Ten knots above each other are no picture.
+                // Ten superimposed knots are not readable.
                 if !outlines.pegs.is_empty() || case.run.seed == 1 {
                     laid.push((name, outlines));
                 }
@@ -190,7 +197,7 @@ fn figures(task: usize, cases: &[Case<Application>]) -> Result<Vec<PageFigure>> 
     let id = format!("tab5.4_{id}");
     let is_of_two = laid.iter().any(|(_, outlines)| outlines.rods.len() > 1);
     if !is_of_two {
-        let caption = format!("{name}: what lies on the table, from above");
+        let caption = format!("{name}: the rods on the table, from above");
         let rods = ["optimal", "intuitive"].map(|scheme| (scheme, of_scheme(scheme, 0, &laid)));
         let figure = picture(rods, laid.last().map(|(_, outlines)| outlines));
         return Ok(figure
@@ -203,8 +210,7 @@ fn figures(task: usize, cases: &[Case<Application>]) -> Result<Vec<PageFigure>> 
         let rods = rods.map(|(name, rod)| (name, of_scheme(scheme, rod, &laid)));
         let shown = laid.iter().find(|(name, _)| *name == scheme);
         let figure = picture(rods, shown.map(|(_, outlines)| outlines))?;
-        let caption =
-            format!("{name}, {scheme} scheme, seed 1: what lies on the table, from above");
+        let caption = format!("{name}, {scheme} scheme, seed 1: the rods on the table, from above");
         Some(PageFigure::new(&format!("{id}_{scheme}"), &caption, figure))
     };
     Ok(["optimal", "intuitive"]
@@ -246,7 +252,7 @@ fn outlines(case: &Case<Application>) -> Result<Option<LaidOutlines>> {
     match laid_outlines(&case.directory) {
         Ok(outlines) => Ok(outlines),
         Err(FigureError::Results(error)) => Err(error.into()),
-        // Scenarios of the program's own are read.
+        // Embedded scenarios can be read.
         Err(FigureError::Scenario(_)) => Ok(None),
     }
 }

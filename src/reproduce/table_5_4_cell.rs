@@ -1,5 +1,5 @@
-//! Table 5.4 in the virtual cell: how often cables are placed in clips, and knots tied, through drivers and camera, beside the plain
-//! simulation.
+//! Table 5.4 in the virtual cell: success rates of cables placed in clips and of tied knots,
+//! through drivers and camera, beside the plain simulation.
 
 use super::applications::{Application, TASKS, TRIALS};
 use super::prelude::*;
@@ -15,7 +15,7 @@ pub(super) const ARTIFACT: Artifact = Artifact {
     recipe: &Free::new(Application::of_table_5_4_in_cell, write),
 };
 
-/// Status of a trial that came to its end and was seen.
+/// Status of a finished trial that was seen.
 const DONE: &str = "done and seen";
 
 /// A row of the CSV file; lengths in cm.
@@ -24,7 +24,7 @@ struct Row {
     task: &'static str,
     scheme: &'static str,
     seed: u64,
-    /// Whether it was laid and seen, or why not.
+    /// Status: laid and seen, or the reason of the failure.
     status: String,
     /// By the camera.
     succeeded: bool,
@@ -39,7 +39,7 @@ struct Row {
     simulated_mean_cm: Option<f64>,
 }
 
-/// What came of a trial in the cell; of one that failed, why, in words.
+/// Outcome of a trial in the cell, or the reason of its failure.
 enum Trial {
     Placed(LaidInCell),
     Tied(TieScore),
@@ -66,12 +66,13 @@ fn write(page: &mut Page, cases: &[Case<Application>]) -> Result<()> {
     let trials = || cases.iter().zip(&done);
     let rows: Vec<Row> = trials().map(|(case, trial)| row(case, trial)).collect();
     page.text(
-        "The trials of `tab5.4` in the virtual cell, with the same rods, clips and friction: planned, done by gantries through their \
-         drivers, let go, seen by the camera and judged by its picture, as by `rodlab place scenarios/cable_placement_u.toml` and \
-         `rodlab tie`. Hands tremble without the arms knowing, as in the plain simulation beside: 1 mm and 0.5° root mean square in each \
-         direction. A person lays the free end where the pattern begins. A cable is placed when, from above, it leaves each peg on the \
-         side on which its pattern does, and lies on none of them; a knot is tied when the rod has the determinant and the signature \
-         of the knot that was drawn, by which strand is seen to lie over which. Knots are tied by the optimal scheme only.",
+        "The trials of `tab5.4` in the virtual cell, with the same rods, clips and friction: planned, executed by \
+         gantries through their drivers, released, photographed by the camera and judged by its picture, as by `rodlab \
+         place scenarios/cable_placement_u.toml` and `rodlab tie`. The hands have jitter that the joint encoders do \
+         not see, as in the plain simulation: 1 mm and 0.5° root mean square in each direction. The free end is laid \
+         by hand where the pattern begins. A cable is placed when, from above, it leaves each peg on the side on which \
+         its pattern does, and lies on none of them; a knot is tied when the rod has the determinant and the signature \
+         of the knot that was drawn, judged by which strand is seen on top. Knots are tied by the optimal scheme only.",
     );
     let lines = TASKS.iter().enumerate().flat_map(|(task, _)| {
         let of = |is_optimal| {
@@ -178,7 +179,7 @@ fn line(task: usize, is_optimal: bool, rows: &[&Row]) -> Option<Vec<String>> {
     ])
 }
 
-/// What the camera saw of all trials of a task, from above.
+/// Outlines by the camera of all trials of a task, from above.
 fn figure(task: usize, trials: &[(&Case<Application>, &Trial)]) -> Result<Option<PageFigure>> {
     let mut curves = ["optimal", "intuitive"].map(|name| (name, Vec::new()));
     for (case, trial) in trials {
@@ -196,7 +197,7 @@ fn figure(task: usize, trials: &[(&Case<Application>, &Trial)]) -> Result<Option
     let Ok(Some(outlines)) = laid_outlines(&first.directory) else {
         return Ok(None);
     };
-    // Ten knots above each other are no picture.
+    // Ten superimposed knots are not readable.
     if curves.iter().all(|(_, points)| points.is_empty()) {
         return Ok(None);
     }

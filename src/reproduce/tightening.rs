@@ -37,8 +37,8 @@ pub(super) const RADIUS: f64 = 1.6e-3;
 pub(super) const FRICTIONS: [f64; 4] = [0.0, 0.05, 0.1, 0.2];
 /// Friction coefficient of figure 2.8.
 pub(super) const FRICTION_OF_FIGURE_2_8: f64 = 0.07;
-/// Friction coefficient of the limit ε → 0: without any, a loose knot turns about its axis, and the forces never
-/// come to rest; this adds at most 3 % to the traction, which is taken off again.
+/// Friction coefficient of the limit ε → 0: without friction, a loose knot turns about its axis,
+/// and the forces never settle; this adds at most 3 % to the traction, which is subtracted again.
 pub(super) const SLIGHT_FRICTION: f64 = 1e-3;
 /// Radius (m) and nodes of the rods of the limit ε → 0.
 const THIN_RODS: [(f64, usize); 4] = [(1.6e-3, 301), (8e-4, 451), (4e-4, 601), (2e-4, 901)];
@@ -49,17 +49,17 @@ const TOLERANCE: f64 = 0.0125;
 /// Density at the radius of the thesis, kg/m³. The thesis has 1180, with which the loose loop takes seconds to swing
 /// and 6 mm/s is no longer slow; force balance does not depend on the density.
 const DENSITY: f64 = 10.0;
-/// What readers of the pages must know of it.
+/// Remark for readers of the pages.
 pub(super) fn density_in_words() -> String {
     format!(
         "Rods of the thesis' radius have a density of {DENSITY} kg/m³ here instead of 1180 kg/m³, so that the pull is \
          quasi-static; force balance does not depend on the density."
     )
 }
-/// Time between outputs, s, and the most of the time of pulling.
+/// Time between outputs, s, and its largest share of the time of pulling.
 const INTERVAL: f64 = 0.25;
 const LARGEST_PART: f64 = 0.25;
-/// Simulated time of a quick look, s.
+/// Simulated time of a quick version, s.
 const QUICK_END: f64 = 14.0;
 
 impl Tightening {
@@ -106,7 +106,8 @@ impl Tightening {
             .collect()
     }
 
-    /// Each knot of figure 2.8, followed by the same with one choice after the other changed: [`VARIANTS`].
+    /// Each knot of figure 2.8, followed by the same with one choice at a time changed:
+    /// [`VARIANTS`].
     pub fn of_convergence(quick: bool) -> Vec<Self> {
         let vary = |run: Self| VARIANTS.map(|(_, change)| change(run));
         Self::of_figure_2_8(quick)
@@ -127,7 +128,7 @@ impl Tightening {
 /// A knot with one choice changed.
 type Change = fn(Tightening) -> Tightening;
 
-/// What is changed to see convergence, in words.
+/// The changed choices for the convergence study, as text.
 pub(super) const VARIANTS: [(&str, Change); 5] = [
     ("301 nodes", |run| run),
     ("151 nodes", |run| Tightening { nodes: 151, ..run }),
@@ -174,7 +175,7 @@ impl Run for Tightening {
             format!("knot.pull_speed={:?}", self.pull_speed),
             format!("knot.end_to_end={:?}", self.end_to_end),
             format!("knot.settling_time={:?}", self.settling),
-            // The frequency of the loop is as √(E/ρ) h.
+            // The frequency of the loop is proportional to √(E/ρ) h.
             format!("material.density={:?}", DENSITY * thinness * thinness),
             format!("contact.friction={:?}", self.friction),
             format!(
@@ -206,10 +207,11 @@ impl Run for Tightening {
     }
 }
 
-/// Part of the time of pulling that is left out, until friction has turned into the direction of slip everywhere.
+/// Share of the time of pulling that is ignored, until friction acts in the direction of slip
+/// everywhere.
 const LEFT_OUT: f64 = 0.1;
 
-/// What was measured of the knot while its ends moved, but for the beginning.
+/// Measurements of the knot while its ends moved, without the beginning.
 pub(super) fn pulled_rows(case: &Case<Tightening>) -> Result<Vec<KnotRow>, ResultsError> {
     let rows = pulled_series(case)?.into_iter();
     Ok(rows.map(|(_, knot)| knot).collect())
@@ -222,18 +224,20 @@ fn pulled_series(case: &Case<Tightening>) -> Result<Vec<(SeriesRow, KnotRow)>, R
     Ok(rows.filter(|(series, _)| series.time_s > start).collect())
 }
 
-/// Means over a part of the way of the ends, over which the corners of the polyline slip over each other often.
+/// Means over an interval of the motion of the ends in which the corners of the polyline slip over
+/// each other many times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stretch {
     /// l̄_k in its middle.
     pub length: f64,
     /// Traction F̄: work of the ends per distance.
     pub force: f64,
-    /// The part of it that friction takes.
+    /// The part of friction.
     pub friction: f64,
 }
 
-/// Range of l̄_k while the ends move, but for the beginning, before any inversion: from tight to loose.
+/// Range of l̄_k while the ends move, without the beginning, before any inversion: from tight to
+/// loose.
 pub(super) fn range_before_inversion(
     case: &Case<Tightening>,
 ) -> Result<Option<[f64; 2]>, ResultsError> {
@@ -249,7 +253,8 @@ pub(super) fn range_before_inversion(
     }))
 }
 
-/// The means over `count` equal parts of a range of l̄_k, from loose to tight; none where the range is empty.
+/// The means over `count` equal parts of a range of l̄_k, from loose to tight; empty if the range
+/// is empty.
 pub(super) fn stretches(
     case: &Case<Tightening>,
     [tight, loose]: [f64; 2],
@@ -286,7 +291,7 @@ pub(super) fn fluctuation(
     let squares: Vec<f64> = pulled_rows(case)?
         .iter()
         .filter_map(|row| {
-            // Between the middles of two parts the mean goes straight from the one to the other.
+            // Between the middles of two parts the mean is interpolated linearly.
             let after = parts.partition_point(|part| part.length > row.length_normalized);
             let (a, b) = (parts.get(after.checked_sub(1)?)?, parts.get(after)?);
             let part = (a.length - row.length_normalized) / (a.length - b.length);
@@ -298,7 +303,7 @@ pub(super) fn fluctuation(
     Ok((!squares.is_empty()).then_some(mean.sqrt()))
 }
 
-/// A value at an l̄_k between two rows, by a straight line.
+/// A value at an l̄_k, interpolated linearly between two rows.
 fn at(rows: &[KnotRow], length: f64, of: fn(&KnotRow) -> f64) -> Option<f64> {
     let after = rows.partition_point(|row| row.length_normalized > length);
     let (a, b) = (rows.get(after.max(1) - 1)?, rows.get(after.max(1))?);

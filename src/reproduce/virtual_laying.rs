@@ -25,26 +25,27 @@ use std::path::{Path, PathBuf};
 
 /// The cell.
 const CELL: &str = include_str!("../../scenarios/cells/gantry.toml");
-/// How many times as fast as real time it is.
+/// Its speed relative to real time.
 pub(super) const RATE: f64 = 10.0;
 /// Period of the fastest jitter, s: that of the plain simulation.
 const JITTER_PERIOD: f64 = 1.0;
 /// Distance of poses along the pattern, m.
 pub(super) const STEP: f64 = 3e-3;
-/// Speeds of the hand while it lays and on its way, m/s, and least distance of the arm to anything, m: those of `rodlab deploy`.
+/// Speeds of the hand during laying and otherwise, m/s, and smallest distance of the arm to
+/// obstacles, m: those of `rodlab deploy`.
 pub(super) const SPEEDS: [f64; 2] = [0.03, 0.1];
 pub(super) const MARGIN: f64 = 0.01;
 
-/// Why a rod was not laid.
+/// Why laying a rod failed.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum LayingError {
-    /// The cell cannot be served, or not to the end.
+    /// The cell cannot be served, or stopped early.
     #[error(transparent)]
     Served(#[from] ServeError),
     /// It has no rod.
     #[error(transparent)]
     Rod(#[from] RodError),
-    /// The pattern is none.
+    /// The pattern is invalid.
     #[error(transparent)]
     Pattern(#[from] PatternError),
     /// It cannot be laid.
@@ -53,26 +54,26 @@ pub(super) enum LayingError {
     /// The arm cannot follow.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// Something went wrong on the way.
+    /// The motion failed.
     #[error(transparent)]
     Task(#[from] TaskError),
-    /// No rod can be seen.
+    /// No rod was detected.
     #[error(transparent)]
     Vision(#[from] VisionError),
 }
 
-/// A rod that was laid.
+/// A laid rod.
 pub(super) struct LaidInCell {
-    /// How far it lies from its pattern, by the camera.
+    /// Its distance from its pattern, by the camera.
     pub score: Score,
-    /// Which pegs it passes, by the camera.
+    /// The pegs that it passes, by the camera.
     pub pegs: Option<PassedPegs>,
-    /// How long the arm laid it, s.
+    /// Duration of laying, s.
     pub duration: f64,
 }
 
-/// Lays the rod of a run that was simulated, along the same pattern and with the same disturbances, in the virtual cell. Pictures and
-/// logs go into a folder beside the run.
+/// Lays the rod of a simulated run, along the same pattern and with the same disturbances, in the
+/// virtual cell. Pictures and logs go into a folder beside the run.
 pub(super) fn lay_in_cell(case: &Case<Laying>) -> Result<Result<LaidInCell, LayingError>> {
     let disturbance = case.run.disturbance;
     let (deployment, _) = deployment_of(&case.directory)?;
@@ -82,7 +83,7 @@ pub(super) fn lay_in_cell(case: &Case<Laying>) -> Result<Result<LaidInCell, Layi
     let laying = LayingInCell {
         source: &deployment.pattern.source(),
         lead_in: deployment.lead_in,
-        // As it is believed to be.
+        // The assumed rod.
         rod: &DeployedRod {
             gravito_bending_length: rod.gravito_bending_length * (1.0 + disturbance.length_error),
             ..rod
@@ -99,7 +100,8 @@ pub(super) fn lay_in_cell(case: &Case<Laying>) -> Result<Result<LaidInCell, Layi
     Ok(laying.in_cell(&cell, jitter, |_| Ok(RodSupply::new(&file, friction)?)))
 }
 
-/// Lays the cable of a run that was simulated between its pegs, with the trembling of its seed, in the virtual cell.
+/// Lays the cable of a simulated run between its pegs, with the jitter of its seed, in the virtual
+/// cell.
 pub(super) fn place_in_cell(case: &Case<Application>) -> Result<Result<LaidInCell, LayingError>> {
     let (deployment, friction) = deployment_of(&case.directory)?;
     let (cell, directory) = cell_beside(&case.directory, CELL, &[])?;
@@ -123,7 +125,7 @@ pub(super) fn place_in_cell(case: &Case<Application>) -> Result<Result<LaidInCel
     }))
 }
 
-/// What a run that was simulated laid, and the friction of its table.
+/// The task of a simulated run, and the friction of its table.
 pub(super) fn deployment_of(run: &Path) -> Result<(Deployment, f64)> {
     let scenario = fs::read_to_string(run.join(SCENARIO)).map_err(ResultsError::io("read", run))?;
     let loaded = from_text("scenario", &scenario, Path::new(""), &[]);
@@ -133,7 +135,7 @@ pub(super) fn deployment_of(run: &Path) -> Result<(Deployment, f64)> {
     Ok((deployment, loaded.scenario.contact.friction()))
 }
 
-/// A cell, from its file in a folder beside a run, where other files are written, too.
+/// A cell, from its file in a folder beside a run, which also holds other files.
 pub(super) fn cell_beside(
     run: &Path,
     file: &str,
@@ -150,13 +152,13 @@ pub(super) fn cell_beside(
     Ok((cell, directory))
 }
 
-/// What is laid.
+/// The task of laying.
 struct LayingInCell<'a> {
     source: &'a PatternSource,
     lead_in: f64,
-    /// The rod as it is believed to be.
+    /// The assumed rod.
     rod: &'a DeployedRod,
-    /// How the gripper leads it, and who finds the grasps.
+    /// Scheme of the gripper, and solver for the grasps.
     way: (Scheme, OptimalGrasps<'a>),
     fixtures: Option<&'a Fixtures>,
     is_corrected: bool,
@@ -164,7 +166,8 @@ struct LayingInCell<'a> {
 }
 
 impl LayingInCell<'_> {
-    /// Lays it in a cell that is served meanwhile, whose hands tremble; its rods are made for the frame of the pattern.
+    /// Lays it in a served cell with jitter of the hands; its rods are defined in the frame of the
+    /// pattern.
     fn in_cell(
         &self,
         cell: &Cell,

@@ -19,7 +19,8 @@ use std::path::Path;
 /// The cell.
 const CELL: &str = include_str!("../../scenarios/cells/two_gantries.toml");
 
-/// Ties the knot of a run that was simulated, with the trembling of its seed, in the virtual cell; why it came to nothing is in words.
+/// Ties the knot of a run that was simulated, with the jitter of its seed, in the virtual cell;
+/// errors are messages.
 pub(super) fn tie_in_cell(case: &Case<Application>) -> Result<Result<TieScore, String>> {
     let (deployment, friction) = deployment_of(&case.directory)?;
     let (cell, directory) = cell_beside(&case.directory, CELL, &[])?;
