@@ -42,8 +42,8 @@ fn cache() -> PathBuf {
         .unwrap_or_else(env::temp_dir)
 }
 
-/// Writes the files that are missing from a folder or differ there. Each appears whole, so that programs which unpack at the same
-/// time do not disturb each other.
+/// Writes the files that are missing from a folder or differ there. Each is written atomically, so
+/// that several processes can unpack at the same time.
 fn unpack(folder: &Path) -> Result<(), CannotUnpack> {
     for (path, bytes) in FILES {
         let path = folder.join(path);

@@ -1,4 +1,4 @@
-//! Files that the program carries: scenarios, rods, papers, cells, patterns, and what they refer to.
+//! Files embedded in the program: scenarios, rods, papers, cells, patterns, and what they refer to.
 //!
 //! A preset is used like any other file. [`Preset::file`] writes all of them to a folder of the user's cache first, so that
 //! a preset may extend another one or refer to a mesh.
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 pub use folder::CannotUnpack;
 
-/// What a preset describes.
+/// Kind of a preset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PresetKind {
     /// A scenario to run.
@@ -47,7 +47,8 @@ impl PresetKind {
         }
     }
 
-    /// The kind of a file by its path below the folder of presets; none of a file that presets refer to.
+    /// The kind of a file by its path below the folder of presets; `None` for a file that presets
+    /// refer to.
     fn of(path: &str) -> Option<Self> {
         let (folder, name) = path.rsplit_once('/').unwrap_or(("", path));
         let kind = Self::ALL.into_iter().find(|kind| kind.folder() == folder)?;
@@ -78,10 +79,10 @@ impl fmt::Display for PresetKind {
     }
 }
 
-/// A file that the program carries.
+/// A file embedded in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preset {
-    /// What it describes.
+    /// Its kind.
     pub kind: PresetKind,
     /// The name of its file without the ending.
     pub name: &'static str,
@@ -116,8 +117,8 @@ impl Preset {
         Self::of_kind(kind).find(|preset| preset.name == name)
     }
 
-    /// The preset that a path stands for where there is no such file: `green_vps`, or a path that ends in the name of its file, as
-    /// `scenarios/rods/green_vps.toml` does.
+    /// The preset for a path that does not exist: `green_vps`, or a path that ends in the name of
+    /// its file, as `scenarios/rods/green_vps.toml` does.
     pub fn in_place_of(kind: PresetKind, path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_str()?;
         let is_bare = path.components().count() == 1;
@@ -125,7 +126,7 @@ impl Preset {
         Self::named(kind, stem.or(is_bare.then_some(name))?)
     }
 
-    /// The title that its text states, or its first comment.
+    /// The title in its text, or its first comment.
     pub fn title(&self) -> &'static str {
         let between = |before, after: char| {
             let (_, rest) = self.text.split_once(before)?;
@@ -141,7 +142,8 @@ impl Preset {
         })
     }
 
-    /// Its file, in a folder with all presets below the user's cache. What is missing or differs there is written first.
+    /// Its file, in a folder with all presets below the user's cache. Missing or different files
+    /// are written first.
     ///
     /// # Errors
     /// The folder cannot be written.
@@ -172,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_stands_for_the_preset_that_it_ends_in() {
+    fn a_path_selects_the_preset_that_it_ends_in() {
         let found =
             |kind, path: &str| Preset::in_place_of(kind, Path::new(path)).map(|preset| preset.name);
         let rod = PresetKind::Rod;

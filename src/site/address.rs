@@ -1,8 +1,8 @@
-//! Addresses of links: places in the repository.
+//! Addresses of links: paths in the repository.
 
 use std::fmt;
 
-/// Where a link leads in the repository.
+/// Target of a link in the repository.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Address {
     /// The file, from the root of the repository.
@@ -12,7 +12,7 @@ pub struct Address {
 }
 
 impl Address {
-    /// Where a link on a page leads; `None` out of the repository.
+    /// Target of a link on a page; `None` outside the repository.
     pub fn of(page: &str, link: &str) -> Option<Self> {
         if link.contains("://") || link.starts_with("mailto:") || link.starts_with("data:") {
             return None;
@@ -58,7 +58,7 @@ fn joined(page: &str, path: &str) -> String {
     parts.join("/")
 }
 
-/// Where a page is in the site.
+/// Path of a page in the site.
 pub fn html_path(page: &str) -> String {
     match page.strip_suffix(".md") {
         Some("README") => "index.html".into(),
@@ -67,7 +67,8 @@ pub fn html_path(page: &str) -> String {
     }
 }
 
-/// The address of a place relative to the folder of a page; that of the root, empty or with a slash at its end, if the place is empty.
+/// The address of a place relative to the folder of a page; that of the root, empty or with a
+/// trailing slash, if the path is empty.
 pub fn relative(page: &str, place: &str) -> String {
     "../".repeat(page.matches('/').count()) + place
 }

@@ -1,7 +1,8 @@
 //! The documentation as a web site that needs no server: pages of the repository, and pages in which the program describes itself.
 //!
-//! Pages keep their places: `src/guide/contact.md` becomes `src/guide/contact.html`, and the files that pages link to are copied
-//! beside them, so that links lead to the same things as in the repository. Pages are found by following links from `README.md`.
+//! Pages keep their places: `src/guide/contact.md` becomes `src/guide/contact.html`, and the files
+//! that pages link to are copied beside them, so that links have the same targets as in the
+//! repository. Pages are found by following links from `README.md`.
 
 mod address;
 mod openings;
@@ -20,10 +21,10 @@ use thiserror::Error;
 const FRAME: &str = include_str!("frame.html");
 const SEARCH: &str = include_str!("search.js");
 
-/// A page that no file of the repository holds.
+/// A generated page without a file in the repository.
 #[derive(Clone, Debug)]
 pub struct Chapter {
-    /// Its place, such as `reference/keys.md`.
+    /// Its path, such as `reference/keys.md`.
     pub path: &'static str,
     /// Its text, Markdown.
     pub text: String,
@@ -32,18 +33,18 @@ pub struct Chapter {
 /// Why a site was not built.
 #[derive(Debug, Error)]
 pub enum SiteError {
-    /// A folder is not a checkout of the repository.
+    /// The folder is not a checkout of the repository.
     #[error("{}: there is no README.md; the site is built from a checkout of the repository", .0.display())]
     NoRepository(PathBuf),
-    /// Links lead nowhere.
-    #[error("links that lead nowhere:\n{}", .0.join("\n"))]
+    /// Links are broken.
+    #[error("broken links:\n{}", .0.join("\n"))]
     Broken(Vec<String>),
     /// A file could not be read.
     #[error("{}: {error}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the operating system reports.
+        /// Error of the operating system.
         error: std::io::Error,
     },
     /// A file could not be written.
@@ -55,7 +56,7 @@ pub enum SiteError {
 /// pages link to.
 ///
 /// # Errors
-/// A file cannot be read or written, or a link leads nowhere; then nothing is written.
+/// A file cannot be read or written, or a link is broken; then nothing is written.
 pub fn build(
     repository: &Path,
     chapters: &[Chapter],
@@ -105,7 +106,7 @@ pub fn build(
     Ok(site.len())
 }
 
-/// All pages that links lead to from `README.md` and from the chapters, by their places.
+/// All pages reachable by links from `README.md` and the chapters, by their paths.
 fn collect(
     repository: &Path,
     chapters: &[Chapter],
@@ -134,7 +135,7 @@ fn collect(
     Ok(site)
 }
 
-/// Links to pages, anchors and files that are not there, in words.
+/// Messages about links to missing pages, anchors and files.
 fn broken_links(site: &BTreeMap<String, Rendered>, repository: &Path, out: &Path) -> Vec<String> {
     let leads = |link: &Address| match site.get(&link.path) {
         Some(page) => link

@@ -1,6 +1,6 @@
-//! How pages of the guide open on the site: a picture, and the command to start with.
+//! Openings of guide pages on the site: a picture and a first command.
 
-/// Page of the guide, picture below `results/reproduced`, what it shows, command.
+/// Page of the guide, picture below `results/reproduced`, caption, command.
 const OPENINGS: &[[&str; 4]] = &[
     [
         "getting_started",
@@ -202,7 +202,7 @@ const OPENINGS: &[[&str; 4]] = &[
     ],
 ];
 
-/// The text of a page with its opening behind the title; other pages as they are. A page whose first block of code is a command
+/// The text of a page with its opening after the title; other pages unchanged. A page whose first block of code is a command
 /// keeps that one.
 pub fn opened(path: &str, text: &str) -> String {
     let name = path.strip_prefix("src/guide/");

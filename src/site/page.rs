@@ -1,4 +1,4 @@
-//! A page: its HTML, and what other pages and the search need of it.
+//! A page: its HTML, and its data for other pages and the search.
 
 use super::address::{Address, html_path, relative};
 use rodlab_files::figure::markdown_html;
@@ -8,13 +8,13 @@ use std::collections::BTreeSet;
 pub struct Rendered {
     /// Its first heading.
     pub title: String,
-    /// What is between header and footer.
+    /// Content between header and footer.
     pub html: String,
-    /// Its words, for the search.
+    /// Its text, for the search.
     pub words: String,
     /// Its anchors.
     pub anchors: BTreeSet<String>,
-    /// Where its links lead in the repository.
+    /// Targets of its links in the repository.
     pub links: Vec<Address>,
 }
 
@@ -41,7 +41,7 @@ pub fn render(path: &str, markdown: &str) -> Rendered {
     }
 }
 
-/// The text between tags, with blanks in place of line breaks.
+/// The text between tags, with spaces instead of line breaks.
 fn words(html: &str) -> String {
     let pieces = html.split('<').enumerate();
     let text = pieces.map(|(index, piece)| match piece.split_once('>') {
