@@ -135,7 +135,7 @@ fn what_cannot_be_filmed_is_an_error_that_says_why_and_leaves_nothing() {
     let film = |rest: &[&'static str]| [&["movie", "fall"], rest].concat();
     refuse(
         &["movie", "nowhere", "--out", "a.gif"],
-        &["no results directory"],
+        &["not a results directory"],
     );
     refuse(&film(&["--out", "a.avi"]), &[".gif", ".mp4", "frames/"]);
     refuse(&film(&["--out", "a.gif", "--size", "7x7"]), &["1280x720"]);

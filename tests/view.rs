@@ -418,7 +418,7 @@ fn what_cannot_be_shown_is_refused_in_words() {
         assert!(!directory.path().join(name).join("view.html").exists());
         String::from_utf8(output.stderr).unwrap()
     };
-    assert!(refuse("nowhere").contains("no results directory"));
+    assert!(refuse("nowhere").contains("not a results directory"));
     page(directory.path());
     fs::remove_file(directory.path().join("fall/nodes.csv")).unwrap();
     assert!(refuse("fall").contains("`nodes = true` under [output]"));

@@ -24,7 +24,7 @@ pub enum ClusterError {
     },
     /// `sbatch` took a job and printed no number of it (exit code 1).
     #[error(
-        "`sbatch` printed `{said}` instead of the number of a job; `squeue` shows whether there is one"
+        "`sbatch` printed `{said}` instead of a job number; `squeue` shows whether the job exists"
     )]
     NoNumber {
         /// What it printed.
@@ -42,7 +42,7 @@ pub enum ClusterError {
     },
     /// Something that must stand on one line of the batch script does not (exit code 2).
     #[error(
-        "the {what} {text:?} cannot stand in a batch script: no line breaks, other control characters or, in the name of the results directory, quotes and backslashes"
+        "the {what} {text:?} is not allowed in a batch script; leave out line breaks, other control characters and, in the name of the results directory, quotes and backslashes"
     )]
     NotOneLine {
         /// What it is.
@@ -52,7 +52,7 @@ pub enum ClusterError {
     },
     /// The value of an option has blanks, quotes or other characters that end it early (exit code 2).
     #[error(
-        "the {what} {text:?} is not one word; allowed: no blanks, quotes, backslashes and number signs"
+        "the {what} {text:?} is not one word; leave out blanks, quotes, backslashes and number signs"
     )]
     NotOneWord {
         /// What it is.

@@ -25,7 +25,7 @@ pub struct Program {
 
 /// The script that runs the given tasks (counted from 1).
 ///
-/// Task K runs the K-th share of the cases. A task that is told that its time is nearly up writes checkpoints
+/// Task K runs the K-th share of the cases. A task that receives the signal before its time limit writes checkpoints
 /// and puts itself into the queue again; so does one whose program was killed. One that is cancelled writes
 /// checkpoints, if Slurm leaves it the time, and stays out of the queue.
 ///
@@ -65,7 +65,7 @@ pub fn script(
         .map_or(String::new(), |words| format!("{words} "));
     Ok(format!(
         r#"#!/bin/bash
-# Written by `rodlab submit`: each task runs its share of the cases, and goes on where it was.
+# Written by `rodlab submit`: each task runs its share of the cases, and resumes where it stopped.
 {options}
 {prologue}
 {wrapper}{executable} run {scenario} --out {directory} \
@@ -222,7 +222,7 @@ mod tests {
         let head = script.split("# Signals").next().unwrap();
         insta::assert_snapshot!(head, @r#"
         #!/bin/bash
-        # Written by `rodlab submit`: each task runs its share of the cases, and goes on where it was.
+        # Written by `rodlab submit`: each task runs its share of the cases, and resumes where it stopped.
         #SBATCH --job-name=swings
         #SBATCH --cpus-per-task=4
         #SBATCH --partition=short
@@ -257,13 +257,13 @@ mod tests {
                 .to_string()
         };
         let plain = Request::default();
-        insta::assert_snapshot!(refused("/data/a\nrm -rf b", &plain), @r#"the results directory "/data/a\nrm -rf b" cannot stand in a batch script: no line breaks, other control characters or, in the name of the results directory, quotes and backslashes"#);
-        insta::assert_snapshot!(refused("/data/a\"b", &plain), @r#"the results directory "/data/a\"b" cannot stand in a batch script: no line breaks, other control characters or, in the name of the results directory, quotes and backslashes"#);
+        insta::assert_snapshot!(refused("/data/a\nrm -rf b", &plain), @r#"the results directory "/data/a\nrm -rf b" is not allowed in a batch script; leave out line breaks, other control characters and, in the name of the results directory, quotes and backslashes"#);
+        insta::assert_snapshot!(refused("/data/a\"b", &plain), @r#"the results directory "/data/a\"b" is not allowed in a batch script; leave out line breaks, other control characters and, in the name of the results directory, quotes and backslashes"#);
         let named = Request {
             name: "a\n#SBATCH --exclusive".into(),
             ..Request::default()
         };
-        insta::assert_snapshot!(refused("/data", &named), @r#"the name of the job "a\n#SBATCH --exclusive" cannot stand in a batch script: no line breaks, other control characters or, in the name of the results directory, quotes and backslashes"#);
+        insta::assert_snapshot!(refused("/data", &named), @r#"the name of the job "a\n#SBATCH --exclusive" is not allowed in a batch script; leave out line breaks, other control characters and, in the name of the results directory, quotes and backslashes"#);
         let text = script(&program("/data/a b/50%"), &plain, &[1]).unwrap();
         assert!(text.contains("#SBATCH --output=\"/data/a b/50%%/slurm/%A_%a.log\"\n"));
     }

@@ -50,7 +50,7 @@ fn a_rope_over_a_post_passes_with_ipc() {
 }
 
 /// Two soft rings that meet at 34 m/s, four times as fast as waves run in them: implicit Euler damps the impact, also within a
-/// run of the midpoint rule, and goes on with rods that are stretched beyond the theory; or the run ends, by that or because
+/// run of the midpoint rule, and continues with rods that are stretched beyond the theory; or the run ends, by that or because
 /// energy came from nowhere.
 #[test]
 fn an_impact_faster_than_the_waves_in_a_rod_never_passes_without_that_reason() {

@@ -158,7 +158,7 @@ pub struct SampleColumns {
     pub outputs: &'static [&'static str],
     /// How much errors of each of these count; all alike where there are none.
     pub weights: &'static [f64],
-    /// Quantities whose errors are told.
+    /// Quantities whose errors are reported.
     pub compared: &'static [Compared],
 }
 

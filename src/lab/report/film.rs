@@ -59,7 +59,7 @@ pub enum MovieError {
     },
     /// The name of the file does not say what to write.
     #[error(
-        "`{}` has an ending that is no format of films; allowed: a file that ends in .gif or .mp4, or a folder for pictures, such as frames/",
+        "`{}` is not a film or a folder: unknown ending; allowed: a file that ends in .gif or .mp4, or a folder for pictures, such as frames/",
         .0.display()
     )]
     UnknownFormat(PathBuf),
@@ -68,7 +68,7 @@ pub enum MovieError {
     WithoutVideo(PathBuf),
     /// The folder holds something else than pictures of a film.
     #[error(
-        "`{}` holds `{found}`, which is no picture of a film; choose another folder or remove it",
+        "`{}` holds `{found}`, which is not a picture of a film; choose another folder or remove it",
         directory.display()
     )]
     NotOwn {

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
     /// The directory holds no results.
-    #[error("`{}` is no results directory: it has no manifest.json; give the directory that `rodlab run` names", .0.display())]
+    #[error("`{}` is not a results directory: it has no manifest.json; give the directory that `rodlab run` prints", .0.display())]
     NotResults(PathBuf),
     /// The runs wrote no positions.
     #[error(

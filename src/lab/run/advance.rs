@@ -44,7 +44,7 @@ pub trait Advance {
     fn remarks(&self) -> Vec<String>;
     /// The nodes now; with velocities and forces where asked for.
     fn frame(&self, with_forces: bool) -> Frame;
-    /// The simulation at which observers look; `None` in a double without one, which nobody observes.
+    /// The simulation at which observers look; `None` in a test double without one, which has no observers.
     fn simulation(&self) -> Option<&Simulation>;
     /// The simulation on which controllers act.
     fn simulation_mut(&mut self) -> Option<&mut Simulation>;

@@ -10,13 +10,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Watches for a request to stop, from its creation until it is dropped.
 ///
-/// Signals end the program at once as long as nobody has asked for them: there is nothing to save yet. From the first
-/// call of [`requested`](Self::requested) on, whoever asks has work to save and will stop; a second signal, which shells
+/// Signals end the program at once until the first call of [`requested`](Self::requested): there is nothing to save yet.
+/// After that call the caller has work to save and will stop; a second signal, which shells
 /// and wrappers often send within milliseconds of the first, then changes nothing, until all is saved.
 pub struct Interruption {
     interrupted: Arc<AtomicBool>,
     time_is_up: Arc<AtomicBool>,
-    /// Whether nobody asks: not yet, or no more.
+    /// Whether no caller polls for requests: not yet, or no longer.
     unattended: Arc<AtomicBool>,
     handlers: Vec<SigId>,
 }
@@ -26,8 +26,8 @@ static ATTENDANTS: AtomicUsize = AtomicUsize::new(0);
 /// Whether one of them has heard a request, and ends the program in its own way.
 static HEARD: AtomicBool = AtomicBool::new(false);
 
-/// Whether anybody in this process asks for requests to stop, or has heard one. While nobody does, before the first run and
-/// between two, nothing is at work that would have to be saved.
+/// Whether any code in this process polls for requests to stop, or has received one. Otherwise, before the first run and
+/// between two runs, there is no work that would have to be saved.
 pub fn is_attended() -> bool {
     ATTENDANTS.load(Ordering::Relaxed) > 0 || HEARD.load(Ordering::Relaxed)
 }
@@ -85,7 +85,7 @@ impl Interruption {
 }
 
 impl Interruption {
-    /// Nobody will ask any more: what is still done need not be saved. A request that has come already stands.
+    /// Ends the polling for requests: later work need not be saved. A request that was received earlier remains valid.
     pub fn leave_unattended(&self) {
         if !self.unattended.swap(true, Ordering::Relaxed) {
             ATTENDANTS.fetch_sub(1, Ordering::Relaxed);

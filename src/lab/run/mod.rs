@@ -156,7 +156,7 @@ pub fn run(prepared: &PreparedRun, options: &RunOptions) -> Result<RunOutcome, R
     run_until(prepared, options, &|| interruption.requested())
 }
 
-/// Time for which work that was set up goes on, though its time may be up: so each call gets on, however short its time.
+/// Least time for which work continues after it was set up, even past its time limit, so that each call makes progress.
 const LEAST: Duration = Duration::from_millis(20);
 
 /// The moment at which work that begins now is to stop.

@@ -32,7 +32,7 @@ impl Sample<'_> {
 /// What follows from what an observer saw.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Finding {
-    /// Nothing: the run goes on.
+    /// Nothing: the run continues.
     GoOn,
     /// All has been seen: the run ends with the next output, or with this one, as it should.
     End(Ending),

@@ -35,7 +35,7 @@ impl PathAtWork {
         })
     }
 
-    /// Goes on from a checkpoint.
+    /// Resumes from a checkpoint.
     pub fn resume(
         checkpoint: PathCheckpoint,
         directory: &ResultsDirectory,

@@ -14,8 +14,8 @@ pub enum StopRequest {
     TimeLimit,
 }
 
-/// What is asked, between steps and during long ones, whether to stop. A wish once told stays: it is asked for again by
-/// whoever finds work left undone.
+/// Callback that is asked, between steps and during long ones, whether to stop. A request, once made, persists: callers ask
+/// for it again when they find unfinished work.
 pub type StopRequests<'a> = &'a (dyn Fn() -> Option<StopRequest> + Sync);
 
 /// Why the steps ended early.

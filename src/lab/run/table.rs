@@ -1,6 +1,6 @@
 //! A run whose result is a table of rows that do not depend on each other.
 //!
-//! Rows are computed in blocks, in parallel, and written in their order. A run that was interrupted goes on after
+//! Rows are computed in blocks, in parallel, and written in their order. An interrupted run resumes after
 //! the last block that is in the file: the table is its own checkpoint.
 
 use super::prepared::{PreparedRun, TableRun};

@@ -63,7 +63,7 @@ pub fn forecast(prepared: &PreparedRun) -> Forecast {
     pool.spawn(move || {
         let silent = tracing::subscriber::NoSubscriber::default();
         let found = tracing::subscriber::with_default(silent, || try_run(&prepared, &path));
-        // Nobody may listen any more.
+        // The receiver may be gone.
         let _ = tell.send(found);
     });
     // A trial that is given up works on to the end of the program, but its directory is gone.
@@ -71,7 +71,7 @@ pub fn forecast(prepared: &PreparedRun) -> Forecast {
         Ok(forecast) => forecast,
         Err(mpsc::RecvTimeoutError::Timeout) => unknown(None, LONGEST.as_secs_f64()),
         Err(mpsc::RecvTimeoutError::Disconnected) => {
-            unknown(Some("a fault of rodlab ended it".to_owned()), 0.0)
+            unknown(Some("an internal error of rodlab ended it".to_owned()), 0.0)
         }
     }
 }
@@ -83,7 +83,7 @@ fn try_run(prepared: &PreparedRun, directory: &Path) -> Forecast {
         part: 0.0,
         failure: None,
     };
-    // Searches for an equilibrium begin anew in each call.
+    // Searches for an equilibrium start from scratch in each call.
     let stages = if prepared.mode == Mode::Static { 1 } else { 2 };
     for _ in 0..stages {
         let (stage, seconds) = try_stage(prepared, directory);

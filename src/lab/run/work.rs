@@ -1,7 +1,7 @@
-//! Who is at work in this process, and who has heard of a request to stop.
+//! Work in progress in this process, and whether it has received a request to stop.
 //!
-//! Runs ask now and then whether to stop. A step of an enormous system may take minutes in between: whoever has asked a run to
-//! stop learns here that it has not heard.
+//! Runs ask now and then whether to stop. A step of an enormous system may take minutes in between: this module reports to the
+//! code that asked a run to stop that the run has not received the request.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -39,7 +39,7 @@ fn at_work() -> MutexGuard<'static, Vec<Arc<AtomicBool>>> {
     AT_WORK.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether somebody is at work who has not been told to stop, and nobody else is saving what there is.
+/// Whether there is work that has not received the request to stop, and no other work is being saved.
 pub fn is_deaf() -> bool {
     let at_work = at_work();
     !at_work.is_empty() && at_work.iter().all(|told| !told.load(Ordering::Relaxed))

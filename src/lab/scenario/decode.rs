@@ -57,7 +57,7 @@ pub fn decode_beside<T: DeserializeOwned>(document: &Node, beside: &[&str]) -> R
                     return Err(issues);
                 }
                 // Without its kind a table means nothing, so it goes as a whole. Elements of arrays stay,
-                // lest those after them change their numbers.
+                // so that those after them keep their numbers.
                 if steps.last().is_some_and(|step| step == KIND) {
                     steps.pop();
                 }

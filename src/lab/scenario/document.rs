@@ -254,7 +254,7 @@ impl Node {
         }
     }
 
-    /// The places of the key and of the value at `path`; where the path goes on beyond the tree, those of
+    /// The places of the key and of the value at `path`; where the path extends beyond the tree, those of
     /// its last step that exists. Elements of arrays have no key: theirs is the array's.
     pub fn locate(&self, path: &KeyPath) -> (Span, Span) {
         let (mut key, mut node) = (self.span.clone(), self);

@@ -287,7 +287,8 @@ fn parse_and_extend(
         }
         None => match unset {
             Some(unset) => {
-                let message = "nothing is inherited here; this key stands beside `extends`";
+                let message =
+                    "nothing is inherited here; this key is allowed only beside `extends`";
                 let issue = Issue::new(KeyPath::from("unset"), message);
                 return Err(Located::new(sources, issue, Some(unset.key_span)).into());
             }

@@ -119,7 +119,7 @@ impl<'a> CaseTable<'a> {
             if Instant::now() < state.next_writing {
                 return Ok(());
             }
-            // Nobody else tries while this thread writes.
+            // No other thread tries while this thread writes.
             state.next_writing = Instant::now() + Duration::from_secs(3600);
         }
         let start = Instant::now();

@@ -1,4 +1,4 @@
-//! What a sweep came to.
+//! Outcome of a sweep.
 
 use crate::run::StopRequest;
 use rodlab_files::results::CaseStatus;
@@ -22,7 +22,7 @@ pub struct Found {
     pub failure: Option<String>,
 }
 
-/// What a sweep came to.
+/// Outcome of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepOutcome {
     /// Where the results lie.

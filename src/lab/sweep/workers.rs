@@ -157,7 +157,7 @@ impl<'a> Workers<'a> {
         }
     }
 
-    /// Takes up a case, if it is not settled and nobody else has it.
+    /// Takes up a case, if it is not settled and no other process has it.
     fn attempt(&self, job: &Job) -> Attempt {
         match self.try_attempt(job) {
             Ok(attempt) => attempt,

@@ -15,7 +15,7 @@ pub static FILES: [FileDescription; 3] = [
     ),
     table(
         &["summary.csv"],
-        "What a deployment came to.",
+        "Outcome of a deployment.",
         &[laid(SUMMARY)],
     ),
     file(
@@ -35,7 +35,7 @@ const SERIES: &[Column] = columns! {
     "laid_m": "Arc length of the pattern, its lead-in included, that the gripper has laid, m; of two rods that of both.",
     "mean_error_m": "Mean distance of the rod from the pattern at equal arc lengths, as far as it is laid, over 50 points of the \
         whole (of each of two rods) without its lead-in, m; empty before the first of them, and while a laid rod is tied.",
-    "largest_sliding_m": "Farthest that a laid node has come from where it first lay, m.",
+    "largest_sliding_m": "Largest displacement of a laid node from where it was first laid, m.",
     "gripper_force_n": "Force of the gripper on the rod that it lays, N; of two rods the larger one.",
 };
 
@@ -44,7 +44,7 @@ const SUMMARY: &[Column] = columns! {
         (of each of two rods), the lead-in left out, m; of a rod that is tied, before its end was led on.",
     "error_deviation_m": "Standard deviation of that distance, m.",
     "largest_error_m": "Largest such distance, m.",
-    "largest_sliding_m": "Farthest that a laid node has come from where it first lay, m.",
+    "largest_sliding_m": "Largest displacement of a laid node from where it was first laid, m.",
     "largest_gripper_force_n": "Largest force of the gripper on the rod, N.",
     "largest_friction_demand": "The largest friction that the pattern asks for: of the lying rod 2 L_gb³|κ''| (thesis Eq. 5.2), at the contact \
         node |n_y + κ̄'|/|n_z| of the optimal grasp; of the scheme \"intuitive\" that of the lying rod alone.",

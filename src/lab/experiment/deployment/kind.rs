@@ -299,7 +299,7 @@ mod tests {
         insta::assert_snapshot!(fault(&format!("{ARC}\nseed = -2")), @"laid.toml:4:8: `deployment.seed`: -2 is out of range; allowed: 0 and above");
         insta::assert_snapshot!(fault(&format!("{ARC}\ncorrection = {{ every = 0.03, return_length = 0.05 }}")), @"laid.toml:4:46: `deployment.correction.return_length`: 0.05 m is too short: the rod would swing about its pattern; allowed: 3 times `every` and the gravito-bending length, 0.0900 m, and more");
         insta::assert_snapshot!(fault(&format!("{ARC}\ncorrection = {{ every = 0.001 }}")), @"laid.toml:4:24: `deployment.correction.every`: 0.001 m is less than an edge of the rod, 0.0045 m (`rod.edges`)");
-        insta::assert_snapshot!(fault(&format!("{ARC}\nscheme = \"intuitive\"\ncorrection = {{}}")), @r#"laid.toml:5:14: `deployment.correction`: the intuitive scheme is not corrected: use "optimal""#);
+        insta::assert_snapshot!(fault(&format!("{ARC}\nscheme = \"intuitive\"\ncorrection = {{}}")), @r#"laid.toml:5:14: `deployment.correction`: the intuitive scheme cannot be corrected; use "optimal""#);
         insta::assert_snapshot!(fault(&format!("{ARC}\nseed = {}", i64::MIN)), @"laid.toml:4:8: `deployment.seed`: -9223372036854775808 is out of range; allowed: 0 and above");
         let peg = |keys: &str| {
             fault(&format!(

@@ -3,7 +3,7 @@
 //! Both ends of a rod are raised straight up and joined far above the table, and, once more, lowered and joined far below it. Of
 //! two rods the end of each is joined to the start of the other, so that the closed curve runs along both forwards; one path lies higher
 //! than the other. Where both closed curves have the same determinant and signature, it does not matter how ends are joined: that is
-//! the knot. Where they differ an end lies within the loops of a rod, and it is no knot that holds.
+//! the knot. Where they differ an end lies within the loops of a rod, and the knot does not hold.
 //!
 //! A reef knot is two bights, each of which comes from one side and goes back there through the other one: B comes from the right below
 //! the upper strand of A's bight and goes back below the lower one, or both above. The paths that join A's end on the left with B's start on

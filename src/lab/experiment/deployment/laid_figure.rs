@@ -56,7 +56,7 @@ pub fn laid_outlines(directory: &Path) -> Result<Option<LaidOutlines>, FigureErr
         };
         let (rod, others) = left.split_at(laying.rod.edges + 1);
         left = others;
-        // A rod that is tied goes on beyond what was laid of it.
+        // A rod that is tied extends beyond the part that was laid.
         let part = match laying.knot {
             Some(_) => 1.0,
             None => curve.length() / laying.rod.length,

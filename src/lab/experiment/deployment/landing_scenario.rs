@@ -64,7 +64,7 @@ impl Landing<'_> {
         };
         let scheme = word(&request.scheme);
         format!(
-            "# A gripper lays the rod along the pattern, as in trajectory.csv. rodlab explain deployment says more of its keys.\n\
+            "# A gripper lays the rod along the pattern, as in trajectory.csv. rodlab explain deployment describes the keys.\n\
              experiment = \"deployment\"\n\
              title = {title}\n\n\
              [deployment]\n\

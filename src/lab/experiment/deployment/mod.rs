@@ -8,8 +8,8 @@
 //! | `gripper_path` | the path of a gripper that lays a rod, with its errors, planned before the run |
 //! | `tying` | what both grippers do when rods are laid, where a knot is tied |
 //! | `paths` | the paths of all grippers, one after the other |
-//! | `planned` | what the planner believes |
-//! | `online` | the path planned anew from where the rod is seen to lie |
+//! | `planned` | the model that the planner assumes |
+//! | `online` | the path replanned from the observed place of the rod |
 //! | `tables` | that table with what is planned of it |
 //! | `laid_rod` | distances of the laid rod from its pattern |
 //! | `pegs` | posts on the table, and whether the rod passes them as its pattern does |

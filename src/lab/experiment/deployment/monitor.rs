@@ -195,7 +195,7 @@ impl Observer for DeploymentMonitor {
     }
 
     fn measure(&mut self, sample: &Sample<'_>, _row: &SeriesRow) -> (Vec<Value>, Finding) {
-        // Sliding and largest force are those of the samples, lest they depend on the outputs.
+        // Sliding and largest force are those of the samples, so that they do not depend on the outputs.
         let kept = (
             self.touched.clone(),
             self.largest_sliding,

@@ -1,4 +1,4 @@
-//! Online correction: the gripper's path is planned anew from where the rod is seen to lie.
+//! Online correction: the gripper's path is replanned from the observed place of the rod.
 
 use super::gripper_path::GripperPath;
 use super::keys::{Correction, Deployment, Solver};
@@ -17,7 +17,7 @@ const LEAST_TIME: f64 = 1.0;
 /// Seeds of successive observations are this far apart.
 const SEED_STEP: u64 = 0x9e37_79b9;
 
-/// Plans the gripper's path anew after each length that has been laid.
+/// Replans the gripper's path after each length that has been laid.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OnlineCorrection {
     /// Root mean square by which the camera sees places wrongly, m, and its seed.
@@ -34,7 +34,7 @@ pub struct OnlineCorrection {
     lying_height: f64,
     /// Times of the poses, s.
     times: Vec<f64>,
-    /// Displacement (m) and turn (rad) of the gripper at those times that nobody knows of.
+    /// Unmodelled displacement (m) and turn (rad) of the gripper at those times.
     jitter: Vec<(Vector3, Vector3)>,
     /// The gripper at the start.
     first: (Vector3, UnitQuaternion),

@@ -1,4 +1,4 @@
-//! What a deployment came to.
+//! Outcome of a deployment.
 
 use rodlab_files::results::{CaseOutcome, NamedValues};
 use rodlab_planning::knot::KnotInvariants;

@@ -38,7 +38,7 @@ pub enum PlacementError {
     /// Its pattern is none.
     #[error(transparent)]
     Pattern(#[from] PatternError),
-    /// It is no such scenario.
+    /// The scenario cannot be used for placement.
     #[error("{0}")]
     Unfit(&'static str),
 }

@@ -117,7 +117,7 @@ impl TyingPlan {
         }
     }
 
-    /// What the grippers do from the time (s) on when all rods are laid; the path of the one that holds its rod goes on.
+    /// Motion of the grippers from the time (s) at which all rods are laid; the gripper that holds its rod continues on its path.
     pub fn tying(self, layings: &[Deployment], paths: &mut [GripperPath], begin: f64) -> Tying {
         // Of a single rod, the second gripper trembles in its own way, too.
         let other = layings[0].by_another_gripper();

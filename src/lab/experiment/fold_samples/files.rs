@@ -19,11 +19,11 @@ pub static FILES: [FileDescription; 2] = [
 ];
 
 const SAMPLE_COLUMNS: &[Column] = columns! {
-    "x": "x̄: how far the edge has moved towards the sheet.",
+    "x": "x̄: displacement of the edge towards the sheet.",
     "z": "z̄: its height above the table.",
     "outcome": "found, or out_of_reach: then the rest of the row is empty.",
     "lambda": "λ = |H|/|V| at the touchdown point.",
-    "alpha": "α, in rad: by how much the edge is turned.",
+    "alpha": "α: angle by which the edge is turned, rad.",
     "suspended_length": "l̄_s, the suspended length.",
     "force_inclination": "arctan(H/|V|), in rad: positive where the sheet is pulled, negative where it is pushed. λ is the size of its \
      tangent; a network learns it more easily than λ, which has a kink at 0 and is large where the sheet is short or taut.",

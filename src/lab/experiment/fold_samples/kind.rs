@@ -19,7 +19,7 @@ pub static FOLD_SAMPLES: DataSet = DataSet {
     summary: "Folds of a sheet at many places of the gripper, for a network to learn from.",
     tables: &TABLES,
     refusals: [
-        "folds are dimensionless: L_gb = 1 and EI = 1; [fold_samples] says all of it",
+        "folds are dimensionless: L_gb = 1 and EI = 1; [fold_samples] defines everything",
         "folds are solved for in equilibrium and in a vacuum; leave the table out",
     ],
     resolve: |request| Some(Experiment::new(NeuralFolds::SAMPLES, resolve(request)?)),

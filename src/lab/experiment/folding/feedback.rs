@@ -1,4 +1,4 @@
-//! Visual feedback: the rest of the path is planned anew from how far the sheet is seen to have slid.
+//! Visual feedback: the rest of the path is replanned from the observed slide of the sheet.
 
 use super::gripper_path::GripperPath;
 use super::keys::{Feedback, Folding};
@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 /// How far the gripper lifts the edge where it gives up, in L_gb.
 const RISE: f64 = 0.5;
 
-/// Looks at the sheet after each part of the path but the last, and plans the next part anew (thesis Algorithm 5): on the sheet,
-/// which has slid by Δx, the gripper is at x_i − Δx, and goes on to where it was to go, x_{i+1}.
+/// Observes the sheet after each part of the path except the last, and replans the next part (thesis Algorithm 5): on the sheet,
+/// which has slid by Δx, the gripper is at x_i − Δx, and continues to its planned place, x_{i+1}.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct VisualFeedback {
     keys: Feedback,
@@ -68,7 +68,7 @@ impl VisualFeedback {
         simulation.positions()[0].x - self.free_end + self.keys.noise * noise
     }
 
-    /// The part from an end on, planned anew; the gripper lifts the edge where there is no way.
+    /// Replans the part after an end; the gripper lifts the edge if there is no path.
     fn plan(&mut self, end: usize, slid: f64) {
         let planner = FoldPlanner::shared(self.sheet, self.algorithm);
         let index_of = |time: f64| {

@@ -13,10 +13,10 @@ pub static FILES: [FileDescription; 3] = [
         "The sheet at each output time.",
         &[folded(SERIES)],
     ),
-    table(&["summary.csv"], "What a fold came to.", &[folded(SUMMARY)]),
+    table(&["summary.csv"], "Outcome of a fold.", &[folded(SUMMARY)]),
     file(
         &["folding.svg", "folding.png"],
-        "The sheet from the side while it is folded, and the way of the gripper. By `rodlab plot`.",
+        "Side view of the sheet while it is folded, and the path of the gripper. By `rodlab plot`.",
     ),
 ];
 
@@ -28,15 +28,15 @@ const fn folded(columns: &'static [Column]) -> ColumnGroup {
 }
 
 const SERIES: &[Column] = columns! {
-    "sliding_m": "How far the free end of the sheet has come from where it lay, in the direction in which the edge goes, m.",
-    "gripper_x_m": "How far the edge has gone in that direction, m.",
+    "sliding_m": "Displacement of the free end of the sheet in the direction in which the edge moves, m.",
+    "gripper_x_m": "Displacement of the edge in that direction, m.",
     "gripper_z_m": "Height of the edge, m.",
     "gripper_force_n": "Force of the gripper on the whole sheet, N.",
 };
 
 const SUMMARY: &[Column] = columns! {
-    "largest_sliding_m": "Farthest that the free end of the sheet has come from where it lay, m.",
-    "final_sliding_m": "How far it is from there at the end, in the direction in which the edge goes, m.",
+    "largest_sliding_m": "Largest displacement of the free end of the sheet, m.",
+    "final_sliding_m": "Its displacement at the end, in the direction in which the edge moves, m.",
     "fold_length_m": "Length of the sheet from its edge to a crease that is pressed half a crease target back from where the edge is, \
         m; empty where the edge is not down, or no sheet lies below it.",
     "fold_length_error_m": "What that is more than half the crease target, m: the error of the fold.",

@@ -17,11 +17,11 @@ pub struct GripperPath {
     pub times: Vec<f64>,
     /// The poses, in L_gb, from where the edge of the sheet would lie if it were flat.
     pub poses: Vec<FoldPose>,
-    /// How far the sheet is believed to have slid, m, by pose.
+    /// Assumed slide of the sheet, m, by pose.
     pub slid: Vec<f64>,
-    /// Displacements along x and z (m) and turn (rad) that nobody knows of.
+    /// Unmodelled displacements along x and z (m) and turn (rad).
     jitter: Vec<[f64; 3]>,
-    /// L_gb as it is believed to be, m.
+    /// Assumed L_gb, m.
     pub unit: f64,
     /// Where the edge goes, m.
     target: f64,

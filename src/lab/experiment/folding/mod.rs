@@ -7,7 +7,7 @@
 //! | `paper_file` | files of sheets |
 //! | `tables` | that table with what is planned of it |
 //! | `gripper_path` | the path of the gripper with its errors, planned before the run |
-//! | `feedback` | the rest of the path planned anew from how far the sheet is seen to have slid |
+//! | `feedback` | the rest of the path replanned from the observed slide of the sheet |
 //! | `monitor`, `outcome` | what is measured, and what it came to |
 //! | `files`, `folded_figure` | what it leaves in a results directory |
 

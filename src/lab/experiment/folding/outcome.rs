@@ -1,4 +1,4 @@
-//! What a fold came to.
+//! Outcome of a fold.
 
 use rodlab_files::results::{CaseOutcome, NamedValues};
 use serde::{Deserialize, Serialize};

@@ -37,5 +37,5 @@ const SAMPLE_COLUMNS: &[Column] = columns! {
     "force_y": "Force at the contact node, sideways.",
     "force_z": "Force at the contact node, upwards.",
     "stable": "Whether the hanging rod is stable.",
-    "residual": "What is left of the equations.",
+    "residual": "Residual of the equations.",
 };

@@ -17,7 +17,7 @@ pub static GRASP_SAMPLES: DataSet = DataSet {
     summary: "Optimal grasps at many points, for a network to learn from.",
     tables: &TABLES,
     refusals: [
-        "grasps are dimensionless: L_gb = 1 and EI = 1; [grasp_samples] says all of it",
+        "grasps are dimensionless: L_gb = 1 and EI = 1; [grasp_samples] defines everything",
         "grasps are solved for in equilibrium and in a vacuum; leave the table out",
     ],
     resolve: |request| Some(Experiment::new(NeuralGrasps::SAMPLES, resolve(request)?)),

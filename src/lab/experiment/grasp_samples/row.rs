@@ -51,6 +51,6 @@ pub struct Sample {
     pub force_z: Option<f64>,
     /// Whether the hanging rod is stable.
     pub stable: Option<bool>,
-    /// What is left of the equations.
+    /// Residual of the equations.
     pub residual: Option<f64>,
 }

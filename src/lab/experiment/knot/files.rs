@@ -13,7 +13,7 @@ pub static FILES: [FileDescription; 3] = [
         "The knot at each output time.",
         &[pulled(SERIES)],
     ),
-    table(&["summary.csv"], "What a knot came to.", &[pulled(SUMMARY)]),
+    table(&["summary.csv"], "Outcome of a knot.", &[pulled(SUMMARY)]),
     file(
         &[TRACTION_FIGURE, "traction.png"],
         "Traction of a knot over its tightness, beside the laws of its theory. By `rodlab plot`.",
@@ -55,10 +55,10 @@ const SUMMARY: &[Column] = columns! {
         \"knot-inversion\".",
     "inversion_by_force": "l̄_k at which the traction began to fall most steeply while the loop fell onto the braid; empty where the loop did not \
         fall, or the traction by less than 30 %.",
-    "inversion_by_height": "l̄_k at which the loop had come to lie on the braid; empty where it did not.",
+    "inversion_by_height": "l̄_k at which the loop lay on the braid; empty where it never did.",
     "inversion_difference": "Difference of the two over their mean.",
     "kinetic_over_elastic": "Largest kinetic over elastic energy at the output times while the ends moved, before the inversion.",
-    "kinetic_bound": "What it should not exceed for a quasi-static pull: knot.kinetic_bound.",
+    "kinetic_bound": "Upper bound of this ratio for a quasi-static pull: knot.kinetic_bound.",
     "energy_balance": "Gain of energy and losses to friction and drag, over the work of the ends; 1 where nothing is lost to \
         the time steps.",
     "knot_ending": "Why the run ended before its time: inverted, or locked (the rod stretches instead of slipping); empty \

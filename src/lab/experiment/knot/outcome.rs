@@ -11,7 +11,7 @@ pub struct KnotOutcome {
     pub may_invert: bool,
     /// l̄_k at which the traction fell as the knot inverted; empty where it did not.
     pub inversion_by_force: Option<f64>,
-    /// l̄_k at which the loop had come to lie on the braid; empty where it did not.
+    /// l̄_k at which the loop lay on the braid; empty where it never did.
     pub inversion_by_height: Option<f64>,
     /// Difference of the two over their mean.
     pub inversion_difference: Option<f64>,

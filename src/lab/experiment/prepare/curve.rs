@@ -220,7 +220,7 @@ fn resample(points: &[[f64; 3]], edges: usize, closed: bool) -> Vec<Vector3> {
     (0..nodes)
         .map(|node| {
             let wanted = total * node as f64 / edges as f64;
-            // Lengths that under- or overflow make nodes that are no numbers, which whoever places the rod refuses.
+            // Lengths that under- or overflow make nodes that are not finite; the code that places the rod rejects them.
             let after = lengths
                 .partition_point(|&length| length <= wanted)
                 .clamp(1, corners.len() - 1);

@@ -1,4 +1,4 @@
-//! Probes while a run goes on: what ends it, and what survives an interruption.
+//! Probes during a run: what ends it, and what survives an interruption.
 
 use super::{CANTILEVER, Ran, prepared, ran};
 use crate::run::{PreparedRun, RunError, StopRequest, run_until};

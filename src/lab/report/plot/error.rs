@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum PlotError {
     /// The directory holds no results.
-    #[error("`{}` is no results directory: it has no manifest.json; give the directory that `rodlab run` names", .0.display())]
+    #[error("`{}` is not a results directory: it has no manifest.json; give the directory that `rodlab run` prints", .0.display())]
     NotResults(PathBuf),
     /// No table has all the columns asked for.
     #[error("there is no column `{column}`{}; columns: {}", hint(.column, .known), .known.join(", "))]
@@ -20,7 +20,9 @@ pub enum PlotError {
         known: Vec<String>,
     },
     /// A column holds words where numbers are needed.
-    #[error("column `{0}` holds no numbers, which an axis needs; words can only be a --group")]
+    #[error(
+        "column `{0}` holds no numbers, but an axis needs numbers; words can only be a --group"
+    )]
     NoNumbers(String),
     /// The columns stand in different tables.
     #[error(

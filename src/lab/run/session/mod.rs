@@ -330,7 +330,7 @@ impl Session {
             .collect()
     }
 
-    /// Writes a checkpoint where the last is old, or else steps so long that whoever cannot wait for their end would lose much.
+    /// Writes a checkpoint if the last one is old, or if steps take so long that stopping during one would lose much work.
     fn write_checkpoint_if_due(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
         let is_long = (LONG_STEP..Duration::MAX).contains(&self.last_step);
         let age = self.last_checkpoint.elapsed();

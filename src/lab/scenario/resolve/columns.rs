@@ -16,7 +16,7 @@ pub fn read_columns<const N: usize>(
 ) -> Result<Vec<(u64, [f64; N])>, String> {
     let place = path.display();
     let bytes = input_file::read(path, LARGEST_TABLE)?;
-    let text = std::str::from_utf8(&bytes).map_err(|_| format!("{place} is no text in UTF-8"))?;
+    let text = std::str::from_utf8(&bytes).map_err(|_| format!("{place} is not UTF-8 text"))?;
     let table = Table::new(text).map_err(|error| format!("{place}: {error}"))?;
     let mut columns = [Column {
         index: 0,

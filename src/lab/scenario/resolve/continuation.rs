@@ -31,7 +31,7 @@ pub fn refuse_friction(
     if !matches!(time, Time::Static | Time::Continuation) {
         return;
     }
-    let message = "an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = \"dynamic\"";
+    let message = "an equilibrium has no friction: leave the key out, or let the rods come to rest with time.mode = \"dynamic\"";
     if friction > 0.0 {
         top.below("contact").fault("friction", message);
     }

@@ -147,7 +147,7 @@ pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
         }
         typed::Mode::Continuation => {
             refuse_steps(
-                "a path has no time steps, but those of [continuation]; leave the key out",
+                "a path has no time steps except those of [continuation]; leave the key out",
             );
             Time::Continuation
         }
@@ -242,7 +242,7 @@ pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
     }
 }
 
-/// Refuses frames that turn with a scheme that goes on from the middle of each step: a rotation there is none at its end.
+/// Refuses frames that turn with a scheme that extrapolates from the middle of each step: a rotation there is not one at its end.
 pub fn refuse_turning_midpoint(top: &Section<'_>, joints: &[Joint], bodies: &[Body], time: &Time) {
     let turns = joints.iter().any(|joint| joint.kind.turns())
         || bodies
@@ -270,7 +270,7 @@ pub fn refuse_static_motion(
     let refuse = |table: &str, index: usize, key: &str| {
         top.below(table).below(&index.to_string()).fault_with_help(
             key,
-            "a static run has no time, so that nothing moves or changes in it",
+            "a static run has no time, so nothing moves or changes in it",
             Some(
                 "leave the key out, and place rods and loads as they end; or follow the equilibria with \
                  time.mode = \"continuation\", whose parameter stands for the time; or run dynamically"

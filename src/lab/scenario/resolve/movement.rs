@@ -25,7 +25,10 @@ pub fn movement(
     };
     for (key, given) in given_keys(&movement) {
         if given && key != "poses" && !movement.poses.is_empty() {
-            section.fault(key, "poses say how it moves and turns; leave the key out");
+            section.fault(
+                key,
+                "the poses define how it moves and turns; leave the key out",
+            );
         }
     }
     movement

@@ -94,7 +94,7 @@ fn add(
             ("shape", of_rod.shape.is_some()),
             ("closed", of_rod.closed.is_some()),
         ],
-        "the network says this of each of its rods; leave the key out",
+        "the network sets this for each of its rods; leave the key out",
     );
     let edges = below.count("edges", of_rod.edges.or(Some(1)), 1..=MOST_EDGES);
     let layout = match of_shape {

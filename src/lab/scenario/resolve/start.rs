@@ -53,7 +53,7 @@ pub fn start(
     let hash = blake3::hash(&contents).to_hex().to_string();
     if let Some(expected) = typed.hash.as_ref().filter(|expected| **expected != hash) {
         let message = format!(
-            "{} is another state than the one meant: its hash is {hash}, not {expected}",
+            "{} is not the expected state: its hash is {hash}, not {expected}",
             file.display()
         );
         section.fault("hash", message);

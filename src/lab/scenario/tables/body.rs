@@ -68,7 +68,7 @@ fn body(section: &Section<'_>, body: Body) -> Body {
     let exceeds = |moment: &f64| *moment > 0.5 * sum * (1.0 + 1e-9);
     if let Some(k) = moments.iter().position(exceeds) {
         let message = format!(
-            "{:?} kg m² is more than the other two together, {:?} kg m²: no body is like that",
+            "{:?} kg m² is more than the other two together, {:?} kg m²; no rigid body has such moments",
             moments[k],
             sum - moments[k]
         );

@@ -28,7 +28,7 @@ beam.toml:3:9: `helix_stability.edges`: 21 is out of range; allowed with extrapo
     insta::assert_snapshot!(faults_of_helices(&format!("radius = 0.2\n{lattice}[time]\nend = 1\n[[loads]]\nkind = \"gravity\"\n")), @r##"
 beam.toml:3:10: `helix_stability.radius`: 0.2 is out of range; allowed: greater than 0 and at most 0.05, a slender rod
 beam.toml:5:1: `time`: helices are judged in equilibrium and in a vacuum; leave the table out
-beam.toml:7:1: `loads`: the rod has length 1 and bending stiffness 1; [helix_stability] says all of it
+beam.toml:7:1: `loads`: the rod has length 1 and bending stiffness 1; [helix_stability] defines everything
 beam.toml:7:1: `loads.0`: missing key `acceleration` (three numbers [x, y, z], each an acceleration)
 "##);
     insta::assert_snapshot!(faults_of_helices("directions = { kind = \"list\", points = [[-1, 0, 1], [0, 0, 0], [1, 1, 1]] }\n"), @r##"
@@ -59,7 +59,7 @@ beam.toml:18:55: `clamps.0.poses.1.2`: the quaternion qw, qx, qy, qz = [2.0, 0.0
 "##);
     insta::assert_snapshot!(clamped("follow = \"nowhere.csv\""), @"beam.toml:18:10: `clamps.0.follow`: nowhere.csv cannot be read: No such file or directory (os error 2)");
     insta::assert_snapshot!(clamped(&format!("{pose}\nfollow = \"nowhere.csv\"")), @"beam.toml:18:9: `clamps.0.poses`: give `follow` or `poses`, not both");
-    insta::assert_snapshot!(clamped(&format!("{pose}\naxis = [1, 0, 0]")), @"beam.toml:19:8: `clamps.0.axis`: poses say how it moves and turns; leave the key out");
+    insta::assert_snapshot!(clamped(&format!("{pose}\naxis = [1, 0, 0]")), @"beam.toml:19:8: `clamps.0.axis`: the poses define how it moves and turns; leave the key out");
 }
 
 #[test]
@@ -139,8 +139,8 @@ fn faults_name_file_line_column_key_and_range() {
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\""), @"beam.toml:1:1: missing key `continuation` (a table [continuation] with the end of the parameter, `to`)");
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\"\n[continuation]\nfrom = 2\nto = 2"), @"beam.toml:27:6: `continuation.to`: 2.0 is out of range; allowed: any but `from`");
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"continuation\"\n[continuation]\nto = -2\nstep = 3"), @"beam.toml:27:8: `continuation.step`: 3.0 is out of range; allowed: at most |to − from| = 2.0");
-    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"imc\"\nfriction = 0.1\n[output]"), @r#"beam.toml:28:12: `contact.friction`: an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
-    insta::assert_snapshot!(faults("[output]", "[[planes]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\nfriction = 0.1\n[output]"), @r#"beam.toml:29:12: `planes.0.friction`: an equilibrium knows no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
+    insta::assert_snapshot!(faults("[output]", "[contact]\nmodel = \"imc\"\nfriction = 0.1\n[output]"), @r#"beam.toml:28:12: `contact.friction`: an equilibrium has no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
+    insta::assert_snapshot!(faults("[output]", "[[planes]]\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\nfriction = 0.1\n[output]"), @r#"beam.toml:29:12: `planes.0.friction`: an equilibrium has no friction: leave the key out, or let the rods come to rest with time.mode = "dynamic""#);
     insta::assert_snapshot!(faults("mode = \"static\"", "mode = \"static\"\n[solver]\nforce_tolerance = 1e300\ndisplacement_tolerance = 2"), @r"
 beam.toml:26:19: `solver.force_tolerance`: 1e300 is out of range; allowed: greater than 0 and at most 0.001
 beam.toml:27:26: `solver.displacement_tolerance`: 2.0 is out of range; allowed: greater than 0 and at most 1
@@ -209,8 +209,8 @@ beam.toml:28:10: `actuation.0.values`: no values; give [[time, strain], ...]
     insta::assert_snapshot!(fault("kind = \"curvature\"\nrod = \"beam\"\nvalues = [[0, 1]]\ndirection = 3"), @r##"beam.toml:30:13: `actuation.0.direction`: 3 is out of range; allowed: 1 to 2"##);
     insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, \"1 1/m\"]]\nfrequency = 3"), @r##"beam.toml:30:13: `actuation.0.frequency`: this key is that of a wave; give it or `values`, not both"##);
     insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, \"1 m\"]]"), @r##"beam.toml:29:15: `actuation.0.values.0.1`: "1 m" is a length, but this key takes a twist; allowed units: rad/m, deg/m, turn/m, 1/m"##);
-    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, 1], [1, 2]]"), @r##"beam.toml:29:10: `actuation.0.values`: a static run has no time, so that nothing changes in it (give one value, such as values = [[0, 5]]; or follow the equilibria with time.mode = "continuation", whose parameter stands for the time; or run dynamically)"##);
-    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\namplitude = 1\nfrequency = 1"), @r##"beam.toml:30:13: `actuation.0.frequency`: a static run has no time, so that nothing changes in it (give one value, such as values = [[0, 5]]; or follow the equilibria with time.mode = "continuation", whose parameter stands for the time; or run dynamically)"##);
+    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, 1], [1, 2]]"), @r##"beam.toml:29:10: `actuation.0.values`: a static run has no time, so nothing changes in it (give one value, such as values = [[0, 5]]; or follow the equilibria with time.mode = "continuation", whose parameter stands for the time; or run dynamically)"##);
+    insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\namplitude = 1\nfrequency = 1"), @r##"beam.toml:30:13: `actuation.0.frequency`: a static run has no time, so nothing changes in it (give one value, such as values = [[0, 5]]; or follow the equilibria with time.mode = "continuation", whose parameter stands for the time; or run dynamically)"##);
     insta::assert_snapshot!(fault("kind = \"length\"\nrod = \"beam\"\nvalues = [[0, -0.5]]\n[[actuation]]\nkind = \"length\"\nrod = \"beam\"\namplitude = 0.5"), @r##"beam.toml:33:13: `actuation.1.amplitude`: the rod would be shorter by 1.0 of its length at once; allowed: at most 0.9"##);
     insta::assert_snapshot!(fault("kind = \"twist\"\nrod = \"beam\"\nvalues = [[0, 1]]\nfrom = 0.3\nto = 0.2"), @r##"beam.toml:31:6: `actuation.0.to`: 0.2 m is out of range; allowed: greater than `from` = 0.3 m"##);
     insta::assert_snapshot!(fault("kind = \"bend\"\nrod = \"beam\""), @r##"beam.toml:27:8: `actuation.0.kind`: "bend" is not known here; allowed: curvature, twist, length"##);

@@ -150,7 +150,7 @@ fn an_inherited_key_is_unset() {
     let fault = |name| load_from(&directory, name, &[]).unwrap_err();
     insta::assert_snapshot!(fault("absent.toml"), @"absent.toml:2:10: `unset`: there is no inherited key `time.ends` (did you mean `end`?)");
     insta::assert_snapshot!(fault("text.toml"), @r#"text.toml:2:9: `unset`: expected a list of dotted keys in quotes, found text (unset = ["time.end"])"#);
-    insta::assert_snapshot!(fault("alone.toml"), @"alone.toml:1:1: `unset`: nothing is inherited here; this key stands beside `extends`");
+    insta::assert_snapshot!(fault("alone.toml"), @"alone.toml:1:1: `unset`: nothing is inherited here; this key is allowed only beside `extends`");
 }
 
 #[test]

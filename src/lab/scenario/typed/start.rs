@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// The state in which another run of the same rods ended: positions, frames and velocities. Natural shapes, lengths and
-/// masses stay those of this scenario; clamps take hold of what they find, and loads and motions begin anew at time zero.
+/// masses stay those of this scenario; clamps hold the nodes where that run left them, and loads and motions start again at time zero.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "start")]
 pub struct Start {

@@ -67,7 +67,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     let knot = knot::resolve(&section, typed, (&rod, &curve), second.as_ref())?;
     let correction = match &typed.correction {
         Some(_) if scheme == Scheme::Intuitive => {
-            let message = "the intuitive scheme is not corrected: use \"optimal\"";
+            let message = "the intuitive scheme cannot be corrected; use \"optimal\"";
             section.fault("correction", message);
             return None;
         }

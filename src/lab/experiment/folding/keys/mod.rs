@@ -61,7 +61,8 @@ pub fn resolve(request: &Request<'_>) -> Option<Folding> {
     };
     let algorithm = typed.algorithm(&section);
     if feedback.is_some() && !algorithm.is_planned_anew() {
-        let message = "this way of folding is not planned anew: use \"optimal\", \"least-friction\" or \"held\"";
+        let message =
+            "this algorithm cannot replan; use \"optimal\", \"least-friction\" or \"held\"";
         section.fault("feedback", message);
         return None;
     }

@@ -21,13 +21,13 @@ pub struct Folding {
     pub jitter_period: f64,
     /// Seed of the jitter, and of the noise of observations.
     pub seed: u64,
-    /// How the rest is planned anew, if it is.
+    /// Replanning of the rest of the path, if enabled.
     pub feedback: Option<Feedback>,
     /// The sheet.
     pub paper: Paper,
 }
 
-/// How a path is planned anew while the sheet is folded.
+/// Settings for replanning a path while the sheet is folded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Feedback {
     /// Parts of the path.

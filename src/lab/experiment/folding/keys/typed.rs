@@ -19,8 +19,8 @@ keys! {
         /// smallest friction demand), "held" (with as little moment at the gripper as the friction of the table needs), or the ways that the thesis
         /// compares with, "circle" (Eq. 4.17) and "step-by-step".
         algorithm: word(AlgorithmName) default(AlgorithmName::Optimal),
-        /// Looks at the sheet while it is folded, and plans the rest anew where it has slid. Without this table the path is that which was
-        /// planned before.
+        /// Observes the sheet while it is folded, and replans the rest of the path if the sheet has slid. Without this table the path
+        /// planned before the run is kept.
         feedback: raw(Feedback) raw,
         /// Relative error of the gravito-bending length for which the path is planned. Default: 0.
         length_error: raw(Quantity<Dimensionless>) raw,
@@ -36,7 +36,7 @@ keys! {
 }
 
 keys! {
-    /// A path that is planned anew while the sheet is folded (thesis sec. 4.5.1, Algorithm 5).
+    /// Replanning of the path while the sheet is folded (thesis sec. 4.5.1, Algorithm 5).
     table Feedback "feedback" {
         /// Parts of the path; after each but the last the camera looks. Default: 5, as in the thesis.
         parts: raw(i64) raw,

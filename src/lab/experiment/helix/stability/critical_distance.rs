@@ -21,7 +21,8 @@ const ELSEWHERE: [f64; 6] = [0.97, 0.9, 0.75, 0.5, 0.3, 0.1];
 /// Step along a path, whose end finds the next equilibrium from the last: longer ones may leave the branch.
 const PATH_STEP: f64 = 0.2;
 /// Newton's method may leave an unstable helix for an equilibrium of another shape.
-const NO_HELIX: SceneError = SceneError::Unsuitable("the equilibrium that was found is no helix");
+const NO_HELIX: SceneError =
+    SceneError::Unsuitable("the equilibrium that was found is not a helix");
 /// The search was told to stop.
 const STOPPED: SceneError = SceneError::Unsuitable("the search was stopped");
 /// Largest distance of a node from the helix, over its radius, up to which the rod is that helix: the mesh alone

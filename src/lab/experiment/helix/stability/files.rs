@@ -63,7 +63,7 @@ const BOUNDARY_COLUMNS: &[Column] = columns! {
 };
 
 const COMPARISON_COLUMNS: &[Column] = columns! {
-    "quantity": "What is compared with theory: critical or extrapolated of boundary.csv.",
+    "quantity": "Column of boundary.csv that is compared with theory: critical or extrapolated.",
     "from": "Least distance of the band, by theory.",
     "to": "Largest distance of the band, by theory; empty where there is no end.",
     "directions": "Directions for which both have a value.",

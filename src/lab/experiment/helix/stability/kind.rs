@@ -20,7 +20,7 @@ pub static HELIX_STABILITY: DataSet = DataSet {
     summary: "Where clamped helical rods lose stability.",
     tables: &TABLES,
     refusals: [
-        "the rod has length 1 and bending stiffness 1; [helix_stability] says all of it",
+        "the rod has length 1 and bending stiffness 1; [helix_stability] defines everything",
         "helices are judged in equilibrium and in a vacuum; leave the table out",
     ],
     resolve: |request| Some(Experiment::new(NAME, resolve(request)?)),

@@ -46,7 +46,7 @@ fn kind(section: &Section<'_>, typed: &typed::Knot, name: typed::KnotKind) -> Op
     if typed.unknotting_number.is_some() && name != typed::KnotKind::Overhand {
         section.fault(
             key,
-            "only overhand knots are told apart by it; leave the key out",
+            "it distinguishes only overhand knots; leave the key out",
         );
     }
     Some(match name {
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn faults_of_knots_name_what_is_allowed() {
         let size = "length = 1.0\nend_to_end = 0.3";
-        insta::assert_snapshot!(fault(&format!("kind = \"reef\"\nunknotting_number = 1\n{size}")), @"knot.toml:4:21: `knot.unknotting_number`: only overhand knots are told apart by it; leave the key out");
+        insta::assert_snapshot!(fault(&format!("kind = \"reef\"\nunknotting_number = 1\n{size}")), @"knot.toml:4:21: `knot.unknotting_number`: it distinguishes only overhand knots; leave the key out");
         insta::assert_snapshot!(fault(&format!("kind = \"overhand\"\nunknotting_number = 7\n{size}")), @"knot.toml:4:21: `knot.unknotting_number`: 7 is out of range; allowed: 1 to 6");
         insta::assert_snapshot!(fault(&format!("kind = \"overhand\"\n{size}")), @"knot.toml:2:1: `knot`: missing key `unknotting_number` (a whole number, 1 to 6)");
         insta::assert_snapshot!(fault(&format!("kind = \"bowline\"\n{size}")), @r#"knot.toml:3:8: `knot.kind`: "bowline" is not known here; allowed: overhand, figure-eight, reef, granny, surgeon, fisherman"#);
