@@ -148,7 +148,7 @@ pub(super) fn rods_in_motion(directory: &Path) -> Result<Manifest, ViewError> {
         Page::Nothing(reason) => Err(no_page(directory, reason)),
         Page::Own(_) => Err(no_page(
             directory,
-            "no rods in motion, which a film shows; `rodlab view` shows its page",
+            "no rods in motion to film; `rodlab view` shows its page",
         )),
     }
 }

@@ -25,7 +25,7 @@ pub struct PreparedRun {
     pub mode: Mode,
     /// Time integration and Newton parameters.
     pub integration: IntegrationParameters,
-    /// What is written, and how often.
+    /// Files that are written, and how often.
     pub output: OutputPlan,
     /// What is observed, each as it is at the start.
     pub observers: Vec<Box<dyn Observer>>,

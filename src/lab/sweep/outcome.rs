@@ -95,7 +95,7 @@ impl fmt::Display for CaseCounts {
         for (count, words) in [
             (self.unfinished, "unfinished"),
             (self.no_convergence, "without convergence"),
-            (self.unphysical, "against a physics check"),
+            (self.unphysical, "failed a physics check"),
             (self.invalid, "with an impossible scenario"),
             (self.failed, "whose results could not be written"),
         ] {

@@ -81,7 +81,7 @@ impl fmt::Display for DerivedNumbers {
         }
         if let Some(creep) = self.creep {
             line(
-                "what sticks creeps",
+                "creep while sticking",
                 format!(
                     "at up to {:.1e} m/s, {:.1e} m in the run, {:.2} radii (slip_tolerance {:.1e} m/s, at 90 % of the friction)",
                     creep.speed, creep.way, creep.way_in_radii, creep.slip_tolerance
@@ -94,13 +94,12 @@ impl fmt::Display for DerivedNumbers {
                 Scheme::ImplicitMidpoint => "the midpoint rule",
                 Scheme::BackwardDifferences => "backward differences",
             };
-            let per_cent = |part: f64| format!("{:.2} %", 100.0 * part);
             line(
-                "of the slowest swing",
+                "slowest mode",
                 format!(
-                    "{scheme} loses {} a period, which is {} too long",
-                    per_cent(lost),
-                    per_cent(longer)
+                    "{scheme}: damped {:.2} % a period, period error {:+.2} %",
+                    100.0 * lost,
+                    100.0 * longer
                 ),
             )?;
         }

@@ -27,7 +27,7 @@ const SAMPLE_COLUMNS: &[Column] = columns! {
     "suspended_length": "l̄_s, the suspended length.",
     "force_inclination": "arctan(H/|V|), in rad: positive where the sheet is pulled, negative where it is pushed. λ is the size of its \
      tangent; a network learns it more easily than λ, which has a kink at 0 and is large where the sheet is short or taut.",
-    "horizontal_force": "H, which the suspended part exerts on the lying one.",
-    "vertical_force": "V, likewise; negative: it presses on the table.",
+    "horizontal_force": "H, horizontal force of the suspended part on the part that lies on the table.",
+    "vertical_force": "V, vertical force on that part; negative where it presses on the table.",
     "penalty": "Whether the suspended length is below fold_samples.least_suspended_length.",
 };

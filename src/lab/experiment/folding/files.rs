@@ -39,7 +39,7 @@ const SUMMARY: &[Column] = columns! {
     "final_sliding_m": "Its displacement at the end, in the direction in which the edge moves, m.",
     "fold_length_m": "Length of the sheet from its edge to a crease that is pressed half a crease target back from where the edge is, \
         m; empty where the edge is not down, or no sheet lies below it.",
-    "fold_length_error_m": "What that is more than half the crease target, m: the error of the fold.",
+    "fold_length_error_m": "Error of the fold: its length less half the crease target, m.",
     "largest_gripper_force_n": "Largest force of the gripper on the whole sheet, N.",
     "largest_speed_m_s": "Largest speed of a node of the sheet, m/s; far above that of the gripper where the sheet snaps.",
 };

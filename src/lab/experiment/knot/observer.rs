@@ -176,11 +176,9 @@ impl KnotObserver {
     }
 }
 
-/// A knot that is no longer what it was: a sentence for people.
+/// Message for the user about a knot that changed.
 pub fn changed_knot(time: f64, expected: u64, found: Option<u64>) -> String {
-    let found = found.map_or("none that can be told".to_owned(), |found| {
-        found.to_string()
-    });
+    let found = found.map_or("not identifiable".to_owned(), |found| found.to_string());
     format!(
         "the knot changed before t = {time:.6} s: its determinant was {expected} and is {found}, so the rod passed through itself; take smaller time steps, or contact.model = \"ipc\" if it is another"
     )

@@ -67,10 +67,9 @@ pub fn place_obstacle(
             let body = RigidBody::of_mesh(vertices, triangles.clone(), *closed);
             let body = body.map_err(|fault| {
                 let help = closed.then(|| {
-                    "`closed = false` takes it for a sheet, which rods touch from both sides".into()
+                    "`closed = false` treats it as a sheet, which rods touch from both sides".into()
                 });
-                Issue::new(path.key("shape"), format!("the mesh cannot be: {fault}"))
-                    .with_help(help)
+                Issue::new(path.key("shape"), format!("invalid mesh: {fault}")).with_help(help)
             })?;
             refuse_other_units(&body, rods, path)?;
             body

@@ -199,7 +199,7 @@ fn step(section: &Section<'_>, typed: &typed::Time, interval: f64, end: f64) -> 
         ("tolerance", typed.tolerance.is_some()),
         ("maximum_step", typed.maximum_step.is_some()),
     ];
-    section.refuse(&keys, "this key goes with step = \"auto\" only");
+    section.refuse(&keys, "this key is allowed only with step = \"auto\"");
     Step::Fixed(typed.step(section, PART_OF_END * end))
 }
 

@@ -88,12 +88,12 @@ fn check_mark(file: &Path, hash: &str) -> Result<(), String> {
     match mark.as_str() {
         Some(mark) if mark == hash => Ok(()),
         Some(_) => Err(format!(
-            "{} is not the state that the run wrote there; put it back as it was, or run again",
+            "{} is not the state that the run wrote there; restore the file, or run again",
             file.display()
         )),
         None => {
             tracing::warn!(
-                "{} has no mark in manifest.json, as in results of earlier versions: a change of it cannot be noticed",
+                "{} has no hash in manifest.json, as in results of earlier versions: changes to it cannot be detected",
                 file.display()
             );
             Ok(())

@@ -68,7 +68,7 @@ pub struct Scenario {
     /// Rigid bodies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<Obstacle>,
-    /// The state from which everything starts, where that is not as placed.
+    /// The state from which the run starts. Default: everything as placed.
     pub start: Option<Start>,
     /// What is measured at every output.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -112,12 +112,12 @@ impl Interval {
     /// The values from the first end by equal steps, up to the last end.
     ///
     /// # Errors
-    /// A message, where the step does not lead from one end to the other, or makes more than `most` values.
+    /// A message, where the steps do not go from one end to the other, or makes more than `most` values.
     pub fn stepped(&self, step: f64, most: usize) -> Result<Vec<Value>, String> {
         let steps = (self.to - self.from) / step;
         if !(steps >= 0.0) {
             return Err(format!(
-                "steps of {step} do not lead from {} to {}",
+                "steps of {step} do not go from {} to {}",
                 self.from, self.to
             ));
         }

@@ -7,7 +7,7 @@ use crate::scenario::units::{Length, Mass, MomentOfInertia};
 keys! {
     /// A mass at a node of a rod, or a rigid body welded to it there.
     table BodyKeys "body" => Body(index: usize) {
-        /// Name by which messages call it. Default: "body 0", "body 1", ...
+        /// Name for messages. Default: "body 0", "body 1", ...
         name: text() derived(format!("body {index}")),
         /// Name of the rod.
         rod: text("the name of a rod") required,
@@ -89,7 +89,7 @@ impl Body {
         of_shape.or(self.inertia).or(off_node)
     }
 
-    /// Radius of the ball around the node that it is for contact, m; `None` for a body that touches nothing.
+    /// Radius of the ball around the node for contact, m; `None` for a body that touches nothing.
     pub fn ball(&self) -> Option<f64> {
         match self.shape {
             Some(BodyShape::Sphere { radius }) if self.offset.is_none() => Some(radius),

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 const MOST_POINTS: usize = 1_000_000;
 
 keys! {
-    /// The path of equilibria that time.mode = "continuation" follows. A parameter stands in the place of time:
-    /// clamps that move and loads with a schedule take it for their time.
+    /// The path of equilibria that time.mode = "continuation" follows. A parameter replaces the time:
+    /// clamps that move and loads with a schedule use it as their time.
     table ContinuationKeys "continuation" => #[derive(Copy)] Continuation() {
         /// Parameter at the start.
         from: number(Dimensionless, FINITE) default(0.0),
@@ -31,7 +31,7 @@ keys! {
     }
 }
 
-/// What a step along a path prescribes.
+/// Quantity that a step along a path prescribes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]

@@ -11,13 +11,13 @@ keys! {
     /// joints share a node.
     kinds JointKeys "joint", "kebab-case" => Joint(index: usize)
     before {
-        /// Name by which messages call it. Default: "joint 0", "joint 1", ...
+        /// Name for messages. Default: "joint 0", "joint 1", ...
         name: text() derived(format!("joint {index}")),
         /// Names of the two rods; the same one twice to join a rod to itself. In a slide, a node of the first slides along the second.
         rods: word([String; 2], "the names of two rods, such as [\"mast\", \"boom\"]") required,
         /// "start", "end", or the number of a node, of each: ["end", 4]. A slide begins at the second.
         at: places("a node of each rod, such as [\"end\", \"start\"]") required,
-        /// Largest force that it bears, in a dynamic run; where a step ends with more it breaks. Of balls, hinges and rigid joints
+        /// Largest force that it bears, in a dynamic run; it breaks where a step ends with more. Of balls, hinges and rigid joints
         /// only where they share their nodes with no other joint. Default: it never breaks.
         break_at: number(Force, POSITIVE) optional,
     }
@@ -49,7 +49,7 @@ keys! {
             stiffness: number(ForcePerLength, POSITIVE) optional,
             /// Length without force. Default: the distance of the nodes as placed.
             rest_length: number(Length, NON_NEGATIVE) optional,
-            /// Moment per angle by which the material frame of the second rod has turned against that of the first, about whatever
+            /// Moment per angle by which the material frame of the second rod has turned against that of the first, about any
             /// axis, up to half a turn. Default: none.
             turning_stiffness: number(TurningStiffness, POSITIVE) optional,
             /// Rotation vector of the second frame against the first, from where they are placed, without moment: its direction is
@@ -76,7 +76,7 @@ impl JointKind {
     }
 }
 
-/// Resolves all joints; `is_dynamic` says whether the run is in time.
+/// Resolves all joints; `is_dynamic` is true for a run in time.
 pub fn joints(top: &Section<'_>, typed: &[JointKeys], is_dynamic: bool) -> Vec<Joint> {
     let joint = |(index, (section, typed)): (usize, (Section<'_>, &JointKeys))| {
         refuse_half_a_spring(&section, typed);

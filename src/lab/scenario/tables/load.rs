@@ -73,7 +73,7 @@ keys! {
     }
 }
 
-/// In which frame the components of a load are constant.
+/// Frame in which the components of a load are constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]

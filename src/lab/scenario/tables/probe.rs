@@ -140,12 +140,12 @@ keys! {
         },
     }
     after {
-        /// What stands in `summary.csv`: the "last", "max", "min" or "mean" value of the rows. Default: nothing.
+        /// Value in `summary.csv`: the "last", "max", "min" or "mean" value of the rows. Default: none.
         summary: word(Summary) optional,
     }
 }
 
-/// What of the values of a probe stands in the summary.
+/// Statistic of a probe in the summary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]

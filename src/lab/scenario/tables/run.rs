@@ -14,14 +14,14 @@ keys! {
         displacement_tolerance: number(Dimensionless, DISPLACEMENT_TOLERANCE) default(1e-4),
         /// Newton iterations after which a step counts as failed and is halved.
         maximum_iterations: count(1..=100_000) default(40),
-        /// Smallest step before the run is given up. Default: a millionth of the step; with step = "auto" a millionth of the first
+        /// Smallest step before the run fails. Default: a millionth of the step; with step = "auto" a millionth of the first
         /// step, which is a thousandth of the largest.
         minimum_step: number(Time, POSITIVE) optional,
     }
 }
 
 keys! {
-    /// What is written, and how often.
+    /// Files that are written, and how often.
     table OutputKeys "output" => #[derive(Copy)] Output() {
         /// Time between outputs, at least a millionth of the end time. Default: a hundredth of it.
         interval: number(Time, POSITIVE) optional,

@@ -27,15 +27,15 @@ pub enum Actuation {
         /// Length of a wave along the rod. Default: all of the rod does the same.
         wavelength: Option<Quantity<Length>>,
         /// Cycles of a wave per time; it runs from the start of the rod to its end, and back where the frequency is
-        /// negative. Default: 0, a wave that stands still.
+        /// negative. Default: 0, a standing pattern.
         frequency: Option<Quantity<Frequency>>,
         /// Phase of a wave at the start of the rod at time 0. Default: 0.
         phase: Option<Quantity<Angle>>,
         /// Factor of a wave at given times, [[time, factor], ...], linear between them. Default: 1 always.
         schedule: Option<Schedule>,
-        /// Where along the rod it begins, from the start of the rod. Default: there.
+        /// Start of the strained part, from the start of the rod. Default: the start of the rod.
         from: Option<Quantity<Length>>,
-        /// Where along the rod it ends, from the start of the rod. Default: at its end.
+        /// End of the strained part, from the start of the rod. Default: the end of the rod.
         to: Option<Quantity<Length>>,
     },
     /// Natural twist per length.
@@ -49,15 +49,15 @@ pub enum Actuation {
         /// Length of a wave along the rod. Default: all of the rod does the same.
         wavelength: Option<Quantity<Length>>,
         /// Cycles of a wave per time; it runs from the start of the rod to its end, and back where the frequency is
-        /// negative. Default: 0, a wave that stands still.
+        /// negative. Default: 0, a standing pattern.
         frequency: Option<Quantity<Frequency>>,
         /// Phase of a wave at the start of the rod at time 0. Default: 0.
         phase: Option<Quantity<Angle>>,
         /// Factor of a wave at given times, [[time, factor], ...], linear between them. Default: 1 always.
         schedule: Option<Schedule>,
-        /// Where along the rod it begins, from the start of the rod. Default: there.
+        /// Start of the strained part, from the start of the rod. Default: the start of the rod.
         from: Option<Quantity<Length>>,
-        /// Where along the rod it ends, from the start of the rod. Default: at its end.
+        /// End of the strained part, from the start of the rod. Default: the end of the rod.
         to: Option<Quantity<Length>>,
     },
     /// Relative change of the natural length: 0.1 is 10 % longer.
@@ -73,15 +73,15 @@ pub enum Actuation {
         /// Length of a wave along the rod. Default: all of the rod does the same.
         wavelength: Option<Quantity<Length>>,
         /// Cycles of a wave per time; it runs from the start of the rod to its end, and back where the frequency is
-        /// negative. Default: 0, a wave that stands still.
+        /// negative. Default: 0, a standing pattern.
         frequency: Option<Quantity<Frequency>>,
         /// Phase of a wave at the start of the rod at time 0. Default: 0.
         phase: Option<Quantity<Angle>>,
         /// Factor of a wave at given times, [[time, factor], ...], linear between them. Default: 1 always.
         schedule: Option<Schedule>,
-        /// Where along the rod it begins, from the start of the rod. Default: there.
+        /// Start of the strained part, from the start of the rod. Default: the start of the rod.
         from: Option<Quantity<Length>>,
-        /// Where along the rod it ends, from the start of the rod. Default: at its end.
+        /// End of the strained part, from the start of the rod. Default: the end of the rod.
         to: Option<Quantity<Length>>,
     },
 }

@@ -1,7 +1,7 @@
-//! The common tables of scenario files as typed: every key that may stand in them, none of them judged yet. Tables that
+//! The common tables of scenario files as typed: every allowed key, none of them checked yet. Tables that
 //! belong to some experiments only are typed where those are.
 //!
-//! The comments of these types are the descriptions in the JSON Schema and the words of `rodlab explain`.
+//! The comments of these types are the descriptions in the JSON Schema and the texts of `rodlab explain`.
 
 mod actuation;
 mod clamp;
@@ -39,7 +39,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "scenario")]
 pub struct ScenarioFile {
-    /// Title for people; the name of the file where absent.
+    /// Title shown to readers. Default: the name of the file.
     pub title: Option<String>,
     /// Another scenario file whose keys hold unless this one sets them, relative to this file. Tables are
     /// merged key by key, arrays replaced.
@@ -88,9 +88,9 @@ pub struct ScenarioFile {
     /// Rigid bodies that rods may touch.
     #[serde(default)]
     pub obstacles: Vec<Obstacle>,
-    /// The state from which everything starts, where that is not as placed.
+    /// The state from which the run starts. Default: everything as placed.
     pub start: Option<Start>,
-    /// What is measured at every output: columns of series.csv and summary.csv.
+    /// Quantities measured at every output: columns of series.csv and summary.csv.
     #[serde(default)]
     pub probes: Vec<ProbeKeys>,
     /// A condition on a probe that ends the run.
@@ -106,7 +106,7 @@ pub struct ScenarioFile {
     /// Newton's method.
     #[serde(default)]
     pub solver: SolverKeys,
-    /// What is written, and how often.
+    /// Files that are written, and how often.
     #[serde(default)]
     pub output: OutputKeys,
     /// Many cases of this scenario: keys with lists or ranges of values.

@@ -31,10 +31,10 @@ keys! {
         /// exact and stiffer; "complementarity" only looks so far for contacts. Default: a hundredth of the
         /// smallest radius.
         distance_tolerance: number(Length, POSITIVE) derived,
-        /// Sliding slower than this counts as sticking, so that what sticks creeps with a part of it: an eighth where it bears
-        /// three quarters of the friction that it could, a fifth at nine tenths. Not with "complementarity". Default:
+        /// Sliding slower than this counts as sticking, so sticking contacts creep at a part of it: an eighth where they bear
+        /// three quarters of the largest friction, a fifth at nine tenths. Not with "complementarity". Default:
         /// √(a h)/1000, with the least radius h and the gravity a (without any 10 m/s², and at most 1e-4 m/s), or a tenth of the
-        /// fastest straight motion of a clamp where that is less. `rodlab check` prints how far that creeps.
+        /// fastest straight motion of a clamp where that is less. `rodlab check` prints the creep.
         slip_tolerance: number(Velocity, POSITIVE) derived,
         /// Factor of the adaptive contact stiffness. "imc": stiffness over the largest force near contact, in m, 1e8 times the
         /// radius of the thinnest rod by default: 1e5 for 1 mm. "ipc": force that is borne at a gap of δ/2 over the largest force near contact, 1 by default.
@@ -73,11 +73,11 @@ keys! {
         /// cylinder, and matters near a wall. Default: 1.65 with a plane that is a wall (see planes.wall), otherwise 1.02.
         regularization: number(Dimensionless, POSITIVE) derived,
         /// Relative error allowed in the drag of "rss" from approximating the flow of distant nodes, 1e-6 to
-        /// 1e-2, or 0 for none. Scenes of less than a thousand nodes, and those beside a wall (at most 5000 nodes), are exact
-        /// whatever it is.
+        /// 1e-2, or 0 for none. Scenes of less than a thousand nodes, and those beside a wall (at most 5000 nodes), are always
+        /// exact.
         far_field_error: number(Dimensionless, FAR_FIELD_ERROR) default(1e-4),
         /// Whether the fluid resists that rods spin about their own axes, by a torque of 4π viscosity radius² spin per length; in
-        /// "rss" without a wall what spins also moves the fluid. Default: true, but false for `flagella`, as in the thesis.
+        /// "rss" without a wall spinning rods also move the fluid. Default: true, but false for `flagella`, as in the thesis.
         spin: raw(bool) raw,
     }
 }
@@ -126,7 +126,7 @@ keys! {
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum SchemeChoice {
-    /// By what the scene holds.
+    /// Chosen by the contents of the scene.
     #[default]
     Auto,
     /// First order, damps all oscillations.

@@ -10,7 +10,7 @@ pub type Translation = Vec<(Quantity<Time>, Vector<Length>)>;
 /// Angle at given times.
 pub type Turn = Vec<(Quantity<Time>, Quantity<Angle>)>;
 
-/// The motion of a clamp or an obstacle: what stands there of its keys, numbers judged.
+/// The motion of a clamp or an obstacle: the keys given there, with their numbers checked.
 pub struct TypedMovement<'a> {
     pub translation: &'a [(Quantity<Time>, Vector<Length>)],
     pub angle: &'a [(Quantity<Time>, Quantity<Angle>)],

@@ -11,20 +11,20 @@ use serde::Deserialize;
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "network")]
 pub struct Network {
-    /// Its rods are called by it and a number: "net_0", "net_1", ... Default: "net", which then must be the only one.
+    /// Its rods are named by it and a number: "net_0", "net_1", ... Default: "net", which then must be the only one.
     pub name: Option<String>,
-    /// What all its rods are: the keys of [[rods]] but `name`, `shape` and `closed`. `edges` counts between neighbouring
+    /// Properties of all its rods: the keys of [[rods]] except `name`, `shape` and `closed`. `edges` counts between neighbouring
     /// crossings.
     pub rod: Option<Rod>,
-    /// Where its rods lie.
+    /// Places of its rods.
     pub shape: Option<NetworkShape>,
-    /// What joins them at crossings: "ball" (the default) or "rigid".
+    /// Joints at the crossings: "ball" (the default) or "rigid".
     pub joint: Option<NetworkJoint>,
-    /// What of it is held.
+    /// Its held rim.
     pub boundary: Option<Boundary>,
 }
 
-/// Where the rods of a network lie.
+/// Places of the rods of a network.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", deny_unknown_fields, rename = "network_shape")]
@@ -39,7 +39,7 @@ pub enum NetworkShape {
         /// Numbers of rods along the first side and along the second, at least 2 each; the outer ones lie on the rim.
         rods: Option<[i64; 2]>,
     },
-    /// Polylines through numbered points: a tree, a lattice, whatever was designed elsewhere.
+    /// Polylines through numbered points: a tree, a lattice, a design from another program.
     Table {
         /// CSV file of the points, relative to the scenario file: columns x_m, y_m, z_m; the first one is number 0.
         points_file: Option<String>,
@@ -58,8 +58,8 @@ pub enum NetworkShape {
 pub struct Boundary {
     /// "position" (the default), "frame", or "both".
     pub hold: Option<Hold>,
-    /// Which ends are held: "all" (the default), or only those at "corners", where ends of two rods meet.
+    /// Held ends: "all" (the default), or only those at "corners", where ends of two rods meet.
     pub ends: Option<crate::scenario::resolved::HeldEnds>,
-    /// How far they are from their centre, over how far they are as placed, at given times: [[time, factor], ...].
+    /// Their distance from their centre over that distance as placed, at given times: [[time, factor], ...].
     pub scale: Option<Vec<(Quantity<Time>, Quantity<Dimensionless>)>>,
 }

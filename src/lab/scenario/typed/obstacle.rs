@@ -11,7 +11,7 @@ use serde::Deserialize;
 moving! {
     /// A rigid body that rods may touch, fixed or moved.
     table Obstacle "obstacle" {
-        /// Name by which probes and messages call it. Default: "obstacle 0", "obstacle 1", ...
+        /// Name for probes and messages. Default: "obstacle 0", "obstacle 1", ...
         name: raw(String) raw,
         /// Its shape, and where it is at time zero.
         shape: raw(ObstacleShape) raw,
@@ -32,7 +32,7 @@ pub enum ObstacleShape {
     /// A cylinder without ends.
     Cylinder(Cylinder),
     /// The inside of a tube, open at both ends.
-    /// Rods inside stay inside, and a rod that leaves by an end bears on the rim; whatever is outside passes by.
+    /// Rods inside stay inside, and a rod that leaves by an end bears on the rim; rods outside pass by.
     Tube(Capsule),
     /// A box, with edges rounded to the radius `rounding`.
     Box(Cuboid),
@@ -118,7 +118,7 @@ keys! {
 keys! {
     /// A surface over a grid along x and y.
     table Heights "heights" {
-        /// Where the first height stands.
+        /// Place of the first height.
         origin: vector(Length) default([0.0; 3]),
         /// Distance of neighbours in the grid.
         spacing: number(Length, POSITIVE) required,

@@ -41,7 +41,7 @@ keys! {
 keys! {
     /// One rod of a scene.
     table Rod "rod" {
-        /// Name by which clamps, loads and results call the rod: letters, digits, `_` and `-`. Default:
+        /// Name of the rod for clamps, loads and results: letters, digits, `_` and `-`. Default:
         /// "rod_1", "rod_2", ...
         name: raw(String) raw,
         /// Radius of the surface that touches other rods and the fluid, and of a circular cross-section.
@@ -58,7 +58,7 @@ keys! {
         /// The shape without stress: "as-placed" (the default), "straight", or a table with a `kind`.
         natural_shape: raw(NaturalShape) raw,
         /// Natural curvatures [a, b] about the first and the second material director, m₁ and m₂; the shape without
-        /// stress is then an arc or helix, whatever shape the rod is placed in. Along it the tangent t turns by
+        /// stress is then an arc or helix, independent of the shape in which the rod is placed. Along it the tangent t turns by
         /// dt/ds = (a m₁ + b m₂) × t = b m₁ − a m₂: a positive b bends the rod towards m₁, a positive a away from m₂.
         /// `explain rods.director` has a drawing. Default: that of the natural shape.
         natural_curvature: numbers(Curvature, 2, FINITE) optional,
@@ -141,7 +141,7 @@ fn plain_cross_sections(schema: &mut Schema) {
 #[schemars(inline)]
 pub enum InertiaChoice {
     #[default]
-    /// By what the rod is and what the scene holds.
+    /// Chosen by the rod and the contents of the scene.
     Auto,
     /// Half of an edge at either node.
     Lumped,

@@ -60,7 +60,7 @@ pub enum SampleMethod {
     Random,
 }
 
-/// A search for the value of one key at which an outcome takes a value, or is least.
+/// A search for the value of one key at which an outcome reaches a target, or is least.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "search")]
 pub struct Search {
@@ -92,7 +92,7 @@ pub enum SearchMethod {
     Golden,
 }
 
-/// A number, or text with a unit, of whatever dimension the key has.
+/// A number, or text with a unit, of the dimension of the key.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(inline)]

@@ -55,7 +55,7 @@ pub struct Second {
     pub scheme: Scheme,
     /// Length of its lead-in, m.
     pub lead_in: f64,
-    /// The curve that it is to follow.
+    /// Target curve of the rod.
     pub pattern: Pattern,
     /// The rod.
     pub rod: Rod,
@@ -88,7 +88,7 @@ pub struct Knot {
 /// A post on the table: a cylinder with a round top.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Peg {
-    /// Where its axis stands, m.
+    /// Place of its axis, m.
     pub position: [f64; 2],
     /// Its radius, m.
     pub radius: f64,

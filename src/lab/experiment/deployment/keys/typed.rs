@@ -12,32 +12,32 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How far a gripper reaches where nothing is said, m: fingers that open by 3 cm.
+/// Default reach of a gripper, m: fingers that open by 3 cm.
 const REACH: f64 = 0.015;
-/// How far the smooth curve may be from what was drawn where nothing is said, m.
+/// Default largest distance of the smooth curve from the drawing, m.
 const DEVIATION: f64 = 0.25e-3;
 
 keys! {
     /// A rod that a gripper lays on a table along a pattern.
     table Deployment "deployment" {
-        /// The curve that the rod is to follow: a drawing (`file`, SVG or CSV, or its `points`), or of `kind` "line",
+        /// Target curve of the rod: a drawing (`file`, SVG or CSV, or its `points`), or of `kind` "line",
         /// "circle" or "sine".
         pattern: raw(Pattern) raw,
-        /// The rod. `scenarios/rods` has those of thesis Tab. 5.1, to be taken over by `extends`.
+        /// The rod. `scenarios/rods` has those of thesis Tab. 5.1; use them by `extends`.
         rod: raw(Rod) raw,
-        /// How the gripper leads the rod: "optimal" (the default, by the optimal grasp of each point) or "intuitive" (upright
+        /// Scheme for the gripper's path: "optimal" (the default, by the optimal grasp of each point) or "intuitive" (upright
         /// above the contact node, thesis 5.1.1).
         scheme: word(Scheme) default(Scheme::Optimal),
-        /// Who finds the optimal grasps: "exact" (the default), or "neural": the network of the program, which answers at once, within the range of its samples.
+        /// Solver for the optimal grasps: "exact" (the default), or "neural": the network of the program, which is immediate, within the range of its samples.
         solver: word(Solver) default(Solver::Exact),
         /// Length of a start in front of the pattern over which the curvature grows from zero to that of the pattern, or
-        /// "auto" (the default): as long as a friction demand of 0.1 needs it, none where the pattern begins straight.
+        /// "auto" (the default): long enough to keep the friction demand below 0.1, none where the pattern begins straight.
         lead_in: raw(Quantity<Length>) raw,
         /// Relative error of the gravito-bending length for which the gripper's path is planned: 0.1 plans for a rod
         /// whose L_gb is a tenth larger than that of the rod which is laid. Default: 0.
         length_error: raw(Quantity<Dimensionless>) raw,
-        /// Displacement [x, y] of the pattern's frame for which the path is planned against the true one, as by a camera that is
-        /// out of place. Default: none.
+        /// Displacement [x, y] of the pattern's frame for which the path is planned against the true one, as from a misaligned
+        /// camera. Default: none.
         frame_shift: numbers(Length, 2, FINITE) optional,
         /// Turn of that frame about the first point of the pattern, counter-clockwise. Default: none.
         frame_turn: number(Angle, FINITE) default(0.0),
@@ -49,11 +49,11 @@ keys! {
         jitter_period: number(Time, POSITIVE) default(JITTER_PERIOD),
         /// Seed of the jitter, and of the noise of observations. Default: 0.
         seed: raw(i64) raw,
-        /// Corrects the gripper's path while the rod is laid, from where it is seen to lie. Without this table the path is that
-        /// which was planned before.
+        /// Corrects the gripper's path while the rod is laid, from the observed place of the rod. Without this table the path
+        /// planned before the run is kept.
         correction: raw(Correction) raw,
-        /// Posts that stand on the table, beside the pattern, and hold the rod in its bends. A rod is placed when it passes all of
-        /// them on the side on which its pattern does, below their tops.
+        /// Posts on the table, beside the pattern, that hold the rod in its bends. A rod is placed when it passes all of
+        /// them on the same side as its pattern, below their tops.
         pegs: raw(Vec<Peg>) raw,
         /// Clips along the pattern: pairs of pegs, between which it runs.
         clips: raw(Clips) raw,
@@ -61,10 +61,10 @@ keys! {
         /// of the pattern, under strands that another gripper lifts. With two rods each end is led so whose pattern is longer than its rod,
         /// that of the second rod first.
         knot: raw(Knot) raw,
-        /// A second rod, which another gripper lays when the first one lies, along a pattern of its own in the same frame. All other keys are
-        /// those of both.
+        /// A second rod, which another gripper lays after the first one, along a pattern of its own in the same frame. All other keys
+        /// apply to both.
         second: raw(Second) raw,
-        /// How long before the end of the simulated time the gripper lets go. The pattern is laid by then, and what still hangs falls.
+        /// Time before the end of the simulated time at which the gripper lets go. The pattern is laid by then, and the part that still hangs falls.
         /// Default: it holds the rod to the end.
         release: number(Time, POSITIVE) optional,
     }
@@ -74,11 +74,11 @@ keys! {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "second_deployed_rod")]
 pub struct Second {
-    /// The curve that it is to follow.
+    /// Target curve of the rod.
     pub pattern: Option<Pattern>,
     /// The rod.
     pub rod: Option<Rod>,
-    /// How its gripper leads it: "optimal" or "intuitive". Default: as that of the first rod.
+    /// Scheme for its gripper's path: "optimal" or "intuitive". Default: as that of the first rod.
     pub scheme: Option<Scheme>,
     /// Length of its lead-in, or "auto", the default.
     pub lead_in: Option<Quantity<Length>>,
@@ -87,15 +87,15 @@ pub struct Second {
 keys! {
     /// A knot that is tied along the pattern.
     table Knot "tied_knot" {
-        /// How the rod passes each crossing of the pattern when it comes there again, "over" or "under", in the order in which it does.
-        /// Where it is laid it goes over. With two rods: all crossings, first those that the second rod covers as it is laid, then those to
+        /// Pass of the rod at each crossing of the pattern when it reaches it for the second time, "over" or "under", in that order.
+        /// Where it is laid it passes over. With two rods: all crossings, first those that the second rod covers as it is laid, then those to
         /// which its end is led, then those to which the end of the first is led.
         crossings: raw(Vec<Pass>) raw,
         /// Height to which strands are lifted. Default: eight radii of the rod, or of the thicker of two.
         lift: number(Length, POSITIVE) derived,
         /// Speed at which the end is led. Default: 4 cm/s.
         speed: number(Velocity, POSITIVE) derived,
-        /// How far from where a strand should lie the gripper finds it. Default: 1.5 cm; beyond, it takes hold of nothing.
+        /// Largest distance of a strand from its planned place at which the gripper finds it. Default: 1.5 cm; beyond, it grasps nothing.
         reach: number(Length, POSITIVE) default(REACH),
     }
 }
@@ -104,7 +104,7 @@ keys! {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "peg")]
 pub struct Peg {
-    /// Where its axis stands, [x, y].
+    /// Place of its axis, [x, y].
     pub position: Option<[Quantity<Length>; 2]>,
     /// Its radius, and that of its round top.
     pub radius: Option<Quantity<Length>>,
@@ -116,9 +116,9 @@ pub struct Peg {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "clips")]
 pub struct Clips {
-    /// Arc lengths of the pattern at which they stand, from its first point, the lead-in left out.
+    /// Arc lengths of the pattern at which they are placed, from its first point, without the lead-in.
     pub at: Option<Vec<Quantity<Length>>>,
-    /// Clear width between the two pegs, no less than the rod is thick.
+    /// Clear width between the two pegs, at least the diameter of the rod.
     pub width: Option<Quantity<Length>>,
     /// Radius of each peg, and of its round top.
     pub radius: Option<Quantity<Length>>,
@@ -130,18 +130,18 @@ keys! {
     /// Correction of the gripper's path while a rod is laid by the optimal scheme.
     table Correction "correction" {
         /// Length that is laid between two corrections. Default: 0.8 gravito-bending lengths. Much shorter ones make the rod
-        /// swing about its pattern: it answers the gripper over about a gravito-bending length.
+        /// swing about its pattern: it follows the gripper over about a gravito-bending length.
         every: number(Length, POSITIVE) derived,
         /// Length over which the rod returns to the pattern, at least three times `every` and the gravito-bending length.
         /// Default: 3.5 gravito-bending lengths, or three times `every`.
         return_length: number(Length, POSITIVE) derived,
-        /// Root mean square, in each direction, by which the camera sees places of the lying rod wrongly. Default: none.
+        /// Root mean square error, in each direction, of the camera's positions of the lying rod. Default: none.
         noise: number(Length, NON_NEGATIVE) default(0.0),
     }
 }
 
 keys! {
-    /// What a laid rod is to follow.
+    /// Target curve of a laid rod.
     table Pattern "pattern" {
         /// "drawn" (the default), or one with a formula: "line" along x, "circle" through the origin (once around), "sine" from
         /// its crest.
@@ -150,13 +150,13 @@ keys! {
         file: raw(String) raw,
         /// Drawn: its points [x, y] themselves.
         points: raw(Vec<[Quantity<Length>; 2]>) raw,
-        /// Drawn: length of the longer side; without it the drawing is as large as it says.
+        /// Drawn: length of the longer side. Default: the size in the drawing.
         size: number(Length, POSITIVE) optional,
-        /// Drawn: which stroke of an SVG file, from 1, where there are several.
+        /// Drawn: number of the stroke of an SVG file, from 1, where there are several.
         stroke: raw(i64) raw,
         /// Drawn: laid from the last point to the first.
         reverse: flag() default(false),
-        /// Drawn: how far the smooth curve may be from what was drawn.
+        /// Drawn: largest distance of the smooth curve from the drawing.
         deviation: number(Length, POSITIVE) default(DEVIATION),
         /// Line: its length.
         length: number(Length, POSITIVE) required,
@@ -190,7 +190,7 @@ pub enum PatternKind {
 keys! {
     /// The rod that is laid: round, naturally straight, incompressible.
     table Rod "deployed_rod" {
-        /// Gravito-bending length L_gb = (E h²/(8 ρ g))^(1/3), by which Young's modulus is known.
+        /// Gravito-bending length L_gb = (E h²/(8 ρ g))^(1/3), which determines Young's modulus.
         gravito_bending_length: number(Length, POSITIVE) required,
         /// Radius h.
         radius: number(Length, POSITIVE) required,

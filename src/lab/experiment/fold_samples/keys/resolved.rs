@@ -14,7 +14,7 @@ pub struct FoldSamples {
     pub least_suspended_length: f64,
 }
 
-/// Where the gripper is.
+/// Places of the gripper.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Points {

@@ -26,7 +26,7 @@ pub struct Lengths {
     pub to: Option<Quantity<Dimensionless>>,
 }
 
-/// Where the gripper is.
+/// Places of the gripper.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", rename = "places")]

@@ -10,13 +10,13 @@ use crate::scenario::keys::{
 keys! {
     /// A sheet that a gripper folds on a table.
     table Folding "folding" {
-        /// The sheet. `scenarios/papers` has those of the thesis, to be taken over by `extends`.
+        /// The sheet. `scenarios/papers` has those of the thesis; use them by `extends`.
         paper: raw(Paper) raw,
-        /// Where the edge goes: "half" (the default), onto the opposite edge; "diagonal-strip", a corner of a square sheet onto the
+        /// Target of the edge: "half" (the default), the opposite edge; "diagonal-strip", a corner of a square sheet onto the
         /// opposite one, of a strip of one width in place of the triangle; or how far (the thesis' C). The crease is pressed half way.
         crease: raw(Quantity<Length>) raw,
-        /// How the way of the gripper is planned: "optimal" (the default, the least sum of λ of thesis Eq. 4.11), "least-friction" (the
-        /// smallest friction demand), "held" (with as little moment at the gripper as the friction of the table needs), or the ways that the thesis
+        /// Planner of the gripper's path: "optimal" (the default, the least sum of λ of thesis Eq. 4.11), "least-friction" (the
+        /// smallest friction demand), "held" (with as little moment at the gripper as the friction of the table needs), or the paths that the thesis
         /// compares with, "circle" (Eq. 4.17) and "step-by-step".
         algorithm: word(AlgorithmName) default(AlgorithmName::Optimal),
         /// Observes the sheet while it is folded, and replans the rest of the path if the sheet has slid. Without this table the path
@@ -38,9 +38,9 @@ keys! {
 keys! {
     /// Replanning of the path while the sheet is folded (thesis sec. 4.5.1, Algorithm 5).
     table Feedback "feedback" {
-        /// Parts of the path; after each but the last the camera looks. Default: 5, as in the thesis.
+        /// Parts of the path; the camera measures after each except the last. Default: 5, as in the thesis.
         parts: raw(i64) raw,
-        /// Root mean square by which the camera sees wrongly how far the sheet has slid. Default: none.
+        /// Root mean square error with which the camera measures the slide of the sheet. Default: none.
         noise: number(Length, NON_NEGATIVE) default(0.0),
     }
 }
@@ -50,14 +50,14 @@ keys! {
     table Paper "paper" {
         /// Length in the direction of the fold.
         length: number(Length, POSITIVE) required,
-        /// The side that stays as it is.
+        /// Length of the side across the direction of the fold.
         width: number(Length, POSITIVE) required,
-        /// Gravito-bending length L_gb = (E h²/(24 ρ g))^(1/3), by which Young's modulus is known; or `youngs_modulus` with `thickness` and
+        /// Gravito-bending length L_gb = (E h²/(24 ρ g))^(1/3), which determines Young's modulus; or `youngs_modulus` with `thickness` and
         /// `density`.
         gravito_bending_length: number(Length, POSITIVE) required,
         /// Young's modulus E, where L_gb is not given.
         youngs_modulus: number(Pressure, POSITIVE) required,
-        /// Thickness h. Default where L_gb is given: 0.1 mm; it matters only for how thick the fold is, and for forces.
+        /// Thickness h. Default where L_gb is given: 0.1 mm; it affects only the thickness of the fold, and forces.
         thickness: number(Length, POSITIVE) optional,
         /// Mass per volume ρ. Default where L_gb is given: 800 kg/m³; forces are in proportion to it.
         density: number(Density, POSITIVE) optional,

@@ -32,7 +32,7 @@ impl Span {
     }
 }
 
-/// Where grasps are solved for.
+/// Points at which grasps are solved.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Points {

@@ -28,7 +28,7 @@ pub struct Span {
     pub to: Option<Quantity<Dimensionless>>,
 }
 
-/// Where grasps are solved for.
+/// Points at which grasps are solved.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", rename = "points")]

@@ -14,7 +14,7 @@ keys! {
         edges: raw(i64) raw,
         /// Whether each direction is searched on half as many edges, too, and the limit of a fine mesh extrapolated.
         extrapolate: flag() default(false),
-        /// How the rod gets to each point: "fast" (the default: at once, to the equilibrium next to the helix) or
+        /// Approach to each point: "fast" (the default: at once, to the equilibrium next to the helix) or
         /// "path" (its ends are moved along the direction from the straight rod, as in an experiment).
         search: word(HelixSearch) default(HelixSearch::Fast),
         /// Radius over length, by which rods touch themselves.
