@@ -42,7 +42,7 @@ pub struct DataSet {
     pub resolve: fn(&Request<'_>) -> Option<Experiment>,
     /// The scenario file that `rodlab init` writes.
     pub template: &'static str,
-    /// The scene that stands for all rows.
+    /// The scene that represents all rows.
     pub scene: fn(&Scenario) -> Result<Scene, Issue>,
     /// The computation of the rows.
     pub job: fn(&Scenario) -> Arc<dyn TableRun>,

@@ -3,10 +3,10 @@
 use super::KINDS;
 use rodlab_files::results::{Column, FILES, FileDescription};
 
-/// What a key of `rodlab explain` such as `series.contacts` stands for.
+/// Meaning of a key of `rodlab explain` such as `series.contacts`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Described<'a> {
-    /// A file: what is said of it for every run, then what kinds of experiments add.
+    /// A file: its description for every run, then the additions of the kinds of experiments.
     File(Vec<&'static FileDescription>),
     /// A column of a file.
     Column(&'static FileDescription, &'static Column),
@@ -14,7 +14,7 @@ pub enum Described<'a> {
     NoColumn(Vec<&'static FileDescription>, &'a str),
 }
 
-/// All that is said of files. Kinds that share a folder may share descriptions, too.
+/// All descriptions of files. Kinds that share a folder may share descriptions, too.
 pub fn described_files() -> Vec<&'static FileDescription> {
     let mut files: Vec<&'static FileDescription> = FILES.iter().collect();
     for file in KINDS.iter().flat_map(|kind| kind.files()) {
@@ -36,7 +36,7 @@ pub fn describe(key: &str) -> Option<Described<'_>> {
     if !whole.is_empty() {
         return Some(Described::File(whole));
     }
-    // The longest name of a file counts, so that `series.csv.contacts` is no column `csv.contacts`.
+    // The longest name of a file counts, so that `series.csv.contacts` is not a column `csv.contacts`.
     key.rmatch_indices('.').find_map(|(dot, _)| {
         let (word, name) = (&key[..dot], &key[dot + 1..]);
         let files = called(word);

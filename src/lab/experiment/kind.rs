@@ -82,7 +82,7 @@ impl fmt::Debug for dyn Kind {
     }
 }
 
-/// Tables of what stands in a scene, which kinds without dimensions have no use for.
+/// Tables of the contents of a scene, which dimensionless kinds do not use.
 pub(super) const SCENE_TABLES: [&str; 11] = [
     "material",
     "rod",
@@ -97,7 +97,7 @@ pub(super) const SCENE_TABLES: [&str; 11] = [
     "obstacles",
 ];
 
-/// Refuses time, contact and fluid, for kinds that know none of them; `why` tells the user.
+/// Refuses time, contact and fluid, for kinds that have none of them; `why` is the reason for the user.
 pub(super) fn refuse_surroundings(top: &Section<'_>, common: &CommonTables<'_>, why: &str) {
     let keys = [
         ("time", *common.time != Time::Static),

@@ -1,7 +1,7 @@
 //! Experiments: a scenario becomes a scene, with what is observed of it.
 //!
-//! Each kind of experiment is a folder of this room that implements [`Kind`] and stands in [`KINDS`]; nothing else in
-//! the house knows it by name.
+//! Each kind of experiment is a folder of this module that implements [`Kind`] and is listed in [`KINDS`]; no other code
+//! names it.
 //!
 //! | file | what |
 //! |---|---|

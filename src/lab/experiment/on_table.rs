@@ -8,7 +8,7 @@ use rodlab_planning::plan::deployment::DeployedRod;
 
 /// Acceleration of free fall, m/s².
 pub const GRAVITY: f64 = 9.81;
-/// Step where no table says otherwise, s.
+/// Default step, s.
 const STEP: f64 = 5e-3;
 /// Largest relative error of a length.
 const LARGEST_ERROR: f64 = 0.9;
@@ -16,10 +16,10 @@ const LARGEST_ERROR: f64 = 0.9;
 pub const JITTER_PERIOD: f64 = 1.0;
 /// Edges that may be asked for.
 const EDGES: [usize; 2] = [10, 100_000];
-/// How many there are at least and at most where nothing is said.
+/// Default least and largest number of them.
 const USUAL_EDGES: [f64; 2] = [80.0, 400.0];
 
-/// The time steps where no table says otherwise, up to `end`, s.
+/// The default time steps, up to `end`, s.
 pub fn usual_time(end: f64) -> Time {
     Time::Dynamic {
         scheme: Scheme::ImplicitEuler,
@@ -28,7 +28,7 @@ pub fn usual_time(end: f64) -> Time {
     }
 }
 
-/// Refuses a run without time; `why` says what is done in time.
+/// Refuses a run without time; `why` is the process that needs time.
 pub fn need_time(request: &Request<'_>, why: &str) {
     if !matches!(request.time, Time::Dynamic { .. }) {
         let message = format!("{why}: use \"dynamic\"");

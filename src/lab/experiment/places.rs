@@ -3,7 +3,7 @@
 use crate::scenario::{Issue, KeyPath, Place};
 use rodlab_engine::mechanics::scene::RodDescription;
 
-/// The number of a place that stands at a key, among the `count` nodes or edges of a rod.
+/// The number of a place given at a key, among the `count` nodes or edges of a rod.
 pub fn find_place(
     place: Place,
     count: usize,

@@ -3,7 +3,7 @@
 use rodlab_files::results::{BRANCH, ResultsError, read_branches};
 use std::path::Path;
 
-/// What stands along the axis of a path of equilibria in the place of time.
+/// Quantity along the axis of a path of equilibria in place of time.
 pub(super) const PARAMETER: &str = "Path parameter";
 
 /// The numbers of the branches, output after output.
@@ -25,7 +25,7 @@ impl Branches {
         Self(numbers.into())
     }
 
-    /// The branch of an output; that of the last one known for one that is being written.
+    /// The branch of an output; the last known branch for an output that is being written.
     pub fn of(&self, output: usize) -> usize {
         let known = self.0.get(output).or(self.0.last());
         known.copied().unwrap_or_default()

@@ -1,6 +1,6 @@
 //! Springs between nodes, for pictures: thin straight threads.
 //!
-//! Results do not tell when a spring broke: those that may break are not drawn, nor those that only turn rods.
+//! Results do not record when a spring broke: those that may break are not drawn, nor those that only turn rods.
 
 use super::rod_places::{node_at, nodes_of};
 use crate::scenario::{JointKind, Scenario};

@@ -25,7 +25,7 @@ pub struct FilmRequest {
 pub struct WrittenFilm {
     /// Its pictures.
     pub pictures: usize,
-    /// How long it takes, s.
+    /// Its duration, s.
     pub seconds: f64,
     /// Size of the file or of all files, bytes.
     pub bytes: usize,
@@ -57,7 +57,7 @@ pub enum MovieError {
         /// Those there are.
         rods: Vec<String>,
     },
-    /// The name of the file does not say what to write.
+    /// The name of the file does not determine the format.
     #[error(
         "`{}` is not a film or a folder: unknown ending; allowed: a file that ends in .gif or .mp4, or a folder for pictures, such as frames/",
         .0.display()
@@ -247,7 +247,7 @@ fn write_pictures(
     };
     let beside = to.parent().filter(|parent| !parent.as_os_str().is_empty());
     let beside = beside.unwrap_or(Path::new("."));
-    // It removes itself where the film does not come to its end.
+    // It removes itself where the film is not completed.
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));

@@ -34,10 +34,10 @@ const PREFIXES: [(&str, &[(&str, f64)]); 4] = [
     ("N", &[("µN", 1e-6), ("mN", 1e-3), ("N", 1.0), ("kN", 1e3)]),
 ];
 
-/// Tables of scenario files whose name says nothing about their keys.
+/// Tables of scenario files whose name does not describe their keys.
 const SILENT: [&str; 5] = ["material", "rod", "rods", "loads", "clamps"];
 
-/// A column as it stands in a figure.
+/// A column as it appears in a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Quantity {
     /// Its name in words, small.

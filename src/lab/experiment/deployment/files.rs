@@ -1,4 +1,4 @@
-//! What a deployment leaves in a results directory, in words.
+//! Descriptions of the files of a deployment in a results directory.
 
 use rodlab_files::columns;
 use rodlab_files::results::{Column, ColumnGroup, FileDescription, file, table};
@@ -48,7 +48,7 @@ const SUMMARY: &[Column] = columns! {
     "largest_gripper_force_n": "Largest force of the gripper on the rod, N.",
     "largest_friction_demand": "The largest friction that the pattern asks for: of the lying rod 2 L_gb³|κ''| (thesis Eq. 5.2), at the contact \
         node |n_y + κ̄'|/|n_z| of the optimal grasp; of the scheme \"intuitive\" that of the lying rod alone.",
-    "share_above_friction": "Part of the pattern that asks for more friction than the table has; there the rod slides.",
+    "share_above_friction": "Part of the pattern that demands more friction than the table has; there the rod slides.",
     "pegs": "Pegs on the table, two of each clip; empty without any.",
     "pegs_passed": "Pegs that the rod, as far as it belongs to the pattern, passes at the end on the side on which the pattern does, below \
         their tops.",

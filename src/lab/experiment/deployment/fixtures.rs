@@ -14,10 +14,10 @@ pub struct Fixtures {
 }
 
 impl Fixtures {
-    /// Those of a deployment; without pegs where it has none.
+    /// Fixtures of a deployment; without pegs where it has none.
     ///
     /// # Errors
-    /// The pattern is none.
+    /// The pattern is invalid.
     pub fn of(deployment: &Deployment) -> Result<Self, PatternError> {
         Ok(Self {
             pegs: deployment.pegs.clone(),
@@ -35,7 +35,7 @@ impl Fixtures {
         self.outline.iter().map(|&point| point.into()).collect()
     }
 
-    /// The rigid obstacles that stand for the pegs where another frame is used on the same table: `place` leads there.
+    /// The rigid obstacles that represent the pegs in another frame on the same table: `place` maps to that frame.
     pub fn posts(&self, place: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<RodDescription> {
         let numbered = self.pegs.iter().enumerate();
         let posts = numbered.map(|(number, peg)| {

@@ -1,4 +1,4 @@
-//! The path of a gripper that lays a rod, with the errors that it is given: made before the run, followed during it.
+//! The path of a gripper that lays a rod, with its prescribed errors: computed before the run, followed during it.
 
 use super::keys::Deployment;
 use super::planned::{PathError, Planned};
@@ -15,27 +15,27 @@ use std::f64::consts::TAU;
 
 /// Distance of neighbouring poses along the pattern, m.
 const POSE_SPACING: f64 = 3e-3;
-/// The same of the poses by which times are found, m.
+/// Distance of the poses from which times are computed, m.
 const TIMING_SPACING: f64 = 12e-3;
 /// Poses per period of the fastest jitter.
 const POSES_PER_PERIOD: f64 = 10.0;
-/// Time in which a rod that waits is brought to where its laying begins, s: it is brought over its first point, hangs until it swings
-/// no more, and is let down.
+/// Time in which a waiting rod is brought to the start of its laying, s: it is moved over its first point, hangs until it no longer
+/// swings, and is lowered.
 pub const BRINGING: f64 = 10.0;
 const HANGING: [f64; 2] = [4.0, 2.0];
-/// Where it waits: behind the start of its pattern, out of the way of the rod that is laid before, m.
+/// Waiting place: behind the start of its pattern, clear of the rod that is laid before, m.
 const WAITING_BEHIND: f64 = 0.25;
-/// How far its free end hangs over the table meanwhile, and over its first point, in gravito-bending lengths.
+/// Height of its free end over the table meanwhile, and over its first point, in gravito-bending lengths.
 const WAITING_ABOVE: f64 = 2.0;
 const HANGING_ABOVE: f64 = 0.1;
 
-/// What is laid where and when.
+/// Laying of one rod: pattern, poses and times.
 pub struct GripperPath {
     /// Length of the pattern, its lead-in included, m.
     pub length: f64,
     /// The pattern.
     pub curve: Pattern,
-    /// What it asks for.
+    /// Friction demand of the pattern.
     pub feasibility: Feasibility,
     /// Times (s) of the poses and what has been laid then, m.
     pub laid: Vec<(f64, f64)>,
@@ -47,17 +47,17 @@ pub struct GripperPath {
     pub jitter: Vec<(Vector3, Vector3)>,
     /// The poses, errors included.
     pub poses: Vec<GripperPose>,
-    /// What the planner believes.
+    /// Model that the planner assumes.
     pub seen: Planned,
     /// The rod at the start, m.
     pub start: Vec<Vector3>,
     /// The poses of a rod that waits, from the start to the first pose of the laying, errors included; none of one that does not.
     pub brought: GripperPoses,
-    /// The poses after the laying, errors included, where its end is led on at once.
+    /// The poses after the laying, errors included, where its end is led further at once.
     pub led: GripperPoses,
 }
 
-/// A path of which it is not known yet how fast it is followed.
+/// A path without times: its speed is not chosen yet.
 pub struct UnpacedPath<'a> {
     deployment: &'a Deployment,
     curve: Pattern,
@@ -106,7 +106,7 @@ impl<'a> UnpacedPath<'a> {
         self.curve.at(0.0).position
     }
 
-    /// How long it takes at a speed of 1 m/s, s.
+    /// Its duration at a speed of 1 m/s, s.
     pub fn duration(&self) -> f64 {
         self.passed.last().copied().unwrap_or(0.0)
     }
@@ -140,7 +140,7 @@ impl<'a> UnpacedPath<'a> {
             })
             .collect();
         let mut points: Vec<PatternPoint> = laid.iter().map(|&(_, s)| self.curve.at(s)).collect();
-        // Angles go over into each other.
+        // Angles blend into each other.
         for index in 1..points.len() {
             let turns = (points[index - 1].angle - points[index].angle) / TAU;
             points[index].angle += TAU * turns.round();
@@ -199,7 +199,7 @@ fn refuse_many(count: f64) -> Result<(), PathError> {
     }
 }
 
-/// Where the gripper of a rod waits, and from where it lets it down, from its first place of the laying on, m. There it hangs straight.
+/// Waiting place of the gripper of a rod, and the place from which it lowers it, relative to its first laying place, m. There the rod hangs straight.
 fn brought_from(first: &PatternPoint, rod: &DeployedRod, place: &Vector3) -> [Vector3; 2] {
     let (sine, cosine) = libm::sincos(first.angle);
     let behind = -WAITING_BEHIND * Vector3::new(cosine, sine, 0.0);
@@ -217,12 +217,12 @@ fn smooth(part: f64) -> f64 {
 }
 
 impl GripperPath {
-    /// When the rod is laid, s.
+    /// Time at which the rod is laid, s.
     pub fn laid_by(&self) -> f64 {
         self.laid.last().map_or(0.0, |(time, _)| *time)
     }
 
-    /// When the gripper has done its work, s.
+    /// Time at which the gripper has finished, s.
     pub fn end(&self) -> f64 {
         self.led.last().map_or(self.laid_by(), |pose| pose.0)
     }
@@ -280,7 +280,7 @@ impl GripperPath {
 }
 
 impl Deployment {
-    /// The trembling of its gripper.
+    /// The jitter of its gripper.
     pub fn trembling(&self) -> Jitter {
         let rms = [self.jitter, self.jitter_angle];
         Jitter::new(rms, self.jitter_period, self.seed)
@@ -346,7 +346,7 @@ pub mod tests {
         assert!(away.xy().norm() > WAITING_BEHIND && away.z > 0.0);
         assert!(path.start.iter().all(|node| node.z > 0.0016));
         assert!((path.start[80] - first.1).norm() < 1e-7);
-        // It comes gently.
+        // It arrives slowly.
         assert!(last.0 < 20.0 && (last.1 - path.poses[0].position).norm() < 1e-3);
         let motion = path.motion();
         assert_eq!(

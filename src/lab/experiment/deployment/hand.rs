@@ -1,4 +1,4 @@
-//! A gripper that takes hold of rods where they should lie, leads them, and lets them go.
+//! A gripper that grasps rods at their planned places, leads them, and releases them.
 
 use super::tying::{Hold, Part};
 use crate::run::Controller;
@@ -9,27 +9,27 @@ use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Nodes beside the ends of a rod that are no strand: a gripper is there already, or nearly nothing.
+/// Nodes beside the ends of a rod that do not count as a strand: a gripper is there already, or too little rod.
 const BESIDE_ENDS: usize = 2;
 
-/// Takes hold of rods, one after the other.
+/// Grasps rods, one after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Hand {
     name: String,
     tasks: Vec<Task>,
     reach: f64,
-    /// Tasks that are over, or have missed.
+    /// Tasks that are finished, or have missed.
     done: usize,
-    /// The clamp of what is held.
+    /// The clamp of the held node.
     clamp: Option<usize>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Task {
-    /// When it takes hold, s; it lets go at the other time, if there is one.
+    /// Time of the grasp, s, and of the release, if there is one.
     begin: f64,
     end: Option<f64>,
-    /// Nodes of which it takes the nearest.
+    /// Candidate nodes; the nearest one is grasped.
     nodes: Range<usize>,
     /// Times (s) and places (m).
     places: Vec<(f64, Vector3)>,
@@ -84,11 +84,11 @@ impl Task {
         nearest.filter(|node| away(node) <= reach)
     }
 
-    /// The motion of a node that was taken hold of at a place.
+    /// The motion of a node that was grasped at a place.
     fn motion(&self, first: &Vector3, found: &Vector3) -> Motion {
         let ways = self.places.iter().map(|(time, place)| {
             let mut way = place - first;
-            // A hand that trembles does not press the rod into the table.
+            // Jitter of the gripper does not press the rod into the table.
             way.z = way.z.max(0.0);
             (*time, way)
         });

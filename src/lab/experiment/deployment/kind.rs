@@ -20,7 +20,7 @@ use rodlab_engine::mechanics::scene::Scene;
 use rodlab_files::results::FileDescription;
 use std::path::Path;
 
-/// Duration where no table says otherwise, s.
+/// Default duration, s.
 const END: f64 = 60.0;
 
 /// A rod that a gripper lays on a table along a pattern.
@@ -135,7 +135,7 @@ fn gripper_paths(scenario: &Scenario) -> Result<&DeploymentPaths, Issue> {
     paths.map_err(|error| Issue::new(KeyPath::from("deployment.pattern"), error.to_string()))
 }
 
-/// The numbers of a rod in words.
+/// The numbers of a rod as text.
 fn described<'a>(pattern: &'a str, numbers: &DerivedDeployment) -> Vec<(&'a str, String)> {
     let (length, lead_in) = (numbers.pattern_length, numbers.lead_in);
     let mut lines = vec![(

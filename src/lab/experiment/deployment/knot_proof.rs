@@ -1,4 +1,4 @@
-//! Which knot rods on the table are tied into, and which their patterns.
+//! Type of the knot of rods on the table, and of their patterns.
 //!
 //! Both ends of a rod are raised straight up and joined far above the table, and, once more, lowered and joined far below it. Of
 //! two rods the end of each is joined to the start of the other, so that the closed curve runs along both forwards; one path lies higher
@@ -18,7 +18,7 @@ use rodlab_planning::knot::KnotInvariants;
 use rodlab_planning::plan::pattern::{Pattern, PatternPoint};
 use rodlab_planning::plan::tying::{Pass, Passage};
 
-/// How far above and below the table ends are joined, in lengths of the curves; of the second path over those of the first.
+/// Distances above and below the table at which ends are joined, in lengths of the curves; those of the second path over those of the first.
 const FAR: f64 = 3.0;
 const FARTHER: f64 = 1.5;
 /// Points of a pattern.
@@ -47,7 +47,7 @@ pub fn knot_on_table(rods: &[&[Vector3]]) -> Option<KnotInvariants> {
     above.filter(|_| above == below)
 }
 
-/// The same of patterns by their passages.
+/// The knot of patterns, from their passages.
 pub fn knot_of_patterns<'a>(
     curves: impl IntoIterator<Item = &'a Pattern>,
     passages: &[Passage],

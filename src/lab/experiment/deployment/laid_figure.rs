@@ -17,9 +17,9 @@ const BREAK: f64 = 3.0;
 /// Points of a curve from above, m; a gap where there is no height.
 pub type Outline = Vec<(f64, Option<f64>)>;
 
-/// What a deployment left on the table, seen from above.
+/// Final state of a deployment on the table, seen from above.
 pub struct LaidOutlines {
-    /// The rods, as far as they belong to their patterns; all of those that are tied.
+    /// The parts of the rods that belong to their patterns; tied rods are complete.
     pub rods: Vec<Outline>,
     /// The patterns with their lead-ins.
     pub pattern: Outline,

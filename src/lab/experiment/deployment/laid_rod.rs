@@ -1,4 +1,4 @@
-//! How far a laid rod is from its pattern (thesis Eq. 5.11).
+//! Distances of a laid rod from its pattern (thesis Eq. 5.11).
 
 use nalgebra::Vector2;
 use rodlab_engine::mechanics::Vector3;
@@ -37,7 +37,7 @@ pub fn rod_at(nodes: &[Vector3], length: f64, s: f64) -> Vector2<f64> {
     (nodes[edge] * (1.0 - part) + nodes[edge + 1] * part).xy()
 }
 
-/// Distances of the marks at which something lies already, `laid` (m) of the rod, m.
+/// Distances at the marks that are within the laid length `laid` (m) of the rod, m.
 pub fn distances(marks: &[PatternMark], nodes: &[Vector3], length: f64, laid: f64) -> Vec<f64> {
     let marks = marks.iter().filter(|mark| mark.s <= laid * (1.0 + 1e-9));
     marks
@@ -46,7 +46,7 @@ pub fn distances(marks: &[PatternMark], nodes: &[Vector3], length: f64, laid: f6
 }
 
 impl LaidError {
-    /// That of distances; `None` where there are none.
+    /// Summary of distances; `None` where there are none.
     pub fn of(distances: &[f64]) -> Option<Self> {
         if distances.is_empty() {
             return None;

@@ -9,22 +9,22 @@ use serde::Serialize;
 
 /// Friction of the simulated table where none is given.
 const FRICTION: f64 = 0.4;
-/// How long a tied rod is left to itself, s.
+/// Time for which a tied rod settles, s.
 const SETTLING: f64 = 2.0;
 
-/// What a landing is written from.
+/// Data of a landing scenario.
 pub struct Landing<'a> {
     /// The rod.
     pub rod: &'a RodFile,
-    /// The pattern for people.
+    /// Description of the pattern for readers.
     pub name: &'a str,
     /// The pattern itself.
     pub source: &'a PatternSource,
-    /// How it is laid.
+    /// Scheme by which it is laid.
     pub request: &'a DeploymentRequest<'a>,
     /// Length of its lead-in, m.
     pub lead_in: f64,
-    /// How long it takes, s.
+    /// Its duration, s.
     pub duration: f64,
 }
 

@@ -6,20 +6,20 @@
 //! | `keys` | its table `[deployment]` |
 //! | `scene` | rods, grippers and table of the scene |
 //! | `gripper_path` | the path of a gripper that lays a rod, with its errors, planned before the run |
-//! | `tying` | what both grippers do when rods are laid, where a knot is tied |
+//! | `tying` | motion of both grippers after rods are laid, where a knot is tied |
 //! | `paths` | the paths of all grippers, one after the other |
 //! | `planned` | the model that the planner assumes |
 //! | `online` | the path replanned from the observed place of the rod |
-//! | `tables` | that table with what is planned of it |
+//! | `tables` | that table with the plan made from it |
 //! | `laid_rod` | distances of the laid rod from its pattern |
 //! | `pegs` | posts on the table, and whether the rod passes them as its pattern does |
 //! | `fixtures` | the same on the table of a robot cell |
-//! | `hand`, `release` | a gripper takes hold of strands and ends; one that laid a rod lets go |
+//! | `hand`, `release` | a gripper grasps strands and ends; one that laid a rod lets go |
 //! | `placement` | a cable between pegs, with its plan, for a robot cell |
 //! | `rod_file`, `landing_scenario` | files of rods, and of scenarios that lay them along a plan |
-//! | `knot_proof` | which knot rods on the table are tied into |
-//! | `monitor`, `outcome` | what is measured, and what it came to |
-//! | `files`, `laid_figure` | what it leaves in a results directory |
+//! | `knot_proof` | type of the knot of rods on the table |
+//! | `monitor`, `outcome` | the measurements, and the outcome |
+//! | `files`, `laid_figure` | its files in a results directory |
 
 mod files;
 mod fixtures;

@@ -1,4 +1,4 @@
-//! Watches rods while they are laid: how well they lie, how far they slide, how hard their grippers pull.
+//! Monitors rods while they are laid: their distance from the pattern, their sliding, the forces of their grippers.
 
 use super::keys::Peg;
 use super::knot_proof::knot_on_table;
@@ -26,11 +26,11 @@ pub struct WatchedRod {
     pub nodes: Range<usize>,
     /// Height of a node below which it lies on the table, m.
     pub lying_height: f64,
-    /// What its pattern asks for.
+    /// Friction demand of its pattern.
     pub derived: DerivedDeployment,
 }
 
-/// What is watched.
+/// What is monitored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Watched {
     /// The rods, in the order in which they are laid: the first ones of the scene.
@@ -41,12 +41,12 @@ pub struct Watched {
     pub pegs: Vec<Peg>,
     /// The pattern from above, m, where there are pegs.
     pub outline: Vec<[f64; 2]>,
-    /// Whether a knot is tied, and then that of the patterns.
+    /// Whether a knot is tied, and if so the knot of the patterns.
     pub knot: Option<Option<KnotInvariants>>,
 }
 
 impl WatchedRod {
-    /// What has been laid of it at a time, m.
+    /// Length that has been laid at a time, m.
     fn laid_at(&self, time: f64) -> f64 {
         piecewise_linear(&self.laid, time).unwrap_or(0.0)
     }
@@ -58,29 +58,29 @@ impl WatchedRod {
 }
 
 impl Watched {
-    /// When all rods are laid, s.
+    /// Time at which all rods are laid, s.
     fn laid_by(&self) -> f64 {
         let ends = self.rods.iter().filter_map(|rod| rod.laid.last());
         ends.map(|(time, _)| *time).fold(0.0, f64::max)
     }
 }
 
-/// Watches rods that are laid.
+/// Monitors rods that are laid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DeploymentMonitor {
-    /// What is watched.
+    /// What is monitored.
     pub watched: Watched,
     /// Time between samples, s.
     interval: f64,
     /// Time of the next sample, s.
     next: f64,
-    /// Where nodes first lay, m.
+    /// Places at which nodes were first laid, m.
     touched: Vec<Option<[f64; 2]>>,
     largest_sliding: f64,
     largest_force: f64,
     /// Mean, standard deviation and largest of the distances at the last output, m.
     last: Option<(f64, f64, f64)>,
-    /// Pegs that were passed as the pattern does at the last output.
+    /// Pegs that were passed on the side of the pattern at the last output.
     passed: usize,
     /// The knot of the rods at the last output.
     knot: Option<KnotInvariants>,
@@ -111,7 +111,7 @@ impl DeploymentMonitor {
         let mut off = Vec::new();
         let mut force: f64 = 0.0;
         for rod in &self.watched.rods {
-            // One that still waits is not on its way.
+            // A rod that still waits has not started.
             if rod
                 .laid
                 .first()
@@ -132,7 +132,7 @@ impl DeploymentMonitor {
         (LaidError::of(&off), force)
     }
 
-    /// How many pegs the part of the rod that belongs to the pattern passes as the pattern does.
+    /// Number of pegs that the part of the rod that belongs to the pattern passes on the same side as the pattern.
     fn pegs_passed(&self, rod: &[Vector3]) -> usize {
         let Watched {
             rods,
@@ -203,7 +203,7 @@ impl Observer for DeploymentMonitor {
         );
         let (error, force) = self.look(sample);
         (self.touched, self.largest_sliding, self.largest_force) = kept;
-        // A rod whose end is led on leaves the pattern along which it was laid.
+        // A rod whose end is led further leaves the pattern along which it was laid.
         let is_led =
             self.watched.knot.is_some() && sample.time() > self.watched.laid_by() * (1.0 + 1e-9);
         let error = error.filter(|_| !is_led);
@@ -252,7 +252,7 @@ impl Observer for DeploymentMonitor {
     }
 }
 
-/// Notes where nodes first lie, of the part of a rod that has been laid, and how far one has come from there at most, m.
+/// Records the places at which nodes of the laid part of a rod were first laid, and the largest displacement from them, m.
 fn sliding(
     rod: &WatchedRod,
     nodes: &[Vector3],

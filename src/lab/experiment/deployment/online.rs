@@ -12,7 +12,7 @@ use rodlab_planning::plan::deployment::{CorrectedPath, ObservedContact};
 use rodlab_planning::plan::pattern::Point;
 use serde::{Deserialize, Serialize};
 
-/// Least time between two corrections, s: a hanging rod swings, and answers no sooner.
+/// Least time between two corrections, s: a hanging rod swings, and responds no sooner.
 const LEAST_TIME: f64 = 1.0;
 /// Seeds of successive observations are this far apart.
 const SEED_STEP: u64 = 0x9e37_79b9;

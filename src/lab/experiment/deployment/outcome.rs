@@ -15,7 +15,7 @@ pub struct DerivedDeployment {
     pub least_radius: Option<f64>,
     /// The largest friction that the pattern asks for.
     pub largest_friction_demand: f64,
-    /// Part of the pattern that asks for more friction than there is.
+    /// Part of the pattern that demands more friction than the table has.
     pub share_above_friction: f64,
     /// Largest speed of the gripper, m/s.
     pub largest_gripper_speed: f64,
@@ -56,26 +56,26 @@ pub struct DeploymentOutcome {
     pub error_deviation_m: Option<f64>,
     /// Largest distance, m.
     pub largest_error_m: Option<f64>,
-    /// Farthest that a node has come from where it first lay, m.
+    /// Largest displacement of a node from where it was first laid, m.
     pub largest_sliding_m: f64,
     /// Largest force of the gripper on the rod, N.
     pub largest_gripper_force_n: f64,
-    /// The largest friction that the pattern asks for (thesis Eq. 5.2).
+    /// The largest friction that the pattern demands (thesis Eq. 5.2).
     pub largest_friction_demand: f64,
-    /// Part of the pattern that asks for more friction than there is.
+    /// Part of the pattern that demands more friction than the table has.
     pub share_above_friction: f64,
-    /// What became of pegs; `None` where there are none.
+    /// Outcome of the pegs; `None` where there are none.
     pub pegs: Option<PassedPegs>,
-    /// What became of a knot; `None` where none is tied.
+    /// Outcome of the knot; `None` where none is tied.
     pub knot: Option<TiedKnot>,
 }
 
 /// Knots by their invariants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TiedKnot {
-    /// That of the pattern, or of both patterns; `None` where it depends on how ends are joined.
+    /// Knot of the pattern, or of both patterns; `None` where it depends on how ends are joined.
     pub pattern: Option<KnotInvariants>,
-    /// That of the rod, or of both rods; `None` where it depends on how ends are joined.
+    /// Knot of the rod, or of both rods; `None` where it depends on how ends are joined.
     pub rod: Option<KnotInvariants>,
 }
 
@@ -86,17 +86,17 @@ impl TiedKnot {
     }
 }
 
-/// Pegs that a rod passes on the side on which its pattern does, below their tops.
+/// Pegs that a rod passes on the same side as its pattern, below their tops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PassedPegs {
-    /// How many there are.
+    /// Number of pegs.
     pub count: usize,
-    /// How many are passed so.
+    /// Number of pegs that are passed in this way.
     pub passed: usize,
 }
 
 impl PassedPegs {
-    /// Whether the rod is placed: it passes all of them so.
+    /// Whether the rod is placed: it passes all of them in this way.
     pub fn are_all(&self) -> bool {
         self.passed == self.count
     }
@@ -174,7 +174,7 @@ impl DeploymentOutcome {
         ])
     }
 
-    /// Says so where the table has less `friction` than the pattern asks for.
+    /// Returns a warning where the table has less `friction` than the pattern demands.
     pub fn remark(&self, friction: f64) -> Option<String> {
         let what = match self.pegs {
             Some(_) => "only pegs hold the rod in its bends",
@@ -190,7 +190,7 @@ impl DeploymentOutcome {
         })
     }
 
-    /// What people want to see of it first: names and texts, a line each.
+    /// Its main results for the user: names and texts, a line each.
     pub fn highlights(&self) -> Vec<(String, String)> {
         let mut lines = Vec::new();
         if let (Some(mean), Some(deviation)) = (self.mean_error_m, self.error_deviation_m) {

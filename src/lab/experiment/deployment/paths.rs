@@ -7,11 +7,11 @@ use super::tying::{Part, Tying, TyingPlan};
 use rodlab_planning::plan::tying::GripperPoses;
 use serde::Serialize;
 
-/// What all grippers do.
+/// Motions of all grippers.
 pub struct DeploymentPaths {
-    /// The paths of those that lay rods, in the order in which they do.
+    /// The paths of the grippers that lay rods, in that order.
     pub rods: Vec<GripperPath>,
-    /// What comes after, where a knot is tied.
+    /// The tying of the knot afterwards, if any.
     pub tying: Option<Tying>,
 }
 
@@ -20,7 +20,7 @@ impl DeploymentPaths {
     /// given as much time as its gripper needs at the pace of the others.
     ///
     /// # Errors
-    /// A pattern cannot be laid, or there is no time.
+    /// A pattern cannot be laid, or there is too little time.
     pub fn new(
         deployment: &Deployment,
         friction: f64,
@@ -63,21 +63,21 @@ impl DeploymentPaths {
         Ok(Self { rods, tying })
     }
 
-    /// When the grippers have done their work, s.
+    /// Time at which the grippers have finished, s.
     pub fn end(&self) -> f64 {
         let laid_by = self.rods.last().map_or(0.0, GripperPath::laid_by);
         self.tying.as_ref().map_or(laid_by, |tying| tying.end)
     }
 }
 
-/// What a gripper does with a rod from when it takes hold of it to when it lets go.
+/// Task of a gripper with a rod, from grasp to release.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GripperTask {
     /// Number of the gripper, from 1.
     pub gripper: usize,
     /// Number of the rod, from 1.
     pub rod: usize,
-    /// What it does.
+    /// Kind of work.
     pub work: GripperWork,
     /// Times (s), places (m) and orientations.
     pub poses: GripperPoses,
@@ -87,11 +87,11 @@ pub struct GripperTask {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GripperWork {
-    /// Lays a rod and, of the rod that is laid last, leads its end on.
+    /// Lays a rod and, for the rod that is laid last, leads its end further.
     Lay,
     /// Lifts a strand, and puts it down again.
     Lift,
-    /// Takes hold of the end of a rod again, and leads it.
+    /// Grasps the end of a rod again, and leads it.
     Lead,
 }
 

@@ -1,6 +1,6 @@
 //! Posts on the table, and whether a rod passes them as its pattern does.
 //!
-//! A rod is placed when every peg stands, seen from above, on the side of the rod on which it stands of the pattern, and the
+//! A rod is placed when every peg is, seen from above, on the same side of the rod as of the pattern, and the
 //! rod lies beside it below its top. The side is a matter of topology: rod and pattern, joined by straight lines at their
 //! ends, are a closed curve, which must not go around the peg.
 
@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 
 /// Nodes of a post: it is one edge.
 pub const NODES: usize = 2;
-/// Of steel, for contact is no stiffer than the softer of two bodies.
+/// Young's modulus of steel: contact is no stiffer than the softer of two bodies.
 const STEEL: Material = Material {
     youngs_modulus: 2e11,
     poissons_ratio: 0.3,
@@ -29,7 +29,7 @@ const OUTLINE: usize = 2000;
 /// Points of a drawn circle.
 const CIRCLE: usize = 24;
 
-/// The rigid obstacle that stands for a peg: its cylinder and its round top.
+/// The rigid obstacle that represents a peg: its cylinder and its round top.
 pub fn post(name: &str, peg: &Peg) -> RodDescription {
     let [x, y] = peg.position;
     let axis = [0.0, peg.height - peg.radius].map(|z| Vector3::new(x, y, z));
@@ -74,14 +74,14 @@ pub fn first_part(nodes: &[Vector3], part: f64) -> Vec<Vector3> {
     first
 }
 
-/// Whether a rod leaves a peg on the side on which its pattern does, and lies below its top beside it.
+/// Whether a rod passes a peg on the same side as its pattern, and lies below its top beside it.
 pub fn passes(rod: &[Vector3], pattern: &[[f64; 2]], peg: &Peg) -> bool {
     let axis = Vector2::from(peg.position);
     let from_above = rod.iter().map(|node| node.xy());
     is_on_its_side(from_above, pattern, &axis) && height_beside(rod, &axis) < peg.height
 }
 
-/// Whether a rod that was seen from above leaves a peg on the side on which its pattern does, and nowhere lies on it: its
+/// Whether a rod that was seen from above passes a peg on the same side as its pattern, and nowhere lies on it: its
 /// centreline is farther from the axis than the radius of the peg.
 pub fn passes_beside(rod: &[Vector2<f64>], pattern: &[[f64; 2]], peg: &Peg) -> bool {
     let axis = Vector2::from(peg.position);
@@ -103,7 +103,7 @@ fn is_on_its_side(
     winding_number(&between, axis) == 0
 }
 
-/// Where along an edge, from 0 to 1, it is nearest to a place.
+/// Parameter along an edge, from 0 to 1, of its point nearest to a place.
 fn part_nearest(from: &Vector2<f64>, along: &Vector2<f64>, place: &Vector2<f64>) -> f64 {
     let length = along.norm_squared();
     if length > 0.0 {
@@ -113,7 +113,7 @@ fn part_nearest(from: &Vector2<f64>, along: &Vector2<f64>, place: &Vector2<f64>)
     }
 }
 
-/// How often a closed polygon goes around a point, counter-clockwise.
+/// Winding number of a closed polygon around a point, counter-clockwise.
 fn winding_number(polygon: &[Vector2<f64>], point: &Vector2<f64>) -> i64 {
     let next = polygon.iter().cycle().skip(1);
     let crossed = polygon.iter().zip(next).map(|(from, to)| {

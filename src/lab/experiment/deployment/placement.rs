@@ -17,7 +17,7 @@ use thiserror::Error;
 
 /// A cable and its pegs.
 pub struct Placement {
-    /// Its name for people.
+    /// Its name for readers.
     pub title: String,
     /// The scenario as it was resolved.
     text: String,
@@ -29,13 +29,13 @@ pub struct Placement {
     pub fixtures: Fixtures,
 }
 
-/// Why a scenario is none of a cable that is laid between pegs.
+/// Why a scenario does not describe a cable that is laid between pegs.
 #[derive(Debug, Error)]
 pub enum PlacementError {
     /// It is faulty.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// Its pattern is none.
+    /// Its pattern is invalid.
     #[error(transparent)]
     Pattern(#[from] PatternError),
     /// The scenario cannot be used for placement.
@@ -47,7 +47,7 @@ impl Placement {
     /// Reads a scenario.
     ///
     /// # Errors
-    /// It is faulty, or none of a cable that is laid between pegs.
+    /// It is faulty, or does not describe a cable that is laid between pegs.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, PlacementError> {
         let scenario = load(path, overrides)?.scenario;
         let tables: Option<&DeploymentTables> = scenario.experiment.tables();
@@ -75,7 +75,7 @@ impl Placement {
         })
     }
 
-    /// The path of the gripper where there is room for what is longer than the pattern.
+    /// The path of the gripper where there is room for the part of the rod beyond the pattern.
     ///
     /// # Errors
     /// The cable cannot be laid along its pattern.

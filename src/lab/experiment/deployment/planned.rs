@@ -1,4 +1,4 @@
-//! What the planner of a gripper's path believes, and why there may be no path.
+//! The model that the planner of a gripper's path assumes, and the reasons for which it may fail.
 
 use super::keys::Deployment;
 use nalgebra::{Matrix2, Vector2};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Why there is no path.
 #[derive(Debug, thiserror::Error)]
 pub enum PathError {
-    /// The pattern is none.
+    /// The pattern is invalid.
     #[error(transparent)]
     Pattern(#[from] PatternError),
     /// It cannot be laid.
@@ -29,7 +29,7 @@ pub enum PathError {
         /// Time of all, s.
         end_s: f64,
     },
-    /// There is none for the second rod to be brought.
+    /// There is no time to bring the second rod.
     #[error(
         "the second rod is brought within {brought_s} s when the first one lies, and there are {end_s:.1} s for laying both: `time.end` must \
          be later"
@@ -45,7 +45,7 @@ pub enum PathError {
     TooManyPoses(f64),
 }
 
-/// What the planner believes: the rod, and where the pattern lies.
+/// Model that the planner assumes: the rod, and the place of the pattern.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Planned {
     /// The rod.
@@ -56,7 +56,7 @@ pub struct Planned {
 }
 
 impl Planned {
-    /// What a deployment of one rod lets it believe of the rod and of a frame; `pivot` is the first point of the first pattern, m.
+    /// Model of the rod and of a frame that the planner assumes in a deployment of one rod; `pivot` is the first point of the first pattern, m.
     pub fn new(deployment: &Deployment, pivot: Point) -> Self {
         let rod = deployment.rod.deployed();
         Self {

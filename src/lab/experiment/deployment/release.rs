@@ -1,4 +1,4 @@
-//! The gripper lets go.
+//! Release of the rod by the gripper.
 
 use crate::run::Controller;
 use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};

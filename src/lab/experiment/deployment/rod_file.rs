@@ -10,13 +10,13 @@ use std::path::Path;
 
 /// A rod by its file.
 pub struct RodFile {
-    /// Its name for people.
+    /// Its name for readers.
     pub title: String,
     /// The rod.
     pub rod: DeployedRod,
     /// Mass per volume, kg/m³. For the shape it does not matter beside the gravito-bending length.
     pub density: f64,
-    /// Edges of the simulated rod; as many as are usual where there is no number.
+    /// Edges of the simulated rod; the default number where it is `None`.
     pub edges: Option<u32>,
     /// Coefficients of friction with tables, by name.
     pub friction: BTreeMap<String, f64>,
@@ -53,7 +53,7 @@ impl RodFile {
     /// Reads a rod's file.
     ///
     /// # Errors
-    /// All that is wrong with it, with file, line and key.
+    /// All its faults, with file, line and key.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let file: TypedFile<Typed> = TypedFile::read(path)?;
         let typed = &file.typed.deployment.rod;

@@ -82,7 +82,7 @@ pub fn lying_height(scenario: &Scenario, rod: &Rod) -> f64 {
     rod.radius + 2.0 * tolerance
 }
 
-/// What is watched.
+/// What is monitored.
 pub fn watched(scenario: &Scenario, deployment: &Deployment, paths: &DeploymentPaths) -> Watched {
     let layings = deployment.layings();
     let rods = layings.iter().zip(&paths.rods).zip(nodes(deployment));
@@ -123,7 +123,7 @@ fn marks(deployment: &Deployment, path: &GripperPath) -> Vec<PatternMark> {
     (0..POINTS).map(mark).collect()
 }
 
-/// What a pattern asks for.
+/// Friction demand of a pattern.
 fn derived(deployment: &Deployment, path: &GripperPath) -> DerivedDeployment {
     let asked = &path.feasibility;
     DerivedDeployment {

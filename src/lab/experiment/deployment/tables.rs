@@ -1,4 +1,4 @@
-//! The tables of a deployment, and what is planned of them.
+//! The tables of a deployment, and the plan made from them.
 
 use super::keys::Deployment;
 use super::paths::DeploymentPaths;
@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 /// Everything that this experiment reads.
 #[derive(Serialize)]
 pub struct DeploymentTables {
-    /// What is laid, and how.
+    /// Rods, patterns and grippers.
     pub deployment: Deployment,
     #[serde(skip)]
     paths: OnceLock<DeploymentPaths>,
@@ -33,7 +33,7 @@ impl DeploymentTables {
         if let Some(paths) = self.paths.get() {
             return Ok(paths);
         }
-        // Others are refused before.
+        // Other patterns were rejected before.
         let (step, end) = scenario.time.steps().unwrap_or((None, 1.0));
         let friction = scenario.contact.friction();
         let laid_by = end - self.deployment.release.unwrap_or(0.0);

@@ -1,7 +1,7 @@
-//! How a knot is tied when the rods are laid: the poses of all grippers, with their errors.
+//! Tying of a knot after the rods are laid: the poses of all grippers, with their errors.
 //!
 //! There are two grippers. One lays the rod and leads its end, and the other one lifts strands. With two rods each gripper lays one; the
-//! first one lets its rod go when it lies, lifts strands while the second leads the end of its own, and then takes hold of its end
+//! first one releases its rod after laying it, lifts strands while the second leads the end of its own, and then grasps its end
 //! again and leads it, while the second lifts strands.
 
 use super::gripper_path::GripperPath;
@@ -18,44 +18,44 @@ use serde::{Deserialize, Serialize};
 
 /// Least height of a hand that leads an end, or lifts a strand, in radii of the rod.
 const FLOOR: f64 = 1.05;
-/// Time from when one end has been led to when the other one is taken hold of, s.
+/// Time between the end of leading one end and the grasp of the other, s.
 const CHANGE: f64 = 1.0;
 
-/// What is taken hold of.
+/// Part of the rod that is grasped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Part {
-    /// Where a rod is nearest to the gripper, apart from its ends.
+    /// The node nearest to the gripper, apart from the ends.
     Strand,
     /// The end of a rod that was laid last.
     End,
 }
 
-/// A rod that a gripper takes hold of, leads, and lets go.
+/// A rod that a gripper grasps, leads, and releases.
 #[derive(Clone, Debug)]
 pub struct Hold {
     /// Number of the rod.
     pub rod: usize,
-    /// What is taken hold of.
+    /// Part of the rod that is grasped.
     pub part: Part,
-    /// When it is taken hold of and when it is let go, s.
+    /// Times of grasp and release, s.
     pub held: [f64; 2],
     /// Poses of the gripper, errors included.
     pub poses: GripperPoses,
 }
 
-/// How a knot is tied when the rods are laid.
+/// Tying of a knot after the rods are laid.
 pub struct Tying {
     /// The crossings.
     pub passages: Vec<Passage>,
-    /// What each gripper takes hold of, one after the other.
+    /// Grasps of each gripper, one after the other.
     pub holds: [Vec<Hold>; 2],
-    /// When the grippers that laid rods let go of them, s; `None` where one holds its rod until all is done.
+    /// Times at which the grippers that laid rods release them, s; `None` where one holds its rod until the end.
     pub released: Vec<Option<f64>>,
-    /// When all is done, s.
+    /// Time at which all is finished, s.
     pub end: f64,
 }
 
-/// What is known of tying before rods are laid.
+/// Plan of the tying, made before rods are laid.
 pub struct TyingPlan {
     curves: Vec<Pattern>,
     rods: Vec<DeployedRod>,
@@ -93,7 +93,7 @@ impl TyingPlan {
         }))
     }
 
-    /// How long tying takes, s.
+    /// Duration of tying, s.
     fn duration(&self) -> f64 {
         let last = self.rods.len() - 1;
         let waits = self
@@ -104,7 +104,7 @@ impl TyingPlan {
         changes + self.schedules.iter().map(Schedule::duration).sum::<f64>()
     }
 
-    /// When rods must be laid, s, so that all is done at `end`.
+    /// Time by which rods must be laid, s, so that all is finished at `end`.
     pub fn laid_by(&self, end: f64) -> Result<f64, PathError> {
         let tying = self.duration();
         if tying < end {
@@ -119,7 +119,7 @@ impl TyingPlan {
 
     /// Motion of the grippers from the time (s) at which all rods are laid; the gripper that holds its rod continues on its path.
     pub fn tying(self, layings: &[Deployment], paths: &mut [GripperPath], begin: f64) -> Tying {
-        // Of a single rod, the second gripper trembles in its own way, too.
+        // With a single rod, too, the second gripper has a jitter of its own.
         let other = layings[0].by_another_gripper();
         let jitters = [&layings[0], &other].map(Deployment::trembling);
         let last = paths.len() - 1;
@@ -198,7 +198,7 @@ impl TyingPlan {
     }
 }
 
-/// Poses from a time on, s, of a gripper that trembles; the table stops it.
+/// Poses from a time on, s, of a gripper with jitter; the table stops it.
 fn disturbed(jitter: &Jitter, poses: GripperPoses, begin: f64, radius: f64) -> GripperPoses {
     let poses = poses.into_iter().map(|(time, position, rotation)| {
         let time = begin + time;

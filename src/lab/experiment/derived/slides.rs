@@ -21,7 +21,7 @@ pub struct DerivedSlide {
 }
 
 impl DerivedSlide {
-    /// Says so where the edges are too long for that force.
+    /// Returns a warning where the edges are too long for that force.
     pub fn warning(&self) -> Option<String> {
         let Self {
             name,

@@ -1,4 +1,4 @@
-//! The scene that stands for all samples: a sheet as it hangs from the gripper.
+//! The scene that represents all samples: a sheet as it hangs from the gripper.
 
 use super::keys::FoldSamples;
 use crate::experiment::data_set::hanging;
@@ -8,7 +8,7 @@ use rodlab_planning::plan::fold::FoldAtlas;
 
 /// Edges of the sheet.
 const EDGES: usize = 50;
-/// Radius of the rod that stands for it, L_gb: it is there to be seen.
+/// Radius of the rod that represents it, L_gb: for display only.
 const RADIUS: f64 = 0.02;
 /// Stiffness against stretching of a sheet that hardly stretches.
 const STIFFEST: f64 = 1e6;

@@ -46,7 +46,7 @@ impl TableJob for Samples {
         self.places().len()
     }
 
-    /// From no other sample: rows are the same in whatever order they are computed.
+    /// From no other sample: rows do not depend on the order in which they are computed.
     fn row(&self, index: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> Option<Sample> {
         if !goes_on() {
             return None;

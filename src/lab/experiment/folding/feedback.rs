@@ -8,7 +8,7 @@ use rodlab_engine::random::uniform_numbers;
 use rodlab_planning::plan::fold::{Algorithm, FoldPlanner, FoldPose, Sheet};
 use serde::{Deserialize, Serialize};
 
-/// How far the gripper lifts the edge where it gives up, in L_gb.
+/// Height to which the gripper lifts the edge when the path fails, in L_gb.
 const RISE: f64 = 0.5;
 
 /// Observes the sheet after each part of the path except the last, and replans the next part (thesis Algorithm 5): on the sheet,
@@ -18,20 +18,20 @@ pub struct VisualFeedback {
     keys: Feedback,
     seed: u64,
     path: GripperPath,
-    /// Where parts end: times, s, and poses as planned at first.
+    /// Ends of the parts: times, s, and poses as planned at first.
     ends: Vec<(f64, FoldPose)>,
-    /// Which of them comes next.
+    /// Index of the next end.
     next: usize,
     /// Clamp of the gripper, and x of the free end at first, m.
     clamp: usize,
     free_end: f64,
-    /// What plans, and what it is made of.
+    /// Algorithm of the planner, and its sheet.
     sheet: Sheet,
     algorithm: Algorithm,
 }
 
 impl VisualFeedback {
-    /// For a path on a table of friction μ, of the gripper that is a clamp of the scene.
+    /// Feedback for a path on a table of friction μ; the gripper is a clamp of the scene.
     pub fn new(
         folding: &Folding,
         keys: Feedback,
@@ -59,7 +59,7 @@ impl VisualFeedback {
         }
     }
 
-    /// How far the sheet seems to have slid, m.
+    /// Observed slide of the sheet, m.
     fn look(&self, simulation: &Simulation) -> f64 {
         let mut number =
             uniform_numbers(self.seed ^ (self.next as u64 + 1).wrapping_mul(0x9e37_79b9));

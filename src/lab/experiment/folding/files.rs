@@ -1,4 +1,4 @@
-//! What a fold leaves in a results directory, in words.
+//! Descriptions of the files of a fold in a results directory.
 
 use rodlab_files::columns;
 use rodlab_files::results::{Column, ColumnGroup, FileDescription, file, table};

@@ -14,11 +14,11 @@ const SHEETS: usize = 7;
 pub struct FoldedOutlines {
     /// The sheet at some times, a gap after each.
     pub sheets: Vec<(f64, Option<f64>)>,
-    /// The way of its edge.
+    /// The path of its edge.
     pub gripper: Vec<(f64, Option<f64>)>,
 }
 
-/// The sheet from the side at equal distances in time, and the way of its edge; `None` where the run wrote no nodes.
+/// The sheet from the side at equal distances in time, and the path of its edge; `None` where the run wrote no nodes.
 ///
 /// # Errors
 /// Where files of the run cannot be read.

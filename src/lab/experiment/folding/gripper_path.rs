@@ -1,4 +1,4 @@
-//! The path of the gripper, with the errors that it is given: made before the run, followed during it.
+//! The path of the gripper, with its prescribed errors: computed before the run, followed during it.
 
 use super::keys::Folding;
 use crate::experiment::prepare::Jitter;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Parts of the time of a run in which the gripper rests, before the fold and after it.
 const REST: f64 = 0.03;
 
-/// Where the gripper is when.
+/// Places of the gripper over time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GripperPath {
     /// Times of the poses, s; the first is 0.
@@ -23,9 +23,9 @@ pub struct GripperPath {
     jitter: Vec<[f64; 3]>,
     /// Assumed L_gb, m.
     pub unit: f64,
-    /// Where the edge goes, m.
+    /// Target of the edge, m.
     target: f64,
-    /// Height of the middle of a lying sheet, and what a second layer adds, m.
+    /// Height of the middle of a lying sheet, and the increase by a second layer, m.
     pub height: f64,
     layer: f64,
 }
@@ -61,7 +61,7 @@ impl GripperPath {
                 *time = step * (*time / step).round();
             }
         }
-        // Poses that come to lie in one step are one.
+        // Poses within one step become one.
         let mut kept: Vec<usize> = vec![0];
         for index in 1..times.len() {
             if times[index] > times[kept[kept.len() - 1]] {
@@ -110,7 +110,7 @@ impl GripperPath {
         let places = (0..self.times.len()).map(|index| {
             let (mut place, angle) = self.pose(index);
             let [x, z, turn] = self.jitter[index];
-            // What lies under the gripper stops it.
+            // The table or sheet under the gripper stops it.
             let lowest = self.lowest(place.x);
             place += Vector3::new(x, 0.0, z);
             place.z = place.z.max(lowest);
@@ -175,7 +175,7 @@ impl GripperPath {
     }
 }
 
-/// Times at which poses are passed between two times, in proportion to way and turn.
+/// Times at which poses are passed between two times, in proportion to distance and turn.
 fn timed(poses: &[FoldPose], [begin, end]: [f64; 2]) -> Vec<f64> {
     let mut sum = 0.0;
     let ways = poses.windows(2).map(|pair| {

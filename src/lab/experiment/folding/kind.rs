@@ -21,9 +21,9 @@ use serde::Serialize;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// Duration where no table says otherwise, s.
+/// Default duration, s.
 const END: f64 = 15.0;
-/// The edge is down where it is less than so many layers high, and no more than a part of L_gb.
+/// The edge is down where its height is less than this number of layers, and at most this part of L_gb.
 const LAYERS: f64 = 6.0;
 const DOWN: f64 = 0.05;
 

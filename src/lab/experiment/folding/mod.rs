@@ -5,11 +5,11 @@
 //! | `kind` | the experiment |
 //! | `keys` | its table `[folding]` |
 //! | `paper_file` | files of sheets |
-//! | `tables` | that table with what is planned of it |
+//! | `tables` | that table with the plan made from it |
 //! | `gripper_path` | the path of the gripper with its errors, planned before the run |
 //! | `feedback` | the rest of the path replanned from the observed slide of the sheet |
-//! | `monitor`, `outcome` | what is measured, and what it came to |
-//! | `files`, `folded_figure` | what it leaves in a results directory |
+//! | `monitor`, `outcome` | the measurements, and the outcome |
+//! | `files`, `folded_figure` | its files in a results directory |
 
 mod feedback;
 mod files;

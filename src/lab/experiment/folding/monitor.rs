@@ -1,4 +1,4 @@
-//! Watches a sheet while it is folded: how far it slides, how hard the gripper pulls, and where the crease comes to be.
+//! Monitors a sheet while it is folded: its slide, the force of the gripper, and the place of the crease.
 
 use super::outcome::FoldingOutcome;
 use crate::run::{Finding, Observer, Sample};
@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 /// Samples in the time of a run.
 const SAMPLES: f64 = 1000.0;
 
-/// What is watched.
+/// What is monitored.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Watched {
     /// Nodes of the sheet, the free end first.
     pub nodes: usize,
     /// Its length, m.
     pub length: f64,
-    /// Where the edge goes, m.
+    /// Target of the edge, m.
     pub target: f64,
     /// Height below which the edge is down, m.
     pub down: f64,
@@ -32,10 +32,10 @@ pub struct Watched {
     pub largest_speed: f64,
 }
 
-/// Watches a sheet that is folded, the first rod of its scene.
+/// Monitors a sheet that is folded, the first rod of its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FoldingMonitor {
-    /// What is watched.
+    /// What is monitored.
     pub watched: Watched,
     next: f64,
     /// Time and nodes of the last sample, s and m.

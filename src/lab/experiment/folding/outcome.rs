@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 /// Outcomes of a fold: the last columns of `summary.csv`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FoldingOutcome {
-    /// Farthest that the free end has come from where it lay, m.
+    /// Largest displacement of the free end, m.
     pub largest_sliding_m: f64,
-    /// How far it is from there at the end, along the fold, m.
+    /// Its displacement at the end, along the fold, m.
     pub final_sliding_m: f64,
     /// From the edge to the crease, along the sheet, m; `None` where there is no fold.
     pub fold_length_m: Option<f64>,
-    /// What that is more than was asked for, m.
+    /// Difference from the length asked for, m.
     pub fold_length_error_m: Option<f64>,
     /// Largest force of the gripper on the whole sheet, N.
     pub largest_gripper_force_n: f64,
@@ -49,7 +49,7 @@ impl FoldingOutcome {
         ])
     }
 
-    /// What people want to see of it first: names and texts, a line each.
+    /// Its main results for the user: names and texts, a line each.
     pub fn highlights(&self) -> Vec<(String, String)> {
         let fold = match (self.fold_length_m, self.fold_length_error_m) {
             (Some(length), Some(error)) => format!(

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// A sheet by its file.
 pub struct PaperFile {
-    /// Its name for people.
+    /// Its name for readers.
     pub title: String,
     /// The sheet.
     pub paper: Paper,
@@ -33,7 +33,7 @@ impl PaperFile {
     /// Reads a sheet's file.
     ///
     /// # Errors
-    /// All that is wrong with it, with file, line and key.
+    /// All its faults, with file, line and key.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let file: TypedFile<Typed> = TypedFile::read(path)?;
         let issues = RefCell::new(Issues::default());

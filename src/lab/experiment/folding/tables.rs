@@ -1,4 +1,4 @@
-//! The tables of a fold, and what is planned of them.
+//! The tables of a fold, and the plan made from them.
 
 use super::gripper_path::GripperPath;
 use super::keys::Folding;
@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 /// Everything that this experiment reads.
 #[derive(Serialize)]
 pub struct FoldingTables {
-    /// What is folded, and how.
+    /// Sheet, crease and gripper.
     pub folding: Folding,
     #[serde(skip)]
     path: OnceLock<GripperPath>,
@@ -36,7 +36,7 @@ impl FoldingTables {
         if let Some(path) = self.path.get() {
             return Ok(path);
         }
-        // Others are refused before.
+        // Other patterns were rejected before.
         let (step, end) = scenario.time.steps().unwrap_or((None, 1.0));
         let planner = planner(&self.folding, scenario.contact.friction());
         let tolerance = scenario.contact.distance_tolerance().unwrap_or(0.0);
@@ -45,8 +45,8 @@ impl FoldingTables {
     }
 }
 
-/// What the fold of a results directory plans, dimensionless: the sheet as it is believed to be and its crease target; `None` where it is
-/// no fold.
+/// Planning problem of the fold of a results directory, dimensionless: the sheet as the planner assumes it and its crease target; `None` where it is
+/// not a fold.
 pub fn planned_fold(directory: &Path) -> Option<(Sheet, f64)> {
     let scenario = load(&directory.join(SCENARIO), &[]).ok()?.scenario;
     let FoldingTables { folding, .. } = scenario.experiment.tables()?;
@@ -55,7 +55,7 @@ pub fn planned_fold(directory: &Path) -> Option<(Sheet, f64)> {
     Some((sheet.dimensionless(), target))
 }
 
-/// What plans a fold on a table.
+/// Planner of a fold on a table.
 pub fn planner(folding: &Folding, friction: f64) -> Arc<FoldPlanner> {
     let sheet = folding.believed().dimensionless();
     FoldPlanner::shared(sheet, folding.algorithm.on(friction))

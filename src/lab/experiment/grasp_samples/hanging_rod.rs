@@ -1,4 +1,4 @@
-//! The scene that stands for all samples: the rod of the first one, as it hangs.
+//! The scene that represents all samples: the rod of the first one, as it hangs.
 
 use super::keys::GraspSamples;
 use crate::experiment::data_set::hanging;

@@ -24,7 +24,7 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// From no other sample: rows are the same in whatever order they are computed.
+    /// From no other sample: rows do not depend on the order in which they are computed.
     fn sample(&self, index: usize) -> Sample {
         let [suspended_length, curvature, stretch_compliance] = self.plan.point(index);
         let grasp_of = |curvature: f64| -> Option<Grasp> {

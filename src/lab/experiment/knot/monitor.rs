@@ -1,4 +1,4 @@
-//! Monitors a knot that is pulled tight: when all has been seen, and what it came to.
+//! Monitors a knot that is pulled tight: the end of the run, and the outcome.
 
 use super::observer::{KnotObserver, KnotSample, changed_knot};
 use super::{KnotEnding, KnotOutcome, KnotRow};
@@ -8,7 +8,7 @@ use rodlab_planning::knot::{InversionWatch, TightenedKnot};
 use serde::{Deserialize, Serialize};
 
 /// Decrease of l̄_k from one sample to the next. The traction between them is a mean, so that its vibrations do not
-/// count; an inversion, which takes 1 or less, is seen whatever the output interval.
+/// count; an inversion, which takes 1 or less, is detected with any output interval.
 const BETWEEN_SAMPLES: f64 = 0.1;
 /// Decrease of l̄_k over which a knot is followed after it has inverted.
 const FOLLOWED: f64 = 10.0;
@@ -20,7 +20,7 @@ const LOOK: f64 = 4.0;
 const SLIPPING: f64 = 0.5;
 const LOCKED: f64 = 0.9;
 
-/// Monitors a knot that is pulled tight, to know when all has been seen and what it came to.
+/// Monitors a knot that is pulled tight, for the end of the run and the outcome.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KnotMonitor {
     /// What measures the knot.
@@ -189,7 +189,7 @@ impl KnotMonitor {
         }
     }
 
-    /// What the knot came to so far.
+    /// Outcome of the knot so far.
     pub fn outcome(&self) -> KnotOutcome {
         let observer = &self.observer;
         let point = self.watch.point();

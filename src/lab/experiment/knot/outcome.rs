@@ -1,4 +1,4 @@
-//! What a knot that was pulled tight came to.
+//! Outcome of a knot that was pulled tight.
 
 use rodlab_files::results::{CaseOutcome, Ending, NamedValues};
 use serde::{Deserialize, Serialize};
@@ -75,7 +75,7 @@ impl KnotOutcome {
         ])
     }
 
-    /// Says so where the knot was pulled too fast to be quasi-static.
+    /// Returns a warning where the knot was pulled too fast to be quasi-static.
     pub fn remark(&self) -> Option<String> {
         let (ratio, bound) = (self.kinetic_over_elastic?, self.kinetic_bound?);
         (ratio > bound).then(|| {
@@ -85,7 +85,7 @@ impl KnotOutcome {
         })
     }
 
-    /// What people want to see of it first: names and texts, a line each.
+    /// Its main results for the user: names and texts, a line each.
     pub fn highlights(&self) -> Vec<(String, String)> {
         let mut lines = Vec::new();
         let mut line = |name: &str, text: String| lines.push((name.to_owned(), text));

@@ -1,4 +1,4 @@
-//! What `series.csv` says of a knot.
+//! Columns of a knot in `series.csv`.
 
 use rodlab_files::results::{ResultsError, SeriesRow, Value, read_series, read_series_as};
 use serde::{Deserialize, Serialize};
@@ -42,7 +42,7 @@ pub struct KnotRow {
     /// Energy lost to drag since the start.
     #[serde(default)]
     pub drag_loss_j: f64,
-    /// Determinant of the knot; empty where it cannot be told.
+    /// Determinant of the knot; empty where it cannot be identified.
     pub knot_determinant: Option<u64>,
     /// Force with which the first end of the second rod is pulled outwards; empty where one rod is tied.
     pub second_traction_start_n: Option<f64>,

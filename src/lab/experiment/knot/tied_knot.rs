@@ -92,7 +92,7 @@ pub fn determinant_of_kind(kind: KnotKind) -> u64 {
     }
 }
 
-/// Refuses a curve that is no knot of this kind, or whose knot cannot be told.
+/// Refuses a curve that is not a knot of this kind, or whose knot cannot be identified.
 fn refuse_other_knots(nodes: &[Vector3], kind: Option<KnotKind>) -> Result<(), String> {
     let Some(found) = determinant(nodes) else {
         return Err("the curve meets itself".to_owned());
@@ -124,7 +124,7 @@ pub fn outward(rods: &[&[Vector3]]) -> Vec<[Vector3; 2]> {
     ends.map(|ends| ends.map(outward)).collect()
 }
 
-/// Determinant of the knot of one rod or two; `None` where it cannot be told.
+/// Determinant of the knot of one rod or two; `None` where it cannot be identified.
 pub fn determinant_of_rods(rods: &[&[Vector3]]) -> Option<u64> {
     match rods {
         [rod] => determinant(rod),

@@ -239,7 +239,7 @@ mod tests {
         }
     }
 
-    /// Runs the knot of a scenario file, changed, and tells what the knot came to.
+    /// Runs the knot of a changed scenario file and returns the outcome of the knot.
     fn outcome(overrides: &[&str]) -> KnotOutcome {
         let text = include_str!("../../../../scenarios/inversion_n3.toml");
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();

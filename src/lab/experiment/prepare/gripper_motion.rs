@@ -62,7 +62,7 @@ mod tests {
     fn a_node_moves_with_its_gripper_as_one_rigid_body() {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         follow([1.0, 0.0, 0.0, 0.0], [half, 0.0, 0.0, half]);
-        // Begun with a quarter turn about x: the turn about z comes after it.
+        // It starts with a quarter turn about x: the turn about z comes after it.
         follow([half, half, 0.0, 0.0], [0.5; 4]);
     }
 }

@@ -1,4 +1,4 @@
-//! The trembling of a gripper.
+//! Random jitter of a gripper.
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::random::uniform_numbers;

@@ -236,11 +236,11 @@ fn path_plan(path: &Continuation) -> PathPlan {
     }
 }
 
-/// Does all that a run does before its first step, but for its files: finds rods that start inside each other,
+/// Does all that a run does before its first step, except for its files: finds rods that start inside each other,
 /// contradicting clamps, paths that cannot begin, and controllers that cannot act.
 ///
 /// # Errors
-/// [`RunError::Scene`] says what is impossible.
+/// [`RunError::Scene`] names what is impossible.
 pub fn try_scene(prepared: &PreparedRun) -> Result<Vec<String>, RunError> {
     let simulation = Simulation::new(&prepared.scene, &prepared.integration);
     let mut simulation = simulation.map_err(RunError::Scene)?;

@@ -14,7 +14,7 @@ const UNLIKELY: f64 = 100.0;
 /// what is farther are lost to rounding.
 const FARTHEST: f64 = 1e9;
 
-/// Half the length of a cylinder without ends over the distance of the farthest node from its point: no rod comes to its ends,
+/// Half the length of a cylinder without ends over the distance of the farthest node from its point: no rod reaches its ends,
 /// and little is lost to rounding.
 const ENDLESS: f64 = 1e2;
 

@@ -257,7 +257,7 @@ fn natural_length(rod: &mechanics::RodDescription) -> f64 {
     rod.relaxed((0..edges).map(length).collect()).iter().sum()
 }
 
-/// The rod of a name that stands at a key.
+/// The rod of a name given at a key.
 pub(super) fn find_rod(
     name: &str,
     rods: &[mechanics::RodDescription],

@@ -1,4 +1,4 @@
-//! What is known of a scene before it runs and may not be what was meant: polylines that lose length where they are cut, scenes
+//! Properties of a scene that can be checked before it runs and may be unintended: polylines that lose length where they are cut, scenes
 //! in which no rod can move or nothing acts.
 
 use crate::scenario::{NaturalShape, Scenario, Shape};

@@ -2,7 +2,7 @@
 
 use toml::Value;
 
-/// Longer values are cut; their beginning says what they are.
+/// Longer values are cut; their beginning identifies them.
 const LONGEST: usize = 60;
 
 /// Every key of a scenario with its value, keys dotted; empty where the text is no TOML.

@@ -5,7 +5,7 @@ use rodlab_files::figure::MovieSeries;
 use rodlab_files::results::{NodePositions, ResultsError, SERIES, Table};
 use std::path::Path;
 
-/// Columns that say how the run came along, not what it found.
+/// Columns that describe the progress of the run, not its findings.
 const EFFORT: [&str; 4] = ["time_s", "step_s", "steps", "fluid_iterations"];
 
 /// The columns that hold numbers and vary, at the outputs with these numbers among all.

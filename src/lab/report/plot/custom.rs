@@ -157,7 +157,7 @@ fn all_series(
         });
     }
     if series.is_empty() {
-        // Reading it says what is wrong.
+        // Reading it reports the fault.
         series.push(Series {
             name: String::new(),
             table: Table::read(&directory.join(SERIES))?,

@@ -31,11 +31,11 @@ pub enum PlotError {
     DifferentTables {
         /// A column.
         first: String,
-        /// The file it stands in.
+        /// The file that contains it.
         first_table: &'static str,
         /// Another column.
         second: String,
-        /// The file that one stands in.
+        /// The file that contains the second one.
         second_table: &'static str,
     },
     /// The scenario of the results could not be read.

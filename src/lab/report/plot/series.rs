@@ -48,7 +48,7 @@ pub(super) fn series_plots(series: &[SeriesRow], branches: Option<&Branches>) ->
         .into_iter()
         .map(|(label, column)| LinePlot::new(label, [curve(label, column)]));
     let plots = std::iter::once(energy).chain(others);
-    // What is always zero says nothing, be it the contacts of a single rod.
+    // A column that is always zero carries no information, such as the contacts of a single rod.
     let has_values = |curve: &Curve| {
         let mut values = curve.points.iter().filter_map(|(_, y)| *y);
         values.any(|value| value != 0.0)

@@ -8,7 +8,7 @@ use rodlab_files::results::{SummaryRow, Table};
 /// Outcomes in a figure, at most; more are asked for by name.
 const OUTCOMES: usize = 6;
 
-/// Outcomes that say how far and how hard the machine worked; they are drawn last.
+/// Outcomes that describe the computational work; they are drawn last.
 const EFFORT: [&str; 6] = [
     "simulated_time_s",
     "steps",
@@ -44,7 +44,7 @@ pub(super) fn sweep_figure(summary: &Table) -> Option<Figure> {
             !known.contains(column) && is_numeric(summary, column) && varies(summary, column)
         })
         .partition(|column| EFFORT.contains(column));
-    // What was asked for, by probes or by the experiment, stands before what every run has.
+    // Columns of probes or of the experiment precede the columns that every run has.
     let of_every_run = SummaryRow::columns();
     outcomes.sort_by_key(|column| of_every_run.iter().any(|known| known == column));
     outcomes.extend(effort);

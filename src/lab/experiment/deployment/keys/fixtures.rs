@@ -1,4 +1,4 @@
-//! Resolving what stands on the table: pegs, and clips as pairs of pegs.
+//! Resolving the fixtures on the table: pegs, and clips as pairs of pegs.
 
 use super::resolved::{Peg, Rod};
 use super::typed;

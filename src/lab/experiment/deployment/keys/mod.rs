@@ -18,7 +18,7 @@ use crate::scenario::keys::{Length, NON_NEGATIVE, OwnTable, Quantity, Request, S
 use rodlab_planning::plan::deployment::{DeployedRod, lead_length, long_enough};
 use rodlab_planning::plan::pattern::Pattern as Curve;
 
-/// Edges per gravito-bending length of a simulated rod where nothing is said.
+/// Default number of edges per gravito-bending length of a simulated rod.
 const EDGES_PER_LENGTH: f64 = 4.0;
 /// Density where none is given, kg/m³.
 const DENSITY: f64 = 1000.0;
@@ -34,7 +34,7 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::Deployment>(
     "Pattern, rod and gripper of the experiment \"deployment\".",
 )];
 
-/// Resolves pattern, rod and gripper; `None` where a fault was reported that leaves nothing to go on with.
+/// Resolves pattern, rod and gripper; `None` after a fault that prevents further checks.
 pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     request.refuse(
         &["material", "rod"],

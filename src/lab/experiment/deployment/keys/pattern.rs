@@ -11,7 +11,7 @@ use std::path::Path;
 /// Most waves of a sine.
 const MOST_WAVES: f64 = 1000.0;
 
-/// Resolves a pattern; `None` where a fault was reported that leaves nothing to go on with.
+/// Resolves a pattern; `None` after a fault that prevents further checks.
 pub fn resolve(
     request: &Request<'_>,
     section: &Section<'_>,
@@ -56,7 +56,7 @@ pub fn resolve(
     is_known.then_some(pattern)
 }
 
-/// Reports keys that say nothing of a pattern of this kind.
+/// Reports keys that do not apply to a pattern of this kind.
 fn refuse_keys_of_others(section: &Section<'_>, typed: &typed::Pattern, kind: PatternKind) {
     let drawn = [
         ("file", typed.file.is_some()),

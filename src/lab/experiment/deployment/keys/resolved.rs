@@ -75,7 +75,7 @@ pub struct Correction {
 /// A knot that is tied along the pattern.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Knot {
-    /// How the rod passes the crossings when it comes to them again.
+    /// Passes of the rod at the crossings when it reaches them again.
     pub crossings: Vec<Pass>,
     /// Height to which strands are lifted, m.
     pub lift: f64,

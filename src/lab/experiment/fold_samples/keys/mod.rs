@@ -20,7 +20,7 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::FoldSamples>(
 const MOST_SAMPLES: usize = 10_000_000;
 /// Least and largest spacing of a grid, L_gb.
 const SPACINGS: [f64; 2] = [0.005, 0.5];
-/// Suspended lengths (thesis 4.3.3 says up to where), and the penalty region (4.6.5), L_gb.
+/// Suspended lengths (upper bound from thesis 4.3.3), and the penalty region (4.6.5), L_gb.
 const LENGTHS: [f64; 2] = [0.5, 6.84];
 const PENALTY: f64 = 0.958;
 

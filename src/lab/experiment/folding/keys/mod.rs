@@ -15,7 +15,7 @@ const LEAST_SUSPENDED: f64 = 0.958;
 /// Thickness (m) and mass per volume (kg/m³) of paper.
 const THICKNESS: f64 = 1e-4;
 const DENSITY: f64 = 800.0;
-/// Edges per gravito-bending length where nothing is said.
+/// Default number of edges per gravito-bending length.
 const EDGES_PER_LENGTH: f64 = 20.0;
 /// Parts of a path that may be asked for.
 const PARTS: [usize; 2] = [2, 1000];
@@ -28,7 +28,7 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<typed::Folding>(
     "Sheet, crease and gripper of the experiment \"folding\".",
 )];
 
-/// Resolves sheet and gripper; `None` where a fault was reported that leaves nothing to go on with.
+/// Resolves sheet and gripper; `None` after a fault that prevents further checks.
 pub fn resolve(request: &Request<'_>) -> Option<Folding> {
     request.refuse(
         &["material", "rod"],

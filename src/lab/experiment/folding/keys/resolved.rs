@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize, Serializer};
 /// A sheet that a gripper folds on a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Folding {
-    /// How the way of the gripper is planned.
+    /// Planner of the gripper's path.
     pub algorithm: AlgorithmName,
     /// Where the edge goes.
     pub crease: Crease,
@@ -115,7 +115,7 @@ pub struct Paper {
     pub density: f64,
     /// Least suspended length while it is bent, in L_gb.
     pub least_suspended_length: f64,
-    /// Static friction on a table, where it is known.
+    /// Static friction on a table, if given.
     pub friction: Option<f64>,
     /// Edges of the simulated strip.
     pub edges: usize,

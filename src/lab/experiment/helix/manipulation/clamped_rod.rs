@@ -7,13 +7,13 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::path::Path;
 
-/// Edges of the simulated rod where nothing is said: at a distance ‖(κ, τ, ω)‖ of 12 it turns by 0.2 rad from edge to edge.
+/// Default number of edges of the simulated rod: at a distance ‖(κ, τ, ω)‖ of 12 it turns by 0.2 rad from edge to edge.
 const EDGES: u32 = 60;
 /// Fewest and most edges: as few make a helix, and more take long.
 const ALLOWED_EDGES: [u32; 2] = [8, 1000];
-/// Markers where nothing is said.
+/// Default number of markers.
 const MARKERS: u32 = 15;
-/// Fewest and most markers: fewer do not tell a helix from other curves, and more run into each other in a picture.
+/// Fewest and most markers: fewer do not distinguish a helix from other curves, and more overlap in a picture.
 const ALLOWED_MARKERS: [u32; 2] = [3, 100];
 /// Time step, s. The implicit Euler method damps what vibrates faster, as friction at the clamps and the air do.
 const STEP: f64 = 5e-3;
@@ -21,7 +21,7 @@ const STEP: f64 = 5e-3;
 /// A straight, round, uniform rod of an isotropic material, clamped at both ends, with markers along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClampedRod {
-    /// Its name for people.
+    /// Its name for readers.
     pub title: String,
     /// Length between the clamps, m.
     pub length: f64,
@@ -67,7 +67,7 @@ impl ClampedRod {
     /// Reads a rod's file.
     ///
     /// # Errors
-    /// All that is wrong with it, with file, line and key.
+    /// All its faults, with file, line and key.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let file: TypedFile<Typed> = TypedFile::read(path)?;
         let Typed {

@@ -23,7 +23,7 @@ const PATH_STEP: f64 = 0.2;
 /// Newton's method may leave an unstable helix for an equilibrium of another shape.
 const NO_HELIX: SceneError =
     SceneError::Unsuitable("the equilibrium that was found is not a helix");
-/// The search was told to stop.
+/// The search received a request to stop.
 const STOPPED: SceneError = SceneError::Unsuitable("the search was stopped");
 /// Largest distance of a node from the helix, over its radius, up to which the rod is that helix: the mesh alone
 /// makes 1e-3 of 100 edges.
@@ -83,7 +83,7 @@ impl DiscreteRod {
     /// `largest`. A good `guess`, of a coarser mesh say, saves a third of the time of the fast search.
     ///
     /// # Errors
-    /// [`SimulationError::NoConvergence`] where no equilibrium is found, and an error, too, where `goes_on` says no.
+    /// [`SimulationError::NoConvergence`] where no equilibrium is found, and an error, too, where `goes_on` returns false.
     pub fn critical_distance(
         &self,
         helix: &Helix,

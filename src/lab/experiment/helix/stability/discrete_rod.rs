@@ -75,8 +75,8 @@ impl DiscreteRod {
 
     /// What takes the end of the straight rod to that of a helix.
     ///
-    /// The nodes come to lie on a helix that is as much larger as its chords are shorter than its arcs, so that the
-    /// edges keep their length but for the stretch by the tension; and the end is turned as an even twist ω/GJ along this polygon demands, which is
+    /// The nodes lie on a helix that is as much larger as its chords are shorter than its arcs, so that the
+    /// edges keep their length except for the stretch by the tension; and the end is turned as an even twist ω/GJ along this polygon demands, which is
     /// not quite the turn of the smooth helix.
     pub fn end_on_helix(&self, helix: &Helix) -> Motion {
         let edge = 1.0 / self.edges as f64;

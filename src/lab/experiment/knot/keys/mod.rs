@@ -21,7 +21,7 @@ const MOST_NODES: usize = 100_000;
 const SWING: f64 = 6.0;
 /// Share of drag in the traction by "auto".
 const DRAG_SHARE: f64 = 0.002;
-/// Default of the settling time in periods R² √(ρA/EI), and the least, s. Loose loops turn over before they come to rest:
+/// Default of the settling time in periods R² √(ρA/EI), and the least, s. Loose loops turn over before they are at rest:
 /// after 6 periods the kinetic energy of a trefoil is still 2e-4 of the elastic energy, after 12 it is 2e-6.
 const SETTLING: (f64, f64) = (12.0, 2.0);
 

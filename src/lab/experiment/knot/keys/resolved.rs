@@ -18,7 +18,7 @@ pub struct Knot {
     /// Speed of each end, m/s.
     pub pull_speed: f64,
     /// Largest kinetic over elastic energy of a quasi-static pull. Left out where it is the default, so that results
-    /// of before it was are still known as those of the same scenario.
+    /// of before it was are still recognised as those of the same scenario.
     #[serde(skip_serializing_if = "is_default_bound")]
     pub kinetic_bound: f64,
     /// Time for which the knot settles under strong drag before the ends move, s.

@@ -4,7 +4,7 @@ use super::resolved::{KnotKind, KnotStart};
 use super::typed;
 use crate::scenario::keys::{POSITIVE, Request, Section};
 
-/// Largest unknotting number whose shape is known.
+/// Largest unknotting number whose shape is available.
 const LARGEST_UNKNOTTING_NUMBER: usize = 6;
 /// Ends nearer to each other than this part of the length meet: the curve is closed.
 const CLOSED: f64 = 1e-6;
