@@ -1,6 +1,6 @@
 //! The laboratory: scenarios from files, experiments, runs, sweeps, reports.
 //!
-//! | room | what lives there |
+//! | module | contents |
 //! |---|---|
 //! | [`scenario`] | the TOML schema as Rust types, units, validation with source positions |
 //! | [`experiment`] | one folder per kind of experiment: its keys, scene, observers, figures; the list of kinds |

@@ -1,9 +1,9 @@
-//! What can go wrong with Slurm.
+//! Errors of calls to Slurm.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why Slurm did not do what it was asked to.
+/// Failure of a call to Slurm.
 #[derive(Debug, thiserror::Error)]
 pub enum ClusterError {
     /// A program of Slurm is missing (exit code 1).
@@ -11,7 +11,7 @@ pub enum ClusterError {
     Missing {
         /// The program.
         program: &'static str,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A program of Slurm failed (exit code 1).
@@ -19,35 +19,35 @@ pub enum ClusterError {
     Failed {
         /// The program.
         program: &'static str,
-        /// What it said.
+        /// Its message.
         message: String,
     },
-    /// `sbatch` took a job and printed no number of it (exit code 1).
+    /// `sbatch` accepted a job and printed no job number (exit code 1).
     #[error(
         "`sbatch` printed `{said}` instead of a job number; `squeue` shows whether the job exists"
     )]
     NoNumber {
-        /// What it printed.
+        /// Its output.
         said: String,
     },
     /// A file of the results directory could not be read or written (exit code 1).
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
-        /// What was tried.
+        /// The operation, as a verb.
         action: &'static str,
         /// The file.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// Something that must stand on one line of the batch script does not (exit code 2).
+    /// A text that must fit on one line of the batch script does not (exit code 2).
     #[error(
         "the {what} {text:?} is not allowed in a batch script; leave out line breaks, other control characters and, in the name of the results directory, quotes and backslashes"
     )]
     NotOneLine {
-        /// What it is.
+        /// Name of the text.
         what: &'static str,
-        /// What it reads.
+        /// The text.
         text: String,
     },
     /// The value of an option has blanks, quotes or other characters that end it early (exit code 2).
@@ -55,9 +55,9 @@ pub enum ClusterError {
         "the {what} {text:?} is not one word; leave out blanks, quotes, backslashes and number signs"
     )]
     NotOneWord {
-        /// What it is.
+        /// Name of the text.
         what: &'static str,
-        /// What it reads.
+        /// The text.
         text: String,
     },
     /// The record of the jobs is damaged (exit code 1).
@@ -65,7 +65,7 @@ pub enum ClusterError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of the fault.
         reason: String,
     },
 }

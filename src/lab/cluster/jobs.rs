@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// The record of the jobs, in the results directory.
 pub const JOBS: &str = "slurm.json";
-/// Folder of what the tasks print, in the results directory.
+/// Folder of the output of the tasks, in the results directory.
 pub const LOGS: &str = "slurm";
 
 /// The jobs that run the cases of a results directory.

@@ -1,6 +1,6 @@
 //! Slurm: job arrays that run the cases of a sweep.
 //!
-//! The room knows no mechanics and no scenarios: a task is a number, and what it runs is a command.
+//! The module is independent of mechanics and scenarios: a task is a number, and it runs a command.
 
 mod error;
 mod jobs;

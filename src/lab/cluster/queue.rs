@@ -1,4 +1,4 @@
-//! How the tasks of a job array stand, by `scontrol`.
+//! States of the tasks of a job array, from `scontrol`.
 
 use super::ClusterError;
 use serde::Serialize;
@@ -17,23 +17,23 @@ pub struct Task {
     pub state: TaskState,
     /// State and reason in Slurm's words, such as `PENDING (Resources)`.
     pub words: String,
-    /// Where it runs or ran.
+    /// Node on which it runs or ran.
     pub nodes: String,
-    /// How long it runs or ran, as `HH:MM:SS`.
+    /// Time for which it runs or ran, as `HH:MM:SS`.
     pub run_time: String,
-    /// Times it was put into the queue again.
+    /// Number of times it was requeued.
     pub restarts: u32,
 }
 
-/// What a task's state means for its cases.
+/// State of a task as far as it matters for its cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TaskState {
-    /// It waits for its turn.
+    /// It is pending.
     Waiting,
     /// It runs, or is about to end.
     Running,
-    /// It has ended, in whatever way.
+    /// It has ended, for any reason.
     Ended,
 }
 
@@ -51,8 +51,8 @@ impl fmt::Display for TaskState {
 /// Slurm has forgotten, as it does some minutes after their end, are missing.
 ///
 /// # Errors
-/// [`ClusterError::Missing`] where there is no `scontrol`; [`ClusterError::Failed`] where it fails for another
-/// reason than that it does not know a job.
+/// [`ClusterError::Missing`] where there is no `scontrol`; [`ClusterError::Failed`] where it fails for a
+/// reason other than an unknown job.
 pub fn tasks(jobs: &[u64]) -> Result<BTreeMap<usize, Task>, ClusterError> {
     let mut tasks = BTreeMap::new();
     for job in jobs {

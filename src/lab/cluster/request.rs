@@ -1,6 +1,6 @@
-//! What is asked of Slurm.
+//! Resources requested from Slurm.
 
-/// What is asked of Slurm for each task of a job array; what is not asked for is as the cluster has it.
+/// Resources requested from Slurm for each task of a job array; the cluster's defaults apply to the rest.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Request {
     /// Name of the job.
@@ -44,7 +44,7 @@ impl Request {
         options
     }
 
-    /// Values of options that must be one word each, with what they are.
+    /// Values of options that must be one word each, with their names.
     pub(super) fn words(&self) -> Vec<(&'static str, &str)> {
         let values = [
             ("partition", self.partition.as_ref()),
@@ -58,7 +58,7 @@ impl Request {
             .collect()
     }
 
-    /// What the user gives of the script, each with what it is: every one must be a single line.
+    /// Parts of the script that the user gives, with their names: each must be a single line.
     pub(super) fn lines(&self) -> Vec<(&'static str, &str)> {
         let options = [
             ("name of the job", Some(&self.name)),

@@ -4,10 +4,10 @@ use super::jobs::LOGS;
 use super::{ClusterError, Request};
 use std::path::{Path, PathBuf};
 
-/// Seconds before its time limit at which Slurm tells a task, so that it writes its checkpoints.
+/// Seconds before its time limit at which Slurm signals a task, so that it writes its checkpoints.
 const WARNING_SECONDS: u32 = 60;
-/// Times that a task puts itself into the queue again. It does so only after progress, or after it was killed;
-/// a task that is killed at once each time must come to an end, too.
+/// Number of times that a task requeues itself. It does so only after progress, or after it was killed;
+/// a task that is killed at once each time must end, too.
 const MOST_RESTARTS: u32 = 100;
 
 /// The program that the tasks run.
@@ -19,7 +19,7 @@ pub struct Program {
     pub directory: PathBuf,
     /// The scenario in it.
     pub scenario: PathBuf,
-    /// Number of tasks, which is that of the shares.
+    /// Number of tasks, equal to the number of shares.
     pub tasks: usize,
 }
 
@@ -72,7 +72,7 @@ pub fn script(
     --shard "$SLURM_ARRAY_TASK_ID/{tasks}" --jobs {cores} --threads {cores} &
 program=$!
 
-# Signals come to this script. A wait that a signal cuts short must be taken up again.
+# Signals reach this script. A wait that a signal interrupts must be repeated.
 signalled=yes
 cancelled=
 trap 'signalled=yes; kill -USR1 $program' USR1
@@ -98,7 +98,7 @@ exit $code
     ))
 }
 
-/// Refuses what would add lines of its own to the script: line breaks, and in paths of `#SBATCH` lines quotes.
+/// Refuses text that would add lines to the script: line breaks, and in paths of `#SBATCH` lines quotes.
 fn refuse_breaks(program: &Program, request: &Request) -> Result<(), ClusterError> {
     let directory = program.directory.display().to_string();
     let paths = [

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 /// the results directory; returns the number of the job.
 ///
 /// # Errors
-/// [`ClusterError::Missing`] or [`ClusterError::Failed`] with what `sbatch` says; then nothing is recorded.
+/// [`ClusterError::Missing`] or [`ClusterError::Failed`] with the message of `sbatch`; then nothing is recorded.
 pub fn submit(
     program: &Program,
     request: &Request,
@@ -48,7 +48,7 @@ fn sbatch(script: &str) -> Result<u64, ClusterError> {
         .spawn()
         .map_err(missing)?;
     if let Some(mut input) = child.stdin.take() {
-        // It may fail before it has read everything, and then says why.
+        // It may fail before it has read everything, and then prints the reason.
         let _ = input.write_all(script.as_bytes());
     }
     let output = child.wait_with_output().map_err(missing)?;

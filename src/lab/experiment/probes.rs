@@ -312,7 +312,7 @@ impl Rods<'_> {
         })
     }
 
-    /// What presses on a rod.
+    /// Body that presses on a rod.
     fn partner(
         &self,
         rod: Option<&String>,

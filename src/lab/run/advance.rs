@@ -1,4 +1,4 @@
-//! What the run loop asks of a simulation.
+//! Interface of a simulation to the run loop.
 
 use rodlab_engine::mechanics::contact::Proximity;
 use rodlab_engine::mechanics::dynamics::{
@@ -10,20 +10,20 @@ use rodlab_files::results::Frame;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Something that advances in time; tests put a small double in the place of [`Simulation`].
+/// Something that advances in time; tests replace [`Simulation`] by a small double.
 pub trait Advance {
     /// All that influences the future.
     type State: Serialize + DeserializeOwned;
 
     /// Takes one step that ends no later than `until`.
     fn advance(&mut self, until: f64) -> Result<StepReport, SimulationError>;
-    /// The same, as long as `goes_on`; `None` where it said no, after which a state must be restored before anything else.
+    /// The same, while `goes_on` returns true; `None` where it returned false, after which a state must be restored before any other call.
     fn advance_while(
         &mut self,
         until: f64,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Option<StepReport>, SimulationError>;
-    /// Finds the equilibrium, as long as `goes_on`; `None` where it said no.
+    /// Finds the equilibrium, while `goes_on` returns true; `None` where it returned false.
     fn find_equilibrium(
         &mut self,
         goes_on: &dyn Fn() -> bool,
@@ -40,7 +40,7 @@ pub trait Advance {
     fn nearest(&self) -> Option<Proximity>;
     /// Mean gap between surfaces in contact, weighted by their forces, m; `None` where nothing touches.
     fn mean_gap(&self) -> Option<f64>;
-    /// What people should know of it so far, a sentence each.
+    /// Remarks for the user so far, a sentence each.
     fn remarks(&self) -> Vec<String>;
     /// The nodes now; with velocities and forces where asked for.
     fn frame(&self, with_forces: bool) -> Frame;
@@ -50,7 +50,7 @@ pub trait Advance {
     fn simulation_mut(&mut self) -> Option<&mut Simulation>;
     /// The state, for another run to start from; `None` in a double.
     fn as_start(&self) -> Option<Start>;
-    /// What a checkpoint must hold.
+    /// Contents of a checkpoint.
     fn state(&self) -> Self::State;
     /// Continues from a checkpoint.
     fn restore(&mut self, state: Self::State) -> Result<(), SimulationError>;

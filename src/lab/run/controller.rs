@@ -1,7 +1,7 @@
-//! Controllers: what acts on a scene while it runs.
+//! Controllers, which act on a scene while it runs.
 //!
 //! A scenario prescribes motions and loads as functions of time. A controller decides while the scene runs: a gripper
-//! that takes hold of a node, carries it and lets it go, a robot that follows what it measures, another solver that
+//! that grasps a node, carries it and releases it, a robot that follows what it measures, another solver that
 //! adds its forces.
 
 use super::saved::saved_object;
@@ -13,10 +13,10 @@ use std::fmt::Debug;
 
 /// Acts on a simulation before each of its time steps; a search for an equilibrium and a path have none.
 ///
-/// A controller is a value that can be saved: what it remembers are its fields, and a checkpoint holds all of them. What
-/// it did to the simulation (motions of clamps, nodes grasped and released, external forces, factors of loads) is part of
+/// A controller is a value that can be saved: its memory is its fields, and a checkpoint holds all of them. Its effect
+/// on the simulation (motions of clamps, nodes grasped and released, external forces, factors of loads) is part of
 /// the state of the simulation. [`Controller::act`] may be called more than once at one time, after a restart: it must
-/// then do no more than was done.
+/// then have no further effect.
 pub trait Controller: ControllerObject + Debug + Send + Sync {
     /// Its name: a word for messages and checkpoints.
     fn name(&self) -> &str;
@@ -24,16 +24,16 @@ pub trait Controller: ControllerObject + Debug + Send + Sync {
     /// Acts before a step.
     ///
     /// # Errors
-    /// What the simulation refuses; the run then ends as if a step had failed so.
+    /// An action that the simulation refuses; the run then ends as after a failed step with this error.
     fn act(&mut self, simulation: &mut Simulation) -> Result<(), SimulationError>;
 
-    /// When it must act next at the latest, s: the next step ends there or before. Times that have passed do not count.
+    /// Latest time of its next action, s: the next step ends there or before. Times that have passed do not count.
     fn next_time(&self) -> f64 {
         f64::INFINITY
     }
 }
 
 saved_object! {
-    /// What every [`Controller`] can do because it is a plain value.
+    /// Methods of every [`Controller`] that follow from its being a plain value.
     ControllerObject for Controller
 }

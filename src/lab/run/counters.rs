@@ -1,4 +1,4 @@
-//! Counts what the steps of a run did.
+//! Counters of the steps of a run.
 
 use rodlab_engine::mechanics::contact::Proximity;
 use rodlab_engine::mechanics::dynamics::{Energies, Exchange, StepReport};
@@ -46,7 +46,7 @@ impl Counters {
         }
     }
 
-    /// Notes the energies at an output; those of the last are an outcome of the run.
+    /// Records the energies at an output; those of the last are an outcome of the run.
     pub fn note_energies(&mut self, energies: &Energies) {
         let elastic = energies.elastic();
         self.outcome.elastic_energy = Some(elastic);
@@ -72,7 +72,7 @@ impl Counters {
         }
     }
 
-    /// Notes the bodies that are nearest to touching; those that ever come nearest are an outcome of the run.
+    /// Records the bodies that are nearest to touching; the pair with the least distance is an outcome of the run.
     pub fn note_nearest(&mut self, nearest: Option<Proximity>) {
         let Some(nearest) = nearest else { return };
         let least = &mut self.outcome.minimum_distance_ratio;
@@ -82,7 +82,7 @@ impl Counters {
         }
     }
 
-    /// Notes the mean gap of what touches at an output (m); the mean of all outputs is an outcome of the run.
+    /// Records the mean gap of the contacts at an output (m); the mean of all outputs is an outcome of the run.
     pub fn note_gap(&mut self, gap: Option<f64>) {
         let Some(gap) = gap else { return };
         let (sum, outputs) = &mut self.gaps;

@@ -1,6 +1,6 @@
-//! Numbers for people, of scenes of any size.
+//! Numbers as readable text, for scenes of any size.
 
-/// A number with so many decimals, or with a power of ten where these would show less than a digit of it: lengths in
+/// A number with the given decimals, or with a power of ten where these would show less than one digit: lengths in
 /// metres and times in seconds, in scenes of micrometres, too.
 pub fn decimals(number: f64, decimals: usize) -> String {
     let shown = libm::pow(10.0, 1.0 - decimals as f64);

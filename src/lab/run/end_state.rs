@@ -47,7 +47,7 @@ pub(super) fn rows_of(start: &Start, rods: &[RodRecord]) -> Vec<EndRow> {
 /// The state in rows that are those of the given rods.
 ///
 /// # Errors
-/// What does not fit: other rods, other numbers of nodes, numbers that are not finite.
+/// A mismatch: other rods, other numbers of nodes, numbers that are not finite.
 pub fn start_from(rows: &[EndRow], rods: &[RodRecord]) -> Result<Start, String> {
     refuse_other_rods(rows, rods)?;
     let vector = |x: Option<f64>, y: Option<f64>, z: Option<f64>| {

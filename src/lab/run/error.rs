@@ -14,9 +14,9 @@ pub enum RunError {
     /// The mechanics stopped: no convergence or a physics check failed.
     #[error("{source}\nresults up to there are in `{}`", directory.display())]
     Simulation {
-        /// What the simulation said.
+        /// The error of the simulation.
         source: SimulationError,
-        /// Where the results lie.
+        /// The results directory.
         directory: PathBuf,
     },
     /// The time limit was reached; a checkpoint was written.
@@ -25,9 +25,9 @@ pub enum RunError {
         directory.display()
     )]
     TimeLimit {
-        /// How far the run had come.
+        /// Progress of the run.
         reached: Reached,
-        /// Where the results lie.
+        /// The results directory.
         directory: PathBuf,
     },
     /// Ctrl-C or SIGTERM; a checkpoint was written.
@@ -36,9 +36,9 @@ pub enum RunError {
         directory.display()
     )]
     Interrupted {
-        /// How far the run had come.
+        /// Progress of the run.
         reached: Reached,
-        /// Where the results lie.
+        /// The results directory.
         directory: PathBuf,
     },
     /// Results could not be written or read.

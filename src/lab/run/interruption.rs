@@ -1,5 +1,5 @@
 //! Ctrl-C, SIGTERM and a terminal that closes end a run after the step at hand, with a checkpoint; so does SIGUSR1, by
-//! which batch systems say that the time is nearly up.
+//! which batch systems announce that the time limit is near.
 
 use super::stop::StopRequest;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
@@ -21,9 +21,9 @@ pub struct Interruption {
     handlers: Vec<SigId>,
 }
 
-/// How many in this process ask now and then.
+/// Number of instances in this process that poll for requests.
 static ATTENDANTS: AtomicUsize = AtomicUsize::new(0);
-/// Whether one of them has heard a request, and ends the program in its own way.
+/// Whether one of them has received a request, and ends the program itself.
 static HEARD: AtomicBool = AtomicBool::new(false);
 
 /// Whether any code in this process polls for requests to stop, or has received one. Otherwise, before the first run and
@@ -36,7 +36,7 @@ pub fn is_attended() -> bool {
 const EXIT_CODE: i32 = 130;
 
 impl Interruption {
-    /// Installs the handlers; where that fails, a warning says so and signals end the program at once.
+    /// Installs the handlers; where that fails, logs a warning, and signals end the program at once.
     pub fn watch() -> Self {
         Self::install().unwrap_or_else(|error| {
             tracing::warn!("Ctrl-C will end the run without a checkpoint: {error}");
@@ -44,7 +44,7 @@ impl Interruption {
         })
     }
 
-    /// One that no signal reaches.
+    /// An instance that no signal reaches.
     fn deaf() -> Self {
         Self {
             interrupted: Arc::default(),

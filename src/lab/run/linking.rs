@@ -1,7 +1,7 @@
-//! Whether closed rods are linked as they were.
+//! Check that the linking of closed rods does not change.
 //!
-//! Continuous collision detection certifies every step; this is a second guard, which knows nothing of it. While rods do
-//! not pass through each other, two numbers stay, however they move, bend and twist:
+//! Continuous collision detection certifies every step; this is a second, independent guard. While rods do
+//! not pass through each other, two numbers are invariant under any motion, bending and twist:
 //!
 //! - the linking number of every pair of closed rods, by Gauss' integral;
 //! - the linking number of a closed rod with the edge of its own material frame: its writhe and its twist in turns, added
@@ -17,19 +17,19 @@ use rodlab_files::results::{SeriesRow, Value};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Steps between two looks, for each pair of segments over the number of nodes.
+/// Steps between two checks, for each pair of segments over the number of nodes.
 const STEPS_PER_PAIR: u64 = 4;
-/// Pairs of segments that are looked at in the time in which an output is written.
+/// Pairs of segments that are checked in the time in which an output is written.
 const PAIRS_PER_OUTPUT: u64 = 5000;
 
-/// Most pairs of segments of which it is worth while to look at each: a second's work.
+/// Largest number of pairs of segments that are all checked: a second of work.
 const MOST_PAIRS: u64 = 25_000_000;
 
 /// Fails a run at the first output where closed rods are linked otherwise than before.
 ///
-/// A look costs 40 ns for every pair of segments, a step at least 0.3 µs for every node. Outputs that follow the last look
-/// sooner than after four steps for each pair per node are passed over, so that the guard costs 3 % of a run
-/// at most; not where it costs no more than to write the output. Closed rods of more than seven thousand segments are
+/// A check costs 40 ns for every pair of segments, a step at least 0.3 µs for every node. Outputs that follow the last check
+/// sooner than after four steps for each pair per node are skipped, so that the guard costs at most 3 % of a run,
+/// except where the check costs no more than writing the output. Closed rods of more than seven thousand segments are
 /// left to continuous collision detection alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LinkingGuard {
@@ -37,7 +37,7 @@ pub struct LinkingGuard {
     seen: Linking,
     /// Whether the contact model is a barrier.
     is_barrier: bool,
-    /// Step of the last look, and the number of steps before the next; `None` before the first.
+    /// Step of the last check, and the number of steps before the next; `None` before the first.
     last: Option<[u64; 2]>,
 }
 
@@ -54,9 +54,9 @@ struct ClosedRod {
 struct Linking {
     /// Of each rod with those before it.
     pairs: Vec<Vec<i64>>,
-    /// Of each rod with its own frame; empty where the frames are not known yet.
+    /// Of each rod with its own frame; empty before the first frames.
     own: Vec<f64>,
-    /// Pairs of segments that were looked at.
+    /// Pairs of segments that were checked.
     looked_at: u64,
 }
 
@@ -118,7 +118,7 @@ impl LinkingGuard {
         linking
     }
 
-    /// What has changed since the last look, in a sentence.
+    /// Change since the last check, as a sentence.
     fn change(&self, now: &Linking, time: f64) -> Option<String> {
         let time = decimals(time, 6);
         let advice = if self.is_barrier {
@@ -233,7 +233,7 @@ mod tests {
         RodDescription {
             velocity: velocity * Vector3::x(),
             ..closed(name, 24, |t| {
-                // One lies, the other stands.
+                // One ring is horizontal, the other vertical.
                 let (sine, cosine) = t.sin_cos();
                 Vector3::new(centre + 0.05 * cosine, 0.0, 0.0)
                     + 0.05

@@ -1,4 +1,4 @@
-//! The run loop: a prepared run goes in, a results directory comes out.
+//! The run loop: from a prepared run to a results directory.
 
 mod advance;
 mod controller;
@@ -55,18 +55,18 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use work::Work;
 
-/// How to run, as opposed to what.
+/// Options of a run, apart from its scenario.
 #[derive(Clone, Debug)]
 pub struct RunOptions {
-    /// Where the results go.
+    /// The results directory.
     pub directory: PathBuf,
-    /// Start over where results exist, whatever scenario they are of.
+    /// Start over where results exist, even those of another scenario.
     pub force: bool,
     /// The command line, for the manifest.
     pub command_line: Vec<String>,
-    /// Show a progress bar on standard error (none appears where that is no terminal).
+    /// Show a progress bar on standard error (only if that is a terminal).
     pub progress: bool,
-    /// The bars among which that of this run appears, where it has company.
+    /// The bars among which the bar of this run appears, if there are several runs.
     pub among: Option<AmongBars>,
     /// Moment at which the run stops with a checkpoint, though not before some steps.
     pub deadline: Option<Instant>,
@@ -94,7 +94,7 @@ impl RunOptions {
 /// A run that reached its end.
 #[derive(Clone, Debug)]
 pub struct RunOutcome {
-    /// Where the results lie.
+    /// The results directory.
     pub directory: PathBuf,
     /// Whether there was anything left to do.
     pub status: RunStatus,
@@ -102,28 +102,28 @@ pub struct RunOutcome {
     pub case: CaseOutcome,
     /// Wall time of this call and of the interrupted ones before it.
     pub wall_time: Duration,
-    /// What people want to see first of what was observed: names and texts, a line each.
+    /// Main observations for the user: names and texts, a line each.
     pub highlights: Vec<(String, String)>,
 }
 
-/// What a successful call of [`run`] did.
+/// Action of a successful call of [`run`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RunStatus {
     /// Ran from the beginning.
     Finished,
-    /// Continued from what an interrupted call had reached.
+    /// Continued from the end of an interrupted call.
     Resumed {
-        /// How far it had come.
+        /// Its progress at that time.
         from: Reached,
     },
     /// The results were there already; nothing was run.
     AlreadyFinished,
 }
 
-/// How far a run has come.
+/// Progress of a run.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub enum Reached {
-    /// Not beyond the start: an equilibrium is found or not.
+    /// At the start: an equilibrium is found or not.
     Start,
     /// Simulated time, s.
     Time(f64),

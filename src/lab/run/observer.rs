@@ -1,7 +1,7 @@
-//! Observers: what an experiment watches while a scene runs.
+//! Observers: measurements of an experiment while a scene runs.
 //!
-//! The run loop knows no experiment. It asks each observer whether it is due after a step, lets it look, writes the
-//! values of its columns at each output, and at the end asks what the run came to.
+//! The run loop is independent of experiments. It asks each observer whether it is due after a step, calls it, writes the
+//! values of its columns at each output, and at the end asks for the outcome of the run.
 
 use super::saved::saved_object;
 use rodlab_engine::mechanics::dynamics::{Exchange, Simulation};
@@ -11,12 +11,12 @@ use serde::de::DeserializeOwned;
 use std::any::Any;
 use std::fmt::Debug;
 
-/// What an observer sees: the simulation after a step, an equilibrium, or at an output.
+/// Input of an observer: the simulation after a step, an equilibrium, or at an output.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {
     /// The simulation.
     pub simulation: &'a Simulation,
-    /// Accepted steps, equilibria or points of a path so far; 0 at the start of a motion, where no forces are known yet.
+    /// Accepted steps, equilibria or points of a path so far; 0 at the start of a motion, before forces are computed.
     pub steps: u64,
     /// Work of the clamps and losses to friction and drag since the start.
     pub exchange: Exchange,
@@ -29,20 +29,20 @@ impl Sample<'_> {
     }
 }
 
-/// What follows from what an observer saw.
+/// Consequence of an observation.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Finding {
     /// Nothing: the run continues.
     GoOn,
-    /// All has been seen: the run ends with the next output, or with this one, as it should.
+    /// The observation is complete: the run ends regularly with the next output, or with this one.
     End(Ending),
     /// A physics check failed, in a sentence: the run ends here (exit code 4).
     Fail(String),
 }
 
-/// What an experiment watches while a scene runs.
+/// A measurement of an experiment while a scene runs.
 ///
-/// An observer is a value that can be saved: what it remembers are its fields, and a checkpoint holds all of them. The
+/// An observer is a value that can be saved: its memory is its fields, and a checkpoint holds all of them. The
 /// times at which it is due must not depend on those of outputs, so that results do not change with the output interval.
 pub trait Observer: ObserverObject + Debug + Send + Sync {
     /// Its name: a word for messages and checkpoints.
@@ -63,26 +63,26 @@ pub trait Observer: ObserverObject + Debug + Send + Sync {
         Finding::GoOn
     }
 
-    /// The values of its columns at an output of which `row` is the row; the row is written whatever the finding.
+    /// The values of its columns at an output of which `row` is the row; the row is written for every finding.
     fn measure(&mut self, sample: &Sample<'_>, row: &SeriesRow) -> (Vec<Value>, Finding);
 
-    /// What the run came to so far: further columns of `summary.csv`.
+    /// Outcome of the run so far: further columns of `summary.csv`.
     fn outcomes(&self) -> NamedValues {
         NamedValues::default()
     }
 
-    /// What else people should know at the end, a sentence each.
+    /// Further remarks for the user at the end, a sentence each.
     fn remarks(&self) -> Vec<String> {
         Vec::new()
     }
 
-    /// What people want to see first of an outcome, which may be that of an earlier call: names and texts, a line each.
+    /// Main results of an outcome for the user, possibly from an earlier call: names and texts, a line each.
     fn highlights(&self, _outcome: &CaseOutcome) -> Vec<(String, String)> {
         Vec::new()
     }
 }
 
 saved_object! {
-    /// What every [`Observer`] can do because it is a plain value.
+    /// Methods of every [`Observer`] that follow from its being a plain value.
     ObserverObject for Observer
 }

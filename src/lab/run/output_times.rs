@@ -1,4 +1,4 @@
-//! When a run writes its output.
+//! Output times of a run.
 
 /// Output times 0, Δ, 2Δ, ..., end: products, not sums, so that they do not drift.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -12,7 +12,7 @@ pub(super) struct SavedStates {
     controllers: Vec<(String, Vec<u8>)>,
 }
 
-/// Those of a run.
+/// The observers and controllers of a run.
 #[derive(Clone)]
 pub(super) struct Participants {
     pub observers: Vec<Box<dyn Observer>>,
@@ -37,7 +37,7 @@ impl Participants {
     /// Takes over saved states.
     ///
     /// # Errors
-    /// [`ResultsError::Damaged`] where they are those of others.
+    /// [`ResultsError::Damaged`] where they belong to other observers or controllers.
     pub fn restore(&mut self, states: &SavedStates, directory: &Path) -> Result<(), ResultsError> {
         let damaged = |reason: String| ResultsError::Damaged {
             path: directory.to_owned(),
@@ -69,13 +69,13 @@ pub(super) fn columns(observers: &[Box<dyn Observer>]) -> Vec<String> {
     observers.iter().flat_map(|one| one.columns()).collect()
 }
 
-/// What all observers say of the run.
+/// Outcomes and remarks of all observers.
 pub(super) fn outcomes(observers: &[Box<dyn Observer>]) -> NamedValues {
     let values = observers.iter().flat_map(|one| one.outcomes().0);
     NamedValues(values.collect())
 }
 
-/// What people want to see first of an outcome.
+/// Main results of an outcome for the user.
 pub(super) fn highlights(
     observers: &[Box<dyn Observer>],
     outcome: &CaseOutcome,

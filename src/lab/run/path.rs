@@ -1,4 +1,4 @@
-//! A path of equilibria that is followed, and what is written of its points.
+//! A path of equilibria that is followed, and the output for its points.
 
 use rodlab_engine::mechanics::dynamics::Energies;
 use rodlab_engine::mechanics::statics::{EndedEarly, PathPoint, PointKind, Tracer};
@@ -7,7 +7,7 @@ use rodlab_files::results::{
 };
 use serde::{Deserialize, Serialize};
 
-/// A path at work.
+/// A path in progress.
 pub struct PathAtWork {
     /// Finds the points.
     pub tracer: Tracer,
@@ -16,12 +16,12 @@ pub struct PathAtWork {
     pub parameters: Vec<f64>,
 }
 
-/// What a checkpoint holds of it.
+/// Its part of a checkpoint.
 #[derive(Serialize, Deserialize)]
 pub struct PathCheckpoint {
     tracer: Tracer,
     parameters: Vec<f64>,
-    /// How far `branch.csv` has come.
+    /// Progress of `branch.csv`.
     branches: FileMark,
 }
 
@@ -47,7 +47,7 @@ impl PathAtWork {
         })
     }
 
-    /// Puts `branch.csv` on the disk; what a checkpoint must hold.
+    /// Syncs `branch.csv` to disk and returns the data for a checkpoint.
     pub fn checkpoint(&mut self) -> Result<PathCheckpoint, ResultsError> {
         Ok(PathCheckpoint {
             tracer: self.tracer.clone(),
@@ -70,18 +70,18 @@ impl PathAtWork {
         Ok(())
     }
 
-    /// Puts `branch.csv` on the disk and marks it.
+    /// Syncs `branch.csv` to disk and records its hash.
     pub fn sync(&mut self) -> Result<FileMark, ResultsError> {
         self.branches.sync()
     }
 
-    /// What is to be told at the end of the path.
+    /// Remarks at the end of the path.
     pub fn remarks(&self) -> Vec<String> {
         remarks(self.tracer.ended_early())
     }
 }
 
-/// What is to be told of a path at its end.
+/// Remarks on a path at its end.
 fn remarks(ended_early: EndedEarly) -> Vec<String> {
     let EndedEarly { long, lost } = ended_early;
     let mut remarks = Vec::new();

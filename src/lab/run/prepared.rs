@@ -1,4 +1,4 @@
-//! A run that is ready to start: what every experiment builds from its scenario.
+//! A run that is ready to start, built by every experiment from its scenario.
 
 use super::stop::StopRequests;
 use super::{Controller, Observer, RunError, RunOptions, RunOutcome};
@@ -8,16 +8,16 @@ use rodlab_engine::mechanics::statics::PathPlan;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// A scenario turned into mechanics, with all that the run loop needs to know.
+/// A scenario turned into mechanics, with all data for the run loop.
 #[derive(Clone, Debug)]
 pub struct PreparedRun {
     /// Short name for directories: the stem of the scenario file.
     pub name: String,
     /// Name of the experiment, such as `scene` or `flagella`.
     pub experiment: String,
-    /// Title for people.
+    /// Title for readers.
     pub title: String,
-    /// The resolved scenario as TOML, runnable as it stands; its hash identifies the run.
+    /// The resolved scenario as TOML, runnable without changes; its hash identifies the run.
     pub scenario_toml: String,
     /// The mechanics.
     pub scene: Scene,
@@ -27,15 +27,15 @@ pub struct PreparedRun {
     pub integration: IntegrationParameters,
     /// Files that are written, and how often.
     pub output: OutputPlan,
-    /// What is observed, each as it is at the start.
+    /// Observers in their state at the start.
     pub observers: Vec<Box<dyn Observer>>,
-    /// What acts on the scene while it runs, each as it is at the start.
+    /// Controllers in their state at the start.
     pub controllers: Vec<Box<dyn Controller>>,
-    /// What fills a table instead of moving the scene, which then shows the first of many.
+    /// Job that fills a table instead of moving the scene, which then shows the first of many.
     pub table: Option<Arc<dyn TableRun>>,
-    /// Names of the files that kinds of experiments add to those of every run: what starting over removes, too.
+    /// Names of the files that kinds of experiments add to those of every run: what starting over removes them, too.
     pub own_files: Vec<&'static str>,
-    /// What may not be meant as it is, a sentence each: warnings of the run, and remarks at its end.
+    /// Warnings about the scenario, a sentence each: logged by the run, and remarks at its end.
     pub warnings: Vec<String>,
     /// The file from which the scene starts, where it does not start as placed; the results hold a copy.
     pub start: Option<Arc<[u8]>>,
@@ -49,7 +49,7 @@ impl PreparedRun {
     }
 }
 
-/// What fills a table: a [`TableJob`](super::TableJob), whatever its rows are.
+/// Job that fills a table: a [`TableJob`](super::TableJob) with any type of row.
 pub trait TableRun: Debug + Send + Sync {
     /// Number of rows.
     fn rows(&self) -> usize;
@@ -79,7 +79,7 @@ pub enum Mode {
     Continuation(PathPlan),
 }
 
-/// What a run writes.
+/// Output of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputPlan {
     /// Time between outputs, s.

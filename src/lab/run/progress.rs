@@ -12,8 +12,8 @@ const LENGTH: u64 = 10_000;
 /// Time between redraws; steps are often far shorter.
 const REFRESH: Duration = Duration::from_millis(100);
 
-/// A bar on standard error: simulated time of the end, step size, iterations, contacts, time left; or how far a
-/// path has come.
+/// A bar on standard error: simulated time of the end, step size, iterations, contacts, time left; or the progress of a
+/// path.
 pub struct Progress {
     bar: ProgressBar,
     start: f64,
@@ -21,7 +21,7 @@ pub struct Progress {
     drawn: Option<Instant>,
 }
 
-/// The bars of the runs of a sweep, and what this run is called among them.
+/// The bars of the runs of a sweep, and the name of this run among them.
 #[derive(Clone, Debug)]
 pub struct AmongBars {
     /// All bars.
@@ -47,7 +47,7 @@ impl Progress {
         }
     }
 
-    /// A bar that is empty at `start` and full at `end`, simulated times in s or parameters, and stands at `now`.
+    /// A bar that is empty at `start` and full at `end`, simulated times in s or parameters, and shows `now`.
     pub fn new(bar: ProgressBar, now: f64, [start, end]: [f64; 2]) -> Self {
         let progress = Self {
             bar,
@@ -56,7 +56,7 @@ impl Progress {
             drawn: None,
         };
         progress.bar.set_position(progress.position(now));
-        // What an earlier call has done says nothing about the speed of this one.
+        // The progress of an earlier call is no measure of the speed of this one.
         progress.bar.reset_eta();
         progress
     }

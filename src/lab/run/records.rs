@@ -1,4 +1,4 @@
-//! What the results say of a prepared run.
+//! Records of a prepared run in the results.
 
 use super::RunOptions;
 use super::participants::columns;
@@ -13,7 +13,7 @@ use rodlab_files::results::{
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What readers of the results need to know of the rods.
+/// Data of the rods for readers of the results.
 pub fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
     let record = |rod: &RodDescription| RodRecord {
         name: rod.name.clone(),
@@ -24,7 +24,7 @@ pub fn rod_records(prepared: &PreparedRun) -> Vec<RodRecord> {
     prepared.scene.rods.iter().map(record).collect()
 }
 
-/// Keeps a copy of what the run starts from beside its scenario, which names it.
+/// Keeps a copy of the start state of the run beside its scenario, which names it.
 ///
 /// # Errors
 /// [`ResultsError::Io`].
@@ -35,7 +35,7 @@ pub fn place_start(prepared: &PreparedRun, directory: &Path) -> Result<(), Resul
     }
 }
 
-/// Which files the run writes.
+/// Files that the run writes.
 pub fn recorder_plan(prepared: &PreparedRun) -> RecorderPlan {
     let output = prepared.output;
     RecorderPlan {

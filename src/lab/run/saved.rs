@@ -1,6 +1,6 @@
 //! Trait objects that are plain values: they can be copied, saved and restored.
 
-/// Makes the trait `$object` of what a boxed `$interface` can do, and does it for every plain value.
+/// Defines the trait `$object` with the methods of a boxed `$interface`, and implements it for every plain value.
 macro_rules! saved_object {
     ($(#[$documentation:meta])* $object:ident for $interface:ident) => {
         $(#[$documentation])*
@@ -12,9 +12,9 @@ macro_rules! saved_object {
             /// Takes over a state.
             ///
             /// # Errors
-            /// What is wrong with the bytes.
+            /// The fault of the bytes.
             fn restore(&mut self, state: &[u8]) -> Result<(), String>;
-            /// Itself, for those who know its type.
+            /// The value itself, for downcasting to its type.
             fn as_any(&self) -> &dyn Any;
         }
 

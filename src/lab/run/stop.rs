@@ -5,12 +5,12 @@ use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_files::results::{CaseStatus, ResultsError};
 use std::path::PathBuf;
 
-/// A wish from outside to stop after the step at hand, with a checkpoint.
+/// An external request to stop after the current step, with a checkpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopRequest {
-    /// A person, or the system, interrupts.
+    /// Interruption by the user or the system.
     Interrupt,
-    /// The time is up.
+    /// The time limit is reached.
     TimeLimit,
 }
 

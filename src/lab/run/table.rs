@@ -25,21 +25,21 @@ use tracing::info;
 /// Rows computed before the next are written. More fill the threads evenly; fewer lose less to an interruption.
 const BLOCK: usize = 256;
 
-/// What fills the table.
+/// Job that fills a table.
 pub trait TableJob: Debug + Send + Sync {
     /// A row; floats read back to the same bits.
     type Row: Serialize + DeserializeOwned + Send;
 
     /// Name of the file of the table.
     const TABLE: &'static str;
-    /// What a row stands for, in the plural.
+    /// Noun for the rows, in the plural.
     const ROWS: &'static str;
 
     /// Number of rows.
     fn count(&self) -> usize;
-    /// A row, whose faults it tells itself, as long as `goes_on`; `None` where that said no, which it then always does.
+    /// Computes a row, which records its own faults, while `goes_on` returns true; `None` where that returned false, as it then always does.
     fn row(&self, index: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> Option<Self::Row>;
-    /// Writes what follows from the whole table; returns what to tell people.
+    /// Writes files derived from the whole table; returns remarks for the user.
     ///
     /// # Errors
     /// Files that cannot be written.
@@ -193,7 +193,7 @@ impl<Job: TableJob> TableSession<'_, Job> {
             ),
         };
         bar.set_position(self.rows.len() as u64);
-        // What an earlier call has done says nothing about the speed of this one.
+        // The progress of an earlier call is no measure of the speed of this one.
         bar.reset_eta();
         bar
     }
@@ -207,7 +207,7 @@ impl<Job: TableJob> TableSession<'_, Job> {
         manifest: &mut Manifest,
         result: &Result<Vec<String>, Stop>,
     ) -> Result<CaseOutcome, ResultsError> {
-        // There are no steps to speak of.
+        // A table has no time steps.
         let outcome = CaseOutcome {
             remarks: result.as_ref().cloned().unwrap_or_default(),
             ..CaseOutcome::default()
@@ -232,10 +232,10 @@ fn block_after(done: usize, count: usize) -> Range<usize> {
     done..((done / BLOCK + 1) * BLOCK).min(count)
 }
 
-/// What stands of an unfinished table, nothing where it cannot be read.
+/// The rows of an unfinished table; empty where it cannot be read.
 ///
 /// # Errors
-/// [`ResultsError::Altered`] where the call before left something else.
+/// [`ResultsError::Altered`] where the file differs from the one that the previous call left.
 fn rows_so_far<Job: TableJob>(
     directory: &ResultsDirectory,
     count: usize,
@@ -247,7 +247,7 @@ fn rows_so_far<Job: TableJob>(
     let Some(unfinished) = directory.unfinished() else {
         return Ok(nothing);
     };
-    // A call that was killed has marked nothing.
+    // A call that was killed has recorded no hash.
     check_files(directory.path(), &unfinished.files)?;
     let path = directory.file(Job::TABLE);
     if !path.exists() {

@@ -8,7 +8,7 @@ pub fn threads_of_a_job(jobs: usize) -> usize {
     (rayon::current_num_threads() / jobs).max(1)
 }
 
-/// Calls `work` with 0, 1, ..., `count` − 1, begun in this order, `jobs` at a time, until one breaks off.
+/// Calls `work` with 0, 1, ..., `count` − 1, started in this order, `jobs` at a time, until one breaks off.
 ///
 /// Each worker has a thread pool to itself: in a common one a thread that waits for others of its own run
 /// could take up another run, and time would be counted where it was not spent.

@@ -1,6 +1,6 @@
-//! What a run will cost, from a trial of its beginning.
+//! Estimated cost of a run, from a trial of its beginning.
 //!
-//! The run is begun in a directory of its own, with all that it writes and observes, for two stages of half a second of
+//! The run is started in a directory of its own, with all that it writes and observes, for two stages of half a second of
 //! processor time. The pace of the second, which continues from the checkpoint of the first, is taken for that of the rest:
 //! steps at the start may be smaller, and contacts settle. What comes later and costs more, such as a first contact beyond
 //! the trial, is not foreseen; contacts double the cost of a step, or triple it.
@@ -13,22 +13,22 @@ use std::path::Path;
 use std::sync::{Mutex, mpsc};
 use std::time::{Duration, Instant};
 
-/// Processor time of a stage, and the time on the clock after which it ends whatever other programs take.
+/// Processor time of a stage, and the time on the clock after which it ends regardless of the load by other programs.
 const STAGE: Duration = Duration::from_millis(500);
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Time on the clock after which the whole trial is given up, though it has not heard that its time is over.
+/// Time on the clock after which the whole trial is abandoned, even if it has not checked its time limit.
 const LONGEST: Duration = Duration::from_secs(8);
 /// Time between two looks at the processor's clock.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// What a run will cost.
+/// Estimated cost of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Forecast {
-    /// Processor time of the whole run, s; `None` where the trial tells nothing of it.
+    /// Processor time of the whole run, s; `None` where the trial gives no estimate.
     pub processor_time: Option<f64>,
     /// Processor time that the trial took, s.
     pub trial_time: f64,
-    /// Part of the run that the trial did: 1 where it came to the end.
+    /// Part of the run that the trial completed: 1 where it reached the end.
     pub part: f64,
     /// Why the trial ended before its time, where it failed.
     pub failure: Option<String>,
@@ -41,7 +41,7 @@ enum Stage {
     Failed(String),
 }
 
-/// Tries a run for a second, and gives it up where a step does not end.
+/// Tries a run for a second, and abandons it where a step does not end.
 pub fn forecast(prepared: &PreparedRun) -> Forecast {
     let unknown = |failure: Option<String>, trial_time: f64| Forecast {
         processor_time: None,
@@ -66,7 +66,7 @@ pub fn forecast(prepared: &PreparedRun) -> Forecast {
         // The receiver may be gone.
         let _ = tell.send(found);
     });
-    // A trial that is given up works on to the end of the program, but its directory is gone.
+    // An abandoned trial continues until the program ends, but its directory is gone.
     match told.recv_timeout(LONGEST) {
         Ok(forecast) => forecast,
         Err(mpsc::RecvTimeoutError::Timeout) => unknown(None, LONGEST.as_secs_f64()),
@@ -124,7 +124,7 @@ fn try_stage(prepared: &PreparedRun, directory: &Path) -> (Stage, f64) {
         let usage = meter.usage();
         usage.cpu_time.unwrap_or(usage.wall_time)
     };
-    // When the clocks were last looked at; nothing once the time is over, which it stays.
+    // Time of the last check of the clocks; `None` once the time limit has passed, which is final.
     let looked = Mutex::new(Some(Instant::now()));
     let over = || {
         let mut looked = looked.lock().expect("no thread panics with this lock");
@@ -160,7 +160,7 @@ fn part_of(prepared: &PreparedRun, reached: Reached) -> f64 {
     }
 }
 
-/// A time in words.
+/// A time as text.
 pub fn in_words(seconds: f64) -> String {
     match seconds {
         ..0.1 => "less than 0.1 s".to_owned(),

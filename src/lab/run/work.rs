@@ -1,12 +1,12 @@
 //! Work in progress in this process, and whether it has received a request to stop.
 //!
-//! Runs ask now and then whether to stop. A step of an enormous system may take minutes in between: this module reports to the
+//! Runs poll from time to time for requests to stop. A step of an enormous system may take minutes in between: this module reports to the
 //! code that asked a run to stop that the run has not received the request.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// For each piece of work, whether it has been told to stop.
+/// For each piece of work, whether it has received a request to stop.
 static AT_WORK: Mutex<Vec<Arc<AtomicBool>>> = Mutex::new(Vec::new());
 
 /// A piece of work, until it is dropped.
@@ -22,7 +22,7 @@ impl Work {
         Self { told }
     }
 
-    /// It has asked and was told to stop, which it will do after it has saved what there is.
+    /// Records that it received the request; it will stop after saving its state.
     pub fn is_told(&self) {
         self.told.store(true, Ordering::Relaxed);
     }
@@ -34,7 +34,7 @@ impl Drop for Work {
     }
 }
 
-/// A list of pointers is whole whatever happened to who held it.
+/// A list of pointers stays valid after a panic of the thread that held it.
 fn at_work() -> MutexGuard<'static, Vec<Arc<AtomicBool>>> {
     AT_WORK.lock().unwrap_or_else(PoisonError::into_inner)
 }

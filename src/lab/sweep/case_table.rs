@@ -1,4 +1,4 @@
-//! How all cases of a sweep stand, and the tables of the whole.
+//! States of all cases of a sweep, and the tables of the whole.
 
 use super::outcome::CaseCounts;
 use crate::scenario::{Case, CaseSet, Parameter};
@@ -19,7 +19,7 @@ const QUICKLY_PUBLISHED: usize = 10_000;
 /// Least ratio of the time between two writings to the time that one takes.
 const PAUSE_FACTOR: u32 = 50;
 
-/// How the cases stand, as far as this process knows.
+/// States of the cases as last read by this process.
 pub(super) struct CaseTable<'a> {
     directory: &'a SweepDirectory,
     keys: Vec<String>,
@@ -33,7 +33,7 @@ struct State {
     next_writing: Instant,
 }
 
-/// The record of the case in a directory; `None` where it was not begun.
+/// The record of the case in a directory; `None` where it was not started.
 ///
 /// # Errors
 /// [`ResultsError::Altered`] where files of a finished case are missing or changed, see [`check_quickly`].
@@ -48,7 +48,7 @@ pub(super) fn record_in(directory: &Path) -> Result<Option<CaseRecord>, ResultsE
 }
 
 impl<'a> CaseTable<'a> {
-    /// A case_table on which nothing stands yet. `manifest` is that of the whole directory.
+    /// An empty table of cases. `manifest` is that of the whole directory.
     pub fn new(directory: &'a SweepDirectory, case_set: &CaseSet, manifest: Manifest) -> Self {
         Self {
             directory,
@@ -61,7 +61,7 @@ impl<'a> CaseTable<'a> {
         }
     }
 
-    /// How a case stands now, by its own directory.
+    /// Current state of a case, from its own directory.
     pub fn look_up(&self, id: &str) -> Result<CaseRecord, ResultsError> {
         let record = record_in(&self.directory.case(id))?;
         let record = record.unwrap_or_else(|| CaseRecord::new(CaseStatus::Pending));
@@ -71,7 +71,7 @@ impl<'a> CaseTable<'a> {
         Ok(record)
     }
 
-    /// Notes how a case of this process stands.
+    /// Records the state of a case of this process.
     pub fn commit(&self, id: &str, record: CaseRecord) {
         let mut state = self.state.lock().expect("no thread panics with this lock");
         state.settled.insert(id.to_owned(), record);
@@ -83,7 +83,7 @@ impl<'a> CaseTable<'a> {
         state.settled.remove(id);
     }
 
-    /// How a case stood when it was last looked at.
+    /// State of a case when it was last read.
     fn known(&self, id: &str) -> Option<CaseRecord> {
         let state = self.state.lock().expect("no thread panics with this lock");
         state.settled.get(id).cloned()
@@ -151,7 +151,7 @@ impl<'a> CaseTable<'a> {
     }
 
     fn write(&self, cases: &[Case], end: Option<jiff::Timestamp>) -> Result<(), ResultsError> {
-        // What is read is written before another process reads: the last to write knows all.
+        // The tables are read and written before another process reads: the last writer has all records.
         self.directory.write_alone(|path| {
             let mut rows = Vec::with_capacity(cases.len());
             let mut records = Vec::with_capacity(cases.len());
@@ -171,7 +171,7 @@ impl<'a> CaseTable<'a> {
             write_sweep_summary(path, &keys, &rows)?;
             let timings = records.iter().map(|(id, record)| (*id, record.usage()));
             write_timings(path, &timings.collect::<Vec<_>>())?;
-            // What the first process that came here knew; others may have read the scenario from here.
+            // The record of the first process that started here; others may have read the scenario from this directory.
             let first = Manifest::read(path)?.unwrap_or_else(|| self.manifest.clone());
             let mut manifest = Manifest {
                 name: first.name,

@@ -4,7 +4,7 @@ use crate::scenario::ScenarioError;
 use rodlab_files::results::ResultsError;
 use std::path::PathBuf;
 
-/// Why a sweep could not begin, or had to be given up.
+/// Why a sweep could not start, or was aborted.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// The scenario is wrong, or one of the values.
@@ -16,7 +16,7 @@ pub enum SweepError {
         /// Its id.
         id: String,
     },
-    /// A directory that is not that of a sweep.
+    /// A directory that does not hold a sweep.
     #[error("`{}` does not hold the results of a sweep", directory.display())]
     NoSweep {
         /// The directory.
@@ -28,10 +28,10 @@ pub enum SweepError {
     /// The system could not start the threads.
     #[error("cannot start the threads of the cases: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A search has no outcome to look at.
+    /// A search has no outcome to read.
     #[error("there is no column `{column}` to search by; there are {known}")]
     UnknownObjective {
-        /// The column that was asked for.
+        /// The requested column.
         column: String,
         /// Those that exist.
         known: String,

@@ -2,14 +2,14 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `workers` | runs one case after the other: leases it, runs it, notes how it ended |
-//! | `case_table` | how all cases stand; summary, timings and manifest of the whole |
+//! | `workers` | runs one case after the other: leases it, runs it, records its end |
+//! | `case_table` | states of all cases; summary, timings and manifest of the whole |
 //! | `heartbeat` | signs of life of the leases |
 //! | `search` | bisection and golden section over an outcome |
-//! | `objective` | the outcome that a search looks at |
+//! | `objective` | the outcome that a search reads |
 //!
-//! The truth about a case is the manifest in its own directory; what the whole directory says of it is made
-//! from that, again and again. So a sweep may be killed at any moment, and several processes, of one machine
+//! The authoritative record of a case is the manifest in its own directory; the tables of the whole directory are rebuilt
+//! from it each time. So a sweep may be killed at any moment, and several processes, of one machine
 //! or of many, may work on one directory.
 
 mod case_table;
@@ -40,7 +40,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use workers::Workers;
 
-/// How to run a sweep, as opposed to what.
+/// Options of a sweep, apart from its cases.
 #[derive(Clone, Debug)]
 pub struct SweepOptions {
     /// How to run a case; its directory and `force` are those of the whole sweep, its time limit, too.
@@ -51,16 +51,16 @@ pub struct SweepOptions {
     pub shard: Shard,
     /// Run cases again that failed before.
     pub retry_failed: bool,
-    /// Begin no further case after one that failed.
+    /// Start no further case after one that failed.
     pub fail_fast: bool,
 }
 
 /// A share of the cases: every `of`-th, from number `number` on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which share, counted from 1.
+    /// Number of the share, counted from 1.
     pub number: usize,
-    /// How many shares there are.
+    /// Number of shares.
     pub of: usize,
 }
 
@@ -74,15 +74,15 @@ impl Shard {
     }
 }
 
-/// Runs what is left to do of a sweep.
+/// Runs the remaining cases of a sweep.
 ///
 /// Idempotent: finished cases are left alone, interrupted ones are continued from their checkpoints; failed
 /// ones are left alone, too, unless they are to be tried again. Cases that other processes work on are waited
-/// for, and taken over should those die.
+/// for, and taken over if those processes die.
 ///
 /// # Errors
 /// [`SweepError`] where the sweep could not begin, or its directory could not be written. Cases that failed
-/// are no error here: [`SweepOutcome`] counts them.
+/// are not an error here: [`SweepOutcome`] counts them.
 pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutcome, SweepError> {
     let cases = all_cases(case_set);
     refuse_repeated(&cases)?;
@@ -96,7 +96,7 @@ pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutc
         None => workers.run_all(&cases)?,
     }
     drop(heartbeat);
-    // What follows can be done again: from here on signals end the program at once.
+    // The following work can be repeated: from here on signals end the program at once.
     interruption.leave_unattended();
     let all = all_and_found(case_set, cases, directory.path())?;
     let published = if workers.stops() {
@@ -116,7 +116,7 @@ pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutc
         tables_are_old: matches!(published, Ok(false)),
         ..workers.outcome(share)
     };
-    // What ended the sweep counts more than what followed from it.
+    // The error that ended the sweep takes precedence over errors that followed from it.
     if let Some(fault) = workers.into_fault() {
         return Err(fault.into());
     }
@@ -187,10 +187,10 @@ fn all_cases(case_set: &CaseSet) -> Vec<Case> {
         .collect()
 }
 
-/// What a case would cost, by a trial.
+/// Estimated cost of a case, by a trial.
 ///
 /// # Errors
-/// What is wrong with its scenario.
+/// The faults of its scenario.
 pub fn forecast_of(case_set: &CaseSet, index: usize) -> Result<Forecast, ScenarioError> {
     let loaded = match case_set.search() {
         Some(search) => case_set.searched_scenario(index, search.from)?,
@@ -207,7 +207,7 @@ fn prepared(loaded: &Loaded) -> Result<PreparedRun, ScenarioError> {
 /// returns the first.
 ///
 /// # Errors
-/// Everything that is wrong with the first faulty one of these cases.
+/// All faults of the first faulty one of these cases.
 pub fn check_every_value(case_set: &CaseSet) -> Result<PreparedRun, ScenarioError> {
     let check = |index: usize| match case_set.search() {
         Some(search) => {
@@ -289,7 +289,7 @@ pub fn gather(directory: &Path) -> Result<SweepOutcome, SweepError> {
     })
 }
 
-/// How the cases of a sweep's directory stand, in the order of the sweep; of a search, those that were begun.
+/// States of the cases of a sweep's directory, in the order of the sweep; of a search, those that were started.
 /// Nothing is written.
 ///
 /// # Errors
@@ -305,7 +305,7 @@ pub fn case_records(directory: &Path) -> Result<Vec<(Case, CaseRecord)>, SweepEr
     case_records.collect()
 }
 
-/// The case_set whose results a directory holds, and its manifest.
+/// The set of cases whose results a directory holds, and its manifest.
 fn case_set_in(directory: &Path) -> Result<(CaseSet, Manifest), SweepError> {
     let manifest = Manifest::read(directory)?.ok_or_else(|| SweepError::NoSweep {
         directory: directory.to_owned(),

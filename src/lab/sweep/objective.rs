@@ -1,11 +1,11 @@
-//! The outcome of a case that a search looks at: a column of its summary, or the end of one of its series.
+//! The outcome of a case that a search reads: a column of its summary, or the end of one of its series.
 
 use super::SweepError;
 use rodlab_files::finite;
 use rodlab_files::results::{ResultsError, SERIES, SUMMARY};
 use std::path::{Path, PathBuf};
 
-/// Reads the objective of the finished case in a directory; `None` where the outcome is empty or no number.
+/// Reads the objective of the finished case in a directory; `None` where the outcome is empty or not a number.
 ///
 /// # Errors
 /// [`SweepError::UnknownObjective`], [`SweepError::Results`].

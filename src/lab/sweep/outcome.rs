@@ -12,24 +12,24 @@ pub struct Found {
     /// Index of the case of the keys that are not searched.
     pub index: usize,
     /// The value of the searched key, in the unit in which the ends of the interval were typed; `None` where
-    /// the search came to no end.
+    /// the search did not finish.
     pub value: Option<f64>,
     /// Ends of the last interval.
     pub interval: [f64; 2],
     /// Cases that it took.
     pub evaluations: usize,
-    /// Why it came to no end.
+    /// Why it did not finish.
     pub failure: Option<String>,
 }
 
 /// Outcome of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepOutcome {
-    /// Where the results lie.
+    /// The results directory.
     pub directory: PathBuf,
-    /// How its cases, or those of the share that was run, stand.
+    /// States of its cases, or of those of the share that was run.
     pub counts: CaseCounts,
-    /// Why no further case was begun, where there was a request to stop.
+    /// Why no further case was started, where there was a request to stop.
     pub interrupted: Option<StopRequest>,
     /// What the search found for each case of the keys that are not searched; empty without a search.
     pub found: Vec<Found>,
@@ -37,12 +37,12 @@ pub struct SweepOutcome {
     pub tables_are_old: bool,
 }
 
-/// How many cases stand how.
+/// Number of cases in each state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct CaseCounts {
     /// Finished.
     pub finished: usize,
-    /// Not begun, running, interrupted or stopped by a time limit.
+    /// Not started, running, interrupted or stopped by a time limit.
     pub unfinished: usize,
     /// Newton's method did not converge.
     pub no_convergence: usize,
@@ -52,7 +52,7 @@ pub struct CaseCounts {
     pub invalid: usize,
     /// Results could not be written.
     pub failed: usize,
-    /// Cases, however they stand, of which something is remarked: see the column `remarks` of the summary.
+    /// Cases in any state that have remarks: see the column `remarks` of the summary.
     pub remarked: usize,
 }
 
@@ -78,7 +78,7 @@ impl CaseCounts {
         self.finished + self.unfinished + self.not_good()
     }
 
-    /// Cases that came to a bad end.
+    /// Cases that failed.
     pub fn not_good(&self) -> usize {
         self.no_convergence + self.unphysical + self.invalid + self.failed
     }

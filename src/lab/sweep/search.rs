@@ -1,6 +1,6 @@
-//! Searches for the value of a key at which an outcome takes a value (bisection) or is least (golden section).
+//! Searches for the value of a key at which an outcome reaches a target (bisection) or is least (golden section).
 //!
-//! Each evaluation is a case like any other, so that a search that is interrupted repeats only what is left.
+//! Each evaluation is a case like any other, so an interrupted search runs only the remaining evaluations.
 
 use super::case_table::record_in;
 use super::objective::objective;
@@ -23,24 +23,24 @@ pub const SEARCH_TABLE: &str = "search.csv";
 enum SearchFailure {
     /// The sweep stops.
     Stopped,
-    /// There is nothing to find, or no way to go on; in words.
+    /// There is nothing to find, or the search cannot continue; as text.
     Explained(String),
-    /// The sweep must be given up.
+    /// The sweep must be aborted.
     Fault(SweepError),
 }
 
-/// All evaluations and findings, both in the order of the case_set.
+/// All evaluations and findings, both in the order of the set of cases.
 pub(super) struct Searched {
     /// The cases that were evaluated.
     pub cases: Vec<Case>,
-    /// What was found.
+    /// The findings.
     pub found: Vec<Found>,
 }
 
 /// A search and what it evaluated: the number of the searched key, and its case.
 type Traced = (Found, Vec<(f64, Case)>);
 
-/// Makes the search for the cases of the other keys in the share of this process; [`replay`] tells what came out.
+/// Makes the search for the cases of the other keys in the share of this process; [`replay`] returns the findings.
 pub(super) fn run(workers: &Workers<'_>, search: &Search, count: usize) -> Result<(), SweepError> {
     let fault = Mutex::new(None);
     let share: Vec<usize> = workers.shard().indices(count).collect();
@@ -70,7 +70,7 @@ pub(super) fn run(workers: &Workers<'_>, search: &Search, count: usize) -> Resul
         .map_or(Ok(()), Err)
 }
 
-/// What all searches came to, as far as their cases have been run, by this process or others.
+/// Findings of all searches, as far as their cases have been run, by this process or others.
 pub(super) fn replay(
     case_set: &CaseSet,
     search: &Search,
@@ -136,7 +136,7 @@ fn trace(
     Ok((found, evaluations))
 }
 
-/// The objective of a case, or what is in the way.
+/// The objective of a case, or the reason why it is missing.
 fn outcome_of(
     search: &Search,
     case: &Case,
@@ -185,7 +185,7 @@ fn bisect(
     }
 }
 
-/// Shrinks the interval around the least value; each step but the first takes one evaluation (Kiefer 1953).
+/// Shrinks the interval around the least value; each step except the first takes one evaluation (Kiefer 1953).
 fn golden(
     search: &Search,
     interval: &mut [f64; 2],
@@ -212,7 +212,7 @@ fn golden(
     Ok(0.5 * (interval[0] + interval[1]))
 }
 
-/// Writes the table of what was found.
+/// Writes the table of the findings.
 pub(super) fn write(
     directory: &SweepDirectory,
     case_set: &CaseSet,

@@ -18,27 +18,27 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-/// Time between two looks at cases that other processes work on.
+/// Time between two checks of cases that other processes work on.
 const WAIT: Duration = Duration::from_millis(100);
 
-/// A case by its place in the case_set.
+/// A case by its place in the set of cases.
 #[derive(Clone, Debug)]
 pub(super) struct Job {
     /// The case.
     pub case: Case,
-    /// Its index in the case_set.
+    /// Its index in the set of cases.
     pub index: usize,
     /// The number of the searched key.
     pub searched: Option<f64>,
 }
 
-/// What became of a case at one attempt.
+/// Result of one attempt at a case.
 pub(super) enum Attempt {
-    /// It stands like this, and this process has done what it can.
+    /// The case is in this state, and this process has no further work on it.
     Settled(Box<CaseRecord>),
     /// Another process works on it.
     Held,
-    /// It was not begun, because the sweep is to stop.
+    /// It was not started, because the sweep is to stop.
     Stopped,
 }
 
@@ -52,16 +52,16 @@ pub(super) struct Workers<'a> {
     leased: HeldLeases,
     /// Cases that failed before, and were tried again by this call.
     retried: Mutex<BTreeSet<String>>,
-    /// Set once no further case is to be begun.
+    /// Set once no further case is to be started.
     stopped: AtomicBool,
-    /// Why the whole sweep must be given up.
+    /// Why the whole sweep must be aborted.
     fault: OnceLock<ResultsError>,
     deadline: Option<Instant>,
     bars: MultiProgress,
 }
 
 impl<'a> Workers<'a> {
-    /// Workers that have not begun.
+    /// Workers that have not started.
     pub fn new(
         case_set: &'a CaseSet,
         directory: &'a SweepDirectory,
@@ -104,7 +104,7 @@ impl<'a> Workers<'a> {
         self.directory.case(id)
     }
 
-    /// What is swept.
+    /// The set of cases.
     pub fn case_set(&self) -> &CaseSet {
         self.case_set
     }
@@ -157,7 +157,7 @@ impl<'a> Workers<'a> {
         }
     }
 
-    /// Takes up a case, if it is not settled and no other process has it.
+    /// Starts a case, if it is not settled and no other process has it.
     fn attempt(&self, job: &Job) -> Attempt {
         match self.try_attempt(job) {
             Ok(attempt) => attempt,
@@ -169,7 +169,7 @@ impl<'a> Workers<'a> {
     }
 
     fn try_attempt(&self, job: &Job) -> Result<Attempt, ResultsError> {
-        // First of all: to look at a million finished cases takes a while, too.
+        // Checked first: reading the states of a million finished cases takes time, too.
         if self.stops() {
             return Ok(Attempt::Stopped);
         }
@@ -214,7 +214,7 @@ impl<'a> Workers<'a> {
                 Err(RunError::Results(ResultsError::Locked { .. })) => return Ok(Attempt::Held),
                 Err(RunError::Results(error)) => return Err(error),
                 Err(RunError::Scene(error)) => self.record_invalid(job, error.to_string())?,
-                // How it ended stands in its manifest.
+                // Its end is recorded in its manifest.
                 Ok(_)
                 | Err(
                     RunError::Simulation { .. }
@@ -263,7 +263,7 @@ impl<'a> Workers<'a> {
         run_until(prepared, &options, &stop).map(drop)
     }
 
-    /// Leaves a manifest that says why a case could not be begun.
+    /// Writes a manifest with the reason why a case could not be started.
     fn record_invalid(&self, job: &Job, error: String) -> Result<CaseRecord, ResultsError> {
         let directory = self.directory.case(&job.case.id);
         let record = CaseRecord {
@@ -284,12 +284,12 @@ impl<'a> Workers<'a> {
     }
 
     fn give_up(&self, error: ResultsError) {
-        // Of several faults the first counts.
+        // The first of several faults is reported.
         let _ = self.fault.set(error);
         self.stopped.store(true, Ordering::Relaxed);
     }
 
-    /// Whether no further case is to be begun.
+    /// Whether no further case is to be started.
     pub fn stops(&self) -> bool {
         self.stopped.load(Ordering::Relaxed) || self.stop_request().is_some()
     }
@@ -303,7 +303,7 @@ impl<'a> Workers<'a> {
             .or(late.then_some(StopRequest::TimeLimit))
     }
 
-    /// What the cases of this process came to.
+    /// States of the cases of this process.
     pub fn outcome<'c>(&self, cases: impl IntoIterator<Item = &'c Case>) -> SweepOutcome {
         let counts = self.case_table.counts(cases);
         let is_over = counts.unfinished == 0;
@@ -316,7 +316,7 @@ impl<'a> Workers<'a> {
         }
     }
 
-    /// The fault for which the sweep was given up.
+    /// The fault for which the sweep was aborted.
     pub fn into_fault(self) -> Option<ResultsError> {
         self.fault.into_inner()
     }

@@ -1,4 +1,4 @@
-//! Probes: what a scenario asks to be measured, at each output, without a line of code.
+//! Probes: quantities that a scenario measures at each output.
 
 mod distance;
 mod gauss;
@@ -19,9 +19,9 @@ use statistic::Statistic;
 pub struct Probe {
     /// The name with which its columns begin.
     pub name: String,
-    /// What is measured.
+    /// The measured quantity.
     pub quantity: Quantity,
-    /// What of it stands in the summary; `None` leaves it out there.
+    /// Its statistic in the summary; `None` leaves it out there.
     pub summary: Option<Summary>,
 }
 
@@ -31,7 +31,7 @@ impl Probe {
         self.names("")
     }
 
-    /// Names of its columns in `summary.csv`, where it has any: the summary stands before the unit.
+    /// Names of its columns in `summary.csv`, where it has any: the statistic precedes the unit.
     pub fn summary_columns(&self) -> Vec<String> {
         self.summary.map_or_else(Vec::new, |summary| {
             self.names(&format!("_{}", summary.word()))
@@ -46,7 +46,7 @@ impl Probe {
     }
 }
 
-/// The column in `summary.csv` that says which condition ended a run.
+/// The column in `summary.csv` with the condition that ended a run.
 pub const STOPPED_BY: &str = "stopped_by";
 
 /// A condition on a column that ends the run.
@@ -58,7 +58,7 @@ pub struct StopWhen {
     pub limit: Limit,
 }
 
-/// On which side of a value a condition holds.
+/// Side of a value on which a condition holds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Limit {
     /// Where the column exceeds it.

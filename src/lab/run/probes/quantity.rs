@@ -1,4 +1,4 @@
-//! What probes can measure.
+//! Quantities that probes can measure.
 
 use super::distance::least_distance;
 use super::gauss::{linking_number, writhe};
@@ -8,7 +8,7 @@ use rodlab_engine::mechanics::dynamics::{Resultants, Simulation};
 use rodlab_engine::mechanics::rod::RodRange;
 use serde::{Deserialize, Serialize};
 
-/// What is measured. Rods are counted as in the scene, nodes and edges over the whole scene: the edge of a node is that
+/// The measured quantity. Rods are counted as in the scene, nodes and edges over the whole scene: the edge of a node is that
 /// which starts there. Quantities along a rod are those of one node or edge, or where that is `None` the largest in size
 /// along the rod, with its sign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -91,7 +91,7 @@ pub enum Quantity {
     ContactForce {
         /// The rod.
         rod: usize,
-        /// What presses on it.
+        /// The body that presses on it.
         from: ContactPartner,
     },
     /// Energies of a rod, J.
@@ -121,7 +121,7 @@ pub enum Quantity {
     },
 }
 
-/// What presses on a rod.
+/// Body that presses on a rod.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ContactPartner {
     /// Another rod, or the rod itself.
@@ -162,7 +162,7 @@ const ENERGIES: [Part; 5] = [
     ("_gravitational", "_j"),
 ];
 
-/// Binormals of two edges that make less than this angle say nothing about torsion.
+/// Binormals of two edges that make less than this angle do not define torsion.
 const STRAIGHT: f64 = 1e-9;
 
 impl Quantity {

@@ -1,8 +1,8 @@
-//! What is kept of a column for the summary.
+//! Statistics of a column for the summary.
 
 use serde::{Deserialize, Serialize};
 
-/// What of the values of a column stands in the summary.
+/// Statistic of the values of a column in the summary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Summary {
     /// That of the last row.
@@ -27,7 +27,7 @@ impl Summary {
     }
 }
 
-/// Statistics of the values of a column so far; rows without a value do not count, but for the last.
+/// Statistics of the values of a column so far; rows without a value do not count, except for the last.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Statistic {
     last: Option<f64>,
@@ -60,7 +60,7 @@ impl Statistic {
         self.count += 1;
     }
 
-    /// What the summary asks for; `None` where no row had a value.
+    /// The statistic of the summary; `None` where no row had a value.
     pub fn get(&self, summary: Summary) -> Option<f64> {
         let value = match summary {
             Summary::Last => return self.last,

@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 use tracing::{info, warn};
 
-/// Wall time between two words on how far a run has come.
+/// Wall time between two log lines on the progress of a run.
 const BETWEEN_WORDS: Duration = Duration::from_secs(10);
 
 /// Wall time of a step from which on the program may be ended in the middle of the next one, which must cost little.
@@ -38,7 +38,7 @@ const LONG_STEP: Duration = Duration::from_millis(500);
 /// Time between two checkpoints, in times that it takes to write one, between such steps.
 const BETWEEN_CHECKPOINTS: u32 = 20;
 
-/// A run at work.
+/// A run in progress.
 pub struct Session {
     directory: ResultsDirectory,
     manifest: Manifest,
@@ -53,23 +53,23 @@ pub struct Session {
     path: Option<PathAtWork>,
     /// Positions at the start, m.
     placed: Vec<Vector3>,
-    /// What the frames show beside the rods.
+    /// Contents of the frames beside the rods.
     obstacles: Vec<Obstacle>,
     run_state: RunState,
     meter: UsageMeter,
-    /// When the log last heard of outputs.
+    /// Time of the last log line on outputs.
     last_told: Instant,
     /// Wall time of the last step, endless before the first.
     last_step: Duration,
     resumed_from: Option<Reached>,
     progress: Progress,
-    /// What else is to be told at the end, a line each.
+    /// Further remarks at the end, a line each.
     remarks: Vec<String>,
-    /// Who observes and who acts.
+    /// Observers and controllers.
     participants: Participants,
 }
 
-/// How far a run has come.
+/// Progress of a run.
 #[derive(Clone, Default, Serialize, Deserialize)]
 struct RunState {
     /// Outputs written so far.
@@ -81,7 +81,7 @@ struct RunState {
     participants: SavedStates,
 }
 
-/// What a checkpoint holds.
+/// Contents of a checkpoint.
 #[derive(Serialize, Deserialize)]
 struct Checkpoint<S> {
     state: S,
@@ -194,7 +194,7 @@ impl Session {
         }
     }
 
-    /// Says now and then how far the run has come.
+    /// Logs the progress of the run from time to time.
     fn tell_progress(&mut self, simulation: &impl Advance) {
         if self.last_told.elapsed() >= BETWEEN_WORDS {
             self.last_told = Instant::now();
@@ -203,7 +203,7 @@ impl Session {
         }
     }
 
-    /// How far the run has come.
+    /// Progress of the run.
     fn reached(&self, simulation: &impl Advance) -> Reached {
         if self.path.is_some() {
             Reached::Parameter(simulation.time())
@@ -234,12 +234,12 @@ impl Session {
         }
     }
 
-    /// Whether an observer has seen all that the run was for.
+    /// Whether an observer has completed the purpose of the run.
     fn has_ended(&self) -> bool {
         self.run_state.counters.outcome.ending.is_some()
     }
 
-    /// What observers see now.
+    /// Input of observers now.
     fn sample_of<'a>(&self, simulation: &'a impl Advance) -> Option<Sample<'a>> {
         let counters = &self.run_state.counters;
         Some(Sample {
@@ -271,7 +271,7 @@ impl Session {
         Ok(())
     }
 
-    /// The stop that a search was told of a moment ago.
+    /// The stop request that a search has just received.
     fn reason_to_stop(&self, stop_requested: StopRequests<'_>) -> Stop {
         let asked = self.ask_to_stop(stop_requested);
         asked.err().unwrap_or(Stop::Interrupted)
@@ -318,7 +318,7 @@ impl Session {
         self.conclude_from(findings)
     }
 
-    /// Where the obstacles are, if the frames ask.
+    /// Poses of the obstacles, if the frames need them.
     fn obstacle_poses(&self, time: f64) -> Vec<Isometry3<f64>> {
         if !self.recorder.needs_obstacle_poses() {
             return Vec::new();
@@ -345,7 +345,7 @@ impl Session {
     fn write_checkpoint(&mut self, simulation: &impl Advance) -> Result<(), ResultsError> {
         let start = Instant::now();
         let files = self.sync_outputs()?;
-        // Without it the checkpoint would not be known for what it is.
+        // Without it the checkpoint could not be identified.
         sync(&self.directory.file(MANIFEST))?;
         let run_state = RunState {
             earlier_usage: self.usage(),
@@ -371,7 +371,7 @@ impl Session {
         self.recorder.sync(times.into_iter())
     }
 
-    /// Puts all files on the disk, the state at the `end` among them, and marks them as the run leaves them.
+    /// Syncs all files to disk, including the state at the `end`, and records their final hashes.
     fn leave_outputs(&mut self, end: Option<Start>) -> Result<FileMarks, ResultsError> {
         let mut files = self.sync_outputs()?;
         if let Some(path) = &mut self.path {
@@ -389,7 +389,7 @@ impl Session {
         self.run_state.earlier_usage + self.meter.usage()
     }
 
-    /// Brings all files into the state in which they are left.
+    /// Brings all files into their final state.
     pub fn conclude(
         mut self,
         simulation: &impl Advance,
@@ -399,7 +399,7 @@ impl Session {
         let result = result
             .and_then(|()| Ok(self.leave_outputs(simulation.as_start())?))
             .or_else(|stop| {
-                // A checkpoint that cannot be written is the graver news.
+                // A checkpoint that cannot be written is the more serious error.
                 if stop.leaves_sound_state() && self.reached(simulation) != Reached::Start {
                     self.write_checkpoint(simulation)?;
                 }
@@ -420,7 +420,7 @@ impl Session {
         let written = self.write_tables(status, reason, files);
         match result {
             Ok(_) => written?,
-            // Whatever hinders the tables now has most likely ended the run itself.
+            // An error that prevents writing the tables has most likely ended the run itself.
             Err(stop) => {
                 return Err(stop.into_error(self.reached(simulation), directory));
             }

@@ -39,7 +39,7 @@ pub struct Scenario {
     /// Stem of the scenario file, by which results are called.
     #[serde(skip)]
     pub name: String,
-    /// Title for people.
+    /// Title for readers.
     pub title: String,
     /// Which experiment builds the scene, with its own tables.
     #[serde(flatten)]
