@@ -1,4 +1,4 @@
-//! Numbers that follow from a scenario, for people to judge it before it runs.
+//! Numbers derived from a scenario, to judge it before it runs.
 
 mod slides;
 mod text;
@@ -33,13 +33,13 @@ pub struct DerivedNumbers {
     /// Nodes that slide along rods.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub slides: Vec<DerivedSlide>,
-    /// What may not be meant as it is.
+    /// Warnings about the scenario.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// The obstacles.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<DerivedObstacle>,
-    /// What the flow of a fluid is bounded by.
+    /// Boundary of the flow of a fluid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flow: Option<String>,
     /// Those of its kind of experiment.
@@ -61,21 +61,21 @@ pub struct DerivedNumbers {
     pub longer_period: Option<f64>,
     /// Steps of the whole run; `None` in a static run or with automatic steps.
     pub steps: Option<f64>,
-    /// How fast and how far what sticks by friction creeps; `None` without such friction.
+    /// Creep of contacts that stick by friction; `None` without such friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub creep: Option<Creep>,
 }
 
-/// How what sticks by smoothed friction creeps.
+/// Creep of contacts that stick by smoothed friction.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Creep {
     /// Slip tolerance, m/s.
     pub slip_tolerance: f64,
-    /// Speed of a contact that bears nine tenths of the friction that it could, m/s.
+    /// Speed of a contact that bears nine tenths of the largest friction, m/s.
     pub speed: f64,
-    /// Way at that speed in the whole run, m.
+    /// Distance at that speed in the whole run, m.
     pub way: f64,
-    /// That way over the radius of the thinnest rod.
+    /// That distance over the radius of the thinnest rod.
     pub way_in_radii: f64,
 }
 
@@ -228,7 +228,7 @@ fn degrees_of_freedom(scene: &Scene) -> usize {
 /// Part of the largest friction that a contact bears whose creep is derived.
 const BORNE: f64 = 0.9;
 
-/// How far what sticks creeps in a run: the smoothed law μ tanh(7.5 v/ν) bears a part of μ only in motion.
+/// Creep of sticking contacts in a run: the smoothed law μ tanh(7.5 v/ν) bears a part of μ only in motion.
 fn creep(prepared: &PreparedRun) -> Option<Creep> {
     let (scene, Mode::Dynamic { end }) = (&prepared.scene, prepared.mode) else {
         return None;
@@ -332,7 +332,7 @@ fn advised_step(scene: &Scene, rods: &[DerivedRod], speed: f64) -> Option<f64> {
     step.is_finite().then_some(step)
 }
 
-/// What a time scheme makes of an oscillation, per period.
+/// Effect of a time scheme on an oscillation, per period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Swing {
     /// Part of the amplitude that is lost.
@@ -366,7 +366,7 @@ fn backward_differences(turned: f64) -> (f64, f64) {
     let second = |w: Complex<f64>| 1.5 + w * (-2.0 + w * 0.5);
     let third_slope = |w: Complex<f64>| -3.0 + w * (3.0 - w);
     let second_slope = |w: Complex<f64>| -2.0 + w;
-    // Along the way from a small step the root moves from e^{−iωh}.
+    // From a small step on, the root moves from e^{−iωh}.
     let mut w = Complex::new(1.0, 0.0);
     let stages = 64;
     for stage in 1..=stages {
@@ -383,7 +383,7 @@ fn backward_differences(turned: f64) -> (f64, f64) {
     (1.0 / w.norm(), -w.arg())
 }
 
-/// What the time scheme makes of the slowest bending oscillation of the free rods; `None` but with fixed steps.
+/// Effect of the time scheme on the slowest bending oscillation of the free rods; `None` without fixed steps.
 fn slowest_swing(prepared: &PreparedRun, rods: &[DerivedRod]) -> Option<Swing> {
     let (Mode::Dynamic { .. }, StepSize::Fixed(step)) = (prepared.mode, prepared.integration.step)
     else {

@@ -1,4 +1,4 @@
-//! Files and columns of results directories in words: those of every run, and those that kinds of experiments add.
+//! Descriptions of files and columns of results directories: those of every run, and those that kinds of experiments add.
 
 use super::KINDS;
 use rodlab_files::results::{Column, FILES, FileDescription};

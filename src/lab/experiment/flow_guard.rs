@@ -1,4 +1,4 @@
-//! Looks at the rods of a run beside the wall of its flow.
+//! Checks the rods of a run beside the wall of its flow.
 
 use crate::run::{Finding, Observer, Sample};
 use rodlab_engine::mechanics::fluid::FluidModel;
@@ -12,7 +12,7 @@ const UNRESOLVED: f64 = 2.0;
 /// Distance from a held node, in radii, within which a rod may be nearer: there it is fastened to the wall.
 const FASTENED: f64 = 4.0;
 
-/// Reports rods that come too near to the wall of the flow.
+/// Reports rods that are too near to the wall of the flow.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct FlowGuard {
     plane: usize,
@@ -49,7 +49,7 @@ impl FlowGuard {
         })
     }
 
-    /// What the flow is bounded by, a sentence.
+    /// Boundary of the flow, a sentence.
     pub fn wall(&self) -> String {
         format!(
             "plane {} is a no-slip wall (regularization {} radii); drag is not resolved where a rod is less than a radius away from it",
@@ -57,7 +57,7 @@ impl FlowGuard {
         )
     }
 
-    /// Looks at the rods; returns whether one is too near for the first time.
+    /// Checks the rods; returns whether one is too near for the first time.
     fn look(&mut self, simulation: &Simulation) -> bool {
         let heights = (simulation.positions().iter().zip(&self.radii))
             .filter_map(|(x, radius)| Some((x - self.point).dot(&self.normal) / (*radius)?));

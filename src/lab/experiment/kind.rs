@@ -1,4 +1,4 @@
-//! What makes a kind of experiment: everything that the rest of the house asks of it.
+//! Interface of a kind of experiment to the rest of the program.
 
 use crate::run::PreparedRun;
 use crate::scenario::keys::{CommonTables, ExperimentKeys, Section};
@@ -31,7 +31,7 @@ pub trait Kind: ExperimentKeys {
         Ok(())
     }
 
-    /// Adds what observes and drives the run, whose scene is complete.
+    /// Adds observers and controllers of the run, whose scene is complete.
     ///
     /// # Errors
     /// What cannot be run, at its key.
@@ -116,7 +116,7 @@ pub struct OwnNumbers {
 }
 
 impl OwnNumbers {
-    /// Numbers that JSON calls `key`, and the same in words: name and value of each line.
+    /// Numbers with the JSON key `key`, and the same as text: name and value of each line.
     pub fn new<'a>(
         key: &'static str,
         numbers: &impl Serialize,
@@ -156,13 +156,13 @@ pub struct SampleColumns {
     pub inputs: &'static [&'static str],
     /// Columns that it predicts; rows where they are empty are left out.
     pub outputs: &'static [&'static str],
-    /// How much errors of each of these count; all alike where there are none.
+    /// Weights of the errors of these; equal where there are none.
     pub weights: &'static [f64],
     /// Quantities whose errors are reported.
     pub compared: &'static [Compared],
 }
 
-/// What `rodlab view` shows of a run.
+/// Page that `rodlab view` shows of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Page {
     /// Its rods in motion, as of any run.

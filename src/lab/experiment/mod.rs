@@ -1,16 +1,16 @@
-//! Experiments: a scenario becomes a scene, with what is observed of it.
+//! Experiments: from a scenario to a scene with its observers.
 //!
 //! Each kind of experiment is a folder of this module that implements [`Kind`] and is listed in [`KINDS`]; no other code
 //! names it.
 //!
 //! | file | what |
 //! |---|---|
-//! | `kind` | what makes a kind of experiment |
+//! | `kind` | the interface of a kind of experiment |
 //! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
 //! | `places` | numbers of nodes and edges at keys |
-//! | `probes` | what a scenario asks to be measured, in terms of its scene |
-//! | `data_set` | what kinds share that fill a table, such as samples for a network |
-//! | `on_table` | what kinds share in which a gripper handles a rod or a sheet on a table |
+//! | `probes` | the quantities that a scenario measures, in terms of its scene |
+//! | `data_set` | common parts of kinds that fill a table, such as samples for a network |
+//! | `on_table` | common parts of kinds in which a gripper handles a rod or a sheet on a table |
 //! | `derived` | numbers for `rodlab check` |
 //! | `scene`, `flagella`, `knot`, `helix`, `deployment`, `grasp_samples`, `fold_samples`, `folding` | the kinds |
 
@@ -74,7 +74,7 @@ use crate::scenario::{self, CaseSet, Experiments, Loaded, Scales, ScenarioError}
 use std::path::Path;
 use std::sync::LazyLock;
 
-/// All kinds of experiments, in the order in which they are listed to people.
+/// All kinds of experiments, in the order in which they are listed.
 pub static KINDS: &[&dyn Kind] = &[
     &scene::SceneKind,
     &flagella::FlagellaKind,
@@ -101,7 +101,7 @@ pub fn kind_named(name: &str) -> Option<&'static dyn Kind> {
 /// Reads, merges, overrides and resolves a scenario file; see [`scenario::load`].
 ///
 /// # Errors
-/// Everything that is wrong with it.
+/// All its faults.
 pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded, ScenarioError> {
     scenario::load(*EXPERIMENTS, path, overrides)
 }
@@ -110,7 +110,7 @@ pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded, ScenarioError> 
 /// [`scenario::from_text`].
 ///
 /// # Errors
-/// Everything that is wrong with it.
+/// All its faults.
 pub fn from_text(
     name: &str,
     text: &str,
@@ -123,7 +123,7 @@ pub fn from_text(
 /// Reads a scenario file with its sweep; see [`CaseSet::load`].
 ///
 /// # Errors
-/// Everything that is wrong with the file and its sweep.
+/// All faults of the file and its sweep.
 pub fn case_set(
     path: &Path,
     overrides: &[String],
@@ -157,7 +157,7 @@ pub fn expanded_toml(loaded: &Loaded) -> String {
 /// A scenario file in other units; see [`scenario::rescaled`].
 ///
 /// # Errors
-/// What is wrong with the text as TOML.
+/// The faults of the text as TOML.
 pub fn rescaled(text: &str, scales: &Scales) -> Result<String, toml::de::Error> {
     scenario::rescaled(*EXPERIMENTS, text, scales)
 }

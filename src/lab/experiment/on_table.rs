@@ -1,4 +1,4 @@
-//! What experiments share in which a gripper handles a rod or a sheet on a table.
+//! Common parts of experiments in which a gripper handles a rod or a sheet on a table.
 
 use crate::scenario::keys::{Dimensionless, FINITE, Quantity, Request, Section};
 use crate::scenario::{Contact, Material, Scheme, Step, Time};

@@ -51,7 +51,7 @@ pub fn add(prepared: &mut PreparedRun, scenario: &Scenario) -> Result<(), Issues
     Ok(())
 }
 
-/// The columns that there are already.
+/// The existing columns.
 struct Taken {
     series: Vec<String>,
     summary: Vec<String>,

@@ -1,4 +1,4 @@
-//! Which branch of a path of equilibria each output of a run belongs to.
+//! Branch of a path of equilibria of each output of a run.
 
 use rodlab_files::results::{BRANCH, ResultsError, read_branches};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Where the cases of a results directory lie: a single run is one case, a sweep has a folder for each.
+//! Folders of the cases of a results directory: a single run is one case, a sweep has a folder for each.
 
 use rodlab_files::results::{ResultsError, SUMMARY, Table};
 use std::fs;
@@ -12,7 +12,7 @@ const CASES: &str = "cases";
 pub struct CaseFolder {
     /// Id of the case; that of the directory for a single run.
     pub name: String,
-    /// Where its files lie.
+    /// Folder of its files.
     pub path: PathBuf,
     /// The swept parameters, as (dotted key, value).
     pub parameters: Vec<(String, String)>,

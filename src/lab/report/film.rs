@@ -20,7 +20,7 @@ pub struct FilmRequest {
     pub options: FilmOptions,
 }
 
-/// What became of a film.
+/// Summary of a film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WrittenFilm {
     /// Its pictures.
@@ -31,7 +31,7 @@ pub struct WrittenFilm {
     pub bytes: usize,
 }
 
-/// Why there is no film.
+/// Failure to make a film.
 #[derive(Debug, thiserror::Error)]
 pub enum MovieError {
     /// The directory shows no rods in motion.
@@ -54,7 +54,7 @@ pub enum MovieError {
     NoRod {
         /// The name.
         name: String,
-        /// Those there are.
+        /// The existing names.
         rods: Vec<String>,
     },
     /// The name of the file does not determine the format.
@@ -66,7 +66,7 @@ pub enum MovieError {
     /// This program was built without the encoder.
     #[error("{}", without_video(.0))]
     WithoutVideo(PathBuf),
-    /// The folder holds something else than pictures of a film.
+    /// The folder holds files other than pictures of a film.
     #[error(
         "`{}` holds `{found}`, which is not a picture of a film; choose another folder or remove it",
         directory.display()
@@ -74,7 +74,7 @@ pub enum MovieError {
     NotOwn {
         /// The folder.
         directory: PathBuf,
-        /// What it holds.
+        /// Its contents.
         found: String,
     },
     /// The film could not be made.
@@ -106,7 +106,7 @@ fn without_video(path: &Path) -> String {
     )
 }
 
-/// What a film is written as.
+/// Format of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Gif,

@@ -1,4 +1,4 @@
-//! Columns of our CSV files in words, with units.
+//! Labels of columns of the CSV files, with units.
 
 use crate::experiment::unit;
 
@@ -72,7 +72,7 @@ impl Quantity {
             .replace("^3", "³");
         let largest = values.map(f64::abs).fold(0.0, f64::max);
         let prefixes = PREFIXES.iter().find(|(known, _)| *known == unit);
-        // A part of a metre or a second is nearer to people than hundreds of the next prefix.
+        // A part of a metre or a second is easier to read than hundreds of the next prefix.
         let fitting = prefixes.and_then(|(_, prefixes)| {
             let fits = |(_, size): &&(&str, f64)| largest >= if *size == 1.0 { 0.1 } else { *size };
             prefixes.iter().rev().find(fits).or(prefixes.first())

@@ -1,4 +1,4 @@
-//! Where places on rods are among all nodes of a results directory.
+//! Indices of places on rods among all nodes of a results directory.
 
 use crate::scenario::Place;
 use rodlab_files::results::RodRecord;

@@ -9,7 +9,7 @@ use rodlab_files::results::{Manifest, ResultsError, replace_own};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Why there is no page.
+/// Failure to make a page.
 #[derive(Debug, thiserror::Error)]
 pub enum ViewError {
     /// The directory holds no results.
@@ -26,7 +26,7 @@ pub enum ViewError {
     NoPage {
         /// The directory.
         directory: PathBuf,
-        /// What there is, and why it makes no page.
+        /// What the directory contains, and why that makes no page.
         reason: &'static str,
     },
     /// A file could not be read or written.
@@ -34,7 +34,7 @@ pub enum ViewError {
     Results(#[from] ResultsError),
 }
 
-/// What became of a page.
+/// Summary of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WrittenPage {
     /// Cases that it shows.
@@ -61,7 +61,7 @@ pub fn write_page(
     write_page_that_reloads(directory, to, largest_count, None, done)
 }
 
-/// [`write_page`] of a run at work; `reload`: seconds after which the page loads itself again, if it does.
+/// [`write_page`] of a run in progress; `reload`: seconds after which the page loads itself again, if it does.
 ///
 /// # Errors
 /// As [`write_page`].

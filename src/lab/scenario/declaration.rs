@@ -1,8 +1,8 @@
-//! One declaration for each key of a table: its words, form, range and default.
+//! One declaration for each key of a table: its description, form, range and default.
 //!
 //! [`keys!`] makes of a declaration the table as typed (with its JSON Schema, which has unit, range and default of each key), the
-//! table as resolved, and the way from the one to the other. A line is a key, its [form](super::form), and whether it must be
-//! there:
+//! table as resolved, and the conversion between them. A line is a key, its [form](super::form), and whether it is
+//! required:
 //!
 //! | line ends with | where the key is missing | value |
 //! |---|---|---|
@@ -10,10 +10,10 @@
 //! | `optional` | nothing | `Option<V>` |
 //! | `default(value)` | the value, which the schema names | `V` |
 //! | `derived(value)` | the value, which depends on parameters of the table and keys above | `V` |
-//! | `raw` | typed only: a function beside the declaration judges it | |
+//! | `raw` | typed only: a function beside the declaration checks it | |
 //!
 //! `table Typed "name" => Resolved(parameters) { keys }` is a table and `kinds Typed "name", "case" => Resolved { Kind { keys }, ... }` a
-//! table whose keys depend on its `kind`. Keys of all kinds stand before and after them; those of the block `also` belong to the kinds
+//! table whose keys depend on its `kind`. Keys of all kinds precede and follow them; those of the block `also` belong to the kinds
 //! that are marked so. A table without `=> Resolved` has a method for each key instead, from which functions beside the
 //! declaration build what is resolved. Checks between keys are such functions, too.
 
@@ -269,7 +269,7 @@ macro_rules! keys {
     (@field tables($T:ty)) => { $T };
     (@field $form:ident $args:tt) => { Option<keys!(@typed $form $args)> };
 
-    // Forms: as typed, as resolved, and what judges them.
+    // Forms: as typed, as resolved, and their checks.
     (@typed number($D:ty, $range:expr)) => { $crate::scenario::quantity::Quantity<$D> };
     (@typed numbers($D:ty, $n:literal, $range:expr)) => { [$crate::scenario::quantity::Quantity<$D>; $n] };
     (@typed vector($D:ty $(, $range:expr)?)) => { $crate::scenario::quantity::Vector<$D> };

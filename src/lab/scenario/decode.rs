@@ -1,7 +1,7 @@
 //! From the tree of a document to the typed scenario file, by serde.
 //!
-//! The tree is its own serde deserialiser, for the sake of the messages: it knows the keys that a table
-//! may have, suggests the nearest one, and says at which path it stopped. A table with a `kind` is an
+//! The tree is its own serde deserialiser, for the sake of the messages: it has the keys that a table
+//! may have, suggests the nearest one, and reports the path at which it stopped. A table with a `kind` is an
 //! enum: the kind is the variant, the other keys are its fields. Text in place of such a table is a kind
 //! without further keys.
 

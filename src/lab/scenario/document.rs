@@ -1,4 +1,4 @@
-//! TOML as a tree whose every key and value knows where it was typed.
+//! TOML as a tree of keys and values with their places in the text.
 //!
 //! Trees of several texts can be merged, so that a scenario that extends another and is overridden from
 //! the command line still points at the right file, line and column.
@@ -13,7 +13,7 @@ use toml::de::{DeTable, DeValue};
 pub struct Node {
     /// The value.
     pub value: Value,
-    /// Where it stands; for a `[table]`, its header.
+    /// Its place; for a `[table]`, that of its header.
     pub span: Span,
 }
 
@@ -41,7 +41,7 @@ pub enum Value {
 pub struct Entry {
     /// The key.
     pub key: String,
-    /// Where the key stands.
+    /// Place of the key.
     pub key_span: Span,
     /// The value.
     pub node: Node,
@@ -50,9 +50,9 @@ pub struct Entry {
 /// A mistake in TOML itself.
 #[derive(Clone, Debug)]
 pub struct SyntaxError {
-    /// What is wrong.
+    /// Description of the fault.
     pub message: String,
-    /// Where.
+    /// Place of the fault.
     pub bytes: Range<usize>,
 }
 
@@ -63,7 +63,7 @@ pub struct SyntaxError {
 pub fn parse(source: usize, text: &str) -> Result<Node, Vec<SyntaxError>> {
     let (table, errors) = DeTable::parse_recoverable(text);
     if !errors.is_empty() {
-        // The parser notices far below, and at many places, that a bracket is open.
+        // The parser reports an open bracket far below, and at many places.
         if let Some(byte) = unclosed_bracket(text) {
             return Err(vec![SyntaxError {
                 message: format!("this `{}` is not closed", &text[byte..=byte]),
@@ -124,7 +124,7 @@ fn unclosed_bracket(text: &str) -> Option<usize> {
 }
 
 fn line_length(text: &str) -> usize {
-    // The end of the line itself is looked at next.
+    // The end of the line itself is checked next.
     text.find('\n').unwrap_or(text.len()).saturating_sub(1)
 }
 
@@ -186,7 +186,7 @@ fn node(source: usize, value: &toml::Spanned<DeValue<'_>>) -> Node {
 }
 
 impl Node {
-    /// What kind of value this is, in words.
+    /// Kind of this value, as text.
     pub fn description(&self) -> &'static str {
         match self.value {
             Value::Boolean(_) => "a boolean",

@@ -1,4 +1,4 @@
-//! Faults of scenarios with the text they stand in, for people to read.
+//! Faults of scenarios with the text around them, for readers.
 
 use super::issue::Issue;
 use super::source::{Sources, Span};
@@ -8,7 +8,7 @@ use miette::{
 use std::fmt;
 use std::sync::Arc;
 
-/// Everything that is wrong with a scenario.
+/// All faults of a scenario.
 #[derive(Clone, Debug)]
 pub struct ScenarioError(pub Vec<Located>);
 
@@ -117,7 +117,7 @@ impl fmt::Display for ScenarioError {
 }
 
 impl ScenarioError {
-    /// The faults with the lines they stand in, for a terminal.
+    /// The faults with their lines of text, for a terminal.
     pub fn render(&self, colour: bool) -> String {
         let theme = if colour {
             GraphicalTheme::unicode()

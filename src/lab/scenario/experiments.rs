@@ -1,7 +1,7 @@
 //! Experiments as scenario files see them: names, and tables of keys that belong to some of them only.
 //!
-//! The experiments themselves are built in rooms above; this room is given a list of them ([`Experiments`]) and knows
-//! none by name. How a kind defines its keys is shown in [`keys`](super::keys).
+//! The experiments themselves are built in modules above; this module takes a list of them ([`Experiments`]) and names
+//! none. How a kind defines its keys is shown in [`keys`](super::keys).
 
 use super::decode::decode_beside;
 use super::document::{Node, Value};

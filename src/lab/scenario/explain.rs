@@ -1,4 +1,4 @@
-//! The JSON Schema of scenario files, and its keys in words.
+//! The JSON Schema of scenario files, and explanations of its keys.
 
 use super::expansion::PARAMETERS;
 use super::experiments::Experiments;
@@ -134,7 +134,7 @@ impl<'a> Explainer<'a> {
         Ok((meanings, walked))
     }
 
-    /// What tables are of which kind, a line each; nothing where there are no kinds.
+    /// The kinds of tables, a line each; nothing where there are no kinds.
     fn kinds(&self, tables: &[Meaning<'a>]) -> String {
         let schemas = tables.iter().flat_map(|table| self.expanded(table.schema));
         let mut lines: Vec<String> = Vec::new();
@@ -397,7 +397,7 @@ keys: actuation, bodies, clamps, contact, continuation, experiment, extends, fla
                 );
             }
         }
-        // A key that is called so and tells no tables apart is explained like any other.
+        // A key of this name that does not distinguish tables is explained like any other.
         let text = explain(*EXPERIMENTS, "knot.kind").unwrap();
         assert!(text.starts_with("knot.kind\n  "), "{text}");
     }

@@ -1,4 +1,4 @@
-//! What a key holds: how its value is typed, judged and described. Declarations of tables ([`keys!`](super::declaration)) name
+//! Forms of keys: how a value is typed, checked and described. Declarations of tables ([`keys!`](super::declaration)) name
 //! a form for each key.
 
 use super::place::{Place, TypedPlace};
@@ -32,7 +32,7 @@ pub trait Form {
         None
     }
 
-    /// The value, if it is there.
+    /// The value, if it is given.
     fn optional(
         &self,
         section: &Section<'_>,
@@ -45,7 +45,7 @@ pub trait Form {
 
 /// The form of a key that may be required.
 pub trait Requirable: Form {
-    /// What to type where the key is missing.
+    /// Advice where the key is missing.
     fn help(&self) -> String;
 
     /// The value of a key that is missing, after that was reported.
@@ -173,14 +173,14 @@ impl Requirable for Direction {
     }
 }
 
-/// A value that needs no judgement, such as a word, true or false, or text.
+/// A value that needs no check, such as a word, true or false, or text.
 pub struct Plain<T> {
     help: &'static str,
     value: PhantomData<T>,
 }
 
 impl<T> Plain<T> {
-    /// Such a value; `help` says what to type where it is missing.
+    /// Such a value; `help` is the advice where it is missing.
     pub fn new(help: &'static str) -> Self {
         Self {
             help,
@@ -376,7 +376,7 @@ impl<T, V> Form for Nested<T, V> {
     }
 }
 
-/// What the schema says of a key beside its words: whether it is required, its range, unit and default.
+/// Notes of the schema on a key beside its description: whether it is required, its range, unit and default.
 #[derive(Default)]
 pub struct Note {
     range: Option<String>,
@@ -414,7 +414,7 @@ impl Note {
     }
 }
 
-/// A default with whole numbers as people write them.
+/// A default with whole numbers as commonly written.
 fn whole(value: Json) -> Json {
     match value {
         Json::Array(elements) => elements.into_iter().map(whole).collect(),
@@ -426,7 +426,7 @@ fn whole(value: Json) -> Json {
     }
 }
 
-/// A default as people write it.
+/// A default as commonly written.
 fn in_words(value: &Json) -> String {
     match value {
         Json::Array(elements) => {

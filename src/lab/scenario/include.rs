@@ -1,6 +1,6 @@
 //! `include`: files whose tables are added.
 //!
-//! `extends` is for variants: what stands in a file takes the place of what it extends, whole arrays too. `include` is for
+//! `extends` is for variants: the keys of a file replace those of the file that it extends, whole arrays too. `include` is for
 //! parts: an included file adds. Tables are merged, keys that are set already stay, and arrays of tables grow: first the tables
 //! of the file, then those of the included files in their order.
 
@@ -38,7 +38,7 @@ pub fn names<'a>(
 }
 
 impl Node {
-    /// Adds what another tree has: keys that are not there, and elements of arrays of tables.
+    /// Adds the contents of another tree: missing keys, and elements of arrays of tables.
     pub fn add(&mut self, other: Node) {
         let is_list_of_tables = |elements: &[Node]| {
             let mut elements = elements.iter();

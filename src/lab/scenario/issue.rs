@@ -1,8 +1,8 @@
-//! What is wrong with a scenario, and at which key.
+//! Faults of a scenario, each with its key.
 
 use std::fmt;
 
-/// The way from the top of a scenario to a key: table keys, and indices of arrays as decimal numbers.
+/// The path from the top of a scenario to a key: table keys, and indices of arrays as decimal numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct KeyPath(Vec<String>);
 
@@ -48,11 +48,11 @@ impl fmt::Display for KeyPath {
 /// One fault of a scenario.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issue {
-    /// The key at fault; a missing key stands for its table.
+    /// The key at fault; for a missing key, its table.
     pub path: KeyPath,
-    /// What is wrong, with the allowed range.
+    /// Description of the fault, with the allowed range.
     pub message: String,
-    /// What to type instead.
+    /// Advice on what to type instead.
     pub help: Option<String>,
     /// Whether the key itself is at fault, rather than its value.
     pub labels_key: bool,
@@ -156,7 +156,7 @@ impl fmt::Display for Issues {
     }
 }
 
-/// The candidate most like `typed`, if any is near enough to be a slip of the fingers.
+/// The candidate most like `typed`, if any is near enough to be a typing error.
 pub fn nearest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .into_iter()

@@ -1,7 +1,7 @@
-//! What a kind of experiment needs to define keys of its own.
+//! Items with which a kind of experiment defines keys of its own.
 //!
 //! A kind types each of its tables as a struct of optional values whose doc comments explain the keys (they become the
-//! JSON Schema and the words of `rodlab explain`), lists the tables ([`OwnTable`]), and resolves them to SI units from a
+//! JSON Schema and the texts of `rodlab explain`), lists the tables ([`OwnTable`]), and resolves them to SI units from a
 //! [`Request`], which collects faults by their keys:
 //!
 //! ```

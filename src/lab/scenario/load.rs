@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// Most files that extend or include each other in a row.
 const MOST_ANCESTORS: usize = 64;
 
-/// A scenario, and what it takes to point at its keys.
+/// A scenario, and the data to locate its keys.
 #[derive(Clone, Debug)]
 pub struct Loaded {
     /// The resolved scenario.
@@ -32,10 +32,10 @@ pub struct Loaded {
 }
 
 /// Reads, merges, overrides and resolves a scenario file. Each override is `key=value` with a dotted key,
-/// such as `rods.0.radius=5 mm`; rods may be called by name: `rods.beam.radius`. The experiment is one of `experiments`.
+/// such as `rods.0.radius=5 mm`; rods may be addressed by name: `rods.beam.radius`. The experiment is one of `experiments`.
 ///
 /// # Errors
-/// Everything that is wrong with it, as far as it can be told in one go, with file, line and column.
+/// All its faults, as far as they can be found in one pass, with file, line and column.
 pub fn load(
     experiments: Experiments,
     path: &Path,
@@ -45,7 +45,7 @@ pub fn load(
     finish(experiments, &name_of(path), sources, document)
 }
 
-/// By which name results of a scenario file are called: its stem.
+/// Name of the results of a scenario file: its stem.
 pub(super) fn name_of(path: &Path) -> String {
     path.file_stem().map_or_else(
         || "scenario".to_owned(),
@@ -188,14 +188,14 @@ impl Loaded {
         self.origins.copied()
     }
 
-    /// Finds the places of faults that showed later, when the scene was built.
+    /// Finds the places of faults that were found later, when the scene was built.
     pub fn locate(&self, issues: Issues) -> ScenarioError {
         located_as_written(&self.sources, &self.document, &self.origins, issues)
     }
 }
 
-/// [`located`] for a document after expansion: copies are those of tables as written. What is wrong with several copies is
-/// reported of the first.
+/// [`located`] for a document after expansion: copies are those of tables as written. A fault of several copies is
+/// reported for the first.
 fn located_as_written(
     sources: &Sources,
     document: &Node,

@@ -1,10 +1,10 @@
 //! Scenario files: the TOML schema as Rust types, units, validation with source positions.
 //!
-//! A file goes through the room in this order:
+//! A file is processed by these modules in order:
 //!
 //! | file | what |
 //! |---|---|
-//! | `source`, `document`, `document_text` | the texts; TOML as a tree whose every key knows its place, and back |
+//! | `source`, `document`, `document_text` | the texts; TOML as a tree with the place of every key, and back |
 //! | `input_file`, `named_files` | regular files of a bounded size; the keys that name them |
 //! | `load`, `include`, `overrides` | reading a file, what it `extends` and `include`s, `--set key=value` |
 //! | `expression`, `expansion` | `[parameters]`, `"2*radius"`, copies of tables: a tree without them |
@@ -12,14 +12,14 @@
 //! | `tables` | tables that are resolved as they are typed, and the checks between their keys |
 //! | `decode`, `typed` | serde from the tree to the file as typed: unknown keys, wrong types |
 //! | `quantity`, `place`, `section` | values as typed; judging the values of one table |
-//! | `experiments`, `own_tables`, [`keys`] | the experiments that there are, and what defines the keys of one |
+//! | `experiments`, `own_tables`, [`keys`] | the available experiments, and the definition of the keys of one |
 //! | `units`, `resolve` | SI units, defaults, ranges: from the file as typed to the scenario as resolved |
 //! | `sweep` | many cases of one scenario: lists, ranges, samples, searches |
 //! | `resolved`, `cross_section`, `canonical` | the [`Scenario`], its stiffnesses, its own TOML |
 //! | `issue`, `error` | faults by key path; the same with file, line and column |
-//! | `schema`, `schema_tree`, `explain` | JSON Schema; what it says of each key of a document; keys in words |
+//! | `schema`, `schema_tree`, `explain` | JSON Schema; its part for each key of a document; explanations of keys |
 //!
-//! The room knows no mechanics and no experiment by name: vectors are arrays, models are names and numbers.
+//! The module is independent of mechanics and of particular experiments: vectors are arrays, models are names and numbers.
 
 mod canonical;
 mod cross_section;

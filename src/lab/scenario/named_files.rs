@@ -1,7 +1,7 @@
-//! Files that scenarios read: which they are, and what copies of them are called.
+//! Files that scenarios read, and the names of their copies.
 //!
-//! A sweep's directory holds copies in a folder of their own, so that its scenario runs as it stands. In ids and tables
-//! a file has its name without that folder and without the way to it from elsewhere (`..`, `/`): the scenario and its
+//! A sweep's directory holds copies in a folder of their own, so that its scenario runs without changes. In ids and tables
+//! a file has its name without that folder and without a path to it from elsewhere (`..`, `/`): the scenario and its
 //! copy have the same cases.
 
 use crate::scenario::document::{Node, Value};
@@ -10,7 +10,7 @@ use std::path::{Component, Path};
 /// Folder of the copies in the directory of a sweep.
 pub const INPUTS: &str = "inputs";
 
-/// Keys that name files wherever they stand.
+/// Keys that name files in any table.
 const FILE_KEYS: [&str; 2] = ["file", "follow"];
 
 /// The name of a file in ids and tables, and of its copy in [`INPUTS`].
@@ -28,7 +28,7 @@ pub fn label(name: &str) -> String {
     }
 }
 
-/// Calls `visit` with every value at or below `node`, which stands at `path`, that names a file. `curve_of` gives the
+/// Calls `visit` with every value that names a file at or below `node`, whose path is `path`. `curve_of` gives the
 /// key of a top table that does so, too.
 ///
 /// # Errors

@@ -13,7 +13,7 @@ const MOST_STEPS: usize = 32;
 
 /// Sets a dotted key of the document. The value is TOML, or else plain text: `rods.0.radius=5 mm`.
 ///
-/// Tables that are missing on the way are made; elements of arrays must exist.
+/// Missing tables on the path are created; elements of arrays must exist.
 pub fn apply(sources: &mut Sources, document: &mut Node, text: &str) -> Result<(), ScenarioError> {
     let source = sources.add("--set".to_owned(), text.to_owned(), Path::new(""));
     let fault = |sources: &Sources, path: KeyPath, message: String, help: Option<String>| {
@@ -52,7 +52,7 @@ pub fn apply(sources: &mut Sources, document: &mut Node, text: &str) -> Result<(
         .map_err(|(message, help)| fault(sources, path, message, help))
 }
 
-/// Sets a dotted key, which stands at `key_span`; else says what is wrong and what to type instead.
+/// Sets a dotted key at `key_span`; on failure returns the fault and advice.
 pub fn assign(
     document: &mut Node,
     key: &str,
@@ -91,7 +91,7 @@ fn known_parameter(document: &Node, name: &str) -> Result<(), (String, Option<St
     Err((format!("there is no parameter `{name}`"), Some(help)))
 }
 
-/// Removes a dotted key; else says what is wrong and what to type instead.
+/// Removes a dotted key; on failure returns the fault and advice.
 pub fn remove(document: &mut Node, key: &str) -> Result<(), (String, Option<String>)> {
     let steps = numbered_steps(document, key);
     let absent = || (format!("there is no inherited key `{key}`"), None);
@@ -123,8 +123,8 @@ pub fn remove(document: &mut Node, key: &str) -> Result<(), (String, Option<Stri
     }
 }
 
-/// The steps of a dotted key, elements of arrays by their numbers rather than their names; as typed from where it leads
-/// beyond the document.
+/// The steps of a dotted key, elements of arrays by their numbers rather than their names; as typed from the point at which it leaves
+/// the document.
 pub fn numbered_steps(document: &Node, key: &str) -> Vec<String> {
     let mut node = Some(document);
     let step = |step: &str| {
@@ -165,7 +165,7 @@ pub fn parse_value(source: usize, offset: usize, text: &str) -> Node {
         },
         |entry| entry.node,
     );
-    // The whole value is labelled, whichever part of it is at fault.
+    // The label covers the whole value, not only the faulty part.
     relabel(&mut node, &(offset..offset + text.len()));
     node
 }
@@ -188,7 +188,7 @@ fn relabel(node: &mut Node, bytes: &std::ops::Range<usize>) {
     }
 }
 
-/// Walks down to the key and sets it; else says what is wrong and what to type instead.
+/// Descends to the key and sets it; on failure returns the fault and advice.
 fn set(
     node: &mut Node,
     steps: &[&str],

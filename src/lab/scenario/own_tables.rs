@@ -34,7 +34,7 @@ impl OwnTable {
         }
     }
 
-    /// The same table, whose `key` names a CSV file of corners that may stand in the table itself as `points`.
+    /// The same table, whose `key` names a CSV file of corners that may be given in the table itself as `points`.
     #[must_use]
     pub const fn with_curve(self, key: &'static str) -> Self {
         Self {
@@ -43,7 +43,7 @@ impl OwnTable {
         }
     }
 
-    /// What the schema says of it.
+    /// Its description in the schema.
     pub fn schema(&self, generator: &mut SchemaGenerator) -> Schema {
         let mut schema = (self.schema)(generator);
         schema.insert("description".to_owned(), self.description.into());

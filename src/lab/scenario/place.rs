@@ -34,7 +34,7 @@ pub enum TypedPlace {
     Start,
     /// "end".
     End,
-    /// A number, not yet judged.
+    /// A number, not yet checked.
     Number(i64),
 }
 

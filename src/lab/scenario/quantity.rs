@@ -8,7 +8,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 /// A physical quantity as typed. Reading it never fails, so that all faulty numbers of a file can be
-/// reported together; [`Quantity::si`] does the judging.
+/// reported together; [`Quantity::si`] checks them.
 #[derive(Clone, Debug)]
 pub struct Quantity<D> {
     typed: Typed,
@@ -35,7 +35,7 @@ impl<D: Dimension> Quantity<D> {
     /// The value in SI units, finite.
     ///
     /// # Errors
-    /// A message that says what is wrong and what is allowed.
+    /// A message with the fault and what is allowed.
     pub fn si(&self) -> Result<f64, String> {
         let value = match &self.typed {
             Typed::Number(number) => *number,

@@ -1,8 +1,8 @@
 //! The same scene in other units: every quantity of a scenario file times the factor of its dimension.
 //!
-//! The JSON Schema of scenario files names the dimension of every key, so that a key needs no word here. A scene whose
+//! The JSON Schema of scenario files names the dimension of every key, so that no key is listed here. A scene whose
 //! lengths are L times, times T times and masses M times as large moves in the same way, L times as far in T times the time;
-//! what does not is a constant with a dimension somewhere in the code.
+//! a deviation reveals a constant with a dimension somewhere in the code.
 
 use super::experiments::Experiments;
 use super::schema_tree::SchemaTree;
@@ -28,14 +28,14 @@ impl Scales {
     }
 }
 
-/// Keys of [continuation] in units of the path parameter, which stands for the time.
+/// Keys of [continuation] in units of the path parameter, which replaces the time.
 const OF_PARAMETER: [&str; 4] = ["from", "to", "step", "largest_step"];
 
 /// The text of a scenario file in SI units, with every quantity multiplied by the factor of its dimension. Numbers in
 /// other files, expressions, sweeps and probes stay as they are.
 ///
 /// # Errors
-/// What is wrong with the text as TOML.
+/// The faults of the text as TOML.
 pub fn rescaled(
     experiments: Experiments,
     text: &str,

@@ -7,7 +7,7 @@ use schemars::SchemaGenerator;
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 
-/// Adds to a schema of files after expansion what may stand there before: expressions in place of numbers, and the
+/// Extends a schema of files after expansion to files before it: expressions in place of numbers, and the
 /// keys of copies in all tables of arrays.
 pub fn as_written(mut schema: Json) -> Json {
     accept_expressions(&mut schema);

@@ -1,4 +1,4 @@
-//! Walking through the JSON Schema of scenario files beside a document: what the schema says of each key.
+//! Walking through the JSON Schema of scenario files beside a document, to find the schema of each key.
 
 use super::units::{self, Powers};
 use serde_json::Value as Json;
@@ -9,7 +9,7 @@ pub struct SchemaTree<'a> {
     root: &'a Json,
 }
 
-/// What the value of a key may be, as far as numbers and text go.
+/// Numbers and text that the value of a key may be.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Accepted<'a> {
     /// Name of the dimension and powers of its unit, of a number that may have one.
@@ -37,7 +37,7 @@ impl<'a> SchemaTree<'a> {
         Self { root }
     }
 
-    /// The schemas that a schema stands for or is put together from.
+    /// The schemas that a schema refers to or is composed of.
     fn parts(self, schema: &'a Json) -> impl Iterator<Item = &'a Json> {
         let named = self
             .name(schema)
@@ -79,7 +79,7 @@ impl<'a> SchemaTree<'a> {
         self.accepted(schema).quantity.map(|(_, powers)| powers)
     }
 
-    /// What the value of a key of this schema may be.
+    /// Allowed values of a key of this schema.
     pub fn accepted(self, schema: &'a Json) -> Accepted<'a> {
         let mut accepted = Accepted::default();
         self.collect(schema, &mut accepted);

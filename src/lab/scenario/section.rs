@@ -1,4 +1,4 @@
-//! Judging the values of one table, and collecting what is wrong.
+//! Checks of the values of one table, and the collection of their faults.
 
 use crate::scenario::issue::{Issue, Issues, KeyPath};
 use crate::scenario::place::{Place, TypedPlace};
@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// Which numbers a key allows.
+/// Range of numbers that a key allows.
 #[derive(Clone, Copy)]
 pub struct Range {
     allows: fn(f64) -> bool,
@@ -37,7 +37,7 @@ pub const NON_NEGATIVE: Range = Range {
     allows: |value| value >= 0.0,
     words: "at least 0",
 };
-/// Residuals that Newton's method may leave: more would let forces go unanswered.
+/// Residuals that Newton's method may leave: larger ones would leave forces unbalanced.
 pub const FORCE_TOLERANCE: Range = Range {
     allows: |value| value > 0.0 && value <= 1e-3,
     words: "greater than 0 and at most 0.001",
@@ -71,13 +71,13 @@ pub const POISSONS_RATIO: Range = Range {
 /// Default of directions.
 pub const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// Largest magnitude of a number in SI units: squares and products of three must not overflow, and nothing that is
-/// measured comes near.
+/// Largest magnitude of a number in SI units: squares and products of three must not overflow, and measured quantities are
+/// far smaller.
 pub const LARGEST: f64 = 1e100;
 
-/// One table of the scenario: where it stands, and the faults found so far anywhere.
+/// One table of the scenario: its path, and the faults found so far anywhere.
 ///
-/// A faulty number reads as NaN after it is reported; the scenario is thrown away in the end.
+/// A faulty number reads as NaN after it is reported; the scenario is discarded in the end.
 pub struct Section<'a> {
     /// Path of the table.
     pub path: KeyPath,
@@ -125,7 +125,7 @@ impl<'a> Section<'a> {
         );
     }
 
-    /// Reports those of some keys that are there.
+    /// Reports those of some keys that are present.
     pub fn refuse(&self, keys: &[(&str, bool)], why: &str) {
         for (key, _) in keys.iter().filter(|(_, is_there)| *is_there) {
             self.fault(key, why);
@@ -146,7 +146,7 @@ impl<'a> Section<'a> {
         value
     }
 
-    /// A number, if it is there.
+    /// A number, if it is given.
     pub fn optional<D: Dimension>(
         &self,
         key: &str,
@@ -242,7 +242,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A vector, if it is there.
+    /// A vector, if it is given.
     pub fn vector<D: Dimension>(&self, key: &str, typed: &Option<Vector<D>>) -> Option<[f64; 3]> {
         typed.as_ref().map(|typed| self.components(key, typed))
     }

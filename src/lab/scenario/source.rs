@@ -11,7 +11,7 @@ pub struct Sources(Vec<Source>);
 /// One text.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// What messages call it: the path of the file, or the override's option.
+    /// Name in messages: the path of the file, or the override's option.
     pub name: String,
     /// Its text.
     pub text: Arc<str>,

@@ -9,10 +9,10 @@ use super::source::Sources;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
-/// A file as typed, and what it takes to point at its keys.
+/// A file as typed, and the data to locate its keys.
 #[derive(Debug)]
 pub struct TypedFile<T> {
-    /// What stands in it.
+    /// Its contents.
     pub typed: T,
     sources: Sources,
     document: Node,
@@ -22,7 +22,7 @@ impl<T: DeserializeOwned> TypedFile<T> {
     /// Reads a file and those that it extends.
     ///
     /// # Errors
-    /// If a file cannot be read or is no TOML, at unknown keys and at wrong types.
+    /// A file that cannot be read or is not TOML, unknown keys and wrong types.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let (sources, document) = merged(path, &[])?;
         match decode(&document) {
@@ -40,7 +40,7 @@ impl<T: DeserializeOwned> TypedFile<T> {
         located(&self.sources, &self.document, issues)
     }
 
-    /// The directory of the file in which a key stands: file names are relative to it.
+    /// The directory of the file that contains a key: file names are relative to it.
     pub fn directory_of(&self, path: &KeyPath) -> PathBuf {
         let (_, value) = self.document.locate(path);
         self.sources.get(value.source).directory.clone()

@@ -204,7 +204,7 @@ pub fn leading_unit(text: &str) -> Option<(usize, Unit, Powers)> {
     })
 }
 
-/// Whether a name stands below the line in some unit, so that `1 m/s` would be read as a unit.
+/// Whether a name is in the denominator of some unit, so that `1 m/s` would be read as a unit.
 pub fn is_denominator(name: &str) -> bool {
     let mut units = DIMENSIONS.iter().flat_map(|(_, units)| units.iter());
     units.any(|unit| {
@@ -216,7 +216,7 @@ pub fn is_denominator(name: &str) -> bool {
 /// Converts a number with a unit, such as `"1.6 mm"`, to SI units.
 ///
 /// # Errors
-/// A message that says what is wrong and which units may stand there.
+/// A message with the fault and the allowed units.
 pub fn parse<D: Dimension>(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let (number, unit) = text.split_at(number_length(text));
@@ -252,7 +252,7 @@ pub fn parse<D: Dimension>(text: &str) -> Result<f64, String> {
 /// Reads a time that is given outside of scenario files: a number of seconds, or text with a unit.
 ///
 /// # Errors
-/// A message that says what is wrong and which units are allowed.
+/// A message with the fault and the allowed units.
 pub fn seconds(text: &str) -> Result<f64, String> {
     text.trim().parse().or_else(|_| parse::<Time>(text))
 }
@@ -260,7 +260,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 /// Reads a length that is given outside of scenario files: a number of metres, or text with a unit.
 ///
 /// # Errors
-/// A message that says what is wrong and which units are allowed.
+/// A message with the fault and the allowed units.
 pub fn metres(text: &str) -> Result<f64, String> {
     text.trim().parse().or_else(|_| parse::<Length>(text))
 }
@@ -268,7 +268,7 @@ pub fn metres(text: &str) -> Result<f64, String> {
 /// Reads an angle that is given outside of scenario files, in radians: text with a unit, or a number of degrees.
 ///
 /// # Errors
-/// A message that says what is wrong and which units are allowed.
+/// A message with the fault and the allowed units.
 pub fn angle(text: &str) -> Result<f64, String> {
     let degrees = text.trim().parse::<f64>();
     degrees
@@ -289,7 +289,7 @@ pub fn split_number(text: &str) -> Result<(f64, &str), String> {
     Ok((number, unit.trim()))
 }
 
-/// Converts a number with any known unit to SI units; a symbol means the same wherever it is allowed.
+/// Converts a number with any supported unit to SI units; a symbol means the same wherever it is allowed.
 pub fn parse_any(text: &str) -> Option<f64> {
     let text = text.trim();
     let (number, unit) = text.split_at(number_length(text));

@@ -1,4 +1,4 @@
-//! How much the edges of rods catch what slides along them, from the weights of the scene.
+//! Apparent friction by which the edges of rods catch nodes that slide along them, from the weights of the scene.
 
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::{LARGEST_CATCH, apparent_friction};
@@ -12,11 +12,11 @@ pub struct DerivedSlide {
     pub name: String,
     /// Name of the rod along which it slides.
     pub rail: String,
-    /// Mean edge length of that, m.
+    /// Mean edge length of the rail, m.
     pub edge: f64,
     /// Force across it by weights and other loads, N: an estimate.
     pub force: f64,
-    /// Friction coefficient that its edges put in the way under that force.
+    /// Apparent friction coefficient of the edges under that force.
     pub apparent_friction: f64,
 }
 
@@ -70,7 +70,7 @@ pub fn derived_slides(scene: &Scene) -> Vec<DerivedSlide> {
     .collect()
 }
 
-/// The load on what slides, where that hangs on the rail; else what the load on the rail makes of it where it turns there.
+/// The load on the sliding rod, where that hangs on the rail; else the part of the load on the rail that turns there.
 fn force_across(scene: &Scene, slider: RodNode, place: RodNode) -> f64 {
     let sliding = group(scene, slider.rod);
     if !is_borne(scene, &sliding) {

@@ -1,4 +1,4 @@
-//! The derived numbers as people read them.
+//! The derived numbers as text.
 
 use super::{DerivedNumbers, DerivedRod};
 use crate::experiment::OwnNumbers;

@@ -1,4 +1,4 @@
-//! The keys of flagella: as typed, as resolved, and the way from the one to the other.
+//! The keys of flagella: as typed, as resolved, and the conversion between them.
 
 use crate::scenario::keys::{
     Angle, AngularVelocity, FINITE, Length, NON_NEGATIVE, OwnTable, POSITIVE, Request, keys,
@@ -14,7 +14,7 @@ pub static TABLES: [OwnTable; 1] = [OwnTable::new::<TypedFlagella>(
     "Number, geometry and drive of the flagella of the experiment \"flagella\".",
 )];
 
-/// Most flagella that a scenario may ask for; a slip of the fingers above it.
+/// Most flagella that a scenario may have; more are taken for a typing error.
 const MOST_FLAGELLA: usize = 10_000;
 /// Most nodes of one flagellum.
 const MOST_NODES: usize = 1_000_000;
@@ -42,7 +42,7 @@ keys! {
         /// Whether a straight inlet of one edge along the axis and a ramp of two edges at 45° lead to the
         /// helix.
         hook: flag() default(true),
-        /// What is held at the head: "node" (the default: the first node and the frame there) or "edge" (the
+        /// Support of the head: "node" (the default: the first node and the frame there) or "edge" (the
         /// second node too, the usual clamp of other codes).
         head: word(Head) default(Head::Node),
     }
@@ -67,11 +67,11 @@ pub struct Flagella {
     pub angular_velocity: f64,
     /// Whether a straight inlet and a ramp lead from the axis to the helix.
     pub hook: bool,
-    /// What is held at the head.
+    /// Support of the head.
     pub head: Head,
 }
 
-/// What is held at the head of a flagellum.
+/// Support of the head of a flagellum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]

@@ -1,4 +1,4 @@
-//! Folds of a sheet at many places of the gripper: what a network learns the force manifold from (thesis 4.3.3).
+//! Folds of a sheet at many places of the gripper: samples from which a network learns the force manifold (thesis 4.3.3).
 
 mod figure;
 mod files;

@@ -1,4 +1,4 @@
-//! Where the gripper is for the samples.
+//! Places of the gripper for the samples.
 
 use super::keys::{FoldSamples, Points};
 use crate::experiment::data_set::Span;

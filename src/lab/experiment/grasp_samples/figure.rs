@@ -1,4 +1,4 @@
-//! Where grippers are, over the suspended length.
+//! Places of grippers over the suspended length.
 
 use super::row::Sample;
 use crate::experiment::data_set::SAMPLES;

@@ -1,4 +1,4 @@
-//! What samples of optimal grasps leave in a results directory, in words.
+//! Descriptions of the files of samples of optimal grasps in a results directory.
 
 use crate::experiment::data_set::{SAMPLES, SAMPLES_FIGURE};
 use rodlab_files::columns;

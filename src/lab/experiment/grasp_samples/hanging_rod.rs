@@ -8,7 +8,7 @@ use rodlab_planning::plan::grasp::{GraspError, GraspProblem, GraspSolver, TWIST_
 
 /// Edges of the rod.
 const EDGES: usize = 50;
-/// Radius of the rod, L_gb: it is there to be seen.
+/// Radius of the rod, L_gb: for display only.
 const RADIUS: f64 = 0.05;
 /// k̄_s of a rod that is to be stretched by less than this engine's rods can.
 const STIFFEST: f64 = 1e6;

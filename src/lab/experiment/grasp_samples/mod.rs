@@ -1,4 +1,4 @@
-//! Optimal grasps at many points of (l̄_s, κ̄, 1/k̄_s): what a network learns from (thesis 5.3.4).
+//! Optimal grasps at many points of (l̄_s, κ̄, 1/k̄_s): samples for a network (thesis 5.3.4).
 
 mod figure;
 mod files;

@@ -1,4 +1,4 @@
-//! What knots leave in a results directory, in words.
+//! Descriptions of the files of knots in a results directory.
 
 use rodlab_files::columns;
 use rodlab_files::results::{Column, ColumnGroup, FileDescription, file, table};

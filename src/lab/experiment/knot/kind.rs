@@ -139,7 +139,7 @@ impl Kind for PulledKnot {
     }
 }
 
-/// What measures the knot of a scene, whose first rods are those of the knot.
+/// Observer of the knot of a scene, whose first rods are those of the knot.
 fn observer(tables: &KnotTables, scene: &Scene, until_inverted: bool) -> Option<KnotObserver> {
     let KnotTables { rod, knot, .. } = tables;
     let rods = scene.rods.get(..knot.start.rods())?;

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 const BETWEEN_SAMPLES: f64 = 0.1;
 /// Decrease of l̄_k over which a knot is followed after it has inverted.
 const FOLLOWED: f64 = 10.0;
-/// Decrease of l̄_k between two looks at whether the rod slips.
+/// Decrease of l̄_k between two checks of whether the rod slips.
 const LOOK: f64 = 4.0;
 /// Part of that distance that a rod which slips takes up by its stretch at most, and one that is locked at least.
 /// At the start a rod stretches, too, until friction gives way, and again after it has slackened in an inversion: only
@@ -23,17 +23,17 @@ const LOCKED: f64 = 0.9;
 /// Monitors a knot that is pulled tight, for the end of the run and the outcome.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KnotMonitor {
-    /// What measures the knot.
+    /// Observer of the knot.
     pub observer: KnotObserver,
     watch: InversionWatch,
     /// End-to-end distance (m) and work of the ends (J) at the last sample.
     sample: Option<(f64, f64)>,
     /// Time of the next sample, s.
     next: f64,
-    /// l̄_k and F̄ at the last look.
+    /// l̄_k and F̄ at the last check.
     look: Option<(f64, f64)>,
     slipped: bool,
-    /// Largest F̄ of all looks.
+    /// Largest F̄ of all checks.
     strongest: f64,
     /// Why the run is over.
     ending: Option<KnotEnding>,
@@ -43,7 +43,7 @@ pub struct KnotMonitor {
     last: Option<(f64, f64)>,
 }
 
-/// What is kept of an output while the ends move.
+/// Record of an output while the ends move.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct PulledOutput {
     /// l̄_k.
@@ -127,7 +127,7 @@ impl KnotMonitor {
         }
     }
 
-    /// Takes note of what was seen of the knot at a sample, when its ends had done so much `work` (J).
+    /// Records the observation of the knot at a sample, when its ends had done the `work` (J).
     fn add(&mut self, time: f64, seen: &KnotSample, work: f64) {
         let observer = self.observer;
         self.next = time + 0.5 * BETWEEN_SAMPLES * observer.radius / observer.pull_speed;

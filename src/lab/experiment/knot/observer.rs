@@ -1,4 +1,4 @@
-//! What is measured of a knot, at each output time and in between.
+//! Measurements of a knot, at each output time and in between.
 
 use super::KnotRow;
 use super::tied_knot::{determinant_of_rods, outward};
@@ -30,7 +30,7 @@ pub struct KnotObserver {
     pub tolerance: f64,
     /// Determinant of the knot that was tied.
     pub determinant: u64,
-    /// When its ends begin to move, s.
+    /// Time at which its ends begin to move, s.
     pub pulled_from: f64,
     /// Speed of each end from then on, m/s.
     pub pull_speed: f64,
@@ -42,7 +42,7 @@ pub struct KnotObserver {
     pub ends_after_inversion: bool,
 }
 
-/// What is seen of a knot between output times.
+/// Observation of a knot between output times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct KnotSample {
     /// Mean distance of the ends of a rod along the pull, m.
@@ -108,7 +108,7 @@ impl KnotObserver {
         }
     }
 
-    /// Looks at the knot between output times.
+    /// Observes the knot between output times.
     pub fn sample(&self, simulation: &Simulation) -> KnotSample {
         let rods = self.knotted(simulation.positions());
         let touching = self.touching(simulation.contacts());

@@ -17,7 +17,7 @@ pub struct KnotOutcome {
     pub inversion_difference: Option<f64>,
     /// Largest kinetic over elastic energy at the output times while the ends moved, before the inversion.
     pub kinetic_over_elastic: Option<f64>,
-    /// What it should not exceed for a quasi-static pull: `knot.kinetic_bound`.
+    /// Upper bound of this ratio for a quasi-static pull: `knot.kinetic_bound`.
     pub kinetic_bound: Option<f64>,
     /// Gain of energy and losses to friction and drag over the work of the ends, meanwhile.
     pub energy_balance: Option<f64>,
@@ -113,12 +113,12 @@ impl KnotEnding {
         }
     }
 
-    /// The ending that tables call so.
+    /// The ending with this word in tables.
     fn from_word(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|ending| ending.word() == word)
     }
 
-    /// A sentence for people.
+    /// A sentence for the user.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Inverted => "the knot inverted",

@@ -4,7 +4,7 @@ use rodlab_files::results::{ResultsError, SeriesRow, Value, read_series, read_se
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// What `series.csv` has beside the columns of [`SeriesRow`] when a knot is pulled tight. Work and losses read as zero
+/// Columns of `series.csv` beside those of [`SeriesRow`] when a knot is pulled tight. Work and losses read as zero
 /// from a series that an older version wrote without them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct KnotRow {

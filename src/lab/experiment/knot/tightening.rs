@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 /// Part of the settling time after which its drag begins to fade.
 const FULL_DRAG: f64 = 0.7;
 /// Drag at the very start over that which settles the loop, and the part of the settling time within which it falls to
-/// that: the strands, which stand apart, meet slowly, else those with much friction find no way to rest.
+/// that: the strands, which start apart, meet slowly; otherwise those with much friction do not settle.
 const FIRST_DRAG: f64 = 100.0;
 const SLOWED: f64 = 0.3;
 /// Damping rate of the settling drag over the frequency √(EI/ρA)/R² of the loop; 2 is critical.
@@ -71,7 +71,7 @@ pub fn add(scene: &mut Scene, tables: &KnotTables, end: f64) -> Result<(), Issue
     Ok(())
 }
 
-/// How an end moves: outwards, after the knot has settled, until the end of the simulated time.
+/// Motion of an end: outwards, after the knot has settled, until the end of the simulated time.
 fn pulled(knot: &Knot, outward: Vector3, end: f64) -> Motion {
     let until = end.max(knot.settling_time + 1.0);
     let distance = knot.pull_speed * (until - knot.settling_time);

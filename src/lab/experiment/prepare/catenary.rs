@@ -1,4 +1,4 @@
-//! The catenary: how a heavy chain hangs between two points.
+//! The catenary: the shape of a heavy chain that hangs between two points.
 //!
 //! With the distances h across and v up from start to end, a chain of the length L > √(h² + v²) hangs on z = a cosh(x/a), with
 //! the parameter a from

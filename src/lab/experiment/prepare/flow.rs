@@ -1,4 +1,4 @@
-//! What the flow of a scene is bounded by, and what it leaves out.
+//! Boundary of the flow of a scene, and the parts that it leaves out.
 
 use crate::scenario::{Issue, KeyPath, Scenario};
 use rodlab_engine::mechanics::fluid::FluidModel;
@@ -38,7 +38,7 @@ pub(super) fn wall(scene: &Scene, scenario: &Scenario) -> Result<Option<usize>, 
     }
 }
 
-/// What the flow of a scene leaves out without a request to, a sentence each.
+/// Parts of a scene that the flow leaves out by default, a sentence each.
 pub(super) fn left_out(scene: &Scene, scenario: &Scenario) -> Vec<String> {
     let Some(model) = scene.fluid else {
         return Vec::new();

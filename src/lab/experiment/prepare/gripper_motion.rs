@@ -4,7 +4,7 @@ use crate::scenario::Pose;
 use rodlab_engine::mechanics::scene::Motion;
 use rodlab_engine::mechanics::{UnitQuaternion, Vector3};
 
-/// The motion of what a gripper holds from its first pose on, as one rigid body with it: x(t) = p(t) + R(t) R(0)⁻¹
+/// The motion of the part that a gripper holds from its first pose on, as one rigid body with it: x(t) = p(t) + R(t) R(0)⁻¹
 /// (x(0) − p(0)), with the position p and the orientation R of the gripper. At least one pose is needed.
 pub fn gripper_motion(poses: &[Pose]) -> Motion {
     let start = Vector3::from(poses[0].1);

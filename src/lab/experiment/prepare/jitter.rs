@@ -36,7 +36,7 @@ impl Jitter {
         }
     }
 
-    /// Displacement (m) and turn (rad) at a time; they begin with nothing.
+    /// Displacement (m) and turn (rad) at a time; they start at zero.
     pub fn at(&self, time: f64) -> (Vector3, Vector3) {
         if self.amplitudes == [0.0; 6] {
             return (Vector3::zeros(), Vector3::zeros());

@@ -98,10 +98,10 @@ pub(super) fn place_body(
     })
 }
 
-/// Whether the joints and bodies of a scene can be; those that the file lists are named by their keys.
+/// Checks whether the joints and bodies of a scene are possible; those that the file lists are named by their keys.
 ///
 /// # Errors
-/// What is wrong with one of them.
+/// The fault of one of them.
 pub(super) fn judge_joints(scene: &Scene, scenario: &scenario::Scenario) -> Result<(), Issue> {
     let Err(SceneError::Joint { name, reason }) = check_joints(scene) else {
         return Ok(());

@@ -102,7 +102,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     scene.actuations.extend(actuations);
     scene.obstacles.extend(obstacles);
     if scene.obstacles.len() < scenario.obstacles.len() {
-        // What follows may look for them.
+        // Later steps may look for them.
         return Err(issues);
     }
     scene.contact = contact_parameters(&scenario.contact);
@@ -122,7 +122,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
             },
             message,
         ));
-        // What follows may look for these pairs itself.
+        // Later steps may look for these pairs themselves.
         return Err(issues);
     }
     let mut prepared = PreparedRun {
@@ -181,7 +181,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     issues.or_ok(prepared)
 }
 
-/// What becomes of a list of the scenario, the table `table`; what cannot be placed is reported.
+/// Converts a list of the scenario, the table `table`; reports entries that cannot be placed.
 fn place_all<T, P>(
     table: &str,
     listed: &[T],

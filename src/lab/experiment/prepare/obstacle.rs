@@ -21,7 +21,7 @@ const ENDLESS: f64 = 1e2;
 /// The obstacle of a scenario among these rods.
 ///
 /// # Errors
-/// What is wrong with its mesh.
+/// The fault of its mesh.
 pub fn place_obstacle(
     obstacle: &scenario::Obstacle,
     rods: &[RodDescription],

@@ -62,7 +62,7 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
     })
 }
 
-/// Edges shorter than this fraction of the mean edge are no edges: their direction is lost in round-off.
+/// Edges shorter than this fraction of the mean edge are rejected: their direction is lost in round-off.
 const SHORTEST_EDGE: f64 = 1e-6;
 
 fn refuse_short_edges(nodes: &[Vector3], closed: bool, path: &KeyPath) -> Result<(), Issue> {
@@ -271,7 +271,7 @@ pub(super) fn find_rod(
     })
 }
 
-/// Names in words; of very many the first ones.
+/// Names as text; only the first ones of a long list.
 fn listed(names: &[&str]) -> String {
     const MOST: usize = 12;
     match names.get(..MOST) {

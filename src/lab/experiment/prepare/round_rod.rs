@@ -28,7 +28,7 @@ pub fn round_rod(
     }
 }
 
-/// What of the stiffness of a material relaxes, if any does.
+/// Relaxing part of the stiffness of a material, if any.
 pub fn relaxation(material: &Material) -> Option<Relaxation> {
     (material.relaxing_modulus > 0.0).then(|| Relaxation {
         ratio: material.relaxing_modulus / material.youngs_modulus,

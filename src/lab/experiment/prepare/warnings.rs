@@ -5,7 +5,7 @@ use crate::scenario::{NaturalShape, Scenario, Shape};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::{self as mechanics, LoadKind, Scene};
 
-/// Part of its length that a polyline may lose without a word.
+/// Part of its length that a polyline may lose without a warning.
 const SHORTENED: f64 = 1e-4;
 
 /// The warnings, a sentence each.

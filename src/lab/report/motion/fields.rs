@@ -1,10 +1,10 @@
-//! What rods can be coloured by: curvature, twist, contact force, speed.
+//! Fields by which rods can be coloured: curvature, twist, contact force, speed.
 
 use nalgebra::Vector3;
 use rodlab_files::figure::{Field, MovieRod};
 use rodlab_files::results::{NodeForces, NodePositions};
 
-/// The fields of a run. Twist and contact force stand in `node_forces.csv` only; without it the speed is that
+/// The fields of a run. Twist and contact force are in `node_forces.csv` only; without it the speed is that
 /// between the outputs.
 pub(super) fn fields(
     rods: &[MovieRod],

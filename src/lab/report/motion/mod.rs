@@ -57,7 +57,7 @@ impl CaseMotion {
         let outputs = read_nodes(&folder.path, nodes)?.into_iter().enumerate();
         let mut outputs: Vec<(usize, NodePositions)> = outputs.collect();
         let mut forces = read_node_forces(&folder.path, nodes)?;
-        // A run at work may be between the two files.
+        // A run in progress may be between the two files.
         if let Some(forces) = &mut forces {
             let common = outputs.len().min(forces.len());
             outputs.truncate(common);
@@ -124,7 +124,7 @@ impl CaseMotion {
         case
     }
 
-    /// The same with what rods can be coloured by, what can be plotted, and where rods touch.
+    /// The same with colour fields, columns to plot, and places of contact.
     pub fn with_numbers(&self) -> Result<MovieCase, ResultsError> {
         let mut case = self.scene();
         let outputs: Vec<NodePositions> = self

@@ -1,11 +1,11 @@
-//! A scenario as a list of keys and values for people.
+//! A scenario as a list of keys and values for display.
 
 use toml::Value;
 
 /// Longer values are cut; their beginning identifies them.
 const LONGEST: usize = 60;
 
-/// Every key of a scenario with its value, keys dotted; empty where the text is no TOML.
+/// Every key of a scenario with its value, keys dotted; empty where the text is not TOML.
 pub(super) fn flattened(scenario: &str) -> Vec<(String, String)> {
     let mut pairs = Vec::new();
     if let Ok(table) = scenario.parse::<toml::Table>() {

@@ -1,4 +1,4 @@
-//! What can be plotted beside the motion: the columns of `series.csv` at the outputs that are shown.
+//! Data that can be plotted beside the motion: the columns of `series.csv` at the outputs that are shown.
 
 use crate::report::labels::Quantity;
 use rodlab_files::figure::MovieSeries;

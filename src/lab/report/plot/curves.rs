@@ -5,7 +5,7 @@ use rodlab_files::figure::{Curve, Look};
 use rodlab_files::results::Table;
 use std::collections::BTreeSet;
 
-/// Which group each row of a table belongs to.
+/// Group of each row of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Grouping {
     /// Names of the groups in the order of their first rows.
@@ -47,7 +47,7 @@ impl Grouping {
     }
 }
 
-/// What a column of a table holds.
+/// Contents of a column of a table.
 pub(super) fn quantity(table: &Table, column: &str) -> Quantity {
     let numbers = table.numbers(column).unwrap_or_default();
     Quantity::of(column, numbers.into_iter().flatten())

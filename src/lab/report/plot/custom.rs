@@ -1,4 +1,4 @@
-//! One's own figure: any column over any other, from `summary.csv` or `series.csv`.
+//! Custom figure: any column over any other, from `summary.csv` or `series.csv`.
 
 use super::PlotError;
 use super::curves::{Grouping, curves, in_unit, quantity, varies};
@@ -9,7 +9,7 @@ use rodlab_files::figure::{AxisScale, Curve, Figure, LinePlot, PlotStyle, styled
 use rodlab_files::results::{SERIES, SUMMARY, Table};
 use std::path::Path;
 
-/// What is drawn over what.
+/// Columns and axes of a custom figure.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CustomFigure {
     /// Column along the horizontal axis; without it `time_s` of a series, the first parameter of a sweep.
@@ -22,7 +22,7 @@ pub struct CustomFigure {
     pub scales: Option<[AxisScale; 2]>,
 }
 
-/// A figure of one's own.
+/// A custom figure.
 ///
 /// Columns are looked for in `summary.csv`, where each case is a point, then in `series.csv`, where each case
 /// is a curve.

@@ -11,12 +11,12 @@ pub enum PlotError {
     /// The directory holds no results.
     #[error("`{}` is not a results directory: it has no manifest.json; give the directory that `rodlab run` prints", .0.display())]
     NotResults(PathBuf),
-    /// No table has all the columns asked for.
+    /// No table has all requested columns.
     #[error("there is no column `{column}`{}; columns: {}", hint(.column, .known), .known.join(", "))]
     UnknownColumn {
         /// The column as typed.
         column: String,
-        /// The columns there are.
+        /// The existing columns.
         known: Vec<String>,
     },
     /// A column holds words where numbers are needed.
@@ -24,7 +24,7 @@ pub enum PlotError {
         "column `{0}` holds no numbers, but an axis needs numbers; words can only be a --group"
     )]
     NoNumbers(String),
-    /// The columns stand in different tables.
+    /// The columns are in different tables.
     #[error(
         "`{first}` is a column of {first_table} and `{second}` of {second_table}; a figure takes --x and --y from one of them"
     )]

@@ -41,7 +41,7 @@ const NAMED_RODS: usize = 12;
 /// `sweep`: outcomes over the swept parameters; needs a `summary.csv` in which a number is swept.
 /// `branch`: displacement and energy over the parameter of a path of equilibria; needs `branch.csv`.
 /// Then those of its kind of experiment, see [`Kind::figures`](crate::experiment::Kind::figures).
-/// Works while a run is at work, and on what an interrupted one left.
+/// Works during a run, and on the files of an interrupted one.
 ///
 /// # Errors
 /// [`PlotError::NotResults`], or [`PlotError::Results`] or [`PlotError::Scenario`] where files cannot be read or

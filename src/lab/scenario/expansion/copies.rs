@@ -70,7 +70,7 @@ pub fn expand(
 
 /// A table that is to be copied.
 struct Template {
-    /// The table without the keys that say how it is copied.
+    /// The table without the keys that control its copies.
     table: Node,
     place: Place,
     /// Number of copies along each direction.

@@ -1,4 +1,4 @@
-//! The names of `[parameters]` and of `let`, in whatever order they use each other.
+//! The names of `[parameters]` and of `let`, which may use each other in any order.
 
 use super::SEED;
 use super::parameters::Parameters;
@@ -75,7 +75,7 @@ fn reserved(name: &str) -> Option<String> {
 }
 
 /// The values of the names of a table at `place`, which use each other, the names at that place and the parameters.
-/// `taken` says why a name cannot be given.
+/// `taken` returns the reason why a name cannot be given.
 pub fn define(
     sources: &Sources,
     parameters: &Parameters,
@@ -195,7 +195,7 @@ fn order(definitions: &[Definition<'_>]) -> Result<Vec<usize>, Vec<usize>> {
             break;
         }
     }
-    // From any of the rest, to one that it uses of the rest, comes to a circle.
+    // Following uses among the rest from any of them leads to a circle.
     let next = |number: usize| uses[number].iter().copied().find(|used| !is_placed[*used]);
     let mut walked: Vec<usize> = is_placed
         .iter()

@@ -2,8 +2,8 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `parameters`, `definitions` | `[parameters]` and the names of a copied table, in whatever order they use each other |
-//! | `scope` | what a name in an expression stands for, and the random numbers |
+//! | `parameters`, `definitions` | `[parameters]` and the names of a copied table, which may use each other in any order |
+//! | `scope` | meanings of names in an expression, and the random numbers |
 //! | `values` | expressions and names with `{...}` in the tree, guided by the JSON Schema |
 //! | `copies` | `count`: copies of a table |
 //! | `scatter` | `scatter`: random places without overlap |
@@ -52,7 +52,7 @@ pub struct Expanded {
 /// Expands a document.
 ///
 /// # Errors
-/// Everything that is wrong with parameters, expressions and copies, where it was written.
+/// All faults of parameters, expressions and copies, where they were written.
 pub fn expand(
     experiments: Experiments,
     sources: &Sources,

@@ -1,4 +1,4 @@
-//! What a name in an expression stands for, and the random numbers.
+//! Meanings of names in an expression, and the random numbers.
 
 use super::parameters::Parameters;
 use crate::scenario::expression::{Amount, Names};
@@ -8,10 +8,10 @@ use rodlab_engine::random::uniform_numbers;
 /// Names of the numbers of a copy.
 pub const INDICES: [&str; 3] = ["i", "j", "k"];
 
-/// Words that stand at keys with numbers.
+/// Words that are allowed at keys with numbers.
 pub const WORDS: [&str; 5] = ["auto", "start", "end", "half", "diagonal"];
 
-/// Where an expression stands.
+/// Place of an expression.
 #[derive(Clone, Debug, Default)]
 pub struct Place {
     /// The key, as written.
@@ -51,7 +51,7 @@ impl Place {
     }
 }
 
-/// The names that may stand in an expression at a place.
+/// The names that an expression at a place may use.
 pub struct Scope<'a> {
     /// Those of the whole file.
     pub parameters: &'a Parameters,
@@ -85,7 +85,7 @@ impl Names for Scope<'_> {
     }
 }
 
-/// Uniform random numbers in [0, 1) that depend on a seed and on what they are for, and on nothing else.
+/// Uniform random numbers in [0, 1) that depend only on a seed and on their purpose.
 pub fn uniform(seed: u64, purpose: &str) -> impl FnMut() -> f64 + use<> {
     let hash = blake3::hash(format!("{seed}\n{purpose}").as_bytes());
     let mut first = [0; 8];

@@ -14,7 +14,7 @@ use serde_json::Value as Json;
 /// Whole numbers up to this are exact.
 const LARGEST_WHOLE: f64 = 9e15;
 
-/// Evaluates what stands in a tree.
+/// Evaluates the expressions in a tree.
 pub struct Evaluator<'a> {
     /// The texts of the scenario.
     pub sources: &'a Sources,
@@ -24,7 +24,7 @@ pub struct Evaluator<'a> {
     pub parameters: &'a Parameters,
 }
 
-/// Whether there is text at or below a node that could be an expression, whatever key it stands at.
+/// Whether there is text at or below a node that could be an expression at any key.
 pub fn is_candidate(node: &Node, parameters: &Parameters) -> bool {
     match &node.value {
         Value::Table(entries) => entries
@@ -52,7 +52,7 @@ fn is_plain(text: &str) -> bool {
     units::parse_any(text).is_some() || text.trim().parse::<f64>().is_ok()
 }
 
-/// Whether text that is not an expression was meant as a number with a unit; the key then says which units it takes.
+/// Whether text that is not an expression was meant as a number with a unit; the message then lists the units of the key.
 fn is_meant_as_quantity(text: &str) -> bool {
     let text = text.trim();
     let length = units::number_length(text);
@@ -69,7 +69,7 @@ fn is_word(text: &str, expression: &Expression, scope: &Scope<'_>) -> bool {
         && (names.iter().any(|name| WORDS.contains(name)) || !is_near())
 }
 
-/// A mistake in the text of a node, at its place in that text where it stands there as it is.
+/// A mistake in the text of a node, at its place in that text where the text was typed without escapes.
 pub fn located(sources: &Sources, place: &Place, node: &Node, mistake: Mistake) -> Located {
     let issue = Issue {
         copy: place.copy,
@@ -156,7 +156,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// The number that an expression comes to; `None` for text that is not an expression.
+    /// The value of an expression; `None` for text that is not an expression.
     fn number(
         &self,
         text: &str,
@@ -189,7 +189,7 @@ impl Evaluator<'_> {
             .map_err(|message| of_text(format!("{text:?} {message}")))
     }
 
-    /// Text with the values of the expressions in braces; `{{` and `}}` stand for braces.
+    /// Text with the values of the expressions in braces; `{{` and `}}` are literal braces.
     fn filled(&self, text: &str, place: &Place) -> Result<String, Mistake> {
         let scope = Scope {
             parameters: self.parameters,
@@ -254,7 +254,7 @@ fn whole(number: f64) -> Option<i64> {
     is_whole.then_some(number as i64)
 }
 
-/// An amount as the value of a key; else what is wrong with it.
+/// An amount as the value of a key; otherwise its fault.
 pub fn as_value(amount: Amount, accepted: &Accepted<'_>) -> Result<Value, String> {
     if !amount.value.is_finite() {
         return Err(format!("is {}, not a finite number", amount.value));

@@ -5,7 +5,7 @@ use super::function::Function;
 use super::{Expression, Mistake, Operation, Operator, PI};
 use crate::scenario::issue::did_you_mean;
 
-/// What the names in expressions stand for.
+/// Meanings of names in expressions.
 pub trait Names {
     /// The value of a name.
     fn value(&self, name: &str) -> Option<Amount>;

@@ -15,7 +15,7 @@ pub type Uniform<'a> = &'a mut dyn FnMut() -> f64;
 pub struct Described {
     /// How it is written.
     pub usage: &'static str,
-    /// What it computes.
+    /// Description of its value.
     pub meaning: &'static str,
     /// Fewest and most arguments.
     arguments: (usize, usize),

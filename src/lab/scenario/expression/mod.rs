@@ -61,12 +61,12 @@ enum Operator {
     Power,
 }
 
-/// What is wrong with an expression, and where.
+/// Fault of an expression, and its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mistake {
-    /// What is wrong.
+    /// Description of the fault.
     pub message: String,
-    /// What to type instead.
+    /// Advice on what to type instead.
     pub help: Option<String>,
     /// Bytes of the text.
     pub bytes: Range<usize>,

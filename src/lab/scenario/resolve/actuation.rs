@@ -8,7 +8,7 @@ use crate::scenario::units::{self, Angle, Dimension, Dimensionless, Frequency, L
 /// Largest part of its length that a rod may lose; without length there is no rod.
 const LARGEST_LOSS: f64 = 0.9;
 
-/// The keys of one actuation that do not depend on its kind, but for the unit `D` of the strain.
+/// The keys of one actuation that do not depend on its kind, except for the unit `D` of the strain.
 struct Keys<'a, D> {
     rod: &'a Option<String>,
     values: &'a Option<Vec<(Quantity<units::Time>, Quantity<D>)>>,
@@ -146,7 +146,7 @@ fn course<D: Dimension>(section: &Section<'_>, keys: &Keys<'_, D>) -> Course {
     }
 }
 
-/// Refuses what changes in time where there is none.
+/// Refuses changes over time in a run without time.
 fn refuse_motion(section: &Section<'_>, course: &Course) {
     let key = match course {
         Course::Uniform { .. } => "values",
@@ -164,7 +164,7 @@ fn refuse_motion(section: &Section<'_>, course: &Course) {
     );
 }
 
-/// Refuses rods of which next to nothing would be left.
+/// Refuses rods that would lose almost all their length.
 fn refuse_vanishing_lengths(section: &Section<'_>, actuations: &[Actuation]) {
     let lengths = actuations.iter().enumerate();
     let lengths = lengths.filter(|(_, actuation)| actuation.kind == ActuationKind::Length);

@@ -20,7 +20,7 @@ pub fn continuation(top: &Section<'_>, file: &ScenarioFile, time: &Time) -> Opti
     Some(tables::continuation(&section, typed))
 }
 
-/// Refuses friction, whose forces at rest depend on how the rods came there.
+/// Refuses friction, whose forces at rest depend on the history of the rods.
 pub fn refuse_friction(
     top: &Section<'_>,
     time: &Time,
@@ -49,7 +49,7 @@ pub fn refuse_friction(
     }
 }
 
-/// Refuses a fluid along a path: drag is nothing at rest.
+/// Refuses a fluid along a path: drag is zero at rest.
 pub fn refuse_fluid(top: &Section<'_>, time: &Time, fluid: &Fluid) {
     if *time == Time::Continuation && *fluid != Fluid::None {
         top.fault("fluid", "nothing moves in equilibrium; leave the table out");

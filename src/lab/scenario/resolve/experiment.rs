@@ -1,4 +1,4 @@
-//! What a scenario file must know of a kind of experiment.
+//! Interface of a kind of experiment to scenario files.
 
 use super::request::{CommonTables, Request};
 use crate::scenario::own_tables::OwnTable;
@@ -7,10 +7,10 @@ use crate::scenario::section::Section;
 
 /// A kind of experiment as scenario files see it.
 pub trait ExperimentKeys: Sync {
-    /// The name by which scenario files call it.
+    /// Its name in scenario files.
     fn name(&self) -> &'static str;
 
-    /// What it simulates, in one sentence.
+    /// Description of the simulation, one sentence.
     fn summary(&self) -> &'static str;
 
     /// The tables that belong to it; kinds may share a table.
@@ -18,7 +18,7 @@ pub trait ExperimentKeys: Sync {
         &[]
     }
 
-    /// What holds where the file has no table `[time]`; `None` where it must have one.
+    /// Default where the file has no table `[time]`; `None` where it must have one.
     fn usual_time(&self) -> Option<Time> {
         None
     }
@@ -28,7 +28,7 @@ pub trait ExperimentKeys: Sync {
         true
     }
 
-    /// What to say of a table that belongs to other kinds only.
+    /// Message for a table that belongs to other kinds only.
     fn refusal(&self) -> &'static str {
         "this table is for another experiment"
     }
@@ -37,6 +37,6 @@ pub trait ExperimentKeys: Sync {
     /// leaves nothing to go on with.
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment>;
 
-    /// Reports what it needs of the common tables, or cannot have there.
+    /// Reports missing and unsupported keys of the common tables.
     fn judge(&self, _top: &Section<'_>, _common: &CommonTables<'_>) {}
 }

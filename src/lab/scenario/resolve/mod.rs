@@ -33,11 +33,11 @@ use super::typed::ScenarioFile;
 use std::cell::RefCell;
 use std::path::PathBuf;
 
-/// What resolving needs beside the file's keys.
+/// Inputs of resolving beside the keys of the file.
 pub struct Context<'a> {
     /// Stem of the scenario file.
     pub name: &'a str,
-    /// Names of the experiments that there are, in words.
+    /// Names of the available experiments, as text.
     pub experiments: String,
     /// The file as a tree.
     pub document: &'a Node,
@@ -48,7 +48,7 @@ pub struct Context<'a> {
 /// Resolves a scenario.
 ///
 /// # Errors
-/// All values that are missing, out of range, of the wrong dimension or at odds with each other.
+/// All values that are missing, out of range, of the wrong dimension or inconsistent with each other.
 pub fn resolve(
     context: &Context<'_>,
     file: &ScenarioFile,

@@ -83,7 +83,7 @@ const REGULARIZATION: f64 = 1.02;
 /// beside a wall to 0.2 % at a height of ten radii, where that of the thesis leaves 14 %.
 const REGULARIZATION_BESIDE_A_WALL: f64 = 1.65;
 
-/// Resolves the fluid; `beside_wall` says whether one of the planes may be its wall, `resists_spin` is the default of the key
+/// Resolves the fluid; `beside_wall` is true if one of the planes may be its wall, `resists_spin` is the default of the key
 /// `spin`.
 pub fn fluid(
     top: &Section<'_>,
@@ -174,7 +174,7 @@ pub fn flows(file: &ScenarioFile) -> bool {
     fluid.is_some_and(|fluid| fluid.model != Some(typed::FluidModel::None))
 }
 
-/// The scheme that is named, or the best for what the scene holds. Where things touch, velocities jump, which only
+/// The scheme that is named, or the best for the contents of the scene. In contact, velocities jump, which only
 /// implicit Euler takes without ringing; otherwise backward differences follow a heavy cantilever's swing with a twentieth
 /// of its error, at the same cost.
 fn scheme(file: &ScenarioFile, choice: typed::SchemeChoice) -> Scheme {
@@ -231,7 +231,7 @@ fn is_midpoint(time: &Time) -> bool {
     )
 }
 
-/// Refuses the midpoint rule for viscous rods: in the middle of a step it knows no rate of a strain.
+/// Refuses the midpoint rule for viscous rods: the rate of a strain is not defined in the middle of a step.
 pub fn refuse_viscous_midpoint(top: &Section<'_>, rods: &[Rod], time: &Time) {
     let is_damped = |rod: &Rod| rod.material.viscosity > 0.0 || rod.material.relaxing_modulus > 0.0;
     if is_midpoint(time) && rods.iter().any(is_damped) {
@@ -256,7 +256,7 @@ pub fn refuse_turning_midpoint(top: &Section<'_>, joints: &[Joint], bodies: &[Bo
     }
 }
 
-/// Refuses what changes in time where there is none: a static run would know its value at time 0 only.
+/// Refuses changes over time in a run without time: a static run would use the value at time 0 only.
 pub fn refuse_static_motion(
     top: &Section<'_>,
     time: &Time,
@@ -340,7 +340,7 @@ fn interval(top: &Section<'_>, typed: &OutputKeys, end: f64) -> f64 {
     interval
 }
 
-/// Resolves what is written.
+/// Resolves the output.
 pub fn output(top: &Section<'_>, typed: &OutputKeys, time: &Time) -> Output {
     let refuse_interval = |why: &str| {
         let section = top.below("output");

@@ -34,7 +34,7 @@ pub fn movement(
     movement
 }
 
-/// The keys of a motion, and whether each says something.
+/// The keys of a motion, and whether each is given.
 pub fn given_keys(movement: &Movement) -> [(&'static str, bool); 6] {
     [
         ("move", !movement.translation.is_empty()),

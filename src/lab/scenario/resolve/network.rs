@@ -11,11 +11,11 @@ use crate::scenario::section::{POSITIVE, Section};
 use crate::scenario::typed;
 use std::collections::BTreeMap;
 
-/// Most rods of a network along one side, most rods and points of a table: a slip of the fingers beyond.
+/// Most rods of a network along one side, most rods and points of a table: more are taken for a typing error.
 const MOST_RODS: usize = 1_000;
 const MOST_POINTS: usize = 100_000;
 
-/// What networks add to a scenario.
+/// Additions of networks to a scenario.
 #[derive(Debug, Default)]
 pub struct Networks {
     /// Rods.
@@ -52,7 +52,7 @@ pub fn networks(
     all
 }
 
-/// Refuses a rim that moves where there is no time.
+/// Refuses a moving rim in a run without time.
 pub fn refuse_static_motion(top: &Section<'_>, typed: &[typed::Network], time: &Time) {
     for (section, network) in top.elements("networks", typed) {
         let rim = network.boundary.as_ref();
@@ -326,7 +326,7 @@ fn by_rods(rows: &[(u64, [f64; 2])]) -> Vec<Vec<i64>> {
             rods.push((*rod, Vec::new()));
             rods.len() - 1
         });
-        // A number that is none of a point is refused as one that does not exist.
+        // A number that is not that of a point is refused as one that does not exist.
         let whole = if point.fract() == 0.0 {
             *point as i64
         } else {

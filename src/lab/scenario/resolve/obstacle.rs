@@ -44,7 +44,7 @@ pub fn obstacles(
     resolved
 }
 
-/// Resolves a shape; `None` where it has none that could be judged any further.
+/// Resolves a shape; `None` where it has none that can be checked further.
 fn shape(
     context: &Context<'_>,
     section: &Section<'_>,
@@ -192,7 +192,7 @@ fn corners(
     Some(corners)
 }
 
-/// A vector turned about a unit vector by an angle (Rodrigues); just the same one by no angle.
+/// A vector turned about a unit vector by an angle (Rodrigues); exactly the same vector for angle 0.
 fn turned(vector: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
     if angle == 0.0 {
         return vector;

@@ -7,7 +7,7 @@ use crate::scenario::section::{FINITE, NON_NEGATIVE, Section};
 use crate::scenario::typed;
 use std::path::Path;
 
-/// Farthest that the norm of a quaternion may be from 1: what rounding to two digits makes of it, but no quaternion
+/// Largest deviation of the norm of a quaternion from 1: allows rounding to two digits, but no quaternion
 /// in other units or of another order.
 const UNIT_TOLERANCE: f64 = 0.02;
 
@@ -90,8 +90,8 @@ fn late(time: f64, before: f64) -> String {
     format!("time {time:?} s does not come after {before:?} s; times must grow")
 }
 
-/// The unit quaternion next to one that is all but one. One that is, up to round-off, stays as it is, so that
-/// resolved scenarios read back to themselves. Where numbers are faulty, which is reported already, they stay, too.
+/// The unit quaternion next to one that nearly is. One that is a unit quaternion, up to round-off, stays unchanged, so that
+/// resolved scenarios read back to themselves. Faulty numbers, which are reported already, stay unchanged, too.
 fn unit(quaternion: [f64; 4]) -> Result<[f64; 4], String> {
     let norm = quaternion
         .iter()

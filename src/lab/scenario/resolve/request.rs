@@ -1,4 +1,4 @@
-//! What a kind of experiment is given to resolve its own tables.
+//! Inputs of a kind of experiment for resolving its own tables.
 
 use super::rod::{material, refuse_degenerate};
 use super::{Context, polyline};
@@ -25,7 +25,7 @@ pub struct Request<'a> {
     pub(super) context: &'a Context<'a>,
 }
 
-/// The common tables as resolved, for a kind to say what it needs of them.
+/// The common tables as resolved, for a kind to check its requirements.
 pub struct CommonTables<'a> {
     /// The rods that the file lists.
     pub rods: &'a [Rod],
@@ -94,7 +94,7 @@ impl<'a> Request<'a> {
         })
     }
 
-    /// Reports those of the tables `keys` that are there, and should not be.
+    /// Reports those of the tables `keys` that are present, but not allowed.
     pub fn refuse(&self, keys: &[&str], message: &str) {
         for key in keys {
             if self.context.document.entry(key).is_some() {
@@ -115,7 +115,7 @@ impl<'a> Request<'a> {
         polyline::corners(self.context, section, key, file, points)
     }
 
-    /// Where the file lies that the value of a key names.
+    /// Path of the file that the value of a key names.
     pub fn path_of(&self, key: &KeyPath, file: &str) -> PathBuf {
         (self.context.directory_of)(key).join(file)
     }

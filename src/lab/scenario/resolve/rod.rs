@@ -7,10 +7,10 @@ use crate::scenario::resolved::{
 use crate::scenario::section::{POSITIVE, Section};
 use crate::scenario::typed::{self, ScenarioFile};
 
-/// More edges than any machine could step; a slip of the fingers.
+/// More edges than any machine could step; taken for a typing error.
 pub const MOST_EDGES: usize = 1_000_000;
 
-/// Resolves all rods, those of a general `scene` or such as stand beside what another experiment builds.
+/// Resolves all rods: those of a general `scene`, or those beside the rods that another experiment builds.
 pub fn rods(
     context: &Context<'_>,
     top: &Section<'_>,
@@ -94,7 +94,7 @@ pub struct Member {
     pub shape: Shape,
 }
 
-/// Resolves a rod, open and with lumped inertia, whose name, edges and shape are known.
+/// Resolves a rod, open and with lumped inertia, of given name, edges and shape.
 pub fn member(
     context: &Context<'_>,
     section: &Section<'_>,
@@ -154,7 +154,7 @@ fn is_straight(natural: &NaturalShape, placed: &Shape) -> bool {
     }
 }
 
-/// Most of its length that a rod may have lost where it begins pushed together.
+/// Largest part of its length by which a rod may start compressed.
 const MOST_SHORTENED: f64 = 0.9;
 
 /// The tension in a placed rod, N, whose lengths without stress follow from those placed.
@@ -195,7 +195,7 @@ pub fn name(section: &Section<'_>, typed: Option<&str>, index: usize) -> String 
     name.to_owned()
 }
 
-/// The material that holds for all rods, and where it stands.
+/// The common material of all rods, and its place in the file.
 pub struct CommonMaterial<'a> {
     section: Section<'a>,
     typed: Option<&'a typed::Material>,
@@ -211,7 +211,7 @@ impl<'a> CommonMaterial<'a> {
     }
 }
 
-/// Resolves a rod's material from its own keys, else from those that hold for all.
+/// Resolves a rod's material from its own keys, else from the common ones.
 fn own_material(
     section: &Section<'_>,
     own: &typed::Material,
@@ -247,7 +247,7 @@ fn own_material(
     }
 }
 
-/// Modulus that relaxes, Pa, and relaxation time, s, if a material is given them.
+/// Modulus that relaxes, Pa, and relaxation time, s, if given.
 fn relaxation(section: &Section<'_>, typed: &typed::Material) -> Option<[f64; 2]> {
     let modulus = typed.relaxing_modulus(section);
     let time = typed.relaxation_time(section);
@@ -265,7 +265,7 @@ fn relaxation(section: &Section<'_>, typed: &typed::Material) -> Option<[f64; 2]
     None
 }
 
-/// The viscosity that a material is given, Pa s, by itself or by its loss factor.
+/// The viscosity of a material, Pa s, given directly or by its loss factor.
 fn viscosity(section: &Section<'_>, typed: &typed::Material, youngs_modulus: f64) -> Option<f64> {
     let viscosity = typed.viscosity(section);
     let factor = typed.loss_factor(section);
@@ -289,7 +289,7 @@ fn viscosity(section: &Section<'_>, typed: &typed::Material, youngs_modulus: f64
     None
 }
 
-/// Resolves the material that holds for all rods.
+/// Resolves the common material of all rods.
 pub fn material(section: &Section<'_>, typed: &typed::Material) -> Material {
     let youngs_modulus = typed.youngs_modulus(section);
     let [relaxing_modulus, relaxation_time] = relaxation(section, typed).unwrap_or_default();

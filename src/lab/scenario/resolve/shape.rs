@@ -116,7 +116,7 @@ fn slack(section: &Section<'_>, typed: &typed::Slack) -> Shape {
     }
 }
 
-/// Reports a rod that is no longer than its ends are apart.
+/// Reports a rod that is not longer than the distance of its ends.
 fn refuse_taut(section: &Section<'_>, length: f64, distance: f64) -> bool {
     let taut = length <= distance;
     if taut {
@@ -150,7 +150,7 @@ fn part_normal_to(direction: [f64; 3], axis: [f64; 3]) -> Option<[f64; 3]> {
     let across: [f64; 3] = std::array::from_fn(|i| direction[i] - along * axis[i]);
     let size = norm(across);
     if size < 1e-6 {
-        // Nearer than this it is lost in round-off.
+        // Below this it is lost in round-off.
         None
     } else if along.abs() < 4.0 * f64::EPSILON {
         // Exactly normal it stays as it is.

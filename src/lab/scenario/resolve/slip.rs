@@ -1,7 +1,7 @@
 //! The default of `contact.slip_tolerance`, which follows from the scales of a scene.
 //!
-//! What sticks creeps with some part of the slip tolerance ν. A radius h is fallen through, or run through at the acceleration
-//! a of what presses rods together, with the speed √(a h); what creeps with a thousandth of that creeps by much less than a
+//! Sticking contacts creep at some part of the slip tolerance ν. A fall through a radius h, or a motion through it at the
+//! acceleration a that presses rods together, reaches the speed √(a h); creep at a thousandth of that speed covers much less than a
 //! radius in the time that motions on this scale take. For a rod of a millimetre on Earth this is 0.1 mm/s. Scenes without
 //! gravity take that of Earth, and no more than 0.1 mm/s: thicker rods, too, are driven at millimetres per second there.
 
@@ -97,7 +97,7 @@ mod tests {
     fn rods_of_a_millimetre_have_a_tenth_of_a_millimetre_per_second() {
         let of = |radius: f64| default_slip_tolerance(radius, &weight(10.0), &[]);
         assert!((of(1e-3) / 1e-4 - 1.0).abs() < 1e-12);
-        // As √h, whatever the unit of length.
+        // As √h, in any unit of length.
         for radius in [1e-7, 3e-4, 5e-3, 2.0] {
             assert!((of(radius) / (1e-4 * (radius / 1e-3).sqrt()) - 1.0).abs() < 1e-12);
         }

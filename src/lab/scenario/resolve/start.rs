@@ -1,4 +1,4 @@
-//! Resolving starts from the end of another run: the file is read, and known by its hash.
+//! Resolving starts from the end of another run: the file is read, and identified by its hash.
 
 use super::{Context, Section};
 use crate::scenario::input_file::{self, LARGEST_TABLE};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub const END_STATE: &str = "end_state.csv";
 /// Name of the manifest in a results directory.
 const MANIFEST: &str = "manifest.json";
-/// What the copy beside a resolved scenario is called.
+/// Name of the copy beside a resolved scenario.
 pub const COPY: &str = "start_state.csv";
 
 /// The file that `from` names: itself, or the state in a results directory.
@@ -71,7 +71,7 @@ pub fn start(
     })
 }
 
-/// Compares a state with the mark in the manifest beside it; a file without a mark, as of an earlier version, passes with a
+/// Compares a state with the hash in the manifest beside it; a file without a hash, as of an earlier version, passes with a
 /// warning.
 fn check_mark(file: &Path, hash: &str) -> Result<(), String> {
     let (Some(directory), Some(name)) = (file.parent(), file.file_name()) else {

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// A natural strain that changes over time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Actuation {
-    /// Which strain.
+    /// Kind of strain.
     #[serde(flatten)]
     pub kind: ActuationKind,
     /// Name of the rod.
@@ -13,9 +13,9 @@ pub struct Actuation {
     /// Its size.
     #[serde(flatten)]
     pub course: Course,
-    /// Where along the rod it begins, m.
+    /// Start of the strained part along the rod, m.
     pub from: f64,
-    /// Where along the rod it ends, m; `None` is its end.
+    /// End of the strained part along the rod, m; `None` is the end of the rod.
     pub to: Option<f64>,
 }
 
@@ -81,7 +81,7 @@ impl Course {
         }
     }
 
-    /// Whether it is another at another time.
+    /// Whether it changes over time.
     pub fn changes(&self) -> bool {
         match self {
             Self::Uniform { values } => values.len() > 1,

@@ -19,7 +19,7 @@ pub struct BuilderRod {
 pub struct Experiment {
     #[serde(rename = "experiment")]
     name: &'static str,
-    /// The tables as they stand in the canonical form.
+    /// The tables as written in the canonical form.
     #[serde(flatten)]
     tables: toml::Table,
     #[serde(skip)]
@@ -40,7 +40,7 @@ impl Experiment {
         }
     }
 
-    /// The same, of rods whose smallest radius (m) is known.
+    /// The same, for rods with a given smallest radius (m).
     #[must_use]
     pub fn with_radius(self, smallest_radius: f64) -> Self {
         Self {
@@ -49,7 +49,7 @@ impl Experiment {
         }
     }
 
-    /// The name by which scenario files call it.
+    /// Its name in scenario files.
     pub fn name(&self) -> &'static str {
         self.name
     }
@@ -71,7 +71,7 @@ impl Experiment {
     }
 }
 
-/// Numbers are written so that they read back exactly: what is written alike is alike.
+/// Numbers are written so that they read back exactly: equal text means equal numbers.
 impl PartialEq for Experiment {
     fn eq(&self, other: &Self) -> bool {
         (self.name, &self.tables) == (other.name, &other.tables)

@@ -5,7 +5,7 @@ use crate::scenario::place::Place;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a clamp holds.
+/// Degrees of freedom that a clamp holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
@@ -27,7 +27,7 @@ pub struct Clamp {
     pub at: Place,
     /// What is held.
     pub hold: Hold,
-    /// How it moves: about the tangent at the node, with the node as the fixed point, where it does not say otherwise.
+    /// Its motion: by default about the tangent at the node, with the node as the fixed point.
     #[serde(flatten)]
     pub movement: Movement,
 }

@@ -36,12 +36,12 @@ use serde::Serialize;
 /// A validated scenario in SI units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scenario {
-    /// Stem of the scenario file, by which results are called.
+    /// Stem of the scenario file, the name of the results.
     #[serde(skip)]
     pub name: String,
     /// Title for readers.
     pub title: String,
-    /// Which experiment builds the scene, with its own tables.
+    /// The experiment that builds the scene, with its own tables.
     #[serde(flatten)]
     pub experiment: Experiment,
     /// Rods of the scene; in a builder, rods beside those it builds.
@@ -70,7 +70,7 @@ pub struct Scenario {
     pub obstacles: Vec<Obstacle>,
     /// The state from which the run starts. Default: everything as placed.
     pub start: Option<Start>,
-    /// What is measured at every output.
+    /// Quantities measured at every output.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,
     /// The condition that ends the run.
@@ -85,6 +85,6 @@ pub struct Scenario {
     pub continuation: Option<Continuation>,
     /// Newton's method.
     pub solver: Solver,
-    /// What is written.
+    /// Output of the run.
     pub output: Output,
 }

@@ -16,9 +16,9 @@ pub struct Movement {
     pub angle: Vec<(f64, f64)>,
     /// Steady rate of turning, rad/s.
     pub angular_velocity: f64,
-    /// Unit vector about which it turns; `None` is that of whatever moves.
+    /// Unit vector about which it turns; `None` is the default axis of the moved object.
     pub axis: Option<[f64; 3]>,
-    /// Fixed point of the rotation; `None` is that of whatever moves.
+    /// Fixed point of the rotation; `None` is the default point of the moved object.
     pub pivot: Option<[f64; 3]>,
     /// Poses that are followed.
     #[serde(skip_serializing_if = "Vec::is_empty")]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize, Serializer};
 /// One rod.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rod {
-    /// Name by which clamps, loads and results call it.
+    /// Name for clamps, loads and results.
     pub name: String,
     /// Radius of the contact and fluid surface, m.
     pub radius: f64,

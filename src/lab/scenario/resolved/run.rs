@@ -46,7 +46,7 @@ pub enum Scheme {
     ImplicitEuler,
     /// Second order, conserves momentum and nearly energy.
     ImplicitMidpoint,
-    /// Third order but for inertia, damps fast modes; drag of other nodes' motion to third order too.
+    /// Third order except for inertia, damps fast modes; drag of other nodes' motion to third order too.
     BackwardDifferences,
 }
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use std::sync::Arc;
 
-/// The state from which everything starts.
+/// The state from which the run starts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Start {
     /// The copy of the state beside the resolved scenario.

@@ -33,11 +33,11 @@ pub struct SweptKey {
 pub struct SampledRange {
     /// The key.
     pub key: SweptKey,
-    /// Where its values lie.
+    /// Range of its values.
     pub interval: Interval,
 }
 
-/// What the lists and ranges of a sweep come to.
+/// Axes and ranges of a sweep.
 #[derive(Default)]
 pub struct Keys {
     /// An axis for each key with a list or a range with a count.
@@ -164,7 +164,7 @@ impl typed::End {
     /// The number with its unit.
     ///
     /// # Errors
-    /// A message that says what is wrong.
+    /// A message with the fault.
     pub fn number(&self) -> Result<Number, String> {
         Number::read(&match self {
             Self::Whole(whole) => Value::Integer(*whole),

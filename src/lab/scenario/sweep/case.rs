@@ -13,7 +13,7 @@ const HASH_DIGITS: usize = 16;
 /// One case of a sweep.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Readable, and the same whatever other cases there are, in whatever order.
+    /// Readable, and independent of the other cases and their order.
     pub id: String,
     /// The keys that vary and their values, in the order of the sweep.
     pub parameters: Vec<Parameter>,

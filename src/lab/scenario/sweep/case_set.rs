@@ -31,7 +31,7 @@ pub struct CaseSet {
 
 impl CaseSet {
     /// Reads a scenario file with its sweep. `overrides` are those of `--set`; each of `varied` is an argument
-    /// of `--vary`, which takes the place of what the file says of its key.
+    /// of `--vary`, which replaces the values of its key in the file.
     ///
     /// # Errors
     /// Everything that is wrong with the file and its sweep, but not with the values of each case; those show
@@ -46,7 +46,7 @@ impl CaseSet {
         Self::new(experiments, &load::name_of(path), sources, document, varied)
     }
 
-    /// The case_set in the text of a scenario, called `name`, that names other files relative to `directory`.
+    /// The set of cases in the text of a scenario, called `name`, that names other files relative to `directory`.
     ///
     /// # Errors
     /// As [`CaseSet::load`].
@@ -207,7 +207,7 @@ impl CaseSet {
         Ok(())
     }
 
-    /// The way to a key, with elements of arrays by their numbers.
+    /// The path to a key, with elements of arrays by their numbers.
     fn steps_of(&self, key: &str) -> Vec<String> {
         overrides::numbered_steps(&self.document, key)
     }
@@ -232,7 +232,7 @@ impl CaseSet {
         self.seed
     }
 
-    /// Number of cases: the product of the lengths of all axes; what is too much to count is the largest number.
+    /// Number of cases: the product of the lengths of all axes; the largest number where that overflows.
     pub fn count(&self) -> u128 {
         let lengths = self.axes.iter().map(|axis| axis.points.len() as u128);
         lengths.fold(1, u128::saturating_mul)
@@ -322,7 +322,7 @@ impl CaseSet {
     /// The scenario of a case.
     ///
     /// # Errors
-    /// Everything that is wrong with it; faults of varied values point at the values in the sweep.
+    /// All its faults; faults of varied values point at the values in the sweep.
     pub fn scenario_of(&self, index: usize) -> Result<Loaded, ScenarioError> {
         self.resolved(index, None)
     }
@@ -365,7 +365,7 @@ impl CaseSet {
     }
 }
 
-/// What is wrong with varying the key at `steps` beside another, if anything is.
+/// The fault of varying the key at `steps` beside another, if any.
 fn overlap(steps: &[String], other: &[String], typed: &str) -> Option<String> {
     if steps == other {
         return Some(format!("this key is varied twice, as `{typed}`, too"));

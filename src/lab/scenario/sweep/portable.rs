@@ -26,7 +26,7 @@ pub struct Portable {
 pub struct InputFile {
     /// Its name in the folder [`INPUTS`], steps joined by `/`.
     pub name: String,
-    /// What it holds.
+    /// Its contents.
     pub contents: Vec<u8>,
 }
 

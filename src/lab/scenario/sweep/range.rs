@@ -18,7 +18,7 @@ impl Number {
     /// Reads a number, or text with a unit.
     ///
     /// # Errors
-    /// A message that says what is wrong.
+    /// A message with the fault.
     pub fn read(value: &Value) -> Result<Self, String> {
         let number = match value {
             Value::Integer(integer) => Self {

@@ -10,7 +10,7 @@ use crate::scenario::typed::{self, SearchMethod};
 /// A search, validated. The numbers are in front of the unit of the ends.
 #[derive(Clone, Debug)]
 pub struct Search {
-    /// How.
+    /// Method.
     pub method: SearchMethod,
     /// Column of the summary or of the series.
     pub objective: String,
@@ -20,7 +20,7 @@ pub struct Search {
     pub to: f64,
     /// Width of the interval at which the search ends.
     pub tolerance: f64,
-    /// Value of the objective that is looked for.
+    /// Target value of the objective.
     pub target: f64,
     /// The key that is varied.
     pub(super) key: SweptKey,

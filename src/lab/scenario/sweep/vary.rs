@@ -9,7 +9,7 @@ use crate::scenario::source::Span;
 /// Reads the argument; `source` is its index among the sources.
 ///
 /// # Errors
-/// A message that says what is wrong.
+/// A message with the fault.
 pub fn read(source: usize, argument: &str) -> Result<Axis, String> {
     let Some((key, values)) = argument.split_once('=') else {
         return Err("expected key=from:to:step or key=a,b,c".to_owned());

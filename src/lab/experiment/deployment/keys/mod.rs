@@ -1,4 +1,4 @@
-//! The keys of deployments: `typed`, `resolved`, and here the way from the one to the other.
+//! The keys of deployments: `typed`, `resolved`, and here the conversion between them.
 
 mod fixtures;
 mod knot;
@@ -99,7 +99,7 @@ pub fn resolve(request: &Request<'_>) -> Option<Deployment> {
     })
 }
 
-/// When the gripper lets go, s before the end; `None` where a fault was reported.
+/// Time before the end at which the gripper lets go, s; `None` where a fault was reported.
 fn release(
     request: &Request<'_>,
     section: &Section<'_>,
@@ -183,7 +183,7 @@ fn with_lead_in(
         None => lead_length(&rod, &curve.at(0.0)),
     };
     let curve = curve.with_lead_in(length);
-    // What is longer than a rod that is tied is the path of its end.
+    // The part of a pattern beyond the length of a tied rod is the path of its end.
     if !is_tied && let Err(error) = long_enough(&rod, &curve) {
         section.fault("pattern", error.to_string());
         return None;

@@ -143,7 +143,7 @@ fn drawn(request: &Request<'_>, section: &Section<'_>, typed: &typed::Pattern) -
     }
 }
 
-/// Reads an SVG drawing, and logs what was left out of it.
+/// Reads an SVG drawing, and logs the parts that are ignored.
 ///
 /// # Errors
 /// In words, with the name of the file.

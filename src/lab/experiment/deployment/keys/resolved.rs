@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 /// A rod that a gripper lays on a table along a pattern.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Deployment {
-    /// How the gripper leads the rod.
+    /// Scheme for the gripper's path.
     pub scheme: Scheme,
-    /// Who finds the optimal grasps.
+    /// Solver for the optimal grasps.
     pub solver: Solver,
     /// Length of the lead-in, m.
     pub lead_in: f64,
@@ -31,16 +31,16 @@ pub struct Deployment {
     pub jitter_period: f64,
     /// Seed of the jitter, and of the noise of observations.
     pub seed: u64,
-    /// How the path is corrected while the rod is laid, if it is.
+    /// Correction of the path while the rod is laid, if enabled.
     pub correction: Option<Correction>,
-    /// How long before the end of the run the gripper lets go, s; never without it.
+    /// Time before the end of the run at which the gripper lets go, s; `None`: never.
     pub release: Option<f64>,
     /// Posts on the table; those of clips among them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pegs: Vec<Peg>,
     /// The knot that is tied, if one is.
     pub knot: Option<Knot>,
-    /// The curve that the rod is to follow.
+    /// Target curve of the rod.
     pub pattern: Pattern,
     /// The rod.
     pub rod: Rod,
@@ -51,7 +51,7 @@ pub struct Deployment {
 /// The second rod of a deployment.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Second {
-    /// How its gripper leads it.
+    /// Scheme for its gripper's path.
     pub scheme: Scheme,
     /// Length of its lead-in, m.
     pub lead_in: f64,
@@ -61,14 +61,14 @@ pub struct Second {
     pub rod: Rod,
 }
 
-/// Correction of the gripper's path from where the rod is seen to lie.
+/// Correction of the gripper's path from the observed place of the rod.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Correction {
     /// Length that is laid between two corrections, m.
     pub every: f64,
     /// Length over which the rod returns to the pattern, m.
     pub return_length: f64,
-    /// Root mean square, in each direction, by which places of the lying rod are seen wrongly, m.
+    /// Root mean square error, in each direction, of observed positions of the lying rod, m.
     pub noise: f64,
 }
 
@@ -81,7 +81,7 @@ pub struct Knot {
     pub lift: f64,
     /// Speed at which the end is led, m/s.
     pub speed: f64,
-    /// How far from where a strand should lie it is found, m.
+    /// Largest distance of a strand from its planned place at which it is found, m.
     pub reach: f64,
 }
 
@@ -96,7 +96,7 @@ pub struct Peg {
     pub height: f64,
 }
 
-/// How the gripper leads the rod.
+/// Scheme for the gripper's path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
@@ -107,18 +107,18 @@ pub enum Scheme {
     Intuitive,
 }
 
-/// Who finds the optimal grasps.
+/// Solver for the optimal grasps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum Solver {
     /// The equations of the suspended rod.
     Exact,
-    /// The network of the program; the equations where it has not learned them.
+    /// The network of the program; the equations outside the range of its samples.
     Neural,
 }
 
-/// What a laid rod is to follow, m.
+/// Target curve of a laid rod, m.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Pattern {
@@ -126,7 +126,7 @@ pub enum Pattern {
     Drawn {
         /// The points.
         points: Vec<[f64; 2]>,
-        /// How far the smooth curve may be from them.
+        /// Largest distance of the smooth curve from them.
         deviation: f64,
     },
     /// A straight line along x.
@@ -184,7 +184,7 @@ impl From<Scheme> for rodlab_planning::plan::deployment::Scheme {
 }
 
 impl Pattern {
-    /// The same for those who plan.
+    /// The same for the planner.
     pub fn source(&self) -> PatternSource {
         match *self {
             Self::Drawn {
@@ -210,7 +210,7 @@ impl Pattern {
 }
 
 impl Rod {
-    /// What planning needs of it.
+    /// Its data for planning.
     pub fn deployed(&self) -> DeployedRod {
         DeployedRod {
             gravito_bending_length: self.gravito_bending_length,
@@ -221,7 +221,7 @@ impl Rod {
 }
 
 impl Knot {
-    /// The same for those who plan.
+    /// The same for the planner.
     pub fn handling(&self) -> Handling {
         Handling {
             lift: self.lift,
@@ -266,7 +266,7 @@ impl Deployment {
     /// The pattern with its lead-in, all of it.
     ///
     /// # Errors
-    /// It is none.
+    /// The pattern is invalid.
     pub fn whole_pattern(&self) -> Result<Curve, PatternError> {
         Ok(self.pattern.source().pattern()?.with_lead_in(self.lead_in))
     }
@@ -274,7 +274,7 @@ impl Deployment {
     /// The part of it along which the rod is laid: all, unless its rest is the path of the rod's end.
     ///
     /// # Errors
-    /// It is none.
+    /// The pattern is invalid.
     pub fn laid_pattern(&self) -> Result<Curve, PatternError> {
         let whole = self.whole_pattern()?;
         Ok(match self.knot {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize, Serializer};
 pub struct Folding {
     /// Planner of the gripper's path.
     pub algorithm: AlgorithmName,
-    /// Where the edge goes.
+    /// Target of the edge.
     pub crease: Crease,
     /// Relative error of the gravito-bending length that is planned for.
     pub length_error: f64,
@@ -32,11 +32,11 @@ pub struct Folding {
 pub struct Feedback {
     /// Parts of the path.
     pub parts: usize,
-    /// Root mean square by which sliding is seen wrongly, m.
+    /// Root mean square error of the observed slide, m.
     pub noise: f64,
 }
 
-/// Where the edge goes.
+/// Target of the edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Crease {
     /// Onto the opposite edge.
@@ -65,7 +65,7 @@ impl Serialize for Crease {
     }
 }
 
-/// Ways of planning a fold.
+/// Planners of a fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
@@ -83,12 +83,12 @@ pub enum AlgorithmName {
 }
 
 impl AlgorithmName {
-    /// Whether the rest of such a way can be planned again.
+    /// Whether the rest of such a path can be replanned.
     pub fn is_planned_anew(self) -> bool {
         !matches!(self, Self::Circle | Self::StepByStep)
     }
 
-    /// The same for those who plan, on a table of friction μ.
+    /// The same for the planner, on a table of friction μ.
     pub fn on(self, friction: f64) -> Algorithm {
         match self {
             Self::Optimal => Algorithm::Optimal(Objective::Sum),
@@ -105,7 +105,7 @@ impl AlgorithmName {
 pub struct Paper {
     /// Its length, m.
     pub length: f64,
-    /// The side that stays as it is, m.
+    /// Length of the side across the direction of the fold, m.
     pub width: f64,
     /// L_gb, m.
     pub gravito_bending_length: f64,
@@ -135,7 +135,7 @@ impl Paper {
         }
     }
 
-    /// How far the edge goes, m, or why it cannot go there.
+    /// Distance that the edge moves, m, or the reason why it cannot.
     ///
     /// # Errors
     /// A sheet that is not square has no diagonal to be folded along; a sheet has an end.
@@ -163,7 +163,7 @@ impl Folding {
         self.paper.sheet(self.crease)
     }
 
-    /// The sheet as the planner believes it to be.
+    /// The sheet as the planner assumes it.
     pub fn believed(&self) -> FoldedSheet {
         let sheet = self.sheet();
         FoldedSheet {
@@ -172,7 +172,7 @@ impl Folding {
         }
     }
 
-    /// How far the edge goes, m.
+    /// Distance that the edge moves, m.
     pub fn target(&self) -> f64 {
         match self.crease {
             Crease::At(target) => target,

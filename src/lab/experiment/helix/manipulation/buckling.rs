@@ -27,7 +27,7 @@ const DEVIATION: f64 = 0.1;
 /// as fast, where following its end gives it less than 0.5.
 const OWN_MOTION: f64 = 10.0;
 
-/// What is seen of a manipulated rod at an output time.
+/// Observation of a manipulated rod at an output time.
 #[derive(Clone, Copy, Debug)]
 pub struct Observation {
     /// Distance ‖(κ, τ, ω)‖ of the helix that the rod should be.

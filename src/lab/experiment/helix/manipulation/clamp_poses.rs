@@ -1,4 +1,4 @@
-//! Where the clamps of a rod are that should be a helix (thesis Eqs. 6.2 and 6.3).
+//! Poses of the clamps of a rod that should be a helix (thesis Eqs. 6.2 and 6.3).
 
 use nalgebra::{Isometry3, Translation3, Unit};
 use rodlab_engine::mechanics::kirchhoff::Helix;

@@ -165,7 +165,7 @@ const FRICTION: f64 = 0.2;
 /// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
 
-/// Reads quantities and notes what is wrong with them.
+/// Reads quantities and records their faults.
 struct Reader<'a> {
     issues: &'a mut Issues,
 }

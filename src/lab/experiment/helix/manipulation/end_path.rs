@@ -11,7 +11,7 @@ const SPACING: f64 = 0.02;
 /// Corners between two of the random displacements that jitter leads through.
 const JITTER_CORNERS: usize = 10;
 
-/// How the end of a rod of length 1 is moved.
+/// Motion of the end of a rod of length 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Manipulation {
     /// The rod whose chain of edges is to lie on the helices.

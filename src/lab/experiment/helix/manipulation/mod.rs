@@ -6,8 +6,8 @@
 //! | file | what |
 //! |---|---|
 //! | `clamped_rod` | the rod between a chuck and a hand, from its file |
-//! | `clamp_poses` | where chuck and hand hold a rod that should be a helix |
-//! | `end_path` | where the manipulated end is when, at a given speed and with jitter |
+//! | `clamp_poses` | poses of chuck and hand for a rod that should be a helix |
+//! | `end_path` | the path of the manipulated end, at a given speed and with jitter |
 //! | `buckling` | the error e, where it grows, and whether the rod snaps |
 
 mod buckling;

@@ -36,7 +36,7 @@ pub struct Band {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison(pub Vec<Band>);
 
-/// Which relative difference of a row counts.
+/// The relative difference of a row that counts.
 type Difference = fn(&BoundaryRow) -> Option<f64>;
 
 /// Compares all rows: the mesh as it is, then what was extrapolated.

@@ -27,7 +27,7 @@ pub struct DiscreteRod {
     pub bending_stiffness: f64,
 }
 
-/// The scene of the first direction, for those who ask what is run: a rod at distance 1.
+/// The scene of the first direction, as an example of the runs: a rod at distance 1.
 pub fn first_scene(plan: &HelixStability) -> Scene {
     let rod = DiscreteRod {
         edges: plan.edges,
@@ -73,7 +73,7 @@ impl DiscreteRod {
         self.clamped(centreline, [Vector3::x(); 2], edge, 0.0)
     }
 
-    /// What takes the end of the straight rod to that of a helix.
+    /// Motion that takes the end of the straight rod to that of a helix.
     ///
     /// The nodes lie on a helix that is as much larger as its chords are shorter than its arcs, so that the
     /// edges keep their length except for the stretch by the tension; and the end is turned as an even twist ω/GJ along this polygon demands, which is
@@ -109,7 +109,7 @@ impl DiscreteRod {
         }
     }
 
-    /// How much larger than the helix the one is on which the rod's own edges fit.
+    /// Enlargement of the helix on which the rod's own edges fit.
     pub fn enlargement(&self, helix: &Helix) -> f64 {
         let edge = 1.0 / self.edges as f64;
         self.stretch(helix) * edge / helix.position(edge).norm()

@@ -1,4 +1,4 @@
-//! What a search for the boundary of stable helices leaves in a results directory, in words.
+//! Descriptions of the files of a search for the boundary of stable helices in a results directory.
 
 use rodlab_files::columns;
 use rodlab_files::results::{Column, FileDescription, always, file, table};

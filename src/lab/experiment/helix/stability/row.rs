@@ -5,7 +5,7 @@ use rodlab_files::results::{ResultsError, read_whole_rows};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Which part of the boundary a direction belongs to.
+/// Part of the boundary to which a direction belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
@@ -19,7 +19,7 @@ pub enum Part {
     TauOmega,
 }
 
-/// What becomes of the rod along a direction.
+/// Outcome of the rod along a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
@@ -44,7 +44,7 @@ pub struct BoundaryRow {
     pub tau: f64,
     /// Unit direction: twisting moment.
     pub omega: f64,
-    /// What becomes of the rod.
+    /// Outcome of the rod.
     pub outcome: Outcome,
     /// Distance at which the discrete rod loses stability; empty where it does not.
     pub critical: Option<f64>,

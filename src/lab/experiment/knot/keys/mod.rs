@@ -1,4 +1,4 @@
-//! The keys of knots: `typed`, `resolved`, and here the way from the one to the other.
+//! The keys of knots: `typed`, `resolved`, and here the conversion between them.
 
 mod resolved;
 mod start;

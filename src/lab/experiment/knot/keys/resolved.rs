@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 /// A knot and how it is pulled tight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Knot {
-    /// How the rods lie at the start.
+    /// Placement of the rods at the start.
     #[serde(flatten)]
     pub start: KnotStart,
     /// Length of each rod, m.
     pub length: f64,
     /// Distance of the ends, or of those on the left from those on the right, at the start, m.
     pub end_to_end: f64,
-    /// What is held at the ends.
+    /// Support of the ends.
     pub ends: KnotEnds,
     /// Speed of each end, m/s.
     pub pull_speed: f64,
@@ -36,7 +36,7 @@ fn is_default_bound(bound: &f64) -> bool {
     *bound == Knot::KINETIC_BOUND
 }
 
-/// How the rods of a knot lie at the start.
+/// Placement of the rods of a knot at the start.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum KnotStart {
@@ -44,7 +44,7 @@ pub enum KnotStart {
     Tied(KnotKind),
     /// One rod along a curve.
     Curve {
-        /// Which knot it must be.
+        /// The knot that it must be.
         #[serde(flatten)]
         kind: Option<KnotKind>,
         /// The corners of the curve, m.
@@ -53,7 +53,7 @@ pub enum KnotStart {
 }
 
 impl KnotStart {
-    /// Which knot it is; `None` for any curve.
+    /// Kind of the knot; `None` for any curve.
     pub fn kind(&self) -> Option<KnotKind> {
         match self {
             Self::Tied(kind) => Some(*kind),
@@ -92,7 +92,7 @@ pub enum KnotKind {
     Fisherman,
 }
 
-/// What is held at the ends of a knotted rod.
+/// Support of the ends of a knotted rod.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]

@@ -13,9 +13,9 @@ const SAME_DISTANCE: f64 = 1e-6;
 /// A curve that has its length already, up to round-off, is not scaled: resolved scenarios read back to themselves.
 const SAME_LENGTH: f64 = 1e-12;
 
-/// How the rods of a knot lie, and how long they are.
+/// Placement and length of the rods of a knot.
 pub struct PlacedKnot {
-    /// How they lie; `None` if the kind of knot is at fault, which is reported.
+    /// Placement; `None` if the kind of knot is at fault, which is reported.
     pub start: Option<KnotStart>,
     /// Length of each rod, m.
     pub length: f64,

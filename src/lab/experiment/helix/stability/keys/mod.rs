@@ -1,4 +1,4 @@
-//! The keys of the stability of helical rods: `typed`, `resolved`, and here the way from the one to the other.
+//! The keys of the stability of helical rods: `typed`, `resolved`, and here the conversion between them.
 
 mod resolved;
 mod typed;

@@ -11,7 +11,7 @@ pub struct HelixStability {
     pub edges: usize,
     /// Whether the limit of a fine mesh is extrapolated from half as many edges.
     pub extrapolate: bool,
-    /// How the rod gets to each point.
+    /// Approach of the rod to each point.
     pub search: HelixSearch,
     /// Radius over length.
     pub radius: f64,
@@ -32,7 +32,7 @@ impl HelixStability {
     pub const LARGEST_TURN: f64 = 0.5;
 }
 
-/// How the rod gets to a point of the (κ, τ, ω) space.
+/// Approach of the rod to a point of the (κ, τ, ω) space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
