@@ -50,9 +50,9 @@ pub struct DataSet {
     pub files: &'static [FileDescription],
     /// The figures of the rows in a results directory, by the names of their files.
     pub figures: fn(&Path) -> Result<Figures, FigureError>,
-    /// What `rodlab view` shows of the rows in a results directory.
+    /// Page of `rodlab view` for the rows in a results directory.
     pub page: fn(&Path) -> Result<Page, ResultsError>,
-    /// What a network learns from the rows, if one does.
+    /// Columns for the training of a network, if any.
     pub columns: Option<SampleColumns>,
 }
 

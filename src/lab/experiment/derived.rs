@@ -54,8 +54,8 @@ pub struct DerivedNumbers {
     pub advised_step: Option<f64>,
     #[serde(skip)]
     scheme: Scheme,
-    /// Part of its amplitude that the slowest bending oscillation loses in a period by the time scheme alone; `None` but
-    /// with fixed steps.
+    /// Part of its amplitude that the slowest bending oscillation loses in a period by the time scheme alone; `None` without
+    /// fixed steps.
     pub lost_per_period: Option<f64>,
     /// Part by which the time scheme alone makes its period longer.
     pub longer_period: Option<f64>,
@@ -432,7 +432,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_rods_share_their_lines_wherever_they_stand() {
+    fn equal_rods_at_different_places_share_their_lines() {
         let mut numbers = derived("flagella_m2.toml", &[]);
         let rod = numbers.rods[0].clone();
         // Places written to some digits, and rods of another kind between them.
@@ -468,7 +468,7 @@ mod tests {
     }
 
     #[test]
-    fn every_scheme_says_what_it_makes_of_a_swing() {
+    fn every_scheme_reports_its_error_for_the_slowest_mode() {
         // With steps of a fiftieth of the period: the leading terms of the errors.
         let turned = TAU / 50.0;
         let errors = [

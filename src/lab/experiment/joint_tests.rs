@@ -95,7 +95,7 @@ fn faults_name_the_joint_and_what_is_allowed() {
 }
 
 #[test]
-fn a_scheme_that_goes_on_from_the_middle_is_refused_beside_frames() {
+fn a_scheme_that_extrapolates_from_the_middle_is_refused_beside_frames() {
     let text = format!(
         "{RODS}{}[time]\nscheme = \"implicit-midpoint\"\nend = 1.0\n",
         joint("rigid", "[\"end\", \"start\"]")

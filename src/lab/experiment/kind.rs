@@ -17,7 +17,7 @@ pub type Figures = Vec<(&'static str, Figure)>;
 
 /// A kind of experiment.
 ///
-/// Its name, its keys and how they are resolved are its [`ExperimentKeys`]; here is what becomes of them. A new kind
+/// Its name, its keys and how they are resolved are its [`ExperimentKeys`]; this trait defines their use. A new kind
 /// is a folder beside this file and an entry in [`KINDS`](super::KINDS).
 pub trait Kind: ExperimentKeys {
     /// The scenario file that `rodlab init` writes. Lines that begin with `#: ` are further keys.
@@ -26,7 +26,7 @@ pub trait Kind: ExperimentKeys {
     /// Adds its rods, clamps and loads to a scene that has none yet; those that the scenario lists come after them.
     ///
     /// # Errors
-    /// What cannot be built, at its key.
+    /// Parts that cannot be built, at their keys.
     fn build(&self, _scenario: &Scenario, _scene: &mut Scene) -> Result<(), Issue> {
         Ok(())
     }
@@ -34,7 +34,7 @@ pub trait Kind: ExperimentKeys {
     /// Adds observers and controllers of the run, whose scene is complete.
     ///
     /// # Errors
-    /// What cannot be run, at its key.
+    /// Parts that cannot be run, at their keys.
     fn attach(&self, _scenario: &Scenario, _run: &mut PreparedRun) -> Result<(), Issue> {
         Ok(())
     }
@@ -49,7 +49,7 @@ pub trait Kind: ExperimentKeys {
         &[]
     }
 
-    /// What a network may learn from a run, if it is a table of samples.
+    /// Columns for the training of a network, if the run is a table of samples.
     fn samples(&self) -> Option<SampleColumns> {
         None
     }

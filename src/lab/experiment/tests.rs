@@ -26,7 +26,7 @@ fn with_all_keys(template: &str) -> String {
 }
 
 #[test]
-fn names_differ_and_each_is_told_in_a_sentence() {
+fn names_differ_and_each_has_a_sentence() {
     let names: BTreeSet<&str> = KINDS.iter().map(|kind| kind.name()).collect();
     assert_eq!(names.len(), KINDS.len());
     for kind in KINDS {
@@ -69,7 +69,7 @@ fn keys_of_each_kind_are_in_the_schema_and_explained() {
 
 /// Runs the template of each kind for two steps, and draws what came out.
 #[test]
-fn each_kind_runs_has_figures_and_says_what_its_files_hold() {
+fn each_kind_runs_has_figures_and_describes_its_files() {
     for kind in KINDS {
         let whole = prepared(*kind, kind.template(), &[]);
         let short = match (whole.mode, whole.integration.step) {

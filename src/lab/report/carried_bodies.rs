@@ -66,7 +66,7 @@ pub fn carried_bodies(
 }
 
 impl CarriedBody {
-    /// Where it is with the nodes at these positions.
+    /// Its pose with the nodes at these positions.
     fn pose(&self, positions: &[Vector3]) -> Pose {
         let along = positions[self.between[1]] - positions[self.between[0]];
         let [from, director] = self.placed;

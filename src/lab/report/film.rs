@@ -16,7 +16,7 @@ pub struct FilmRequest {
     pub case: Option<String>,
     /// Name of the rod that the camera follows.
     pub follow: Option<String>,
-    /// How the film is made; the rod that is followed is found by its name.
+    /// Settings of the film; the followed rod is found by its name.
     pub options: FilmOptions,
 }
 
@@ -37,10 +37,10 @@ pub enum MovieError {
     /// The directory shows no rods in motion.
     #[error(transparent)]
     View(#[from] ViewError),
-    /// A sweep has several cases, and none or none of them was chosen.
+    /// A sweep has several cases, and none was chosen, or one that does not exist.
     #[error("{reason}; choose one of its {} cases with --case: {}", cases.len(), first_few(cases))]
     NoCase {
-        /// What is missing.
+        /// Reason why no case is chosen.
         reason: String,
         /// Ids of the cases.
         cases: Vec<String>,

@@ -2,7 +2,7 @@
 
 use crate::experiment::unit;
 
-/// Endings of column names and the units that they stand for; longer ones first.
+/// Endings of column names and their units; longer ones first.
 const UNITS: [(&str, &str); 17] = [
     ("_rad_per_s", "rad/s"),
     ("_rad_per_m", "rad/m"),

@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn rings_that_come_unlinked_are_told() {
+    fn rings_that_become_unlinked_are_reported() {
         let rings = |velocity| vec![ring("lying", 0.0, 0.0), ring("standing", 0.05, velocity)];
         let sentence = first_failure(rings(1.0), 1e-3, 200).unwrap();
         assert!(
@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn rods_at_which_a_look_takes_seconds_are_not_guarded() {
+    fn rods_whose_check_takes_seconds_are_not_guarded() {
         let ring = |nodes: usize| Scene {
             rods: vec![closed("ring", nodes, |t| {
                 Vector3::new(t.cos(), t.sin(), 0.0)

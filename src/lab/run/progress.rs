@@ -32,7 +32,7 @@ pub struct AmongBars {
 
 impl Progress {
     /// A bar of its own, or among those of other runs. Nothing is drawn unless `visible`, nor where standard
-    /// error is no terminal.
+    /// error is not a terminal.
     pub fn bar(visible: bool, among: Option<&AmongBars>) -> ProgressBar {
         let template =
             |text: &str| ProgressStyle::with_template(text).expect("the template is right");

@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_begun_after_a_break() {
+    fn nothing_is_started_after_a_break() {
         let done = Mutex::new(Vec::new());
         for_each(10, 1, |index| {
             done.lock().unwrap().push(index);

@@ -248,7 +248,7 @@ mod tests {
     "#;
 
     #[test]
-    fn a_trial_that_fails_says_why() {
+    fn a_failed_trial_reports_the_reason() {
         let forecast = of(BEHIND, &[]);
         assert!(forecast.processor_time.is_none());
         let text = forecast.to_string();

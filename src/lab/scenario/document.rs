@@ -287,7 +287,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn an_unclosed_bracket_is_reported_once_and_where_it_stands() {
+    fn an_unclosed_bracket_is_reported_once_at_its_place() {
         for text in [
             "a = 1\nb = [1, 2\nc = 3\n[d]\ne = [4]\n",
             "a = 1\nb = [[1], [2]\n\n[d]\ne = [4]\n",

@@ -108,7 +108,7 @@ impl Experiments {
             .iter()
             .map(|kind| json!({ "type": "string", "const": kind.name(), "description": kind.summary() }))
             .collect();
-        let experiment = json!({ "description": "What is simulated.", "oneOf": names });
+        let experiment = json!({ "description": "The kind of simulation.", "oneOf": names });
         own.insert(EXPERIMENT.to_owned(), experiment);
         let mut root = generator.into_root_schema_for::<ScenarioFile>().to_value();
         if let Some(Json::Object(properties)) = root.get_mut("properties") {

@@ -50,7 +50,7 @@ fn functions() -> String {
 }
 
 /// The SI unit of a dotted key, as its explanation names it; `None` where it has none, or there is no such key.
-/// Names of rods may stand in the key.
+/// The key may contain names of rods.
 pub fn unit(experiments: Experiments, key: &str) -> Option<String> {
     let schema = json_schema(experiments);
     let explainer = Explainer { root: &schema };
@@ -187,7 +187,7 @@ impl<'a> Explainer<'a> {
         };
         for schema in self.expanded(schema) {
             match kind(schema) {
-                // The keys of a kind may stand behind a reference.
+                // The keys of a kind may be behind a reference.
                 Some(kind) => self
                     .expanded(schema)
                     .into_iter()

@@ -183,7 +183,7 @@ impl Loaded {
         names
     }
 
-    /// How many tables each array with copies has, before expansion and after.
+    /// Number of tables of each array with copies, before expansion and after.
     pub fn copied(&self) -> Vec<Copied> {
         self.origins.copied()
     }

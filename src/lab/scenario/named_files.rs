@@ -89,7 +89,7 @@ mod tests {
         #[test]
         fn a_copy_has_the_label_of_its_original(name in "[./a-z]{1,20}") {
             let label = label(&name);
-            // Names without a last step are those of directories, which are no input.
+            // Names without a last step are those of directories, which are not input.
             prop_assume!(!label.is_empty());
             prop_assert_eq!(super::label(&format!("{INPUTS}/{label}")), label.clone());
             prop_assert!(!label.starts_with('/') && !label.split('/').any(|part| part == ".."));

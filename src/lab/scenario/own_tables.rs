@@ -19,8 +19,8 @@ pub struct OwnTable {
 }
 
 impl OwnTable {
-    /// The table `[key]`, typed as the struct `T`, whose doc comments explain its keys. The description says what the
-    /// table is for.
+    /// The table `[key]`, typed as the struct `T`, whose doc comments explain its keys. The description states the
+    /// purpose of the table.
     pub const fn new<T: DeserializeOwned + JsonSchema + Any>(
         key: &'static str,
         description: &'static str,

@@ -20,7 +20,7 @@ pub fn as_written(mut schema: Json) -> Json {
         (
             COUNT,
             json!({
-                "description": "How many copies of this table there are, 1 by default, or up to three numbers of them, such as [20, 10]. Expressions\nhave the number of the copy as i, j and k, from 0; text such as \"rod{i}\" has it in braces. The last index runs fastest.",
+                "description": "Number of copies of this table, 1 by default, or up to three numbers of them, such as [20, 10]. Expressions\nhave the number of the copy as i, j and k, from 0; text such as \"rod{i}\" has it in braces. The last index runs fastest.",
                 "anyOf": [whole, { "type": "array", "items": whole, "minItems": 1, "maxItems": 3 }],
             }),
         ),

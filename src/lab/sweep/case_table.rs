@@ -130,8 +130,8 @@ impl<'a> CaseTable<'a> {
         written
     }
 
-    /// The same of a sweep that was stopped; not of one so large that it would take longer than a second. Tells whether
-    /// that was done.
+    /// The same for a sweep that was stopped, unless it is so large that this would take longer than a second. Returns
+    /// whether the tables were written.
     pub fn publish_if_quick(&self, cases: &[Case]) -> Result<bool, ResultsError> {
         let quick = cases.len() <= QUICKLY_PUBLISHED;
         if quick {

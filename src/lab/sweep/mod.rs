@@ -43,7 +43,7 @@ use workers::Workers;
 /// Options of a sweep, apart from its cases.
 #[derive(Clone, Debug)]
 pub struct SweepOptions {
-    /// How to run a case; its directory and `force` are those of the whole sweep, its time limit, too.
+    /// Options of the run of a case; its directory, `force` and time limit are those of the whole sweep.
     pub run: RunOptions,
     /// Cases at a time; they share the threads of the program.
     pub jobs: NonZeroUsize,

@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::fmt;
 use std::path::PathBuf;
 
-/// What one search found.
+/// Finding of one search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     /// Index of the case of the keys that are not searched.
@@ -31,7 +31,7 @@ pub struct SweepOutcome {
     pub counts: CaseCounts,
     /// Why no further case was started, where there was a request to stop.
     pub interrupted: Option<StopRequest>,
-    /// What the search found for each case of the keys that are not searched; empty without a search.
+    /// Findings of the search for each case of the keys that are not searched; empty without a search.
     pub found: Vec<Found>,
     /// Whether the tables of the whole were left as they were, since the sweep was stopped and they take long to write.
     pub tables_are_old: bool,

@@ -16,7 +16,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Mutex;
 
-/// What the searches found, a row per case of the keys that are not searched.
+/// Findings of the searches, a row per case of the keys that are not searched.
 pub const SEARCH_TABLE: &str = "search.csv";
 
 /// Why a search ends early.

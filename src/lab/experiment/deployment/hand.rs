@@ -38,7 +38,7 @@ struct Task {
 }
 
 impl Hand {
-    /// The gripper of a number that does this. `nodes` are those of the rods of the scene. It takes hold of the node that is nearest to
+    /// The gripper of a number with these tasks. `nodes` are those of the rods of the scene. It grasps the node that is nearest to
     /// it, seen from above, if it is within `reach`, m.
     pub fn new(number: usize, holds: &[Hold], nodes: &[Range<usize>], reach: f64) -> Self {
         let task = |hold: &Hold| {

@@ -232,7 +232,7 @@ mod tests {
         let outcome = laid(&format!("{CLIPS}\nframe_shift = [0.0, 0.03]"), 5.0);
         let pegs = outcome.pegs.unwrap();
         assert_eq!((pegs.count, pegs.passed), (6, 3), "{outcome:?}");
-        // A peg that stands on that side of the pattern is passed on the wrong side, one on the other side is not.
+        // A peg on that side of the pattern is passed on the wrong side, one on the other side is not.
         let peg = |y: f64| {
             let line = "pattern = { kind = \"line\", length = 0.1 }\nframe_shift = [0.0, 0.03]";
             let peg =

@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn an_end_within_a_loop_is_no_knot() {
+    fn an_end_within_a_loop_is_not_a_knot() {
         // An overhand loop whose end lies over its middle: a trefoil or not, as the end is raised or lowered.
         let curve = trefoil();
         let passages = tied(&curve, &[Over, Under, Over]);
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn reef_granny_and_no_knot_are_told_apart() {
+    fn reef_granny_and_no_knot_are_distinguished() {
         for (throws, determinant, signature) in [(TwoThrows::REEF, 9, 0), (TwoThrows::GRANNY, 9, 4)]
         {
             let [first, second] = lying(throws);

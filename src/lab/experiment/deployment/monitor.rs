@@ -30,7 +30,7 @@ pub struct WatchedRod {
     pub derived: DerivedDeployment,
 }
 
-/// What is monitored.
+/// Parameters of the monitor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Watched {
     /// The rods, in the order in which they are laid: the first ones of the scene.
@@ -68,7 +68,7 @@ impl Watched {
 /// Monitors rods that are laid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DeploymentMonitor {
-    /// What is monitored.
+    /// Parameters of the monitor.
     pub watched: Watched,
     /// Time between samples, s.
     interval: f64,

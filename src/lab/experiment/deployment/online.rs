@@ -26,7 +26,7 @@ pub struct OnlineCorrection {
     solver: Solver,
     /// The path that is followed.
     path: CorrectedPath,
-    /// How the camera sees the table.
+    /// Model of the camera above the table.
     seen: Planned,
     /// Clamp of the gripper, nodes of the rod, and height below which a node lies, m.
     clamp: usize,

@@ -71,14 +71,14 @@ impl Planned {
         }
     }
 
-    /// Where the planner sees a place, m.
+    /// A place as the planner assumes it, m.
     pub fn place(&self, place: Point) -> Point {
         let (sine, cosine) = libm::sincos(self.turn);
         let turned = Matrix2::new(cosine, -sine, sine, cosine);
         self.pivot + turned * (place - self.pivot) + self.shift
     }
 
-    /// Where the planner sees points of the pattern.
+    /// Points of the pattern as the planner assumes them.
     pub fn seen(&self, mut points: Vec<PatternPoint>) -> Vec<PatternPoint> {
         for point in &mut points {
             point.position = self.place(point.position);

@@ -82,7 +82,7 @@ pub fn lying_height(scenario: &Scenario, rod: &Rod) -> f64 {
     rod.radius + 2.0 * tolerance
 }
 
-/// What is monitored.
+/// Parameters of the monitor.
 pub fn watched(scenario: &Scenario, deployment: &Deployment, paths: &DeploymentPaths) -> Watched {
     let layings = deployment.layings();
     let rods = layings.iter().zip(&paths.rods).zip(nodes(deployment));

@@ -218,7 +218,7 @@ mod tests {
     use rodlab_planning::knot::KnotInvariants;
     use std::path::Path;
 
-    /// What came of a scenario of the repository with other keys.
+    /// Outcome of a scenario of the repository with other keys.
     fn tied(name: &str, overrides: &[&str]) -> TiedKnot {
         let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
         let file = root.join(format!("scenarios/{name}.toml"));

@@ -30,7 +30,7 @@ keys! {
         pitch: number(Length, POSITIVE) required,
         /// Length of the helices along their axes, without the hook.
         axial_length: number(Length, POSITIVE) required,
-        /// Side of the polygon on whose corners the axes stand. Not needed for a single flagellum.
+        /// Side of the polygon on whose corners the axes are. Not needed for a single flagellum.
         side: number(Length, POSITIVE) required,
         /// Direction of the first axis from the centre of the polygon, an angle about z (axes point from head to tip) from the
         /// direction in which every helix begins, seen from its own axis. Default: "180 deg", the first helix begins towards the
@@ -59,7 +59,7 @@ pub struct Flagella {
     pub pitch: f64,
     /// Length of the helices along their axes, m.
     pub axial_length: f64,
-    /// Side of the polygon on whose corners the axes stand, m.
+    /// Side of the polygon on whose corners the axes are, m.
     pub side: f64,
     /// Direction of the first axis from the centre of the polygon, from that in which the helices begin, rad.
     pub orientation: f64,

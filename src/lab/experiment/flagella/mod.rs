@@ -4,7 +4,7 @@
 //! x = a cos T, y = a sin T, z = b T (b = pitch/2π) of evenly spaced nodes, all in phase. With the hook, a
 //! ramp of two edges at 45° comes before it, from the axis at z = −a to the helix at T = 0, and before that an
 //! inlet of one edge along the axis, as long as an edge of the helix. The natural shape is the placed one.
-//! The axes stand on the corners of a regular polygon around the origin: for M = 2 the ends of a segment, for M = 1 the
+//! The axes are on the corners of a regular polygon around the origin: for M = 2 the ends of a segment, for M = 1 the
 //! origin. `orientation` is the angle about z from the x axis, where each helix begins beside its own axis, to the first
 //! corner. At the default, 180°, the first helix begins towards the centre. The released reference code has its axes along x
 //! and the corners at (R − R cos t, R sin t) in the plane of (y, z) = a (cos T, sin T): from its centre, the first one at 180°.
@@ -108,7 +108,7 @@ fn name(number: usize) -> String {
     format!("flagellum_{}", number + 1)
 }
 
-/// Where the axes cross the plane z = 0.
+/// Points at which the axes cross the plane z = 0.
 fn feet(flagella: &Flagella) -> Vec<Vector3> {
     let count = flagella.count;
     if count == 1 {
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn feet_stand_on_a_regular_polygon_around_the_origin() {
+    fn feet_are_on_a_regular_polygon_around_the_origin() {
         for count in [2, 3, 5, 10] {
             let feet = feet(&flagella(count));
             let centroid: Vector3 = feet.iter().sum::<Vector3>() / count as f64;

@@ -98,7 +98,7 @@ impl GripperPath {
         (place, angle)
     }
 
-    /// Height of an edge that lies on the table where it lay, and on the sheet where it goes, m; in between it goes over from the one to the
+    /// Height of an edge that lies on the table at its start, and on the sheet at its target, m; in between it blends from the one to the
     /// other.
     fn lowest(&self, x: f64) -> f64 {
         self.height + self.layer * (x / self.target).clamp(0.0, 1.0)
@@ -140,8 +140,8 @@ impl GripperPath {
         speeds.fold(0.0, f64::max)
     }
 
-    /// Puts other poses in the place of those after `from` and up to `to`, in the same time, of a sheet that has slid by `slid`, m; what
-    /// comes later stays as it was planned, on the sheet.
+    /// Replaces the poses after `from` and up to `to`, in the same time, for a sheet that has slid by `slid`, m; later poses
+    /// stay as planned, on the sheet.
     pub fn replace(&mut self, [from, to]: [usize; 2], poses: &[FoldPose], slid: f64) {
         let ends = [self.times[from], self.times[to]];
         let times = timed(poses, ends);

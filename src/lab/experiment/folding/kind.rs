@@ -233,7 +233,7 @@ mod tests {
 
     /// Without inertia, by the equilibrium of the suspended sheet: 7.3 mm.
     #[test]
-    fn without_a_moment_the_sheet_slides_as_far_as_its_equilibrium_says() {
+    fn without_a_moment_the_sheet_slides_as_its_equilibrium_predicts() {
         let length = 0.297 / 0.048;
         let atlas = FoldAtlas::new();
         let manifold = ForceManifold::new(&atlas, ForceManifold::SPACING, length);

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Samples in the time of a run.
 const SAMPLES: f64 = 1000.0;
 
-/// What is monitored.
+/// Parameters of the monitor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Watched {
     /// Nodes of the sheet, the free end first.
@@ -35,7 +35,7 @@ pub struct Watched {
 /// Monitors a sheet that is folded, the first rod of its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FoldingMonitor {
-    /// What is monitored.
+    /// Parameters of the monitor.
     pub watched: Watched,
     next: f64,
     /// Time and nodes of the last sample, s and m.

@@ -29,7 +29,7 @@ pub struct KnotOutcome {
     pub traction_n: Option<f64>,
 }
 
-/// Why a run with a knot ended before its time, as it should.
+/// Regular reason for which a run with a knot ended before its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum KnotEnding {
     /// The knot inverted, and was followed for a while.

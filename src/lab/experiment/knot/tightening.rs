@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cinquefoil_inverts_and_both_measures_say_where() {
+    fn a_cinquefoil_inverts_and_both_measures_locate_the_inversion() {
         let knot = outcome(&[
             "knot.unknotting_number=2",
             "knot.length=0.4",

@@ -13,7 +13,7 @@ use std::path::Path;
 /// F̄ = F h²/EI over ε = √(h/R) while the ends move apart, on logarithmic axes; `None` where no knot was
 /// pulled in this run.
 ///
-/// Beside it stand Audoly's law of the trefoil at the same ε (thesis Eq. 2.29) and, with friction, the traction
+/// Beside it are Audoly's law of the trefoil at the same ε (thesis Eq. 2.29) and, with friction, the traction
 /// at which the law of Jawed et al. has the same shortening (thesis Eq. 2.30); other knots have no theory.
 ///
 /// # Errors

@@ -208,7 +208,7 @@ fn names_of_own_files() -> Vec<&'static str> {
 /// Lets the scene start from the end of another run.
 ///
 /// # Errors
-/// Why that does not fit.
+/// A state that does not fit.
 fn begin_at(prepared: &mut PreparedRun, start: &scenario::Start) -> Result<(), String> {
     let rows = read_end_state(&start.contents)?;
     let mut state = start_from(&rows, &rod_records(prepared))?;

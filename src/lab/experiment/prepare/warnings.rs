@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polyline_that_is_cut_shorter_is_told() {
+    fn a_polyline_that_is_cut_shorter_is_reported() {
         let line = |edges: usize| {
             let rod = format!(
                 "[[rods]]\nname = \"line\"\nradius = \"5 mm\"\nedges = {edges}\n\
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_in_which_no_rod_can_move_is_told() {
+    fn a_scene_in_which_no_rod_can_move_is_reported() {
         let rod = "[[rods]]\nname = \"bar\"\nradius = \"5 mm\"\nedges = 3\n\
                    shape = { kind = \"straight\", start = [0, 0, 0], end = [1, 0, 0] }\n";
         let clamps: String = (0..4)
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rope_that_turns_sharply_at_an_eye_is_told_before_it_runs() {
+    fn a_rope_that_turns_sharply_at_an_eye_is_reported_before_it_runs() {
         let pulley = |edges: usize, bending: &str| {
             warnings(&format!(
                 "[[rods]]\nname = \"rope\"\nradius = \"1 mm\"\nedges = {edges}\n\

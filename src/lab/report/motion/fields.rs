@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn mean_speed_is_the_way_over_the_time() {
+    fn mean_speed_is_the_distance_over_the_time() {
         let output = |time: f64| NodePositions {
             time,
             positions: vec![Vector3::new(3.0 * time, 0.0, 4.0 * time), Vector3::zeros()],

@@ -194,7 +194,7 @@ fn evenly_spread<T>(items: Vec<T>, count: usize) -> Vec<T> {
     spread.collect()
 }
 
-/// Where surfaces are within the distance tolerance of the contact model of each other, at each output.
+/// Places where surfaces are within the distance tolerance of the contact model of each other, at each output.
 fn contacts(
     rods: &[MovieRod],
     outputs: &[NodePositions],

@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn outcomes_that_vary_stand_over_the_first_swept_number_by_the_second() {
+    fn outcomes_that_vary_are_drawn_over_the_first_swept_number_by_the_second() {
         let svg = sweep_figure(&table(
             "case,contact.model,contact.friction,status,steps,peak_force_n,constant_m\n\
              a,imc,0.1,finished,10,1.0,5\nb,imc,0.2,finished,12,300.0,5\n\
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn probes_stand_before_what_every_run_has() {
+    fn probes_precede_the_columns_of_every_run() {
         let svg = sweep_figure(&table(
             "case,contact.friction,status,elastic_energy_j,min_distance_m,tip_z_m\n\
              a,0.1,finished,1.0,3.0,5\nb,0.2,finished,2.0,4.0,6\n",

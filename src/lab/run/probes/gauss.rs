@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn linked_rings_have_linking_number_one_whatever_their_shape() {
+    fn linked_rings_of_any_shape_have_linking_number_one() {
         let one = ring(7, |t| Vector3::new(t.cos(), t.sin(), 0.0));
         let other = ring(9, |t| Vector3::new(1.0 + 1.3 * t.cos(), 0.1, 0.8 * t.sin()));
         let far = ring(9, |t| Vector3::new(5.0 + t.cos(), 0.1, t.sin()));
@@ -140,9 +140,9 @@ mod tests {
     }
 
     /// Plane curves have no writhe; a long right-handed helix of n turns and pitch angle α has n (1 − sin α)
-    /// (Fuller 1971), but for its ends.
+    /// (Fuller 1971), except for its ends.
     #[test]
-    fn the_writhe_of_a_helix_is_known() {
+    fn the_writhe_of_a_helix_agrees_with_fuller() {
         let plane = ring(40, |t| Vector3::new(2.0 * t.cos(), t.sin(), 0.0));
         assert!(writhe(&plane, true).abs() < 1e-12);
         let helix = |turns: usize| -> Vec<Vector3> {

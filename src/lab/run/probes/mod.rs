@@ -61,9 +61,9 @@ pub struct StopWhen {
 /// Side of a value on which a condition holds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Limit {
-    /// Where the column exceeds it.
+    /// The column exceeds it.
     Above(f64),
-    /// Where the column falls below it.
+    /// The column falls below it.
     Below(f64),
 }
 

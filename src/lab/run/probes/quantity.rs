@@ -22,7 +22,7 @@ pub enum Quantity {
     Displacement {
         /// The node.
         node: usize,
-        /// Where it was placed, m.
+        /// Its placed position, m.
         from: Vector3,
     },
     /// Velocity of a node, m/s.

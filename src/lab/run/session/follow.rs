@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn branches_that_end_for_want_of_points_are_told() {
+    fn branches_with_too_many_points_are_reported() {
         let directory = tempfile::tempdir().unwrap();
         let outcome = run_until(&column(5), &quiet(directory.path()), &|| None).unwrap();
         assert!(

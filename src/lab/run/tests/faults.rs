@@ -85,7 +85,7 @@ fn spoilt(path: &Path, check: impl Fn(&str)) {
 const GROWING: [&str; 4] = [SERIES, NODES, NODE_FORCES, "vtk/rods_000002.vtp"];
 
 #[test]
-fn missing_and_garbled_files_are_noticed_when_a_run_goes_on() {
+fn missing_and_garbled_files_are_detected_when_a_run_resumes() {
     let directory = tempfile::tempdir().unwrap();
     interrupt(directory.path(), 20);
     for name in GROWING {
@@ -100,7 +100,7 @@ fn missing_and_garbled_files_are_noticed_when_a_run_goes_on() {
 }
 
 #[test]
-fn missing_and_garbled_files_are_noticed_before_a_run_is_said_finished() {
+fn missing_and_garbled_files_are_detected_before_a_run_counts_as_finished() {
     let directory = uninterrupted();
     for name in GROWING {
         spoilt(&directory.path().join(name), |what| {

@@ -12,7 +12,7 @@ use crate::scenario::issue::{Issue, KeyPath};
 use crate::scenario::schema_tree::Accepted;
 use serde_json::Value as Json;
 
-/// How many copies there are.
+/// Number of copies.
 pub const COUNT: &str = "count";
 /// Names of one copy.
 pub const LET: &str = "let";

@@ -7,7 +7,7 @@
 //! | `values` | expressions and names with `{...}` in the tree, guided by the JSON Schema |
 //! | `copies` | `count`: copies of a table |
 //! | `scatter` | `scatter`: random places without overlap |
-//! | `origins` | which table as written, and which copy of it, a table is |
+//! | `origins` | origin of each table: the table as written, and the number of the copy |
 //!
 //! Files are merged and overridden before, and decoded after. A file without parameters, expressions and copies stays as it is.
 //! Text at a key that takes a number is an expression unless it is a number with a unit.
@@ -45,7 +45,7 @@ pub const SEED: &str = "seed";
 pub struct Expanded {
     /// Numbers and tables only.
     pub document: Node,
-    /// Where its tables come from.
+    /// Origins of its tables.
     pub origins: Origins,
 }
 

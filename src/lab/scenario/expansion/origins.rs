@@ -1,13 +1,13 @@
-//! Which table as written, and which copy of it, a table is.
+//! Origin of each table: the table as written, and the number of the copy.
 
 use crate::scenario::issue::{Issue, KeyPath};
 use std::collections::BTreeMap;
 
-/// Where the tables of arrays with copies come from.
+/// Origins of the tables of arrays with copies.
 #[derive(Clone, Debug, Default)]
 pub struct Origins(BTreeMap<String, Vec<Origin>>);
 
-/// Where a table comes from.
+/// Origin of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Origin {
     /// Its number in the array as written.
@@ -16,7 +16,7 @@ pub struct Origin {
     pub copy: Option<usize>,
 }
 
-/// How many tables an array has before expansion and after.
+/// Number of tables of an array before expansion and after.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Copied {
     /// Key of the array.

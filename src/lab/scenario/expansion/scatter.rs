@@ -49,7 +49,7 @@ type Point = [f64; 3];
 /// A straight piece: one end, and the other end as seen from there.
 type Piece = (Point, Point);
 
-/// What is asked for, in SI units.
+/// The request, in SI units.
 struct Request {
     corners: [Point; 2],
     distance: f64,

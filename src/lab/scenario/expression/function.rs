@@ -13,7 +13,7 @@ pub type Uniform<'a> = &'a mut dyn FnMut() -> f64;
 
 /// A function of expressions.
 pub struct Described {
-    /// How it is written.
+    /// Its syntax.
     pub usage: &'static str,
     /// Description of its value.
     pub meaning: &'static str,
@@ -174,7 +174,7 @@ impl Function {
         FUNCTIONS.iter().map(name_of)
     }
 
-    /// How it is written.
+    /// Its syntax.
     pub fn usage(self) -> &'static str {
         FUNCTIONS[self.0].usage
     }

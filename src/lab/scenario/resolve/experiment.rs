@@ -33,8 +33,8 @@ pub trait ExperimentKeys: Sync {
         "this table is for another experiment"
     }
 
-    /// Resolves its own tables and refuses common ones that mean nothing to it; `None` if a fault was reported that
-    /// leaves nothing to go on with.
+    /// Resolves its own tables and refuses common ones that it does not use; `None` after a fault that prevents
+    /// further checks.
     fn resolve(&self, request: &Request<'_>) -> Option<Experiment>;
 
     /// Reports missing and unsupported keys of the common tables.

@@ -1,4 +1,4 @@
-//! Resolving how a clamp or an obstacle moves.
+//! Resolving the motion of a clamp or an obstacle.
 
 use super::{Context, poses};
 use crate::scenario::resolved::Movement;

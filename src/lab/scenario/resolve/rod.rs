@@ -90,7 +90,7 @@ pub struct Member {
     pub name: String,
     /// Number of edges.
     pub edges: usize,
-    /// Where it lies.
+    /// Its placed shape.
     pub shape: Shape,
 }
 

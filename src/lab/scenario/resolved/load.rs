@@ -25,7 +25,7 @@ pub struct Clamp {
     pub rod: String,
     /// Node along the rod.
     pub at: Place,
-    /// What is held.
+    /// Held degrees of freedom.
     pub hold: Hold,
     /// Its motion: by default about the tangent at the node, with the node as the fixed point.
     #[serde(flatten)]

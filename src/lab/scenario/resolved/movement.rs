@@ -1,4 +1,4 @@
-//! How a clamp or an obstacle moves, as resolved.
+//! Motion of a clamp or an obstacle, as resolved.
 
 use serde::Serialize;
 

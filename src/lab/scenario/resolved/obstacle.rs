@@ -12,7 +12,7 @@ pub struct Obstacle {
     pub shape: ObstacleShape,
     /// Friction coefficient; `None` takes that of the contact model.
     pub friction: Option<f64>,
-    /// How it moves.
+    /// Its motion.
     #[serde(flatten)]
     pub movement: Movement,
 }

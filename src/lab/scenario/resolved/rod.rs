@@ -35,7 +35,7 @@ pub struct Rod {
     pub cross_section: CrossSection,
     /// Stiffness of the cross-section, derived or given.
     pub stiffness: Stiffness,
-    /// How edges weigh on their nodes.
+    /// Inertia of edges at their nodes.
     pub inertia: Inertia,
     /// Velocity at time zero, m/s.
     pub velocity: [f64; 3],
@@ -43,7 +43,7 @@ pub struct Rod {
     pub angular_velocity: [f64; 3],
 }
 
-/// How edges weigh on their nodes.
+/// Inertia of edges at their nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Inertia {

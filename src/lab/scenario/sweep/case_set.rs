@@ -34,8 +34,8 @@ impl CaseSet {
     /// of `--vary`, which replaces the values of its key in the file.
     ///
     /// # Errors
-    /// Everything that is wrong with the file and its sweep, but not with the values of each case; those show
-    /// in [`CaseSet::scenario_of`].
+    /// All faults of the file and its sweep, but not those of the values of each case, which are reported by
+    /// [`CaseSet::scenario_of`].
     pub fn load(
         experiments: Experiments,
         path: &Path,

@@ -49,7 +49,7 @@ impl Number {
     }
 }
 
-/// How numbers are spaced.
+/// Spacing of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// By equal differences.

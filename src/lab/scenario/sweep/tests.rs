@@ -218,7 +218,7 @@ fn swept_files_lie_beside_the_scenario_of_the_sweep() {
 }
 
 #[test]
-fn extends_is_no_key_to_vary() {
+fn extends_cannot_be_varied() {
     for key in ["extends", "sweep", "sweep.rods.0.edges"] {
         let text = format!("{ROPE}[sweep]\n\"{key}\" = [1, 2]");
         let error = CaseSet::from_text(*EXPERIMENTS, "rope", &text, Path::new("")).unwrap_err();
@@ -314,7 +314,7 @@ fn a_search_adds_its_key_to_the_cases() {
 }
 
 #[test]
-fn faults_name_their_place_and_say_what_is_allowed() {
+fn faults_name_their_place_and_what_is_allowed() {
     for (sweep, words) in cases(
         r#"
         [sweep]; contact.friction = [] => rope.toml:14:20: `sweep.contact.friction`: the list is empty

@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_and_ranges_are_told_apart() {
+    fn lists_and_ranges_are_distinguished() {
         assert_eq!(
             values("contact.model=imc,ipc"),
             [r#"String("imc")"#, r#"String("ipc")"#]
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_say_what_is_expected() {
+    fn faults_name_what_is_expected() {
         assert!(
             read(0, "friction")
                 .unwrap_err()

@@ -101,7 +101,7 @@ fn chains_of_3000_extended_files_are_refused() {
 }
 
 #[test]
-fn of_20000_unknown_keys_a_hundred_are_told() {
+fn of_20000_unknown_keys_a_hundred_are_reported() {
     let keys: String = (0..20_000)
         .map(|number| format!("key_{number} = 1\n"))
         .collect();

@@ -1,4 +1,4 @@
-//! How a clamp or an obstacle moves, as typed.
+//! Motion of a clamp or an obstacle, as typed.
 
 use crate::scenario::quantity::{Quantity, Vector};
 use crate::scenario::units::{Angle, Dimensionless, Length, Time};

@@ -99,7 +99,7 @@ keys! {
         file: raw(String) raw,
         /// Length of a unit of the file, for example "1 mm".
         unit: number(Length, POSITIVE) default(1.0),
-        /// Where the origin of the file lies.
+        /// Place of the origin of the file.
         position: vector(Length) default([0.0; 3]),
         /// Direction about which it is turned.
         axis: direction() default(UP),

@@ -53,7 +53,7 @@ keys! {
         closed: raw(bool) raw,
         /// Whether the rod is a rigid obstacle that stays where it was placed.
         held: flag() default(false),
-        /// Where the rod is placed.
+        /// The placed shape of the rod.
         shape: raw(Shape) raw,
         /// The shape without stress: "as-placed" (the default), "straight", or a table with a `kind`.
         natural_shape: raw(NaturalShape) raw,
@@ -95,7 +95,7 @@ keys! {
         /// Stiffnesses that replace those derived from material and cross-section.
         #[serde(default)]
         stiffness: tables(StiffnessKeys) raw,
-        /// How edges weigh on their nodes: "lumped", half at either node (vibrations of second order in the edge length);
+        /// Inertia of edges at their nodes: "lumped", half at either node (vibrations of second order in the edge length);
         /// "consistent", as edges that move linearly from node to node (of fourth order for straight rods), with the strains and
         /// the weights of vertices beside clamps that go with it, in equilibria, too; the guide's page `accuracy` has the numbers;
         /// or "auto" (the default): "consistent" for naturally straight rods of a `scene` without contact and fluid, else
@@ -135,7 +135,7 @@ fn plain_cross_sections(schema: &mut Schema) {
     allow_text(schema, &["circle"]);
 }
 
-/// How edges weigh on their nodes, and the choice between both.
+/// Inertia of edges at their nodes, and the choice between both kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]

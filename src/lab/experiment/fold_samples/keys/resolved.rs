@@ -20,7 +20,7 @@ pub struct FoldSamples {
 pub enum Points {
     /// Points of Sobol's sequence in the workspace, evenly in √x̄ and √z̄.
     Sobol {
-        /// How many.
+        /// Number of points.
         count: usize,
         /// Number of the first one.
         first: usize,

@@ -38,7 +38,7 @@ impl Span {
 pub enum Points {
     /// Points of Sobol's sequence.
     Sobol {
-        /// How many.
+        /// Number of points.
         count: usize,
         /// Number of the first one.
         first: u64,

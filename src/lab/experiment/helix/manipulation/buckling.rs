@@ -38,7 +38,7 @@ pub struct Observation {
     pub kinetic_energy: f64,
 }
 
-/// Where a manipulated rod leaves the helix, and how.
+/// Distance at which a manipulated rod leaves the helix, and its kind of buckling.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Buckling {
     /// Distance ‖(κ, τ, ω)‖ at which the error passes a tenth.
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn the_kind_of_buckling_is_told_by_the_speed_of_the_rod() {
+    fn the_kind_of_buckling_follows_from_the_speed_of_the_rod() {
         let observed = |error: f64, kinetic_energy: f64, distance: f64| Observation {
             distance,
             error,

@@ -109,7 +109,7 @@ impl ClampedRod {
         libm::cbrt(self.youngs_modulus * self.radius.powi(2) / weight)
     }
 
-    /// Where the markers are along the rod, over its length.
+    /// Places of the markers along the rod, over its length.
     pub fn marker_places(&self) -> Vec<f64> {
         let parts = f64::from(self.markers + 1);
         (1..=self.markers).map(|k| f64::from(k) / parts).collect()

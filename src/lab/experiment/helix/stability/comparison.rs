@@ -12,7 +12,7 @@ const BANDS: [f64; 3] = [12.0, 25.0, f64::INFINITY];
 /// A row of `comparison.csv`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Band {
-    /// What is compared with theory.
+    /// The column that is compared with theory.
     pub quantity: &'static str,
     /// Least distance by theory.
     pub from: f64,

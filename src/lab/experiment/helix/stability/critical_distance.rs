@@ -80,7 +80,7 @@ pub fn estimated_critical_distance(
 
 impl DiscreteRod {
     /// Distance at which the rod loses stability along the direction of `helix`; `None` where it is stable up to
-    /// `largest`. A good `guess`, of a coarser mesh say, saves a third of the time of the fast search.
+    /// `largest`. A good `guess`, for example of a coarser mesh, saves a third of the time of the fast search.
     ///
     /// # Errors
     /// [`SimulationError::NoConvergence`] where no equilibrium is found, and an error, too, where `goes_on` returns false.

@@ -3,7 +3,7 @@
 use rodlab_files::columns;
 use rodlab_files::results::{Column, FileDescription, always, file, table};
 
-/// Where helical rods lose stability, a row per direction.
+/// Stability limits of helical rods, a row per direction.
 pub const BOUNDARY: &str = "boundary.csv";
 /// That boundary against theory.
 pub const COMPARISON: &str = "comparison.csv";

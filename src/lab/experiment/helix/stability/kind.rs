@@ -14,10 +14,10 @@ use std::sync::Arc;
 /// Its name in scenario files.
 const NAME: &str = "helix-stability";
 
-/// Where clamped helical rods lose stability.
+/// Stability limits of clamped helical rods.
 pub static HELIX_STABILITY: DataSet = DataSet {
     name: NAME,
-    summary: "Where clamped helical rods lose stability.",
+    summary: "Stability limits of clamped helical rods.",
     tables: &TABLES,
     refusals: [
         "the rod has length 1 and bending stiffness 1; [helix_stability] defines everything",

@@ -19,7 +19,7 @@ const MARKS: usize = 91;
 /// Neighbouring points of theory farther apart than this, in multiples of the median distance, are not joined
 /// before directions between them are looked at: a straight line would cut a corner.
 const FAR: f64 = 3.0;
-/// How often the angle between two directions is halved; what is far apart then is a jump.
+/// Number of times that the angle between two directions is halved; points that are still far apart are a jump.
 const HALVINGS: usize = 10;
 
 /// Writes the sections that there are as SVG.

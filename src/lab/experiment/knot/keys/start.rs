@@ -1,4 +1,4 @@
-//! Resolving how the rods of a knot lie at the start: tied from numbers, or along a curve.
+//! Resolving the placement of the rods of a knot at the start: tied from numbers, or along a curve.
 
 use super::resolved::{KnotKind, KnotStart};
 use super::typed;

@@ -158,7 +158,7 @@ fn points(
     }
 }
 
-/// What is wrong with a direction, if anything.
+/// The fault of a direction, if any.
 fn fault_of(point: &[f64; 3]) -> Option<String> {
     if point[0] < 0.0 {
         return Some(format!(

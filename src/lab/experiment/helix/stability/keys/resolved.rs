@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Where clamped helical rods of length 1 and bending stiffness 1 lose stability.
+/// Stability limits of clamped helical rods of length 1 and bending stiffness 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HelixStability {
     /// Edges of the rod.

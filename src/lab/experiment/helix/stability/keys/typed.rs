@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 keys! {
-    /// Where clamped helical rods lose stability: from the straight rod outwards along directions of the
+    /// Stability limits of clamped helical rods, searched from the straight rod outwards along directions of the
     /// (κ, τ, ω) space of curvature, torsion and twisting moment. The rod has length 1 and bending stiffness 1.
     table HelixStability "helix_stability" {
         /// Edges of the rod, at least 8. Default: 100. The error falls with the square of their length.
