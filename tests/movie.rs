@@ -151,7 +151,7 @@ fn what_cannot_be_filmed_is_an_error_that_says_why_and_leaves_nothing() {
         &film(&["--out", "a.gif", "--case", "x"]),
         &["no case `x`", "fall"],
     );
-    refuse(&film(&["--out", "fall/"]), &["no picture of a film"]);
+    refuse(&film(&["--out", "fall/"]), &["not a picture of a film"]);
     refuse(&film(&["--out", "fall.toml"]), &[".gif"]);
     refuse(&film(&["--out", "a.gif", "--speed", "1e-9"]), &["too long"]);
     if cfg!(not(feature = "video")) {

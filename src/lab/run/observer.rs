@@ -58,7 +58,7 @@ pub trait Observer: ObserverObject + Debug + Send + Sync {
         false
     }
 
-    /// Looks at the simulation between outputs.
+    /// Observes the simulation between outputs.
     fn sample(&mut self, _sample: &Sample<'_>) -> Finding {
         Finding::GoOn
     }

@@ -18,7 +18,7 @@ const STAGE: Duration = Duration::from_millis(500);
 const PATIENCE: Duration = Duration::from_secs(2);
 /// Time on the clock after which the whole trial is abandoned, even if it has not checked its time limit.
 const LONGEST: Duration = Duration::from_secs(8);
-/// Time between two looks at the processor's clock.
+/// Time between two readings of the processor's clock.
 const LOOK: Duration = Duration::from_millis(5);
 
 /// Estimated cost of a run.

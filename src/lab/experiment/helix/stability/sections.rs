@@ -17,7 +17,7 @@ const SECTIONS: [(Part, [&str; 2], [usize; 2]); 3] = [
 /// Most marks of the discrete rod in a figure.
 const MARKS: usize = 91;
 /// Neighbouring points of theory farther apart than this, in multiples of the median distance, are not joined
-/// before directions between them are looked at: a straight line would cut a corner.
+/// before directions between them are checked: a straight line would cut a corner.
 const FAR: f64 = 3.0;
 /// Number of times that the angle between two directions is halved; points that are still far apart are a jump.
 const HALVINGS: usize = 10;
