@@ -489,7 +489,7 @@ mod tests {
                 assert!((swing.lost / expected - 1.0).abs() < 0.02, "{swing:?}");
             }
         }
-        // Backward differences damp what they do not resolve.
+        // Backward differences damp unresolved modes.
         assert!(Swing::of(Scheme::BackwardDifferences, 1.5).lost > 0.25);
         let numbers = derived("elastic_pendulum.toml", &[]).to_string();
         assert!(numbers.contains("slowest mode              "), "{numbers}");

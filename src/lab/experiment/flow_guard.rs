@@ -85,7 +85,7 @@ impl FlowGuard {
     }
 }
 
-/// Radius at each node, except of held rods and of what is fastened.
+/// Radius at each node, except for held rods and fastened parts.
 fn watched_radii(scene: &Scene) -> Vec<Option<f64>> {
     let mut radii = Vec::new();
     for (index, rod) in scene.rods.iter().enumerate() {

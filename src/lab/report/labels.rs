@@ -113,7 +113,7 @@ impl Quantity {
     }
 }
 
-/// A key of a scenario file in words: what it is, and of what.
+/// A key of a scenario file in words: the quantity and its owner.
 fn name_of_key(key: &str) -> String {
     let mut steps: Vec<&str> = key
         .split('.')

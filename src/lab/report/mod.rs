@@ -1,4 +1,4 @@
-//! Figures, pages and films of a results directory: what `plot`, `view` and `movie` show.
+//! Figures, pages and films of a results directory: the output of `plot`, `view` and `movie`.
 
 mod branches;
 mod carried_bodies;

@@ -1,7 +1,7 @@
 //! Controllers, which act on a scene while it runs.
 //!
 //! A scenario prescribes motions and loads as functions of time. A controller decides while the scene runs: a gripper
-//! that grasps a node, carries it and releases it, a robot that follows what it measures, another solver that
+//! that grasps a node, carries it and releases it, a robot that follows its measurements, another solver that
 //! adds its forces.
 
 use super::saved::saved_object;

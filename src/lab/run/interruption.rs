@@ -1,4 +1,4 @@
-//! Ctrl-C, SIGTERM and a terminal that closes end a run after the step at hand, with a checkpoint; so does SIGUSR1, by
+//! Ctrl-C, SIGTERM and a terminal that closes end a run after the current step, with a checkpoint; so does SIGUSR1, by
 //! which batch systems announce that the time limit is near.
 
 use super::stop::StopRequest;

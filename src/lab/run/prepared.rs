@@ -33,7 +33,7 @@ pub struct PreparedRun {
     pub controllers: Vec<Box<dyn Controller>>,
     /// Job that fills a table instead of moving the scene, which then shows the first of many.
     pub table: Option<Arc<dyn TableRun>>,
-    /// Names of the files that kinds of experiments add to those of every run: what starting over removes them, too.
+    /// Names of the files that kinds of experiments add to those of every run: starting over removes them, too.
     pub own_files: Vec<&'static str>,
     /// Warnings about the scenario, a sentence each: logged by the run, and remarks at its end.
     pub warnings: Vec<String>,

@@ -76,7 +76,7 @@ impl Progress {
         });
     }
 
-    /// Shows the point of a path just found, the last of so many.
+    /// Shows the point of a path just found, and the number of points.
     pub fn update_path(&mut self, point: &PathPoint, points: usize) {
         let end = self.end;
         self.show(point.parameter, || {

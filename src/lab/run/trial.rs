@@ -2,7 +2,7 @@
 //!
 //! The run is started in a directory of its own, with all that it writes and observes, for two stages of half a second of
 //! processor time. The pace of the second, which continues from the checkpoint of the first, is taken for that of the rest:
-//! steps at the start may be smaller, and contacts settle. What comes later and costs more, such as a first contact beyond
+//! steps at the start may be smaller, and contacts settle. Later events that cost more, such as a first contact beyond
 //! the trial, is not foreseen; contacts double the cost of a step, or triple it.
 
 use super::{Mode, PreparedRun, Reached, RunError, RunOptions, StopRequest, run_until};

@@ -15,7 +15,7 @@
 //! `table Typed "name" => Resolved(parameters) { keys }` is a table and `kinds Typed "name", "case" => Resolved { Kind { keys }, ... }` a
 //! table whose keys depend on its `kind`. Keys of all kinds precede and follow them; those of the block `also` belong to the kinds
 //! that are marked so. A table without `=> Resolved` has a method for each key instead, from which functions beside the
-//! declaration build what is resolved. Checks between keys are such functions, too.
+//! declaration build the resolved value. Checks between keys are such functions, too.
 
 macro_rules! keys {
     // A table whose keys are resolved as they are typed.

@@ -109,7 +109,7 @@ fn unclosed_bracket(text: &str) -> Option<usize> {
             quote @ (b'"' | b'\'') => place = end_of_text(text, place, quote)?,
             b'\n' if open.is_empty() => in_value = false,
             b'=' if open.is_empty() => in_value = true,
-            // A key in a list: what is open was to be closed before. Inline tables have keys of their own.
+            // A key in a list: the open bracket was to be closed before. Inline tables have keys of their own.
             b'=' if open.iter().all(|at| bytes[*at] == b'[') => return open.first().copied(),
             b'[' | b'{' if in_value => open.push(place),
             b']' | b'}' if in_value && is_of_another_kind(bytes, &open, place) => {

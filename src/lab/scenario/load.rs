@@ -227,7 +227,7 @@ pub(super) fn located(sources: &Sources, document: &Node, issues: Issues) -> Sce
     ScenarioError(located)
 }
 
-/// Reads a file and what it extends and includes. `ancestors` are the files that led here.
+/// Reads a file and the files that it extends and includes. `ancestors` are the files that led here.
 fn read(
     sources: &mut Sources,
     ancestors: &mut Vec<PathBuf>,

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `source`, `document`, `document_text` | the texts; TOML as a tree with the place of every key, and back |
 //! | `input_file`, `named_files` | regular files of a bounded size; the keys that name them |
-//! | `load`, `include`, `overrides` | reading a file, what it `extends` and `include`s, `--set key=value` |
+//! | `load`, `include`, `overrides` | reading a file, the files that it `extends` and `include`s, `--set key=value` |
 //! | `expression`, `expansion` | `[parameters]`, `"2*radius"`, copies of tables: a tree without them |
 //! | `declaration`, `form` | one declaration for each key: words, unit, range, default; forms of values |
 //! | `tables` | tables that are resolved as they are typed, and the checks between their keys |

@@ -47,7 +47,7 @@ pub const DISPLACEMENT_TOLERANCE: Range = Range {
     allows: |value| value > 0.0 && value <= 1.0,
     words: "greater than 0 and at most 1",
 };
-/// Relative errors of a far field: none, or what its approximation can give.
+/// Relative errors of a far field: none, or the range of its approximation.
 pub const FAR_FIELD_ERROR: Range = Range {
     allows: |value| value == 0.0 || (1e-6..=1e-2).contains(&value),
     words: "0, or from 1e-6 to 1e-2",

@@ -127,7 +127,7 @@ pub fn run_sweep(case_set: &CaseSet, options: &SweepOptions) -> Result<SweepOutc
     Ok(outcome)
 }
 
-/// The cases that were, or are to be, run, and what searches found.
+/// The cases that were, or are to be, run, and the findings of searches.
 fn all_and_found(
     case_set: &CaseSet,
     cases: Vec<Case>,

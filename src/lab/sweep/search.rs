@@ -37,7 +37,7 @@ pub(super) struct Searched {
     pub found: Vec<Found>,
 }
 
-/// A search and what it evaluated: the number of the searched key, and its case.
+/// A search and its evaluations: the number of the searched key, and its case.
 type Traced = (Found, Vec<(f64, Case)>);
 
 /// Makes the search for the cases of the other keys in the share of this process; [`replay`] returns the findings.

@@ -42,7 +42,7 @@ pub(super) enum Attempt {
     Stopped,
 }
 
-/// The workers, and what they share.
+/// The workers, and their shared state.
 pub(super) struct Workers<'a> {
     case_set: &'a CaseSet,
     directory: &'a SweepDirectory,

@@ -53,7 +53,7 @@ impl FoldingOutcome {
     pub fn highlights(&self) -> Vec<(String, String)> {
         let fold = match (self.fold_length_m, self.fold_length_error_m) {
             (Some(length), Some(error)) => format!(
-                "{:.2} mm long, {:+.2} mm of what was asked for",
+                "{:.2} mm long, {:+.2} mm from the length asked for",
                 1e3 * length,
                 1e3 * error
             ),

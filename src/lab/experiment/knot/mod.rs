@@ -6,8 +6,8 @@
 //! | `kind` | the two experiments |
 //! | `keys` | their table `[knot]` |
 //! | `tied_knot`, `tightening` | the rods, and how their ends are held and moved |
-//! | `observer`, `monitor` | what is measured, and when a run ends |
-//! | `files`, `traction_figure` | what they leave in a results directory |
+//! | `observer`, `monitor` | the measurements, and the end of a run |
+//! | `files`, `traction_figure` | their files in a results directory |
 
 mod files;
 mod keys;

@@ -176,7 +176,7 @@ impl KnotMonitor {
         }
     }
 
-    /// Keeps what the outcome needs of an output.
+    /// Records the data of an output for the outcome.
     fn note(&mut self, row: &SeriesRow, knot: &KnotRow) {
         self.last = Some((knot.length_normalized, knot.force_normalized));
         if row.time_s > self.observer.pulled_from {

@@ -24,7 +24,7 @@ const SLOWED: f64 = 0.3;
 /// Damping rate of the settling drag over the frequency √(EI/ρA)/R² of the loop; 2 is critical.
 const SETTLING_DRAG: f64 = 4.0;
 
-/// Adds the knotted rods, what holds and moves their ends, and their drag.
+/// Adds the knotted rods, the clamps that hold and move their ends, and their drag.
 ///
 /// # Errors
 /// As [`tie`].

@@ -11,7 +11,7 @@ use rodlab_engine::mechanics::{Vector3, rotation};
 const UNLIKELY: f64 = 100.0;
 
 /// Farthest from the origin that anything of an obstacle may be, over the radius of the thinnest rod: distances of rods from
-/// what is farther are lost to rounding.
+/// farther parts are lost to rounding.
 const FARTHEST: f64 = 1e9;
 
 /// Half the length of a cylinder without ends over the distance of the farthest node from its point: no rod reaches its ends,

@@ -1,4 +1,4 @@
-//! A case of a results directory in motion: what the 3-D page and films show of it.
+//! A case of a results directory in motion: the data for the 3-D page and films.
 
 mod fields;
 mod parameters;

@@ -7,7 +7,7 @@ use rodlab_files::results::SeriesRow;
 /// A column of the series.
 type Column = fn(&SeriesRow) -> Option<f64>;
 
-/// Energies in one plot, then contacts, distance and iterations; what is always zero or empty is left out. Curves of a
+/// Energies in one plot, then contacts, distance and iterations; columns that are always zero or empty are left out. Curves of a
 /// path of equilibria are broken between its branches.
 pub(super) fn series_plots(series: &[SeriesRow], branches: Option<&Branches>) -> Vec<LinePlot> {
     let energies: [(&str, Column); 6] = [

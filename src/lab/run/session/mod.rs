@@ -91,7 +91,7 @@ struct Checkpoint<S> {
 }
 
 impl Session {
-    /// Starts afresh, or continues from the newest usable checkpoint, whose state `simulation` then has.
+    /// Starts from scratch, or continues from the newest usable checkpoint, whose state `simulation` then has.
     pub fn begin<S: Advance>(
         directory: ResultsDirectory,
         simulation: &mut S,

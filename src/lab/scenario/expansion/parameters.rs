@@ -25,7 +25,7 @@ impl Parameters {
         self.0.keys().map(String::as_str)
     }
 
-    /// From what random numbers start.
+    /// Seed of the random numbers.
     pub fn seed(&self) -> u64 {
         // A whole number of this range fits.
         self.value(SEED).map_or(0, |seed| seed.value as u64)

@@ -58,7 +58,7 @@ struct Request {
     normal: Option<Point>,
 }
 
-/// The names of so many places; `None` where something is wrong.
+/// The names of a number of places; `None` after a fault.
 pub fn places(
     evaluator: &Evaluator<'_>,
     table: &Entry,

@@ -1,4 +1,4 @@
-//! The functions of expressions, and what they accept.
+//! The functions of expressions, and their arguments.
 
 use super::amount::Amount;
 use crate::scenario::units;

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `amount` | numbers with a physical dimension |
 //! | `parse` | from text to a tree of operations |
-//! | `function` | the functions, and what they accept |
+//! | `function` | the functions, and their arguments |
 //! | `evaluate` | from the tree to an amount |
 //!
 //! The grammar is written with the operator precedence parser of the crate `winnow`, which also parses TOML for the crate

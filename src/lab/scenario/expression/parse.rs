@@ -22,7 +22,7 @@ const DEEPEST: usize = 100;
 
 type Input<'a> = LocatingSlice<&'a str>;
 
-/// Labels of errors; the messages are made where the text is at hand.
+/// Labels of errors; the messages are made where the text is available.
 const UNIT: &str = "unit";
 const POWER_OF_UNIT: &str = "power of a unit";
 const FUNCTION: &str = "function";

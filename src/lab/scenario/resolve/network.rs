@@ -82,7 +82,7 @@ fn add(
     let of_rod = section.needed(
         "rod",
         typed.rod.as_ref(),
-        "what its rods are, such as { radius = \"2 mm\", edges = 5 }",
+        "the properties of its rods, such as { radius = \"2 mm\", edges = 5 }",
     );
     let (Some(of_shape), Some(of_rod)) = (of_shape, of_rod) else {
         return;

@@ -178,7 +178,7 @@ fn pretension(
     tension
 }
 
-/// The name of a rod, or of what makes rods.
+/// The name of a rod, or of a table that makes rods.
 pub fn name(section: &Section<'_>, typed: Option<&str>, index: usize) -> String {
     let Some(name) = typed else {
         return format!("rod_{}", index + 1);

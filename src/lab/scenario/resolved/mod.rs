@@ -2,7 +2,7 @@
 //!
 //! A [`Scenario`] leaves no choice open: defaults are filled in, units converted, shape files read. Its
 //! serialised form uses the keys of scenario files, so that it is itself a scenario file. It is TOML, which has no null:
-//! what is `None` is left out.
+//! `None` values are left out.
 
 mod actuation;
 mod experiment;

@@ -41,7 +41,7 @@ impl Search {
         let from = number("from", &typed.from)?;
         let to = number("to", &typed.to)?;
         let tolerance = number("tolerance", &typed.tolerance)?;
-        // Whole numbers would round what lies between them.
+        // Whole numbers would round the values between them.
         let real = |number: &Number| Number {
             whole: false,
             ..number.clone()

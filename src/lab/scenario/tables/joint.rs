@@ -97,7 +97,7 @@ fn refuse_half_a_spring(section: &Section<'_>, typed: &JointKeys) {
             ..
         } => section.missing(
             "stiffness",
-            "what `rest_angle` is for: the spring about the axis",
+            "needed by `rest_angle`: the spring about the axis",
         ),
         JointKeys::Spring {
             stiffness,
@@ -110,11 +110,11 @@ fn refuse_half_a_spring(section: &Section<'_>, typed: &JointKeys) {
         } => {
             if stiffness.is_none() {
                 let help = if rest_length.is_some() {
-                    Some("what `rest_length` is for: the force per lengthening")
+                    Some("needed by `rest_length`: the force per lengthening")
                 } else if turning_stiffness.is_none() {
                     Some("the force per lengthening, or `turning_stiffness`, or both")
                 } else if break_at.is_some() {
-                    Some("what `break_at` is for: the spring exerts no force without it")
+                    Some("needed by `break_at`: the spring exerts no force without it")
                 } else {
                     None
                 };
@@ -127,7 +127,7 @@ fn refuse_half_a_spring(section: &Section<'_>, typed: &JointKeys) {
             if turning_stiffness.is_none()
                 && let Some((key, _)) = for_turning.iter().find(|(_, is_given)| *is_given)
             {
-                let help = format!("what `{key}` is for: the moment per angle");
+                let help = format!("needed by `{key}`: the moment per angle");
                 section.missing("turning_stiffness", help);
             }
         }
@@ -135,7 +135,7 @@ fn refuse_half_a_spring(section: &Section<'_>, typed: &JointKeys) {
     }
 }
 
-/// Checks what goes beyond the range of a key.
+/// Checks that go beyond the range of a key.
 fn check(section: &Section<'_>, joint: &Joint, is_dynamic: bool) {
     if let JointKind::Spring {
         rest_rotation: Some(vector),

@@ -1,4 +1,4 @@
-//! Newton's method, and what a run writes.
+//! Newton's method, and the output of a run.
 
 use crate::scenario::declaration::keys;
 use crate::scenario::section::{DISPLACEMENT_TOLERANCE, FORCE_TOLERANCE, POSITIVE};

@@ -27,7 +27,7 @@ beam.toml:3:9: `helix_stability.edges`: 21 is out of range; allowed with extrapo
     insta::assert_snapshot!(faults_of_helices(&format!("largest_distance = 60\n{lattice}")), @r##"beam.toml:3:20: `helix_stability.largest_distance`: 60.0 is out of range; allowed: greater than 0 and at most 50, where the rod turns by half a radian from edge to edge of the coarsest mesh"##);
     insta::assert_snapshot!(faults_of_helices(&format!("radius = 0.2\n{lattice}[time]\nend = 1\n[[loads]]\nkind = \"gravity\"\n")), @r##"
 beam.toml:3:10: `helix_stability.radius`: 0.2 is out of range; allowed: greater than 0 and at most 0.05, a slender rod
-beam.toml:5:1: `time`: helices are judged in equilibrium and in a vacuum; leave the table out
+beam.toml:5:1: `time`: helices are tested in equilibrium and in a vacuum; leave the table out
 beam.toml:7:1: `loads`: the rod has length 1 and bending stiffness 1; [helix_stability] defines everything
 beam.toml:7:1: `loads.0`: missing key `acceleration` (three numbers [x, y, z], each an acceleration)
 "##);

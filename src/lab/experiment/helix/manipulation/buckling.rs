@@ -21,7 +21,7 @@ pub fn helix_error(nodes: &[Vector3], helix: &Helix, enlargement: f64) -> f64 {
 }
 
 /// Error from which on the rod is the helix no longer: a tenth of its radius. The mesh alone makes 1e-3 of 60 edges, and
-/// beyond the loss of stability e grows to more than 1, so that another value finds all but the same distance.
+/// beyond the loss of stability e grows to more than 1, so that another value finds nearly the same distance.
 const DEVIATION: f64 = 0.1;
 /// Kinetic energy over that of the whole rod at the speed of its end from which on the rod moves by itself: three times
 /// as fast, where following its end gives it less than 0.5.

@@ -15,7 +15,7 @@ const ALLOWED_EDGES: [u32; 2] = [8, 1000];
 const MARKERS: u32 = 15;
 /// Fewest and most markers: fewer do not distinguish a helix from other curves, and more overlap in a picture.
 const ALLOWED_MARKERS: [u32; 2] = [3, 100];
-/// Time step, s. The implicit Euler method damps what vibrates faster, as friction at the clamps and the air do.
+/// Time step, s. The implicit Euler method damps faster vibrations, as friction at the clamps and the air do.
 const STEP: f64 = 5e-3;
 
 /// A straight, round, uniform rod of an isotropic material, clamped at both ends, with markers along it.

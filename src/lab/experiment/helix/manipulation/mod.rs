@@ -1,4 +1,4 @@
-//! A helical rod manipulated in time (thesis 6.3): what a robot does to a rod, and where the rod ceases to follow.
+//! A helical rod manipulated in time (thesis 6.3): the motion by a robot, and the loss of stability of the rod.
 //!
 //! One end of a straight rod rests, the other is moved so that the rod would become the helices of growing distance
 //! ‖(κ, τ, ω)‖ along a direction. The error e of Eq. 6.1 shows when it no longer is one.

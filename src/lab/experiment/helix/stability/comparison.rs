@@ -39,7 +39,7 @@ pub struct Comparison(pub Vec<Band>);
 /// The relative difference of a row that counts.
 type Difference = fn(&BoundaryRow) -> Option<f64>;
 
-/// Compares all rows: the mesh as it is, then what was extrapolated.
+/// Compares all rows: the mesh as it is, then the extrapolation.
 pub fn compare(rows: &[BoundaryRow]) -> Comparison {
     let quantities: [(&str, Difference); 2] = [
         ("critical", |row| row.relative_difference),

@@ -28,7 +28,7 @@ const STOPPED: SceneError = SceneError::Unsuitable("the search was stopped");
 /// Largest distance of a node from the helix, over its radius, up to which the rod is that helix: the mesh alone
 /// makes 1e-3 of 100 edges.
 const LEFT: f64 = 0.1;
-/// The same over the length for helices that are all but straight, though not over their radius. From them the mesh
+/// The same over the length for helices that are nearly straight, though not over their radius. From them the mesh
 /// leads farther, and equilibria of other shapes are as far away as they are from straight.
 const LEFT_STRAIGHT: f64 = 1e-3;
 /// The same over the length, for a rod that is followed: it leaves the helix smoothly.
@@ -136,7 +136,7 @@ impl DiscreteRod {
     }
 
     /// Whether the helix at `distance` is unstable. Where Newton's method fails or leaves it, as it may where the
-    /// Hessian is all but singular, a place on the way to it from `before` is asked instead; returns the place, too.
+    /// Hessian is nearly singular, a place between `before` and it is tested instead; returns the place, too.
     fn is_unstable(
         &self,
         direction: &Helix,
@@ -168,7 +168,7 @@ impl DiscreteRod {
     }
 
     /// Each equilibrium is found from the one before, as the end of the rod moves; the step is halved where the
-    /// next has lost stability, where there is none, or where it is a helix no more: past a supercritical pitchfork
+    /// next has lost stability, where there is none, or where it is no longer a helix: past a supercritical pitchfork
     /// the rod leaves the helix as the square root of the distance, and is stable.
     fn along_path(
         &self,

@@ -21,7 +21,7 @@ pub static HELIX_STABILITY: DataSet = DataSet {
     tables: &TABLES,
     refusals: [
         "the rod has length 1 and bending stiffness 1; [helix_stability] defines everything",
-        "helices are judged in equilibrium and in a vacuum; leave the table out",
+        "helices are tested in equilibrium and in a vacuum; leave the table out",
     ],
     resolve: |request| Some(Experiment::new(NAME, resolve(request)?)),
     template: include_str!("template.toml"),

@@ -123,7 +123,7 @@ fn theory(rows: &[&BoundaryRow]) -> Vec<Option<Place>> {
     curve
 }
 
-/// Adds what lies between two points of theory: nothing where they are near each other, a break where it jumps.
+/// Adds the points between two points of theory: nothing where they are near each other, a break where it jumps.
 fn join(curve: &mut Vec<Option<Place>>, from: Place, to: Place, far: f64, halvings: usize) {
     if from.distance_to(&to) <= far {
         return;
