@@ -392,7 +392,7 @@ fn what_is_no_sample_and_no_model_is_refused_by_name() {
         said.contains("makes no samples; those that do: grasp-samples, fold-samples"),
         "{said}"
     );
-    assert!(refused(folder, &["train", ".", "--out", "n"]).contains("no results directory"));
+    assert!(refused(folder, &["train", ".", "--out", "n"]).contains("not a results directory"));
     assert!(
         refused(folder, &["train", "results/grasps", "--out", "."])
             .contains("does not hold a training")

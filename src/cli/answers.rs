@@ -10,7 +10,7 @@ pub enum Answers<A> {
     One(A),
     /// With `--all`.
     All {
-        /// The gentle one first.
+        /// Solutions, the gentle one first.
         solutions: Vec<A>,
     },
 }

@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 #[derive(Debug, Parser)]
 #[command(version = version(), propagate_version = true, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
-    /// What to do.
+    /// Subcommand to run.
     #[command(subcommand)]
     pub command: Command,
     /// Options that every subcommand has.
@@ -26,15 +26,15 @@ const EXAMPLES: &str = "\
 Examples:
   rodlab run scenarios/flagella_quick.toml       run a scenario; results/flagella_quick/ holds the results
   rodlab run beam.toml --set rods.beam.radius=\"7 mm\" --out results/thick
-  rodlab check beam.toml                         find mistakes; print stiffnesses and other derived numbers
-  rodlab init scene > my_scene.toml              begin a scenario of your own
-  rodlab explain rods.natural_curvature          one key of scenario files in words
+  rodlab check beam.toml                         validate; print stiffnesses and other derived numbers
+  rodlab init scene > my_scene.toml              write a template of a scenario
+  rodlab explain rods.natural_curvature          explain a key of scenario files
   rodlab guide getting-started                   the guide, a page per topic
 
 Exit codes: 0 done, 1 failed, 2 bad input, 3 no convergence, 4 a physics check failed,
 5 time limit reached (run again to continue), 130 interrupted (run again to continue).";
 
-/// The version, with the commit where it is known.
+/// Version, with the commit if it is known.
 fn version() -> &'static str {
     static TEXT: OnceLock<String> = OnceLock::new();
     TEXT.get_or_init(rodlab_files::origin::version)
@@ -67,19 +67,19 @@ pub enum Command {
     Verify(verify::VerifyArguments),
     /// Reproduce a table or figure of the thesis
     Reproduce(reproduce::ReproduceArguments),
-    /// Make samples for a network to learn from
+    /// Make samples for the training of a network
     Dataset(dataset::DatasetArguments),
     /// Train a network on samples
     Train(train::TrainArguments),
-    /// Compare a network with samples that it has not seen
+    /// Compare a network with samples
     Evaluate(evaluate::EvaluateArguments),
     /// Plan a trajectory: joint positions along poses of a hand
     Plan(plan::PlanArguments),
-    /// Lay a rod along a pattern by an arm: plan, show, stream, look and score
+    /// Lay a rod along a pattern by an arm: plan, show, stream, see and score
     Deploy(Box<InCell<deploy::DeployArguments>>),
-    /// Lay a cable between pegs by an arm: plan, show, stream, look and score
+    /// Lay a cable between pegs by an arm: plan, show, stream, see and score
     Place(Box<InCell<place::PlaceArguments>>),
-    /// Tie a knot in a rod by two arms: plan, show, stream, look and score
+    /// Tie a knot in a rod by two arms: plan, show, stream, see and score
     Tie(Box<InCell<tie::TieArguments>>),
     /// Explore where helical rods lose stability, by an arm and a chuck
     Explore(InCell<explore::ExploreArguments>),

@@ -11,7 +11,7 @@ use rodlab_vision::{
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct CalibrateArguments {
-    /// What is calibrated
+    /// Quantity to calibrate
     #[command(subcommand)]
     what: What,
 }
@@ -27,9 +27,9 @@ Examples:
 enum What {
     /// Focal lengths, principal point and distortion, from pictures of a checkerboard
     Camera(CameraArguments),
-    /// The pose of a camera whose lens is known, from one picture of a checkerboard on the table
+    /// Pose of a camera with a calibrated lens, from one picture of a checkerboard on the table
     Pose(PoseArguments),
-    /// Where a camera is mounted on a hand, from pairs of poses
+    /// Pose of a camera on a hand, from pairs of poses
     HandEye(HandEyeArguments),
 }
 
@@ -38,7 +38,7 @@ struct BoardArguments {
     /// Inner corners of the checkerboard along both sides, as in 9x6
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = board_size)]
     board: (usize, usize),
-    /// Side of its squares, in metres or with a unit
+    /// Side of the squares, in metres or with a unit
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     square: f64,
 }
@@ -60,11 +60,12 @@ struct CameraArguments {
     images: Vec<PathBuf>,
     #[command(flatten)]
     board: BoardArguments,
-    /// The image in which the board lies on the table: its lower left inner corner becomes the origin of the world
-    /// [default: the first one]
+    /// Image in which the board lies on the table [default: the first one]
+    ///
+    /// Its lower left inner corner becomes the origin of the world.
     #[arg(long, value_name = "IMAGE")]
     table: Option<PathBuf>,
-    /// Where to write the table [camera]
+    /// Output file for the table [camera]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Print the result as JSON
@@ -81,7 +82,7 @@ struct PoseArguments {
     /// File whose table [camera] gives the lens
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: PathBuf,
-    /// Where to write the table [camera] with the pose found
+    /// Output file for the table [camera] with the pose found
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Print the result as JSON
@@ -93,12 +94,12 @@ struct PoseArguments {
 struct HandEyeArguments {
     /// Poses of the hand in the base: CSV with columns x_m, y_m, z_m, qw, qx, qy, qz
     hand: PathBuf,
-    /// Poses of the target in the camera, row by row at the same moments
+    /// Poses of the target in the camera, row by row at the same times
     target: PathBuf,
     /// The camera does not move and the hand holds the target
     #[arg(long)]
     fixed_camera: bool,
-    /// Print the result as JSON, which it is in any case
+    /// Print the result as JSON (it always is)
     #[arg(long)]
     json: bool,
 }
@@ -121,11 +122,11 @@ struct CameraAnswer {
     fy_deviation_px: f64,
     cx_deviation_px: f64,
     cy_deviation_px: f64,
-    /// Radial errors that noise does not explain; the standard deviations are enlarged for them.
+    /// Radial errors that noise does not explain; they enlarge the standard deviations.
     #[serde(skip_serializing_if = "Option::is_none")]
     misfit: Option<LensMisfit>,
     left_out: Vec<String>,
-    /// The table of its file.
+    /// Table of its file.
     camera: toml::Value,
 }
 
@@ -166,7 +167,7 @@ impl PoseAnswer {
     }
 }
 
-/// Calibrates and prints what was found.
+/// Calibrates and prints the result.
 pub fn calibrate(arguments: &CalibrateArguments) -> Result<(), Failure> {
     match &arguments.what {
         What::Camera(arguments) => camera(arguments),
@@ -225,7 +226,7 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
         Some(table) => {
             let place = used.iter().position(|path| path == table);
             place
-                .ok_or("it does not show the whole board")
+                .ok_or("the image does not show the whole board")
                 .at(table.display())?
         }
     };
@@ -267,7 +268,7 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
     }
     if let Some(misfit) = &answer.misfit {
         text += &format!(
-            "# warning: the lens model does not fit: {:.3} px off at {:.0} px from the middle of the picture; a fisheye lens? The \
+            "# warning: the lens model does not fit: error {:.3} px at {:.0} px from the middle of the picture; a fisheye lens? The \
              standard deviations are enlarged {:.1} times\n",
             misfit.radial_error_px,
             misfit.at_radius_px,
@@ -284,7 +285,7 @@ fn camera(arguments: &CameraArguments) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Text in a comment of TOML, which a line break in the name of a file must not end.
+/// Text in a comment of TOML; a line break in the name of a file must not end the comment.
 fn in_comment(text: &str) -> String {
     text.replace(|character: char| character.is_control(), " ")
 }
@@ -327,7 +328,7 @@ struct HandEyeAnswer {
     position_deviation_m: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     rotation_deviation_degrees: Option<f64>,
-    /// Pairs that do not agree with the others, and were not used.
+    /// Pairs that disagree with the others, and were not used.
     rejected: Vec<RejectedPair>,
 }
 
@@ -342,7 +343,7 @@ fn mount(arguments: &HandEyeArguments) -> Result<(), Failure> {
     let found = hand_eye(&hands, &targets)?;
     for pair in &found.rejected {
         tracing::warn!(
-            "pair {} does not agree with the others, and is not used: {:.2} mm and {:.2}° off",
+            "pair {} disagrees with the others and is not used: error {:.2} mm and {:.2}°",
             pair.pair,
             1e3 * pair.position_error_m,
             pair.rotation_error_degrees

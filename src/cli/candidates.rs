@@ -1,4 +1,4 @@
-//! What shells offer for the values of arguments: presets, topics, pages and keys.
+//! Completions that shells offer for the values of arguments: presets, topics, pages and keys.
 
 use crate::guide::PAGES;
 use crate::presets::{Preset, PresetKind};

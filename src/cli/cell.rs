@@ -13,10 +13,31 @@ use rodlab_workcell::virtual_cell::{
 };
 use std::net::{SocketAddr, ToSocketAddrs};
 
-/// Friction of the table where nobody says another.
+/// Default friction of the table.
 pub(super) const FRICTION: f64 = 0.4;
-/// Period of the fastest trembling, s.
+/// Period of the fastest component of the gripper noise, s.
 const JITTER_PERIOD: f64 = 1.0;
+
+const HELP: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab cell serve --rod green_vps
+  rodlab cell serve --cell two_gantries --rod thick_pink_vps --friction 0.2 --rate 5
+  rodlab cell serve --scene cable_placement_u
+  rodlab cell serve --paper origami --diagonal --place 0.1,-0.05,20
+  rodlab cell serve --rod green_vps --fault drop-link@3s --fault lose-camera@0s",
+    "\
+Arms follow trajectories as `rodlab stream` sends them, with latency and lag. A gripper that closes
+is handed the end of a rod, which hangs from it with its free end on the table, or takes hold of the
+rod that lies within its reach, also while another gripper holds that rod; a gripper that opens
+releases it. A scene, --scene, has a rod and pegs on the table. A sheet, --paper, lies on the table;
+a gripper that closes at the middle of its edge takes it. The camera shows the table with all of
+them, on /camera/image_raw unless the cell file names another topic. The address on which the cell
+listens is printed.
+
+An arm is led by one client at a time. When that client disconnects, the arm stops. Times of faults
+count while an arm moves; faults are drop-link, freeze-joint, slip-grasp and lose-camera."
+);
 
 /// Arguments of `rodlab cell`.
 #[derive(Debug, Args)]
@@ -27,41 +48,28 @@ pub struct CellArguments {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// Simulate a cell, behind the protocol of real ones, until Ctrl-C
-    #[command(after_help = "\
-Examples:
-  rodlab cell serve --rod scenarios/rods/green_vps.toml
-  rodlab cell serve --cell cell.toml --rod rod.toml --friction 0.2 --rate 5
-  rodlab cell serve --scene scenarios/cable_placement_u.toml
-  rodlab cell serve --cell scenarios/cells/two_gantries.toml --rod scenarios/rods/thick_pink_vps.toml
-  rodlab cell serve --paper scenarios/papers/a4.toml
-  rodlab cell serve --paper scenarios/papers/origami.toml --diagonal --place 0.1,-0.05,20
-  rodlab cell serve --rod scenarios/rods/green_vps.toml --fault drop-link@3s --fault lose-camera@0s
-
-Arms follow trajectories as `rodlab stream` sends them, late and a little behind. A gripper that closes is handed the end of a
-rod, which hangs from it with its free end on the table, or takes hold of the rod that lies within its reach, also while another one
-holds that; one that opens lets it go. A scene, --scene, has a rod and pegs on the table. A sheet, --paper, lies on the table; a
-gripper that closes at the middle of its edge takes it. The camera shows the table with all of them; where the cell file names no
-other topic, on /camera/image_raw. What runs is printed: the address on which it listens.
-An arm is led by one client at a time. When that is gone, the arm stops. Times of faults count while an arm moves;
-faults are drop-link, freeze-joint, slip-grasp and lose-camera.")]
+    /// Simulate a cell behind the protocol of real cells, until Ctrl-C
+    #[command(after_help = HELP[0], after_long_help = HELP[1])]
     Serve(ServeArguments),
 }
 
 #[derive(Debug, Args)]
 struct ServeArguments {
-    /// The cell file; its arms have drivers of kind \"rosbridge\"
+    /// Cell file, whose arms have drivers of kind "rosbridge"
     #[arg(long, value_name = "FILE", default_value = "gantry", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: PathBuf,
-    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod], or where the cell has a [chuck] with
-    /// youngs_modulus, poissons_ratio and density in [material] and radius and length in [rod]; without one, grippers hold nothing
+    /// Rod file: TOML with [deployment.rod], or with [material] and [rod] if the cell has a [chuck]
+    ///
+    /// [deployment.rod] has gravito_bending_length, radius and length; [material] has youngs_modulus, poissons_ratio and density, and
+    /// [rod] radius and length. Without a rod, grippers hold nothing.
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     rod: Option<PathBuf>,
-    /// Rod, pegs and friction of the table: a scenario as for `rodlab place`
+    /// Scenario as for `rodlab place`, which defines rod, pegs and friction of the table
     #[arg(long, value_name = "SCENARIO", conflicts_with_all = ["rod", "paper"], value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     scene: Option<PathBuf>,
-    /// Where the frame of its pattern lies in the cell: x,y,z in metres and a turn about z in degrees [default: the middle of the pattern
-    /// in that of the table]
+    /// Place of the frame of its pattern in the cell: x,y,z in metres, a turn about z in degrees
+    ///
+    /// By default the middle of the pattern is in the middle of the table.
     #[arg(
         long,
         value_name = "X,Y,Z[,TURN]",
@@ -69,49 +77,54 @@ struct ServeArguments {
         allow_hyphen_values = true
     )]
     scene_place: Option<Place>,
-    /// Where on the table a person lays the free end of a rod that is handed over: x,y in the cell, m [default: where the rod hangs by
-    /// itself; of a scene, where its pattern begins]
+    /// Place on the table of the free end of a rod that is handed over: x,y in the cell, m
+    ///
+    /// By default it is where the rod hangs by itself, and for a scene the start of its pattern.
     #[arg(long, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
-    /// The rod that all arms but the first are handed, beside that of the first: as --rod [default: the same]
+    /// Rod for all arms except the first, as --rod [default: the same]
     #[arg(long, value_name = "FILE", requires = "rod", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     second_rod: Option<PathBuf>,
-    /// The sheet: TOML with [folding.paper], as in scenarios/papers
+    /// Sheet file: TOML with [folding.paper], as in scenarios/papers
     #[arg(long, value_name = "FILE", conflicts_with = "rod", value_parser = file_or_preset(PresetKind::Paper), add = presets(PresetKind::Paper))]
     paper: Option<PathBuf>,
-    /// The sheet lies with a corner ahead, to be folded along its diagonal
+    /// Lay the sheet with a corner ahead, to be folded along its diagonal
     #[arg(long, requires = "paper")]
     diagonal: bool,
-    /// Where the middle of the edge of the sheet lies on the table, m, and the direction from there over the sheet, degrees from
-    /// the table's x axis [default: its middle in that of the table]
+    /// Place of the middle of the edge of the sheet on the table, m, and direction over the sheet, degrees
+    ///
+    /// The direction is measured from the x axis of the table. By default the middle of the sheet is in the middle of the table.
     #[arg(long, value_name = "X,Y[,TURN]", requires = "paper", value_parser = sheet_place, allow_hyphen_values = true)]
     place: Option<SheetPlace>,
-    /// Friction of the table [default: that in the file of the sheet or the scene, otherwise 0.4]
+    /// Friction of the table [default: that of the sheet file or the scene, otherwise 0.4]
     #[arg(long, value_name = "FRICTION", value_parser = within(0.0, 10.0))]
     friction: Option<f64>,
-    /// How many times as fast as real time; a simulation that cannot keep up is slower
+    /// Speed relative to real time; best effort: runs slower if the simulation cannot keep up
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = within(0.01, 100.0))]
     rate: f64,
-    /// Address to listen on, host:port, with port 0 on any that is free [default: that of the drivers]. On an address that
-    /// others can reach only with --token
+    /// Address to listen on, host:port; port 0 selects a free one [default: that of the drivers]
+    ///
+    /// An address that other machines can reach requires --token.
     #[arg(long, value_name = "ADDRESS")]
     listen: Option<String>,
-    /// What clients must know: the path behind the address in their cell file, \"192.168.1.5:9090/TOKEN\"
+    /// Token required of clients: the path after the address, "192.168.1.5:9090/TOKEN"
     #[arg(long, value_name = "TOKEN", env = "RODLAB_CELL_TOKEN", hide_env_values = true, value_parser = token)]
     token: Option<String>,
     /// Time from a command to the first motion, s
     #[arg(long, value_name = "SECONDS", default_value_t = Response::default().latency, value_parser = within(0.0, 0.2))]
     latency: f64,
-    /// Time by which joints run behind, s
+    /// Time by which joints lag behind their setpoints, s
     #[arg(long, value_name = "SECONDS", default_value_t = Response::default().lag, value_parser = within(0.0, 0.2))]
     lag: f64,
-    /// Root mean square by which the hands tremble in each direction, unknown to the arms, with periods from 1 to 5 s
+    /// Root mean square of the gripper noise in each direction, not seen by the joint encoders
+    ///
+    /// Its periods are from 1 to 5 s.
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     jitter: Option<f64>,
-    /// Number of the trembling: the same number, the same trembling
+    /// Seed of the gripper noise
     #[arg(long, value_name = "N", default_value_t = 1, requires = "jitter")]
     seed: u64,
-    /// What goes wrong, and when, s after the first motion begins: FAULT@TIME; may be given more than once
+    /// Fault to inject, and its time, s after the first motion begins: FAULT@TIME; repeatable
     #[arg(long = "fault", value_name = "FAULT@TIME")]
     faults: Vec<Fault>,
 }
@@ -165,7 +178,7 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
 }
 
 impl ServeArguments {
-    /// The rods of a scene and its pegs, if there is one.
+    /// Rods and pegs of the scene, if given.
     fn scene(&self, cell: &Cell) -> Result<Option<RodSupply>, Failure> {
         let Some(file) = &self.scene else {
             return Ok(None);
@@ -196,7 +209,7 @@ impl ServeArguments {
         Ok(sheet?)
     }
 
-    /// Where to listen. What only this machine can reach needs no token.
+    /// Address to listen on. An address that only this machine can reach needs no token.
     fn address(&self, cell: &Cell) -> Result<SocketAddr, Failure> {
         let (what, given) = match &self.listen {
             Some(given) => ("--listen", given.as_str()),
@@ -209,14 +222,14 @@ impl ServeArguments {
         let resolved = server.to_socket_addrs().ok().and_then(|mut all| all.next());
         let address = resolved.ok_or_else(|| {
             Failure::Input(format!(
-                "{what}: {given:?} is no address of this machine; needed: host:port, as in 127.0.0.1:9090"
+                "{what}: {given:?} is not an address of this machine; expected host:port, as in 127.0.0.1:9090"
             ))
         })?;
         if address.ip().is_loopback() || (self.listen.is_some() && self.token.is_some()) {
             return Ok(address);
         }
         Err(Failure::Input(format!(
-            "{what}: others can reach {address}; allowed: 127.0.0.1, or any address with --listen and --token"
+            "{what}: other machines can reach {address}; allowed: 127.0.0.1, or any address with --listen and --token"
         )))
     }
 }

@@ -16,12 +16,12 @@ use rodlab_workcell::cell::{Cell, CellReport};
 Examples:
   rodlab check scenarios/*.toml
   rodlab check beam.toml --set rods.beam.radius=\"7 mm\" --json
-  rodlab check scenarios/cells/*.toml            robot cells: a file with [[arms]] or [[axes]] is one")]
+  rodlab check scenarios/cells/*.toml            robot cells: files with [[arms]] or [[axes]]")]
 pub struct CheckArguments {
     /// The scenario files
     #[arg(required = true, value_parser = scenario_or_cell(), add = presets(PresetKind::Scenario))]
     pub scenarios: Vec<PathBuf>,
-    /// Set a key of each scenario; may be given several times
+    /// Set a key of each scenario; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     pub overrides: Vec<String>,
     /// Print the numbers as JSON, an object per file
@@ -29,7 +29,7 @@ pub struct CheckArguments {
     pub json: bool,
 }
 
-/// Checks scenarios. All are checked, whatever is wrong with the first.
+/// Checks scenarios. All are checked, even if the first has errors.
 pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure> {
     let mut last: Option<Failure> = None;
     for path in &arguments.scenarios {
@@ -48,7 +48,7 @@ pub fn check(arguments: &CheckArguments, common: &Common) -> Result<(), Failure>
 
 /// Whether a file describes a robot cell: scenarios have no arms and no axes.
 fn is_cell(path: &Path) -> bool {
-    // What cannot be read is left to the reader of scenarios, which says why.
+    // The reader of scenarios reports files that cannot be read.
     let bytes = rodlab_lab::scenario::read_text_file(path).unwrap_or_default();
     String::from_utf8_lossy(&bytes).lines().any(|line| {
         let line = line.trim_start();
@@ -81,12 +81,12 @@ fn check_scenario(path: &Path, arguments: &CheckArguments) -> Result<(), Failure
     ))
 }
 
-/// What is known of a scenario; of a sweep, the numbers are those of its first case.
+/// Derived numbers of a scenario; for a sweep, those of its first case.
 struct Checked {
     cases: u128,
     numbers: DerivedNumbers,
     forecast: Forecast,
-    /// What the scene leaves out, a sentence each.
+    /// Simplifications of the scene, a sentence each.
     notes: Vec<String>,
     /// Arrays with copies.
     copied: Vec<Copied>,

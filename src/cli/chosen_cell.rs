@@ -1,4 +1,4 @@
-//! The cell of a task: that of a file, or a preset one that is simulated in this process.
+//! The cell of a task: from a file, or a preset that is simulated in this process.
 
 use super::prelude::*;
 use super::preset_file::preset_file;
@@ -7,25 +7,27 @@ use rodlab_workcell::task::{Report, Unfinished};
 use rodlab_workcell::virtual_cell::{Settings, with_cell};
 use std::io::{IsTerminal, Write as _};
 
-/// Which cell, and whether its arms move without a question.
+/// Choice of the cell, and whether its arms move without confirmation.
 #[derive(Debug, Args)]
 pub struct CellChoice {
-    /// The cell file of a cell that is served, or of real arms [default: a preset cell, simulated in this process at full speed]
+    /// Cell file of a served cell, or of real arms [default: a simulated preset cell]
+    ///
+    /// The preset cell is simulated in this process at full speed.
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     pub cell: Option<PathBuf>,
     /// Move the arms of --cell without asking first
     #[arg(long)]
     pub yes: bool,
-    /// Print the record as JSON on a terminal, too
+    /// Print the record as JSON, also on a terminal
     #[arg(long)]
     pub json: bool,
 }
 
 /// The cell of a task.
 pub struct TaskCell {
-    /// The cell as its file states it.
+    /// Cell as defined by its file.
     pub cell: Cell,
-    /// Its file.
+    /// File of the cell.
     pub file: PathBuf,
     /// Whether it is simulated in this process.
     pub is_virtual: bool,
@@ -55,7 +57,7 @@ impl CellChoice {
         let can_ask = self.yes || std::io::stdin().is_terminal();
         if !(dry_run || is_virtual || can_ask) {
             return Err(Failure::Input(
-                "--yes is needed: --cell names arms that will move, and standard input is not a terminal to ask on".into(),
+                "--yes is required: the arms of --cell will move, and standard input is not a terminal for confirmation".into(),
             ));
         }
         if is_virtual {
@@ -85,7 +87,7 @@ impl TaskCell {
             let left = Unfinished::of(&self.cell, *arm, Path::new("")).left();
             if let Some(left) = left.filter(|_| !is_checked) {
                 return Err(Failure::Input(format!(
-                    "the last task with arm {} did not come to its end ({left}): look at the arm and at what it holds, and then say --checked",
+                    "the last task with arm {} did not finish ({left}): inspect the arm and its gripper, then pass --checked",
                     self.cell.arms[*arm].name
                 )));
             }
@@ -97,7 +99,7 @@ impl TaskCell {
         Ok(())
     }
 
-    /// Asks on the terminal whether real arms may move, unless --yes stands for the answer.
+    /// Asks on the terminal whether real arms may move, unless --yes is given.
     ///
     /// # Errors
     /// The answer is no.
@@ -133,7 +135,7 @@ impl TaskCell {
         }
     }
 
-    /// Does work in the cell. `settings` state what is in it where it is simulated.
+    /// Carries out work in the cell. `settings` define its contents if it is simulated.
     pub fn work<T>(
         &self,
         settings: Settings,
@@ -147,7 +149,7 @@ impl TaskCell {
     }
 }
 
-/// What a task with an arm needs and the cell file lacks, in words; `camera` says what the camera is for.
+/// Message about what a task with an arm needs and the cell file lacks; `camera` is the purpose of the camera.
 fn missing_part(cell: &Cell, arm: usize, camera: &str) -> Option<String> {
     let known = &cell.arms[arm];
     let name = &known.name;

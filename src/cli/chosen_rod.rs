@@ -1,10 +1,10 @@
-//! The preset rod for a pattern, where none is named.
+//! The default preset rod for a pattern.
 
 use super::prelude::*;
 use crate::presets::Preset;
 use rodlab_lab::experiment::RodFile;
 
-/// Length of a rod that is not laid, in gravito-bending lengths: what hangs from the gripper at the end, and a straight start.
+/// Length of a rod that is not laid, in gravito-bending lengths: the part that hangs from the gripper at the end, and a straight start.
 const BESIDE_PATTERN: f64 = 4.0;
 
 /// A preset rod.
@@ -15,7 +15,7 @@ struct PresetRod {
     gravito_bending_length: f64,
 }
 
-/// The file of the softest of the preset rods that is long enough for a pattern of a length, m; of the longest where none is. Soft rods
+/// File of the softest preset rod that is long enough for a pattern of a length, m, or of the longest preset rod. Soft rods
 /// follow tight curves.
 ///
 /// # Errors
@@ -35,7 +35,7 @@ pub fn rod_for(pattern: f64) -> Result<PathBuf, Failure> {
     Ok(chosen(softest.or_else(longest), reason, pattern))
 }
 
-/// The file of the longest of the preset rods that is shorter than the pattern of a knot of a length, m: the rest of the pattern is the
+/// File of the longest preset rod that is shorter than the pattern of a knot of a length, m: the rest of the pattern is the
 /// path of its end.
 ///
 /// # Errors
@@ -76,11 +76,11 @@ fn least<'a>(
     rods.min_by(|one, other| by(one).total_cmp(&by(other)))
 }
 
-/// The file of a choice, which is logged with its reason.
+/// File of a choice, which is logged with its reason.
 fn chosen(rod: Option<&PresetRod>, reason: &str, pattern: f64) -> PathBuf {
     let rod = rod.expect("there are preset rods");
     tracing::warn!(
-        "no --rod: `{}` ({:.2} m long) is taken, {reason} for a pattern of {pattern:.2} m",
+        "no --rod: using `{}` ({:.2} m long), {reason} for a pattern of {pattern:.2} m",
         rod.name,
         rod.length
     );

@@ -8,27 +8,39 @@ use std::io::IsTerminal;
 /// Options that every subcommand has.
 #[derive(Debug, Args)]
 pub struct Common {
-    /// Threads to use; results do not depend on their number [default: one per core]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Number of threads; results do not depend on it [default: one per core]
+    #[arg(long, global = true, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Log more: once for what is done, twice for time steps, three times for Newton iterations
+    /// Log more: -v the stages, -vv the time steps, -vvv the Newton iterations
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub verbose: u8,
     /// Log errors only, and show no progress
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Format of the log on standard error; "json" says what is done, as -v does
-    #[arg(long, global = true, value_name = "FORMAT", default_value = "text")]
+    /// Format of the log on standard error; "json" includes the stages, as -v does
+    #[arg(
+        long,
+        global = true,
+        hide_short_help = true,
+        value_name = "FORMAT",
+        default_value = "text"
+    )]
     pub log: LogFormat,
     /// When to use colours
-    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    #[arg(
+        long,
+        global = true,
+        hide_short_help = true,
+        value_name = "WHEN",
+        default_value = "auto"
+    )]
     pub color: Color,
 }
 
 /// Formats of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LogFormat {
-    /// Lines for people.
+    /// Lines of text.
     Text,
     /// One JSON object per line.
     Json,
@@ -66,7 +78,7 @@ impl Common {
         }
     }
 
-    /// A bar that shows progress, unless that is not wanted.
+    /// Progress bar; hidden with `--quiet`.
     pub fn progress(&self, bar: ProgressBar, template: &str) -> ProgressBar {
         if self.quiet {
             return ProgressBar::hidden();

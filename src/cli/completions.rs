@@ -10,7 +10,7 @@ Examples:
   echo 'source <(rodlab completions bash)' >> ~/.bashrc
   rodlab completions fish > ~/.config/fish/completions/rodlab.fish
 
-The script asks the program for presets, topics, pages and keys. Print it again after an update.")]
+The script calls the program for presets, topics, pages and keys. Print it again after an update.")]
 pub struct CompletionsArguments {
     /// The shell
     #[arg(value_parser = clap::builder::PossibleValuesParser::new(Shells::builtins().names()))]

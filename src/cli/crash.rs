@@ -1,4 +1,4 @@
-//! The last resort: a panic is a fault of the program, whatever the input, and is told as one.
+//! The last resort: a panic is a fault of the program, for any input, and is reported as one.
 //!
 //! Results stay resumable: files appear whole, tables are flushed row by row, and locks and leases of a process end
 //! with it.
@@ -9,12 +9,12 @@ use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Does the work; a panic anywhere in it ends with a message and exit code 1.
+/// Runs the work; a panic anywhere in it ends with a message and exit code 1.
 pub fn guarded(work: impl FnOnce() -> ExitCode) -> ExitCode {
     panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| ExitCode::from(PANIC))
 }
 
-/// Has the first panic told in words; those that follow from it in other threads are not.
+/// Reports the first panic; later panics, which follow from it in other threads, are ignored.
 pub fn announce_panics() {
     static TOLD: AtomicBool = AtomicBool::new(false);
     let trace = panic::take_hook();

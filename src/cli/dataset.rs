@@ -14,9 +14,10 @@ Examples:
   rodlab train results/deployment_dataset --out results/network
   rodlab dataset scenarios/folding_dataset.toml
 
-The samples are a run like any other: it continues where it was interrupted, may be swept and submitted to a cluster.")]
+The samples are the results of a run: it resumes after an interruption, can be swept, and can be
+submitted to a cluster.")]
 pub struct DatasetArguments {
-    /// What is run, and how
+    /// Scenario, and options of the run
     #[command(flatten)]
     pub run: RunArguments,
 }

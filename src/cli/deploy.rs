@@ -13,27 +13,35 @@ use rodlab_planning::plan::deployment::Spare;
 use rodlab_workcell::task::{DeployTask, Planning, TaskCommand, Way};
 use rodlab_workcell::virtual_cell::RodSupply;
 
+const HELP: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab deploy --pattern A.svg                  a drawing or a preset; in a virtual cell
+  rodlab deploy --pattern U --rod green_vps --cell gantry --dry-run
+  rodlab deploy --pattern letter.csv --rod pink_vps --cell cell.toml --colour red
+  rodlab deploy --pattern circle:0.08 --rod green_vps --simulate",
+    "\
+The path of the gripper is planned as by `rodlab plan deployment`, that of the joints as by
+`rodlab plan joints`. The arm moves straight to the first point; its gripper takes the rod, lays it
+and releases it; the camera of the cell file takes a picture, by which the rod is scored. With
+--dry-run nothing moves: look at its page first. `rodlab cell serve` starts a cell to try --cell
+with.
+
+All results are in one directory: manifest.json, report.md, report.html, plan/, joints.csv,
+cell.html, approach/ and laying/ (commanded.csv, state.csv, events.csv), picture.png, overlay.png,
+rod.csv (the rod as seen, in the frame of the pattern), score.svg. Exit code 1: a step failed; the
+message and report.md give the reason."
+);
+
 /// Arguments of `rodlab deploy`.
 #[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  rodlab deploy --pattern A.svg                                 a drawing, or a preset; in a virtual cell
-  rodlab deploy --pattern U --rod green_vps --cell gantry --dry-run
-  rodlab deploy --pattern letter.csv --rod pink_vps --cell cell.toml --colour red --hand-speed 0.02
-  rodlab deploy --pattern circle:0.08 --rod green_vps --simulate
-
-The gripper's path is planned as by `rodlab plan deployment`, that of the joints as by `rodlab plan joints`. The arm goes
-straight to the first point, its gripper takes the rod, lays it and lets it go; the camera of the cell file looks, and what it
-saw is scored. Nothing moves with --dry-run: look at its page first. Everything is in one directory: manifest.json, report.md,
-report.html, plan/, joints.csv, cell.html, approach/ and laying/ (commanded.csv, state.csv, events.csv), picture.png, overlay.png, rod.csv
-(what was seen, in the frame of the pattern), score.svg. Exit code 1: something failed on the way; the message and report.md say
-what. `rodlab cell serve` is a cell to try --cell with.")]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct DeployArguments {
     #[command(flatten)]
     plan: DeploymentPlan,
     #[command(flatten)]
     laying: LayingArguments,
-    /// Look at the rod each 0.8 gravito-bending lengths while it is laid, and plan the rest of its path anew from where it lies
+    /// Replan the rest of the path from what the camera sees, each 0.8 gravito-bending lengths
     #[arg(long, conflicts_with_all = ["simulate", "dry_run"])]
     correct: bool,
     /// Lay the rod in plain simulation, without a cell
@@ -51,7 +59,7 @@ pub fn deploy(command: &InCell<DeployArguments>, common: &Common) -> Result<(), 
     } = &command.what;
     if plan.ties_knot() {
         return Err(Failure::Input(
-            "--knot: a knot takes two grippers, and this lays with one; leave it out".into(),
+            "--knot: a knot needs two grippers, and this command has one; use `rodlab tie`".into(),
         ));
     }
     if !is_simulated {

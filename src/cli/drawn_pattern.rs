@@ -6,16 +6,16 @@ use rodlab_lab::experiment::svg_drawing;
 use rodlab_planning::plan::pattern::{PatternError, Point, StrokeChoice, SvgDrawing};
 use rodlab_vision::read_curve;
 
-/// Which part of a drawn file is meant.
+/// Selection of a part of a drawn file.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Part<'a> {
-    /// The stroke of an SVG, or strand of a CSV file.
+    /// Stroke of an SVG, or strand of a CSV file.
     pub stroke: Option<&'a StrokeChoice>,
-    /// Gap across which strokes of an SVG are joined first, m.
+    /// Largest gap between strokes of an SVG that are joined, m.
     pub join: Option<f64>,
 }
 
-/// Points of an SVG or CSV file in metres; none where the file has another ending.
+/// Points of an SVG or CSV file, m; `None` for a file with another ending.
 pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, Failure> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     if extension == "svg" {
@@ -23,7 +23,7 @@ pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, F
     }
     if part.join.is_some() {
         return Err(Failure::Input(format!(
-            "--join is for strokes of SVG drawings, and {} is none",
+            "--join is for strokes of SVG drawings; {} is not one",
             path.display()
         )));
     }
@@ -34,18 +34,18 @@ pub fn drawn_points(path: &Path, part: Part<'_>) -> Result<Option<Vec<Point>>, F
     }
 }
 
-/// The number of a strand or a line, where one is named; `longest` is the default of lines in photographs.
+/// Number of a strand or a line, if given; `longest` is the default of lines in photographs.
 pub fn counted(stroke: Option<&StrokeChoice>) -> Result<Option<usize>, Failure> {
     match stroke {
         None | Some(StrokeChoice::Only | StrokeChoice::Longest) => Ok(None),
         Some(StrokeChoice::Number(number)) => Ok(Some(*number)),
         Some(StrokeChoice::Id(id)) => Err(Failure::Input(format!(
-            "--stroke {id}: a number from 1 is needed; only strokes of SVG drawings have an id"
+            "--stroke {id}: expected a number from 1; only strokes of SVG drawings have an id"
         ))),
     }
 }
 
-/// A stroke of an SVG drawing. Where there are several to choose from, a picture of them is written.
+/// A stroke of an SVG drawing. If there are several to choose from, a picture of them is written.
 fn svg_points(path: &Path, part: Part<'_>) -> Result<Vec<Point>, Failure> {
     let place = path.display();
     let mut drawing = svg_drawing(path).map_err(Failure::Input)?;
@@ -81,7 +81,7 @@ fn svg_points(path: &Path, part: Part<'_>) -> Result<Vec<Point>, Failure> {
     Ok(stroke.points)
 }
 
-/// What chooses among several strokes, in words. A picture of them is written into the current folder.
+/// Message about the options that select one of several strokes. Writes a picture of them into the current folder.
 fn ways_out(path: &Path, drawing: &SvgDrawing) -> String {
     let join = match drawing.gap_that_joins() {
         Some(gap) => format!("; --join \"{:.3} mm\" joins all of them to one", 1e3 * gap),

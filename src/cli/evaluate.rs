@@ -11,16 +11,16 @@ use rodlab_planning::learn::{
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  rodlab dataset scenarios/deployment_dataset.toml --set grasp_samples.points.first=1000000 --set grasp_samples.points.count=2000 --out results/others
+  rodlab dataset deployment_dataset --set grasp_samples.points.first=1000000 --out results/others
   rodlab evaluate results/network/model.safetensors results/others --out errors.svg
 
-Samples that the network has learned from say little: take others.")]
+Use other samples than those of the training.")]
 pub struct EvaluateArguments {
-    /// The network: model.safetensors of `rodlab train`
+    /// Network: model.safetensors of `rodlab train`
     pub model: PathBuf,
     /// Results of `rodlab dataset`
     pub samples: PathBuf,
-    /// Where to write a figure of the errors, as .svg
+    /// Output file for a figure of the errors, .svg
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Print the errors as JSON
@@ -31,7 +31,7 @@ pub struct EvaluateArguments {
 #[derive(Serialize)]
 struct Answer<'a> {
     samples: usize,
-    /// Samples out of the range that the network has learned, which are left out.
+    /// Samples outside of the range of the training, which are left out.
     out_of_range: usize,
     errors: &'a [Errors],
     provenance: &'a std::collections::BTreeMap<String, String>,
@@ -44,7 +44,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
     let about = &model.about;
     if about.inputs != files.columns.inputs || about.outputs != files.columns.outputs {
         return Err(Failure::Input(format!(
-            "{} predicts {} from {}; needed here: {} from {}",
+            "{} predicts {} from {}; expected {} from {}",
             arguments.model.display(),
             about.outputs.join(", "),
             about.inputs.join(", "),
@@ -57,7 +57,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
     let covered = in_range(&model, &samples);
     if covered.rows() == 0 {
         return Err(Failure::Input(format!(
-            "{}: none of {} samples is within the range that {} has learned",
+            "{}: none of {} samples is within the training range of {}",
             arguments.samples.display(),
             samples.rows(),
             arguments.model.display()
@@ -67,7 +67,7 @@ pub fn evaluate(arguments: &EvaluateArguments) -> Result<(), Failure> {
     let is_finite = |errors: &Errors| errors.mean.is_finite() && errors.largest.is_finite();
     if let Some(wrong) = errors.iter().find(|errors| !is_finite(errors)) {
         return Err(Failure::Input(format!(
-            "{}: its answers for `{}` are not finite numbers; train it again",
+            "{}: its answers for `{}` are not finite; train it again",
             arguments.model.display(),
             wrong.quantity
         )));

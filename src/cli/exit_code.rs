@@ -1,4 +1,4 @@
-//! The exit code of each reason to fail: a promise to scripts, kept here alone.
+//! The exit code of each failure: a stable interface for scripts, defined only here.
 
 use crate::reproduce::ReproduceError;
 use rodlab_engine::mechanics::dynamics::SimulationError;
@@ -9,18 +9,18 @@ use rodlab_lab::report::{MovieError, PlotError, ViewError};
 use rodlab_lab::run::{RunError, StopRequest};
 use rodlab_lab::sweep::SweepOutcome;
 
-/// Exit code where the time limit was reached.
+/// Exit code of a run that reached its time limit.
 pub(super) const TIME_LIMIT: u8 = 5;
 /// Exit code of an interrupted run.
 pub(super) const INTERRUPTED: u8 = 130;
-/// Exit code where a picture does not show the whole rod, so that nothing is scored.
+/// Exit code of a task whose picture does not show the whole rod, so that nothing is scored.
 pub(super) const NOT_SEEN_WHOLE: u8 = 4;
-/// Exit code after a panic: not bad input, and nothing that a further attempt with more time would mend.
+/// Exit code after a panic: not bad input, and not a failure that more time would cure.
 pub(super) const PANIC: u8 = 1;
 
-/// What the program returns.
+/// Errors with an exit code of the program.
 pub(super) trait ExitCode {
-    /// Its exit code.
+    /// Returns the exit code.
     fn exit_code(&self) -> u8;
 }
 
@@ -39,7 +39,7 @@ impl ExitCode for SimulationError {
 impl ExitCode for RunError {
     fn exit_code(&self) -> u8 {
         match self {
-            // Nothing was written yet: whatever the mechanics refuses, the input is at fault.
+            // Nothing was written yet: if the mechanics refuses something, the input is at fault.
             Self::Scene(_) => 2,
             Self::Simulation { source, .. } => source.exit_code(),
             Self::TimeLimit { .. } => TIME_LIMIT,

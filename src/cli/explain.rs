@@ -16,7 +16,7 @@ Examples:
   rodlab explain series.traction_start_n    one of its columns
   rodlab explain manifest.json")]
 pub struct ExplainArguments {
-    /// A dotted key, a file of results directories or FILE.COLUMN; without one, what there is
+    /// Dotted key, file of results directories or FILE.COLUMN; without it, all of them are listed
     #[arg(add = keys(""))]
     pub key: Option<String>,
 }
@@ -52,13 +52,13 @@ fn column_of_a_key(files: &[&FileDescription], name: &str) -> Result<String, Str
     let columns: Vec<&str> = columns.map(|column| column.name).collect();
     let advice =
         did_you_mean(name, columns.iter().copied()).unwrap_or_else(|| match columns.is_empty() {
-            true => "it is no table".to_owned(),
+            true => "it is not a table".to_owned(),
             false => format!("it has: {}", columns.join(", ")),
         });
     Err(format!("`{file}` has no `{name}`; {advice}"))
 }
 
-/// A column whose file was not named.
+/// A column given without its file.
 fn column_anywhere(name: &str) -> Option<String> {
     let words: String = files_with_column(name)
         .into_iter()
@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(explanation("summary.contact.friction"), Ok(key));
         let error = |key| explanation(key).unwrap_err();
         insta::assert_snapshot!(error("series.contact"), @"`series.csv` has no `contact`; did you mean `contacts`?");
-        insta::assert_snapshot!(error("scenario.toml.x"), @"`scenario.toml` has no `x`; it is no table");
+        insta::assert_snapshot!(error("scenario.toml.x"), @"`scenario.toml` has no `x`; it is not a table");
         insta::assert_snapshot!(error("kontakt"), @"there is no key `kontakt` at the top of a scenario; did you mean `contact`?");
     }
 

@@ -12,43 +12,53 @@ use rodlab_workcell::virtual_cell::ChuckedSupply;
 /// Distances ‖(κ, τ, ω)‖ that are allowed, in words.
 const DISTANCE: &str = "a distance from 0.01 to 100 is needed";
 
-/// Arguments of `rodlab explore`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
+const HELP: [&str; 2] = help!(
+    "\
 Examples:
   rodlab explore --rod nitinol_wire --section 3                 in a virtual cell
   rodlab explore --rod nitinol_wire --section 8 --dry-run
   rodlab explore --rod nitinol_wire --spread 328 --cell cell.toml --out results/explored
-  rodlab explore --rod nitinol_wire --directions mine.csv --step 0.25 --precision 0.02
+  rodlab explore --rod nitinol_wire --directions mine.csv --step 0.25 --precision 0.02",
+    "\
+A rod is clamped between a chuck that a stepper turns and the hand of an arm. Along each direction
+of (κ, τ, ω) both clamps are led such that the rod is a helix, from the straight rod outwards; the
+camera takes a picture at each step. Where the markers deviate from those of the helix, the rod has
+lost its stability: the arm returns until the rod is a helix again, locates the instability by finer
+steps, and returns to the straight rod. With --dry-run nothing moves; it prints how far each
+direction can be followed. The same command with the same --out resumes at the direction at which an
+earlier one ended.
 
-A rod is clamped between a chuck that a stepper turns and the hand of an arm. Along each direction of (κ, τ, ω) both clamps are led
-such that the rod is a helix, from the straight rod outwards; the camera looks at each step. Where the markers are not where those of
-the helix would be, it has lost its stability: the arm goes back until it is a helix again, finds the place by finer steps, and
-returns to the straight rod. Nothing moves with --dry-run, which tells how far each direction can be led. The same command with the same
---out goes on after any end, at the direction in which it was.
-Everything is in one directory: manifest.json, exploration.csv (a row for each direction, written when it is done), report.md and
-report.html with figures, plan.csv, joints.csv, cell.html, directions/ (looks.csv and a picture each), motion/ (the last motion). Exit code 1: something failed on
-the way; the message and report.md say what; arm and chuck hold. `rodlab cell serve --cell helix_gantry --rod nitinol_wire` is a cell to try --cell
-with.")]
+All results are in one directory: manifest.json, exploration.csv (a row for each direction, written
+when it is done), report.md and report.html with figures, plan.csv, joints.csv, cell.html,
+directions/ (looks.csv and a picture each), motion/ (the last motion). Exit code 1: a step failed;
+the message and report.md give the reason; arm and chuck hold. A cell to try --cell with:
+  rodlab cell serve --cell helix_gantry --rod nitinol_wire"
+);
+
+/// Arguments of `rodlab explore`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct ExploreArguments {
-    /// The rod: TOML with youngs_modulus, poissons_ratio and density in [material], and radius, length and markers in [rod]
+    /// Rod file: TOML with [material] and [rod]
+    ///
+    /// [material] has youngs_modulus, poissons_ratio and density, [rod] radius, length and markers.
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     rod: PathBuf,
     #[command(flatten)]
     directions: DirectionArguments,
-    /// Name of the arm; not needed where the cell has only one
+    /// Name of the arm; optional if the cell has only one
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
-    /// Distance ‖(κ, τ, ω)‖ from look to look on the way out
+    /// Distance ‖(κ, τ, ω)‖ between pictures on the way out
     #[arg(long, value_name = "DISTANCE", default_value_t = 0.5, value_parser = number(is_distance, DISTANCE))]
     step: f64,
-    /// The same for the second approach to an instability
+    /// Distance between pictures in the second approach to an instability
     #[arg(long, value_name = "DISTANCE", default_value_t = 0.05, value_parser = number(is_distance, DISTANCE))]
     precision: f64,
     /// Distance at which a search ends
     #[arg(long, value_name = "DISTANCE", default_value_t = 14.0, value_parser = number(is_distance, DISTANCE))]
     farthest: f64,
-    /// Mean distance of the markers from those of the helix, over the length of the rod, above which it is no helix
+    /// Mean distance of the markers from the helix, over the rod length, above which it is unstable
     #[arg(long, value_name = "PART", default_value_t = 0.015, value_parser = positive)]
     deviation: f64,
     /// Greatest speed of the hand on the way out, m/s
@@ -63,16 +73,16 @@ pub struct ExploreArguments {
     /// Least distance of arm and rod to anything else, m
     #[arg(long, value_name = "DISTANCE", default_value_t = 0.015, value_parser = positive)]
     margin: f64,
-    /// Which colours are markers, as of `rodlab measure markers`
+    /// Colour of the markers, as in `rodlab measure markers`
     #[arg(long, value_name = "RULE", default_value = "blue")]
     colour: String,
     /// Keep no pictures
     #[arg(long)]
     no_pictures: bool,
-    /// Plan everything, write the pages, and move nothing
+    /// Plan everything and write the pages, but move nothing
     #[arg(long)]
     dry_run: bool,
-    /// Where everything goes [default: results/explore-ROD]
+    /// Directory for the results [default: results/explore-ROD]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -80,13 +90,13 @@ pub struct ExploreArguments {
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct DirectionArguments {
-    /// A table with the columns kappa, tau and omega, of any length
+    /// Table with the columns kappa, tau and omega, vectors of any length
     #[arg(long, value_name = "FILE")]
     directions: Option<PathBuf>,
-    /// So many directions, evenly spread over κ > 0 and τ > 0
+    /// Number of directions, evenly spread over κ > 0 and τ > 0
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     spread: Option<u32>,
-    /// So many directions with ω = 0, κ > 0 and τ > 0
+    /// Number of directions with ω = 0, κ > 0 and τ > 0
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     section: Option<u32>,
 }
@@ -157,7 +167,7 @@ impl TaskCommand for ExploreArguments {
         let Planning {
             cell, is_virtual, ..
         } = planning;
-        // A simulated cell is new each time, with its rod in the chuck.
+        // A simulated cell is new in each task, with its rod in the chuck.
         let task = ExplorationTask::new(exploration, cell, planning.results(), *is_virtual);
         let task = task.map_err(|error| match error {
             ExploreError::Input(words) => Failure::Input(words),

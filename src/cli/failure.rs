@@ -1,4 +1,4 @@
-//! Why the program fails, what it says and its exit code.
+//! Failures of the program: message and exit code.
 
 use super::exit_code::{ExitCode, INTERRUPTED, TIME_LIMIT};
 use super::standard_error;
@@ -11,24 +11,24 @@ use rodlab_vision::VisionError;
 use rodlab_workcell::virtual_cell::{RodError, ServeError};
 use std::fmt::Display;
 
-/// Why the program fails.
+/// Failure of the program.
 #[derive(Debug)]
 pub enum Failure {
-    /// Scenarios are wrong.
+    /// Invalid scenarios.
     Scenario(Vec<ScenarioError>),
-    /// An argument is wrong.
+    /// Invalid argument.
     Input(String),
-    /// No equilibrium, no posture of an arm, or no path of its joints, is what was asked for.
+    /// No equilibrium, no posture of an arm, or no path of its joints, meets the request.
     Unreachable(String),
-    /// It was asked to stop, with all that is done saved.
+    /// Request to stop; all finished work is saved.
     Stopped(StopRequest),
-    /// The system refused something.
+    /// Error of the operating system.
     System(String),
-    /// Anything else that has an exit code of its own.
+    /// Other failure with its own exit code.
     Other {
         /// The exit code.
         exit_code: u8,
-        /// What to say.
+        /// Message.
         message: String,
     },
 }
@@ -46,7 +46,7 @@ impl Failure {
         }
     }
 
-    /// Adds what may help to the message about an argument.
+    /// Adds advice to the message about an argument.
     pub fn followed_by(self, more: &str) -> Self {
         match self {
             Self::Input(message) => Self::Input(message + more),
@@ -54,12 +54,12 @@ impl Failure {
         }
     }
 
-    /// Says what is wrong on standard error.
+    /// Reports the failure on standard error.
     pub fn report(&self, colour: bool) {
         standard_error::report(&self.in_words(colour));
     }
 
-    /// What is wrong, whole lines.
+    /// Message in whole lines.
     fn in_words(&self, colour: bool) -> String {
         match self {
             Self::Scenario(errors) => errors.iter().map(|error| error.render(colour)).collect(),
@@ -68,25 +68,25 @@ impl Failure {
             | Self::Unreachable(message)
             | Self::Other { message, .. } => format!("error: {message}\n"),
             Self::Stopped(StopRequest::Interrupt) => {
-                "interrupted; the same command goes on\n".into()
+                "interrupted; run the same command again to resume\n".into()
             }
             Self::Stopped(StopRequest::TimeLimit) => {
-                "time limit reached; the same command goes on\n".into()
+                "time limit reached; run the same command again to resume\n".into()
             }
         }
     }
 
-    /// The input is wrong, by what an error says.
+    /// Invalid input, with the message of an error.
     pub fn input(error: impl Display) -> Self {
         Self::Input(error.to_string())
     }
 
-    /// The system refused something, by what an error says.
+    /// Error of the system, with the message of an error.
     pub fn system(error: impl Display) -> Self {
         Self::System(error.to_string())
     }
 
-    /// A motion was interrupted.
+    /// Interrupted motion.
     pub fn interrupted(message: String) -> Self {
         Self::Other {
             exit_code: INTERRUPTED,
@@ -94,7 +94,7 @@ impl Failure {
         }
     }
 
-    /// Why nothing was trained: files of the user's that do not serve are bad input.
+    /// Failure of a training: unsuitable files of the user are bad input.
     pub fn of_training(error: &TrainingError) -> Self {
         match error {
             TrainingError::Results(fault) if fault.exit_code() == 1 => Self::system(error),
@@ -104,12 +104,12 @@ impl Failure {
     }
 }
 
-/// Faults of the input: what is wrong, and where.
+/// Faults of the input, with their place.
 pub trait OrInput<T> {
-    /// The input is wrong, by what the error says.
+    /// Converts the error to one of invalid input.
     fn or_input(self) -> Result<T, Failure>;
 
-    /// The same with its place in front: a file, an option.
+    /// Converts the error, with its place in front: a file or an option.
     fn at(self, place: impl Display) -> Result<T, Failure>;
 }
 
@@ -151,7 +151,7 @@ impl From<ScenarioError> for Failure {
 impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
-            // Scenarios show the lines that are at fault.
+            // Scenarios show the faulty lines.
             SweepError::Scenario(error) => error.into(),
             SweepError::Results(error) => error.into(),
             SweepError::Threads(_) => Self::system(error),

@@ -11,13 +11,13 @@ const FORMATS: [Named<Format>; 3] = [
     ("pdf", Format::Pdf, "Vectors for LaTeX"),
 ];
 
-/// How figures are drawn and kept.
+/// Style and formats of figures.
 #[derive(Clone, Debug, Default, Args)]
 pub struct FigureArguments {
     /// Formats of the figures, separated by commas [default: svg,png; of reproduced pages svg]
     #[arg(long, value_name = "FORMATS", value_delimiter = ',', value_parser = named(&FORMATS))]
     pub format: Vec<Format>,
-    /// Width of the figures, such as 85mm for a column of a journal [default: 211.7mm]
+    /// Width of the figures, such as 85mm for a journal column [default: 211.7mm]
     #[arg(long, value_name = "LENGTH", value_parser = metres)]
     pub width: Option<f64>,
     /// Size of the letters in points; lines and marks follow it [default: 10]
@@ -26,7 +26,7 @@ pub struct FigureArguments {
 }
 
 impl FigureArguments {
-    /// The options, with formats for where none is given.
+    /// The options, with default formats.
     pub fn options(&self, usual: &[Format]) -> Result<FigureOptions, Failure> {
         let paper = Paper::default();
         let width = self.width.unwrap_or(paper.width());
@@ -35,7 +35,7 @@ impl FigureArguments {
             let (widths, sizes) = (Paper::WIDTHS, Paper::FONT_SIZES);
             Failure::Input(format!(
                 "a figure {:.4} m wide with letters of {font_size} points cannot be drawn: --width is from {} to {} m, \
-                 --font-size from {} to {} points, and at least {} letters stand side by side",
+                 --font-size from {} to {} points, with room for at least {} letters side by side",
                 width,
                 widths.start(),
                 widths.end(),

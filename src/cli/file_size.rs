@@ -1,6 +1,6 @@
 //! A limit on the size of files (`ulimit -f`).
 
-/// Keeps the signal of a file that grows beyond the limit from ending the program: the write fails instead, and is reported
+/// Prevents the signal of a file that grows beyond the limit from ending the program: the write fails instead, and is reported
 /// like that to a full disk.
 #[cfg(unix)]
 pub fn report_as_errors() {
@@ -11,6 +11,6 @@ pub fn report_as_errors() {
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }
 
-/// Other systems have no such signal.
+/// Does nothing: other systems have no such signal.
 #[cfg(not(unix))]
 pub fn report_as_errors() {}

@@ -6,46 +6,60 @@ use clap::builder::PossibleValuesParser;
 use rodlab_lab::experiment::{AlgorithmName, Crease, PaperFile};
 use rodlab_workcell::cell::Place;
 
-/// Arguments of `rodlab fold`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
+const HELP: [&str; 2] = help!(
+    "\
 Examples:
   rodlab fold --paper a4                                in a virtual cell
   rodlab fold --paper a4 --cell cell.toml --feedback 5
   rodlab fold --paper a4 --crease half --simulate --open
   rodlab fold --paper us_letter --crease half --algorithm optimal --feedback 5 --simulate
-  rodlab fold --paper a4 --crease \"25 cm\" --algorithm circle --simulate --out results/circle
+  rodlab fold --paper a4 --crease \"25 cm\" --algorithm circle --simulate --out results/circle",
+    "\
+In a cell the camera locates the sheet; the arm takes its edge and folds it in parts. After each
+part the camera measures how far the sheet has slid, and with --feedback the next part is replanned.
+The fold is scored by what the camera saw, then the gripper opens. With --dry-run nothing moves:
+look at its page first. All results are in one directory: manifest.json, report.md, report.html,
+joints.csv, cell.html, looks.csv, the pictures, and a folder with commanded.csv, state.csv and
+events.csv for each motion. Exit code 1: a step failed; the message and report.md give the reason.
+`rodlab cell serve --paper FILE` starts a cell to try --cell with.
 
-In a cell the camera looks where the sheet lies; the arm takes its edge and folds it in parts. After each the camera looks how far
-the sheet has slid, and with --feedback the next is planned anew. What was seen is scored, then the gripper lets go. Nothing moves with
---dry-run: look at its page first. Everything is in one directory: manifest.json, report.md, report.html, joints.csv, cell.html,
-looks.csv, the pictures, and a folder with commanded.csv, state.csv and events.csv for each motion. Exit code 1: something failed on the way;
-the message and report.md say what. `rodlab cell serve --paper FILE` is a cell to try --cell with.
-With --simulate the sheet is folded in plain simulation, without an arm; the results directory is that of any run, and its
-scenario can be taken on with `rodlab run`.")]
+With --simulate the sheet is folded in plain simulation, without an arm; the results directory is
+that of any run, and `rodlab run` accepts its scenario."
+);
+
+/// Arguments of `rodlab fold`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct FoldArguments {
-    /// The sheet: TOML with [folding.paper], as in scenarios/papers
+    /// Sheet file: TOML with [folding.paper], as in scenarios/papers
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Paper), add = presets(PresetKind::Paper))]
     pub paper: PathBuf,
-    /// Where the edge goes: `half`, onto the opposite edge; `diagonal-strip`, a corner of a square sheet onto the opposite one, planned and
-    /// simulated as a strip of one width; or how far
-    #[arg(long, value_name = "half|diagonal-strip|LENGTH", value_parser = crease, default_value = "half")]
+    /// Target of the edge: `half`, `diagonal-strip`, or the distance by which it moves
+    ///
+    /// `half`: onto the opposite edge. `diagonal-strip`: a corner of a square sheet onto the opposite one, planned and simulated as a
+    /// strip of one width.
+    #[arg(long, value_name = "TARGET", value_parser = crease, default_value = "half")]
     pub crease: Crease,
-    /// How the way of the gripper is planned; `held` holds the edge with as little moment as the friction needs
+    /// Algorithm that plans the path of the gripper
+    ///
+    /// `held` holds the edge with the least moment that the friction allows.
     #[arg(long, default_value = "held", value_parser = PossibleValuesParser::new(ALGORITHMS.map(|(name, _)| name)))]
     pub algorithm: String,
-    /// Plan each of N parts of the way but the first anew from how far the sheet is seen to have slid; at most 20 in a cell
+    /// Fold in N parts and replan each from the measured slide of the sheet; at most 20 in a cell
+    ///
+    /// The first part follows the plan.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=1000))]
     pub feedback: Option<u16>,
-    /// Friction of the table [default: that in the sheet's file]
+    /// Friction of the table [default: that of the sheet file]
     #[arg(long, value_name = "FRICTION", value_parser = friction)]
     pub friction: Option<f64>,
-    /// Name of the arm; not needed where the cell has only one
+    /// Name of the arm; optional if the cell has only one
     #[arg(long, value_name = "NAME")]
     pub arm: Option<String>,
-    /// Where the middle of the edge lies in the cell: x,y,z in metres, and the direction over the sheet, degrees about z. The
-    /// camera sees it more exactly; of the directions of the sheet that it sees the nearest is taken [default: the sheet in the
-    /// middle of the table, along x]
+    /// Expected place of the middle of the edge: x,y,z in metres, direction over the sheet in degrees
+    ///
+    /// The direction is an angle about z in the cell. The camera then locates the sheet more exactly; of its directions the nearest is
+    /// used. By default the sheet is expected in the middle of the table, along x.
     #[arg(long, value_name = "X,Y,Z[,TURN]", allow_hyphen_values = true)]
     pub place: Option<Place>,
     /// Greatest speed of the hand while it folds, m/s
@@ -57,25 +71,25 @@ pub struct FoldArguments {
     /// Least distance to anything else, m
     #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
     pub margin: f64,
-    /// Which colours are paper, as of `rodlab trace`
+    /// Colour of the paper, as in `rodlab trace`
     #[arg(long, value_name = "RULE", default_value = "auto")]
     pub colour: String,
-    /// Plan everything, write the page, and move nothing
+    /// Plan everything and write the page, but move nothing
     #[arg(long, conflicts_with = "simulate")]
     pub dry_run: bool,
-    /// The arm, and what it holds, were looked at after a task that did not come to its end
+    /// The arm and its gripper were inspected after a task that did not finish
     #[arg(long, conflicts_with = "simulate")]
     pub checked: bool,
     /// Fold in plain simulation, without a cell
     #[arg(long)]
     pub simulate: bool,
-    /// Root mean square of a trembling of the gripper in each direction
+    /// Root mean square of the noise of the gripper pose in each direction
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires = "simulate")]
     pub jitter: Option<f64>,
-    /// Seed of that
+    /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 0, requires = "simulate")]
     pub seed: u32,
-    /// Where the results go [default: results/fold-TIME, with --simulate results/fold_<name of the sheet's file>]
+    /// Directory for the results [default: results/fold-TIME, with --simulate results/fold_SHEET]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Start over and discard earlier results
@@ -86,7 +100,7 @@ pub struct FoldArguments {
     pub open: bool,
 }
 
-/// Ways of folding by their names in scenario files.
+/// Algorithms by their names in scenario files.
 const ALGORITHMS: [(&str, AlgorithmName); 5] = [
     ("held", AlgorithmName::Held),
     ("optimal", AlgorithmName::Optimal),
@@ -95,33 +109,34 @@ const ALGORITHMS: [(&str, AlgorithmName); 5] = [
     ("step-by-step", AlgorithmName::StepByStep),
 ];
 
-/// A sheet that is to be folded.
+/// Sheet to fold.
 pub struct AskedSheet {
-    /// Its file.
+    /// Contents of its file.
     pub file: PaperFile,
-    /// How far its edge goes, m.
+    /// Distance by which its edge moves, m.
     pub target: f64,
     /// Friction of the table.
     pub friction: f64,
 }
 
 impl FoldArguments {
-    /// The way of folding by its name.
+    /// Algorithm by its name.
     pub fn algorithm(&self) -> AlgorithmName {
         let named = ALGORITHMS.iter().find(|(name, _)| *name == self.algorithm);
         named.map_or(AlgorithmName::Held, |(_, algorithm)| *algorithm)
     }
 
-    /// The sheet, and what is asked of it.
+    /// Reads the sheet and its target.
     pub fn sheet(&self) -> Result<AskedSheet, Failure> {
         let file = PaperFile::read(&self.paper)?;
         let target = file.paper.target(self.crease).at("--crease")?;
         if self.feedback.is_some() && !self.algorithm().is_planned_anew() {
-            let message = "--feedback: this way of folding is not planned anew: use `held`, `optimal` or `least-friction`";
+            let message = "--feedback: this algorithm cannot replan; use `held`, `optimal` or `least-friction`";
             return Err(Failure::Input(message.into()));
         }
         let friction = self.friction.or(file.paper.friction);
-        let needed = "the friction of the table is needed: --friction, or `folding.paper.friction`";
+        let needed =
+            "the friction of the table is missing: give --friction or `folding.paper.friction`";
         Ok(AskedSheet {
             friction: friction.ok_or_else(|| Failure::Input(needed.into()))?,
             file,

@@ -12,15 +12,15 @@ use rodlab_workcell::task::{
 };
 use rodlab_workcell::virtual_cell::{SheetPlace, SimulatedSheet};
 
-/// Parts of a way that is not planned anew: after each the camera looks.
+/// Number of parts of a path without feedback; after each the camera takes a picture.
 const WATCHED_PARTS: u16 = 5;
-/// Most parts of a way: in each the arm starts and stops.
+/// Largest number of parts of a path: in each the arm starts and stops.
 const MOST_PARTS: u16 = 20;
 
 impl TaskCommand for FoldArguments {
     const NAME: &'static str = "fold";
     const CAMERA: Option<&'static str> =
-        Some("it looks where the sheet lies and how far it slides");
+        Some("it locates the sheet and measures how far it slides");
     type Task = FoldTask;
     type Error = Failure;
 
@@ -82,7 +82,7 @@ impl TaskCommand for FoldArguments {
     }
 }
 
-/// Where a sheet with a frame lies on a table.
+/// Place on a table of a sheet with a given frame.
 fn place_on(table: &Pose, frame: &Pose) -> SheetPlace {
     let place = table.inverse() * frame;
     SheetPlace {
@@ -91,7 +91,7 @@ fn place_on(table: &Pose, frame: &Pose) -> SheetPlace {
     }
 }
 
-/// Where the sheet is expected: its middle in that of the table where nobody says.
+/// Expected place of the sheet; by default its middle is in the middle of the table.
 fn expected_frame(
     arguments: &FoldArguments,
     cell: &Cell,
@@ -102,7 +102,7 @@ fn expected_frame(
     let [x, y, z, turn] = match (arguments.place, cell.table) {
         (Some(Place::At(place)), _) => place,
         (Some(Place::Auto), _) => {
-            let message = "--place auto: a sheet is folded where it lies; needed: x,y,z and a turn about z in degrees";
+            let message = "--place auto: a sheet is folded where it lies; give x,y,z and a turn about z in degrees";
             return Err(Failure::Input(message.into()));
         }
         (None, Some(table)) => {
@@ -110,7 +110,7 @@ fn expected_frame(
             [top.x - 0.5 * length, top.y, top.z, 0.0]
         }
         (None, None) => {
-            let message = "--place is needed: the cell has no [table]";
+            let message = "--place is required: the cell has no [table]";
             return Err(Failure::Input(message.into()));
         }
     };

@@ -12,8 +12,8 @@ use rodlab_lab::sweep;
 Example:
   rodlab gather results/sweep
 
-Updates summary.csv, timings.csv and manifest.json from the cases, whichever process ran them, and draws the figures
-of `rodlab plot`. It may be called while tasks are running.")]
+Updates summary.csv, timings.csv and manifest.json from the cases of all processes, and draws the
+figures of `rodlab plot`. It may be called while tasks are running.")]
 pub struct GatherArguments {
     /// The results directory of a sweep
     pub directory: PathBuf,

@@ -14,7 +14,7 @@ Examples:
   rodlab guide contact              one page; Markdown where standard output is not a terminal
   rodlab guide exit-codes | less")]
 pub struct GuideArguments {
-    /// The topic; without one, all topics are listed
+    /// Topic; without it, all topics are listed
     #[arg(add = guide_topics())]
     pub topic: Option<String>,
 }

@@ -7,10 +7,10 @@ use rodlab_lab::scenario::{Issue, Issues, KeyPath, Quantity, TypedFile};
 use rodlab_vision::helix_points;
 use serde::Deserialize;
 
-/// Most markers of a rod.
+/// Largest number of markers of a rod.
 const MOST_MARKERS: usize = 1000;
 
-/// A helix in the world, and where its markers are.
+/// A helix in the world, with its markers.
 #[derive(Debug)]
 pub struct HelixFile {
     curvature: f64,
@@ -63,7 +63,7 @@ impl HelixFile {
         if markers.is_empty() || markers.len() > MOST_MARKERS {
             issues.push(Issue::new(
                 root.key("markers"),
-                format!("arc lengths of 1 to {MOST_MARKERS} markers are needed"),
+                format!("expected arc lengths of 1 to {MOST_MARKERS} markers"),
             ));
         }
         let [w, x, y, z] = typed.quaternion;
@@ -87,7 +87,7 @@ impl HelixFile {
         Ok(issues.or_ok(found).map_err(|issues| file.locate(issues))?)
     }
 
-    /// Where the markers are in the world, as long as the rod is that helix.
+    /// Positions of the markers in the world, as long as the rod is that helix.
     pub fn places(&self) -> Vec<Vector3<f64>> {
         helix_points(self.curvature, self.torsion, &self.markers, &self.pose)
     }

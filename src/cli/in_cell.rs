@@ -1,4 +1,4 @@
-//! What runs a task in a cell, whichever it is: where its results go, whether arms may move, and how it ends.
+//! Runs any task in a cell: directory of the results, confirmation before arms move, and the end of the task.
 
 use super::chosen_cell::{CellChoice, TaskCell};
 use super::exit_code::NOT_SEEN_WHOLE;
@@ -11,10 +11,10 @@ use rodlab_workcell::task::{
     Planning, Task, TaskCommand, TaskError, TaskRecord, TaskRun, Unfinished, WorkError, Workplace,
 };
 
-/// A command that does a task in a cell.
+/// Arguments of a command that carries out a task in a cell.
 #[derive(Debug, Args)]
 pub struct InCell<C: Args> {
-    /// What is done.
+    /// Arguments of the task.
     #[command(flatten)]
     pub what: C,
     #[command(flatten)]
@@ -33,7 +33,7 @@ impl<C: Args + TaskCommand> InCell<C>
 where
     Failure: From<C::Error>,
 {
-    /// Plans the task, shows it, and carries it out unless it is a dry run.
+    /// Plans the task, shows the plan, and carries it out unless it is a dry run.
     pub fn run(&self) -> Result<(), Failure> {
         self.what.check()?;
         let way = self.what.way();
@@ -83,7 +83,7 @@ fn write_motion<T: Task>(task: &T, cell: &Cell, directory: &Path) -> Result<(), 
 }
 
 impl Work<'_> {
-    /// Carries a task out, once the arms may move, and clears the marks where they came to the end of their work.
+    /// Carries a task out, once the arms may move, and clears the marks of arms that finished their work.
     fn carry_out<T: Task>(
         &self,
         mut run: TaskRun<T>,
@@ -116,7 +116,7 @@ impl Work<'_> {
         self.finish(&run, failure)
     }
 
-    /// Writes all of the record, and prints it, or returns why the task ended early.
+    /// Writes the whole record, and prints it, or returns why the task ended early.
     fn finish<T: Task>(&self, run: &TaskRun<T>, failure: Option<Failure>) -> Result<(), Failure> {
         let report = run.conclude(self.directory)?;
         match (failure, run.task.record().answer()) {
@@ -126,15 +126,15 @@ impl Work<'_> {
         }
     }
 
-    /// Clears the marks of the arms; why they cannot be cleared.
+    /// Clears the marks of the arms; returns the failure to do so, if any.
     fn clear(&self) -> Option<Failure> {
         let cleared = self.marks.iter().try_for_each(Unfinished::clear);
         let unclear =
-            |error| Failure::System(format!("the end of the task cannot be noted: {error}"));
+            |error| Failure::System(format!("the end of the task cannot be recorded: {error}"));
         cleared.err().map(unclear)
     }
 
-    /// A task that ended early, for a reason `in_words`, and what to do next.
+    /// Failure of a task that ended early, for a reason `in_words`, with the next step of the user.
     fn ended_early(&self, error: &WorkError, in_words: String, next: Option<&str>) -> Failure {
         let directory = self.directory.display();
         let mut message = format!("{in_words}; the log is in {directory}");

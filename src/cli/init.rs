@@ -15,23 +15,23 @@ Examples:
   rodlab init scene --like net > my_net.toml
   rodlab init rod --like rope > my_rod.toml      `rodlab presets rod` lists the rods")]
 pub struct InitArguments {
-    /// The experiment for which to write a template, or what else to describe in a file
+    /// Experiment for which to write a template, or other kind of file
     #[arg(value_name = "KIND", value_parser = beginnings())]
     beginning: Beginning,
-    /// Write the preset of this name instead [default of cells, rods and papers: the first one that the guide uses]
+    /// Write the preset of this name instead [default of cells, rods and papers: that of the guide]
     #[arg(long, value_name = "NAME")]
     like: Option<String>,
 }
 
-/// What a file may begin as.
+/// Origin of a new file.
 #[derive(Clone, Copy, Debug)]
 enum Beginning {
     Experiment(&'static dyn Kind),
-    /// A preset of a kind, with the name of the one that is taken where none is named.
+    /// A preset of a kind, with the name of the default one.
     Preset(PresetKind, &'static str),
 }
 
-/// Files that are no scenarios, with what they describe.
+/// Kinds of files other than scenarios, with their contents.
 const OTHERS: [(PresetKind, &str, &str); 3] = [
     (
         PresetKind::Cell,

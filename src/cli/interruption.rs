@@ -1,4 +1,4 @@
-//! Signals for programs that move something, or serve until they are stopped.
+//! Signals to commands that move something, or serve until they are stopped.
 
 use super::exit_code::INTERRUPTED;
 use super::failure::Failure;
@@ -20,20 +20,20 @@ const SIGNALS: [(i32, &str); 7] = [
     (SIGUSR1, "SIGUSR1"),
     (SIGUSR2, "SIGUSR2"),
 ];
-/// Time after the first signal in which others are the same request: launchers send two of them.
+/// Time after the first signal in which further signals count as the same request: launchers send two of them.
 const SAME_REQUEST: Duration = Duration::from_secs(1);
 
-/// The first signal of [`SIGNALS`], once one has come.
+/// The first signal of [`SIGNALS`] that was received.
 #[derive(Clone)]
 pub struct Interruption(Arc<AtomicI32>);
 
 impl Interruption {
-    /// Whether a signal has come.
+    /// Whether a signal was received.
     pub fn is_raised(&self) -> bool {
         self.0.load(Ordering::Relaxed) != 0
     }
 
-    /// Name of the signal that has come.
+    /// Name of the signal that was received.
     pub fn signal(&self) -> Option<&'static str> {
         let raised = self.0.load(Ordering::Relaxed);
         let mut signals = SIGNALS.iter();
@@ -49,7 +49,7 @@ pub fn watch_for_interruption() -> Result<Interruption, Failure> {
     let watched = watched.filter(|signal| ignored & (1 << (signal - 1)) == 0);
     let mut signals = Signals::new(watched.collect::<Vec<_>>()).map_err(|error| {
         Failure::System(format!(
-            "signals cannot be watched for, so nothing is moved: {error}"
+            "cannot watch for signals, so nothing is moved: {error}"
         ))
     })?;
     let raised = Interruption(Arc::default());

@@ -1,4 +1,4 @@
-//! How an arm of a cell lays a rod: what `rodlab deploy` and `rodlab place` have in common.
+//! Laying a rod by an arm of a cell, common to `rodlab deploy` and `rodlab place`.
 
 use super::prelude::*;
 use rodlab_lab::experiment::Fixtures;
@@ -10,32 +10,32 @@ use rodlab_workcell::task::{
 };
 use rodlab_workcell::virtual_cell::RodSupply;
 
-/// Which arm, and how it moves.
+/// Choice of the arm, and its motion.
 #[derive(Debug, Args)]
 pub struct LayingArguments {
-    /// Name of the arm; not needed where the cell has only one
+    /// Name of the arm; optional if the cell has only one
     #[arg(long, value_name = "NAME")]
     arm: Option<String>,
     #[command(flatten)]
     pub task: TaskArguments,
 }
 
-/// What is laid.
+/// Rod and pattern to lay.
 pub struct Laying<'a> {
-    /// The pattern, for people.
+    /// Name of the pattern in reports.
     pub name: &'a str,
     /// The pattern without lead-in and lead-out, m.
     pub outline: Vec<Point>,
-    /// Pegs between which it is laid.
+    /// Pegs between which the rod is laid.
     pub fixtures: Option<Fixtures>,
-    /// Whether its path is planned anew from where it is seen to lie.
+    /// Whether its path is replanned from pictures of the rod.
     pub is_corrected: bool,
-    /// The rod for the gripper of a virtual cell, with the pose of the pattern in the cell.
+    /// Supplies the rod for the gripper of a virtual cell, given the pose of the pattern in the cell.
     pub supply: &'a dyn Fn(Pose) -> Result<RodSupply, Failure>,
 }
 
 impl LayingArguments {
-    /// How the task is run.
+    /// Returns how the task is run.
     pub fn way(&self) -> Way<'_> {
         Way {
             arm: self.arm.as_deref(),
@@ -43,7 +43,7 @@ impl LayingArguments {
         }
     }
 
-    /// Plans to lay a rod along the path that `plan` gives for the room that there is and writes into a directory.
+    /// Plans to lay a rod along the path that `plan` returns for the available room and writes into a directory.
     pub fn plan(
         &self,
         planning: &Planning<'_>,

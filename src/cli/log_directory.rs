@@ -1,13 +1,13 @@
-//! Directories for logs of what was moved.
+//! Directories for logs of motions.
 
 use super::prelude::*;
 
-/// Where results go: as given, or in `results` by a name.
+/// Directory for results: as given, or in `results` by a name.
 pub fn results_directory(given: Option<&Path>, name: &str) -> PathBuf {
     given.map_or_else(|| Path::new("results").join(name), Path::to_owned)
 }
 
-/// An empty directory, given or named after `what` and the time, which is not made yet: everything that moves an arm has its own.
+/// An empty directory, given or named after `what` and the time, which is not made yet: every motion of an arm has its own.
 pub fn empty_directory(what: &str, given: Option<&Path>) -> Result<PathBuf, Failure> {
     let now = jiff::Timestamp::now().strftime("%Y%m%dT%H%M%S%.3fZ");
     let directory = results_directory(given, &format!("{what}-{now}"));
@@ -20,7 +20,7 @@ pub fn empty_directory(what: &str, given: Option<&Path>) -> Result<PathBuf, Fail
     }
 }
 
-/// The same, made.
+/// Makes the directory of [`empty_directory`].
 pub fn log_directory(what: &str, given: Option<&Path>) -> Result<PathBuf, Failure> {
     let directory = empty_directory(what, given)?;
     let made = std::fs::create_dir_all(&directory);

@@ -6,21 +6,21 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
-/// Starts logging as the common options ask.
+/// Starts logging as set by the common options.
 ///
-/// What this crate says is shown down to the level asked for; other crates are heard from warnings on, so that their
+/// Messages of this crate are shown down to the requested level; those of other crates only from warnings on, so that their
 /// debugging does not drown the steps of a simulation.
 pub fn start(common: &Common) {
     let level = match (common.quiet, common.verbose) {
         (true, _) => LevelFilter::ERROR,
-        // A log for programs is asked for to be read.
+        // A log for programs includes the stages.
         (false, 0) if common.log == LogFormat::Json => LevelFilter::INFO,
         (false, 0) => LevelFilter::WARN,
         (false, 1) => LevelFilter::INFO,
         (false, 2) => LevelFilter::DEBUG,
         (false, _) => LevelFilter::TRACE,
     };
-    // Of peers that come and go, DDS warns in lines of a thousand characters; its drivers say what matters.
+    // DDS warns of peers that connect and leave in lines of a thousand characters; its drivers report what matters.
     let of_dds = if level == LevelFilter::TRACE {
         LevelFilter::WARN
     } else {
@@ -32,7 +32,7 @@ pub fn start(common: &Common) {
         .with_target(env!("CARGO_PKG_NAME"), level);
     let lines = tracing_subscriber::fmt::layer()
         .with_writer(|| Printable(std::io::stderr()))
-        // What cannot be written to standard error cannot be complained about there, either.
+        // A failed write to standard error cannot be reported there, either.
         .log_internal_errors(false)
         .with_ansi(common.colours_stderr());
     let subscriber = tracing_subscriber::registry().with(filter);

@@ -9,7 +9,7 @@ use clap::Command;
 Example:
   rodlab man ~/.local/share/man/man1        then: man rodlab, man rodlab-run")]
 pub struct ManArguments {
-    /// Where to write rodlab.1, and a page for each subcommand
+    /// Directory for rodlab.1 and a page for each subcommand
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 }

@@ -3,7 +3,7 @@
 const BOLD: &str = "\x1b[1m";
 const CODE: &str = "\x1b[36m";
 const PLAIN: &str = "\x1b[0m";
-/// Columns of text: more tire the eye, and terminals have at least so many.
+/// Columns of text: longer lines are hard to read, and terminals have at least so many.
 const WIDTH: usize = 80;
 
 /// Headings in bold, code in colour, links as their words; paragraphs and tables within 80 columns.
@@ -39,7 +39,7 @@ fn heading(line: &str) -> Option<&str> {
     words.strip_prefix(' ').filter(|_| line.len() > words.len())
 }
 
-/// Whether a line says where a link leads.
+/// Whether a line defines the target of a link.
 fn is_definition(line: &str) -> bool {
     line.starts_with('[') && line.contains("]: ")
 }

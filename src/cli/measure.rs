@@ -17,42 +17,42 @@ Examples:
   rodlab measure sheet before.png after.png --cell camera.toml
   rodlab measure markers frames/ --cell camera.toml --helix helix.toml
 
-The answer is JSON. Of loops and plates: the gravito-bending length L_gb in metres, and by how much it is uncertain.
+The answer is JSON. For loops and plates: the gravito-bending length L_gb, m, and its uncertainty.
 Bending stiffness / weight per length = 2 L_gb³.")]
 pub struct MeasureArguments {
-    /// What was measured
+    /// Quantity that was measured
     #[command(subcommand)]
     shape: Shape,
 }
 
 #[derive(Debug, Subcommand)]
 enum Shape {
-    /// The height of the loop of a rod folded over onto itself on a table
+    /// Height of the loop of a rod folded over onto itself on a table
     LoopHeight {
-        /// Height of the centreline's highest point above where it lies, in metres or with a unit
+        /// Height of the highest point of the centreline above the lying part, in metres or with a unit
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
         height: f64,
         /// Standard uncertainty of the height
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
         uncertainty: Option<f64>,
     },
-    /// How far the free end of a strip hangs down whose other end is held horizontally
+    /// Drop of the free end of a strip whose other end is held horizontally
     HangingPlate {
         /// Length beyond the holder, in metres or with a unit
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
         length: f64,
-        /// How far the free end lies below the held one
+        /// Height of the held end above the free end
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
         drop: f64,
         /// Standard uncertainty of the drop
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
         uncertainty: Option<f64>,
     },
-    /// Which knot a curve is, by its determinant
+    /// Knot of a curve, by its determinant
     Knot(KnotArguments),
-    /// Corners and edges of a sheet of paper in a photograph, and how far it slid to a second one
+    /// Corners and edges of a sheet of paper in a photograph, and its slide up to a second one
     Sheet(SheetArguments),
-    /// How far the markers of a rod in photographs are from those of a helix
+    /// Distance of the markers of a rod in photographs from those of a helix
     Markers(MarkerArguments),
 }
 
@@ -62,7 +62,7 @@ struct Answer {
     uncertainty_m: Option<f64>,
 }
 
-/// Measures and prints what was found.
+/// Measures and prints the result.
 pub fn measure(arguments: &MeasureArguments) -> Result<(), Failure> {
     match &arguments.shape {
         Shape::Knot(arguments) => measure_knot(arguments),

@@ -5,7 +5,7 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_lab::scenario::read_polyline;
 use rodlab_planning::knot::{closed_far_away, determinant_of_closed, fewest_crossings};
 
-/// Most points: crossings are looked for among all pairs.
+/// Largest number of points: crossings are searched among all pairs.
 const MOST_POINTS: usize = 5000;
 
 /// Arguments of `rodlab measure knot`.
@@ -14,13 +14,13 @@ const MOST_POINTS: usize = 5000;
 Example:
   rodlab measure knot scenarios/three_twist.csv
 
-An open curve is closed far away, along the line through both of its ends. The determinant is 1 of a curve without a
-knot, 2n + 1 of an overhand knot of unknotting number n, 5 of a figure-eight, 9 of a reef or granny knot. Different
-knots may have the same one.")]
+An open curve is closed far away, along the line through both of its ends. The determinant is 1 for a
+curve without a knot, 2n + 1 for an overhand knot of unknotting number n, 5 for a figure-eight, 9 for
+a reef or granny knot. Different knots may have the same determinant.")]
 pub struct KnotArguments {
     /// CSV file with a header line and columns x, y and z
     curve: PathBuf,
-    /// Join the last point to the first; so it is anyway where they are the same
+    /// Join the last point to the first; curves whose ends coincide are always closed
     #[arg(long)]
     closed: bool,
 }
@@ -30,7 +30,7 @@ struct Answer {
     points: usize,
     closed: bool,
     length_m: f64,
-    /// In the best of many views; the knot has no more.
+    /// Crossings in the best of many views, an upper bound on those of the knot.
     crossings: usize,
     knot_determinant: u64,
 }

@@ -9,60 +9,66 @@ use rodlab_vision::{
     encode_picture, find_markers, marker_overlay,
 };
 
-/// Arguments of `rodlab measure markers`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
+const HELP: [&str; 2] = help!(
+    "\
 Examples:
   rodlab measure markers photo.png --cell camera.toml --helix helix.toml --colour blue
-  rodlab measure markers frames/ --cell camera.toml --helix helix.toml --upper \"8 mm\" --lower \"4 mm\" --out watched
-
+  rodlab measure markers frames/ --cell camera.toml --helix helix.toml --upper \"8 mm\" --out watched",
+    "\
 The file of the helix, in the axes of the camera's world:
 
   [helix]
   curvature = 9.0                      # 1/m
   torsion = 5.0
   markers = [\"2 cm\", \"4.5 cm\"]         # arc lengths
-  position = [0.02, 0.25, 0.05]        # where it begins
-  quaternion = [1.0, 0.0, 0.0, 0.0]    # w, x, y, z: its z axis is the tangent there, its x axis the direction of bending
+  position = [0.02, 0.25, 0.05]        # start of the helix
+  quaternion = [1.0, 0.0, 0.0, 0.0]    # w, x, y, z of the frame there: z is the tangent,
+                                       # x the direction of bending
 
-Of several images the rule of --upper, --lower and --frames says from which one on the rod is unstable.")]
+For several images, --upper, --lower and --frames define from which image on the rod is unstable."
+);
+
+/// Arguments of `rodlab measure markers`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct MarkerArguments {
-    /// A PNG or JPEG image; a folder of them, taken in order of their names; a recording (.bag); or a camera, as in
-    /// `rodlab trace`
+    /// PNG or JPEG image, folder of images, recording (.bag) or address of a camera, as in `rodlab trace`
+    ///
+    /// The images of a folder are read in order of their names.
     image: PathBuf,
     #[command(flatten)]
     recording: RecordingArguments,
-    /// File whose table [camera] says where the camera is
+    /// File whose table [camera] gives lens and pose of the camera
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: PathBuf,
-    /// File whose table [helix] says which helix is expected
+    /// File whose table [helix] defines the expected helix
     #[arg(long, value_name = "FILE")]
     helix: PathBuf,
-    /// Which colours are markers, as in `rodlab trace`
+    /// Colour of the markers, as in `rodlab trace`
     #[arg(long, value_name = "RULE", default_value = "white")]
     colour: String,
-    /// Spots with fewer pixels are no markers
+    /// Smallest number of pixels of a marker
     #[arg(long, value_name = "PIXELS", default_value_t = 12)]
     least_area: usize,
-    /// Spots with more pixels are no markers
+    /// Largest number of pixels of a marker
     #[arg(long, value_name = "PIXELS", default_value_t = 2000)]
     largest_area: usize,
-    /// How far from its place, in pixels, a marker is looked for; one that is not found counts as that far away
+    /// Search radius of a marker, pixels; also the error of a marker that is not found
     #[arg(long, value_name = "PIXELS", default_value_t = 40.0, value_parser = number(is_positive, "expected a number of pixels above 0"))]
     gate: f64,
-    /// Error above which the rod is no longer that helix
+    /// Error above which the rod no longer counts as the helix
     #[arg(long, value_name = "LENGTH", default_value = "10 mm", value_parser = positive_length)]
     upper: f64,
-    /// Error below which it is one again, less than --upper
+    /// Error below which the rod counts as the helix again, less than --upper
     #[arg(long, value_name = "LENGTH", default_value = "5 mm", value_parser = positive_length)]
     lower: f64,
-    /// Images in a row that decide
+    /// Number of consecutive images that decide
     #[arg(long, value_name = "N", default_value_t = 3)]
     frames: usize,
-    /// Directory for markers.csv and the images with markers and their places on them
+    /// Directory for markers.csv and the images with markers and their expected places
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Print what was found as JSON
+    /// Print the results as JSON
     #[arg(long)]
     json: bool,
 }
@@ -90,7 +96,7 @@ struct PictureAnswer {
 struct MarkerAnswer {
     marker: usize,
     arc_length_m: f64,
-    /// None behind the camera.
+    /// `None` behind the camera.
     expected_px: Option<[f64; 2]>,
     found_px: Option<[f64; 2]>,
     error_px: Option<f64>,

@@ -7,37 +7,41 @@ use rodlab_vision::{
     read_picture, sheet_overlay, sliding,
 };
 
-/// Arguments of `rodlab measure sheet`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
+const HELP: [&str; 2] = help!(
+    "\
 Examples:
   rodlab measure sheet before.png --colour white --cell camera.toml
-  rodlab measure sheet before.png after.png --cell camera.toml --edge 3 --direction 1,0 --out sheets
+  rodlab measure sheet before.png after.png --cell camera.toml --edge 3 --direction 1,0 --out sheets",
+    "\
+The answer is JSON, in metres on the table with --cell, otherwise in pixels. Corners count clockwise
+in the image from the one nearest to its upper left; edge 1 goes from corner 1 to corner 2.
+straightness is the root mean square distance of the points of an edge from its line."
+);
 
-The answer is JSON, in metres on the table with --cell, otherwise in pixels. Corners count clockwise in the image from the one
-nearest to its upper left; edge 1 goes from corner 1 to corner 2. straightness is the root mean square distance of the
-points of an edge from its line.")]
+/// Arguments of `rodlab measure sheet`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct SheetArguments {
-    /// A PNG or JPEG image of the sheet
+    /// PNG or JPEG image of the sheet
     image: PathBuf,
-    /// A later image: how far the sheet slid
+    /// Later image, by which the slide of the sheet is measured
     after: Option<PathBuf>,
-    /// Which colours are paper, as in `rodlab trace`
+    /// Colour of the paper, as in `rodlab trace`
     #[arg(long, value_name = "RULE", default_value = "auto")]
     colour: String,
     /// File whose table [camera] gives coordinates in metres
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: Option<PathBuf>,
-    /// The edge whose sliding is measured
+    /// Number of the edge whose slide is measured
     #[arg(long, value_name = "1..4", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=4))]
     edge: u8,
-    /// Along which direction: x and y on the table, or to the right and down in the image without a camera
+    /// Direction of the slide: x,y on the table, or right,down in the image without a camera
     #[arg(long, value_name = "X,Y", default_value = "1,0", value_parser = direction, allow_hyphen_values = true)]
     direction: Point,
     /// Directory for the images with the edges on them: sheet_1.png, sheet_2.png
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Print the answer as JSON, which it is in any case
+    /// Print the answer as JSON (it always is)
     #[arg(long)]
     json: bool,
 }
@@ -53,7 +57,7 @@ fn direction(text: &str) -> Result<Point, String> {
 
 #[derive(Serialize)]
 struct Answer {
-    /// Of lengths and coordinates.
+    /// Unit of lengths and coordinates.
     unit: &'static str,
     sheets: Vec<SheetAnswer>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -81,9 +85,9 @@ struct EdgeAnswer {
 struct SlidingAnswer {
     edge: usize,
     direction: [f64; 2],
-    /// How far the middle of the edge moved along the direction.
+    /// Distance by which the middle of the edge moved along the direction.
     distance: f64,
-    /// How far it moved altogether.
+    /// Distance by which it moved in total.
     moved: [f64; 2],
     turned_degrees: f64,
 }

@@ -1,4 +1,4 @@
-//! The middle line of the filled areas of an SVG drawing, found as in a photograph.
+//! The middle line of the filled areas of an SVG drawing, traced as in a photograph.
 
 use super::prelude::*;
 use image::{Rgb, RgbImage};
@@ -27,7 +27,7 @@ pub fn middle_line(
         .is_some_and(|ending| ending.eq_ignore_ascii_case("svg"))
     {
         return Err(Failure::Input(format!(
-            "--centreline is for SVG drawings, and {place} is none"
+            "--centreline is for SVG drawings; {place} is not one"
         )));
     }
     let drawing = svg_drawing(path).map_err(Failure::Input)?;

@@ -1,7 +1,7 @@
 //! The command line: one file per subcommand, each of which parses, calls the library and prints.
 //!
 //! Standard output carries results, standard error progress, logs and faults. The exit codes are a
-//! promise to scripts; the file `exit_code` holds them:
+//! stable interface for scripts; the file `exit_code` defines them:
 //!
 //! | code | meaning |
 //! |---|---|
@@ -42,6 +42,7 @@ mod fold_simulation;
 mod gather;
 mod guide;
 mod helix_file;
+mod help;
 mod in_cell;
 mod init;
 mod interruption;

@@ -7,13 +7,29 @@ use rodlab_files::figure::{FilmOptions, Pace};
 use rodlab_lab::report::{FilmRequest, write_film};
 use rodlab_lab::scenario::angle;
 
+const HELP: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab movie results/flagella_quick --out flagella.gif
+  rodlab movie results/flagella_quick --out flagella.mp4 --turn 90deg
+  rodlab movie results/whip --out whip.gif --size 640x360 --speed 0.2    five times slower
+  rodlab movie results/knot --out frames/ --from 30,20        frames/frame_0001.png and so on
+  rodlab movie results/sweep --case friction-0.3 --out slide.gif",
+    "\
+Positions between outputs are interpolated linearly. The projection is orthographic, so that the
+scale bar holds everywhere. GIF files of long films are large: choose a smaller --size and --fps.
+`--turn 360deg` shows rods at rest from all sides. MP4 needs a program that was built with
+`--features video`; without it, ffmpeg makes one of pictures:
+  ffmpeg -framerate 30 -i frames/frame_%04d.png -pix_fmt yuv420p film.mp4"
+);
+
 /// Arguments of `rodlab movie`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct MovieArguments {
     /// The results directory of a run or a sweep, finished or still running
     pub directory: PathBuf,
-    /// Where to write the film: a file that ends in .gif or .mp4, or a folder for pictures, such as frames/
+    /// Output: a file that ends in .gif or .mp4, or a folder for pictures, such as frames/
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// The case of a sweep, by its id
@@ -31,8 +47,9 @@ pub struct MovieArguments {
     /// Simulated seconds per second of film: 0.1 is ten times slower than life
     #[arg(long, value_name = "FACTOR", value_parser = positive)]
     pub speed: Option<f64>,
-    /// Where the camera stands, degrees: azimuth from the front (-y) towards the right (+x), and elevation [default: where the
-    /// scene is seen well, as `rodlab view` begins]
+    /// Direction of the camera, degrees: azimuth from the front (-y) towards the right (+x), elevation
+    ///
+    /// By default the scene is seen well, as in the first view of `rodlab view`.
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = direction, allow_hyphen_values = true)]
     pub from: Option<[f64; 2]>,
     /// Angle by which the camera turns around the scene during the film, such as 90deg
@@ -41,24 +58,10 @@ pub struct MovieArguments {
     /// Magnification; 1 shows the whole motion
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = within(0.01, 1000.0))]
     pub zoom: f64,
-    /// Name of a rod that stays in the middle
+    /// Name of the rod that the camera follows
     #[arg(long, value_name = "ROD")]
     pub follow: Option<String>,
 }
-
-const EXAMPLES: &str = "\
-Examples:
-  rodlab movie results/flagella_quick --out flagella.gif
-  rodlab movie results/flagella_quick --out flagella.mp4 --turn 90deg       the camera turns by a quarter
-  rodlab movie results/whip --out whip.gif --size 640x360 --fps 15 --speed 0.2   five times slower than life
-  rodlab movie results/knot --out frames/ --from 30,20                      frames/frame_0001.png and so on
-  rodlab movie results/sweep --case friction-0.3 --out slide.gif
-  rodlab movie results/beam --out beam.gif --turn 360deg                    rods at rest, from all sides
-
-Positions between outputs are interpolated linearly. The camera shows lengths across it true, so that the scale bar holds
-everywhere. GIF files of long films are large: choose --size and --fps smaller. MP4 needs a program that was built with
-`--features video`; without it, ffmpeg makes one of pictures:
-  ffmpeg -framerate 30 -i frames/frame_%04d.png -pix_fmt yuv420p film.mp4";
 
 /// Widths and heights of films, pixels.
 const WIDTHS: std::ops::RangeInclusive<usize> = 64..=3840;

@@ -9,8 +9,8 @@ use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes text to standard output, to a terminal without control characters, see [`printable`]. A reader that has gone
-/// away, as `head` does, is no fault.
+/// Writes text to standard output, to a terminal without control characters, see [`printable`]. A reader that has closed
+/// the pipe, as `head` does, is not an error.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     let text = match stdout.is_terminal() {
@@ -28,7 +28,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Writes where files are to standard output, a line each.
+/// Writes the paths of files to standard output, a line each.
 pub fn print_paths(paths: &[PathBuf]) -> Result<(), Failure> {
     let lines = paths.iter().map(|path| format!("{}\n", path.display()));
     print(&lines.collect::<String>())
@@ -47,13 +47,13 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(replace_own(path, bytes, |head| are_alike(head, bytes))?)
 }
 
-/// Makes a directory that may be there already.
+/// Makes a directory unless it exists.
 pub fn make_directory(path: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(path)
         .map_err(|error| Failure::System(format!("{} cannot be made: {error}", path.display())))
 }
 
-/// [`write_file`] of some into a directory, which is made where it is not there.
+/// Writes files into a directory, which is made if it is missing, as [`write_file`].
 pub fn write_files(directory: &Path, files: Vec<(&str, Vec<u8>)>) -> Result<(), Failure> {
     std::fs::create_dir_all(directory).map_err(|error| {
         Failure::System(format!("{}: cannot be made: {error}", directory.display()))
@@ -65,7 +65,7 @@ pub fn write_files(directory: &Path, files: Vec<(&str, Vec<u8>)>) -> Result<(), 
 }
 
 /// Whether two files begin as files of one kind do: both are pictures, both are pages, or, of texts, the first line that is no
-/// comment is the same, as the header of a table is.
+/// comment is the same, such as the header of a table.
 fn are_alike(one: &[u8], other: &[u8]) -> bool {
     let kinds: [fn(&[u8]) -> bool; 2] = [is_picture, is_page];
     kinds.iter().any(|is_kind| is_kind(one) && is_kind(other))

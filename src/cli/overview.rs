@@ -1,4 +1,4 @@
-//! `rodlab --help`: the subcommands in groups, by what they are for.
+//! `rodlab --help`: the subcommands in groups, by purpose.
 
 use clap::Command;
 use std::fmt::Write;

@@ -14,54 +14,66 @@ use rodlab_vision::{
 };
 use std::sync::OnceLock;
 
-/// What a rod is laid along.
+/// Pattern along which a rod is laid.
 #[derive(Debug, Args)]
 pub struct PatternArguments {
-    /// The pattern: an SVG file; a CSV file with columns x_m and y_m; a photographed drawing (PNG, JPEG, TIFF, BMP or WebP, with --size or
-    /// --drawing-camera); or line:LENGTH, circle:RADIUS, sine:AMPLITUDE,WAVELENGTH,WAVES
+    /// Pattern: an SVG or CSV file, a photographed drawing, or line:…, circle:… or sine:…
+    ///
+    /// A CSV file has columns x_m and y_m. A photographed drawing is a PNG, JPEG, TIFF, BMP or WebP file, and needs --size or
+    /// --drawing-camera. Formulas are line:LENGTH, circle:RADIUS and sine:AMPLITUDE,WAVELENGTH,WAVES.
     #[arg(long, value_name = "PATTERN", value_parser = pattern_or_preset, add = presets(PresetKind::Pattern))]
     pattern: GivenPattern,
     /// Length of the longer side of a drawn pattern [default: as drawn]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     size: Option<f64>,
-    /// Which stroke of an SVG: its number from 1, its id, or `longest`; which strand of a CSV file or line of a photographed
-    /// drawing, from 1 [default: the only one; in a photograph the longest]
-    #[arg(long, value_name = "N|ID|longest")]
+    /// Stroke of the drawing: number from 1, id, or `longest` [default: the only one]
+    ///
+    /// Strokes of an SVG have numbers and ids, strands of a CSV file and lines of a photographed drawing only numbers. Of a
+    /// photograph the longest line is the default.
+    #[arg(long, value_name = "STROKE")]
     stroke: Option<StrokeChoice>,
-    /// Join strokes of an SVG first whose ends are at most this far apart, in any order and direction
-    #[arg(long, value_name = "GAP", value_parser = length_from_zero)]
+    /// Join strokes of an SVG whose ends are at most this far apart, in any order and direction
+    #[arg(long, value_name = "GAP", hide_short_help = true, value_parser = length_from_zero)]
     join: Option<f64>,
-    /// Follow the middle line of the filled areas of an SVG, such as text made into paths, instead of their edges; --stroke
-    /// counts the lines found [default: the longest]
-    #[arg(long, conflicts_with = "join")]
+    /// Follow the middle line of the filled areas of an SVG instead of their edges
+    ///
+    /// For text made into paths, for example. --stroke selects one of the lines found [default: the longest].
+    #[arg(long, hide_short_help = true, conflicts_with = "join")]
     centreline: bool,
-    /// The pattern as it was read.
+    /// Pattern, once it was read.
     #[arg(skip)]
     read: OnceLock<PatternSource>,
-    /// Lay it from the last point to the first
+    /// Lay the pattern from the last point to the first
     #[arg(long)]
     reverse: bool,
-    /// Which colours of a photographed drawing are its line, as of `rodlab trace`
-    #[arg(long, value_name = "RULE", default_value = "auto")]
+    /// Colour of the line in a photographed drawing, as in `rodlab trace`
+    #[arg(
+        long,
+        value_name = "RULE",
+        hide_short_help = true,
+        default_value = "auto"
+    )]
     drawing_colour: String,
-    /// File whose [camera] took a photographed drawing that lies on its table; without it the picture is taken as if from straight above
-    #[arg(long, value_name = "FILE")]
+    /// File whose [camera] took a photographed drawing that lies on its table
+    ///
+    /// Without it the picture is assumed to be taken from straight above.
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     drawing_camera: Option<PathBuf>,
-    /// Waves of a photographed line shorter than about six times this are smoothed away
-    #[arg(long, value_name = "LENGTH", default_value = "2 mm", value_parser = positive_length)]
+    /// Smoothing length: waves of a photographed line shorter than about six times this are removed
+    #[arg(long, value_name = "LENGTH", hide_short_help = true, default_value = "2 mm", value_parser = positive_length)]
     drawing_smoothing: f64,
-    /// How far the smooth curve may be from what was drawn
-    #[arg(long, value_name = "LENGTH", default_value = "0.25 mm", value_parser = positive_length)]
+    /// Largest distance of the smooth curve from the drawing
+    #[arg(long, value_name = "LENGTH", hide_short_help = true, default_value = "0.25 mm", value_parser = positive_length)]
     deviation: f64,
 }
 
 impl PatternArguments {
-    /// The pattern as it was given.
+    /// Pattern as given.
     pub fn name(&self) -> &str {
         &self.pattern.name
     }
 
-    /// A second pattern, in a file, drawn at the scale of this one; the same file where none is named.
+    /// Second pattern, in a file, drawn at the scale of this one; the same file if none is given.
     pub fn second(
         &self,
         file: Option<&Path>,
@@ -76,7 +88,7 @@ impl PatternArguments {
         let part = Part { stroke, join: None };
         let points = drawn_points(file, part)?.ok_or_else(|| {
             Failure::Input(format!(
-                "the pattern of a second rod is an .svg file or a .csv file, and {} is none",
+                "the pattern of a second rod must be an .svg file or a .csv file; {} is not",
                 file.display()
             ))
         })?;
@@ -90,7 +102,7 @@ impl PatternArguments {
         })
     }
 
-    /// What the pattern is made from. It is read once.
+    /// Source of the pattern, which is read once.
     pub fn source(&self) -> Result<PatternSource, Failure> {
         if let Some(read) = self.read.get() {
             return Ok(read.clone());
@@ -170,14 +182,14 @@ impl PatternArguments {
         let points = if has_ending(path, &PICTURE_ENDINGS) {
             if self.centreline || self.join.is_some() {
                 return Err(Failure::Input(format!(
-                    "--centreline and --join are for SVG drawings, and {} is none",
+                    "--centreline and --join are for SVG drawings; {} is not one",
                     self.pattern.name
                 )));
             }
             Some(self.photographed(path)?)
         } else if self.drawing_camera.is_some() {
             return Err(Failure::Input(format!(
-                "--drawing-camera is for photographed drawings (PNG or JPEG), and {} is none",
+                "--drawing-camera is for photographed drawings (PNG or JPEG); {} is not one",
                 self.pattern.name
             )));
         } else if self.centreline {
@@ -211,7 +223,7 @@ impl PatternArguments {
             colour: ColourRule::parse(&self.drawing_colour)?,
             ..TraceOptions::default()
         };
-        let hint = |error| format!("{error}; --drawing-colour says what its line is");
+        let hint = |error| format!("{error}; --drawing-colour selects the colour of its line");
         let traced = trace(&picture, &options).map_err(hint).at(&place)?;
         let strand = traced.strand(counted(self.stroke.as_ref())?);
         let strand = strand.ok_or_else(|| {
@@ -232,20 +244,20 @@ impl PatternArguments {
                 height: picture.height(),
             },
             (None, None) => {
-                return Err("a photograph has no length: --size, that of the longer side of the drawing, or --drawing-camera is needed").at(place);
+                return Err("a photograph has no scale: give --size, the length of the longer side of the drawing, or --drawing-camera").at(place);
             }
         };
         pattern(strand, metric, self.drawing_smoothing, POINT_STEP).at(&place)
     }
 }
 
-/// The longer side of the box around points.
+/// Longer side of the bounding box of points.
 fn longer_side(points: &[Point]) -> f64 {
     let [width, height] = extent(points);
     width.max(height)
 }
 
-/// Width and height of the box around points.
+/// Width and height of the bounding box of points.
 pub fn extent(points: &[Point]) -> [f64; 2] {
     let first = points.first().copied().unwrap_or_default();
     let low = points.iter().fold(first, |low, point| low.inf(point));

@@ -1,4 +1,4 @@
-//! Where pictures come from: files, folders, recordings and cameras.
+//! Sources of pictures: files, folders, recordings and cameras.
 
 use super::prelude::*;
 use image::RgbImage;
@@ -11,10 +11,10 @@ use std::time::Duration;
 /// Longest wait for a picture of a camera.
 const CAMERA_PATIENCE: Duration = Duration::from_secs(5);
 
-/// Which pictures of a recording.
+/// Selection of pictures of a recording.
 #[derive(Clone, Debug, Args)]
 pub struct RecordingArguments {
-    /// Topic of a recording's pictures [default: the only one, or the only one in colour]
+    /// Topic of the pictures of a recording [default: the only one, or the only one in colour]
     #[arg(long, value_name = "TOPIC")]
     topic: Option<String>,
     /// Take every N-th picture of a folder or recording
@@ -24,13 +24,13 @@ pub struct RecordingArguments {
 
 /// A picture of a source.
 pub struct SourcePicture {
-    /// What it is called in answers and faults.
+    /// Name in answers and faults.
     pub name: PathBuf,
-    /// What a folder of results for it is called.
+    /// Name of its folder of results.
     pub folder: PathBuf,
-    /// Seconds from the first one, of a recording.
+    /// Time from the first picture of a recording, s.
     pub time: Option<f64>,
-    /// The picture, or why there is none.
+    /// The picture, or the reason why it cannot be read.
     pub picture: Result<RgbImage, Failure>,
 }
 
@@ -46,7 +46,7 @@ pub fn pictures(
 ) -> Result<Box<dyn Iterator<Item = SourcePicture>>, Failure> {
     if recording.topic.is_some() && !has_ending(source, &["bag"]) {
         return Err(Failure::Input(format!(
-            "--topic is for recordings (.bag), and {} is none",
+            "--topic is for recordings (.bag); {} is not one",
             source.display()
         )));
     }
@@ -134,7 +134,7 @@ fn single(source: &Path) -> Result<RgbImage, Failure> {
     }
 }
 
-/// The camera that a source names; none where it is a file.
+/// The camera of a source; `None` for a file.
 fn camera_at(source: &Path) -> Option<Result<Box<dyn PictureTopic>, Failure>> {
     let opened = open_camera(source.to_str()?)?;
     Some(opened.map_err(|error| match error {

@@ -8,24 +8,31 @@ use rodlab_lab::experiment::{Placement, PlacementError};
 use rodlab_workcell::task::{DeployTask, Planning, TaskCommand, Way};
 use rodlab_workcell::virtual_cell::RodSupply;
 
-/// Arguments of `rodlab place`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
+const HELP: [&str; 2] = help!(
+    "\
 Examples:
   rodlab place cable_placement_u                     in a virtual cell
   rodlab place cable_placement_u --cell gantry --dry-run
-  rodlab place cable_placement_s --cell cell.toml --set deployment.scheme=intuitive --place 0.1,0,0,90
+  rodlab place cable_placement_s --cell cell.toml --set deployment.scheme=intuitive
+  rodlab place cable_placement_s --cell cell.toml --place 0.1,0,0,90",
+    "\
+The scenario is one of the experiment \"deployment\" with [deployment.clips] or
+[[deployment.pegs]]: its rod is the cable, its pattern the path between the pegs, and `rodlab run`
+simulates the same. Pegs are fixed to the table where --place puts the frame of the pattern. The
+arm lays the cable and releases it; the camera takes a picture. A peg counts as passed if the cable
+leaves it on the same side as the pattern and does not lie on it. All results are in one directory,
+as of `rodlab deploy`; pegs.svg shows the cable between its pegs.
+`rodlab cell serve --scene SCENARIO` starts a cell to try --cell with."
+);
 
-The scenario is one of the experiment \"deployment\" with [deployment.clips] or [[deployment.pegs]]: its rod is the cable, its
-pattern the way between the pegs, and `rodlab run` simulates the same. Pegs are fixed to the table where --place puts the frame of
-the pattern. The arm lays the cable and lets it go; the camera looks, and pegs count as passed where the cable leaves them on the
-side on which the pattern does and does not lie on them. Everything is in one directory, as of `rodlab deploy`; pegs.svg shows
-the cable between its pegs. `rodlab cell serve --scene SCENARIO` is a cell to try --cell with.")]
+/// Arguments of `rodlab place`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct PlaceArguments {
     /// The scenario
     #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     scenario: PathBuf,
-    /// Set a key of the scenario, such as deployment.scheme=intuitive; may be given several times
+    /// Set a key of the scenario, such as deployment.scheme=intuitive; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     overrides: Vec<String>,
     #[command(flatten)]

@@ -7,6 +7,66 @@ use super::prelude::*;
 use super::solve_arm::ArmChoice;
 use rodlab_workcell::cell::{Place, PlanError, PlanRequest, read_poses};
 
+const DEPLOYMENT: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab plan deployment --pattern A --rod green_vps --out results/letter_a
+  rodlab plan deployment --pattern traced.csv --size \"25 cm\" --rod rope --friction steel --out plan
+  rodlab plan deployment --pattern circle:0.1 --rod pink_vps --scheme intuitive --out results/circle
+  rodlab plan deployment --pattern trefoil --rod thick_pink_vps --knot over,under,over \\
+    --lead-in none --out results/trefoil",
+    "\
+Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz: the poses that a clamp follows and
+that `rodlab plan joints` reads), trajectory.json, pattern.csv (s_m, x_m, y_m, curvature_per_m,
+friction_demand), deployment.svg and a scenario of the landing, landing.toml with rod.csv. With
+--knot it also writes lift_1.csv and so on, the poses of the gripper that lifts a strand, in the
+same time. Prints what the pattern demands of the rod and the table. The table is z = 0; the
+gripper's x axis is the tangent of the rod, towards the gripper. See `rodlab guide deployment`."
+);
+
+const FOLD: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab plan fold --paper a4 --crease half --out results/fold_a4
+  rodlab plan fold --paper us_letter --crease \"20 cm\" --objective friction --out results/fold_letter
+  rodlab plan fold --paper origami --crease diagonal-strip --out results/fold_origami",
+    "\
+The edge is lifted without a push along the table. Where the path leaves the lift, and how it
+continues over the force manifold, is searched on a grid of 0.0548 L_gb (thesis Algorithm 4); its
+points are then moved until the sum of λ no longer decreases.
+
+Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz), folds.csv, fold.svg (the sheet along
+its path) and friction.svg. Prints the largest λ = |F_x|/|F_z| at the touchdown point, and the
+friction that the whole sheet, its lying rest included, demands: where it is above that of the table
+the sheet slides, by `slides_m` at most, without inertia and with the planned angles. --objective
+friction minimises that friction. The edge lay at the origin, the sheet along x on the table z = 0;
+the gripper's x axis is the tangent of the sheet, towards the gripper."
+);
+
+const GRIPPERS: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab plan grippers tied_reef --out results/reef_plan
+  rodlab plan grippers tied_trefoil --set deployment.scheme=intuitive --out results/trefoil_plan",
+    "\
+Writes a file for each time that a gripper holds a rod, in the order in which they begin: it lays
+the rod (and leads its end on), lifts a strand, or takes the end of the rod again and leads it.
+Columns time_s, x_m, y_m, z_m, qw, qx, qy, qz, in the time of the scenario, without its jitter.
+Prints the schedule of the grippers."
+);
+
+const JOINTS: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab plan joints trajectory.csv --cell six_joints --place auto > joints.csv
+  rodlab plan joints trajectory.csv --cell cell.toml --arm right --place 0.6,0,0.1 --out joints.csv",
+    "\
+The table of poses has the columns x_m, y_m, z_m, qw, qx, qy, qz; its times are ignored: the motion
+is as fast as the limits of the joints and --hand-speed allow, from rest to rest. The answer has
+time_s and a column arm.joint_rad (or _m) per joint. With --out it is written there, and its numbers
+are printed as JSON."
+);
+
 /// Arguments of `rodlab plan`.
 #[derive(Debug, Args)]
 pub struct PlanArguments {
@@ -18,51 +78,16 @@ pub struct PlanArguments {
 #[derive(Debug, Subcommand)]
 enum What {
     /// A gripper's trajectory that lays a rod along a pattern
-    #[command(after_help = "\
-Examples:
-  rodlab plan deployment --pattern scenarios/patterns/A.svg --rod scenarios/rods/green_vps.toml --out results/letter_a
-  rodlab plan deployment --pattern traced.csv --size \"25 cm\" --rod scenarios/rods/rope.toml --friction steel --out results/traced
-  rodlab plan deployment --pattern circle:0.1 --rod scenarios/rods/pink_vps.toml --scheme intuitive --out results/circle
-  rodlab plan deployment --pattern scenarios/patterns/trefoil.svg --rod scenarios/rods/thick_pink_vps.toml --knot over,under,over --lead-in none --out results/trefoil
-
-Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz: what a clamp follows, and `rodlab plan joints` reads),
-trajectory.json, pattern.csv (s_m, x_m, y_m, curvature_per_m, friction_demand), deployment.svg and a scenario of the
-landing, landing.toml with rod.csv; with --knot also lift_1.csv and so on, the poses of the gripper that lifts a strand, in the same time; prints what the pattern asks of the rod and the table. The table is z = 0; the gripper's x axis is the tangent of the rod, towards the
-gripper. `rodlab guide deployment` says more.")]
+    #[command(after_help = DEPLOYMENT[0], after_long_help = DEPLOYMENT[1])]
     Deployment(Box<DeploymentArguments>),
     /// A gripper's trajectory that folds a sheet with little sliding
-    #[command(after_help = "\
-Examples:
-  rodlab plan fold --paper scenarios/papers/a4.toml --crease half --out results/fold_a4
-  rodlab plan fold --paper scenarios/papers/us_letter.toml --crease \"20 cm\" --objective friction --out results/fold_letter
-  rodlab plan fold --paper scenarios/papers/origami.toml --crease diagonal-strip --out results/fold_origami
-
-The edge is lifted without a push along the table; where the way leaves the lift and how it goes on over the force manifold is
-searched on a grid of 0.0548 L_gb (thesis Algorithm 4), and its points are moved until the sum of λ no longer decreases.
-Writes trajectory.csv (time_s, x_m, y_m, z_m, qw, qx, qy, qz), folds.csv, fold.svg (the sheet along its way) and friction.svg;
-prints the largest λ = |F_x|/|F_z| at the touchdown point, and the friction that the whole sheet, its lying rest included, asks
-for: where it is above that of the table the sheet slides, by `slides_m` at most, without inertia and with the planned angles. --objective friction plans the way with the least of it. The edge
-lay at the origin, the sheet along x on the table z = 0; the gripper's x axis is the tangent of the sheet, towards the gripper.")]
+    #[command(after_help = FOLD[0], after_long_help = FOLD[1])]
     Fold(FoldPlanArguments),
-    /// The trajectories of all grippers of a deployment, of one rod or two, with the moves that tie a knot
-    #[command(after_help = "\
-Examples:
-  rodlab plan grippers scenarios/tied_reef.toml --out results/reef_plan
-  rodlab plan grippers scenarios/tied_trefoil.toml --set deployment.scheme=intuitive --out results/trefoil_plan
-
-Writes a file for each time that a gripper holds a rod, in the order in which they begin: lays it (and leads its end on), lifts a strand, or
-takes its end again and leads it. Columns time_s, x_m, y_m, z_m, qw, qx, qy, qz, in the time of the scenario, without its jitter; prints who
-does what when.")]
+    /// Trajectories of all grippers of a deployment of one rod or two, with the moves that tie a knot
+    #[command(after_help = GRIPPERS[0], after_long_help = GRIPPERS[1])]
     Grippers(GripperPlanArguments),
     /// A joint trajectory along poses of the hand
-    #[command(after_help = "\
-Examples:
-  rodlab plan joints trajectory.csv --cell scenarios/cells/six_joints.toml --place auto > joints.csv
-  rodlab plan joints trajectory.csv --cell cell.toml --arm right --place 0.6,0,0.1 --hand-speed 0.1 --out joints.csv
-
-The table of poses has the columns x_m, y_m, z_m, qw, qx, qy, qz; its times do not matter: the motion is as fast
-as the joints' limits and --hand-speed allow, from rest to rest. The answer has time_s and a column arm.joint_rad
-(or _m) per joint. With --out it is written there, and its numbers are printed as JSON.")]
+    #[command(after_help = JOINTS[0], after_long_help = JOINTS[1])]
     Joints(JointsArguments),
 }
 
@@ -72,8 +97,9 @@ struct JointsArguments {
     trajectory: PathBuf,
     #[command(flatten)]
     arm: ArmChoice,
-    /// Where the path lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on
-    /// the table
+    /// Place of the path in the cell: x,y,z in metres, a turn about z in degrees; or `auto`
+    ///
+    /// `auto` selects the best place on the table.
     #[arg(
         long,
         value_name = "X,Y,Z[,TURN]|auto",

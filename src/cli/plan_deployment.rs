@@ -19,7 +19,7 @@ use rodlab_workcell::task::{KnotPlan, PlannedRod};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-/// Ways of leading the rod.
+/// Schemes of leading the rod.
 const SCHEMES: [Named<Scheme>; 2] = [
     (
         "optimal",
@@ -48,46 +48,54 @@ pub struct DeploymentArguments {
     out: PathBuf,
 }
 
-/// What is laid along what, and how.
+/// Rod, pattern and scheme of a deployment.
 #[derive(Debug, Args)]
 pub struct DeploymentPlan {
     #[command(flatten)]
     source: PatternArguments,
-    /// The rod: TOML with gravito_bending_length, radius and length in [deployment.rod] [default: that of the cell; otherwise of the preset rods
-    /// the softest that is long enough, for a knot the longest that is shorter than the pattern]
+    /// Rod file: TOML with [deployment.rod] [default: that of the cell, otherwise a preset]
+    ///
+    /// [deployment.rod] has gravito_bending_length, radius and length. The default preset is the softest one that is long enough, for
+    /// a knot the longest one that is shorter than the pattern.
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     rod: Option<PathBuf>,
     #[arg(skip)]
     chosen: OnceLock<PathBuf>,
-    /// How the gripper leads the rod
+    /// Scheme by which the gripper leads the rod
     #[arg(long, default_value = "optimal", value_parser = named(&SCHEMES))]
     scheme: Scheme,
-    /// Who finds the optimal grasps
-    #[arg(long, default_value = "exact")]
+    /// Solver for the optimal grasps
+    #[arg(long, hide_short_help = true, default_value = "exact")]
     solver: SolverName,
-    /// The network of --solver neural, from `rodlab train` [default: the one in this program]
-    #[arg(long, value_name = "FILE")]
+    /// Network of --solver neural, from `rodlab train` [default: the built-in one]
+    #[arg(long, value_name = "FILE", hide_short_help = true)]
     model: Option<PathBuf>,
-    /// Length of a straight start whose curvature grows to that of the pattern: `auto`, as the friction demand of 0.1
-    /// needs it, but shorter where it would bend below three radii of the rod or coil, `none`, or a length
-    #[arg(long, value_name = "LENGTH", default_value = "auto", value_parser = lead)]
+    /// Length of a straight start whose curvature grows to that of the pattern: `auto`, `none` or a length
+    ///
+    /// `auto` keeps the friction demand below 0.1, but is shorter where the start would bend below three radii of the rod, or coil.
+    #[arg(long, value_name = "LENGTH", hide_short_help = true, default_value = "auto", value_parser = lead)]
     lead_in: LeadLength,
-    /// How far the rod is laid on behind the pattern: `auto`, where it is longer than that, all but 2.5 gravito-bending lengths of
-    /// it (behind the pattern as far as there is room on the table and in the picture of the camera, the rest straight in front of
-    /// it), `none`, or a length [default: auto where a cell is known, otherwise none]
-    #[arg(long, value_name = "LENGTH", value_parser = lead)]
+    /// Length of rod that is laid beyond the end of the pattern: `auto`, `none` or a length
+    ///
+    /// `auto` lays all of a rod that is longer than the pattern except 2.5 gravito-bending lengths: behind the pattern as far as there
+    /// is room on the table and in the picture of the camera, the rest straight in front of it. The default is `auto` with a cell,
+    /// otherwise `none`.
+    #[arg(long, value_name = "LENGTH", hide_short_help = true, value_parser = lead)]
     lead_out: Option<LeadLength>,
-    /// Distance of neighbouring poses along the pattern, at most
-    #[arg(long, value_name = "LENGTH", default_value = "3 mm", value_parser = positive_length)]
+    /// Largest distance of neighbouring poses along the pattern
+    #[arg(long, value_name = "LENGTH", hide_short_help = true, default_value = "3 mm", value_parser = positive_length)]
     step: f64,
-    /// Speed of laying along the pattern, m/s; slower where the gripper would have to move more than 1.5 times as fast
+    /// Speed of laying along the pattern, m/s
+    ///
+    /// It is reduced where the gripper would have to move more than 1.5 times as fast.
     #[arg(long, value_name = "SPEED", default_value_t = 0.02, value_parser = speed)]
     speed: f64,
-    /// Friction of the table that the demand is compared with: a number, or a name in the rod's file
+    /// Friction of the table, to compare with the demand: a number, or a name in the rod file
     #[arg(long, value_name = "FRICTION")]
     friction: Option<String>,
-    /// Tie a knot: `over` or `under` for each crossing, in the order in which the pattern comes there again; what is longer than the
-    /// rod is the path of its end
+    /// Tie a knot: `over` or `under` for each crossing, in the order in which the pattern reaches it again
+    ///
+    /// The part of the pattern beyond the length of the rod is the path of its end.
     #[arg(long, value_name = "PASS,...", value_delimiter = ',', value_parser = named(&PASSES))]
     knot: Vec<Pass>,
 }
@@ -97,7 +105,7 @@ pub struct DeploymentPlan {
 enum SolverName {
     /// The equations of the suspended rod.
     Exact,
-    /// A network; the equations where it has not learned them.
+    /// A network; the equations outside of its range.
     Neural,
 }
 
@@ -138,13 +146,13 @@ struct CrossingReport {
 
 /// A plan that was written.
 pub struct WrittenPlan {
-    /// Its numbers, for people.
+    /// Its numbers, as text.
     pub report: Report,
     /// The rod.
     pub rod: DeployedRod,
     /// The path along which it is laid.
     pub path: LaidPath,
-    /// What follows where a knot is tied.
+    /// Plan of the knot, if one is tied.
     pub knot: Option<KnotPlan>,
 }
 
@@ -164,7 +172,7 @@ impl DeploymentArguments {
 }
 
 impl DeploymentPlan {
-    /// Plans, and writes trajectory, pattern and figure into a directory. `spare` says what is done with a rod that is longer
+    /// Plans, and writes trajectory, pattern and figure into a directory. `spare` states what is done with a rod that is longer
     /// than its pattern, unless the arguments do.
     pub fn write(&self, out: &Path, spare: &Spare<'_>) -> Result<WrittenPlan, Failure> {
         let file = RodFile::read(self.rod_file()?)?;
@@ -223,7 +231,7 @@ impl DeploymentPlan {
             let poses: Vec<_> = lift.poses.iter().map(later).collect();
             named.push((format!("lift_{number}.csv"), trajectory_csv(&poses)?));
         }
-        // A scenario knows the network of the program only.
+        // A scenario can use only the network of the program.
         if self.model.is_none() {
             let simulated = Landing {
                 rod: &file,
@@ -273,7 +281,7 @@ impl DeploymentPlan {
         })
     }
 
-    /// What is asked for, as far as the arguments alone say it.
+    /// Request as far as the arguments define it.
     fn request(&self) -> DeploymentRequest<'_> {
         DeploymentRequest {
             lead_in: self.lead_in,
@@ -310,7 +318,7 @@ impl DeploymentPlan {
         Ok(KnotPlan::new(planned, passages))
     }
 
-    /// Refuses a knot that cannot be tied so.
+    /// Refuses a knot that cannot be tied in this way.
     pub fn check_knot(&self) -> Result<(), Failure> {
         let rod = RodFile::read(self.rod_file()?)?.rod;
         let (request, source) = (self.request(), self.source.source()?);
@@ -334,7 +342,7 @@ impl DeploymentPlan {
             return Ok(given);
         }
         let source = self.source.source()?;
-        // One with sharp corners is as long as it was drawn.
+        // A pattern with sharp corners has its drawn length.
         let length = match source.pattern() {
             Err(PatternError::Deviation { .. }) => source.drawn_length(),
             pattern => pattern.at(self.source.name())?.length(),
@@ -349,7 +357,7 @@ impl DeploymentPlan {
     /// The pattern without lead-in and lead-out, m.
     pub fn outline(&self) -> Result<Vec<Point>, Failure> {
         let pattern = self.source.source()?.pattern().at(self.source.name())?;
-        // It may be very long.
+        // The pattern may be very long.
         let step = self.step.max(pattern.length() / MOST_POSES);
         let points = pattern.sampled(step).into_iter();
         Ok(points.map(|point| point.position).collect())
@@ -369,7 +377,7 @@ impl DeploymentPlan {
         !self.knot.is_empty()
     }
 
-    /// The pattern as it was given.
+    /// Pattern as given.
     pub fn pattern_name(&self) -> &str {
         self.source.name()
     }
@@ -420,7 +428,7 @@ impl DeploymentPlan {
                 Err(Failure::Input("--model is for --solver neural".into()))
             }
             (SolverName::Neural, Scheme::Intuitive, _) => Err(Failure::Input(
-                "--solver neural is for --scheme optimal: the intuitive scheme asks for no grasps"
+                "--solver neural is for --scheme optimal: the intuitive scheme needs no grasps"
                     .into(),
             )),
             (SolverName::Exact, ..) => Ok(None),
@@ -434,7 +442,7 @@ impl DeploymentPlan {
     }
 }
 
-/// What a drawing measures, and with which options it can be planned; empty where its size and corners are not at fault.
+/// Size of a drawing, and the options with which it can be planned; empty where its size and corners are not at fault.
 fn way_out(
     error: &RequestError,
     request: &DeploymentRequest<'_>,

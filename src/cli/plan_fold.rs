@@ -8,32 +8,40 @@ use rodlab_planning::plan::fold_request::{FoldNumbers, FoldPlanRequest, halvings
 /// Arguments of `rodlab plan fold`.
 #[derive(Debug, Args)]
 pub struct FoldPlanArguments {
-    /// The sheet: TOML with length, width and gravito_bending_length (or youngs_modulus, thickness and density) in [folding.paper]
+    /// Sheet file: TOML with [folding.paper]
+    ///
+    /// It has length, width and gravito_bending_length (or youngs_modulus, thickness and density).
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Paper), add = presets(PresetKind::Paper))]
     paper: PathBuf,
-    /// Where the edge goes: `half`, onto the opposite edge; `diagonal-strip`, a corner of a square sheet onto the opposite one, planned as a
-    /// strip of one width, as in the thesis; or how far (the thesis' C); the crease is pressed half way
-    #[arg(long, value_name = "half|diagonal-strip|LENGTH", value_parser = crease)]
+    /// Target of the edge: `half`, `diagonal-strip`, or the distance by which it moves
+    ///
+    /// `half`: onto the opposite edge. `diagonal-strip`: a corner of a square sheet onto the opposite one, planned as a strip of one
+    /// width, as in the thesis. A distance is the C of the thesis; the crease is pressed half way.
+    #[arg(long, value_name = "TARGET", value_parser = crease)]
     crease: Crease,
     /// Where to write the results
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// What the way of the gripper makes least
+    /// Quantity that the path of the gripper minimises
     #[arg(long, default_value = "sum")]
     objective: ObjectiveName,
-    /// Source of the folds of the manifold over which the way is searched; those of the plan are exact in any case
+    /// Source of the fold manifold over which the path is searched
+    ///
+    /// The folds of the plan are always exact.
     #[arg(long, default_value = "exact")]
     solver: SolverName,
     /// The network of --solver neural: model.safetensors of `rodlab train`
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Static friction of the table that the demand is compared with [default: that in the sheet's file]
+    /// Static friction of the table, to compare with the demand [default: that of the sheet file]
     #[arg(long, value_name = "FRICTION", value_parser = friction)]
     friction: Option<f64>,
-    /// Folds in half one after the other, with --crease half: each folds what the one before has left, twice as thick
+    /// Number of folds in half, with --crease half
+    ///
+    /// Each fold folds the sheet that the previous one left, twice as thick.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=4))]
     times: u8,
-    /// What layers do that lie on each other when they are folded again
+    /// Behaviour of layers on each other when they are folded again
     #[arg(long, default_value = "loose")]
     layers: LayersName,
     /// Speed of the gripper, m/s; slower where it would turn faster than 1 rad/s
@@ -44,11 +52,11 @@ pub struct FoldPlanArguments {
 #[derive(Clone, Copy, Debug, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum ObjectiveName {
-    /// The sum of λ = |F_x|/|F_z| over the way (thesis Eq. 4.11).
+    /// The sum of λ = |F_x|/|F_z| over the path (thesis Eq. 4.11).
     Sum,
-    /// The largest friction that the whole sheet asks for.
+    /// The largest friction that the whole sheet demands.
     Friction,
-    /// The moment at the gripper by which the sheet asks for no more than 0.85 of the friction of the table.
+    /// The moment at the gripper with which the sheet demands at most 0.85 of the friction of the table.
     Moment,
 }
 
@@ -78,12 +86,12 @@ struct Report {
     crease_m: f64,
     objective: ObjectiveName,
     solver: SolverName,
-    /// How many folds of a network were compared with exact ones, and how many were wrong.
+    /// Number of folds of a network that were compared with exact ones, and number of wrong ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     compared_answers: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     wrong_answers: Option<usize>,
-    /// Whether the way was searched over exact folds in place of those of the network.
+    /// Whether the path was searched over exact folds instead of those of the network.
     #[serde(skip_serializing_if = "Option::is_none")]
     fell_back: Option<bool>,
     #[serde(flatten)]
@@ -119,7 +127,7 @@ impl FoldPlanArguments {
             let (planner, check) = request.planner(&sheet).at(self.model_name())?;
             if let Some(check) = check.filter(|check| !check.is_passed()) {
                 tracing::warn!(
-                    "{}: {} of {} folds that were compared with exact ones are wrong, and {} are not finite; the way is searched over exact folds",
+                    "{}: {} of {} folds that were compared with exact ones are wrong, and {} are not finite; the path is searched over exact folds",
                     self.model_name(),
                     check.wrong,
                     check.compared,
@@ -168,22 +176,22 @@ impl FoldPlanArguments {
             (ObjectiveName::Friction, _) => Ok(Algorithm::Optimal(Objective::Largest)),
             (ObjectiveName::Moment, Some(friction)) => Ok(Algorithm::Held { friction }),
             (ObjectiveName::Moment, None) => Err(Failure::Input(
-                "--objective moment: the friction of the table is needed, --friction or `folding.paper.friction`".into(),
+                "--objective moment: the friction of the table is missing: give --friction or `folding.paper.friction`".into(),
             )),
         }
     }
 
-    /// The network that knows the folds, if one does.
+    /// Network that predicts the folds, if one is used.
     fn network(&self) -> Result<Option<NeuralFolds>, Failure> {
         let refused = |why: &str| Err(Failure::Input(why.into()));
         match (self.solver, self.objective, &self.model) {
             (SolverName::Exact, _, None) => Ok(None),
             (SolverName::Exact, _, Some(_)) => refused("--model is for --solver neural"),
             (SolverName::Neural, ObjectiveName::Friction, _) => refused(
-                "--objective friction is for --solver exact: a network tells λ, but not how hard the sheet presses on the table",
+                "--objective friction is for --solver exact: a network predicts λ, but not the force of the sheet on the table",
             ),
             (SolverName::Neural, ObjectiveName::Moment, _) => refused(
-                "--objective moment is for --solver exact: a network knows folds without a moment",
+                "--objective moment is for --solver exact: a network predicts only folds without a moment",
             ),
             (SolverName::Neural, _, None) => refused(
                 "--solver neural needs --model, model.safetensors of `rodlab train` from samples of scenarios/folding_dataset.toml",
@@ -193,7 +201,7 @@ impl FoldPlanArguments {
     }
 }
 
-/// Where the edge goes, as typed.
+/// Target of the edge, as typed.
 pub(super) fn crease(text: &str) -> Result<Crease, String> {
     match text.trim() {
         "half" => Ok(Crease::Half),

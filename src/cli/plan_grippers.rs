@@ -10,7 +10,7 @@ pub struct GripperPlanArguments {
     /// A scenario of the experiment "deployment"
     #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     scenario: PathBuf,
-    /// Set a key of the scenario: deployment.scheme=intuitive
+    /// Set a key of the scenario, such as deployment.scheme=intuitive; repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Where to write the trajectories
@@ -24,7 +24,7 @@ struct Report {
     tasks: Vec<TaskReport>,
 }
 
-/// What a gripper does; numbers count from 1.
+/// Task of a gripper; numbers count from 1.
 #[derive(Serialize)]
 struct TaskReport {
     gripper: usize,
@@ -38,7 +38,7 @@ struct TaskReport {
 impl GripperPlanArguments {
     /// Plans, and writes a trajectory for each task.
     pub fn plan(&self) -> Result<(), Failure> {
-        // A planned path does not tremble.
+        // A planned path has no jitter.
         let mut overrides = self.set.clone();
         overrides.extend(["deployment.jitter=0", "deployment.jitter_angle=0"].map(str::to_owned));
         let scenario = load(&self.scenario, &overrides)?.scenario;

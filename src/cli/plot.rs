@@ -20,10 +20,10 @@ const LOG_AXES: [Named<[AxisScale; 2]>; 4] = [
 pub struct PlotArguments {
     /// The results directory of a run or a sweep, finished or still running
     pub directory: PathBuf,
-    /// Column for the horizontal axis of a figure of your own [default: time, or the first varied number]
+    /// Column of the horizontal axis of a custom figure [default: time, or the first varied number]
     #[arg(long, value_name = "COLUMN", requires = "y")]
     pub x: Option<String>,
-    /// Columns to draw, from summary.csv (a point for each case) or series.csv (a curve for each case)
+    /// Columns to draw, from summary.csv (a point per case) or series.csv (a curve per case)
     #[arg(long, value_name = "COLUMN", num_args = 1..)]
     pub y: Vec<String>,
     /// Varied key or column of summary.csv; each of its values gets a curve
@@ -32,7 +32,7 @@ pub struct PlotArguments {
     /// Logarithmic axes [default: where numbers are positive and range over a decade]
     #[arg(long, value_name = "AXES", requires = "y", value_parser = named(&LOG_AXES))]
     pub log_axes: Option<[AxisScale; 2]>,
-    /// Where to write a figure of your own; the ending .pdf writes that format alone [default: own in the directory]
+    /// Output file of a custom figure; .pdf writes that format alone [default: own in the directory]
     #[arg(long, value_name = "FILE", requires = "y")]
     pub out: Option<PathBuf>,
     /// How figures are drawn
@@ -45,13 +45,13 @@ Examples:
   rodlab plot results/flagella_quick             rods and series over time
   rodlab plot results/sweep                      outcomes over the varied keys
   rodlab plot results/flagella_quick --y bending_energy_j min_distance_m
-  rodlab plot results/sweep --x contact.friction --y newton_iterations_mean --group flagella.count --log-axes y
-  rodlab plot results/flagella_quick --format pdf --width 85mm --font-size 8     for a column of a journal
+  rodlab plot results/sweep --x contact.friction --y newton_iterations_mean --log-axes y
+  rodlab plot results/flagella_quick --format pdf --width 85mm --font-size 8   a journal column
 
-Figures are written as SVG and as PNG unless --format says otherwise. Their text is outlines of letters, so that they
-look the same everywhere.";
+Figures are written as SVG and as PNG unless --format is given. Their text is outlines of letters, so
+that they look the same everywhere.";
 
-/// Draws the figures of a results directory, or one of the user's own, and prints where they are.
+/// Draws the figures of a results directory, or a custom one, and prints their paths.
 pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {
     let asks_for_pdf = arguments
         .out

@@ -3,6 +3,7 @@
 pub(super) use super::candidates::presets;
 pub(super) use super::common::Common;
 pub(super) use super::failure::{Failure, OrInput};
+pub(super) use super::help::help;
 pub(super) use super::output::{
     make_directory, print, print_json, print_paths, write_file, write_files,
 };

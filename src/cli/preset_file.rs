@@ -7,10 +7,10 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// Presets that were taken for paths without a file, to be logged once there is a log.
+/// Presets that were used for paths without a file, to be logged once logging has started.
 static SUBSTITUTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// Reads a path, or the name of a preset of a kind. A file that exists is taken before a preset of that name.
+/// Reads a path, or the name of a preset of a kind. An existing file takes precedence over a preset of that name.
 pub fn file_or_preset(kind: PresetKind) -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(move |path| resolve(kind, path))
 }
@@ -50,7 +50,7 @@ pub fn pattern_or_preset(text: &str) -> Result<GivenPattern, Box<dyn Error + Sen
     })
 }
 
-/// Logs which presets were taken for paths without a file.
+/// Logs which presets were used for paths without a file.
 pub fn log_substitutes() {
     let mut lines = SUBSTITUTES
         .lock()
@@ -67,7 +67,7 @@ fn resolve(kind: PresetKind, path: PathBuf) -> Result<PathBuf, Box<dyn Error + S
     let Some(preset) = Preset::in_place_of(kind, &path) else {
         return match nearest(kind, &path) {
             Some(name) => Err(format!(
-                "there is no such file, and no {kind} among the presets is called so; did you mean `{name}`? \
+                "there is no such file, and no {kind} preset of this name; did you mean `{name}`? \
                  `rodlab presets {kind}` lists them"
             )
             .into()),
@@ -77,7 +77,7 @@ fn resolve(kind: PresetKind, path: PathBuf) -> Result<PathBuf, Box<dyn Error + S
     let file = preset.file()?;
     if path.as_os_str() != preset.name {
         let line = format!(
-            "{} is not there: the preset `{}` is taken",
+            "{} does not exist: using the preset `{}`",
             path.display(),
             preset.name
         );

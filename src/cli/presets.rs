@@ -15,7 +15,8 @@ Examples:
   rodlab presets show green_vps > my_rod.toml
   rodlab run flagella_quick               a preset by its name
 
-Wherever a file of one of these kinds is expected, the name of a preset stands for it. A file of that name is taken before it."
+The name of a preset can be given wherever a file of its kind is expected. An existing file of that
+name takes precedence."
 )]
 pub struct PresetsArguments {
     #[command(subcommand)]
@@ -32,9 +33,9 @@ pub struct PresetsArguments {
 enum PresetsAction {
     /// Print a preset
     Show {
-        /// Its name
+        /// Name of the preset
         name: String,
-        /// Its kind, where presets of several kinds have that name
+        /// Kind of the preset, if presets of several kinds have that name
         #[arg(long, value_parser = kinds())]
         kind: Option<PresetKind>,
     },

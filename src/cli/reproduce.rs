@@ -7,9 +7,9 @@ use super::{standard_error, watchdog};
 use crate::reproduce::{self, ARTIFACTS, Artifact, ReproduceOptions};
 use rodlab_files::figure::Format;
 
-/// Where pages go.
+/// Directory for pages.
 const PUBLISHED: &str = "results/reproduced";
-/// Where short versions of them go, which must not take the place of those.
+/// Directory for short versions of pages, which must not replace the full ones.
 const QUICK: &str = "results/reproduced-quick";
 
 /// Arguments of `rodlab reproduce`.
@@ -19,7 +19,7 @@ Examples:
   rodlab reproduce --list
   rodlab reproduce tab2.1 --quick            a short version, in results/reproduced-quick
   rodlab reproduce tab2.2 --jobs 4
-  rodlab reproduce fig2.7 --redraw --format pdf --width 85mm --font-size 8     for a column of a journal
+  rodlab reproduce fig2.7 --redraw --format pdf --width 85mm --font-size 8     a journal column
 
 Finished runs are not repeated, interrupted ones continue. With --jobs 1 a run has the machine to itself and its
 wall times can be compared.")]
@@ -30,14 +30,15 @@ pub struct ReproduceArguments {
     /// List what can be reproduced and its rough cost
     #[arg(long, conflicts_with = "artifact")]
     pub list: bool,
-    /// Simulate a short time only; the page says so, and goes into a folder of its own
+    /// Simulate a short time only; the page states this, and has its own folder
     #[arg(long)]
     pub quick: bool,
-    /// Where artefacts go, each into a folder of its name; their runs go into the folder `cases`
-    /// [default: results/reproduced, with --quick results/reproduced-quick]
+    /// Directory for artefacts [default: results/reproduced, with --quick results/reproduced-quick]
+    ///
+    /// Each artefact has a folder of its name; its runs are in the folder `cases`.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Runs to make at a time; they share the threads
+    /// Number of runs at a time; they share the threads
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: u16,
     /// Draw the figures again from the table beside the page, without any run
@@ -63,7 +64,7 @@ fn artifact(name: &str) -> Result<&'static Artifact, String> {
     Artifact::named(name).ok_or_else(|| format!("expected one of: {}", names()))
 }
 
-/// Makes an artefact and prints where its files are, or lists all.
+/// Makes an artefact and prints the paths of its files, or lists all.
 pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), Failure> {
     let Some(artifact) = arguments.artifact else {
         return print(&list());
@@ -72,7 +73,7 @@ pub fn reproduce(arguments: &ReproduceArguments, common: &Common) -> Result<(), 
         directory: arguments.directory(),
         quick: arguments.quick,
         jobs: usize::from(arguments.jobs),
-        // Pages are for others: where the program lies on this machine is none of their business.
+        // Pages are published: they must not contain the path of the program on this machine.
         command_line: std::iter::once("rodlab".into())
             .chain(std::env::args_os().skip(1))
             .map(|argument| argument.to_string_lossy().into_owned())
@@ -107,7 +108,7 @@ fn list() -> String {
     line(["", "one core", "--quick", ""]) + &ARTIFACTS.iter().map(artifact).collect::<String>()
 }
 
-/// A rough duration in words.
+/// Rough duration as text.
 fn duration(seconds: f64) -> String {
     if seconds < 90.0 {
         format!("{seconds:.0} s")

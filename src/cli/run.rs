@@ -16,7 +16,7 @@ use rodlab_lab::sweep::{Shard, SweepOptions};
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
-/// Outputs that the page of a task in simulation shows at most.
+/// Largest number of outputs on the page of a task in simulation.
 const OUTPUTS: usize = 2500;
 
 /// Arguments of `rodlab run`.
@@ -25,7 +25,7 @@ const OUTPUTS: usize = 2500;
 Examples:
   rodlab run scenarios/flagella_quick.toml
   rodlab run scenarios/flagella_m2.toml --set flagella.count=4 --set time.end=\"1 min\" --out results/m4
-  rodlab run scenarios/flagella_m10.toml --timeout 8h     ends with exit code 5; run again to continue
+  rodlab run scenarios/flagella_m10.toml --timeout 8h     ends with exit code 5; run again to resume
   rodlab run beam.toml --vary rods.beam.radius=\"2 mm:8 mm:1 mm\" --vary contact.friction=0,0.3 --jobs 4
   rodlab run scenarios/pile.toml --watch                  see it in the browser while it runs
   rodlab run sweep.toml --shard 2/8                       the second eighth of the cases, for any scheduler
@@ -36,28 +36,28 @@ pub struct RunArguments {
     /// The scenario file
     #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     pub scenario: PathBuf,
-    /// Set a key of the scenario, such as rods.beam.radius=\"7 mm\"; may be given several times
+    /// Set a key of the scenario, such as rods.beam.radius="7 mm"; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     pub overrides: Vec<String>,
-    /// Where the results go [default: results/<name of the scenario>]
+    /// Directory for the results [default: results/<name of the scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Start over and discard earlier results
     #[arg(long)]
     pub force: bool,
-    /// Print the resolved scenario, or the cases of a sweep with an estimate of their cost, and run nothing
+    /// Print the resolved scenario, or the cases of a sweep with their estimated cost, and run nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Run a case for each value of a key, given as FROM:TO:STEP or A,B,C; with several keys, every combination
+    /// Run a case for each value of a key, FROM:TO:STEP or A,B,C; several keys give every combination
     #[arg(long, value_name = "KEY=VALUES")]
     pub vary: Vec<String>,
-    /// Cases to run at a time; they share the threads [default: as many as threads]
+    /// Number of cases at a time; they share the threads [default: one per thread]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
     /// Run only the K-th of N shares of the cases
     #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = shard)]
     pub shard: Shard,
-    /// Run cases that failed before once more
+    /// Run failed cases again
     #[arg(long)]
     pub retry_failed: bool,
     /// Start no further case after one has failed
@@ -66,13 +66,13 @@ pub struct RunArguments {
     /// Run more than 100000 cases
     #[arg(long)]
     pub yes: bool,
-    /// Open the 3-D page of `rodlab view` in the browser, and update it until the run has ended
+    /// Open the 3-D page of `rodlab view` in the browser, and update it until the run ends
     #[arg(long, conflicts_with = "dry_run")]
     pub watch: bool,
-    /// Print what came out as JSON
+    /// Print the results as JSON
     #[arg(long, conflicts_with = "dry_run")]
     pub json: bool,
-    /// Stop with a checkpoint this long after the start of the program, such as 90, \"10 min\" or 8h
+    /// Stop with a checkpoint this long after the start of the program, such as 90, "10 min" or 8h
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub timeout: Option<Duration>,
 }
@@ -96,7 +96,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
     if let Some(jobs) = arguments.jobs {
         refuse_too_many_threads("--jobs", jobs)?;
     }
-    // A time so long that clocks do not know its end is no limit.
+    // A deadline beyond the range of the clock means no limit.
     let deadline = arguments
         .timeout
         .and_then(|limit| Instant::now().checked_add(limit));
@@ -138,7 +138,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), Failure> {
     print(&summary(&outcome))
 }
 
-/// What came out, for programs; quantities in SI units.
+/// Results of a run as JSON; quantities in SI units.
 fn as_json(outcome: &RunOutcome) -> serde_json::Value {
     let resumed_from = match outcome.status {
         RunStatus::Resumed { from } => Some(from.to_string()),
@@ -155,13 +155,13 @@ fn as_json(outcome: &RunOutcome) -> serde_json::Value {
     })
 }
 
-/// Builds the scene of a case_set of one.
+/// Builds the scene of a set of one case.
 pub fn prepare(case_set: &CaseSet) -> Result<PreparedRun, Failure> {
     let loaded = case_set.scenario_of(0)?;
     experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues).into())
 }
 
-/// Runs a case of a task in plain simulation, and writes its page; prints what came out, and returns where the page is.
+/// Runs a case of a task in plain simulation, and writes its page; prints the results, and returns the path of the page.
 pub(super) fn simulate(
     case_set: &CaseSet,
     options: RunOptions,
@@ -179,7 +179,7 @@ pub(super) fn simulate(
     Ok(page)
 }
 
-/// Where the results lie and what came out, a line each.
+/// Directory and results of a run, a line each.
 fn summary(outcome: &RunOutcome) -> String {
     let case = &outcome.case;
     let mut text = match outcome.status {

@@ -1,4 +1,4 @@
-//! `rodlab run --watch`: the 3-D page of a run, written again and again while the run is at work.
+//! `rodlab run --watch`: the 3-D page of a run, rewritten while the run is in progress.
 
 use super::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -8,11 +8,11 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Outputs that the page shows at most: it is read again and again.
+/// Largest number of outputs on the page, which is read repeatedly.
 const OUTPUTS: usize = 1000;
-/// Time between two pages, at least.
+/// Least time between two pages.
 const PERIOD: Duration = Duration::from_secs(3);
-/// Time between two pages over the time that writing one takes, at least: the run keeps the processor.
+/// Least ratio of the time between two pages to the time that writing one takes: the run keeps the processor.
 const PATIENCE: u32 = 20;
 /// Time between two attempts to write the first page.
 const FIRST: Duration = Duration::from_millis(500);
@@ -24,7 +24,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Begins to write the page of a directory, which need not exist yet, and opens it in the browser.
+    /// Starts to write the page of a directory, which need not exist yet, and opens it in the browser.
     pub fn start(directory: &Path) -> Result<Self, Failure> {
         let fault =
             |error: &dyn Display| Failure::System(format!("cannot start a thread: {error}"));
@@ -56,7 +56,7 @@ impl Drop for Watch {
     }
 }
 
-/// The page of a run at work.
+/// The page of a run in progress.
 struct Page {
     directory: PathBuf,
     pool: ThreadPool,
@@ -71,7 +71,7 @@ impl Page {
             let start = Instant::now();
             match self.write(Some(PERIOD.as_secs_f64())) {
                 Ok(_) => wait = PERIOD.max(PATIENCE * start.elapsed()),
-                // A run that has just begun has no outputs yet, and one that starts over removes them.
+                // A new run has no outputs yet, and one that starts over removes them.
                 Err(error) => tracing::debug!("no page yet: {error}"),
             }
         }

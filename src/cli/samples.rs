@@ -8,7 +8,7 @@ use rodlab_lab::experiment::{KINDS, SampleColumns, kind_named};
 pub struct SampleFiles {
     /// The kind.
     pub kind: &'static str,
-    /// What stands in the files.
+    /// Columns of the files.
     pub columns: SampleColumns,
     /// The files: one, or those of the cases of a sweep.
     pub files: Vec<PathBuf>,
@@ -21,12 +21,12 @@ pub fn kinds_with_samples() -> String {
 }
 
 impl SampleFiles {
-    /// Those of a results directory.
+    /// Samples of a results directory.
     pub fn of(directory: &Path) -> Result<Self, Failure> {
         let refused = |why: String| Failure::Input(format!("{}: {why}", directory.display()));
         let manifest = Manifest::read_checked(directory)?;
         let manifest = manifest.ok_or_else(|| {
-            refused("no results directory (there is no manifest.json): make samples with `rodlab dataset`".into())
+            refused("not a results directory (manifest.json is missing): make samples with `rodlab dataset`".into())
         })?;
         let kind = kind_named(&manifest.experiment);
         let Some((kind, columns)) = kind.and_then(|kind| Some((kind.name(), kind.samples()?)))
@@ -43,7 +43,7 @@ impl SampleFiles {
             let cases = cases.into_iter().flatten().flatten();
             files = cases.map(|case| case.path().join(columns.file)).collect();
             files.retain(|file| file.exists());
-            // Directories are listed in any order.
+            // The order of directory listings is undefined.
             files.sort();
         }
         if files.is_empty() {

@@ -15,38 +15,41 @@ use rodlab_vision::{
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ScoreArguments {
-    /// The deployed curve: centrelines.csv of a trace with a camera, nodes.csv or a results directory of a run, or any
-    /// CSV with columns x_m and y_m
+    /// Deployed curve: CSV with columns x_m and y_m, or a results directory of a run
+    ///
+    /// Such as centrelines.csv of a trace with a camera, or nodes.csv of a run.
     pub result: PathBuf,
-    /// The pattern: an SVG drawing, or CSV with columns x_m and y_m
+    /// Pattern: an SVG drawing, or CSV with columns x_m and y_m
     #[arg(value_parser = file_or_preset(PresetKind::Pattern), add = presets(PresetKind::Pattern))]
     pub pattern: PathBuf,
     /// Strand of the result, from 1 [default: the first one]
     #[arg(long, value_name = "N")]
     pub strand: Option<usize>,
-    /// Which stroke of an SVG pattern: its number from 1, its id, or `longest`; or which strand of a CSV one, from 1
+    /// Stroke of an SVG pattern: number from 1, id, or `longest`; or number of a strand of a CSV pattern
     #[arg(long, value_name = "N|ID|longest")]
     pub stroke: Option<StrokeChoice>,
-    /// Join strokes of an SVG pattern first whose ends are at most this far apart
+    /// Join strokes of an SVG pattern whose ends are at most this far apart
     #[arg(long, value_name = "GAP", value_parser = length_from_zero)]
     pub join: Option<f64>,
     /// Length of the longer side of the pattern [default: as drawn]
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub size: Option<f64>,
-    /// Arc length of the result at which the pattern begins; what lies beyond the pattern's length is left out, too
-    /// [default: for results of a deployment the lead-in that their scenario gives; otherwise all is compared]
+    /// Arc length of the result at which the pattern begins
+    ///
+    /// The part beyond the length of the pattern is left out, too. The default is the lead-in of the scenario for results of a
+    /// deployment; otherwise the whole result is compared.
     #[arg(long, value_name = "LENGTH", value_parser = length_from_zero)]
     pub begin: Option<f64>,
-    /// Length of the rod: without a result that is as long, within 3 %, there is no score (exit code 4)
+    /// Length of the rod; a result whose length differs by more than 3 % is not scored (exit code 4)
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     pub rod_length: Option<f64>,
-    /// Number of points that are compared
+    /// Number of points to compare
     #[arg(long, value_name = "N", default_value_t = SCORE_POINTS, value_parser = point_count)]
     pub points: usize,
-    /// Turn and move the result first such that it fits best
+    /// Turn and move the result to the best fit first
     #[arg(long)]
     pub align: bool,
-    /// Where to write a figure of both curves, as .svg and .png
+    /// Output file for a figure of both curves, .svg and .png
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Print the score as JSON
@@ -78,7 +81,7 @@ struct Answer {
     by_nearest_point: CurveError,
     pattern_length_m: f64,
     result_length_m: f64,
-    /// Arc length of the whole result at which the part that is compared begins.
+    /// Arc length of the whole result at which the compared part begins.
     #[serde(skip_serializing_if = "Option::is_none")]
     begin_m: Option<f64>,
     /// Length of the whole result, and that of the rod.
@@ -174,7 +177,7 @@ impl ScoreArguments {
             join: self.join,
         };
         let points = drawn_points(&self.pattern, part)?;
-        let points = points.ok_or("an .svg or a .csv file is needed").at(&file)?;
+        let points = points.ok_or("expected an .svg or a .csv file").at(&file)?;
         let drawing = Drawing {
             size: self.size,
             reverse: false,
@@ -192,9 +195,9 @@ fn lead_in_of(results: &Path) -> Result<Option<f64>, Failure> {
     }
     let file = path.display();
     let text = String::from_utf8(read_text_file(&path).or_input()?);
-    let text = text.map_err(|_| "it is no text in UTF-8").at(&file)?;
+    let text = text.map_err(|_| "not text in UTF-8").at(&file)?;
     let scenario = text.parse::<toml::Table>();
-    let scenario = scenario.map_err(|_| "it is no TOML").at(&file)?;
+    let scenario = scenario.map_err(|_| "not a TOML file").at(&file)?;
     let kind = scenario.get("experiment").and_then(toml::Value::as_str);
     if kind != Some("deployment") {
         return Ok(None);
@@ -203,7 +206,7 @@ fn lead_in_of(results: &Path) -> Result<Option<f64>, Failure> {
     let lead_in = deployment.and_then(|deployment| deployment.get("lead_in")?.as_float());
     let lead_in = lead_in.filter(|length| *length >= 0.0 && length.is_finite());
     let advice =
-        "deployment.lead_in is no length; give --begin, where on the rod the pattern begins";
+        "deployment.lead_in is not a length; give --begin, where on the rod the pattern begins";
     lead_in.map(Some).ok_or(advice).at(&file)
 }
 

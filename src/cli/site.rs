@@ -27,8 +27,8 @@ const FILES: &str = "reference/files.md";
 Example:
   rodlab site target/site          then open target/site/index.html in a browser
 
-The pages are those of the repository, and what `--help` and `rodlab explain` print. They need no server. scripts/site adds the
-documentation of the library.")]
+The pages are those of the repository, and the output of `--help` and `rodlab explain`. They need no
+server. scripts/site adds the documentation of the library.")]
 pub struct SiteArguments {
     /// Where to write the site
     #[arg(value_name = "DIR")]

@@ -8,8 +8,53 @@ use super::solve_knot::KnotInversionArguments;
 use rodlab_engine::mechanics::kirchhoff::{HangingStrip, HeavyLoop, Helix, critical_distance};
 use rodlab_lab::experiment::{HelixStability, estimated_critical_distance};
 
-/// Most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
+/// Largest number of edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
 const MOST_EDGES: usize = 2000;
+
+const POSTURES: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab solve ik --cell two_sawyers --arm right --pose=0.5,0.2,0.2,0,1,0,0
+  rodlab solve ik --cell six_joints --pose=0.4,0.1,0.2,0,1,0,0 --all",
+    "\
+The pose x, y, z, qw, qx, qy, qz is that of the hand in the frame of the base of the arm. Without
+--all the answer is one posture, near `home` if a path leads from there. With --all it is every
+posture of an arm of up to six joints, and samples of the curves of postures of an arm with more.
+Exit code 3: no posture within the limits reaches the pose; the message gives the nearest pose that
+can be reached."
+);
+
+const FOLD: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab solve fold --x 3.4 --z 1.7
+  rodlab solve fold --x 3.4 --z 1.7 --method der --edges 200
+  rodlab solve fold --x 1.386061835 --z 1.173187179 --all",
+    "\
+A sheet lies flat on a table; a gripper holds its edge without a moment (thesis sec. 4.3). --x and
+--z give its position: x̄ from where the edge lay, towards the sheet, and z̄ above the table, both
+over L_gb = (E h²/(24 ρ g))^(1/3). `alpha` is the angle in rad by which the edge is turned;
+`suspended_length` is in L_gb; `horizontal_force` H and `vertical_force` V, in EI/L_gb² per width,
+are the forces of the suspended part on the lying one at the touchdown point: H below 0 pushes it
+away, V below 0 presses it down; `lambda` is |H|/|V| (Eq. 4.6). `stable`: with the gripper in its
+place, free to turn. Without --all the answer is the gentle fold, which belongs to the family that
+begins with the flat sheet."
+);
+
+const GRASP: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab solve grasp --suspended-length 10 --curvature 0.5
+  rodlab solve grasp --suspended-length 10 --curvature 0.5 --stretch 2087 --method der --edges 200
+  rodlab solve grasp --suspended-length 17.68 --curvature 0 --all",
+    "\
+Lengths are in gravito-bending lengths L_gb, forces in EI/L_gb². The frame: the contact node is the
+origin, its tangent x, z points up, and positive curvature turns to y. `position` is that of the
+gripper; `rotation_vector` and `quaternion` (w, x, y, z) turn the frame of the contact node into
+that of the gripper, without twist; `contact_force` is that of the lying rod on the suspended one.
+`stable`: with both ends held. `branch` 1 is the gentle one, the local minimum 1 of thesis Fig. 5.4.
+`feasible`: the rod stays above the table and presses on it."
+);
 
 /// Arguments of `rodlab solve`.
 #[derive(Debug, Args)]
@@ -27,7 +72,7 @@ Examples:
 The gravito-bending length L_gb of a rod is (E h²/(8 ρ g))^(1/3) with its radius h, that of a strip
 (E h²/(24 ρ g))^(1/3) with its thickness h: bending stiffness / weight per length = 2 L_gb³.")]
 pub struct SolveArguments {
-    /// What to solve
+    /// Problem to solve
     #[command(subcommand)]
     problem: Problem,
 }
@@ -53,7 +98,7 @@ each end of the braid has turned back by `rotation_rad`. The defaults are the th
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
         gravito_bending_length: f64,
     },
-    /// How far the free end of a strip hangs down whose other end is held horizontally
+    /// Drop of the free end of a strip whose other end is held horizontally
     HangingPlate {
         /// Length beyond the holder, in metres or with a unit
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
@@ -62,34 +107,13 @@ each end of the braid has turned back by `rotation_rad`. The defaults are the th
         #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
         gravito_bending_length: f64,
     },
-    /// Where and how a gripper must hold a rod that it lays on a table
-    #[command(after_help = "\
-Examples:
-  rodlab solve grasp --suspended-length 10 --curvature 0.5
-  rodlab solve grasp --suspended-length 10 --curvature 0.5 --stretch 2087 --method der --edges 200
-  rodlab solve grasp --suspended-length 17.68 --curvature 0 --all
-
-Lengths are in gravito-bending lengths L_gb, forces in EI/L_gb². The frame: the contact node is the origin, its tangent
-x, z points up, and positive curvature turns to y. `position` is that of the gripper; `rotation_vector` and
-`quaternion` (w, x, y, z) turn the frame of the contact node into that of the gripper, without twist;
-`contact_force` is that of the lying rod on the suspended one. `stable`: with both ends held. `branch` 1 is the
-gentle one, the local minimum 1 of thesis Fig. 5.4. `feasible`: the rod stays above the table and presses on it.")]
+    /// Pose at which a gripper must hold a rod that it lays on a table
+    #[command(after_help = GRASP[0], after_long_help = GRASP[1])]
     Grasp(GraspArguments),
-    /// What a sheet does that is folded by its edge
-    #[command(after_help = "\
-Examples:
-  rodlab solve fold --x 3.4 --z 1.7
-  rodlab solve fold --x 3.4 --z 1.7 --method der --edges 200
-  rodlab solve fold --x 1.386061835 --z 1.173187179 --all
-
-A sheet lies flat on a table; a gripper holds its edge without a moment (thesis sec. 4.3). --x and --z say where: x̄ from where
-the edge lay, towards the sheet, and z̄ above the table, both over L_gb = (E h²/(24 ρ g))^(1/3). `alpha` is the angle in rad by
-which the edge is turned; `suspended_length` is in L_gb; `horizontal_force` H and `vertical_force` V, in EI/L_gb² per width, are
-what the suspended part exerts on the lying one at the touchdown point: H below 0 pushes it away, V below 0 presses it down;
-`lambda` is |H|/|V| (Eq. 4.6). `stable`: with the gripper in its place, free to turn. Without --all the answer is the gentle
-fold, which belongs to the family that begins with the flat sheet.")]
+    /// Shape and forces of a sheet that is folded by its edge
+    #[command(after_help = FOLD[0], after_long_help = FOLD[1])]
     Fold(FoldArguments),
-    /// Where the joints of an arm bring its hand
+    /// Pose of the hand of an arm for given joint positions
     #[command(after_help = "\
 Example:
   rodlab solve fk --cell scenarios/cells/two_sawyers.toml --arm right --joints=0,-1.18,0,2.18,0,0.57,3.3161
@@ -97,15 +121,7 @@ Example:
 `position` and `quaternion` (w, x, y, z) are those of the hand in the frame of the arm's base, m and rad.")]
     Fk(ForwardArguments),
     /// Joint positions that bring the hand of an arm to a pose
-    #[command(after_help = "\
-Examples:
-  rodlab solve ik --cell scenarios/cells/two_sawyers.toml --arm right --pose=0.5,0.2,0.2,0,1,0,0
-  rodlab solve ik --cell scenarios/cells/six_joints.toml --pose=0.4,0.1,0.2,0,1,0,0 --all
-
-The pose x, y, z, qw, qx, qy, qz is that of the hand in the frame of the arm's base. Without --all the answer
-is one posture, near `home` if a way leads from there. With --all it is every posture of an arm of up to six joints,
-and samples of the curves of postures of an arm of more. Exit code 3: no posture within the limits reaches the
-pose; the message names the nearest that can be reached.")]
+    #[command(after_help = POSTURES[0], after_long_help = POSTURES[1])]
     Ik(InverseArguments),
 }
 
@@ -114,15 +130,15 @@ struct HelixArguments {
     /// Direction; its length does not matter
     #[arg(long, value_name = "κ,τ,ω", value_parser = direction, allow_hyphen_values = true)]
     direction: Helix,
-    /// How
+    /// Method of solution
     #[arg(long, default_value = "theory")]
     method: HelixMethod,
-    /// Edges of the discrete rod; a rod of twice as many is solved for the error estimate
+    /// Edges of the discrete rod; a rod with twice as many is solved for the error estimate
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = edges(HelixStability::FEWEST_EDGES..=MOST_EDGES))]
     edges: usize,
 }
 
-/// Ways to a helix's critical distance.
+/// Methods for the critical distance of a helix.
 #[derive(Clone, Copy, Debug, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum HelixMethod {
@@ -216,7 +232,7 @@ fn helix(arguments: &HelixArguments) -> Result<HelixAnswer, Failure> {
 
 fn direction(text: &str) -> Result<Helix, String> {
     let Some(&[curvature, torsion, twisting_moment]) = numbers(text).as_deref() else {
-        return Err("three numbers with commas between them are needed, as in 1,1,-1".into());
+        return Err("expected three numbers with commas between them, as in 1,1,-1".into());
     };
     let helix = Helix {
         curvature,

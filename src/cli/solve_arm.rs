@@ -10,7 +10,7 @@ pub(super) struct ArmChoice {
     /// The cell file
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     pub cell: PathBuf,
-    /// Name of the arm; not needed where the cell has only one
+    /// Name of the arm; optional if the cell has only one
     #[arg(long, value_name = "NAME")]
     pub arm: Option<String>,
 }
@@ -70,13 +70,13 @@ pub struct InverseArguments {
     /// Pose of the hand in the frame of the arm's base, m, with a quaternion
     #[arg(long, value_name = "X,Y,Z,QW,QX,QY,QZ", value_parser = parse_pose, allow_hyphen_values = true)]
     pose: Pose,
-    /// Joint positions to begin at [default: those of `home`]
+    /// Joint positions at which to start [default: those of `home`]
     #[arg(long, value_name = "Q1,Q2,...", value_delimiter = ',', value_parser = number(f64::is_finite, "a number is needed, in rad or m"), allow_hyphen_values = true)]
     from: Vec<f64>,
-    /// Give every posture; for more than six joints, samples of the curves of postures
+    /// Return every posture; for more than six joints, samples of the curves of postures
     #[arg(long)]
     all: bool,
-    /// With --all, most samples of a curve
+    /// Largest number of samples of a curve, with --all
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(2..), requires = "all")]
     samples: u16,
 }
@@ -157,8 +157,8 @@ fn out_of_reach(arm: &Arm, hand: &Pose, distance: f64, angle: f64) -> Failure {
 pub(super) fn parse_pose(text: &str) -> Result<Pose, String> {
     let numbers = numbers(text);
     let Some([x, y, z, qw, qx, qy, qz]) = numbers.as_deref() else {
-        return Err("seven numbers with commas between them are needed: x,y,z,qw,qx,qy,qz".into());
+        return Err("expected seven numbers with commas between them: x,y,z,qw,qx,qy,qz".into());
     };
     pose([*x, *y, *z], [*qw, *qx, *qy, *qz])
-        .ok_or_else(|| "finite numbers and a quaternion other than zero are needed".into())
+        .ok_or_else(|| "expected finite numbers and a quaternion other than zero".into())
 }

@@ -5,25 +5,25 @@ use super::prelude::*;
 use rodlab_planning::plan::fold::{Fold, FoldAtlas, FoldError};
 use std::ops::RangeInclusive;
 
-/// Fewest and most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
+/// Smallest and largest number of edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
 const EDGES: RangeInclusive<usize> = 10..=5000;
 
 /// Arguments of `rodlab solve fold`.
 #[derive(Debug, Args)]
 pub struct FoldArguments {
-    /// x̄: how far the manipulated edge has moved towards the sheet, over the gravito-bending length
+    /// x̄: distance by which the edge has moved towards the sheet, over the gravito-bending length
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     x: f64,
-    /// z̄: how high it is above the table, over the gravito-bending length
+    /// z̄: height of the edge above the table, over the gravito-bending length
     #[arg(long, value_name = "Z", allow_hyphen_values = true)]
     z: f64,
-    /// How
+    /// Method of solution
     #[arg(long, default_value = "theory")]
     method: Method,
     /// Edges of the discrete rod
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = edges(EDGES))]
     edges: usize,
-    /// All solutions that are found, the gentle one first
+    /// Return all solutions that are found, the gentle one first
     #[arg(long)]
     all: bool,
 }
@@ -58,7 +58,7 @@ impl FoldArguments {
         for (flag, value) in [("--x", self.x), ("--z", self.z)] {
             if !value.is_finite() {
                 return Err(Failure::Input(format!(
-                    "{flag} {value}: a finite number is needed"
+                    "{flag} {value}: expected a finite number"
                 )));
             }
         }

@@ -5,7 +5,7 @@ use super::prelude::*;
 use rodlab_engine::mechanics::rotation;
 use rodlab_planning::plan::grasp::{Grasp, GraspError, GraspMethod, GraspProblem, GraspSolver};
 
-/// Most edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
+/// Largest number of edges of a discrete rod; beyond, round-off outweighs the error of the mesh.
 const MOST_EDGES: usize = 2000;
 
 /// Arguments of `rodlab solve grasp`.
@@ -14,19 +14,19 @@ pub struct GraspArguments {
     /// l̄_s: the suspended length over the gravito-bending length
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     suspended_length: f64,
-    /// κ̄: the curvature of the pattern at the contact node times the gravito-bending length; positive to the left
+    /// κ̄: curvature of the pattern at the contact node times L_gb; positive to the left
     #[arg(long, value_name = "CURVATURE", allow_hyphen_values = true)]
     curvature: f64,
-    /// k̄_s: the stretching stiffness times L_gb²/EI, 4 L_gb²/h² for a round rod [default: it does not stretch]
+    /// k̄_s: stretching stiffness times L_gb²/EI, 4 L_gb²/h² for a round rod [default: inextensible]
     #[arg(long, value_name = "STIFFNESS", allow_hyphen_values = true)]
     stretch: Option<f64>,
-    /// How
+    /// Method of solution
     #[arg(long, default_value = "theory")]
     method: Method,
     /// Edges of the discrete rod
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = edges(GraspMethod::FEWEST_EDGES..=MOST_EDGES))]
     edges: usize,
-    /// All solutions that are found, the gentle one first
+    /// Return all solutions that are found, the gentle one first
     #[arg(long)]
     all: bool,
 }

@@ -13,7 +13,7 @@ pub struct KnotInversionArguments {
     /// Whether the ends of the loop may spin about their tangents
     #[arg(long, default_value = "clamped")]
     end_spin: EndSpinArgument,
-    /// Poisson's ratio of the rod; it matters to clamped ends only
+    /// Poisson's ratio of the rod; it has an effect only with clamped ends
     #[arg(long, value_name = "NU", default_value_t = 0.5, value_parser = within(-0.9, 0.5))]
     poissons_ratio: f64,
     /// Angle φ between the axis of the braid and the ends of the loop, in degrees from 30 to 90
@@ -25,12 +25,12 @@ pub struct KnotInversionArguments {
     /// Distance of the loop's ends from the axis in radii of the rod, from −1 (left-handed strands) to 1
     #[arg(long, default_value_t = 0.0, value_parser = within(-1.0, 1.0), allow_hyphen_values = true)]
     offset: f64,
-    /// Radius of the rod, in metres or with a unit: adds lengths in metres to the answer
+    /// Radius of the rod, in metres or with a unit; adds lengths in metres to the answer
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     radius: Option<f64>,
 }
 
-/// What the ends of the loop may do.
+/// Boundary conditions at the ends of the loop.
 #[derive(Clone, Copy, Debug, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 enum EndSpinArgument {
@@ -72,7 +72,7 @@ impl KnotInversionArguments {
         };
         let fold = knot.inversion().ok_or_else(|| {
             Failure::Input(
-                "such a knot has no fold: its loop turns over without a snap, or never".into(),
+                "this knot has no fold: its loop turns over without a snap, or never".into(),
             )
         })?;
         Ok(KnotInversionAnswer {

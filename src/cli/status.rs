@@ -21,7 +21,7 @@ pub struct StatusArguments {
     pub json: bool,
 }
 
-/// How a sweep stands.
+/// Status of a sweep.
 #[derive(Serialize)]
 struct Status {
     counts: CaseCounts,
@@ -43,18 +43,18 @@ struct TaskLine {
     number: usize,
     finished: usize,
     cases: usize,
-    /// `None` where Slurm has forgotten it.
+    /// `None` if Slurm has no record of it.
     slurm: Option<Task>,
 }
 
-/// Prints how the cases of a sweep stand, and the tasks that run them.
+/// Prints the status of the cases of a sweep, and the tasks that run them.
 pub fn status(arguments: &StatusArguments) -> Result<(), Failure> {
     let records = sweep::case_records(&arguments.directory)?;
     let jobs = Jobs::read(&arguments.directory)?;
     let queue = match &jobs {
         None => BTreeMap::new(),
         Some(jobs) => match cluster::tasks(&jobs.jobs) {
-            // The cases can be told on a machine without Slurm, too.
+            // The cases can be reported on a machine without Slurm, too.
             Err(error @ ClusterError::Missing { .. }) => {
                 tracing::warn!("{error}");
                 BTreeMap::new()
@@ -114,7 +114,7 @@ fn in_words(status: &Status) -> String {
             ),
             None => writeln!(
                 text,
-                "task {:<5} {share:<16} not known to Slurm",
+                "task {:<5} {share:<16} not found by Slurm",
                 task.number
             ),
         };

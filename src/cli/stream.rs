@@ -8,39 +8,45 @@ use rodlab_robot::{Ending, JointTrajectory, StreamLog, stream as run};
 use rodlab_workcell::cell::{Cell, Driver, StreamReport};
 use rodlab_workcell::task::write_manifest;
 
+const HELP: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab stream joints.csv --cell cell.toml --dry-run
+  rodlab stream joints.csv --cell cell.toml --speed 0.2
+  rodlab stream right.csv left.csv twist.csv --cell scenarios/cells/two_sawyers.toml",
+    "\
+The motion is checked against limits and collisions before the first point is sent, also between the
+points. It starts only if every joint is at its first point. It is finished when the joints are
+reported at the last point, at rest. If reports cease or a joint leaves its path, the motion ends:
+every arm is commanded to hold, and monitored until it is at rest. Ctrl-C and Ctrl-Z, SIGTERM,
+SIGHUP, SIGQUIT, SIGUSR1 and SIGUSR2 have the same effect.
+
+The log is a directory with manifest.json, trajectory.csv (for several, trajectory-1.csv and so on),
+commanded.csv, state.csv and events.csv. Exit code 1: a driver failed; the message gives the reason."
+);
+
 /// Arguments of `rodlab stream`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct StreamArguments {
-    /// The joint trajectory: time_s and a column arm.joint_rad, arm.joint_m or axis_rad per joint; several, one for each
-    /// arm or axis, start together and keep one clock
+    /// Joint trajectory; several, one for each arm or axis, start together on one clock
+    ///
+    /// A table with time_s and a column arm.joint_rad, arm.joint_m or axis_rad per joint.
     #[arg(required = true, value_name = "TRAJECTORY")]
     trajectories: Vec<PathBuf>,
     /// The cell file
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     cell: PathBuf,
-    /// How many times as fast as the trajectory says
+    /// Speed relative to that of the trajectory
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = within(0.01, 10.0))]
     speed: f64,
-    /// Check everything, say what would be done, and move nothing
+    /// Check everything and print the plan, but move nothing
     #[arg(long)]
     dry_run: bool,
-    /// Where to log [default: results/stream-TIME]
+    /// Directory for the log [default: results/stream-TIME]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
-
-const EXAMPLES: &str = "\
-Examples:
-  rodlab stream joints.csv --cell cell.toml --dry-run
-  rodlab stream joints.csv --cell cell.toml --speed 0.2
-  rodlab stream right.csv left.csv twist.csv --cell scenarios/cells/two_sawyers.toml
-
-The motion is checked against limits and collisions before the first point is sent, between the points as well. It starts
-only where every joint is at its first point. It is finished where the joints are seen at the last point, at rest. A silence or
-a joint that leaves its path ends it: every arm is commanded to hold, and watched until it is at rest. So do Ctrl-C and Ctrl-Z,
-SIGTERM, SIGHUP, SIGQUIT, SIGUSR1 and SIGUSR2. The log is a directory with manifest.json, trajectory.csv (of
-several, trajectory-1.csv and so on), commanded.csv, state.csv and events.csv. Exit code 1: a driver failed, and the message says why.";
 
 /// Manifest of a stream.
 #[derive(Serialize)]
@@ -140,7 +146,7 @@ pub fn stream(arguments: &StreamArguments) -> Result<(), Failure> {
         ))),
         Ending::Finished => {
             logged?;
-            // A driver on standard output has it for itself.
+            // A driver on standard output has exclusive use of it.
             if drives_standard_output(&cell) {
                 Ok(())
             } else {

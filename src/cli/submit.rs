@@ -11,7 +11,7 @@ use rodlab_lab::run::RunOptions;
 use rodlab_lab::scenario::{Case, CaseSet};
 use rodlab_lab::sweep::{self, Shard};
 
-/// Tasks of a job array unless the user says otherwise.
+/// Default number of tasks of a job array.
 const TASKS: usize = 64;
 
 /// Arguments of `rodlab submit`.
@@ -22,26 +22,27 @@ Examples:
   rodlab submit sweep.toml --array-limit 10 --extra=--constraint=avx2 --prologue \"module load gcc\"
   rodlab submit sweep.toml --wrapper \"apptainer exec rodlab.sif\" --print    the script only
 
-Each task of the job array runs one share of the cases. A minute before its time limit it writes checkpoints and
-puts itself into the queue again. The same command submits what is neither finished nor in the queue, for example
-after `scancel`. `rodlab status DIR` shows the progress, `rodlab gather DIR` makes the tables of the whole sweep.")]
+Each task of the job array runs one share of the cases. A minute before its time limit it writes
+checkpoints and queues itself again. The same command submits the tasks that are neither finished nor
+queued, for example after `scancel`. `rodlab status DIR` shows the progress, `rodlab gather DIR` makes
+the tables of the whole sweep.")]
 pub struct SubmitArguments {
-    /// The scenario file, with what is varied
+    /// Scenario file with a sweep, or with --vary
     #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     pub scenario: PathBuf,
-    /// Set a key of the scenario; may be given several times
+    /// Set a key of the scenario; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     pub overrides: Vec<String>,
     /// Run a case for each value of a key, as in `rodlab run`
     #[arg(long, value_name = "KEY=VALUES")]
     pub vary: Vec<String>,
-    /// Where the results go, seen by all machines [default: results/<name of the scenario>]
+    /// Directory for the results, shared by all machines [default: results/<name of the scenario>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Tasks of the job array; the cases are divided among them [default: one per case, at most 64]
+    /// Number of tasks, among which the cases are divided [default: one per case, at most 64]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub tasks: Option<u32>,
-    /// Most tasks that may run at a time
+    /// Largest number of tasks that run at a time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub array_limit: Option<u32>,
     /// The partition
@@ -56,16 +57,16 @@ pub struct SubmitArguments {
     /// Cores of a task; it runs as many cases at a time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub cores: u16,
-    /// The account that is charged
+    /// Account to charge
     #[arg(long, value_name = "NAME")]
     pub account: Option<String>,
-    /// A further option of sbatch, such as --extra=--constraint=avx2; may be given several times
+    /// Further option of sbatch, such as --extra=--constraint=avx2; repeatable
     #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
     pub extra: Vec<String>,
-    /// A line of shell before the program starts, such as \"module load gcc\"; may be given several times
+    /// Line of shell before the program starts, such as "module load gcc"; repeatable
     #[arg(long, value_name = "LINE")]
     pub prologue: Vec<String>,
-    /// Words in front of the program, such as \"apptainer exec rodlab.sif\"
+    /// Command that runs the program, such as "apptainer exec rodlab.sif"
     #[arg(long, value_name = "WORDS")]
     pub wrapper: Option<String>,
     /// Submit more than 100000 cases
@@ -124,7 +125,7 @@ pub fn submit(arguments: &SubmitArguments) -> Result<(), Failure> {
     let job = cluster::submit(&program, &request, &left, &mut jobs);
     let job = job.inspect_err(|error| {
         if is_new && error.is_refusal() {
-            // What was made for the job goes again; the refusal is what is reported.
+            // The files for the job are removed; the refusal is reported.
             let _ = std::fs::remove_dir_all(&directory);
         }
     })?;

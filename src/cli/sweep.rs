@@ -1,4 +1,4 @@
-//! Sweeps of `rodlab run`: which cases there are, and what became of them.
+//! Sweeps of `rodlab run`: their cases, and the results.
 
 use super::exit_code::ExitCode;
 use super::prelude::*;
@@ -11,10 +11,10 @@ use rodlab_lab::sweep::{
 const MOST_CASES: u128 = 100_000;
 /// Cases beyond which a sweep does not fit into memory: each takes up to a kilobyte.
 const HELD_CASES: u128 = 1_000_000;
-/// Cases that are tried, for a second each, to learn what all of them cost.
+/// Number of cases that are tried, for a second each, to estimate the cost of all.
 const TRIED_CASES: usize = 3;
 
-/// Runs a sweep, and says what came of it in words or as JSON.
+/// Runs a sweep, and prints the outcome as text or as JSON.
 pub fn run(case_set: &CaseSet, options: &SweepOptions, json: bool) -> Result<(), Failure> {
     let outcome = sweep::run_sweep(case_set, options)?;
     if json {
@@ -24,7 +24,7 @@ pub fn run(case_set: &CaseSet, options: &SweepOptions, json: bool) -> Result<(),
     report(case_set, &outcome)
 }
 
-/// Refuses numbers of cases that are more likely a slip of the fingers, and those that no memory holds.
+/// Refuses numbers of cases that are probably a typing error, and those that exceed the memory.
 pub fn refuse_too_many(case_set: &CaseSet, yes: bool) -> Result<(), Failure> {
     let count = case_set.count();
     let number = match count {
@@ -38,13 +38,13 @@ pub fn refuse_too_many(case_set: &CaseSet, yes: bool) -> Result<(), Failure> {
     }
     if count > MOST_CASES && !yes {
         return Err(Failure::Input(format!(
-            "the sweep has {number}; if you mean it, add --yes"
+            "the sweep has {number}; pass --yes to run them"
         )));
     }
     Ok(())
 }
 
-/// Prints the cases of a share, their values and what they would cost.
+/// Prints the cases of a share, their values and their estimated cost.
 pub fn list(case_set: &CaseSet, options: &SweepOptions) -> Result<(), Failure> {
     let (shard, jobs) = (options.shard, options.jobs.get());
     sweep::check_every_value(case_set)?;
@@ -75,7 +75,7 @@ pub fn list(case_set: &CaseSet, options: &SweepOptions) -> Result<(), Failure> {
     print(&text)
 }
 
-/// An estimate of the time that the cases take: some are tried.
+/// Estimates the time that the cases take, by trials of some.
 fn cost(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<String, Failure> {
     let indices: Vec<usize> = shard.indices(case_set.count() as usize).collect();
     let tried = indices.len().min(TRIED_CASES);
@@ -97,7 +97,7 @@ fn cost(case_set: &CaseSet, shard: Shard, jobs: usize) -> Result<String, Failure
     ))
 }
 
-/// What a sweep came to, for programs.
+/// Outcome of a sweep as JSON.
 fn as_json(case_set: &CaseSet, outcome: &SweepOutcome) -> serde_json::Value {
     let found = outcome.found.iter().map(|found| {
         serde_json::json!({
@@ -115,7 +115,7 @@ fn as_json(case_set: &CaseSet, outcome: &SweepOutcome) -> serde_json::Value {
     })
 }
 
-/// Prints what a sweep came to; cases that failed decide the exit code.
+/// Prints the outcome of a sweep; failed cases determine the exit code.
 fn report(case_set: &CaseSet, outcome: &SweepOutcome) -> Result<(), Failure> {
     let mut text = format!("{}\n", outcome.counts);
     let mut line = |name: &str, value: String| {

@@ -1,6 +1,6 @@
-//! Text on a terminal: names of files and what servers say must not move the cursor, clear the screen or write the clipboard.
+//! Text on a terminal: names of files and messages of servers must not move the cursor, clear the screen or write the clipboard.
 
-/// Replaces control characters, and those that turn the direction of writing, with U+FFFD. Line breaks, tabs and the
+/// Replaces control characters, and those that change the direction of writing, with U+FFFD. Line breaks, tabs and the
 /// sequences for colours and bold print stay.
 pub fn printable(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());

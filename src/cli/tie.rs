@@ -12,26 +12,37 @@ use rodlab_workcell::task::{
 };
 use rodlab_workcell::virtual_cell::RodSupply;
 
-/// Arguments of `rodlab tie`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
+const HELP: [&str; 2] = help!(
+    "\
 Examples:
   rodlab tie --pattern trefoil --knot over,under,over                   in a virtual cell
   rodlab tie --pattern trefoil --rod thick_pink_vps --knot over,under,over --dry-run
-  rodlab tie --pattern knot.svg --size \"30 cm\" --rod rod.toml --knot over,under,over --cell cell.toml --arm right --second-arm left
-  rodlab tie --pattern reef --stroke 1 --rod thick_pink_vps --second-stroke 2 --second-rod green_vps \
-    --knot over,over,under,over,over,under
+  rodlab tie --pattern k.svg --knot over,under,over --cell cell.toml --arm right --second-arm left
+  rodlab tie --pattern reef --stroke 1 --rod thick_pink_vps --knot over,over,under,over,over,under \\
+    --second-stroke 2 --second-rod green_vps",
+    "\
+Two arms tie a knot in one rod, or in two. The pattern crosses itself and is longer than the rod:
+one arm lays the rod along it and leads the end of the rod along the rest, under the strands that
+the other arm lifts meanwhile, and over others. --knot states how the rod passes each crossing when
+it reaches it again; the first strands, which are laid, go over. Of two rods each arm lays one, the
+second over the first, and leads its end, that of the second first; --knot lists the crossings of
+the second rod as it is laid, then of its end, then of the end of the first.
 
-Two arms tie a knot in one rod, or in two. The pattern crosses itself and is longer than the rod: one arm lays the rod along it, and leads its
-end along the rest, under the strands that the other arm lifts meanwhile, and over others. --knot says how it passes each crossing
-when it comes there again; the first ones, which are laid, go over. Of two rods each arm lays one, the second over the first, and
-leads its end, that of the second first; --knot counts the second rod as it is laid, then its end, then that of the first. Then both let go, the camera of the cell file looks, and the
-knot of the rod that it sees, by its determinant and signature, is compared with that of the pattern: `score.tied` is true or
-false, or null where the picture does not decide, and `score.undecided` says why. Nothing moves with --dry-run: look at its page
-first. Everything is in one directory: manifest.json, report.md, report.html, plan/, joints.csv, cell.html, approach/, laying/ and tying/
-(commanded.csv, state.csv, events.csv), picture.png, overlay.png, rod.csv. Exit code 1: something failed on the way; the message and
-report.md say what. A cell to try --cell with:
-  rodlab cell serve --cell two_gantries --rod thick_pink_vps")]
+Then both grippers open and the camera of the cell file takes a picture. The knot of the rod that it
+shows, by its determinant and signature, is compared with that of the pattern: `score.tied` is true
+or false, or null where the picture does not decide, and `score.undecided` gives the reason. With
+--dry-run nothing moves: look at its page first.
+
+All results are in one directory: manifest.json, report.md, report.html, plan/, joints.csv,
+cell.html, approach/, laying/ and tying/ (commanded.csv, state.csv, events.csv), picture.png,
+overlay.png, rod.csv. Exit code 1: a step failed; the message and report.md give the reason. A cell
+to try --cell with:
+  rodlab cell serve --cell two_gantries --rod thick_pink_vps"
+);
+
+/// Arguments of `rodlab tie`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct TieArguments {
     #[command(flatten)]
     plan: DeploymentPlan,
@@ -41,14 +52,23 @@ pub struct TieArguments {
     /// Name of the arm that lifts strands, and lays a second rod [default: the first of the others]
     #[arg(long, value_name = "NAME")]
     second_arm: Option<String>,
-    /// The second rod of a knot of two, as --rod: it is laid over the first, and its end is led before that of the first
+    /// Second rod of a knot of two, as --rod
+    ///
+    /// It is laid over the first rod, and its end is led before that of the first.
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     second_rod: Option<PathBuf>,
-    /// Its pattern, an SVG or CSV file in the same frame [default: --pattern]
-    #[arg(long, value_name = "FILE", requires = "second_rod", value_parser = file_or_preset(PresetKind::Pattern), add = presets(PresetKind::Pattern))]
+    /// Pattern of the second rod, an SVG or CSV file in the same frame [default: --pattern]
+    #[arg(long, value_name = "FILE", requires = "second_rod", hide_short_help = true, value_parser = file_or_preset(PresetKind::Pattern), add = presets(PresetKind::Pattern))]
     second_pattern: Option<PathBuf>,
-    /// Which stroke of an SVG: its number from 1, its id, or `longest`; or which strand of a CSV file, from 1 [default: the only one]
-    #[arg(long, value_name = "N|ID|longest", requires = "second_rod")]
+    /// Stroke of the second pattern, as --stroke [default: the only one]
+    ///
+    /// Of an SVG: its number from 1, its id, or `longest`; of a CSV file: the number of its strand, from 1.
+    #[arg(
+        long,
+        value_name = "STROKE",
+        requires = "second_rod",
+        hide_short_help = true
+    )]
     second_stroke: Option<StrokeChoice>,
     #[command(flatten)]
     task: TaskArguments,
@@ -68,7 +88,7 @@ impl TaskCommand for TieArguments {
     fn check(&self) -> Result<(), Failure> {
         if !self.plan.ties_knot() {
             return Err(Failure::Input(
-                "--knot is needed: over or under for each crossing, in the order in which the pattern comes there again, as in \
+                "--knot is required: over or under for each crossing, in the order in which the pattern reaches it again, as in \
                  --knot over,under,over"
                     .into(),
             ));
@@ -131,7 +151,7 @@ impl TaskCommand for TieArguments {
 }
 
 impl TieArguments {
-    /// The plan of a knot of two rods, where there is a second one.
+    /// Plan of a knot of two rods; `None` without a second rod.
     fn second(&self) -> Result<Option<KnotPlan>, Failure> {
         let Some(rod) = &self.second_rod else {
             return Ok(None);
@@ -141,7 +161,7 @@ impl TieArguments {
         self.plan.knot_with(rod, &source).map(Some)
     }
 
-    /// The patterns as they were given.
+    /// Patterns as given.
     fn pattern_names(&self) -> Vec<String> {
         let first = self.plan.pattern_name().to_owned();
         let second = self.second_rod.as_ref().map(|_| {

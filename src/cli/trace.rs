@@ -10,17 +10,41 @@ use rodlab_vision::{
     overlay, pattern, pattern_csv, read_labels, read_picture, trace_contrast,
 };
 
+const HELP: [&str; 2] = help!(
+    "\
+Examples:
+  rodlab trace photo.jpg --out traced                 rods on a plain background
+  rodlab trace letter.png --colour pen --out traced   pen on paper
+  rodlab trace letter.png --colour pen --pixel \"0.2 mm\" --pattern letter.csv
+  rodlab trace photo.jpg --colour pick:320,240 --cell cell.toml --out traced
+  rodlab trace ros1://192.168.1.5:11311/camera/image_raw --cell cell.toml --out traced",
+    "\
+More examples:
+  rodlab trace photo.jpg --colour red --json
+  rodlab trace recording.bag --every 30 --out traced
+  rodlab trace rosbridge://192.168.1.5:9090/camera/image_raw/compressed --out traced
+  rodlab trace ros2://0/camera/image_raw --out traced
+
+Pixels count from the centre of the first one, u to the right and v down. Strands count from 1,
+points from 0."
+);
+
 /// Arguments of `rodlab trace`.
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct TraceArguments {
-    /// A PNG, JPEG, TIFF, BMP or WebP image; a folder of them, taken in order of their names; a recording of ROS 1 or of a RealSense
-    /// camera (.bag); or the next picture of a camera: ros1://host:port/topic, rosbridge://host:port/topic, ros2://domain/topic
+    /// Image, folder of images, recording (.bag) or address of a camera
+    ///
+    /// Images are PNG, JPEG, TIFF, BMP or WebP files; those of a folder are read in order of their names. Recordings are of ROS 1 or
+    /// of a RealSense camera. Of a camera the next picture is read: ros1://host:port/topic, rosbridge://host:port/topic,
+    /// ros2://domain/topic.
     pub image: PathBuf,
     #[command(flatten)]
     recording: RecordingArguments,
-    /// Which colours are rod: auto, pen, black, white, a hue (red, orange, yellow, green, cyan, blue, purple, pink),
-    /// #rrggbb[:radius], pick:u,v[:radius] or hsv:h-h,s-s,v-v
+    /// Colour of the rod: auto, pen, black, white, a hue, #rrggbb, pick:u,v or hsv:h-h,s-s,v-v
+    ///
+    /// Hues are red, orange, yellow, green, cyan, blue, purple and pink. A radius may follow a colour: #rrggbb[:radius],
+    /// pick:u,v[:radius].
     // No alias "color": that is an option of all subcommands.
     #[arg(
         long,
@@ -29,22 +53,22 @@ pub struct TraceArguments {
         conflicts_with = "mask"
     )]
     pub colour: String,
-    /// An image of the same size whose pixels are rod where they are not black
+    /// Image of the same size, in which all pixels that are not black are rod
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
     /// File whose table [camera] gives coordinates in metres
     #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell))]
     pub cell: Option<PathBuf>,
-    /// Parts with fewer pixels are noise
+    /// Number of pixels below which a part is noise
     #[arg(long, value_name = "PIXELS", default_value_t = 60)]
     pub least_area: usize,
-    /// Where to write a strand as a pattern file, CSV with columns x_m and y_m; needs --cell or --pixel
+    /// Write a strand as a pattern file, CSV with columns x_m and y_m; needs --cell or --pixel
     #[arg(long, value_name = "FILE")]
     pub pattern: Option<PathBuf>,
-    /// The strand that becomes the pattern, from 1 [default: the longest one]
+    /// Number of the strand that becomes the pattern, from 1 [default: the longest one]
     #[arg(long, value_name = "N", requires = "pattern")]
     pub strand: Option<usize>,
-    /// Waves of the pattern shorter than about six times this are smoothed away
+    /// Smoothing length: waves of the pattern shorter than about six times this are removed
     #[arg(long, value_name = "LENGTH", default_value = "2 mm", value_parser = positive_length)]
     pub smoothing: f64,
     /// Side of a pixel of a scan, for --pattern without a camera
@@ -53,27 +77,15 @@ pub struct TraceArguments {
     /// True label image (8 bit, pixel = strand) to compare with
     #[arg(long, value_name = "FILE")]
     pub truth: Option<PathBuf>,
-    /// Directory for centrelines.csv, centrelines.svg, labels.png and overlay.png; one in it for each image of a folder or recording
+    /// Directory for centrelines.csv, centrelines.svg, labels.png and overlay.png
+    ///
+    /// It has one subdirectory for each image of a folder or recording.
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print what was found as JSON
     #[arg(long)]
     pub json: bool,
 }
-
-const EXAMPLES: &str = "\
-Examples:
-  rodlab trace photo.jpg --out traced                 rods on a plain background
-  rodlab trace letter.png --colour pen --out traced   pen on paper
-  rodlab trace letter.png --colour pen --pixel \"0.2 mm\" --pattern letter.csv
-  rodlab trace photo.jpg --colour red --json
-  rodlab trace photo.jpg --colour pick:320,240 --cell cell.toml --out traced
-  rodlab trace recording.bag --every 30 --out traced
-  rodlab trace ros1://192.168.1.5:11311/camera/image_raw --cell cell.toml --out traced
-  rodlab trace rosbridge://192.168.1.5:9090/camera/image_raw/compressed --out traced
-  rodlab trace ros2://0/camera/image_raw --out traced
-
-Pixels count from the centre of the first one, u to the right and v down. Strands count from 1, points from 0.";
 
 /// Traces one image, or all of a folder.
 pub fn trace(arguments: &TraceArguments) -> Result<(), Failure> {
@@ -178,7 +190,7 @@ fn trace_picture(
     Ok(answer)
 }
 
-/// Which pixels of a picture a colour rule takes: to show why nothing was found.
+/// Pixels of a picture that match a colour rule, to show why nothing was found.
 pub fn mask_of_rule(picture: &RgbImage, rule: &ColourRule) -> Result<Mask, VisionError> {
     Ok(Mask::of_contrast(&Contrast::new(picture, rule)?))
 }

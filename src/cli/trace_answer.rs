@@ -1,10 +1,10 @@
-//! What `rodlab trace` answers.
+//! The answer of `rodlab trace`.
 
 use super::prelude::*;
 use image::RgbImage;
 use rodlab_vision::{Camera, Passage, Point, Trace, VisionError};
 
-/// What was found in an image.
+/// Strands found in an image.
 #[derive(Serialize)]
 pub struct Answer {
     image: PathBuf,
@@ -15,7 +15,7 @@ pub struct Answer {
     height: u32,
     strands: Vec<StrandAnswer>,
     crossings: Vec<CrossingAnswer>,
-    /// Parts of the mask that are no lines.
+    /// Parts of the mask that are not lines.
     rejected: Vec<RejectedAnswer>,
     #[serde(skip_serializing_if = "Option::is_none")]
     mean_instance_dice: Option<f64>,
@@ -58,7 +58,7 @@ struct RejectedAnswer {
     width_px: f64,
 }
 
-/// What a trace has found; lengths in metres where there is a camera.
+/// Results of a trace; lengths in metres if there is a camera.
 pub fn answer(
     path: &Path,
     picture: &RgbImage,
@@ -120,7 +120,7 @@ pub fn answer(
     })
 }
 
-/// The answer in words.
+/// The answer as text.
 pub fn summary(answer: &Answer) -> String {
     let mut text = format!(
         "{}: {}, {}\n",
@@ -147,7 +147,7 @@ pub fn summary(answer: &Answer) -> String {
     for part in &answer.rejected {
         let _ = writeln!(
             text,
-            "  left out, no line: a part {:.0} px long and {:.0} px wide at ({:.0}, {:.0})",
+            "  left out, not a line: a part {:.0} px long and {:.0} px wide at ({:.0}, {:.0})",
             part.length_px, part.width_px, part.u_px, part.v_px
         );
     }

@@ -7,7 +7,7 @@ use rodlab_lab::run::{Interruption, StopRequest};
 use rodlab_planning::learn::{self, Plan, Processor, Schedule, Status, Task, Trainer};
 use std::time::{Duration, Instant};
 
-/// How steps get smaller.
+/// Schedules by which steps get smaller.
 const SCHEDULES: [Named<Schedule>; 2] = [
     (
         "plateau",
@@ -20,7 +20,7 @@ const SCHEDULES: [Named<Schedule>; 2] = [
         "Adam with a rate that falls to zero along half a wave of a cosine",
     ),
 ];
-/// What trains a network.
+/// Devices that train a network.
 const DEVICES: [Named<Processor>; 2] = [
     (
         "cpu",
@@ -30,30 +30,35 @@ const DEVICES: [Named<Processor>; 2] = [
     ("gpu", Processor::Gpu, "The first GPU, by CUDA"),
 ];
 
-/// Arguments of `rodlab train`.
-#[derive(Debug, Args)]
-#[command(after_help = "\
+const HELP: [&str; 2] = help!(
+    "\
 Examples:
   rodlab dataset scenarios/deployment_dataset.toml
   rodlab train results/deployment_dataset --out results/network
   rodlab evaluate results/network/model.safetensors results/other_samples
-  rodlab train results/folding_dataset --out results/fold_network --schedule cosine --batch 512
+  rodlab train results/folding_dataset --out results/fold_network --schedule cosine --batch 512",
+    "\
+One sample in five is held back. Adam and gradient descent minimise the mean absolute error of the
+standardised outputs in turns, each until the error of the samples held back has not fallen for
+--patience rounds; then batches are doubled and steps are made smaller. With --schedule cosine only
+Adam is used, for a fixed number of rounds (--most-epochs), over which its rate falls to zero: this
+reaches a smaller error. The best network so far is in model.safetensors after each of these phases.
+Run the same command again to resume."
+);
 
-One sample in five is held back. Adam and gradient descent make the mean absolute error of the standardised outputs small
-in turns, each until the error of those held back has not fallen for --patience rounds; then batches are doubled and steps
-are made smaller. With --schedule cosine Adam alone does it, in a known number of rounds (--most-epochs), over which its
-rate falls to zero: the better way to a small error. The best network so far is in model.safetensors after each of these
-phases; the same command goes on where it was stopped.")]
+/// Arguments of `rodlab train`.
+#[derive(Debug, Args)]
+#[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct TrainArguments {
-    /// Results of `rodlab dataset`; those of a sweep are put together
+    /// Results of `rodlab dataset`; those of a sweep are combined
     pub samples: PathBuf,
-    /// Where the network goes
+    /// Directory for the network
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Widths of the hidden layers
     #[arg(long, value_name = "WIDTHS", value_delimiter = ',', default_value = "392,392,392,392", value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub hidden: Vec<u16>,
-    /// Chooses first weights, the samples held back, and their order
+    /// Seed of the initial weights, of the samples held back, and of their order
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
     /// Samples in a batch at first
@@ -62,28 +67,28 @@ pub struct TrainArguments {
     /// Samples in a batch at last; batches are doubled up to there
     #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub last_batch: u32,
-    /// Rounds without a lower error after which Adam gives way; gradient descent has a quarter of them
+    /// Rounds without a lower error after which Adam stops; gradient descent has a quarter of them
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
     pub patience: u32,
-    /// Rounds over all samples: at most, or with --schedule cosine exactly [default: 2000; with cosine 250]
+    /// Largest number of rounds over all samples, with --schedule cosine exact [default: 2000; 250]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub most_epochs: Option<u32>,
-    /// How the steps get smaller
+    /// Schedule by which the steps get smaller
     #[arg(long, default_value = "plateau", value_parser = named(&SCHEDULES))]
     pub schedule: Schedule,
     /// Rate of Adam at first [default: 0.001; with --schedule cosine 0.002]
     #[arg(long, value_name = "RATE", value_parser = number(is_rate, "a number above 0 and up to 1 is needed"))]
     pub rate: Option<f64>,
-    /// What trains it; a GPU needs a program that was built with `--features cuda`
+    /// Device for the training; a GPU needs a program that was built with `--features cuda`
     #[arg(long, value_name = "PROCESSOR", default_value = "cpu", value_parser = named(&DEVICES))]
     pub device: Processor,
     /// Start over and discard an earlier training
     #[arg(long)]
     pub force: bool,
-    /// Print what came out as JSON
+    /// Print the results as JSON
     #[arg(long)]
     pub json: bool,
-    /// Stop this long after the start, such as \"10 min\"; the same command goes on
+    /// Stop this long after the start, such as "10 min"; the same command resumes
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub timeout: Option<Duration>,
 }
@@ -166,7 +171,7 @@ pub fn train(arguments: &TrainArguments, common: &Common) -> Result<(), Failure>
              error of those held back {error:.2e} (mean absolute, standardised)\n",
             match trained.status {
                 Status::Finished => "finished",
-                Status::Stopped => "stopped; the same command goes on",
+                Status::Stopped => "stopped; run the same command again to resume",
             },
             trained.model.display(),
             trained.samples,

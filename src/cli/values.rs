@@ -1,4 +1,4 @@
-//! Values of arguments that several subcommands read, or that take more than a number.
+//! Values of arguments that several subcommands read, or that are more than a number.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rodlab_lab::scenario::{metres, seconds};
@@ -6,7 +6,7 @@ use rodlab_lab::sweep::Shard;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// A name, what it stands for, and what the help says of it.
+/// A name, its value, and its help text.
 pub type Named<T> = (&'static str, T, &'static str);
 
 /// A parser of names.
@@ -21,7 +21,7 @@ pub fn named<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// A parser of numbers that are allowed; others are refused with what is `needed`.
+/// A parser of allowed numbers; others are refused with the message `needed`.
 pub fn number(
     is_allowed: fn(f64) -> bool,
     needed: &'static str,
@@ -33,7 +33,7 @@ pub fn number(
     }
 }
 
-/// Numbers with commas between them; none where one of them is no number.
+/// Numbers with commas between them; `None` if one of them is not a number.
 pub fn numbers(text: &str) -> Option<Vec<f64>> {
     let numbers = text.split(',').map(|part| part.trim().parse().ok());
     numbers.collect()
@@ -103,7 +103,7 @@ pub fn length_from_zero(text: &str) -> Result<f64, String> {
 /// A wall time.
 pub fn duration(text: &str) -> Result<Duration, String> {
     let seconds = seconds(text)?;
-    Duration::try_from_secs_f64(seconds).map_err(|_| format!("{seconds} s is no wall time"))
+    Duration::try_from_secs_f64(seconds).map_err(|_| format!("{seconds} s is not a wall time"))
 }
 
 /// A share of a sweep's cases, `K/N`.

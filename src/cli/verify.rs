@@ -10,7 +10,8 @@ Examples:
   rodlab verify
   rodlab verify --markdown > results/reproduced/verify.md
 
-Every row compares the engine with theory: expected value, value found, error, verdict. Exit code 4 if one fails.")]
+Every row compares the engine with theory: expected value, value found, error, verdict. Exit code 4
+if a check fails.")]
 pub struct VerifyArguments {
     /// Run the slow checks as well
     #[arg(long)]

@@ -13,10 +13,10 @@ use rodlab_workcell::cell::Cell;
 pub struct ViewArguments {
     /// The results directory of a run or a sweep, finished or still running; or a cell file (.toml)
     pub directory: PathBuf,
-    /// With a cell file: the joint trajectory along which its arms move
+    /// Joint trajectory of the arms, for a cell file
     #[arg(long, value_name = "FILE")]
     pub trajectory: Option<PathBuf>,
-    /// Where to write the page [default: view.html in the directory]
+    /// Output file [default: view.html in the directory]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Show at most this many outputs of each case, evenly spread
@@ -36,7 +36,7 @@ Examples:
 The page needs no network and no other file. The rods can be coloured by curvature and speed, with
 `forces = true` under [output] also by twist and contact force. Press ? in the page for its keys.";
 
-/// Writes the page of a results directory and prints where it is.
+/// Writes the page of a results directory and prints its path.
 pub fn view(arguments: &ViewArguments, common: &Common) -> Result<(), Failure> {
     let ending = arguments.directory.extension();
     if ending.is_some_and(|ending| ending == "toml") {
@@ -76,7 +76,7 @@ pub fn view(arguments: &ViewArguments, common: &Common) -> Result<(), Failure> {
     if arguments.open { show(&to) } else { Ok(()) }
 }
 
-/// Writes the page of a robot cell, beside its file unless told otherwise.
+/// Writes the page of a robot cell, by default beside its file.
 fn view_cell(arguments: &ViewArguments) -> Result<(), Failure> {
     let cell = Cell::read(&arguments.directory)?;
     let trajectory = arguments.trajectory.as_deref().map(JointTrajectory::read);

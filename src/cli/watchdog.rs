@@ -1,8 +1,8 @@
-//! Ends the program where a run does not hear that it is to stop.
+//! Ends the program if a run does not react to a request to stop.
 //!
-//! Runs ask between steps, and in long ones at every iteration, whether their time is up or a signal has come. Set-up, and an
+//! Runs check between steps, and in long ones at every iteration, whether their time is up or a signal was received. Set-up, and an
 //! iteration of an enormous system, may take minutes in between. Then the program ends all the same, as if it had been killed:
-//! files appear whole, and the same command goes on from the last checkpoint.
+//! files appear whole, and the same command resumes from the last checkpoint.
 
 use super::exit_code::{INTERRUPTED, TIME_LIMIT};
 use super::standard_error;
@@ -16,11 +16,11 @@ use std::time::{Duration, Instant};
 
 /// Time between two looks.
 const LOOK: Duration = Duration::from_millis(50);
-/// Time in which set-up must be over, and a run must have heard.
+/// Time in which set-up must be over, and a run must have reacted.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Processor time of it. On a busy machine, and while a disk is waited for, a second on the clock is nothing.
+/// Processor time for the same. On a busy machine, or while the disk is slow, wall time is not a measure of progress.
 const SPENT: Duration = Duration::from_millis(700);
-/// Time in which it must have heard, whatever else the machine does.
+/// Wall time in which it must have reacted in any case.
 const LONGEST_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Watches until the end of the program over what it runs, with its time limit.
@@ -58,7 +58,7 @@ impl Watchdog {
         let request = loop {
             std::thread::sleep(LOOK);
             match self.request() {
-                // There is nothing to save: not yet, or, between two runs, no more.
+                // There is nothing to save: before the first run, or between two runs.
                 Some((INTERRUPTED, _)) if !is_attended() => std::process::exit(INTERRUPTED.into()),
                 Some(request) => break request,
                 None => {}
@@ -73,7 +73,7 @@ impl Watchdog {
             if is_over && !is_attended() {
                 end(
                     request,
-                    "before the first step; nothing was lost, the same command begins again",
+                    "before the first step; nothing was lost, the same command starts again",
                 );
             } else if is_over && is_deaf() {
                 end(

@@ -1,4 +1,4 @@
-//! How arms of a cell move in a task with rods, and where its results go.
+//! Arguments of tasks with rods: motion of the arms, directory of the results.
 
 use super::command::Way;
 use super::motion::middle_of_table;
@@ -11,8 +11,10 @@ use std::path::PathBuf;
 /// Place, speeds, colour and results.
 #[derive(Debug, Args)]
 pub struct TaskArguments {
-    /// Where the pattern lies in the cell: x,y,z in metres and a turn about z in degrees, or `auto`: the best place on the
-    /// table for the arm that lays [default: its middle in that of the table]
+    /// Place of the pattern in the cell: x,y,z in metres, a turn about z in degrees; or `auto`
+    ///
+    /// `auto` selects the best place on the table for the arm that lays. By default the middle of the pattern is in the middle of the
+    /// table.
     #[arg(long, value_name = "X,Y,Z[,TURN]|auto", allow_hyphen_values = true)]
     place: Option<Place>,
     /// Greatest speed of a hand that holds the rod, m/s
@@ -21,34 +23,34 @@ pub struct TaskArguments {
     /// Greatest speed of a hand that holds nothing, m/s
     #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
     pub approach_speed: f64,
-    /// Least distance of the arms to each other and to anything else, m
+    /// Least distance of the arms from each other and from anything else, m
     #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
     pub margin: f64,
-    /// Which colours are rod, as of `rodlab trace`
+    /// Colour of the rod, as in `rodlab trace`
     #[arg(long, value_name = "RULE", default_value = "auto")]
     pub colour: String,
-    /// Plan everything, write the pages, and move nothing
+    /// Plan everything and write the pages, but move nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// The arms, and what they hold, were looked at after a task that did not come to its end
+    /// The arms and their grippers were inspected after a task that did not finish
     #[arg(long)]
     pub checked: bool,
-    /// Where everything goes [default: results/TASK-TIME]
+    /// Directory for the results [default: results/TASK-TIME]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
 
 impl TaskArguments {
-    /// Where patterns with these points, m, lie in a cell.
+    /// Place in a cell of patterns with these points, m.
     ///
     /// # Errors
-    /// It is not given, and the cell has no table.
+    /// No place is given, and the cell has no table.
     pub fn place(&self, cell: &Cell, outline: &[Point]) -> Result<Place, PlanError> {
         let place = self.place.or_else(|| middle_of_table(cell, outline));
-        place.ok_or_else(|| PlanError::Input("--place is needed: the cell has no [table]".into()))
+        place.ok_or_else(|| PlanError::Input("--place is required: the cell has no [table]".into()))
     }
 
-    /// How the task is run.
+    /// Returns how the task is run.
     pub fn way(&self) -> Way<'_> {
         Way {
             arm: None,
