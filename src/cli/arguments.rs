@@ -24,9 +24,9 @@ pub struct Arguments {
 
 const EXAMPLES: &str = "\
 Examples:
-  rodlab run scenarios/flagella_quick.toml       run a scenario; results/flagella_quick/ holds the results
+  rodlab run scenarios/flagella_quick.toml       run a scenario; see results/flagella_quick/
   rodlab run beam.toml --set rods.beam.radius=\"7 mm\" --out results/thick
-  rodlab check beam.toml                         validate; print stiffnesses and other derived numbers
+  rodlab check beam.toml                         validate; print derived numbers
   rodlab init scene > my_scene.toml              write a template of a scenario
   rodlab explain rods.natural_curvature          explain a key of scenario files
   rodlab guide getting-started                   the guide, a page per topic

@@ -10,7 +10,7 @@ use rodlab_lab::experiment::{case_set, kind_named};
 #[command(after_help = "\
 Examples:
   rodlab dataset scenarios/deployment_dataset.toml
-  rodlab dataset scenarios/deployment_dataset.toml --set grasp_samples.points.count=50000 --out results/many
+  rodlab dataset deployment_dataset --set grasp_samples.points.count=50000 --out results/many
   rodlab train results/deployment_dataset --out results/network
   rodlab dataset scenarios/folding_dataset.toml
 

@@ -7,9 +7,9 @@ use rodlab_lab::experiment::{case_set, expanded_toml};
 /// Arguments of `rodlab expand`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Parameters, expressions and copies become numbers and tables; files that are extended or included are
-merged. A run of the output gives the same bytes. Names of files in it are absolute. Of a sweep, the
-first case is printed.
+Parameters, expressions and copies become numbers and tables; files that are extended or included
+are merged. A run of the output gives the same bytes. Names of files in it are absolute. For a sweep,
+the first case is printed.
 
 Examples:
   rodlab expand pile

@@ -14,9 +14,9 @@ const MOST_POINTS: usize = 5000;
 Example:
   rodlab measure knot scenarios/three_twist.csv
 
-An open curve is closed far away, along the line through both of its ends. The determinant is 1 for a
-curve without a knot, 2n + 1 for an overhand knot of unknotting number n, 5 for a figure-eight, 9 for
-a reef or granny knot. Different knots may have the same determinant.")]
+An open curve is closed far away, along the line through both of its ends. The determinant is 1 for
+a curve without a knot, 2n + 1 for an overhand knot of unknotting number n, 5 for a figure-eight,
+9 for a reef or granny knot. Different knots may have the same determinant.")]
 pub struct KnotArguments {
     /// CSV file with a header line and columns x, y and z
     curve: PathBuf,

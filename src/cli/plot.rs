@@ -48,8 +48,8 @@ Examples:
   rodlab plot results/sweep --x contact.friction --y newton_iterations_mean --log-axes y
   rodlab plot results/flagella_quick --format pdf --width 85mm --font-size 8   a journal column
 
-Figures are written as SVG and as PNG unless --format is given. Their text is outlines of letters, so
-that they look the same everywhere.";
+Figures are written as SVG and as PNG unless --format is given. Their text is outlines of letters,
+so that they look the same everywhere.";
 
 /// Draws the figures of a results directory, or a custom one, and prints their paths.
 pub fn plot(arguments: &PlotArguments) -> Result<(), Failure> {

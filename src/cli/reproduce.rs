@@ -21,8 +21,8 @@ Examples:
   rodlab reproduce tab2.2 --jobs 4
   rodlab reproduce fig2.7 --redraw --format pdf --width 85mm --font-size 8     a journal column
 
-Finished runs are not repeated, interrupted ones continue. With --jobs 1 a run has the machine to itself and its
-wall times can be compared.")]
+Finished runs are not repeated, interrupted ones are resumed. With --jobs 1 a run has the machine to
+itself and its wall times can be compared.")]
 pub struct ReproduceArguments {
     /// The table or figure, as --list shows it
     #[arg(required_unless_present = "list", value_parser = artifact, add = artifacts())]

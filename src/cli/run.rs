@@ -24,14 +24,15 @@ const OUTPUTS: usize = 2500;
 #[command(after_help = "\
 Examples:
   rodlab run scenarios/flagella_quick.toml
-  rodlab run scenarios/flagella_m2.toml --set flagella.count=4 --set time.end=\"1 min\" --out results/m4
+  rodlab run flagella_m2 --set flagella.count=4 --set time.end=\"1 min\" --out results/m4
   rodlab run scenarios/flagella_m10.toml --timeout 8h     ends with exit code 5; run again to resume
-  rodlab run beam.toml --vary rods.beam.radius=\"2 mm:8 mm:1 mm\" --vary contact.friction=0,0.3 --jobs 4
+  rodlab run beam.toml --vary rods.beam.radius=\"2 mm:8 mm:1 mm\" --jobs 4
   rodlab run scenarios/pile.toml --watch                  see it in the browser while it runs
-  rodlab run sweep.toml --shard 2/8                       the second eighth of the cases, for any scheduler
+  rodlab run sweep.toml --shard 2/8                       the second eighth of the cases
 
-A run that is interrupted continues when the same command is given again; a finished one is left alone.
-The same holds for each case of a sweep. Several processes may work on one results directory and share its cases.")]
+Run the same command again to resume an interrupted run; a finished run is not repeated. The same
+holds for each case of a sweep. Several processes may work on one results directory and share its
+cases.")]
 pub struct RunArguments {
     /// The scenario file
     #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]

@@ -63,8 +63,9 @@ Examples:
   rodlab score traced/centrelines.csv scenarios/patterns/U.svg --align --out score.svg
   rodlab score results/letter/landing letter.csv
 
-Mean and standard deviation are those of Eq. 5.11 of the thesis: points at equal distances along the pattern are
-compared with those at the same part of the result's length, and with the nearest point of the result.";
+Mean and standard deviation are those of Eq. 5.11 of the thesis: points at equal distances along the
+pattern are compared with those at the same part of the length of the result, and with the nearest
+point of the result.";
 
 fn point_count(text: &str) -> Result<usize, String> {
     let count = text

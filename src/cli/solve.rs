@@ -81,16 +81,18 @@ pub struct SolveArguments {
 enum Problem {
     /// The first loss of stability of a helical rod with clamped ends
     #[command(after_help = "\
-A rod of length 1 and bending stiffness 1, naturally straight, is held at both ends in the shape of a helix of
-curvature κ and torsion τ with the twisting moment ω. `critical` is the norm of (κ, τ, ω) along the direction
-at which it ceases to be stable (Borum & Bretl 2020): null where it stays stable up to 100. With --method der it
-is found by the discrete rod instead: null where that stays stable up to half the number of its edges.")]
+A rod of length 1 and bending stiffness 1, naturally straight, is held at both ends in the shape of
+a helix of curvature κ and torsion τ with the twisting moment ω. `critical` is the norm of (κ, τ, ω)
+along the direction at which it ceases to be stable (Borum & Bretl 2020): null if it is stable up to
+100. With --method der it is that of the discrete rod: null if that is stable up to half the number
+of its edges.")]
     Helix(HelixArguments),
     /// The size at which a tightened overhand knot inverts, by the model of a braid and a loop
     #[command(after_help = "\
-A braid of two helices and the loop between its ends (thesis 3.6), without friction. `length_normalized` is
-l̄_k = (L − l_c)/h, the length of braid and loop over the radius of the rod, at which the knot loses its balance; then
-each end of the braid has turned back by `rotation_rad`. The defaults are the thesis' φ = π/3 and ε = 0.7.")]
+A braid of two helices and the loop between its ends (thesis 3.6), without friction.
+`length_normalized` is l̄_k = (L − l_c)/h, the length of braid and loop over the radius of the rod,
+at which the knot loses its equilibrium; then each end of the braid has turned back by
+`rotation_rad`. The defaults are φ = π/3 and ε = 0.7, as in the thesis.")]
     KnotInversion(KnotInversionArguments),
     /// The height of the loop of a heavy rod folded over onto itself on a table
     LoopHeight {
@@ -116,9 +118,9 @@ each end of the braid has turned back by `rotation_rad`. The defaults are the th
     /// Pose of the hand of an arm for given joint positions
     #[command(after_help = "\
 Example:
-  rodlab solve fk --cell scenarios/cells/two_sawyers.toml --arm right --joints=0,-1.18,0,2.18,0,0.57,3.3161
+  rodlab solve fk --cell two_sawyers --arm right --joints=0,-1.18,0,2.18,0,0.57,3.3161
 
-`position` and `quaternion` (w, x, y, z) are those of the hand in the frame of the arm's base, m and rad.")]
+`position`, m, and `quaternion` (w, x, y, z) are those of the hand in the frame of the arm's base.")]
     Fk(ForwardArguments),
     /// Joint positions that bring the hand of an arm to a pose
     #[command(after_help = POSTURES[0], after_long_help = POSTURES[1])]

@@ -23,9 +23,9 @@ Examples:
   rodlab submit sweep.toml --wrapper \"apptainer exec rodlab.sif\" --print    the script only
 
 Each task of the job array runs one share of the cases. A minute before its time limit it writes
-checkpoints and queues itself again. The same command submits the tasks that are neither finished nor
-queued, for example after `scancel`. `rodlab status DIR` shows the progress, `rodlab gather DIR` makes
-the tables of the whole sweep.")]
+checkpoints and queues itself again. The same command submits the tasks that are neither finished
+nor queued, for example after `scancel`. `rodlab status DIR` shows the progress, `rodlab gather DIR`
+makes the tables of the whole sweep.")]
 pub struct SubmitArguments {
     /// Scenario file with a sweep, or with --vary
     #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]

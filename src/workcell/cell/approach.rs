@@ -1,4 +1,4 @@
-//! From where an arm stands to where a motion begins.
+//! Motion of an arm from its current joints to the start of another motion.
 
 use super::plan::PlanError;
 use super::resolved::{Cell, Driver, ros_version};
@@ -7,30 +7,30 @@ use rodlab_robot::{
 };
 use std::time::{Duration, Instant};
 
-/// Points of a straight way of the joints.
+/// Number of points of a straight path of the joints.
 const POINTS: usize = 100;
 /// Points per second of the motion.
 const RATE: u32 = 100;
-/// Way that counts for a joint that turns by 1 rad, m.
+/// Length equivalent to a joint rotation of 1 rad, m.
 const WAY_PER_RADIAN: f64 = 0.3;
-/// Joints nearer than this, rad or m, are there.
+/// Distance below which joints count as at their target, rad or m.
 const THERE: f64 = 1e-6;
 /// Longest wait for a first report of the joints.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Time between two looks at a driver.
+/// Time between two polls of a driver.
 const LOOK: Duration = Duration::from_millis(2);
 
 impl Cell {
-    /// Where the joints of an arm are, by its driver.
+    /// Joint positions of an arm, as its driver reports them.
     ///
     /// # Errors
-    /// In words: it has no driver, the driver does not report, or nothing is heard in time.
+    /// A message: the arm has no driver, the driver does not report, or no report arrives in time.
     pub fn stands(&self, arm: usize) -> Result<Vec<f64>, String> {
         let arm = &self.arms[arm];
         self.positions(&arm.name, arm.driver.as_ref(), &arm.chain.joint_names())
     }
 
-    /// Where an external axis is, rad, by its driver: a motor without a sensor says what it was told.
+    /// Angle of an external axis, rad, as its driver reports it: a motor without a sensor reports its setpoint.
     ///
     /// # Errors
     /// As [`Self::stands`].
@@ -41,8 +41,8 @@ impl Cell {
         Ok(found[0])
     }
 
-    /// Waits while what an arm let go of comes to rest, on the clock of its robot where that keeps one, on ours otherwise. Ends early
-    /// where that is asked for.
+    /// Waits while the released object comes to rest, on the clock of the robot if it has one, otherwise on the system clock. Ends early
+    /// on request.
     pub fn rest(&self, arm: usize, duration: Duration, is_interrupted: &dyn Fn() -> bool) {
         let arm = &self.arms[arm];
         let begin = Instant::now();
@@ -78,19 +78,19 @@ impl Cell {
         Ok(self.heard(name, driver, joints)?.1)
     }
 
-    /// A driver that was connected for joints, and where they are.
+    /// A connected driver of joints, with their positions.
     pub(super) fn heard(
         &self,
         name: &str,
         driver: Option<&Driver>,
         joints: &[String],
     ) -> Result<(Box<dyn rodlab_robot::Driver>, Vec<f64>), String> {
-        let missing = || format!("{name}: it has no driver in the cell file that could move it");
+        let missing = || format!("{name}: no driver in the cell file");
         let known = driver.ok_or_else(missing)?;
         let mut driver = self.driver(known).ok_or_else(missing)?;
         let in_words = |error: rodlab_robot::DriverError| format!("{name}: {error}");
         if !driver.reports_state() {
-            return Err(format!("{name}: its driver does not say where it stands"));
+            return Err(format!("{name}: its driver does not report positions"));
         }
         driver.connect(joints).map_err(in_words)?;
         let begin = Instant::now();
@@ -107,7 +107,7 @@ impl Cell {
         ))
     }
 
-    /// A motion of an arm from joints to joints, each straight, the hand at about `speed`, m/s, or slower. Whether anything is in
+    /// A motion of an arm from joints to joints, each straight, the hand at about `speed`, m/s, or slower. Collisions are
     /// the way shows when it is prepared for a stream. `None` where it is there already.
     ///
     /// # Errors

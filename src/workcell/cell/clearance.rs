@@ -7,7 +7,7 @@
 use super::resolved::Cell;
 use rodlab_robot::{Interpolant, Member, Part};
 
-/// Movement of a point, m, below which no contact is looked for between two times.
+/// Movement of a point, m, below which no contact is searched between two times.
 const FINEST: f64 = 5e-4;
 
 impl Cell {
@@ -15,7 +15,7 @@ impl Cell {
     /// at home.
     ///
     /// # Errors
-    /// What touches, and when.
+    /// A contact, with its bodies and time.
     pub(super) fn least_clearance(&self, parts: &[Part]) -> Result<f64, String> {
         let surroundings = self.surroundings();
         let moving: Vec<Option<Interpolant>> = self
@@ -66,7 +66,7 @@ impl Cell {
         let mut before = look(*first)?;
         let mut least = before.distance;
         for time in rest {
-            // Times that are still to be looked at, the next one last.
+            // Times that are still to be checked, the next one last.
             let mut ahead = vec![*time];
             while let Some(next) = ahead.pop() {
                 let after = look(next)?;

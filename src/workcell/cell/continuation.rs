@@ -1,4 +1,4 @@
-//! A motion of an arm that goes on from where it stands, along a path that was not known before.
+//! A motion of an arm from its current joints along a new path.
 
 use super::plan::{PlanError, STEP};
 use super::resolved::Cell;
@@ -6,12 +6,12 @@ use nalgebra::Translation3;
 use rodlab_robot::{JointTrajectory, LARGEST_JUMP, Pose, parametrise, subdivide};
 
 impl Cell {
-    /// The motion of an arm along poses of its hand in the cell, of which the first is where it stands with the joints `from`; at
-    /// `speed` at most, m/s, with `rate` points per second, a divisor of 1000. Whether anything is in the way shows when it is
+    /// The motion of an arm along poses of its hand in the cell, of which the first is that of the joints `from`; at
+    /// `speed` at most, m/s, with `rate` points per second, a divisor of 1000. Collisions are checked when it is
     /// prepared for a stream.
     ///
     /// # Errors
-    /// The hand cannot be led on along the path from these joints.
+    /// The hand cannot follow the path from these joints.
     pub fn continuation(
         &self,
         arm: usize,
@@ -36,7 +36,7 @@ impl Cell {
             joints.push(next.filter(is_near).ok_or_else(|| {
                 let [x, y, z] = (known.base * point.pose).translation.vector.into();
                 PlanError::Path(format!(
-                    "arm {}: its hand cannot be led on to {x:.4},{y:.4},{z:.4} from where it stands",
+                    "arm {}: its hand cannot reach {x:.4},{y:.4},{z:.4} from its current joints",
                     known.name
                 ))
             })?);

@@ -1,4 +1,4 @@
-//! The fingers of a gripper, by the reports of its arm: whether they still hold what they held.
+//! The fingers of a gripper, by the reports of its arm: whether they still hold the object.
 
 use super::resolved::Cell;
 use std::cell::RefCell;
@@ -7,13 +7,13 @@ use std::cell::RefCell;
 const CLOSED: f64 = 5e-5;
 /// Fingers that are wider apart than this part of their way are open.
 const OPEN: f64 = 0.95;
-/// Part of what they held to which they come together when it is gone.
+/// Opening over that with the object, below which the object is lost.
 const LOST: f64 = 0.5;
 
-/// The fingers of a gripper that says how far they are apart.
+/// The fingers of a gripper that reports its opening.
 pub struct Fingers {
     driver: RefCell<Box<dyn rodlab_robot::Driver>>,
-    /// How far they were apart at first, m.
+    /// Opening at first, m.
     first: f64,
     open: f64,
     closed: f64,
@@ -23,7 +23,7 @@ impl Cell {
     /// The fingers of an arm as they are now; `None` where its gripper does not name their joint.
     ///
     /// # Errors
-    /// In words: nothing is heard of them in time.
+    /// A message: no report of them arrives in time.
     pub fn fingers(&self, arm: usize) -> Result<Option<Fingers>, String> {
         let arm = &self.arms[arm];
         let known = arm.gripper.as_ref();
@@ -48,13 +48,13 @@ impl Fingers {
         apart > CLOSED && apart < OPEN * (self.open - self.closed)
     }
 
-    /// In words, that what they held at first has slipped out. A lost connection is told by the motion.
+    /// Message that the object held at first has slipped out, if so. The motion reports a lost connection.
     pub fn slipped(&self) -> Option<String> {
         let state = self.driver.borrow_mut().state().ok().flatten()?;
         let apart = state.positions[0];
         (apart - self.closed < LOST * (self.first - self.closed)).then(|| {
             format!(
-                "what it held slipped out of the gripper: its fingers came together from {:.2} mm to {:.2} mm",
+                "the object slipped out of the gripper: its fingers closed from {:.2} mm to {:.2} mm",
                 1e3 * self.first,
                 1e3 * apart
             )

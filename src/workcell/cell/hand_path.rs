@@ -1,6 +1,6 @@
 //! Joints along poses of a hand that begin where it is, and motions to and fro along a part of them.
 //!
-//! Where [`Cell::plan`](super::Cell::plan) looks for the best of all ways, this goes on from the posture before: the way back is
+//! Where [`Cell::plan`](super::Cell::plan) searches the best of all paths, this continues from the previous posture: the way back is
 //! the way that was taken, and every path from the same posture begins with the same joints.
 
 use super::plan::PlanError;
@@ -10,14 +10,14 @@ use rodlab_robot::{
     Column, JointKind, JointTrajectory, Pose, SAMPLE, distance_and_angle, parametrise,
 };
 
-/// Largest step of a joint from pose to pose, rad or m: what turns farther is near a singularity, and too fast for a rod.
+/// Largest step of a joint from pose to pose, rad or m: a larger step is near a singularity, and too fast for a rod.
 const LARGEST_STEP: f64 = 0.15;
 /// Length that counts as much as a turn by one radian, m.
 const LENGTH_PER_RADIAN: f64 = 0.1;
 /// Samples of a motion from point to point of its trajectory.
 const STRIDE: usize = 10;
 
-/// What is asked for.
+/// Request for joints along poses of a hand.
 pub struct HandPathRequest<'a> {
     /// Index of the arm.
     pub arm: usize,
@@ -32,9 +32,9 @@ pub struct HandPathRequest<'a> {
 /// Joints along poses of a hand.
 #[derive(Clone, Debug)]
 pub struct HandPath {
-    /// Joint positions at each pose, as far as they can be followed.
+    /// Joint positions at each pose, up to the last one that can be followed.
     pub joints: Vec<Vec<f64>>,
-    /// Why no farther, in words; `None` where all can be followed.
+    /// Reason why the next pose cannot be followed; `None` if all can be followed.
     pub ends: Option<String>,
 }
 

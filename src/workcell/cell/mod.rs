@@ -10,14 +10,14 @@
 //! | `resolved` | the [`Cell`] |
 //! | `surroundings`, `clearance`, `plan` | collision checks; the least distance along a motion; joint trajectories along a path of a hand |
 //! | `streaming` | a joint trajectory with the drivers that it moves |
-//! | `approach` | from where an arm stands to where a motion begins |
+//! | `approach` | motion of an arm from its current joints to the start of another motion |
 //! | `hand_path` | joints along poses of a hand that begin where it is, and motions along a part of them, with an axis |
 //! | `sums` | lengths from the start of a curve on |
-//! | `fingers` | whether a gripper still holds what it held |
-//! | `continuation` | from where an arm stands on along a path |
+//! | `fingers` | whether a gripper still holds its object |
+//! | `continuation` | motion of an arm from its current joints along a path |
 //! | `camera` | the camera as one that locates what it sees |
 //! | `view` | the 3-D page of a cell |
-//! | `report` | what `rodlab check` says of it |
+//! | `report` | the report of `rodlab check` |
 
 mod approach;
 mod camera;

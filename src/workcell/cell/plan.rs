@@ -15,12 +15,12 @@ use std::str::FromStr;
 /// Distance of the points of a joint path, m, and a tenth of it in rad.
 pub(super) const STEP: f64 = 1e-3;
 
-/// Where a path lies.
+/// Place of a path.
 #[derive(Clone, Copy, Debug)]
 pub enum Place {
     /// Its poses are those in the cell, moved by x, y, z, m, and then turned about z where it lies, rad.
     At([f64; 4]),
-    /// Where the arm stays farthest from singularities; z = 0 of the path is the top of the table.
+    /// The place at which the arm stays farthest from singularities; z = 0 of the path is the top of the table.
     Auto,
 }
 
@@ -53,14 +53,14 @@ impl Place {
     }
 }
 
-/// What is planned.
+/// Request for a plan.
 #[derive(Clone, Debug)]
 pub struct PlanRequest {
     /// Index of the arm.
     pub arm: usize,
     /// Poses of the hand; the first column of times is not needed.
     pub path: Vec<Pose>,
-    /// Where the path lies.
+    /// Place of the path.
     pub place: Place,
     /// Least distance to anything else, m.
     pub margin: f64,
@@ -70,7 +70,7 @@ pub struct PlanRequest {
     pub rate: u32,
 }
 
-/// A trajectory and what is known of it.
+/// A trajectory with its numbers.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The joint trajectory.
@@ -96,7 +96,7 @@ pub struct PlanReport {
     pub place_quaternion: [f64; 4],
     /// Largest step of a joint between points of the path, rad or m.
     pub largest_jump: f64,
-    /// Least distance to anything else, m; 0.2 stands for that and more.
+    /// Least distance to anything else, m; 0.2 means 0.2 or more.
     pub least_clearance_m: f64,
     /// Smallest singular value of the Jacobian.
     pub least_distance_to_singularity: f64,
@@ -110,10 +110,10 @@ pub struct PlanReport {
     pub jerk_used: f64,
 }
 
-/// Why there is no plan.
+/// Reason why planning failed.
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
-    /// The request makes no sense.
+    /// Invalid request.
     #[error("{0}")]
     Input(String),
     /// The path cannot be followed.
@@ -144,7 +144,7 @@ impl Cell {
         index.ok_or_else(|| {
             let what = match name {
                 Some(name) => format!("{flag}: there is no arm {name:?}"),
-                None => format!("{flag} must say which"),
+                None => format!("{flag} is required to select an arm"),
             };
             PlanError::Input(format!(
                 "{what}; arms of {}: {}",
@@ -155,10 +155,10 @@ impl Cell {
     }
 }
 
-/// Reads poses of a hand: the columns `x_m`, `y_m`, `z_m`, `qw`, `qx`, `qy`, `qz` of a table, whatever else it has.
+/// Reads poses of a hand: the columns `x_m`, `y_m`, `z_m`, `qw`, `qx`, `qy`, `qz` of a table; other columns are ignored.
 ///
 /// # Errors
-/// If a column is missing, a number is none or a quaternion has not length one within a thousandth.
+/// A column is missing, a number is invalid or the length of a quaternion differs from one by more than a thousandth.
 pub fn read_poses(path: &Path) -> Result<Vec<Pose>, TableError> {
     let table = read_table(path)?;
     let fault = |line: u64, message: String| TableError {
@@ -175,7 +175,7 @@ pub fn read_poses(path: &Path) -> Result<Vec<Pose>, TableError> {
             .header
             .iter()
             .position(|header| header == name)
-            .ok_or_else(|| fault(1, format!("there is no column `{name}`")))?;
+            .ok_or_else(|| fault(1, format!("column `{name}` is missing")))?;
     }
     if table.rows.is_empty() {
         return Err(fault(1, "there are no poses".into()));
@@ -259,7 +259,7 @@ impl Cell {
             return Ok(pose);
         }
         let table = self.table.ok_or_else(|| {
-            PlanError::Input("a place can be found only on a [table], and the cell has none".into())
+            PlanError::Input("`auto` needs a [table], which the cell does not have".into())
         })?;
         let top = arm.base.inverse() * table.top;
         let sides = [table.size[0], table.size[1]];

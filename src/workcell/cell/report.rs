@@ -1,4 +1,4 @@
-//! What `rodlab check` says of a cell.
+//! The report of `rodlab check` about a cell.
 
 use super::resolved::{Cell, Driver};
 use rodlab_robot::{Posture, Ros2Address, parts};

@@ -13,10 +13,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 impl Cell {
-    /// Reads a cell file. Names of files in it are relative to the file in which they stand.
+    /// Reads a cell file. Names of files in it are relative to the file that contains them.
     ///
     /// # Errors
-    /// Everything that is wrong with it, with file, line and column.
+    /// All faults of the file, with file, line and column.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         let file: TypedFile<CellFile> = TypedFile::read(path)?;
         let resolver = Resolver {
@@ -121,7 +121,7 @@ impl Resolver<'_> {
         let path = KeyPath::from("rod").key("file");
         let file = self.file_at(&path, &rod.file);
         if !file.is_file() {
-            self.fault(&path, format!("there is no file {}", file.display()));
+            self.fault(&path, format!("file {} does not exist", file.display()));
         }
         file
     }

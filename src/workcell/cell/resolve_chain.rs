@@ -12,7 +12,7 @@ use rodlab_robot::{
 };
 use std::collections::BTreeSet;
 
-/// Resolves an arm; `None` where there is no chain to speak of.
+/// Resolves an arm; `None` if its chain is invalid.
 pub(super) fn resolve_arm(
     resolver: &Resolver<'_>,
     path: &KeyPath,
@@ -34,7 +34,7 @@ pub(super) fn resolve_arm(
                 Ok(arm) => {
                     if !arm.meshes.is_empty() {
                         resolver.warnings.borrow_mut().push(format!(
-                            "arm {}: {} collision meshes are passed over, for they are no STL files or not found, as {}; `link_radius` or `capsules` take their place",
+                            "arm {}: {} collision meshes are ignored, because they are not STL files or not found, such as {}; use `link_radius` or `capsules` instead",
                             typed.name,
                             arm.meshes.len(),
                             arm.meshes[0]

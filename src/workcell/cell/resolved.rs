@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// A robot cell. Its frame is the one in which bases, table and camera are placed: z up.
 #[derive(Clone, Debug)]
 pub struct Cell {
-    /// Title for people.
+    /// Title in reports.
     pub title: String,
     /// The arms, with unique names.
     pub arms: Vec<Arm>,
@@ -24,7 +24,7 @@ pub struct Cell {
     pub rod: Option<PathBuf>,
     /// How trajectories are streamed.
     pub streaming: StreamBounds,
-    /// What was passed over when the file was read.
+    /// Remarks on what was ignored when the file was read.
     pub warnings: Vec<String>,
 }
 
@@ -43,7 +43,7 @@ pub struct Arm {
     pub bodies: Vec<Body>,
     /// Pairs of links that may touch: indices of segments, `None` for the base.
     pub may_touch: Vec<[Option<usize>; 2]>,
-    /// What moves it.
+    /// Driver that moves it.
     pub driver: Option<Driver>,
     /// Its gripper.
     pub gripper: Option<Gripper>,
@@ -55,13 +55,13 @@ pub struct Arm {
 pub struct Gripper {
     /// Name of the action.
     pub action: String,
-    /// How far its fingers are apart when it holds nothing, m.
+    /// Opening of its fingers when it holds nothing, m.
     pub open: f64,
-    /// How far it closes them, m.
+    /// Opening to which it closes, m.
     pub closed: f64,
     /// Greatest effort of its fingers, N; 0 leaves it to the controller.
     pub max_effort: f64,
-    /// Name of the joint by which the reports of the arm say how far its fingers are apart, if they do.
+    /// Name of the joint of its fingers in the reports of the arm, if they include it.
     pub joint: Option<String>,
 }
 
@@ -70,9 +70,9 @@ pub struct Gripper {
 pub struct Axis {
     /// Its name.
     pub name: String,
-    /// How far and how fast it may turn.
+    /// Limits of its angle, velocity and acceleration.
     pub limits: Limits,
-    /// What moves it.
+    /// Driver that moves it.
     pub driver: Option<Driver>,
 }
 
@@ -116,11 +116,11 @@ pub struct Camera {
     pub distortion: Vec<f64>,
     /// Pose in the cell; the camera looks along its z, y down.
     pub pose: Pose,
-    /// Where its pictures come from, such as `rosbridge://127.0.0.1:9090/camera/image_raw`.
+    /// Source of its pictures, such as `rosbridge://127.0.0.1:9090/camera/image_raw`.
     pub source: Option<String>,
 }
 
-/// What moves an arm or an axis.
+/// Driver of an arm or an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Driver {
     /// Points are written to a file.

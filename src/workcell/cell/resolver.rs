@@ -1,4 +1,4 @@
-//! Reading the keys of a cell file: units, ranges, poses and drivers, and what is wrong with them.
+//! Reading the keys of a cell file: units, ranges, poses and drivers, and their faults.
 
 use super::resolved::{Driver, Gripper};
 use super::typed::{self, CellFile};
@@ -9,12 +9,12 @@ use rodlab_robot::{FileDriver, Middleware, Pose, Ros2Address, pose};
 use std::cell::RefCell;
 use std::path::PathBuf;
 
-/// How far fingers are apart that hold nothing, where nobody says so, m.
+/// Default opening of fingers that hold nothing, m.
 const OPEN: f64 = 0.04;
 /// Default greatest effort of fingers, N: enough for a rod, and gentle to it. Controllers of effort take 0 for no force.
 const EFFORT: f64 = 10.0;
 
-/// Reads keys and notes what is wrong with them; faulty ones are replaced by harmless values, so that all faults of a
+/// Reads keys and records their faults; faulty ones are replaced by harmless values, so that all faults of a
 /// file are found together.
 pub(super) struct Resolver<'a> {
     pub issues: RefCell<Issues>,
@@ -51,7 +51,7 @@ impl Resolver<'_> {
         1.0
     }
 
-    /// A quantity at a key, or another value where none is given.
+    /// A quantity at a key, or a default value.
     pub fn si_or<D: Dimension>(
         &self,
         path: &KeyPath,
@@ -140,7 +140,7 @@ impl Resolver<'_> {
         Pose::from_parts(Translation3::from(position), rotation)
     }
 
-    /// What the word at a key stands for, the first of the known ones where none is given.
+    /// Value of the word at a key; the first of the allowed ones is the default.
     fn choice<T: Copy>(&self, path: &KeyPath, given: &Option<String>, known: &[(&str, T)]) -> T {
         let given = given.as_deref().unwrap_or(known[0].0);
         let found = known.iter().find(|(word, _)| *word == given);
@@ -263,7 +263,7 @@ impl Resolver<'_> {
 
     fn ros_2(&self, path: &KeyPath, ros: &typed::Ros2Driver) -> Ros2Address {
         let domain = ros.domain.unwrap_or(0);
-        // Ports of higher domains are no ports.
+        // Ports of higher domains are out of range.
         if domain > 232 {
             self.fault(
                 &path.key("domain"),

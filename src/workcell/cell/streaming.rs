@@ -8,12 +8,12 @@ use rodlab_robot::{
 
 const WITHOUT_ROS_2: &str = "this program was built without ROS 2; `cargo install --path .`, without `--no-default-features`, builds one with it";
 
-/// Positions of a trajectory that is sent whole: 5 MB as a message of rosbridge, half of what its server takes.
+/// Number of positions of a trajectory that is sent whole: 5 MB as a message of rosbridge, half of the limit of its server.
 const MOST_NUMBERS: usize = 150_000;
-/// How far a motion that is sent with fewer points may be from its trajectory, rad or m.
+/// Tolerance of a motion that is sent with fewer points, rad or m.
 const THINNING: f64 = 1e-5;
 
-/// What a stream would do.
+/// Plan of a stream.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct StreamReport {
     /// Duration of the motion, s.
@@ -22,7 +22,7 @@ pub struct StreamReport {
     pub points: usize,
     /// Names of the arms and axes that move.
     pub parts: Vec<String>,
-    /// Least distance between arms, themselves and what stands around, m; 0.2 stands for that and more.
+    /// Least distance between arms, themselves and their surroundings, m; 0.2 means 0.2 or more.
     pub least_clearance_m: f64,
 }
 
@@ -31,7 +31,7 @@ impl Cell {
     /// every point against limits and collisions.
     ///
     /// # Errors
-    /// In words: names that the cell does not have, joints that are missing, arms that two trajectories move, limits that
+    /// A message: names that the cell does not have, joints that are missing, arms that two trajectories move, limits that
     /// are exceeded, things that touch, parts without a driver.
     pub fn prepare_stream(
         &self,

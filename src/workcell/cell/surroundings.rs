@@ -1,4 +1,4 @@
-//! What is around the arms of a cell, for collision checks.
+//! Surroundings of the arms of a cell, for collision checks.
 
 use super::resolved::Cell;
 use nalgebra::Translation3;

@@ -149,7 +149,7 @@ fn the_gripper_of_an_arm_of_ros_2_grips_with_an_effort() {
     assert!(refused.contains("`arms.0.gripper.max_effort`"), "{refused}");
 }
 
-/// Faults of that file: what stands in it, what is put in its place, where that is reported, and in which words.
+/// Faults of that file: text, replacement, reported place, and words of the message.
 const FAULTS: &str = r#"name = "a" | nam = "a" | cell.toml:4: | nam
 velocity = 1.0\n | | cell.toml:1: | needs a `velocity`
 upper = 2.0 | upper = "-100 deg" | `arms.0.joints.0.lower` | must be below

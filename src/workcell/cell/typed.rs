@@ -1,4 +1,4 @@
-//! The cell file as typed: every key that may stand in one, none of them judged yet.
+//! The cell file as typed: every allowed key, not validated yet.
 
 use rodlab_lab::scenario::dimension::{
     Angle, AngularVelocity, Dimensionless, Force, Length, Time, Velocity,

@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use rodlab_files::figure::{Movie, MovieCase, MovieFrame, MovieRod, View, movie_page};
 use rodlab_robot::{JointTrajectory, Pose, Shape};
 
-/// Radius of the lines that stand for the edges of boxes, m.
+/// Radius of the lines that represent the edges of boxes, m.
 const LINE: f64 = 2e-3;
 /// Radius of the lines from joint to joint of an arm without shapes, m.
 const BONE: f64 = 1e-2;
@@ -14,7 +14,7 @@ const BONE: f64 = 1e-2;
 struct Lines(Vec<(String, f64, Vec<Vector3<f64>>)>);
 
 impl Cell {
-    /// The page as HTML: the arms at home, or along a trajectory in no more than so many frames.
+    /// The page as HTML: the arms at home, or along a trajectory in at most so many frames.
     pub fn page(&self, trajectory: Option<&JointTrajectory>, most_frames: usize) -> String {
         let frames: Vec<(f64, Lines)> = match trajectory {
             None => {

@@ -1,4 +1,4 @@
-//! Commands that plan tasks: what a command states beside its arguments, and what it plans with.
+//! Commands that plan tasks: their properties beside the arguments, and the data for planning.
 
 use super::step::Task;
 use crate::cell::{Cell, PlanError};
@@ -6,7 +6,7 @@ use crate::virtual_cell::Settings;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// How many times as fast as real time a virtual cell is that only one process uses: as fast as it can be simulated.
+/// Speed relative to real time of a virtual cell that only one process uses: as fast as it can be simulated.
 const FULL_SPEED: f64 = 100.0;
 
 /// A command that plans a task from its arguments. The command line adds which cell, asks before anything moves, and runs the task.
@@ -15,19 +15,19 @@ pub trait TaskCommand {
     const NAME: &'static str;
     /// The preset cell, which is simulated where no other is named.
     const CELL: &'static str = "gantry";
-    /// What the camera is for: arms without camera, driver or gripper are refused then before anything moves. `None` where the
+    /// Purpose of the camera: arms without camera, driver or gripper are refused before anything moves. `None` where the
     /// task itself finds out what it lacks.
     const CAMERA: Option<&'static str> = None;
 
     /// The task.
     type Task: Task;
-    /// Why there is none.
+    /// Failure of planning.
     type Error: From<PlanError>;
 
     /// How it is run.
     fn way(&self) -> Way<'_>;
 
-    /// Looks at arguments that need no cell, before one is read.
+    /// Validates arguments that need no cell, before one is read.
     ///
     /// # Errors
     /// They contradict each other, or name something that is not there.
@@ -62,13 +62,13 @@ pub struct Way<'a> {
     pub arm: Option<&'a str>,
     /// Whether it is planned only.
     pub dry_run: bool,
-    /// Whether the arms were looked at after a task that did not come to its end; `None` where a task may end anywhere.
+    /// Whether the arms were inspected after a task that did not finish; `None` where a task may end anywhere.
     pub checked: Option<bool>,
-    /// Where everything goes.
+    /// Directory for the results.
     pub out: Option<&'a Path>,
 }
 
-/// What a task is planned with.
+/// Data for the planning of a task.
 pub struct Planning<'a> {
     /// The cell.
     pub cell: &'a Cell,
@@ -95,7 +95,7 @@ impl<'a> Planning<'a> {
     /// The index of an arm by its name, as given by a flag, which may be left out where there is only one.
     ///
     /// # Errors
-    /// There is no such arm, or the cell has several.
+    /// The arm does not exist, or the cell has several.
     pub fn arm(&self, flag: &str, name: Option<&str>) -> Result<usize, PlanError> {
         self.cell.arm_named(flag, name, self.file)
     }
@@ -117,7 +117,7 @@ impl<'a> Planning<'a> {
         &self.directory
     }
 
-    /// Puts into the cell what the task needs there, where the cell is simulated.
+    /// Adds the objects of the task to the cell, if the cell is simulated.
     ///
     /// # Errors
     /// It cannot be made.
@@ -128,7 +128,7 @@ impl<'a> Planning<'a> {
         }
     }
 
-    /// What is in the cell where it is simulated.
+    /// Settings of the cell, if it is simulated.
     pub fn into_settings(self) -> Settings {
         self.settings.into_inner()
     }

@@ -1,4 +1,4 @@
-//! Online correction: the arm lays a length and stops, the camera looks, and what remains is planned anew.
+//! Online correction: the arm lays a length and stops, the camera takes a picture, and the rest is replanned.
 
 use super::deploy_plan::DeployPlan;
 use super::error::WorkError;
@@ -16,19 +16,19 @@ use std::time::Duration;
 /// Length that is laid between two looks, and over which the rod returns to its pattern, in gravito-bending lengths: those of
 /// `[deployment.correction]`.
 const LENGTHS: [f64; 2] = [0.8, 3.5];
-/// Length in front of the place where the rod should leave the table, in gravito-bending lengths, of which nothing is believed:
-/// where it really leaves it, nobody knows so exactly.
+/// Length in front of the place where the rod should leave the table, in gravito-bending lengths, that is ignored in pictures:
+/// the place where it really leaves the table is not known so exactly.
 const UNSURE: f64 = 0.3;
-/// Distance of the places by which the end of the lying rod is seen, m.
+/// Spacing of the points by which the end of the lying rod is measured, m.
 const SPACING: f64 = 2e-3;
-/// How far from where it should the rod may begin in a picture, m: elsewhere it is hidden by what hangs from the gripper.
+/// Largest distance of the start of the rod in a picture from its expected place, m: beyond it the hanging part hides the start.
 const MOST_OFF: f64 = 0.01;
 /// The first line of `corrections.csv`.
 const COLUMNS: &str = "laid_m,seen_m,x_m,y_m,angle_rad,gravito_bending_length_m,processor_time_s\n";
 /// Points per second of a motion.
 const RATE: u32 = 100;
 
-/// How the path is corrected.
+/// Correction of the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Correction {
     /// Length that is laid between two looks, m.
@@ -38,7 +38,7 @@ pub struct Correction {
 }
 
 impl Correction {
-    /// The usual one for a rod of a gravito-bending length, m, with a hand of some speed, m/s.
+    /// The default correction for a rod of a gravito-bending length, m, and a speed of the hand, m/s.
     pub fn usual(gravito_bending_length: f64, speed: f64) -> Self {
         Self {
             every: LENGTHS[0] * gravito_bending_length,
@@ -63,7 +63,7 @@ impl Correction {
         cell.continuation(plan.arm, &poses, joints, self.speed, RATE)
     }
 
-    /// Lays a rod length by length, from the first pose of its path to the last one; what was seen and planned is written to
+    /// Lays a rod length by length, from the first pose of its path to the last one; measurements and plans are written to
     /// `corrections.csv`.
     ///
     /// # Errors

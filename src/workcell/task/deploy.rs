@@ -45,24 +45,24 @@ const RETREAT: Stage = Stage::new(
 );
 const LOOK: Stage = Stage::new("look", "looking", LIES);
 const SCORE: Stage = Stage::new("score", "scoring", LIES);
-/// What to do where all is done but looking.
-const LIES: &str = "the rod lies, and the arm is out of the way: look at the camera and at what it shows; `rodlab trace` with the \
-                    camera and `rodlab score` show how the rod lies; begin the next task with --checked";
+/// Advice where everything except the last picture is done.
+const LIES: &str = "the rod is laid, and the arm is out of the way: inspect the camera and its picture; `rodlab trace` with the \
+                    camera and `rodlab score` show the rod; pass --checked to the next task";
 
 /// A rod that is laid, looked at and scored.
 pub struct DeployTask {
     plan: DeployPlan,
-    /// How its path is planned anew while it is laid, if it is.
+    /// Correction of its path while it is laid, if any.
     correction: Option<Correction>,
     record: DeployRecord,
     /// The picture of the rod, once it lies.
     picture: Option<RgbImage>,
-    /// How far it lies from its pattern, once that is known.
+    /// Its distance from the pattern, once it is measured.
     score: Option<Score>,
 }
 
 impl DeployTask {
-    /// What was planned for a cell.
+    /// A task from its plan in a cell.
     pub fn new(cell: &Cell, plan: DeployPlan, correction: Option<Correction>) -> Self {
         Self {
             record: DeployRecord {
@@ -81,7 +81,7 @@ impl DeployTask {
         }
     }
 
-    /// How far the rod lies from its pattern, once that is known.
+    /// Distance of the rod from its pattern, once it is measured.
     pub fn laid(&self) -> Option<&Score> {
         self.score.as_ref()
     }

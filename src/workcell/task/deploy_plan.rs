@@ -1,4 +1,4 @@
-//! What is laid where by a deployment, and what a picture shows of it.
+//! Plan of a deployment, and the rod in a picture.
 
 use super::look::Seen;
 use super::motion::DeployMotion;
@@ -8,7 +8,7 @@ use rodlab_lab::experiment::Fixtures;
 use rodlab_planning::plan::deployment::{DeployedRod, LaidPath, falls_straight};
 use rodlab_vision::{ColourRule, Point, SeenLength, VisionError};
 
-/// What is laid where.
+/// Plan of a deployment.
 pub struct DeployPlan {
     /// Index of the arm.
     pub arm: usize,
@@ -22,27 +22,27 @@ pub struct DeployPlan {
     pub pattern: Vec<Point>,
     /// The path along which the rod is laid: the pattern with lead-in and lead-out.
     pub path: LaidPath,
-    /// The rod, as it is believed to be.
+    /// The rod, as it is estimated.
     pub rod: DeployedRod,
-    /// Which pixels are rod.
+    /// Colour of the rod.
     pub colour: ColourRule,
     /// Pegs between which it is laid, in the frame of the pattern, if there are any.
     pub fixtures: Option<Fixtures>,
 }
 
 impl DeployPlan {
-    /// Where the rod begins, in the frame of the pattern, m.
+    /// Start of the rod in the frame of the pattern, m.
     pub fn start(&self) -> Point {
         self.path.points[0].position
     }
 
-    /// What a picture shows of the rod.
+    /// The rod in a picture.
     pub fn seen(&self, picture: &RgbImage, cell: &Cell) -> Result<Seen, VisionError> {
         let (frame, radius) = (&self.motion.frame, self.rod.radius);
         Seen::of(picture, cell, frame, radius, &self.colour)
     }
 
-    /// How much of the rod the picture shows. Where its end runs out of the picture, or a long rest fell from the gripper, perhaps upon
+    /// The part of the rod in the picture. Where its end leaves the picture, or a long rest fell from the gripper, perhaps upon
     /// itself, only the path along which it was laid must be seen.
     pub fn seen_length(&self, seen: &Seen, rod: &[Point]) -> Result<SeenLength, VisionError> {
         let length = SeenLength::of(rod, self.rod.length);

@@ -1,4 +1,4 @@
-//! What a deployment leaves in a results directory for programs and people.
+//! The record of a deployment in a results directory, for programs and people.
 
 use super::record::{OVERLAY, Report, TaskHead, TaskRecord};
 use crate::cell::PlanReport;
@@ -16,7 +16,7 @@ pub struct DeployScore {
     pub by_nearest_point: CurveError,
 }
 
-/// What `manifest.json` holds, and `report.md` says.
+/// Contents of `manifest.json` and `report.md`.
 #[derive(Clone, Debug, Serialize)]
 pub struct DeployRecord {
     /// Title of the cell.

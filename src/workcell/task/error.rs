@@ -1,4 +1,4 @@
-//! Why a step of a task is not done, and why the task ends early then.
+//! Failures of the steps of a task, which end the task early.
 
 use super::stage::Stage;
 use crate::cell::PlanError;
@@ -6,13 +6,13 @@ use rodlab_files::results::ResultsError;
 use rodlab_planning::plan::fold::FoldError;
 use rodlab_vision::VisionError;
 
-/// Why a step was not done.
+/// Failure of a step.
 #[derive(Debug, thiserror::Error)]
 pub enum WorkError {
-    /// Something failed; all was commanded to hold.
+    /// Failure of a device or a motion; all arms were commanded to hold.
     #[error("{0}")]
     Failed(String),
-    /// The user asked for the end; all holds.
+    /// Interruption by the user; all arms hold.
     #[error("interrupted; the arm holds")]
     Interrupted,
     /// The picture does not show the rod from end to end: nothing is scored.
@@ -24,7 +24,7 @@ pub enum WorkError {
 }
 
 impl WorkError {
-    /// Something failed, for a reason in words.
+    /// A failure with a message.
     pub fn failed(reason: impl ToString) -> Self {
         Self::Failed(reason.to_string())
     }
@@ -54,18 +54,18 @@ impl From<FoldError> for WorkError {
     }
 }
 
-/// Why a task ended early, and in which step.
+/// Early end of a task, with the step.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.in_words())]
 pub struct TaskError {
-    /// The step that was not done.
+    /// The step that failed.
     pub stage: Box<Stage>,
-    /// Why.
+    /// Failure of the step.
     pub error: WorkError,
 }
 
 impl TaskError {
-    /// The step in which arms stopped; `None` where no arm is to blame.
+    /// The step in which arms stopped; `None` for failures without an arm.
     pub fn stopped_in(&self) -> Option<&Stage> {
         match self.error {
             WorkError::Failed(_) | WorkError::Interrupted => Some(&self.stage),

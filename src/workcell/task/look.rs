@@ -1,4 +1,4 @@
-//! The camera's picture of a rod that lies, as a curve in the frame of its pattern.
+//! A rod on the table in a picture of the camera, as a curve in the frame of its pattern.
 
 use super::error::WorkError;
 use super::workplace::Workplace;
@@ -24,7 +24,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// What a picture shows of rods of some radius, m, that lie on the table, in a colour.
+    /// Finds rods of a radius, m, and a colour on the table in a picture.
     ///
     /// # Errors
     /// No strand is seen, or the picture has another size than the camera.
@@ -120,7 +120,7 @@ impl Seen {
         strands.collect()
     }
 
-    /// The strand that begins nearest to a place, but for some.
+    /// The strand that begins nearest to a place, except for some.
     fn nearest_index(&self, start: Point, but: &[usize]) -> Result<Option<usize>, VisionError> {
         let mut nearest: Option<(f64, usize)> = None;
         for (index, strand) in self.trace.strands.iter().enumerate() {
@@ -139,7 +139,7 @@ impl Seen {
 
     fn longest_index(&self) -> usize {
         let strands = self.trace.strands.iter().enumerate();
-        // Where there is no open one, the rod closes upon itself.
+        // If no strand is open, the rod closes upon itself.
         let longest = strands.max_by(|(_, a), (_, b)| {
             let openness = b.closed.cmp(&a.closed);
             openness.then(a.length().total_cmp(&b.length()))

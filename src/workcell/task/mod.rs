@@ -1,4 +1,4 @@
-//! Tasks of the robot cell: what joins plan, cell, camera and results.
+//! Tasks of the robot cell, which join plan, cell, camera and results.
 //!
 //! | file | what |
 //! |---|---|
@@ -7,21 +7,21 @@
 //! | `fold` | a sheet folded by an arm, with the camera |
 //! | `exploration` | the stability of helical rods, explored along a list of directions |
 //! | `motion` | the motions of a deployment, planned and checked before anything moves |
-//! | `room` | where a rod may lie |
-//! | `correction` | its path, planned anew from what the camera sees while it is laid |
+//! | `room` | the room for a rod on the table and in the picture |
+//! | `correction` | its path, replanned from pictures of the camera while it is laid |
 //! | `look` | the camera's picture as a curve in the frame of the pattern |
-//! | `step` | a task as a list of steps, and what the runner asks of it |
-//! | `runner` | what carries out any task: step by step, with one record |
-//! | `command` | a command that plans a task: what `rodlab NAME` needs beside its arguments |
+//! | `step` | a task as a list of steps, and its interface to the runner |
+//! | `runner` | the runner of any task: step by step, with one record |
+//! | `command` | a command that plans a task: properties of `rodlab NAME` beside its arguments |
 //! | `arguments` | arguments that tasks with rods share |
-//! | `workplace` | what steps move, look at and write to |
+//! | `workplace` | the cell, camera and directory of a step |
 //! | `working_arm` | motions and grips of an arm, with the log of each |
-//! | `stage` | what is done in a step, in words |
-//! | `error` | why a task ends early |
-//! | `stopped` | how it leaves the cell then |
-//! | `unfinished` | whether the last task came to its end |
-//! | `record` | what any task leaves in a results directory |
-//! | `deploy_plan`, `deploy_record` | what a deployment lays where, and what it leaves |
+//! | `stage` | name and description of a step |
+//! | `error` | reasons of an early end |
+//! | `stopped` | state of the cell after an early end |
+//! | `unfinished` | whether the last task finished |
+//! | `record` | the record of any task in a results directory |
+//! | `deploy_plan`, `deploy_record` | plan and record of a deployment |
 
 mod arguments;
 mod command;

@@ -10,13 +10,13 @@ use rodlab_vision::Point;
 /// Points per second of the motion.
 const RATE: u32 = 100;
 
-/// What is to be planned.
+/// Request for a motion.
 pub struct MotionRequest<'a> {
     /// The cell.
     pub cell: &'a Cell,
     /// Index of the arm.
     pub arm: usize,
-    /// Where the frame of the pattern lies in the cell.
+    /// Place of the frame of the pattern in the cell.
     pub place: Place,
     /// Greatest speed of the hand, m/s.
     pub speed: f64,
@@ -39,10 +39,10 @@ pub struct DeployMotion {
 
 impl MotionRequest<'_> {
     /// Plans the laying along a path, which is made for the room that there is: of a rod that is longer than its pattern as much is
-    /// laid as the arm can. What else comes of the path is handed back with the motion.
+    /// laid as the arm can. The other results of the path are returned with the motion.
     ///
     /// # Errors
-    /// There is no path, or the arm cannot follow it.
+    /// No path exists, or the arm cannot follow it.
     pub fn plan<T, E: From<PlanError>>(
         &self,
         path: impl Fn(&Spare<'_>) -> Result<(T, LaidPath), E>,

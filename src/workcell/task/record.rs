@@ -1,4 +1,4 @@
-//! What all tasks leave in a results directory: `manifest.json` for programs and `report.md` for people.
+//! The record of all tasks in a results directory: `manifest.json` for programs and `report.md` for people.
 
 use super::error::{TaskError, WorkError};
 use super::stage::Stage;
@@ -9,21 +9,21 @@ use rodlab_files::results::{MANIFEST, ResultsError, write_whole};
 use serde::Serialize;
 use std::path::Path;
 
-/// How far a task has come.
+/// Status of a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// It was planned only.
+    /// Planned only.
     Planned,
-    /// It is under way.
+    /// In progress.
     Running,
-    /// It is done.
+    /// Done.
     Finished,
     /// It was carried out, but the camera does not show the whole rod: nothing is scored.
     NotSeenWhole,
-    /// Something went wrong.
+    /// Failed.
     Failed,
-    /// The user asked for the end.
+    /// Interrupted by the user.
     Interrupted,
 }
 
@@ -32,7 +32,7 @@ impl Status {
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Planned => "planned, and nothing moved",
-            Self::Running => "under way",
+            Self::Running => "in progress",
             Self::Finished => "finished",
             Self::NotSeenWhole => "not seen whole, and not scored",
             Self::Failed => "failed",
@@ -52,11 +52,11 @@ pub struct TaskHead {
     pub start: jiff::Timestamp,
     /// When it ended.
     pub end: Option<jiff::Timestamp>,
-    /// How far it came.
+    /// Status.
     pub status: Status,
-    /// Why no further.
+    /// Reason of an early end.
     pub error: Option<String>,
-    /// How the cell was left where it ended early.
+    /// State of the cell after an early end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stopped: Option<Stopped>,
     /// Steps that were done, with the time that each took, s, on the clock of this machine.
@@ -91,12 +91,12 @@ impl TaskHead {
     }
 }
 
-/// What a task leaves beside what any task leaves.
+/// Record of a task beside that of any task.
 pub trait TaskRecord: Serialize {
     /// The report, with the pictures that are in a directory.
     fn report(&self, head: &TaskHead, directory: &Path) -> Report;
 
-    /// What is printed for programs; `None` where that is the whole manifest.
+    /// JSON answer; `None` if it is the whole manifest.
     fn answer(&self) -> Option<serde_json::Value> {
         None
     }
@@ -115,7 +115,7 @@ pub fn write_manifest<R: Serialize + ?Sized>(
     write_whole(&directory.join(MANIFEST), &text)
 }
 
-/// The picture with the rod that was found in it, and its words.
+/// The picture with the rod that was found in it, and its caption.
 pub const OVERLAY: (&str, &str) = (
     "overlay.png",
     "What the camera saw, with the rod that was found",
@@ -184,7 +184,7 @@ impl Report {
         write_whole(&directory.join("report.md"), self.markdown().as_bytes())
     }
 
-    /// Adds rows to the table: how far a task came, and why no further.
+    /// Adds rows to the table: the status of a task, and the reason of an early end.
     pub fn head(&mut self, head: &TaskHead) {
         self.row("status", head.status.in_words());
         if let Some(error) = &head.error {
@@ -203,12 +203,12 @@ impl Report {
         }
     }
 
-    /// Adds a row to the table: how long a motion takes, s.
+    /// Adds a row to the table: the duration of a motion, s.
     pub fn duration(&mut self, name: &str, duration: f64) {
         self.row(name, format!("{duration:.1} s by the clock of the cell"));
     }
 
-    /// Adds rows to the table: how long a motion takes, s, and how near it comes to anything, m.
+    /// Adds rows to the table: the duration of a motion, s, and its clearance, m.
     pub fn motion(&mut self, duration: f64, clearance: f64) {
         self.duration("motion", duration);
         self.row(

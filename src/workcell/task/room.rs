@@ -1,4 +1,4 @@
-//! Where a rod may lie: on the table, and where the camera sees it.
+//! Room for a rod: on the table, and in the picture of the camera.
 
 use crate::cell::Cell;
 use nalgebra::Point3;

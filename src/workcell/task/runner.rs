@@ -1,4 +1,4 @@
-//! What carries out any task: step by step, with one record of what was reached.
+//! The runner of any task: step by step, with one record of the progress.
 
 use super::error::{TaskError, WorkError};
 use super::record::{Report, Status, TaskHead, TaskRecord, write_manifest};
@@ -12,9 +12,9 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
-/// A task and how far it has come.
+/// A task with its progress.
 pub struct TaskRun<T> {
-    /// What is known of any task.
+    /// Record of any task.
     pub head: TaskHead,
     /// The task.
     pub task: T,
@@ -46,7 +46,7 @@ impl<T: Task> TaskRun<T> {
         }
     }
 
-    /// What `report.md` states, with the pictures that are in a directory.
+    /// Contents of `report.md`, with the pictures that are in a directory.
     pub fn report(&self, directory: &Path) -> Report {
         self.task.record().report(&self.head, directory)
     }
@@ -72,10 +72,10 @@ impl<T: Task> TaskRun<T> {
         Ok(report)
     }
 
-    /// Carries out its steps; what was reached is in the directory at any time.
+    /// Carries out its steps; the directory always holds the progress.
     ///
     /// # Errors
-    /// A step was not done: arms hold.
+    /// A step failed: arms hold.
     pub fn carry_out(&mut self, at: &Workplace<'_>) -> Result<(), TaskError> {
         self.head.status = Status::Running;
         self.head.stopped = None;
@@ -110,7 +110,7 @@ impl<T: Task> TaskRun<T> {
         Ok(())
     }
 
-    /// How the cell is left in a stage.
+    /// State of the cell in a stage.
     fn left_in(&self, stage: &Stage, cell: &Cell) -> Stopped {
         let arms = self.task.arms().into_iter();
         let hands: Vec<HandPlace> = arms.map(|arm| HandPlace::of(cell, arm)).collect();

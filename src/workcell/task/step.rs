@@ -10,12 +10,12 @@ use rodlab_files::results::ResultsError;
 use rodlab_robot::JointTrajectory;
 use std::path::Path;
 
-/// What a step does.
+/// Function of a step.
 type Act<T> = Box<dyn Fn(&mut T, &Workplace<'_>) -> Result<(), WorkError>>;
 
 /// A step of a task.
 pub struct Step<T: ?Sized> {
-    /// What it is.
+    /// Its stage.
     pub stage: Stage,
     act: Act<T>,
 }
@@ -32,10 +32,10 @@ impl<T> Step<T> {
         }
     }
 
-    /// Does it.
+    /// Carries it out.
     ///
     /// # Errors
-    /// It is not done.
+    /// The step failed.
     pub fn act(&self, task: &mut T, at: &Workplace<'_>) -> Result<(), WorkError> {
         (self.act)(task, at)
     }
@@ -43,13 +43,13 @@ impl<T> Step<T> {
 
 /// A task that was planned. A step keeps what later steps and the record need in it.
 pub trait Task: Sized {
-    /// What it leaves in the manifest and in the report.
+    /// Its record in the manifest and in the report.
     type Record: TaskRecord;
 
     /// Most frames of the page of its motion.
     const FRAMES: usize = 400;
 
-    /// What is known so far.
+    /// Its record so far.
     fn record(&self) -> &Self::Record;
 
     /// Indices of its arms.
@@ -58,7 +58,7 @@ pub trait Task: Sized {
     /// The motion that is shown before anything moves; `None` where nothing moves.
     ///
     /// # Errors
-    /// There is no motion.
+    /// The motion cannot be planned.
     fn motion(&self, cell: &Cell) -> Result<Option<JointTrajectory>, PlanError>;
 
     /// Its steps, one after the other. A task that is resumed leaves out those that are done.
@@ -69,12 +69,12 @@ pub trait Task: Sized {
         Vec::new()
     }
 
-    /// What to do after the task ended in a stage.
+    /// Advice after the task ended in a stage.
     fn next_step(&self, stage: &Stage) -> String {
         stage.next.into()
     }
 
-    /// Writes what only a plan shows that is not carried out.
+    /// Writes the files of a plan that is not carried out.
     ///
     /// # Errors
     /// It cannot be written.
@@ -82,7 +82,7 @@ pub trait Task: Sized {
         Ok(())
     }
 
-    /// Writes the figures of what was reached.
+    /// Writes the figures of the results.
     ///
     /// # Errors
     /// They cannot be written.

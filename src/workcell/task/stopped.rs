@@ -1,4 +1,4 @@
-//! How a task that ended early left the cell: what was being done, what of the rod lies, where the hands are, and what to do next.
+//! State of the cell after an early end: the step, the laid part of the rod, the places of the hands, and the advice to the user.
 
 use crate::cell::Cell;
 use rodlab_planning::plan::deployment::GripperPose;
@@ -8,18 +8,18 @@ use serde::Serialize;
 /// The state in which a task was left.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stopped {
-    /// What was being done.
+    /// Step that was in progress.
     pub during: String,
-    /// How much of each rod lies along its path.
+    /// Laid part of each rod along its path.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub laid: Vec<LaidLength>,
-    /// Where the hands are.
+    /// Places of the hands.
     pub hands: Vec<HandPlace>,
-    /// What to do next.
+    /// Advice to the user.
     pub next: String,
 }
 
-/// How much of a rod lies along its path.
+/// Laid part of a rod along its path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LaidLength {
     /// Length that lies, m; `None` where the arm does not report its joints.
@@ -28,7 +28,7 @@ pub struct LaidLength {
     pub path_m: f64,
 }
 
-/// Where a hand is.
+/// Place of a hand.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HandPlace {
     /// Name of the arm.
@@ -72,7 +72,7 @@ impl LaidAlong<'_> {
         self.poses.last().map_or(0.0, |pose| pose.s)
     }
 
-    /// Nothing of it, or all.
+    /// State in which nothing of it, or all, is laid.
     pub fn whole(&self, lies: bool) -> LaidLength {
         let path_m = self.length();
         LaidLength {

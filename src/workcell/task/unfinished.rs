@@ -1,6 +1,6 @@
-//! Tasks that did not come to their end: the next one with the same arm is refused until a person has looked at it.
+//! Tasks that did not finish: the next one with the same arm is refused until the user has inspected it.
 //!
-//! A mark in a file of the user's own states it, since a task that was killed can state nothing.
+//! A mark in a file of the user records it, since a task that was killed can record nothing.
 
 use super::error::WorkError;
 use crate::cell::Cell;
@@ -37,7 +37,7 @@ impl Unfinished {
         fs::read_to_string(&self.file).ok()
     }
 
-    /// From now on the arm moves.
+    /// Writes the mark before the arm moves.
     ///
     /// # Errors
     /// The mark cannot be written.
@@ -45,12 +45,11 @@ impl Unfinished {
         let made = self.file.parent().map_or(Ok(()), fs::create_dir_all);
         let marked =
             made.and_then(|()| fs::write(&self.file, self.directory.display().to_string()));
-        marked.map_err(|error| {
-            WorkError::Failed(format!("the task cannot be marked as begun: {error}"))
-        })
+        marked
+            .map_err(|error| WorkError::Failed(format!("cannot mark the task as started: {error}")))
     }
 
-    /// The task came to its end.
+    /// Removes the mark of a task that finished.
     ///
     /// # Errors
     /// The mark cannot be removed.
@@ -62,7 +61,7 @@ impl Unfinished {
     }
 }
 
-/// Where marks lie: `$XDG_STATE_HOME/rodlab/unfinished`.
+/// Directory of the marks: `$XDG_STATE_HOME/rodlab/unfinished`.
 fn folder() -> PathBuf {
     let given = env::var_os("XDG_STATE_HOME").map(PathBuf::from);
     let at_home = || env::var_os("HOME").map(|home| Path::new(&home).join(".local/state"));

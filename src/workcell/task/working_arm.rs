@@ -9,24 +9,24 @@ use std::time::Duration;
 
 /// Longest wait for a gripper.
 const GRIPPER: Duration = Duration::from_secs(20);
-/// Time in which a rod or a sheet that was let go comes to rest.
+/// Time in which a released rod or sheet comes to rest.
 const SETTLING: Duration = Duration::from_secs(3);
 
 /// An arm of a cell that does a task.
 #[derive(Clone, Copy)]
 pub struct WorkingArm<'a> {
-    /// Where it works; the folders of its motions are in the directory.
+    /// Its cell and directory; the folders of its motions are in the directory.
     pub at: &'a Workplace<'a>,
     /// Index of the arm.
     pub arm: usize,
 }
 
-/// What a gripper is told.
+/// Command of a gripper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grip {
-    /// It takes.
+    /// Close.
     Close,
-    /// It lets go.
+    /// Open.
     Open,
 }
 
@@ -47,7 +47,7 @@ impl WorkingArm<'_> {
         let fingers = self.at.cell.fingers(self.arm).map_err(WorkError::Failed)?;
         if fingers.as_ref().is_some_and(|fingers| !fingers.hold()) {
             return Err(WorkError::failed(
-                "its fingers hold nothing: what they took slipped out of the gripper, or they took nothing",
+                "its fingers hold nothing: the object slipped out of the gripper, or was never grasped",
             ));
         }
         self.stream(name, motion, fingers.as_ref())
@@ -82,7 +82,7 @@ impl WorkingArm<'_> {
         }
     }
 
-    /// Goes to joints, each straight from where it stands, the hand at `speed`, m/s, at most.
+    /// Moves to joints, each straight from its current position, the hand at `speed`, m/s, at most.
     ///
     /// # Errors
     /// As [`Self::follow`].
@@ -91,11 +91,11 @@ impl WorkingArm<'_> {
         way.map_or(Ok(()), |way| self.follow(name, &way))
     }
 
-    /// Goes to its posture at rest, so that the camera sees what it has done. Where something is in the way it stays: the work is
+    /// Moves to its posture at rest, so that the camera sees the result. If something is in the way the arm stays: the work is
     /// done.
     ///
     /// # Errors
-    /// It was begun, and not done.
+    /// The motion started, and did not finish.
     pub fn go_home(&self, name: &str, speed: f64) -> Result<(), WorkError> {
         let Some(way) = self.way_to(&self.at.cell.arms[self.arm].home, speed)? else {
             return Ok(());
@@ -116,7 +116,7 @@ impl WorkingArm<'_> {
     /// Closes or opens its gripper.
     ///
     /// # Errors
-    /// There is none, or it did not.
+    /// The arm has no gripper, or the gripper failed.
     pub fn grip(&self, grip: Grip) -> Result<(), WorkError> {
         let Some((gripper, [open, closed])) = self.at.cell.gripper(self.arm) else {
             return Err(WorkError::failed("the arm has no gripper in the cell file"));
@@ -136,7 +136,7 @@ impl WorkingArm<'_> {
     /// Opens its gripper, and waits until the rod or the sheet that it let go lies still, as [`Self::rest`].
     ///
     /// # Errors
-    /// The gripper did not open, or the user asks for the end.
+    /// The gripper did not open, or the user interrupts the task.
     pub fn let_go(&self) -> Result<(), WorkError> {
         self.grip(Grip::Open)?;
         self.rest(SETTLING)
@@ -145,7 +145,7 @@ impl WorkingArm<'_> {
     /// Waits for `duration`, on the clock of the robot where that keeps one.
     ///
     /// # Errors
-    /// The user asks for the end.
+    /// The user interrupts the task.
     pub fn rest(&self, duration: Duration) -> Result<(), WorkError> {
         self.at
             .cell
@@ -153,10 +153,10 @@ impl WorkingArm<'_> {
         self.at.check()
     }
 
-    /// Where its hand is in the cell, by what its driver reports.
+    /// Pose of its hand in the cell, as its driver reports it.
     ///
     /// # Errors
-    /// It reports nothing.
+    /// The driver does not report.
     pub fn hand(&self) -> Result<Pose, WorkError> {
         let joints = self.at.cell.stands(self.arm).map_err(WorkError::Failed)?;
         Ok(self.at.cell.arms[self.arm].hand(&joints))

@@ -1,4 +1,4 @@
-//! Where a task is carried out: what its steps move, look at and write to.
+//! Workplace of a task: the cell, camera and directory of its steps.
 
 use super::error::WorkError;
 use super::unfinished::Unfinished;
@@ -18,11 +18,11 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub struct Workplace<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// Where everything is written.
+    /// Directory of the results.
     pub directory: &'a Path,
     /// Whether manifest and report are written there, too.
     pub is_recorded: bool,
-    /// What states of arms that the task was begun, if it is to be stated.
+    /// Marks of arms whose task has started, if they are marked.
     pub marks: &'a [Unfinished],
     /// Whether an interruption was requested.
     pub is_interrupted: &'a dyn Fn() -> bool,
@@ -53,7 +53,7 @@ impl Workplace<'_> {
         }
     }
 
-    /// States that an arm moves from now on.
+    /// Marks an arm before it moves.
     ///
     /// # Errors
     /// The mark cannot be written.
@@ -73,7 +73,7 @@ impl Workplace<'_> {
     /// The next picture of the camera.
     ///
     /// # Errors
-    /// There is no camera, it has no source, or no picture comes.
+    /// The cell has no camera, it has no source, or no picture arrives.
     pub fn look(&self) -> Result<RgbImage, WorkError> {
         let missing = |what: &str| WorkError::failed(what);
         let camera = self.cell.camera.as_ref();
@@ -81,10 +81,10 @@ impl Workplace<'_> {
         let source = camera
             .source
             .as_deref()
-            .ok_or_else(|| missing("camera.source is missing: where its pictures come from"))?;
+            .ok_or_else(|| missing("camera.source, the source of its pictures, is missing"))?;
         let opened = open_camera(source).ok_or_else(|| {
             WorkError::Failed(format!(
-                "camera.source: {source:?} is no camera; needed: ros1://, rosbridge:// or ros2://"
+                "camera.source: {source:?} is not a camera; needed: ros1://, rosbridge:// or ros2://"
             ))
         })?;
         let mut camera = opened.map_err(WorkError::failed)?;
@@ -97,7 +97,7 @@ impl Workplace<'_> {
     /// The same, written to a file of the results.
     ///
     /// # Errors
-    /// None comes, or it cannot be written.
+    /// No picture arrives, or it cannot be written.
     pub fn picture(&self, name: &str) -> Result<RgbImage, WorkError> {
         let picture = self.look()?;
         self.write(name, &encode_picture(&picture))?;

@@ -4,16 +4,16 @@ use rodlab_robot::{TableError, read_table};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
-/// Most directions of a list.
+/// Largest number of directions of a list.
 const MOST: usize = 100_000;
-/// Least κ of a unit direction. The force along a straight rod follows from its stretching alone, and nobody clamps it so exactly.
+/// Least κ of a unit direction. The force along a straight rod depends on its stretch alone, which clamps cannot set so exactly.
 const LEAST_CURVATURE: f64 = 1e-3;
 
-/// Reads the directions of a table with the columns `kappa`, `tau` and `omega`, whatever else it has, of any length but zero;
+/// Reads the directions of a table with the columns `kappa`, `tau` and `omega`, of any length except zero; other columns are ignored;
 /// returns unit vectors. `boundary.csv` of the experiment `helix-stability` is such a table.
 ///
 /// # Errors
-/// A column is missing, a number is none, a direction has no length or no curvature, or there are none, or too many.
+/// A column is missing, a number is invalid, a direction has no length or no curvature, or there are none, or too many.
 pub fn read_directions(path: &Path) -> Result<Vec<[f64; 3]>, TableError> {
     let fault = |line: Option<u64>, message: String| TableError {
         path: path.to_owned(),
@@ -27,7 +27,7 @@ pub fn read_directions(path: &Path) -> Result<Vec<[f64; 3]>, TableError> {
         *slot = found.ok_or_else(|| {
             fault(
                 Some(1),
-                format!("there is no column `{name}`; needed: kappa, tau, omega"),
+                format!("no column `{name}`; needed: kappa, tau, omega"),
             )
         })?;
     }

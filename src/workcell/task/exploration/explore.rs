@@ -1,4 +1,4 @@
-//! What is explored, and whether an earlier task with the same plan left a rod clamped.
+//! Plan of an exploration, and whether an earlier task with the same plan left a rod clamped.
 
 use super::ray::{Ray, RayRequest};
 use super::record::ExplorationPlan;
@@ -13,7 +13,7 @@ use rodlab_vision::ColourRule;
 use std::path::Path;
 use std::time::Instant;
 
-/// What is explored with what.
+/// Plan of an exploration.
 pub struct Exploration {
     /// Index of the arm.
     pub arm: usize,
@@ -29,13 +29,13 @@ pub struct Exploration {
     pub search: SearchSteps,
     /// Greatest speed of the hand on the way to the straight rod, m/s.
     pub approach_speed: f64,
-    /// Which pixels are markers.
+    /// Colour of the markers.
     pub colour: ColourRule,
     /// Whether pictures of instabilities are kept.
     pub keeps_pictures: bool,
 }
 
-/// Why an exploration cannot begin.
+/// Reason why an exploration cannot begin.
 #[derive(Debug, thiserror::Error)]
 pub enum ExploreError {
     /// The cell lacks something, the rod cannot be held straight, or the directory holds something else.
@@ -47,7 +47,7 @@ pub enum ExploreError {
 }
 
 impl Exploration {
-    /// What the manifest states of it.
+    /// Its plan in the manifest.
     pub fn plan(&self, cell: &Cell) -> ExplorationPlan {
         let rod = &self.rod;
         ExplorationPlan {

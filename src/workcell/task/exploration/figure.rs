@@ -1,4 +1,4 @@
-//! Figures of an exploration: what was found beside theory.
+//! Figures of an exploration: measurements and theory.
 
 use super::row::ExplorationRow;
 use rodlab_engine::mechanics::kirchhoff::{Helix, critical_distance};

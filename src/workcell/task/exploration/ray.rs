@@ -1,4 +1,4 @@
-//! The joints along a ray of (κ, τ, ω), and how far it can be followed.
+//! The joints along a ray of (κ, τ, ω), up to the last point that can be followed.
 
 use crate::cell::{Cell, HandPathRequest};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
@@ -9,17 +9,17 @@ use std::f64::consts::FRAC_PI_4;
 
 /// Distance ‖(κ, τ, ω)‖ between points of a ray.
 pub const SPACING: f64 = 0.01;
-/// Points of a ray from one look at what the rod comes near to, to the next.
+/// Number of points of a ray between two checks of the clearance of the rod.
 const STRIDE: usize = 10;
-/// Points of the rod that are looked at.
+/// Number of points of the rod that are checked.
 const BALLS: usize = 50;
-/// Parts of the rod next to its clamps that cannot help being near them.
+/// Parts of the rod next to its clamps that are always near them.
 const CLAMPED: f64 = 0.1;
 /// Turns of the helix about its first tangent, in units of 45°, in the order in which they are tried: none changes the clamps of the
 /// straight rod, nor stability.
 const ROLLS: [i32; 8] = [0, 2, -2, 4, 1, -1, 3, -3];
 
-/// What is planned.
+/// Request for a ray.
 pub struct RayRequest<'a> {
     /// The cell, which has a chuck.
     pub cell: &'a Cell,
@@ -44,7 +44,7 @@ pub struct Ray {
     pub roll: f64,
     /// Joints of the arm and the angle of the chuck, every [`SPACING`] from the straight rod on.
     pub points: Vec<Vec<f64>>,
-    /// Why it ends before its farthest distance, in words.
+    /// Reason why it ends before its farthest distance.
     pub limit: Option<String>,
 }
 
@@ -54,7 +54,7 @@ impl Ray {
         (self.points.len() - 1) as f64 * SPACING
     }
 
-    /// Distance at which theory has it lose stability, if there is one.
+    /// Distance at which it loses stability in theory, if there is one.
     pub fn theory(&self) -> Option<f64> {
         critical_distance(&self.direction).map(|critical| critical.distance)
     }
@@ -64,7 +64,7 @@ impl Ray {
         self.direction.scaled(index as f64 * SPACING)
     }
 
-    /// Where points of the rod are in the cell that lie at `places` over its length, as long as it is the helix of a point.
+    /// Positions in the cell of the points of the rod at `places` over its length, as long as it is the helix of a point.
     pub fn places(
         &self,
         cell: &Cell,

@@ -1,4 +1,4 @@
-//! What an exploration leaves in its directory for programs and people: a manifest and a page.
+//! The record of an exploration in its directory, for programs and people: a manifest and a page.
 
 use super::figure::{found_and_theory, is_section, section_figure};
 use super::row::{ExplorationRow, ExplorationSummary};
@@ -9,7 +9,7 @@ use rodlab_files::results::{ResultsError, write_whole};
 use serde::Serialize;
 use std::path::Path;
 
-/// What is explored how: what continues it must ask for the same.
+/// Plan of an exploration; a task that resumes it must have the same.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ExplorationPlan {
     /// Title of the cell.
@@ -28,14 +28,14 @@ pub struct ExplorationPlan {
     pub search: SearchSteps,
 }
 
-/// What `manifest.json` holds.
+/// Contents of `manifest.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct ExplorationRecord {
     /// Whether a rod is clamped between chuck and hand.
     pub is_clamped: bool,
-    /// What is explored.
+    /// Plan of the exploration.
     pub plan: ExplorationPlan,
-    /// What was found.
+    /// Results against theory.
     pub summary: ExplorationSummary,
     /// The rows of the directions that were explored.
     #[serde(skip)]
@@ -46,7 +46,7 @@ pub struct ExplorationRecord {
 const FIGURES: [(&str, &str); 2] = [
     (
         "found.svg",
-        "Where stability was lost, over where theory has it",
+        "Measured distance of instability over that of theory",
     ),
     ("section.svg", "The section ω = 0 of the stable helices"),
 ];
@@ -98,7 +98,7 @@ impl TaskRecord for ExplorationRecord {
             ("directions", explored),
             ("the rod buckled in", summary.buckled.to_string()),
             (
-                "theory has it buckle within reach, and it did not, in",
+                "no buckling, although theory predicts it within reach, in",
                 summary.missed.to_string(),
             ),
             (

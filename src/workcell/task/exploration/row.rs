@@ -1,4 +1,4 @@
-//! A row for each direction that was explored, and what all of them come to.
+//! A row for each direction that was explored, and the summary of all.
 
 use rodlab_files::results::{ResultsError, read_whole_rows};
 use serde::{Deserialize, Serialize};
@@ -7,15 +7,15 @@ use std::path::Path;
 /// Name of the table.
 pub const TABLE: &str = "exploration.csv";
 
-/// What became of the rod along a direction.
+/// Outcome of a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Found {
-    /// It left the helix.
+    /// The rod left the helix.
     Buckles,
-    /// It was the helix as far as the arm could lead it.
+    /// The rod was the helix as far as the arm could lead it.
     StaysHelix,
-    /// Something failed; `limit` says what.
+    /// Failure; `limit` holds the reason.
     Failed,
 }
 
@@ -30,9 +30,9 @@ pub struct ExplorationRow {
     pub tau: f64,
     /// Unit direction: twisting moment.
     pub omega: f64,
-    /// What became of the rod.
+    /// Outcome.
     pub outcome: Found,
-    /// Largest distance at which it was seen to be the helix before it was none.
+    /// Largest distance at which it was measured to be the helix before the instability.
     pub stable: f64,
     /// Distance at which it was the helix no longer; empty where it always was.
     pub lost: Option<f64>,
@@ -44,7 +44,7 @@ pub struct ExplorationRow {
     pub relative_difference: Option<f64>,
     /// Distance to which the arm can lead it.
     pub reach: f64,
-    /// Why no farther; empty where it is the largest distance asked for.
+    /// Reason for that limit; empty if it is the largest distance of the request.
     pub limit: String,
     /// Number of looks.
     pub looks: usize,
@@ -82,14 +82,14 @@ pub fn read_rows(directory: &Path) -> Result<Vec<ExplorationRow>, ResultsError> 
     Ok(read_whole_rows(&directory.join(TABLE))?.rows)
 }
 
-/// What was found, against theory.
+/// Results against theory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ExplorationSummary {
     /// Directions explored.
     pub directions: usize,
     /// Those in which the rod buckled.
     pub buckled: usize,
-    /// Those in which theory has it lose stability within reach, and it was not seen to.
+    /// Those in which theory predicts an instability within reach that was not seen.
     pub missed: usize,
     /// Mean of |found/theory − 1| over those that buckled; empty without any.
     pub mean_relative_error: Option<f64>,

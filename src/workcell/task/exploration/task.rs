@@ -1,4 +1,4 @@
-//! One direction after the other, and what is resumed after an end.
+//! Exploration of one direction after the other, resumed after an early end.
 
 use super::explore::{Exploration, ExploreError, is_clamped};
 use super::ray::Ray;
@@ -18,16 +18,17 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 
-/// Largest difference of a joint, rad or m, with which it still stands on a ray.
+/// Tolerance of a joint on a ray, rad or m.
 const ON_RAY: f64 = 0.05;
 
 const APPROACH: Stage = Stage::new("approach", "going to the end of the straight rod", NEXT);
 const TAKE: Stage = Stage::new("take", "clamping the rod", NEXT);
 const RETURN: Stage = Stage::new("return", "going back to the straight rod", NEXT);
-/// What to do after an end in any of them.
-const NEXT: &str = "look at arm, chuck and rod, then run the same command again; directions that are done are kept";
+/// Advice after an early end in any of them.
+const NEXT: &str =
+    "inspect arm, chuck and rod, then run the same command again; finished directions are kept";
 
-/// An exploration as far as it has come.
+/// An exploration in progress.
 pub struct ExplorationTask {
     exploration: Exploration,
     /// Joints of the arm where it holds the straight rod.
@@ -95,7 +96,7 @@ impl Task for ExplorationTask {
         format!("{rod}: {}", stage.next)
     }
 
-    /// `plan.csv`: how far each direction can be led, and why no farther.
+    /// `plan.csv`: the distance to which each direction can be followed, and the reason for that limit.
     fn write_plan(&self, cell: &Cell, directory: &Path) -> Result<(), ResultsError> {
         let mut table = CsvStream::create(&directory.join("plan.csv"))?;
         for (index, direction) in self.exploration.directions.iter().enumerate() {
@@ -170,7 +171,7 @@ impl ExplorationTask {
         }
     }
 
-    /// Where the joints of arm and chuck are.
+    /// Positions of the joints of arm and chuck.
     fn joints(&self, cell: &Cell) -> Result<Vec<f64>, WorkError> {
         let chuck = cell.chuck.expect("the start was found");
         let mut joints = cell.stands(self.exploration.arm)?;
@@ -197,7 +198,7 @@ impl ExplorationTask {
         Ok(())
     }
 
-    /// Leads a rod that is clamped already back along the ray on which it stands.
+    /// Leads a rod that is clamped already back along its ray.
     fn straighten(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
         let joints = self.joints(at.cell)?;
         let direction = self.record.rows.len();
@@ -205,8 +206,8 @@ impl ExplorationTask {
         let (_, away) = ray.nearest(&joints);
         if away > ON_RAY {
             return Err(WorkError::Failed(format!(
-                "a rod is clamped, but arm and chuck do not stand on the ray of direction {}: a joint is {away:.3} away from it. \
-                 Bring the rod to be straight by hand",
+                "a rod is clamped, but arm and chuck are not on the ray of direction {}: a joint is {away:.3} away from it. \
+                 Straighten the rod by hand",
                 direction + 1
             )));
         }
@@ -248,7 +249,7 @@ impl ExplorationTask {
         Ok(())
     }
 
-    /// Writes what was seen along a direction.
+    /// Writes the measurements along a direction.
     fn write_looks(
         &self,
         index: usize,

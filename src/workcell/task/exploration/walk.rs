@@ -1,4 +1,4 @@
-//! Motions along a ray, looks from there, and the search for the instability.
+//! Motions along a ray, pictures from there, and the search for the instability.
 
 use super::ray::{Ray, SPACING};
 use crate::task::error::WorkError;
@@ -8,27 +8,27 @@ use rodlab_lab::experiment::ClampedRod;
 use rodlab_vision::{ColourRule, MarkerErrors, Point, compare_markers, find_markers};
 use serde::Serialize;
 
-/// Fewest and most pixels of a marker.
+/// Smallest and largest number of pixels of a marker.
 const MARKER_AREA: [usize; 2] = [6, 2000];
-/// How far from its place a marker is looked for, over the length of the rod.
+/// Search radius of a marker, over the length of the rod.
 const GATE: f64 = 0.1;
 /// Part of the markers that must be found: where fewer are, the rod is not where the helix would be.
 const FOUND: f64 = 0.5;
-/// Joints nearer than this, rad or m, are there.
+/// Distance below which joints count as at their target, rad or m.
 const THERE: f64 = 1e-4;
-/// How long the arm rests after a step before the camera looks, s.
+/// Rest of the arm after a step before the camera takes a picture, s.
 const REST: f64 = 0.3;
 /// The folder of the newest motion.
 pub const LOG: &str = "motion";
 
-/// How the instability is sought.
+/// Settings of the search for the instability.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SearchSteps {
-    /// Distance ‖(κ, τ, ω)‖ from look to look on the way out.
+    /// Distance ‖(κ, τ, ω)‖ between pictures on the way out.
     pub step: f64,
     /// The same where the instability has been passed once.
     pub precision: f64,
-    /// Mean distance of the markers from those of the helix, over the length of the rod, above which it is no helix.
+    /// Mean distance of the markers from the helix, over the length of the rod, above which the rod is not a helix.
     pub deviation: f64,
     /// Greatest speed of the hand on the way out, m/s, and ten times that in rad/s, which bounds the chuck, too.
     pub speed: f64,
@@ -36,10 +36,10 @@ pub struct SearchSteps {
     pub return_speed: f64,
 }
 
-/// What was seen.
+/// Measurement in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Look {
-    /// Number of the look.
+    /// Number of the picture.
     pub look: usize,
     /// Distance ‖(κ, τ, ω)‖ of the clamps.
     pub distance: f64,
@@ -51,14 +51,14 @@ pub struct Look {
     pub is_helix: bool,
 }
 
-/// What is known of a direction once it was searched.
+/// Result of the search along a direction.
 #[derive(Clone, Debug)]
 pub struct Searched {
     /// The largest distance at which the rod was the helix, and the next one, at which it was not, if there was any.
     pub stable: f64,
     /// See `stable`.
     pub lost: Option<f64>,
-    /// All looks.
+    /// All measurements.
     pub looks: Vec<Look>,
     /// The newest picture, with the markers in it and those that were expected, where it was not.
     pub lost_picture: Option<Picture>,
@@ -71,7 +71,7 @@ pub struct Picture {
     pub pixels: RgbImage,
     /// All spots of the colour of markers.
     pub spots: Vec<Point>,
-    /// How far they are from their places.
+    /// Their distances from the expected places.
     pub errors: MarkerErrors,
 }
 
@@ -81,9 +81,9 @@ pub struct Walker<'a> {
     pub arm: WorkingArm<'a>,
     /// The rod.
     pub rod: &'a ClampedRod,
-    /// Which pixels are markers.
+    /// Colour of the markers.
     pub colour: &'a ColourRule,
-    /// How it goes on.
+    /// Settings of the search.
     pub steps: SearchSteps,
 }
 
@@ -112,7 +112,7 @@ impl Walker<'_> {
         })
     }
 
-    /// Goes from where joints stand to a point of a ray, over the points between, and rests there.
+    /// Moves from the current joints to a point of a ray, over the points between, and rests there.
     ///
     /// # Errors
     /// Something fails on the way.
@@ -160,7 +160,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// The last point of the ray at which the rod is the helix, and the next one, at which it is none any more.
+    /// The last point of the ray at which the rod is the helix, and the next one, at which it is not.
     fn outwards(&mut self) -> Result<(usize, Option<usize>), WorkError> {
         let SearchSteps {
             step, precision, ..
@@ -184,13 +184,13 @@ impl Walk<'_> {
         })
     }
 
-    /// Goes back to the straight rod. One that snapped is taken anew there: it keeps something of it, by all signs whole turns of twist,
+    /// Returns to the straight rod. A rod that snapped is clamped again there: it keeps a part of it, apparently whole turns of twist,
     /// which a straight rod does not show.
     fn straighten(&mut self, has_snapped: bool) -> Result<(), WorkError> {
         self.go(0)?;
         if !self.look()? {
             return Err(WorkError::failed(
-                "the rod does not become straight again; look at it, and begin a new exploration with another one",
+                "the rod does not become straight again; inspect it, and start a new exploration with another one",
             ));
         }
         match has_snapped {
@@ -199,7 +199,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Goes on by so many points until the rod is no helix, or the ray ends; returns the point before it was none.
+    /// Advances in steps of so many points until the rod is not a helix, or the ray ends; returns the last point with a helix.
     fn advance(&mut self, points: usize) -> Result<Option<usize>, WorkError> {
         let last = self.ray.points.len() - 1;
         while self.at < last {
@@ -282,7 +282,7 @@ fn compare(
 }
 
 /// Mean distance of the markers that were found from their places, over the length of the rod; `None` where too few were. A
-/// marker that another one hides, as where the rod crosses itself in the picture, says nothing.
+/// marker that another one hides, as where the rod crosses itself in the picture, is ignored.
 fn deviation(errors: &MarkerErrors, length: f64) -> Option<f64> {
     let found: Vec<f64> = errors.metres.iter().flatten().copied().collect();
     let enough = found.len() as f64 >= FOUND * errors.metres.len() as f64;

@@ -5,14 +5,14 @@ use crate::cell::{Cell, Place, PlanError, PlanReport, PlanRequest};
 use nalgebra::{Translation3, Vector3};
 use rodlab_robot::{JointTrajectory, Pose};
 
-/// Where the hand waits in front of the edge, in the frame of the sheet, m: behind it and above.
+/// Place of the hand before the edge, in the frame of the sheet, m: behind it and above.
 const READY: [f64; 2] = [-0.04, 0.02];
-/// How far the hand rises after it has let go, m.
+/// Rise of the hand after it has released the edge, m.
 const RISE: f64 = 0.05;
 /// Points per second of the plan.
 const RATE: u32 = 100;
 
-/// What is to be planned.
+/// Request for a plan.
 #[derive(Clone, Copy)]
 pub struct FoldMotionRequest<'a> {
     /// The cell.
@@ -39,7 +39,7 @@ pub struct FoldMotion {
 }
 
 impl FoldMotionRequest<'_> {
-    /// Plans all of a way.
+    /// Plans the motions along a path.
     ///
     /// # Errors
     /// It cannot be followed.
@@ -88,7 +88,7 @@ impl FoldMotionRequest<'_> {
             .continuation(self.arm, &path, from, self.speed, RATE)
     }
 
-    /// The motion by which the hand rises from where it let go.
+    /// The motion by which the hand rises after the release.
     ///
     /// # Errors
     /// It cannot be done.

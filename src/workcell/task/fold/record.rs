@@ -1,4 +1,4 @@
-//! What a fold leaves in a results directory for programs and people.
+//! The record of a fold in a results directory, for programs and people.
 
 use super::score::{FoldScore, Look};
 use crate::cell::PlanReport;
@@ -6,7 +6,7 @@ use crate::task::record::{Report, TaskHead, TaskRecord};
 use serde::Serialize;
 use std::path::Path;
 
-/// What `manifest.json` holds, and `report.md` says.
+/// Contents of `manifest.json` and `report.md`.
 #[derive(Clone, Debug, Serialize)]
 pub struct FoldRecord {
     /// Title of the cell.
@@ -15,21 +15,21 @@ pub struct FoldRecord {
     pub arm: String,
     /// Title of the sheet.
     pub paper: String,
-    /// How far its edge goes, m.
+    /// Distance by which its edge moves, m.
     pub target_m: f64,
-    /// How its way was planned.
+    /// Algorithm of its path.
     pub algorithm: String,
-    /// Parts of the way, after each of which the camera looks.
+    /// Number of parts of the path; the camera takes a picture after each.
     pub parts: usize,
-    /// Whether they are planned anew where the sheet has slid.
+    /// Whether they are replanned if the sheet has slid.
     pub closed_loop: bool,
     /// Numbers of the motion as it was planned before.
     pub motion: PlanReport,
     /// Where the middle of the edge of the sheet was seen, x and y in the cell, m, and the direction over the sheet, degrees.
     pub sheet_place: Option<[f64; 3]>,
-    /// What the camera saw on the way.
+    /// Measurements of the camera after each part.
     pub looks: Vec<Look>,
-    /// What the fold came to.
+    /// Score of the fold.
     pub score: Option<FoldScore>,
 }
 
@@ -42,7 +42,7 @@ impl TaskRecord for FoldRecord {
         report.row("arm", self.arm.as_str());
         report.row("its edge goes", mm(self.target_m));
         let how = if self.closed_loop {
-            "planned anew where the sheet has slid"
+            "replanned where the sheet has slid"
         } else {
             "as planned before"
         };
@@ -68,13 +68,13 @@ impl TaskRecord for FoldRecord {
         }
         if !self.looks.is_empty() {
             report.text +=
-                "\n| part | edge along, up | slid | next part planned anew |\n|---|---|---|---|\n";
+                "\n| part | edge along, up | slid | next part replanned |\n|---|---|---|---|\n";
         }
         for look in &self.looks {
             let [along, up] = look.edge_m.map(mm);
             let slid = or_not_seen(look.slid_m.map(mm));
-            let anew = if look.is_planned_anew { "yes" } else { "no" };
-            report.text += &format!("| {} | {along}, {up} | {slid} | {anew} |\n", look.part);
+            let replanned = if look.is_planned_anew { "yes" } else { "no" };
+            report.text += &format!("| {} | {along}, {up} | {slid} | {replanned} |\n", look.part);
         }
         let parts = (1..=self.parts).map(|part| {
             let words = format!("After part {part}, with the free end that was found");

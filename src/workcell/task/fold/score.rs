@@ -1,31 +1,31 @@
-//! What the camera saw of a sheet while it was folded, and what the fold came to.
+//! Measurements of a sheet by the camera while it was folded, and the score of the fold.
 
 use serde::Serialize;
 
-/// A look at the sheet after a part of its way.
+/// Measurement of the sheet after a part of its path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Look {
     /// The part, from 1.
     pub part: usize,
-    /// Where the edge is, by the joints of the arm, in the frame of the sheet, m: along the fold and up.
+    /// Position of the edge, by the joints of the arm, in the frame of the sheet, m: along the fold and up.
     pub edge_m: [f64; 2],
-    /// How far the free end has slid in the direction of the fold, m, where it is seen.
+    /// Slide of the free end in the direction of the fold, m, if it is seen.
     pub slid_m: Option<f64>,
-    /// Whether the next part is planned anew.
+    /// Whether the next part is replanned.
     pub is_planned_anew: bool,
 }
 
-/// What a fold came to, before the gripper let go. Lengths that the camera did not see at the end are `None`: the edge lay over the
+/// Score of a fold, before the gripper opened. Lengths that the camera did not see at the end are `None`: the edge lay over the
 /// free end, which may have slid anywhere under it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FoldScore {
-    /// How far the free end had slid in the direction of the fold at the end, m.
+    /// Slide of the free end in the direction of the fold at the end, m.
     pub sliding_m: Option<f64>,
-    /// How far it had slid when it was seen last, m.
+    /// Slide when the free end was seen last, m.
     pub last_seen_sliding_m: f64,
     /// The part after which it was seen last, from 1.
     pub last_seen_part: usize,
-    /// The farthest that it was seen to have slid, m.
+    /// Largest slide that was seen, m.
     pub largest_sliding_m: f64,
     /// Whether at the end the edge lay on the free end, so that this was seen no more.
     pub is_end_hidden: bool,
@@ -65,8 +65,8 @@ pub fn looks_csv(looks: &[Look]) -> String {
     for look in looks {
         let [x, z] = look.edge_m;
         let slid = look.slid_m.map(|slid| format!("{slid:.6}"));
-        let (part, slid, anew) = (look.part, slid.unwrap_or_default(), look.is_planned_anew);
-        text += &format!("{part},{x:.6},{z:.6},{slid},{anew}\n");
+        let (part, slid, replanned) = (look.part, slid.unwrap_or_default(), look.is_planned_anew);
+        text += &format!("{part},{x:.6},{z:.6},{slid},{replanned}\n");
     }
     text
 }

@@ -1,4 +1,4 @@
-//! A sheet as the camera of a cell sees it: where it lies, how far its free end has slid, whether its edge has slipped away.
+//! Measurement of a sheet by the camera of a cell: its place, the slide of its free end, whether its edge has slipped away.
 
 use crate::cell::Cell;
 use image::RgbImage;
@@ -10,9 +10,9 @@ use rodlab_vision::{
     find_sheet,
 };
 
-/// How far its sides may differ from those of its file, as parts of its length.
+/// Tolerance of its sides against those of its file, over its length.
 const SIDES: f64 = 0.03;
-/// How far from where it is expected the free end is looked for, m: farther than a sheet slides that is held.
+/// Search radius of the free end, m: more than a held sheet slides.
 const REACH: f64 = 0.1;
 /// An edge that is seen as near as this to the free end may hide it, m: two pixels or so.
 const COVER: f64 = 1.5e-3;
@@ -21,7 +21,7 @@ const BESIDE_CORNER: [f64; 2] = [0.02, 0.45];
 /// Parts of a sheet's width at which it is looked for paper where there should be none.
 const ACROSS: [f64; 5] = [-0.3, -0.15, 0.0, 0.15, 0.3];
 
-/// What looks for a sheet.
+/// Detector of a sheet.
 pub struct Sight {
     /// The camera, locating on the upper side of the sheet.
     camera: Camera,
@@ -35,9 +35,9 @@ pub struct Sight {
 /// A free end that was seen.
 #[derive(Clone, Debug)]
 pub struct SeenEnd {
-    /// How far it has slid in the direction of the fold, m.
+    /// Slide in the direction of the fold, m.
     pub slid: f64,
-    /// How far it has turned about the vertical, rad: a sheet that slides straight does not.
+    /// Rotation about the vertical, rad: zero for a sheet that slides straight.
     pub turned: f64,
     /// Where its edges are seen, pixels.
     pub edges: Vec<[Point; 2]>,
@@ -47,7 +47,7 @@ impl Sight {
     /// For a sheet that lies on the table of a cell.
     ///
     /// # Errors
-    /// In words: the cell has no camera.
+    /// A message: the cell has no camera.
     pub fn new(
         cell: &Cell,
         paper: Paper,

@@ -1,4 +1,4 @@
-//! A sheet folded by an arm, looked at on the way and scored.
+//! A sheet folded by an arm, measured after each part and scored.
 
 use super::motion::{FoldMotion, FoldMotionRequest, heading};
 use super::record::FoldRecord;
@@ -18,11 +18,11 @@ use rodlab_robot::{JointTrajectory, Pose};
 use rodlab_vision::{ColourRule, edges_overlay, encode_picture, sheet_overlay};
 use std::time::Duration;
 
-/// How long a sheet is left to itself before it is looked at.
+/// Time of rest of a sheet before a picture is taken.
 const REST: Duration = Duration::from_millis(300);
-/// What a camera cannot tell from no sliding, m: less is no reason to plan anew.
+/// Resolution of the slide in a picture, m: a smaller slide is ignored.
 const LEAST_SLIDING: f64 = 3e-4;
-/// How far the free end may turn about the vertical, rad: at its ends a sheet of 21 cm has then slid by 5 mm.
+/// Largest rotation of the free end about the vertical, rad: at its ends a sheet of 21 cm has then slid by 5 mm.
 const MOST_ASKEW: f64 = 0.05;
 /// The edge must have come so far along the fold, m, before it shows that nothing lies where it lay.
 const CLEARLY_AWAY: f64 = 0.04;
@@ -37,14 +37,14 @@ const SCORE: Stage = Stage::new("score", "scoring", HELD);
 const LET_GO: Stage = Stage::new("let-go", "letting the edge go", HELD);
 const RETREAT: Stage = Stage::new("retreat", "going out of the picture", LET_LIE);
 const LOOK_AGAIN: Stage = Stage::new("look-again", "looking again", LET_LIE);
-/// What to do after stages before the sheet is taken, while it is held, and after it was let go.
-const UNTOUCHED: &str = "the sheet was not touched: look at the arm and at the camera, then run the command again with --checked";
-const HELD: &str = "the gripper may hold the sheet: look at the arm, open the gripper and lay the sheet flat, then run the command \
+/// Advice after stages before the sheet is taken, while it is held, and after it was released.
+const UNTOUCHED: &str = "the sheet was not touched: inspect the arm and the camera, then run the command again with --checked";
+const HELD: &str = "the gripper may hold the sheet: inspect the arm, open the gripper and lay the sheet flat, then run the command \
                     again with --checked";
-const LET_LIE: &str = "the sheet is folded and let go: look at the arm; `rodlab measure sheet` shows how the sheet lies; begin the \
-                       next task with --checked";
+const LET_LIE: &str = "the sheet is folded and released: inspect the arm; `rodlab measure sheet` measures the sheet; pass --checked to the \
+                       next task";
 
-/// What is folded, by whom and how.
+/// Plan of a fold.
 pub struct FoldPlan {
     /// Index of the arm.
     pub arm: usize,
@@ -52,17 +52,17 @@ pub struct FoldPlan {
     pub title: String,
     /// The sheet.
     pub paper: Paper,
-    /// Where its edge goes.
+    /// Target of its edge.
     pub crease: Crease,
-    /// How its way is planned, by its name.
+    /// Name of the algorithm that plans its path.
     pub algorithm: String,
-    /// The same as it is planned.
+    /// Algorithm that plans its path.
     pub request: FoldRequest,
-    /// Whether its parts are planned anew where the sheet has slid.
+    /// Whether its parts are replanned if the sheet has slid.
     pub is_closed_loop: bool,
-    /// Where the sheet is expected: of the directions of the sheet that lies there the nearest to that of this frame is taken.
+    /// Expected frame of the sheet: of the directions of the sheet the nearest to that of this frame is used.
     pub frame: Pose,
-    /// Which pixels are paper.
+    /// Colour of the paper.
     pub colour: ColourRule,
     /// Greatest speed of the hand while it folds, m/s.
     pub speed: f64,
@@ -78,15 +78,15 @@ pub struct FoldTask {
     /// The motions of the sheet where it is expected.
     expected: Option<FoldMotion>,
     record: FoldRecord,
-    /// What is known of the sheet, once it was seen.
+    /// State of the sheet, once it was seen.
     folding: Option<Folding>,
 }
 
-/// What is known of a sheet that lies there.
+/// State of a sheet on the table.
 struct Folding {
     sight: Sight,
     frame: Pose,
-    /// Where its free end seemed to be before anything moved, from where its file says, m.
+    /// Measured offset of its free end before anything moved, against its file, m.
     zero: f64,
     way: FoldWay,
     motion: FoldMotion,
@@ -188,7 +188,7 @@ impl FoldTask {
         self.folding.as_ref().expect("the sheet was seen")
     }
 
-    /// Looks where the sheet lies, and plans its way from there.
+    /// Locates the sheet, and plans its path from there.
     fn find(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
         let plan = &self.plan;
         let sight = Sight::new(at.cell, plan.paper, plan.crease, &plan.colour)?;
@@ -212,7 +212,7 @@ impl FoldTask {
         Ok(())
     }
 
-    /// Leads the edge part by part, and looks after each.
+    /// Leads the edge part by part, and takes a picture after each.
     fn fold(&mut self, at: &Workplace<'_>) -> Result<(), WorkError> {
         let arm = WorkingArm {
             at,
@@ -235,7 +235,7 @@ impl FoldTask {
 
     fn score(&mut self) -> Result<(), WorkError> {
         let score = FoldScore::of(&self.record.looks, self.plan.request.target);
-        let unseen = "the free end of the sheet was not seen once";
+        let unseen = "the free end of the sheet was never seen";
         let score = score.ok_or_else(|| WorkError::failed(unseen))?;
         if score.is_end_hidden {
             tracing::warn!(
@@ -246,7 +246,7 @@ impl FoldTask {
         Ok(())
     }
 
-    /// The motion of a part, planned anew where the sheet is seen to have slid.
+    /// The motion of a part, replanned if the sheet has slid.
     fn next_part(&mut self, part: usize, cell: &Cell) -> Result<JointTrajectory, WorkError> {
         let Self {
             plan,
@@ -268,10 +268,10 @@ impl FoldTask {
         if !plan.is_closed_loop || farther.abs() < LEAST_SLIDING {
             way.keep(part);
         } else {
-            let planned = way.anew(part, slid);
+            let planned = way.replan(part, slid);
             planned.map_err(|error| {
                 WorkError::Failed(format!(
-                    "the sheet has slid by {:.1} mm, and part {} of the way cannot be planned anew: {error}",
+                    "the sheet has slid by {:.1} mm, and part {} of the path cannot be replanned: {error}",
                     1e3 * slid,
                     part + 1
                 ))
@@ -281,7 +281,7 @@ impl FoldTask {
         Ok(plan.motions(cell, *frame).onwards(last, &way.hands(part))?)
     }
 
-    /// Looks how far the sheet has slid after a part, and whether its edge is still held.
+    /// Measures the slide of the sheet after a part, and whether its edge is still held.
     fn look(&mut self, part: usize, hand: &Pose, at: &Workplace<'_>) -> Result<(), WorkError> {
         let folding = self.folding.as_ref().expect("the sheet was seen");
         let looks = &mut self.record.looks;

@@ -1,4 +1,4 @@
-//! The way of the edge of a sheet in parts, of which each is planned anew where the sheet has slid.
+//! The path of the edge of a sheet in parts, each of which is replanned if the sheet has slid.
 
 use crate::cell::sums;
 use nalgebra::Translation3;
@@ -9,34 +9,34 @@ use std::sync::Arc;
 /// What an arm that lays an edge down stays above the sheet below, m: nothing is pressed with its accuracy.
 const CLEARANCE: f64 = 1e-4;
 
-/// A fold as it is asked for.
+/// Request for a fold.
 #[derive(Clone, Copy, Debug)]
 pub struct FoldRequest {
     /// The sheet in the direction of the fold.
     pub sheet: FoldedSheet,
     /// Its thickness, m.
     pub thickness: f64,
-    /// How far the edge goes, m.
+    /// Distance by which the edge moves, m.
     pub target: f64,
-    /// How its way is planned.
+    /// Algorithm that plans its path.
     pub algorithm: Algorithm,
-    /// Parts of the way; one is not planned anew.
+    /// Number of parts of the path; a single one is not replanned.
     pub parts: usize,
 }
 
-/// The way of an edge.
+/// The path of an edge.
 #[derive(Clone, Debug)]
 pub struct FoldWay {
     request: FoldRequest,
     planner: Arc<FoldPlanner>,
     /// Poses of each part on the sheet, in L_gb; each begins where the one before ends.
     parts: Vec<Vec<FoldPose>>,
-    /// How far the sheet is believed to have slid while each is done, m.
+    /// Estimated slide of the sheet during each part, m.
     slid: Vec<f64>,
 }
 
 impl FoldWay {
-    /// Plans a way.
+    /// Plans a path.
     ///
     /// # Errors
     /// The target cannot be reached.
@@ -74,11 +74,11 @@ impl FoldWay {
         self.parts[part].iter().map(hand).collect()
     }
 
-    /// Plans a part anew: after the one before it the sheet has slid by so much in all, m.
+    /// Replans a part: after the one before it the sheet has slid by so much in total, m.
     ///
     /// # Errors
-    /// No way leads on.
-    pub fn anew(&mut self, part: usize, slid: f64) -> Result<(), FoldError> {
+    /// No path continues from there.
+    pub fn replan(&mut self, part: usize, slid: f64) -> Result<(), FoldError> {
         let ends = [part - 1, part].map(|part| self.parts[part][self.parts[part].len() - 1]);
         let unit = self.request.sheet.gravito_bending_length;
         let farther = (slid - self.slid[part - 1]) / unit;
@@ -88,18 +88,18 @@ impl FoldWay {
         Ok(())
     }
 
-    /// Keeps a part as it was planned, on a sheet that is believed to have slid as far as during the one before it.
+    /// Keeps a part as it was planned, on a sheet with the same estimated slide as during the one before it.
     pub fn keep(&mut self, part: usize) {
         self.slid[part] = self.slid[part - 1];
     }
 
-    /// How far the sheet is believed to have slid in a part, m.
+    /// Estimated slide of the sheet in a part, m.
     pub fn slid(&self, part: usize) -> f64 {
         self.slid[part]
     }
 }
 
-/// Cuts a way into parts that take about as long.
+/// Cuts a path into parts of about the same duration.
 fn in_parts(poses: &[FoldPose], parts: usize) -> Vec<Vec<FoldPose>> {
     let ways = sums(poses.windows(2).map(|pair| pair[0].way_to(&pair[1])));
     let last = poses.len() - 1;
@@ -150,7 +150,7 @@ mod tests {
     fn a_part_that_is_planned_anew_begins_where_the_hand_is_and_ends_as_much_farther() {
         let mut way = a4(5);
         let planned = way.hands(3);
-        way.anew(3, 4e-3).unwrap();
+        way.replan(3, 4e-3).unwrap();
         let anew = way.hands(3);
         let away = |one: &Pose, other: &Pose| other.translation.vector - one.translation.vector;
         assert!(away(&planned[0], &anew[0]).xy().norm() < 1e-9);

@@ -13,20 +13,20 @@ use nalgebra::Translation3;
 use rodlab_planning::plan::tying::GripperPoses;
 use rodlab_robot::{JointTrajectory, Pose, subdivide};
 
-/// How far above a strand the hand is that comes to it, or has let it go, m.
+/// Height above a strand of a hand that approaches or has released it, m.
 const RISE: f64 = 0.06;
-/// Rest between the motion of one arm and that of the other, s: they begin a little apart, as messages do.
+/// Rest between the motion of one arm and that of the other, s: their messages arrive at slightly different times.
 const REST: f64 = 0.3;
-/// Ways shorter than this are none, m.
+/// Length below which a path is ignored, m.
 const NO_WAY: f64 = 1e-6;
 /// Times of a schedule nearer than this are the same, s.
 const SAME: f64 = 1e-6;
-/// Distance of the points by which the length of a way is told, m.
+/// Spacing of the points by which the length of a path is computed, m.
 const SPACING: f64 = 1e-3;
 
-/// How a rod is laid.
+/// Motions by which a rod is laid.
 pub struct Laying {
-    /// Both arms, while the one that lays comes from home; `None` for the first rod, to which it comes from where it stands.
+    /// Both arms, while the one that lays comes from home; `None` for the first rod, which it approaches from its current joints.
     pub approach: Option<JointTrajectory>,
     /// The arm that lays, while it does.
     pub motion: JointTrajectory,
@@ -40,7 +40,7 @@ pub struct Stretch {
     pub name: String,
     /// The motion.
     pub motion: JointTrajectory,
-    /// Which gripper, of the first arm or the second, does what then.
+    /// Gripper, of the first arm or the second, with its action after the motion.
     pub then: Option<(usize, Grip)>,
 }
 
@@ -49,7 +49,7 @@ pub struct Choreography<'a> {
     request: &'a TieMotionRequest<'a>,
     frame: Pose,
     both: TwoArms<'a>,
-    /// All that was put together.
+    /// Motions that were put together.
     pub done: Vec<JointTrajectory>,
 }
 
@@ -184,12 +184,12 @@ impl Choreography<'_> {
         }
     }
 
-    /// One arm goes on, and the other one rests.
+    /// Moves one arm, while the other one rests.
     fn go(&mut self, which: usize, ways: &[JointTrajectory]) {
         self.go_both(which, [ways, &[]]);
     }
 
-    /// An arm and the other one go on.
+    /// Moves an arm and the other one.
     fn go_both(&mut self, which: usize, [ways, others]: [&[JointTrajectory]; 2]) {
         self.both.go(match which {
             0 => [ways, others],
@@ -217,7 +217,7 @@ impl Choreography<'_> {
     /// An arm that has let go rises and goes home.
     ///
     /// # Errors
-    /// It cannot.
+    /// The hand cannot rise, or the arm cannot return.
     pub fn homewards(&mut self, which: usize) -> Result<(), PlanError> {
         let mut ways = vec![self.raised(which)?];
         let home = self.straight(which, last_of(&ways[0]), self.request.home(which))?;

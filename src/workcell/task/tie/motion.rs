@@ -8,7 +8,7 @@ use crate::cell::{PlanError, PlanReport};
 use crate::task::room::is_in_room;
 use rodlab_robot::{FAR, JointTrajectory, Pose, pose};
 
-/// Points of a motion between those at which the distance of the arms to everything is looked at.
+/// Number of points of a motion between those at which the clearance of the arms is checked.
 const STRIDE: usize = 5;
 
 /// The planned motions.
@@ -21,11 +21,11 @@ pub struct TieMotion {
     pub last: usize,
     /// See `last`.
     pub retreat: JointTrajectory,
-    /// All of that as one motion of both arms, for people to see.
+    /// All of that as one motion of both arms, for the page.
     pub whole: JointTrajectory,
     /// Numbers of the path of the first arm.
     pub report: PlanReport,
-    /// Least distance of both to each other and to anything else, m; 0.2 stands for that and more.
+    /// Least distance of both from each other and from anything else, m; 0.2 means 0.2 or more.
     pub least_clearance: f64,
     /// The frame of the patterns in the cell.
     pub frame: Pose,
@@ -95,8 +95,8 @@ fn clearance(request: &TieMotionRequest<'_>, motion: &JointTrajectory) -> Result
         if near.distance < request.margin {
             let [one, other] = &near.between;
             return Err(format!(
-                "{one} comes within {:.3} m of {other} {time:.1} s after one of their motions has begun; \
-                 allowed: {} m, --margin says how much",
+                "{one} comes within {:.3} m of {other} {time:.1} s after the start of one of their motions; \
+                 allowed: {} m, see --margin",
                 near.distance.max(0.0),
                 request.margin
             ));

@@ -1,4 +1,4 @@
-//! What two grippers do with one rod, or with two, in the frame of the patterns.
+//! Plan of two grippers with one rod, or with two, in the frame of the patterns.
 
 use nalgebra::Vector3;
 use rodlab_engine::mechanics::rotation;
@@ -31,9 +31,9 @@ impl PlannedRod {
     }
 }
 
-/// How the end of a rod is led. Times are counted from when that begins, s.
+/// Motion of the end of a rod. Times are counted from its start, s.
 pub struct Lead {
-    /// When the end is where, and when strands are lifted.
+    /// Schedule of the end, and of the lifts of strands.
     pub schedule: Schedule,
     /// Poses of the gripper that leads the end.
     pub end: GripperPoses,
@@ -41,11 +41,11 @@ pub struct Lead {
     pub lifts: Vec<LiftPath>,
 }
 
-/// What the grippers do.
+/// Plan of the grippers.
 pub struct KnotPlan {
     /// The rods, in the order in which they are laid: the first by the first arm, the second by the second.
     pub rods: Vec<PlannedRod>,
-    /// The crossings, in the order in which rods come to them again.
+    /// The crossings, in the order in which rods reach them again.
     pub passages: Vec<Passage>,
     /// Ends that are led, in the order in which they are: that of the last rod first, which its gripper holds still.
     pub leads: Vec<Lead>,
@@ -108,7 +108,7 @@ impl KnotPlan {
         self.leads.iter().map(|lead| lead.lifts.len()).sum()
     }
 
-    /// How long tying takes by its schedules, s.
+    /// Duration of tying by its schedules, s.
     pub fn duration(&self) -> f64 {
         let leads = self.leads.iter();
         leads.map(|lead| lead.schedule.duration()).sum()

@@ -1,4 +1,4 @@
-//! What a knot leaves in a results directory for programs and people.
+//! The record of a knot in a results directory, for programs and people.
 
 use super::score::{TieScore, knot_in_words};
 use crate::cell::PlanReport;
@@ -8,7 +8,7 @@ use rodlab_planning::plan::tying::Pass;
 use serde::Serialize;
 use std::path::Path;
 
-/// What `manifest.json` holds, and `report.md` says.
+/// Contents of `manifest.json` and `report.md`.
 #[derive(Clone, Debug, Serialize)]
 pub struct TieRecord {
     /// Title of the cell.
@@ -17,7 +17,7 @@ pub struct TieRecord {
     pub arms: [String; 2],
     /// The patterns, as given.
     pub patterns: Vec<String>,
-    /// How rods pass their crossings when they come to them again.
+    /// Passes of the rods over or under their crossings when they reach them again.
     pub passes: Vec<Pass>,
     /// The knot that was drawn; `null` where it depends on how ends are joined.
     pub drawn: Option<KnotInvariants>,
@@ -27,9 +27,9 @@ pub struct TieRecord {
     pub motion: PlanReport,
     /// Duration of all motions from the first laying on, grips left out, s.
     pub duration_s: f64,
-    /// Least distance of both arms to each other and to anything else, m; 0.2 stands for that and more.
+    /// Least distance of both arms from each other and from anything else, m; 0.2 means 0.2 or more.
     pub least_clearance_m: f64,
-    /// What it came to.
+    /// Outcome of the knot.
     pub score: Option<TieScore>,
 }
 

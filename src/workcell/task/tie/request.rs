@@ -1,4 +1,4 @@
-//! What is asked of two arms that are to tie a knot.
+//! Request to two arms to tie a knot.
 
 use crate::cell::{Cell, Place, PlanError, PlanReport, PlanRequest};
 use rodlab_robot::Pose;
@@ -6,7 +6,7 @@ use rodlab_robot::Pose;
 /// Points per second of motions.
 pub const RATE: u32 = 100;
 
-/// What is to be planned.
+/// Request for the motions of a knot.
 pub struct TieMotionRequest<'a> {
     /// The cell.
     pub cell: &'a Cell,
@@ -23,7 +23,7 @@ pub struct TieMotionRequest<'a> {
 }
 
 impl TieMotionRequest<'_> {
-    /// Where the joints of one of the arms are at rest.
+    /// Joint positions of one of the arms at rest.
     pub fn home(&self, which: usize) -> &Vec<f64> {
         &self.cell.arms[self.arms[which]].home
     }

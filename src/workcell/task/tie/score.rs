@@ -5,18 +5,18 @@ use rodlab_planning::knot::KnotInvariants;
 use rodlab_vision::SeenLength;
 use serde::Serialize;
 
-/// What there is without a knot.
+/// Invariants of a curve without a knot.
 const NO_KNOT: KnotInvariants = KnotInvariants {
     determinant: 1,
     signature: 0,
 };
 
-/// What a knot came to.
+/// Outcome of a knot.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TieScore {
     /// Whether the knot that was drawn is tied; `null` where the picture does not decide. Where none was drawn none is tied.
     pub tied: Option<bool>,
-    /// Why the picture does not decide.
+    /// Reason why the picture does not decide.
     pub undecided: Option<String>,
     /// The knot that was drawn; `null` where it depends on how ends are joined.
     pub drawn: Option<KnotInvariants>,
@@ -48,7 +48,7 @@ impl TieScore {
         }
     }
 
-    /// Whether it is tied, in words.
+    /// Whether it is tied, as text.
     pub fn in_words(&self) -> String {
         match (self.tied, &self.undecided) {
             (Some(true), _) => "tied as drawn".into(),
@@ -56,7 +56,7 @@ impl TieScore {
             (Some(false), _) => "not tied".into(),
             (None, reason) => format!(
                 "undecided: {}",
-                reason.as_deref().unwrap_or("the picture does not tell")
+                reason.as_deref().unwrap_or("the picture does not show it")
             ),
         }
     }

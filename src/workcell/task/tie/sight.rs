@@ -1,4 +1,4 @@
-//! Rods as the camera sees them, with what lies over what: which knot that is.
+//! Rods in a picture of the camera, with the order of strands at crossings, and their knot.
 
 use crate::cell::sums;
 use crate::task::look::Seen;
@@ -10,11 +10,11 @@ use rodlab_planning::knot::KnotInvariants;
 use rodlab_vision::{Passage, Point, Strand, StrandCrossing, VisionError, find_crossings};
 use serde::Serialize;
 
-/// How sure it must be which strand lies on top: below, both are tried. Pictures of the virtual cell tell it with 0.2 to 0.9.
+/// Least confidence in the order of strands at a crossing: below, both orders are tried. Pictures of the virtual cell give 0.2 to 0.9.
 const SURE: f64 = 0.1;
-/// Most crossings of which it is not sure: both orders of each are tried.
+/// Largest number of uncertain crossings: both orders of each are tried.
 const MOST_UNSURE: usize = 8;
-/// Height of what passes over a crossing, over the length of the rod: any will do.
+/// Height of a strand that passes over a crossing, over the length of the rod; its value is arbitrary.
 const HEIGHT: f64 = 0.01;
 
 /// A place along a rod that was seen.
@@ -35,7 +35,7 @@ pub struct SeenCrossing {
     pub position_m: [f64; 2],
     /// Whether the second place lies over the first.
     pub over: bool,
-    /// How sure that is: 0 for a guess.
+    /// Confidence in that order: 0 for a guess.
     pub confidence: f64,
 }
 
@@ -236,10 +236,10 @@ mod tests {
         let alternating = [true, false, true];
         assert_eq!(seen(alternating, [1.0; 3]), invariants(3, -2));
         assert_eq!(seen([true; 3], [1.0; 3]), invariants(1, 0));
-        // With the other order at one crossing there is no knot.
+        // With the other order at one crossing the curve is unknotted.
         let words = seen(alternating, [1.0, 0.01, 1.0]).unwrap_err();
         assert!(words.contains("does not show"), "{words}");
-        // All of it lies over or under: whatever the first crossing is.
+        // All of it lies over or under, independently of the first crossing.
         let mut loose = trefoil([(true, 0.0), (true, 1.0), (true, 1.0)]);
         loose.crossings.truncate(1);
         assert_eq!(loose.knot(), invariants(1, 0));

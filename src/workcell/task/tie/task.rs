@@ -25,13 +25,13 @@ const LET_GO: Stage = Stage::new("let-go", "letting it go", HELD);
 const RETREAT: Stage = Stage::new("retreat", "going out of the picture", LET_LIE);
 const LOOK: Stage = Stage::new("look", "looking", LET_LIE);
 const SCORE: Stage = Stage::new("score", "scoring", LET_LIE);
-/// What to do after stages in which a rod is held, and after all were let go.
-const HELD: &str = "a gripper may hold a rod: look at both arms, open their grippers and take the rods off the table, then run the \
+/// Advice after stages in which a rod is held, and after all were released.
+const HELD: &str = "a gripper may hold a rod: inspect both arms, open their grippers and take the rods off the table, then run the \
                     command again with --checked; tying starts from the beginning";
-const LET_LIE: &str = "the rods are let go: look at both arms and at the camera; `rodlab trace` with the camera shows what lies \
-                       there; begin the next task with --checked";
+const LET_LIE: &str = "the rods are released: inspect both arms and the camera; `rodlab trace` with the camera shows the rods on the \
+                       table; pass --checked to the next task";
 
-/// What is tied, by whom and how.
+/// Plan of a knot in a cell.
 pub struct TiePlan {
     /// Indices of the arm that lays the first rod, and of the other one.
     pub arms: [usize; 2],
@@ -39,7 +39,7 @@ pub struct TiePlan {
     pub names: Vec<String>,
     /// The motions.
     pub motion: TieMotion,
-    /// What they are to come to.
+    /// The knot to tie.
     pub knot: KnotPlan,
     /// Greatest speed of a hand that holds nothing, m/s.
     pub free_speed: f64,

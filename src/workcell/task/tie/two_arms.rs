@@ -32,7 +32,7 @@ impl<'a> TwoArms<'a> {
         &self.joints[which]
     }
 
-    /// Goes on with ways of each arm, one after the other, from where it is, with points each 10 ms; who has come first rests.
+    /// Appends paths of each arm, one after the other, from its last joints, with points each 10 ms; the arm that finishes first rests.
     pub fn go(&mut self, ways: [&[JointTrajectory]; 2]) {
         let points = ways.map(|ways| {
             let points = ways.iter().flat_map(|way| &way.points);
