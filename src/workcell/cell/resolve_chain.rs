@@ -113,7 +113,7 @@ fn chain_of_joints(
         tool: Pose::identity(),
     };
     let mut names = BTreeSet::new();
-    // Mimicked joints may stand behind those that mimic them.
+    // Mimicked joints may follow those that mimic them.
     for (k, joint) in typed.iter().enumerate() {
         let path = path.key("joints").index(k);
         let name = match joint {

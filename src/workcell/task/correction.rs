@@ -155,8 +155,8 @@ fn along(curve: &[Point], length: f64) -> Option<Vec<(f64, Point)>> {
     None
 }
 
-/// The row of `corrections.csv` of a look with the gripper at pose `index`: what was seen, what the rod is believed to be then, and
-/// what looking and planning took.
+/// The row of `corrections.csv` of a picture with the gripper at pose `index`: the measurement, the estimate of the rod, and
+/// the time that vision and planning took.
 fn row(
     path: &CorrectedPath,
     index: usize,

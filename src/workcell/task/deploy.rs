@@ -19,29 +19,29 @@ use rodlab_vision::{Point, SCORE_POINTS, Score, part_of_curve, pattern_csv, scor
 const APPROACH: Stage = Stage::new(
     "approach",
     "going to the first point",
-    "no rod lies yet: look at the arm and at what is in its way, then run the command again with --checked",
+    "no rod is laid yet: inspect the arm and its surroundings, then run the command again with --checked",
 );
 const TAKE: Stage = Stage::new(
     "take",
     "taking the rod",
-    "no rod lies yet: look whether the gripper holds the rod, open it, then run the command again with --checked",
+    "no rod is laid yet: check whether the gripper holds the rod, open it, then run the command again with --checked",
 );
 const LAY: Stage = Stage::new(
     Stage::LAY,
     "laying it",
-    "the gripper may hold the rod: look at the arm, take the rod out and off the table, then run the command again with --checked; \
+    "the gripper may hold the rod: inspect the arm, take the rod out and off the table, then run the command again with --checked; \
      laying starts from the beginning",
 );
 const LET_GO: Stage = Stage::new(
     "let-go",
     "letting it go",
-    "the rod lies up to the gripper, which may still hold it: look at the arm and open the gripper; begin the next task with --checked",
+    "the rod is laid up to the gripper, which may still hold it: inspect the arm and open the gripper; pass --checked to the next task",
 );
 const RETREAT: Stage = Stage::new(
     "retreat",
     "going out of the picture",
-    "the rod lies and is let go: look at the arm and lead it out of the picture; `rodlab trace` with the camera and `rodlab score` \
-     show how the rod lies; begin the next task with --checked",
+    "the rod is laid and released: inspect the arm and move it out of the picture; `rodlab trace` with the camera and `rodlab score` \
+     show the rod; pass --checked to the next task",
 );
 const LOOK: Stage = Stage::new("look", "looking", LIES);
 const SCORE: Stage = Stage::new("score", "scoring", LIES);

@@ -118,7 +118,7 @@ pub fn write_manifest<R: Serialize + ?Sized>(
 /// The picture with the rod that was found in it, and its caption.
 pub const OVERLAY: (&str, &str) = (
     "overlay.png",
-    "What the camera saw, with the rod that was found",
+    "Picture of the camera, with the rod that was found",
 );
 
 /// A report: a title, a table of two columns, then text in Markdown.

@@ -5,14 +5,14 @@ use rodlab_robot::{Chain, PartTrajectory, Pose};
 
 /// Joints farther than this, rad or m, from where they should be end a motion.
 const PATH_TOLERANCE: f64 = 0.3;
-/// Joints as near as this, rad or m, to the last point have come there.
+/// Distance of a joint from the last point within which the point is reached, rad or m.
 const GOAL_TOLERANCE: f64 = 2e-3;
 /// Time after the last point in which they must have, s.
 const SETTLING: f64 = 1.0;
-/// By how much a trajectory may exceed the speed of a joint: rounding in its numbers.
+/// Tolerance of a trajectory beyond the speed limit of a joint, for rounding in its numbers.
 const SPEED_MARGIN: f64 = 1.05;
 
-/// How an arm answers to what it is told.
+/// Response of an arm to commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
     /// Time from a command to the first motion, s.
@@ -31,16 +31,16 @@ impl Default for Response {
     }
 }
 
-/// How a motion ended, in the codes of `control_msgs/FollowJointTrajectory`.
+/// End of a motion, in the codes of `control_msgs/FollowJointTrajectory`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ended {
     /// At the last point.
     There,
-    /// A joint left the path (−4), or did not come to the last point (−5).
+    /// A joint left the path (−4), or did not reach the last point (−5).
     Broken(Refusal),
 }
 
-/// Why a goal is not taken, or was broken off.
+/// Reason why a goal is rejected, or was aborted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
     /// Error code of the result; −1 for an impossible goal, −2 for other joints.
@@ -99,7 +99,7 @@ impl SimulatedArm {
         joints.map(|joint| joint.name.as_str()).collect()
     }
 
-    /// Where they are, rad or m.
+    /// Their positions, rad or m.
     pub fn joints(&self) -> &[f64] {
         &self.joints
     }
@@ -114,13 +114,13 @@ impl SimulatedArm {
         self.goal.is_some() || self.next.is_some()
     }
 
-    /// What is clamped or handed over needs an arm that stands still.
+    /// Refuses to clamp or hand over a rod while the arm moves.
     ///
     /// # Errors
     /// It moves.
     pub fn must_stand(&self) -> Result<(), String> {
         match self.is_moving() {
-            true => Err("the rod is handed over to an arm that stands still".into()),
+            true => Err("the arm must be at rest while the rod is handed over".into()),
             false => Ok(()),
         }
     }
@@ -198,7 +198,7 @@ impl SimulatedArm {
         &self.chain.joints[joint].name
     }
 
-    /// Moves on by `step` to the time `now`, s; says how a motion ended.
+    /// Advances by `step` to the time `now`, s; returns the end of a motion.
     pub fn advance(&mut self, now: f64, step: f64) -> Option<Ended> {
         let latency = self.response.latency;
         let elapsed = |begin: f64| now - begin - latency;

@@ -1,4 +1,4 @@
-//! Hostile clients: whatever they send, others are served, answers are short, and the server continues.
+//! Hostile clients: for any message, others are served, answers are short, and the server continues.
 
 use super::VirtualCell;
 use crate::test_cells::{gantry, settings};
@@ -17,7 +17,7 @@ type Client = WebSocket<MaybeTlsStream<TcpStream>>;
 const PATIENCE: Duration = Duration::from_secs(20);
 const ACTION: &str = "/gantry/follow_joint_trajectory";
 
-/// Lets an attack go on against a gantry; a well-behaved client is served afterwards, and the server has not failed.
+/// Runs an attack against a gantry; a well-behaved client is served afterwards, and the server has not failed.
 fn attacked(attack: impl FnOnce(SocketAddr)) {
     let is_over = AtomicBool::new(false);
     std::thread::scope(|scope| {
@@ -77,7 +77,7 @@ fn wait_for(client: &mut Client, what: impl Fn(&Value) -> bool) -> Value {
     panic!("no answer");
 }
 
-/// A new client hears the clock.
+/// A new client receives the clock.
 fn is_served(address: SocketAddr) {
     let mut client = connect(address);
     subscribe(&mut client, "/clock");

@@ -1,4 +1,4 @@
-//! A virtual cell that is served beside what is done in it, in the same process.
+//! A virtual cell that is served in the process of the task in it.
 
 use super::server::{ServeError, VirtualCell};
 use super::settings::{ANY_PORT, Settings};
@@ -7,10 +7,10 @@ use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Longest silence of a driver: a hard step of what is simulated takes longer than a robot may be silent.
+/// Longest silence of a driver: a hard step of the simulation takes longer than the limit for a robot.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Does something with a cell that is served meanwhile, whose drivers and camera find it; returns what it came to, and the cell as it was
+/// Carries out work with a cell that is served meanwhile, whose drivers and camera connect to it; returns its result, and the cell as it was
 /// left.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! The camera of a virtual cell: pictures of what lies on the table, made beside everything else.
+//! The camera of a virtual cell: pictures of the table, made in a thread of its own.
 
 use super::message::published;
 use super::sheet_picture::{SeenSheet, SheetView};
@@ -23,10 +23,10 @@ const MARKER_COLOUR: [u8; 3] = [50, 95, 235];
 const SPACING: f64 = 0.5;
 /// Most points of a rendered rod.
 const MOST_POINTS: usize = 50_000;
-/// What is nearer to the camera than this is out of focus, m.
+/// Distance from the camera below which objects are out of focus, m.
 const NEAREST: f64 = 0.2;
 
-/// What there is to see.
+/// Visible objects.
 #[derive(Default)]
 pub struct Scenery {
     /// Nodes of each rod, of two at most, and its radius, m.
@@ -71,7 +71,7 @@ impl PictureTaker {
         self.under_way = Some(receiver);
         std::thread::spawn(move || {
             let picture = picture(&camera, scenery, number);
-            // Nobody waits for it any more where this fails.
+            // This fails only if the receiver is gone.
             let _ = sender.send(message(&picture, &topic, number, &stamp));
         });
     }
@@ -221,7 +221,7 @@ mod tests {
         let points = fine(&nodes, 1e-3);
         let mut steps = points.windows(2).map(|pair| (pair[1] - pair[0]).norm());
         assert!(steps.all(|step| step <= 1.01e-3));
-        // Chords are 1.2e-4 m off; the direction at both ends nobody knows.
+        // Chords are 1.2e-4 m off; the direction at both ends is undefined.
         let inner = &points[20..points.len() - 20];
         let off = inner.iter().map(|point| (point.norm() - 0.1).abs());
         assert!(off.fold(0.0, f64::max) < 1e-6);

@@ -13,7 +13,7 @@ use rodlab_lab::run::PreparedRun;
 use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
 
-/// How far the hand may be from the end of the straight rod when it is handed over, over the rod's length, and how far turned, rad:
+/// Largest distance of the hand from the end of the straight rod at the hand-over, over the length of the rod, and rotation, rad:
 /// a person bends it by so much.
 const REACH: [f64; 2] = [0.05, 0.2];
 /// Index of the clamp of the chuck, and of that of the hand.
@@ -66,7 +66,7 @@ impl ChuckedSupply {
     /// chuck, rad.
     ///
     /// # Errors
-    /// In words: the hand is not where the straight rod ends, or it cannot be simulated.
+    /// A message: the hand is not at the end of the straight rod, or the rod cannot be simulated.
     fn handed(&self, arm: usize, hand: &Pose, angle: f64, now: f64) -> Result<ChuckedRod, String> {
         let (distance, turned) = distance_and_angle(&self.end(), &(self.chuck.inverse() * hand));
         let [most, most_turned] = [REACH[0] * self.rod.length, REACH[1]];
@@ -137,7 +137,7 @@ impl Chuck {
         grip.map_or(Ok(()), |grip| rod.simulation.release(grip.clamp))
     }
 
-    /// Leads the rod on to `now`, s, with the hand of the arm that took it and the chuck; whether it has come there.
+    /// Advances the rod to `now`, s, with the hand of the arm that took it and the chuck; returns whether it has reached that time.
     ///
     /// # Errors
     /// The rod finds no step.
@@ -182,7 +182,7 @@ struct ChuckedRod {
 }
 
 impl ChuckedRod {
-    /// Moves on towards the time `now`, s; whether it has come there. Hard steps take long: then it must be called again, with
+    /// Advances towards the time `now`, s; returns whether it has reached it. Hard steps take long: then it must be called again, with
     /// the same clamps, so that others need not wait.
     fn advance(
         &mut self,

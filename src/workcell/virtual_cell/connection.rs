@@ -19,7 +19,7 @@ use tungstenite::{Message, WebSocket};
 const LARGEST_MESSAGE: usize = 32 << 20;
 /// Most that waits for a client that reads slowly, bytes: a picture and a few seconds of reports.
 const MOST_WAITING: usize = 32 << 20;
-/// Longest time for a client to say what it wants to be.
+/// Longest time for the handshake of a client.
 const HANDSHAKE: Duration = Duration::from_secs(2);
 /// Most messages that are taken of a client at a time, of any kind, and bytes after which no further one is taken.
 const AT_A_TIME: usize = 32;
@@ -79,7 +79,7 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// A client that has knocked; with a token it must know it. `None` where it is gone already.
+    /// A client that has connected; if the server has a token, the client must present it. `None` if it has disconnected already.
     pub fn accept(id: u64, stream: TcpStream, token: Option<&str>) -> Option<Self> {
         let prepared = stream.set_nonblocking(true).and(stream.set_nodelay(true));
         prepared.ok()?;
@@ -120,12 +120,12 @@ impl Connection {
         };
     }
 
-    /// Whether it is gone.
+    /// Whether it has disconnected.
     pub fn is_closed(&self) -> bool {
         matches!(self.link, Link::Closed)
     }
 
-    /// How long its place has been of no use, where it may go to another client: it has not said what it wants to be, or it is silent
+    /// Time for which its place has been idle, if it may go to another client: its handshake is incomplete, or it is silent
     /// and has subscribed nothing.
     pub fn idle(&self) -> Option<Duration> {
         match self.link {
@@ -142,7 +142,7 @@ impl Connection {
         self.link = Link::Closed;
     }
 
-    /// What has come since the last time.
+    /// Messages since the last call.
     pub fn receive(&mut self) -> Vec<String> {
         let mut texts = Vec::new();
         if let Link::Opening(_) = self.link {
@@ -217,7 +217,7 @@ impl Connection {
         self.pace.as_ref()?.seen()
     }
 
-    /// Sends on what waits.
+    /// Sends the waiting bytes.
     pub fn flush(&mut self) {
         let due: Vec<String> = self
             .topics

@@ -1,9 +1,9 @@
-//! Faults that a virtual cell is told to have.
+//! Faults to inject into a virtual cell.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// What goes wrong.
+/// Kinds of faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
     /// All connections are cut; new ones are taken.
@@ -24,12 +24,12 @@ const KINDS: [(&str, FaultKind); 4] = [
     ("lose-camera", FaultKind::LoseCamera),
 ];
 
-/// A fault, and when it comes.
+/// A fault with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// What goes wrong.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// When, s of the cell's time in which an arm moves: the time that clients need between motions does not count.
+    /// Time, s of the clock of the cell while an arm moves: the time that clients need between motions does not count.
     pub time: f64,
 }
 

@@ -4,12 +4,12 @@ use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::Motion;
 use rodlab_robot::{Pose, between};
 
-/// How far from a rod that lies the hand may be, seen from above, and how far above or below it, m: the fingers are open by so much.
+/// Largest distance of the hand from a lying rod, seen from above, and above or below it, m: the opening of the fingers.
 const REACH: f64 = 0.015;
-/// Nodes beside one that is held that nobody else takes hold of: a gripper is there already.
+/// Number of nodes beside a held one that no other gripper can take: a gripper is there already.
 const BESIDE: usize = 2;
 
-/// What a gripper holds of a rod. Poses are in the frame of the simulation.
+/// Grip of a gripper on a rod. Poses are in the frame of the simulation.
 pub(super) struct Grip {
     /// The arm that holds it.
     pub holder: usize,
@@ -25,7 +25,7 @@ pub(super) struct Grip {
     handed_by: f64,
     /// Lowest height of the hand, m: there the table stops it.
     lowest: f64,
-    /// What the clamp turns about: the hand, or its own middle.
+    /// Centre of rotation of the clamp: the hand, or its own middle.
     pivot: Option<Vector3>,
 }
 
@@ -90,7 +90,7 @@ impl Grip {
     }
 }
 
-/// The node that a hand reaches, the nearest seen from above, if there is one that nobody holds.
+/// The node that a hand reaches, the nearest seen from above, if there is a free one.
 pub(super) fn within_reach(hand: &Vector3, nodes: &[Vector3], grips: &[Grip]) -> Option<usize> {
     let away = |node: &usize| (nodes[*node] - hand).xy().norm();
     let is_free = |node: &usize| grips.iter().all(|grip| grip.node.abs_diff(*node) > BESIDE);

@@ -1,4 +1,4 @@
-//! What clients say to a rosbridge server, and what it says to them: JSON, by the rosbridge protocol 2.
+//! Messages between clients and a rosbridge server: JSON, by the rosbridge protocol 2.
 
 use super::subscription::Wish;
 use rodlab_robot::{PartTrajectory, RosVersion};
@@ -17,7 +17,7 @@ const LONGEST_NAME: usize = 256;
 const LONGEST_THROTTLE: u64 = 3_600_000;
 const MOST_QUEUED: u64 = 100;
 
-/// What a client asks for.
+/// Request of a client.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
     /// To receive a topic.
@@ -48,7 +48,7 @@ impl Request {
     /// Reads a message.
     ///
     /// # Errors
-    /// In words: it is no JSON, or asks for something that is not known here.
+    /// A message: the text is not JSON, or the request is not supported.
     pub fn read(text: &str) -> Result<Self, String> {
         // Each value takes far more memory than its text.
         let separators = text.bytes().filter(|byte| b",[{".contains(byte)).count();
@@ -58,7 +58,7 @@ impl Request {
             ));
         }
         let message: Value =
-            serde_json::from_str(text).map_err(|error| format!("no JSON: {error}"))?;
+            serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))?;
         let name = |value: &Value, what: &str| match value.as_str() {
             Some(name) if name.len() <= LONGEST_NAME => Ok(name.to_owned()),
             _ => Err(format!(
@@ -110,7 +110,7 @@ impl Request {
                         id: name(&said["id"], "id")?,
                     });
                 }
-                Err(format!("nobody hears {topic}"))
+                Err(format!("no subscriber for {topic}"))
             }
             "send_action_goal" => Ok(Self::Goal {
                 action: name(&message["action"], "action")?,
@@ -123,7 +123,7 @@ impl Request {
             }),
             _ => {
                 let op: String = op.chars().take(LONGEST_NAME).collect();
-                Err(format!("the operation {op:?} is not known here"))
+                Err(format!("the operation {op:?} is not supported"))
             }
         }
     }
@@ -200,7 +200,7 @@ pub fn complaint(words: &str, goal: Option<&str>) -> String {
     message.to_string()
 }
 
-/// A goal as its client knows it.
+/// A goal as its client names it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GoalName {
     /// Which ROS the action is of.
@@ -211,12 +211,12 @@ pub struct GoalName {
     pub id: String,
 }
 
-/// How a goal ended.
+/// Result of a goal.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// As it should.
+    /// Succeeded.
     Succeeded,
-    /// Somebody cancelled it.
+    /// Cancelled by a client.
     Cancelled,
     /// It was not taken, or broken off: error code and words.
     Aborted(i64, String),
@@ -299,19 +299,19 @@ mod tests {
         let long = "x".repeat(300);
         let throttled = json!({ "op": "subscribe", "topic": "/clock", "throttle_rate": -1 });
         for (message, expected) in [
-            (json!({ "op": "shout" }), "not known here"),
+            (json!({ "op": "shout" }), "not supported"),
             (json!({ "op": "subscribe" }), "a topic"),
             (throttled, "throttle_rate"),
             (json!({ "op": "subscribe", "topic": long }), "a topic"),
             (
                 json!({ "op": "publish", "topic": "/chat", "msg": {} }),
-                "nobody hears",
+                "no subscriber",
             ),
         ] {
             let error = Request::read(&message.to_string()).unwrap_err();
             assert!(error.contains(expected), "{error}");
         }
-        assert!(Request::read("{").unwrap_err().contains("no JSON"));
+        assert!(Request::read("{").unwrap_err().contains("not JSON"));
         for body in [
             json!({}),
             json!({ "trajectory": { "joint_names": ["a"], "points": [{ "positions": [] }] } }),

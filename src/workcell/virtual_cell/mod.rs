@@ -1,6 +1,6 @@
-//! A virtual robot cell: what a cell file describes, simulated, behind the rosbridge protocol of real ones.
+//! A virtual robot cell: a simulation of a cell file behind the rosbridge protocol of real cells.
 //!
-//! A client cannot tell the difference: arms follow `control_msgs/FollowJointTrajectory` late and a little behind, grippers
+//! It looks like a real cell to a client: arms follow `control_msgs/FollowJointTrajectory` with latency and lag, grippers
 //! `control_msgs/GripperCommand`; a rod that is handed to a gripper hangs from it, is laid on a table with friction, taken hold of by
 //! other grippers, and let go; a camera shows it. Or a sheet lies there, which a gripper takes by its edge and folds. The clock of the
 //! cell, `/clock`, is real time or faster, and waits where the simulation or a client cannot keep up.
@@ -15,16 +15,16 @@
 //! | `chuck` | a rod clamped between a chuck and a hand, led and twisted |
 //! | `sheet`, `sheet_picture` | a sheet on the table in simulation: taken by its edge, folded, let go; what a camera sees of it |
 //! | `camera` | pictures of all that |
-//! | `simulated_cell` | all of them on one clock, and what goes wrong |
-//! | `fault` | faults that a cell is told to have |
+//! | `simulated_cell` | all of them on one clock, with faults |
+//! | `fault` | faults to inject into a cell |
 //! | `topics` | names of actions and topics |
 //! | `message` | the rosbridge protocol |
 //! | `goal_status` | goals as the status topics list them |
 //! | `subscription` | how often a client receives a topic |
 //! | `pace` | how much of the cell's time a client has seen |
 //! | `connection` | a client, with bounds on all that comes and goes |
-//! | `settings` | what is in it, and how it is served |
-//! | `beside` | a cell served beside what is done in it, in the same process |
+//! | `settings` | its contents, and the settings of the server |
+//! | `beside` | a cell served in the process of the task in it |
 //! | `server` | clients, goals, reports |
 
 mod arm;

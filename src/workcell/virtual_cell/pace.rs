@@ -39,7 +39,7 @@ impl Pace {
         Some(now.to_le_bytes())
     }
 
-    /// Reads an answer. What was never sent is none.
+    /// Reads an answer. Times that were never sent are ignored.
     pub fn pong(&mut self, payload: &[u8]) {
         let time = payload.try_into().map(f64::from_le_bytes);
         if let Ok(time) = time

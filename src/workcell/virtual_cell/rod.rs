@@ -13,7 +13,7 @@ use rodlab_planning::plan::pattern::{Line, PatternSource, Point};
 use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
 
-/// How far the hand may be from where the rod hangs by itself, in gravito-bending lengths, and how far turned, rad: a person
+/// Largest distance of the hand from where the rod hangs by itself, in gravito-bending lengths, and rotation, rad: a person
 /// bends it by so much.
 const REACH: [f64; 2] = [2.0, 0.6];
 /// Least part of the hand's y axis that must be level for the rod to have a direction on the table.
@@ -35,7 +35,7 @@ pub struct RodSupply {
     fixtures: Option<(Fixtures, Pose)>,
 }
 
-/// Why there are no rods.
+/// Reason why rods cannot be supplied.
 #[derive(Debug, thiserror::Error)]
 pub enum RodError {
     /// The file is faulty.
@@ -117,7 +117,7 @@ impl RodSupply {
                  [time]\nstep = \"5 ms\"\nend = 10.0\n{last}"
             )
         };
-        // Any short line will do; how short, the rod says.
+        // Any short line is sufficient; the rod determines its length.
         let first = loaded("rod", &text(1e-3))?;
         let tables: Option<&DeploymentTables> = first.scenario.experiment.tables();
         let tables = tables.expect("the tables of a deployment");
@@ -174,7 +174,7 @@ impl RodSupply {
     /// [`RodSupply::with_free_end`].
     ///
     /// # Errors
-    /// In words: no rod of this length hangs there, or it cannot be simulated.
+    /// A message: a rod of this length cannot hang there, or it cannot be simulated.
     pub fn handed(
         &self,
         arm: usize,
@@ -238,7 +238,7 @@ impl RodSupply {
         let across = held.rotation * Vector3::y();
         if libm::hypot(across.x, across.y) < LEVEL {
             return Err(
-                "the y axis of the hand is not level: a rod that it held would hang in no direction"
+                "the y axis of the hand is not level: the direction of a hanging rod is undefined"
                     .into(),
             );
         }
@@ -264,7 +264,7 @@ impl RodSupply {
         Ok(frame)
     }
 
-    /// The same beside a rod, of another `kind`, that lies there and that nobody holds.
+    /// The same beside a rod, of another `kind`, that lies on the table and that no gripper holds.
     ///
     /// # Errors
     /// As [`Self::handed`].
@@ -286,7 +286,7 @@ impl RodSupply {
         for tangent in handed.end_tangents.iter_mut().flatten() {
             *tangent = moved.rotation * *tangent;
         }
-        // What lies there goes on from rest, its twist forgotten.
+        // The lying rod continues from rest, without its twist.
         let mut first = kind.prepared.scene.rods[0].clone();
         first.name = "lying".into();
         first.centreline = lying.positions().to_vec();

@@ -20,11 +20,11 @@ use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, TcpListener};
 use std::time::{Duration, Instant};
 
-/// Most clients at a time.
+/// Largest number of clients at a time.
 const MOST_CLIENTS: usize = 16;
 /// Longest time in which the server steps without listening.
 const WORK: Duration = Duration::from_millis(5);
-/// Time for which it rests where nothing is to be done.
+/// Time for which it sleeps when idle.
 const REST: Duration = Duration::from_millis(1);
 /// How far, s on our clock, the cell may fall behind before its clock waits for it.
 const BEHIND: f64 = 0.05;
@@ -38,22 +38,22 @@ const STATUS: Duration = Duration::from_millis(200);
 /// Time between pictures, s of the cell's clock.
 const PICTURE: f64 = 0.1;
 
-/// Why there is no virtual cell, or no more.
+/// Failure of a virtual cell.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
     /// The cell cannot be simulated.
     #[error("{0}")]
     Cell(String),
-    /// Nobody can listen there.
-    #[error("{address}: nobody can listen there: {error}")]
+    /// The server cannot listen on the address.
+    #[error("{address}: cannot listen on this address: {error}")]
     Address {
         /// The address.
         address: SocketAddr,
-        /// Why.
+        /// Error of the system.
         error: io::Error,
     },
     /// The rod or the sheet cannot be simulated any more.
-    #[error("what is on the table cannot be simulated any further: {0}")]
+    #[error("the simulation of the objects on the table failed: {0}")]
     Rod(#[from] SimulationError),
 }
 
@@ -84,7 +84,7 @@ pub struct VirtualCell {
     actions: Vec<[Action; 2]>,
     pictures: Option<PictureTaker>,
     last_picture: f64,
-    /// Clients that watched when the picture under way was begun.
+    /// Subscribers at the start of the picture in progress.
     watchers: Vec<u64>,
     last_report: (f64, Instant),
     last_status: Instant,
@@ -124,10 +124,10 @@ impl VirtualCell {
         })
     }
 
-    /// Where it listens.
+    /// Address on which it listens.
     ///
     /// # Errors
-    /// The system does not say.
+    /// The system does not report it.
     pub fn address(&self) -> io::Result<SocketAddr> {
         self.listener.local_addr()
     }
@@ -140,7 +140,7 @@ impl VirtualCell {
     /// Serves until an interruption is requested.
     ///
     /// # Errors
-    /// What is on the table cannot be simulated any further.
+    /// The simulation of the objects on the table failed.
     pub fn serve(&mut self, is_interrupted: &dyn Fn() -> bool) -> Result<(), ServeError> {
         let mut since = Instant::now();
         let mut began = self.cell.time();
@@ -157,7 +157,7 @@ impl VirtualCell {
                     self.tell(event);
                 }
             }
-            // What cannot be caught up with is given up: the clock of the cell is late.
+            // A delay that cannot be made up is dropped: the clock of the cell is late.
             if clock - self.cell.time() > self.rate * BEHIND {
                 (since, began) = (Instant::now(), self.cell.time());
             }
@@ -172,7 +172,7 @@ impl VirtualCell {
         Ok(())
     }
 
-    /// Lets clients in, hears what they say, and stops the arms of those that are gone.
+    /// Accepts clients, reads their messages, and stops the arms of clients that have disconnected.
     fn listen(&mut self) {
         for _ in 0..MOST_CLIENTS {
             if self.clients.len() >= MOST_CLIENTS && !self.has_idle_client() {
@@ -190,7 +190,7 @@ impl VirtualCell {
                 }
                 Err(error) if error.kind() == ErrorKind::WouldBlock => break,
                 Err(error) => {
-                    tracing::warn!("a client could not be let in: {error}");
+                    tracing::warn!("cannot accept a client: {error}");
                     break;
                 }
             }
@@ -267,7 +267,7 @@ impl VirtualCell {
         }
     }
 
-    /// Takes a goal. An arm is led by one client at a time, until that is gone.
+    /// Accepts a goal. An arm is led by one client at a time, until that client disconnects.
     fn take(
         &mut self,
         index: usize,
@@ -343,7 +343,7 @@ impl VirtualCell {
         }
     }
 
-    /// Tells what has happened.
+    /// Reports the events of a step.
     fn tell(&mut self, event: Event) {
         match event {
             Event::Arm(arm, ended) => {
@@ -355,7 +355,7 @@ impl VirtualCell {
             }
             Event::Gripper(arm) => self.end_under_way(arm, GRIP, &Verdict::Succeeded),
             Event::Fault(kind) => {
-                tracing::warn!("{kind}, as told");
+                tracing::warn!("{kind}, injected");
                 match kind {
                     FaultKind::DropLink => self.clients.iter_mut().for_each(Connection::cut),
                     FaultKind::LoseCamera => self.pictures = None,
@@ -365,7 +365,7 @@ impl VirtualCell {
         }
     }
 
-    /// Tells the time and where the joints are.
+    /// Publishes the time and the positions of the joints.
     fn report(&mut self) {
         let (time, told) = self.last_report;
         let now = self.cell.time();
@@ -430,14 +430,14 @@ impl VirtualCell {
         }
     }
 
-    /// Takes a picture after the other while somebody wants to see them.
+    /// Takes pictures while the topic has subscribers.
     fn take_pictures(&mut self) {
         let Some(pictures) = &mut self.pictures else {
             return;
         };
         let topic = &self.topics.camera;
         if let Some(picture) = pictures.finished() {
-            // Who came later waits for the next one: this shows what was before.
+            // Later subscribers receive the next picture: this one shows an earlier state.
             let watchers = std::mem::take(&mut self.watchers);
             let watching = self.clients.iter_mut();
             for client in watching.filter(|client| !client.is_full()) {

@@ -8,15 +8,15 @@ use super::sheet::SimulatedSheet;
 use rodlab_lab::experiment::Jitter;
 use std::net::SocketAddr;
 
-/// What is in a virtual cell, and how it is served.
+/// Contents of a virtual cell, and settings of its server.
 pub struct Settings {
-    /// Where it listens; with a port of 0 any that is free.
+    /// Address to listen on; a port of 0 selects a free one.
     pub address: SocketAddr,
-    /// What clients must name as the path of the server.
+    /// Token that clients must send as the path of the server.
     pub token: Option<String>,
-    /// How many times as fast as real time.
+    /// Speed relative to real time.
     pub rate: f64,
-    /// How the arms answer.
+    /// Response of the arms.
     pub response: Response,
     /// Rods for the grippers.
     pub supply: Option<RodSupply>,
@@ -26,9 +26,9 @@ pub struct Settings {
     pub sheet: Option<SimulatedSheet>,
     /// Rods between the chuck and a hand.
     pub chucked: Option<ChuckedSupply>,
-    /// How the hands tremble; clients are not informed of it.
+    /// Noise added to the gripper poses; not reported to clients.
     pub jitter: Option<Jitter>,
-    /// What goes wrong.
+    /// Faults to inject.
     pub faults: Vec<Fault>,
 }
 

@@ -16,7 +16,7 @@ use rodlab_lab::experiment::FoldingTables;
 use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
 
-/// How far the hand may be from the middle of the edge that it takes, m, and how far turned, rad.
+/// Largest distance of the hand from the middle of the edge that it takes, m, and rotation, rad.
 const REACH: [f64; 2] = [5e-3, 0.2];
 /// Distance in which layers and the table are felt, m.
 const TOLERANCE: f64 = 2e-5;
@@ -36,7 +36,7 @@ pub struct SheetPlace {
     pub heading: f64,
 }
 
-/// What a sheet came to while a gripper held it.
+/// Motion of a sheet while a gripper held it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldSheet {
     /// The farthest that its free end had slid, m.
@@ -81,7 +81,7 @@ impl SimulatedSheet {
         } else {
             "half"
         };
-        // How it will be folded the gripper knows; a circle needs no plan.
+        // The gripper determines the fold; a circle needs no plan.
         let text = format!(
             "{extends}experiment = \"folding\"\n\
              [folding]\ncrease = \"{crease}\"\nalgorithm = \"circle\"\n\
@@ -135,7 +135,7 @@ impl SimulatedSheet {
     /// The gripper at a hand takes the edge, at the time `now`, s.
     ///
     /// # Errors
-    /// In words: the hand is not at the edge.
+    /// A message: the hand is not at the edge.
     pub fn take(&mut self, hand: &Pose, now: f64) -> Result<(), String> {
         let edge = edge_pose(self.strip.positions());
         let (distance, angle) = distance_and_angle(&(self.frame * edge), hand);
@@ -166,7 +166,7 @@ impl SimulatedSheet {
         self.strip.release()
     }
 
-    /// Moves on towards the time `now`, s, its edge in the hand if that holds it; whether it has come there.
+    /// Advances towards the time `now`, s, its edge in the hand if that holds it; returns whether it has reached that time.
     ///
     /// # Errors
     /// No step is found while it is held.
@@ -217,7 +217,7 @@ impl SimulatedSheet {
         }
     }
 
-    /// What it came to while it was held last, if it was.
+    /// Its motion while it was held last, if it was.
     pub fn last_held(&self) -> Option<HeldSheet> {
         self.last_held
     }
@@ -313,7 +313,7 @@ mod tests {
         // What rises is longer than what it rises from: the sheet is pulled along.
         let held = sheet.last_held().unwrap();
         assert!((-1.5e-3..-1e-4).contains(&held.sliding), "{held:?}");
-        assert!(sheet.take(&hand, 2.0).is_err(), "it is no longer there");
+        assert!(sheet.take(&hand, 2.0).is_err(), "it has moved away");
         sheet.release().unwrap();
         lead(&mut sheet, 2.0, 600, |_| hand);
         assert!(highest(&sheet) < 2e-3);

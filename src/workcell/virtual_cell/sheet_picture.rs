@@ -1,4 +1,4 @@
-//! What a camera sees of a sheet that is folded: a strip that is ruled across, over the table.
+//! The image of a folded sheet in a camera: a strip that is ruled across, over the table.
 //!
 //! It is drawn as what [`render`](rodlab_vision::render) takes the ground for: the colour of each point of the table is that of
 //! the nearest thing on the ray of the camera through it.

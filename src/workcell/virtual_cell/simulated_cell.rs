@@ -20,17 +20,17 @@ use rodlab_robot::{PartTrajectory, Pose};
 pub const STEP: f64 = 5e-3;
 /// Time in which a gripper opens, s.
 const OPENING: f64 = 0.2;
-/// Time between the trembling of one arm and that of the next, which is the same, s: much more than a task takes.
+/// Time shift between the noise of one arm and that of the next, which is the same, s: much more than a task takes.
 const APART: f64 = 1e5;
 
-/// What has happened in a step.
+/// Event in a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// The motion of an arm ended.
     Arm(usize, Ended),
-    /// The gripper of an arm has done what it was told.
+    /// The gripper of an arm has reached its setpoint.
     Gripper(usize),
-    /// A fault has come that is no business of arms and rods.
+    /// A fault is due that does not concern arms and rods.
     Fault(FaultKind),
 }
 
@@ -54,7 +54,7 @@ pub struct SimulatedCell {
     supply: Option<RodSupply>,
     /// Rods of another kind, for the arms after the first.
     second_supply: Option<RodSupply>,
-    /// How the hands tremble, which the joints do not tell.
+    /// Noise of the gripper poses, which the joints do not report.
     jitter: Option<Jitter>,
     /// The rod.
     rod: Option<SimulatedRod>,
@@ -108,7 +108,7 @@ impl SimulatedCell {
         &self.arms
     }
 
-    /// What a camera sees.
+    /// Objects that a camera sees.
     pub fn scenery(&self) -> Scenery {
         let sheet = self.sheet.as_ref().map(|(sheet, _)| sheet.seen());
         if let Some(chuck) = &self.chuck {
@@ -129,7 +129,7 @@ impl SimulatedCell {
         }
     }
 
-    /// How far the fingers of an arm are apart, m: as what they hold is thick, or as they were told; `None` without a gripper.
+    /// Opening of the fingers of an arm, m: the thickness of the held object, or the setpoint; `None` without a gripper.
     pub fn fingers(&self, arm: usize) -> Option<f64> {
         let told = self.grippers[arm]?.told;
         let rod = self.rod.as_ref();
@@ -319,7 +319,7 @@ impl SimulatedCell {
         last.map_or(Ok(()), |arm| rod.release_by(arm))
     }
 
-    /// Moves on by a step, or a rod that takes long to simulate towards the end of the last one.
+    /// Advances by a step, or a rod that takes long to simulate towards the end of the last one.
     ///
     /// # Errors
     /// The rod finds no step.
@@ -347,7 +347,7 @@ impl SimulatedCell {
         Ok(events)
     }
 
-    /// Where the hand of an arm is, trembling.
+    /// Pose of the hand of an arm, with noise.
     fn hand(&self, arm: usize) -> Pose {
         let hand = self.arms[arm].hand();
         match &self.jitter {
@@ -360,7 +360,7 @@ impl SimulatedCell {
         }
     }
 
-    /// Leads what is held on to now; whether it has come there.
+    /// Advances the held objects to the current time; returns whether they have reached it.
     fn lead(&mut self) -> Result<bool, SimulationError> {
         if let Some(chuck) = &mut self.chuck {
             let angle = self.arms[chuck.part()].joints()[0];
@@ -381,7 +381,7 @@ impl SimulatedCell {
         has_come
     }
 
-    /// Lets the faults come whose time it is.
+    /// Injects the faults that are due.
     fn suffer(&mut self) -> Result<Vec<Event>, SimulationError> {
         let Some(moved) = self.moved else {
             return Ok(Vec::new());

@@ -106,7 +106,7 @@ impl SimulatedRod {
         Ok(())
     }
 
-    /// The node that a hand in the cell reaches: the nearest within 1.5 cm seen from above, if the hand is as low as it, and nobody
+    /// The node that a hand in the cell reaches: the nearest within 1.5 cm seen from above, if the hand is as low as it, and no gripper
     /// holds the rod there.
     pub fn within_reach(&self, hand: &Pose) -> Option<usize> {
         let hand = self.frame.inverse() * hand;
@@ -133,7 +133,7 @@ impl SimulatedRod {
         Ok(())
     }
 
-    /// A new clamp of a node at the time `now`, s. A rod that lay goes on from there.
+    /// A new clamp of a node at the time `now`, s. A lying rod continues from there.
     fn clamped(&mut self, node: usize, now: f64) -> Result<usize, SimulationError> {
         let grasp = Grasp {
             position: true,
@@ -149,7 +149,7 @@ impl SimulatedRod {
         Ok(clamp)
     }
 
-    /// Moves on towards the time `now`, s, what is held of it in the hand; whether it has come there. Hard steps take long: then it
+    /// Advances towards the time `now`, s, its held part in the hand; returns whether it has reached that time. Hard steps take long: then it
     /// must be called again, with the same hand, so that others need not wait.
     ///
     /// # Errors
@@ -190,7 +190,7 @@ impl SimulatedRod {
         }
     }
 
-    /// Notes whether a rod that was let go rests, or falls in a way that takes too long to simulate.
+    /// Detects whether a released rod rests, or falls in a way that takes too long to simulate.
     fn settled(&mut self, work: Instant) {
         // One that was held still rests until its first step.
         if self.is_held() || self.simulation.time() <= self.released {
@@ -202,7 +202,7 @@ impl SimulatedRod {
         self.rests = fastest < REST;
         if !self.rests && self.falling > LONGEST_FALL {
             tracing::warn!(
-                "the rod that was let go takes long to simulate: it stays as it is, its fastest node at {fastest:.3} m/s"
+                "the released rod takes long to simulate and is frozen; its fastest node moves at {fastest:.3} m/s"
             );
             self.rests = true;
         }
@@ -213,7 +213,7 @@ impl SimulatedRod {
         if self.is_held() {
             return Err(error);
         }
-        tracing::warn!("the rod that was let go stays as it is: {error}");
+        tracing::warn!("the released rod is frozen: {error}");
         self.rests = true;
         Ok(())
     }
@@ -260,7 +260,7 @@ impl SimulatedRod {
     /// Multiplies a load of its scene by a factor, see [`Simulation::set_load_factor`].
     ///
     /// # Errors
-    /// There is no such load.
+    /// The load does not exist.
     pub fn set_load(&mut self, load: usize, factor: f64) -> Result<(), SimulationError> {
         self.simulation.set_load_factor(load, factor)
     }

@@ -1,4 +1,4 @@
-//! What a client has subscribed: how often it wants messages of a topic, and which of them wait for their time.
+//! Subscriptions of a client: the rate of messages of a topic, and the queue of waiting messages.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 const MOST_WAITING: usize = 100;
 const MOST_BYTES: usize = 8 << 20;
 
-/// How a client wants to receive a topic.
+/// Subscription of a client to a topic.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Wish {
     /// Name of the subscription, where a client has several of one topic.

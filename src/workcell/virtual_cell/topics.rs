@@ -1,4 +1,4 @@
-//! What a virtual cell calls its actions and topics: as its cell file does, so that clients find them.
+//! Names of the actions and topics of a virtual cell: those of its cell file, so that clients find them.
 
 use super::axis::moving_parts;
 use crate::cell::{Cell, Driver, ros_version};
@@ -20,7 +20,7 @@ pub const GRIP: usize = 1;
 pub struct ArmTopics {
     /// Its own.
     pub name: String,
-    /// Which ROS it speaks.
+    /// Version of its ROS.
     pub version: RosVersion,
     /// The action by which it moves.
     pub action: String,
@@ -36,7 +36,7 @@ pub struct ArmTopics {
 pub struct Topics {
     /// Those of the arms, then those of the axes.
     pub arms: Vec<ArmTopics>,
-    /// Which ROS the clock and the camera speak: that of the first arm.
+    /// Version of ROS of the clock and the camera: that of the first arm.
     pub version: RosVersion,
     /// The topic of the camera.
     pub camera: String,
@@ -46,7 +46,7 @@ impl Topics {
     /// Those of a cell.
     ///
     /// # Errors
-    /// In words: an arm has another driver, two arms share an action, the camera is too large.
+    /// A message: an arm has another driver, two arms share an action, the camera is too large.
     pub fn of(cell: &Cell) -> Result<Self, String> {
         let mut arms: Vec<ArmTopics> = Vec::new();
         for arm in moving_parts(cell) {
@@ -103,7 +103,7 @@ impl Topics {
     /// Whether there is such a topic.
     ///
     /// # Errors
-    /// There is none.
+    /// It does not exist.
     pub fn know(&self, topic: &str) -> Result<(), String> {
         let of_action = |action: &String| {
             let rest = topic.strip_prefix(action.as_str());
@@ -128,7 +128,7 @@ impl Topics {
     /// The arm of an action, and which of its actions it is: [`MOTION`] or [`GRIP`].
     ///
     /// # Errors
-    /// There is none.
+    /// It does not exist.
     pub fn action(&self, action: &str) -> Result<(usize, usize), String> {
         let mut names: Vec<&str> = Vec::new();
         for (index, arm) in self.arms.iter().enumerate() {

@@ -42,7 +42,7 @@ pub struct ExplorationRecord {
     pub rows: Vec<ExplorationRow>,
 }
 
-/// Where stability was lost over where theory has it, and the section ω = 0 where all directions lie in it.
+/// Measured over theoretical distance of instability, and the section ω = 0 if all directions lie in it.
 const FIGURES: [(&str, &str); 2] = [
     (
         "found.svg",

@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn a_free_end_under_the_edge_has_no_place_and_the_fold_no_length() {
-        // Planned anew for a sheet that has slid by 28 mm, the edge comes to 28 mm beyond its target, wherever the end went since.
+        // Replanned for a sheet that has slid by 28 mm, the edge reaches 28 mm beyond its target, wherever the end went since.
         let looks = [
             look(1, 0.1, Some(-1e-3)),
             look(2, 0.25, Some(28e-3)),

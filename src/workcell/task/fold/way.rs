@@ -151,12 +151,12 @@ mod tests {
         let mut way = a4(5);
         let planned = way.hands(3);
         way.replan(3, 4e-3).unwrap();
-        let anew = way.hands(3);
+        let replanned = way.hands(3);
         let away = |one: &Pose, other: &Pose| other.translation.vector - one.translation.vector;
-        assert!(away(&planned[0], &anew[0]).xy().norm() < 1e-9);
-        let end = away(&planned[planned.len() - 1], &anew[anew.len() - 1]);
+        assert!(away(&planned[0], &replanned[0]).xy().norm() < 1e-9);
+        let end = away(&planned[planned.len() - 1], &replanned[replanned.len() - 1]);
         assert!((end.x - 4e-3).abs() < 1e-9, "{end}");
         way.keep(4);
-        assert_eq!(way.hands(4)[0], anew[anew.len() - 1]);
+        assert_eq!(way.hands(4)[0], replanned[replanned.len() - 1]);
     }
 }
