@@ -1,8 +1,8 @@
-//! Gives the program its commit, so that results state it, and the files of `scenarios`, its presets.
+//! Passes the commit to the program, so that results state it, and the files of `scenarios`, its presets.
 //!
-//! Reads the files of a clone's `.git` and asks no program and no network. Where there is none, as in a package, the
-//! commit stays unknown. Only release builds are told: others would be built anew at every commit. Who
-//! builds elsewhere sets the environment variable `RODLAB_COMMIT`.
+//! Reads the files of the `.git` of a clone, without calling a program or the network. Without `.git`, as in a package, the
+//! commit is unknown. Only release builds contain the commit: others would be rebuilt at every commit. Builds
+//! elsewhere can set the environment variable `RODLAB_COMMIT`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,7 @@ fn list_presets() {
     fs::write(variable("OUT_DIR").join("presets.rs"), expression).expect("OUT_DIR can be written");
 }
 
-/// Adds the files below a folder but documentation.
+/// Adds the files below a folder except documentation.
 fn list(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder)
         .expect("a folder of the package")
@@ -76,7 +76,7 @@ fn commit(git: &Path) -> Option<String> {
     let Some(reference) = head.trim().strip_prefix("ref:").map(str::trim) else {
         return hash(&head);
     };
-    // Branches of further working trees lie with those of the first.
+    // Branches of further working trees are stored with those of the first.
     let common = fs::read_to_string(git.join("commondir")).ok();
     let common = common.map_or_else(|| git.to_owned(), |path| git.join(path.trim()));
     let loose = watched(&common.join(reference));
@@ -89,7 +89,7 @@ fn commit(git: &Path) -> Option<String> {
     })
 }
 
-/// The text of a file; a change of it builds anew.
+/// Returns the text of a file; a change of the file triggers a build.
 fn watched(path: &Path) -> Option<String> {
     let text = fs::read_to_string(path).ok()?;
     println!("cargo:rerun-if-changed={}", path.display());

@@ -24,7 +24,7 @@
 //! ```
 //!
 //! The [`guide`] has a page per topic, from [a first run](guide::getting_started) to
-//! [using the library](guide::library). The rooms, and who may import whom (an arrow means "may import", and what those
+//! [using the library](guide::library). The rooms, and the allowed imports (an arrow means "may import", and what those
 //! may import, too):
 //!
 //! ```text
@@ -50,7 +50,7 @@
 //! results, figure ──> finite, input, origin
 //! ```
 //!
-//! Each room is in a crate of the workspace, below `src`; this one hands on the rooms of all:
+//! Each room is in a crate of the workspace, below `src`; this crate re-exports the rooms of all:
 //!
 //! ```text
 //! rodlab            cli, guide, presets, site, verify, reproduce
@@ -62,7 +62,7 @@
 //! rodlab-files      results, figure, mesh, finite, input, origin
 //! ```
 //!
-//! | room | what lives there |
+//! | room | contents |
 //! |---|---|
 //! | [`cli`] | one file per subcommand: parse, call one library function, print |
 //! | [`guide`] | the guide's pages, here and in `rodlab guide` |
@@ -93,12 +93,12 @@
 //! | [`vision`] | images → centrelines in pixels and metres, cameras, scores |
 //!
 //! Inside [`mechanics`], [`rod`](mechanics::rod), [`contact`](mechanics::contact) and
-//! [`fluid`](mechanics::fluid) do not know each other; [`system`](mechanics::system) adds their forces up into one
+//! [`fluid`](mechanics::fluid) are independent of each other; [`system`](mechanics::system) adds their forces up into one
 //! residual, which [`dynamics`](mechanics::dynamics) steps in time and [`statics`](mechanics::statics) brings to
 //! rest. The time step loop is [`mechanics::dynamics::Simulation::advance`]. `tests/architecture` holds the
 //! direction of imports.
 //!
-//! All quantities are in SI units unless a name says otherwise.
+//! All quantities are in SI units unless a name states another unit.
 
 // Tests compare with a tolerance, and may ask any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]

@@ -6,7 +6,7 @@
  * STEP is PD3 (pin 3), DIR is PD2 (pin 2), ENABLE (low) is PD4 (pin 4). 115200 baud, 8N1.
  *
  * Frames: sequence, kind, data, CRC-16/GENIBUS (high byte first), COBS-stuffed, then a zero. Numbers are little-endian.
- *   0x01 hello                     begin anew: empties the queue, forgives the watchdog, sets the sequence
+ *   0x01 hello                     restart: empties the queue, resets the watchdog, sets the sequence
  *   0x02 move  i32 steps, u32 us   so many steps, evenly spread over so many microseconds
  *   0x03 status
  *   0x04 hold                      stop and empty the queue
@@ -212,7 +212,7 @@ static void take(const uint8_t *frame, uint8_t count)
         last = sequence;
         last_status = TAKEN;
     } else if (sequence == last) {
-        /* The answer was lost; the deed is done, or was refused. */
+        /* The answer was lost; the command was executed or refused. */
         status = last_status;
     } else if (sequence != (uint8_t)(last + 1)) {
         status = OUT_OF_SEQUENCE;

@@ -1,4 +1,4 @@
-"""An arm that follows trajectories: position servos with limits, a path to stay on and a goal to come to."""
+"""An arm that follows trajectories: position servos with limits, and tolerances of path and goal."""
 
 import bisect
 import threading
@@ -68,11 +68,11 @@ class Arm:
             data.qpos[address] = data.ctrl[servo] = position
 
     def positions(self):
-        """Where the joints are, rad."""
+        """Positions of the joints, rad."""
         return [float(self.data.qpos[place]) for place in self.places]
 
     def refusal(self, names, points):
-        """Why a trajectory is not followed, as a code and words; None where it is. A point is time, positions and velocities."""
+        """Reason why a trajectory is refused, as a code and text; None if it is accepted. A point is time, positions and velocities."""
         if sorted(names) != sorted(self.names):
             return INVALID_JOINTS, f"the joints of this arm are {', '.join(self.names)}"
         if not points or any(b[0] <= a[0] for a, b in zip(points, points[1:])):
@@ -103,7 +103,7 @@ class Arm:
         return self.motion
 
     def stop(self):
-        """Stands still where it is."""
+        """Holds its current position."""
         if self.motion:
             self.motion = None
             self.command(self.positions(), [0.0] * len(self.names))

@@ -10,7 +10,7 @@ class Camera:
         self.simulation = simulation
         self.seen = mujoco.MjData(simulation.model)
         self.options = mujoco.MjvOption()
-        # Marks of the model are no part of the cell.
+        # Marks of the model are not part of the cell.
         self.options.sitegroup[:] = 0
         width, height = simulation.cell.picture
         self.renderer = mujoco.Renderer(simulation.model, height, width)

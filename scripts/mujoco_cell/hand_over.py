@@ -31,7 +31,7 @@ class HandOver:
         self.until = None
 
     def begin(self, grip):
-        """Hangs the cable from a site; in words why it cannot hang there, or None."""
+        """Hangs the cable from a site; returns the reason why it cannot hang there, or None."""
         end = self.data.site_xpos[grip].copy()
         y_axis = self.data.site_xmat[grip].reshape(3, 3)[:, 1]
         fall = end[2] - self.height

@@ -1,4 +1,4 @@
-"""What stands in the cell, as an MJCF model: arms with position servos, a cable of capsules, a table, a camera."""
+"""The cell as an MJCF model: arms with position servos, a cable of capsules, a table, a camera."""
 
 import math
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ import mujoco
 
 # MuJoCo's contacts and welds are springs: they give way by about 0.1 mm here.
 STIFF = 'solref="0.004 1" solimp="0.95 0.99 0.001"'
-# What touches what: the table everything, the cable itself and by its nodes the table. Arms do not touch the cable.
+# Contact groups: the table touches everything, the cable itself and by its nodes the table. Arms do not touch the cable.
 TABLE, CABLE, ARM, NODE = 1, 2, 4, 8
 # Resistance of a cable to rolling, N m s/rad: without it a straight one rolls away by itself, a millimetre a second.
 ROLLING = 1e-5
@@ -45,7 +45,7 @@ class Cable:
 
 @dataclass
 class Place:
-    """An arm by its side, and where its base stands: x, y, z, m, and a turn about z, rad."""
+    """An arm by its side, and the pose of its base: x, y, z, m, and a turn about z, rad."""
 
     side: str
     base: tuple
@@ -114,7 +114,7 @@ def servos(chain, side):
 
 
 def cable(rod, friction):
-    """The cable, stored far below until somebody takes it."""
+    """The cable, stored far below until a gripper takes it."""
     shear = rod.youngs_modulus / 3
     bending = rod.youngs_modulus * math.pi * rod.radius**4 / 4
     # That of a cylinder: the round ends of the capsules overlap.

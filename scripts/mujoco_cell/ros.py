@@ -18,7 +18,7 @@ from .camera import Camera
 
 # Time between two reports of the joints, s.
 REPORT = 0.01
-# Time between two looks at a goal, s of a clock on the wall.
+# Time between two polls of a goal, s of wall time.
 LOOK = 0.01
 # Fingers that are to come nearer than this, m, close; they take so long, s.
 CLOSED = 0.02
@@ -26,11 +26,11 @@ FINGERS = 0.5
 
 
 class Node:
-    """Publishes what the simulation does, and lets it do what actions ask for."""
+    """Publishes the state of the simulation, and passes goals of actions to it."""
 
     def __init__(self, simulation, pictures):
         self.simulation, self.pictures = simulation, pictures
-        # Whoever has this parameter goes by our clock.
+        # Nodes that read this parameter use the clock of the simulation.
         rospy.set_param("/use_sim_time", True)
         self.clock = rospy.Publisher("/clock", Clock, queue_size=1)
         self.joints = rospy.Publisher("/robot/joint_states", JointState, queue_size=10)
@@ -40,7 +40,7 @@ class Node:
         threading.Thread(target=self.look, daemon=True).start()
 
     def report(self, time):
-        """Tells the time and the joints, where it is time; whether to go on."""
+        """Publishes the time and the joints when they are due; returns whether to continue."""
         if time - self.reported >= REPORT - 1e-9:
             self.reported = time
             stamp = rospy.Time.from_sec(time)
@@ -55,7 +55,7 @@ class Node:
         return not rospy.is_shutdown()
 
     def look(self):
-        """Publishes pictures as long as somebody looks at them."""
+        """Publishes pictures while the topic has subscribers."""
         camera = Camera(self.simulation)
         pause = threading.Event()
         while not pause.wait(1.0 / self.pictures):

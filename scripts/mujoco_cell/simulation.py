@@ -9,12 +9,12 @@ from .arm import Arm
 from .hand_over import HandOver
 from .model import compile_model
 
-# Time between two looks at arms and cable, s.
+# Time between two updates of arms and cable, s.
 INTERVAL = 2e-3
 
 
 class Simulation:
-    """Arms and a cable in MuJoCo. Whoever reads or changes it holds `lock`."""
+    """Arms and a cable in MuJoCo. Hold `lock` to read or change them."""
 
     def __init__(self, cell):
         self.cell = cell
@@ -28,7 +28,7 @@ class Simulation:
         mujoco.mj_forward(self.model, self.data)
 
     def advance(self):
-        """Goes on by one interval."""
+        """Advances by one interval."""
         with self.lock:
             for arm in self.arms:
                 arm.advance()
@@ -39,7 +39,7 @@ class Simulation:
                 raise FloatingPointError(f"the simulation broke down at {self.data.time:.3f} s: take softer or shorter edges")
 
     def take(self, arm):
-        """A gripper closes: the cable is handed to it. In words why not, or None when it is done."""
+        """A gripper closes: the cable is handed to it. Returns the reason of a failure, or None."""
         with self.lock:
             if any(self.data.eq_active[other.hold] for other in self.arms):
                 return "a gripper holds the cable already"
@@ -57,17 +57,17 @@ class Simulation:
             arm.holds(False)
 
     def wait(self, seconds):
-        """Until so much time has passed in the simulation."""
+        """Waits until so much time has passed in the simulation."""
         until = self.data.time + seconds
         while self.data.time < until:
             time.sleep(0.002)
 
     def run(self, rate, each_interval):
-        """Goes on for ever, `rate` times as fast as real time, or slower where it cannot; tells the time of each interval."""
+        """Runs until stopped, at most `rate` times as fast as real time; reports the time of each interval."""
         behind = time.monotonic()
         while each_interval(self.data.time):
             self.advance()
-            # What it is late it does not catch up: its clock waits.
+            # A delay is not made up: the clock of the simulation waits.
             behind = max(behind + INTERVAL / rate, time.monotonic() - 0.05)
             wait = behind - time.monotonic()
             if wait > 0.0:

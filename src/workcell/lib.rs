@@ -1,6 +1,6 @@
-//! Robot cells: from their files, simulated, and at work.
+//! Robot cells: their files, simulation and tasks.
 //!
-//! | room | what lives there |
+//! | room | contents |
 //! |---|---|
 //! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
 //! | [`virtual_cell`] | the same cell simulated, with a rod or a sheet, behind the protocol of real ones |
