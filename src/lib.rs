@@ -81,7 +81,7 @@
 //! | [`random`] | repeatable random numbers, evenly spread points |
 //! | [`robot`] | kinematic chains, inverse kinematics, joint paths, time, drivers |
 //! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
-//! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, looked at and scored |
+//! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, seen and scored |
 //! | [`virtual_cell`] | the same cell simulated, with a rod or a sheet, behind the protocol of real ones |
 //! | [`results`] | results directories, checkpoints, VTK |
 //! | [`cluster`] | Slurm job arrays |

@@ -146,7 +146,7 @@ impl Work<'_> {
             WorkError::NotSeenWhole(_) => Failure::Other {
                 exit_code: NOT_SEEN_WHOLE,
                 message: format!(
-                    "{in_words}; nothing is scored: look at overlay.png and rod.csv in {directory}"
+                    "{in_words}; nothing is scored; see overlay.png and rod.csv in {directory}"
                 ),
             },
             WorkError::Failed(_) | WorkError::Results(_) => Failure::System(message),

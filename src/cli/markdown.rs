@@ -3,7 +3,7 @@
 const BOLD: &str = "\x1b[1m";
 const CODE: &str = "\x1b[36m";
 const PLAIN: &str = "\x1b[0m";
-/// Columns of text: longer lines are hard to read, and terminals have at least so many.
+/// Columns of text: longer lines are hard to read, and every terminal has this width.
 const WIDTH: usize = 80;
 
 /// Headings in bold, code in colour, links as their words; paragraphs and tables within 80 columns.

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`cell`] | a robot cell from its file: arms, axes, table, camera, drivers |
 //! | [`virtual_cell`] | the same cell simulated, with a rod or a sheet, behind the protocol of real ones |
-//! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, looked at and scored |
+//! | [`task`] | tasks of the cell: a rod laid along a pattern, a knot tied, a sheet folded, seen and scored |
 
 // Tests compare with a tolerance, and may ask any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]

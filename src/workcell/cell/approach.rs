@@ -108,7 +108,7 @@ impl Cell {
     }
 
     /// A motion of an arm from joints to joints, each straight, the hand at about `speed`, m/s, or slower. Collisions are
-    /// the way shows when it is prepared for a stream. `None` where it is there already.
+    /// checked when it is prepared for a stream. `None` if the arm is there already.
     ///
     /// # Errors
     /// A joint has no limit of acceleration or jerk.

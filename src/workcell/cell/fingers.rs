@@ -5,7 +5,7 @@ use std::cell::RefCell;
 
 /// Fingers nearer than this to where they hold nothing are closed, m: a sheet of paper is twice as thick.
 const CLOSED: f64 = 5e-5;
-/// Fingers that are wider apart than this part of their way are open.
+/// Part of their range above which fingers are open.
 const OPEN: f64 = 0.95;
 /// Opening over that with the object, below which the object is lost.
 const LOST: f64 = 0.5;

@@ -128,7 +128,7 @@ impl Cell {
     /// The index of an arm by its name, as given by a flag, which may be left out where there is only one.
     ///
     /// # Errors
-    /// There is no such arm, or the flag is needed.
+    /// The arm does not exist, or the flag is required.
     pub fn arm_named(
         &self,
         flag: &str,
@@ -298,7 +298,7 @@ impl Cell {
         )
     }
 
-    /// Every so many samples as a trajectory; the last point is one more step at rest where it falls between.
+    /// Reduces samples to `rate` points per second; the last point is one more step at rest if it falls between.
     pub(super) fn sampled(&self, arm: usize, rate: u32, samples: &[Vec<f64>]) -> JointTrajectory {
         let arm = &self.arms[arm];
         let last = samples.len() - 1;

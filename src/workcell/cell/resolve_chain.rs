@@ -244,11 +244,8 @@ fn moving<P: Dimension, V: Dimension>(
         let key = path.key("mimic").key("joint");
         let names = chain.joints.iter().map(|joint| joint.name.as_str());
         resolver.issue(
-            Issue::new(
-                key,
-                format!("there is no joint {name:?} that moves on its own"),
-            )
-            .with_help(did_you_mean(name, names)),
+            Issue::new(key, format!("no independent joint is called {name:?}"))
+                .with_help(did_you_mean(name, names)),
         );
         0
     });

@@ -193,7 +193,7 @@ pub struct Table {
     pub rpy: Option<Vector<Angle>>,
 }
 
-/// A box in the way.
+/// A box as an obstacle.
 #[derive(Debug, Deserialize)]
 pub struct Obstacle {
     pub name: String,

@@ -49,7 +49,7 @@ const SCORE: Stage = Stage::new("score", "scoring", LIES);
 const LIES: &str = "the rod is laid, and the arm is out of the way: inspect the camera and its picture; `rodlab trace` with the \
                     camera and `rodlab score` show the rod; pass --checked to the next task";
 
-/// A rod that is laid, looked at and scored.
+/// A rod that is laid, seen and scored.
 pub struct DeployTask {
     plan: DeployPlan,
     /// Correction of its path while it is laid, if any.

@@ -100,7 +100,7 @@ impl Seen {
     }
 
     /// Strands in the picture, pixels, with their widths, pixels, one for each rod by where it begins, each from there: the longest
-    /// where there is one rod, otherwise those that begin nearest. Fewer where there are not so many.
+    /// where there is one rod, otherwise those that begin nearest. Fewer if the picture has fewer strands.
     ///
     /// # Errors
     /// A pixel shows no point of the table.

@@ -2,7 +2,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `deploy` | a rod laid along a pattern by an arm: approach, take, lay, let go, look, score |
+//! | `deploy` | a rod laid along a pattern by an arm: approach, take, lay, release, see, score |
 //! | `tie` | a knot tied by two arms |
 //! | `fold` | a sheet folded by an arm, with the camera |
 //! | `exploration` | the stability of helical rods, explored along a list of directions |

@@ -28,7 +28,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// In words.
+    /// Returns the status as text.
     pub fn in_words(self) -> &'static str {
         match self {
             Self::Planned => "planned, and nothing moved",
@@ -41,7 +41,7 @@ impl Status {
     }
 }
 
-/// What is known of any task: how `manifest.json` begins.
+/// Record of any task, with which `manifest.json` begins.
 #[derive(Clone, Debug, Serialize)]
 pub struct TaskHead {
     /// Version of the program.

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 pub struct Stage {
     /// Its name in records.
     pub name: Cow<'static, str>,
-    /// In words: "going to the first point".
+    /// Description: "going to the first point".
     pub words: Cow<'static, str>,
     /// Advice after a task that ended in it.
     pub next: &'static str,

@@ -72,7 +72,7 @@ impl LaidAlong<'_> {
         self.poses.last().map_or(0.0, |pose| pose.s)
     }
 
-    /// State in which nothing of it, or all, is laid.
+    /// Returns the state in which nothing of the rod, or all of it, is laid.
     pub fn whole(&self, lies: bool) -> LaidLength {
         let path_m = self.length();
         LaidLength {

@@ -133,7 +133,7 @@ impl WorkingArm<'_> {
         })
     }
 
-    /// Opens its gripper, and waits until the rod or the sheet that it let go lies still, as [`Self::rest`].
+    /// Opens its gripper, and waits until the released rod or sheet is at rest, as [`Self::rest`].
     ///
     /// # Errors
     /// The gripper did not open, or the user interrupts the task.

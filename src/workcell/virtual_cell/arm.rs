@@ -45,12 +45,12 @@ pub enum Ended {
 pub struct Refusal {
     /// Error code of the result; −1 for an impossible goal, −2 for other joints.
     pub code: i64,
-    /// In words.
+    /// Message.
     pub words: String,
 }
 
 impl Refusal {
-    /// Of an impossible goal, for a reason in words.
+    /// Refusal of an impossible goal, with a message.
     pub fn invalid(words: impl Into<String>) -> Self {
         Self {
             code: -1,
@@ -125,7 +125,7 @@ impl SimulatedArm {
         }
     }
 
-    /// Takes a trajectory, to be followed from `now`, s, in place of the one under way. One that begins later leads the joints to its
+    /// Takes a trajectory, to be followed from `now`, s, in place of the current one. One that begins later leads the joints to its
     /// first point from where the one before has led them.
     ///
     /// # Errors

@@ -117,7 +117,7 @@ impl Chuck {
     /// Clamps a new rod between chuck and the hand of an arm, where that holds none.
     ///
     /// # Errors
-    /// In words.
+    /// A message: the hand is not at the end of the straight rod, or the rod cannot be simulated.
     pub fn take(&mut self, arm: usize, hand: &Pose, angle: f64, now: f64) -> Result<(), String> {
         if self.holder().is_none() {
             self.rod = Some(self.supply.handed(arm, hand, angle, now)?);
@@ -170,7 +170,7 @@ impl Chuck {
 /// A rod in simulation, in the frame of the chuck.
 struct ChuckedRod {
     simulation: Simulation,
-    /// What the hand holds of it, as long as it does.
+    /// Grip of the hand on it, while it holds it.
     grip: Option<Grip>,
     /// Angle of the chuck when the rod was clamped, and the last one, rad.
     first_angle: f64,

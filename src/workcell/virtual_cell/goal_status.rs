@@ -1,4 +1,4 @@
-//! Goals of an action as its status topic lists them: what is under way, and what ended lately.
+//! Goals of an action as its status topic lists them: the active one, and those that ended recently.
 
 use super::message::Verdict;
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 const LISTED: Duration = Duration::from_secs(5);
 /// Most goals that ended and are listed.
 const MOST: usize = 20;
-/// `actionlib_msgs/GoalStatus` of a goal under way.
+/// `actionlib_msgs/GoalStatus` of an active goal.
 const ACTIVE: u8 = 1;
 
 /// Goals of an action that ended lately.
@@ -29,7 +29,7 @@ impl GoalLog {
             .push_back((id.to_owned(), status, Instant::now()));
     }
 
-    /// A `actionlib_msgs/GoalStatusArray` with a stamp: goals that ended lately, and that under way.
+    /// An `actionlib_msgs/GoalStatusArray` with a stamp: goals that ended recently, and the active one.
     pub fn listed(&mut self, under_way: Option<&str>, stamp: &Value) -> Value {
         self.ended.retain(|(.., at)| at.elapsed() < LISTED);
         let status = |id: &str, status: u8| json!({ "goal_id": { "stamp": stamp, "id": id }, "status": status, "text": "" });

@@ -234,7 +234,7 @@ impl Verdict {
 }
 
 impl GoalName {
-    /// That it is under way.
+    /// Message that the goal is active.
     pub fn feedback(&self) -> String {
         match self.version {
             RosVersion::One => published(

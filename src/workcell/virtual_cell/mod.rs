@@ -2,18 +2,18 @@
 //!
 //! It looks like a real cell to a client: arms follow `control_msgs/FollowJointTrajectory` with latency and lag, grippers
 //! `control_msgs/GripperCommand`; a rod that is handed to a gripper hangs from it, is laid on a table with friction, taken hold of by
-//! other grippers, and let go; a camera shows it. Or a sheet lies there, which a gripper takes by its edge and folds. The clock of the
+//! other grippers, and released; a camera shows it. Or a sheet lies there, which a gripper takes by its edge and folds. The clock of the
 //! cell, `/clock`, is real time or faster, and waits where the simulation or a client cannot keep up.
 //!
 //! | file | what |
 //! |---|---|
 //! | `arm` | joints that follow trajectories with latency and lag, within their limits |
 //! | `rod` | rods for grippers, handed over so that they hang on the table |
-//! | `simulated_rod` | a rod in simulation, or two: led by hands, let go |
+//! | `simulated_rod` | a rod in simulation, or two: led by hands, released |
 //! | `grip` | a gripper's hold on that rod, of which there may be several |
 //! | `axis` | external axes, which move as arms do |
 //! | `chuck` | a rod clamped between a chuck and a hand, led and twisted |
-//! | `sheet`, `sheet_picture` | a sheet on the table in simulation: taken by its edge, folded, let go; what a camera sees of it |
+//! | `sheet`, `sheet_picture` | a sheet on the table in simulation: taken by its edge, folded, released; its image in a camera |
 //! | `camera` | pictures of all that |
 //! | `simulated_cell` | all of them on one clock, with faults |
 //! | `fault` | faults to inject into a cell |

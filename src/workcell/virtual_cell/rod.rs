@@ -47,7 +47,7 @@ pub enum RodError {
 }
 
 impl RodError {
-    /// It cannot hang, for a reason in words.
+    /// Error that a rod cannot hang, with its reason.
     pub(super) fn impossible(reason: impl ToString) -> Self {
         Self::Impossible(reason.to_string())
     }

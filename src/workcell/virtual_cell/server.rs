@@ -57,7 +57,7 @@ pub enum ServeError {
     Rod(#[from] SimulationError),
 }
 
-/// A goal that is under way.
+/// An active goal.
 struct UnderWay {
     name: GoalName,
     client: u64,
@@ -336,7 +336,7 @@ impl VirtualCell {
         send_to(&mut self.clients, goal.client, &goal.name.result(verdict));
     }
 
-    /// Ends the goal of an arm, or of its gripper, that is under way.
+    /// Ends the active goal of an arm, or of its gripper.
     fn end_under_way(&mut self, arm: usize, which: usize, verdict: &Verdict) {
         if let Some(goal) = self.actions[arm][which].goal.take() {
             self.end(arm, which, &goal, verdict);

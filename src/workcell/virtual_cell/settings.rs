@@ -36,7 +36,7 @@ pub struct Settings {
 pub(super) const ANY_PORT: ([u8; 4], u16) = ([127, 0, 0, 1], 0);
 
 impl Settings {
-    /// A cell with nothing in it, on a port that is free, that is so many times as fast as real time if it can.
+    /// An empty cell, on a free port, with a speed relative to real time (best effort).
     pub fn empty(rate: f64) -> Self {
         Self {
             address: ANY_PORT.into(),

@@ -20,7 +20,7 @@ use std::path::Path;
 const REACH: [f64; 2] = [5e-3, 0.2];
 /// Distance in which layers and the table are felt, m.
 const TOLERANCE: f64 = 2e-5;
-/// Speed at which a sheet that was let go falls through the air, m/s: that of paper that falls flat.
+/// Speed at which a released sheet falls through the air, m/s: that of paper that falls flat.
 const TERMINAL_SPEED: f64 = 1.0;
 /// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;

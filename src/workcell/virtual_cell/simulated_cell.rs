@@ -171,7 +171,7 @@ impl SimulatedCell {
     /// its reach, or is handed the end of a rod, a new one where one lies elsewhere.
     ///
     /// # Errors
-    /// In words.
+    /// A message: the gripper cannot take anything, or the simulation refuses.
     pub fn grip(&mut self, arm: usize, opening: f64) -> Result<(), String> {
         let gripper = self.grippers[arm].ok_or("this arm has no gripper")?;
         let takes = match (self.sheet.is_some(), opening >= gripper.opened) {

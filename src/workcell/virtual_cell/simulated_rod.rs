@@ -1,4 +1,4 @@
-//! A rod in simulation, or two that touch each other: led by the hands of the grippers that hold it, let go.
+//! A rod in simulation, or two that touch each other: led by the hands of the grippers that hold it, or released.
 
 use super::grip::{Grip, within_reach};
 use rodlab_engine::mechanics::Vector3;
@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 
 /// Time in which a rod that is handed over comes into the fingers, s.
 pub const HANDING_OVER: f64 = 1.0;
-/// Speed of every node below which a rod that was let go rests, m/s.
+/// Speed of every node below which a released rod rests, m/s.
 const REST: f64 = 1e-4;
-/// Longest time of simulation without a look at anything else.
+/// Longest time of simulation without service of anything else.
 const AT_A_TIME: Duration = Duration::from_millis(20);
 /// Longest time for the simulation of a fall: a heap of rod is hard, and the rod along the pattern lies already.
 const LONGEST_FALL: Duration = Duration::from_secs(2);
@@ -52,7 +52,7 @@ pub struct SimulatedRod {
     begin: f64,
     /// The rods, in the order of their nodes.
     rods: Vec<HandedRod>,
-    /// When it was let go, s of the simulation, and the time that its fall has taken to simulate.
+    /// Time of its release, s of the simulation, and the time that its fall has taken to simulate.
     released: f64,
     falling: Duration,
     rests: bool,
@@ -153,7 +153,7 @@ impl SimulatedRod {
     /// must be called again, with the same hand, so that others need not wait.
     ///
     /// # Errors
-    /// No step is found, or the rod is torn, while it is held. One that was let go stays as it is then.
+    /// No step is found, or the rod is torn, while it is held. A released rod is frozen instead.
     pub fn advance(&mut self, hand: &Pose, now: f64) -> Result<bool, SimulationError> {
         self.advance_in(|_| *hand, now)
     }
@@ -208,7 +208,7 @@ impl SimulatedRod {
         }
     }
 
-    /// A rod that was let go stays as it is where no step is found.
+    /// Freezes a released rod if no step is found.
     fn given_up(&mut self, error: SimulationError) -> Result<(), SimulationError> {
         if self.is_held() {
             return Err(error);
@@ -218,7 +218,7 @@ impl SimulatedRod {
         Ok(())
     }
 
-    /// All grippers let go.
+    /// Opens all grippers.
     ///
     /// # Errors
     /// The simulation refuses.

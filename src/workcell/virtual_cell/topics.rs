@@ -120,7 +120,7 @@ impl Topics {
         let mut names = vec![CLOCK, self.camera.as_str()];
         names.extend(self.arms.iter().map(|arm| arm.joint_states.as_str()));
         Err(format!(
-            "there is no topic {topic}; there are {}, and those of actions",
+            "no topic is called {topic}; topics: {}, and those of actions",
             names.join(", ")
         ))
     }
@@ -141,7 +141,7 @@ impl Topics {
             }
         }
         Err(format!(
-            "there is no action {action}; there are {}",
+            "no action is called {action}; actions: {}",
             names.join(", ")
         ))
     }

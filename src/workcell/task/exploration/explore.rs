@@ -72,7 +72,7 @@ impl Exploration {
             input("the cell has no [chuck]: the end of a rod that does not move is held there")
         })?;
         if cell.camera.is_none() {
-            return Err(input("the cell has no [camera] to look at the rod"));
+            return Err(input("the cell has no [camera] to see the rod"));
         }
         let arm = &cell.arms[self.arm];
         let end = chuck.pose * Pose::translation(rod.length, 0.0, 0.0);

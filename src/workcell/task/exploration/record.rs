@@ -114,7 +114,7 @@ impl TaskRecord for ExplorationRecord {
             report.row(name, value);
         }
         report.pictures(directory, FIGURES);
-        report.text += "\nDistances are ‖(κ, τ, ω)‖ in units of the rod's length and bending stiffness. Stability is lost between the last look at \
+        report.text += "\nDistances are ‖(κ, τ, ω)‖ in units of the rod's length and bending stiffness. Stability is lost between the last picture in \
                  which the rod was the helix and the next one. Theory: conjugate points of the smooth rod without weight.\n\n\
                  | direction | κ, τ, ω | found | theory | difference | led to |\n|---|---|---|---|---|---|\n";
         for row in &self.rows {

@@ -91,7 +91,7 @@ impl Walker<'_> {
     /// Searches along a ray from its first point on, and returns there.
     ///
     /// # Errors
-    /// Something fails on the way: all was commanded to hold. Or the rod does not become straight again.
+    /// A motion or a picture fails: all arms were commanded to hold. Or the rod does not become straight again.
     pub fn search(&self, ray: &Ray) -> Result<Searched, WorkError> {
         let mut walk = Walk {
             walker: self,
@@ -115,7 +115,7 @@ impl Walker<'_> {
     /// Moves from the current joints to a point of a ray, over the points between, and rests there.
     ///
     /// # Errors
-    /// Something fails on the way.
+    /// The motion fails.
     pub fn return_from(&self, ray: &Ray, joints: Vec<f64>) -> Result<(), WorkError> {
         let (index, away) = ray.nearest(&joints);
         if index == 0 && away < THERE {
@@ -148,7 +148,7 @@ impl Walker<'_> {
     }
 }
 
-/// A walk under way.
+/// A walk in progress.
 struct Walk<'a> {
     walker: &'a Walker<'a>,
     ray: &'a Ray,

@@ -81,7 +81,7 @@ impl TaskRecord for FoldRecord {
             (format!("overlay_{part}.png"), words)
         });
         let first = ("overlay_0.png".into(), "The sheet before".into());
-        let last = ("left.png".into(), "After it was let go".into());
+        let last = ("left.png".into(), "After the release".into());
         let pictures = std::iter::once(first).chain(parts).chain([last]);
         report.pictures(directory, pictures);
         report.page("The arm in motion");

@@ -38,7 +38,7 @@ pub struct FoldScore {
 }
 
 impl FoldScore {
-    /// The score of looks at a sheet whose edge was to go so far, m; `None` where its end was never seen.
+    /// Score from the measurements of a sheet, with the target of its edge, m; `None` if its end was never seen.
     pub fn of(looks: &[Look], target: f64) -> Option<Self> {
         let last = looks.last()?;
         let seen = looks.iter().filter(|look| look.slid_m.is_some());

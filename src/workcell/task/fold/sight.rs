@@ -16,9 +16,9 @@ const SIDES: f64 = 0.03;
 const REACH: f64 = 0.1;
 /// An edge that is seen as near as this to the free end may hide it, m: two pixels or so.
 const COVER: f64 = 1.5e-3;
-/// Which part of the sides beside a corner is looked at.
+/// Part of the sides beside a corner that is measured.
 const BESIDE_CORNER: [f64; 2] = [0.02, 0.45];
-/// Parts of a sheet's width at which it is looked for paper where there should be none.
+/// Positions over the width of a sheet that are checked for paper where there should be none.
 const ACROSS: [f64; 5] = [-0.3, -0.15, 0.0, 0.15, 0.3];
 
 /// Detector of a sheet.
@@ -169,7 +169,7 @@ impl Sight {
         })
     }
 
-    /// Whether an edge at a place in the frame of the sheet, m, may hide what is looked at of a free end that has slid by so much, m.
+    /// Whether an edge at a place in the frame of the sheet, m, may hide the measured part of a free end that has slid by a distance, m.
     pub fn is_end_hidden(&self, frame: &Pose, edge: Vector3<f64>, slid: f64) -> bool {
         let eye = frame.inverse() * Point3::from(self.camera.pose.translation.vector);
         // Where the camera sees it on the table.

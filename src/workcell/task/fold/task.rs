@@ -26,7 +26,7 @@ const LEAST_SLIDING: f64 = 3e-4;
 const MOST_ASKEW: f64 = 0.05;
 /// The edge must have come so far along the fold, m, before it shows that nothing lies where it lay.
 const CLEARLY_AWAY: f64 = 0.04;
-/// How far from where no paper can be it is looked for, m: as far as a loop may bulge in the picture.
+/// Distance at which the absence of paper is checked, m: the bulge of a loop in the picture.
 const BULGE: f64 = 0.015;
 
 const LOOK: Stage = Stage::new("look", "looking where the sheet lies", UNTOUCHED);
@@ -66,13 +66,13 @@ pub struct FoldPlan {
     pub colour: ColourRule,
     /// Greatest speed of the hand while it folds, m/s.
     pub speed: f64,
-    /// The same on the way to the sheet.
+    /// Greatest speed of the hand on the way to the sheet, m/s.
     pub approach_speed: f64,
     /// Least distance to anything else, m.
     pub margin: f64,
 }
 
-/// A sheet that is folded, looked at on the way and scored.
+/// A sheet that is folded, measured after each part and scored.
 pub struct FoldTask {
     plan: FoldPlan,
     /// The motions of the sheet where it is expected.
@@ -109,7 +109,7 @@ impl FoldPlan {
     /// The motions of a sheet that lies where it is expected.
     ///
     /// # Errors
-    /// The arm cannot follow the way.
+    /// The arm cannot follow the path.
     pub fn expected(&self, cell: &Cell, way: &FoldWay) -> Result<FoldMotion, PlanError> {
         self.motions(cell, self.frame).plan(way)
     }

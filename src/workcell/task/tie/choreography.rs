@@ -1,6 +1,6 @@
 //! The motions of both arms, put together one after the other.
 //!
-//! Between grips both arms move in one motion, and at grips both stand. While an end is led to where it must go under, the other
+//! Between grips both arms move in one motion, and at grips both are at rest. While an end is led to where it must go under, the other
 //! arm comes from above to the strand there; it lifts the strand, waits until the end has passed, and puts it down; it rises,
 //! and goes to the next strand or home.
 
@@ -30,7 +30,7 @@ pub struct Laying {
     pub approach: Option<JointTrajectory>,
     /// The arm that lays, while it does.
     pub motion: JointTrajectory,
-    /// Both arms, while that one goes home, having let go; `None` for the last rod, whose end it leads then.
+    /// Both arms, while that one returns home after the release; `None` for the last rod, whose end it leads then.
     pub parting: Option<JointTrajectory>,
 }
 
@@ -214,7 +214,7 @@ impl Choreography<'_> {
         Ok(before)
     }
 
-    /// An arm that has let go rises and goes home.
+    /// Raises an arm after its release, and moves it home.
     ///
     /// # Errors
     /// The hand cannot rise, or the arm cannot return.
@@ -240,7 +240,7 @@ impl Choreography<'_> {
         self.timed(which, &between(&lead.end, times), times)
     }
 
-    /// A way along poses from where the arm is that takes as long as it should, or longer where that would be too fast.
+    /// A path along poses from the current joints of the arm with a given duration, or a longer one where that would be too fast.
     fn timed(
         &self,
         which: usize,
@@ -324,7 +324,7 @@ fn between(poses: &GripperPoses, [begin, end]: [f64; 2]) -> GripperPoses {
         .collect()
 }
 
-/// Length of a way of the hand, m; a turn by 1 rad counts 0.1 m.
+/// Length of a path of the hand, m; a turn by 1 rad counts 0.1 m.
 fn length(path: &[Pose]) -> f64 {
     subdivide(path, SPACING)
         .last()

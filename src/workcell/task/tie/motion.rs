@@ -17,7 +17,7 @@ pub struct TieMotion {
     pub layings: Vec<Laying>,
     /// Ends are led and strands lifted.
     pub stretches: Vec<Stretch>,
-    /// Which arm holds an end then, and both arms, while it goes home, having let go.
+    /// Arm that holds an end then, and the motion of both arms while it returns home after the release.
     pub last: usize,
     /// See `last`.
     pub retreat: JointTrajectory,

@@ -62,7 +62,7 @@ impl TieScore {
     }
 }
 
-/// Why rods of some lengths, m, are not seen whole, in words; `None` where they are.
+/// Message that rods of some lengths, m, are not seen whole; `None` if they are.
 pub fn not_seen_whole(rods: &SeenKnot, lengths: &[f64]) -> Option<String> {
     if rods.curves.len() < lengths.len() {
         return Some(format!(
@@ -77,7 +77,7 @@ pub fn not_seen_whole(rods: &SeenKnot, lengths: &[f64]) -> Option<String> {
         .map(|length| length.to_string())
 }
 
-/// A knot in words.
+/// A knot as text.
 pub fn knot_in_words(knot: Option<KnotInvariants>) -> String {
     match knot {
         Some(NO_KNOT) => "none: determinant 1, signature 0".into(),

@@ -48,7 +48,7 @@ pub struct SeenKnot {
 }
 
 impl SeenKnot {
-    /// The rods in a picture that begin at `starts`, m; fewer where there are not so many strands.
+    /// The rods in a picture that begin at `starts`, m; fewer if the picture has fewer strands.
     ///
     /// # Errors
     /// A pixel shows no point of the table.
@@ -89,7 +89,7 @@ impl SeenKnot {
     /// Their knot: `Ok(None)` where it depends on how the ends are joined.
     ///
     /// # Errors
-    /// In words: the picture does not decide.
+    /// A message: the picture does not decide.
     pub fn knot(&self) -> Result<Option<KnotInvariants>, String> {
         let numbered = self.crossings.iter().enumerate();
         let unsure: Vec<usize> = numbered

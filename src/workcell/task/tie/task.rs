@@ -1,4 +1,4 @@
-//! A knot tied by two arms, looked at and scored.
+//! A knot tied by two arms, seen and scored.
 
 use super::motion::TieMotion;
 use super::plan::KnotPlan;
@@ -47,7 +47,7 @@ pub struct TiePlan {
     pub colour: ColourRule,
 }
 
-/// A knot that is tied, looked at and scored.
+/// A knot that is tied, seen and scored.
 pub struct TieTask {
     plan: TiePlan,
     record: TieRecord,
@@ -93,7 +93,7 @@ impl TieTask {
         }
     }
 
-    /// An arm goes to the first point of a rod; before the first one the other arm goes out of the way.
+    /// Moves an arm to the first point of a rod; before the first rod the other arm moves out of the way.
     fn approach(&self, number: usize, at: &Workplace<'_>) -> Result<(), WorkError> {
         let speed = self.plan.free_speed;
         if number == 0 {
