@@ -70,7 +70,7 @@ are printed as JSON."
 /// Arguments of `rodlab plan`.
 #[derive(Debug, Args)]
 pub struct PlanArguments {
-    /// What to plan
+    /// Object to plan
     #[command(subcommand)]
     what: What,
 }
@@ -116,7 +116,7 @@ struct JointsArguments {
     /// Points per second: 100, 125, 200, 250, 500 or 1000
     #[arg(long, value_name = "N", default_value_t = 100)]
     rate: u32,
-    /// Where to write the trajectory [default: standard output]
+    /// Output file for the trajectory [default: standard output]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

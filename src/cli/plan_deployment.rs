@@ -43,7 +43,7 @@ const PASSES: [Named<Pass>; 2] = [
 pub struct DeploymentArguments {
     #[command(flatten)]
     what: DeploymentPlan,
-    /// Where to write the results
+    /// Directory for the results
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }

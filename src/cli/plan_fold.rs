@@ -19,7 +19,7 @@ pub struct FoldPlanArguments {
     /// width, as in the thesis. A distance is the C of the thesis; the crease is pressed half way.
     #[arg(long, value_name = "TARGET", value_parser = crease)]
     crease: Crease,
-    /// Where to write the results
+    /// Directory for the results
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Quantity that the path of the gripper minimises

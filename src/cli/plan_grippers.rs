@@ -13,7 +13,7 @@ pub struct GripperPlanArguments {
     /// Set a key of the scenario, such as deployment.scheme=intuitive; repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Where to write the trajectories
+    /// Directory for the trajectories
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }

@@ -6,7 +6,7 @@ use rodlab_files::figure::AxisScale::{self, Linear, Logarithmic};
 use rodlab_files::figure::Format;
 use rodlab_lab::report::{CustomFigure, custom_figure, plot_results, write_figure};
 
-/// Which axes are logarithmic: the horizontal one, and the vertical ones.
+/// Choices of logarithmic axes: the horizontal one, and the vertical ones.
 const LOG_AXES: [Named<[AxisScale; 2]>; 4] = [
     ("x", [Logarithmic, Linear], "The horizontal axis"),
     ("y", [Linear, Logarithmic], "The vertical axes"),
@@ -35,7 +35,7 @@ pub struct PlotArguments {
     /// Output file of a custom figure; .pdf writes that format alone [default: own in the directory]
     #[arg(long, value_name = "FILE", requires = "y")]
     pub out: Option<PathBuf>,
-    /// How figures are drawn
+    /// Style of the figures
     #[command(flatten)]
     pub figures: FigureArguments,
 }

@@ -1,4 +1,4 @@
-//! What the subcommands have in common: options, values, output and failures.
+//! Common parts of the subcommands: options, values, output and failures.
 
 pub(super) use super::candidates::presets;
 pub(super) use super::common::Common;

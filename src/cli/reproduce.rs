@@ -44,7 +44,7 @@ pub struct ReproduceArguments {
     /// Draw the figures again from the table beside the page, without any run
     #[arg(long, conflicts_with_all = ["quick", "list", "jobs"])]
     pub redraw: bool,
-    /// How figures are drawn
+    /// Style of the figures
     #[command(flatten)]
     pub figures: FigureArguments,
 }

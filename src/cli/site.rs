@@ -30,7 +30,7 @@ Example:
 The pages are those of the repository, and the output of `--help` and `rodlab explain`. They need no
 server. scripts/site adds the documentation of the library.")]
 pub struct SiteArguments {
-    /// Where to write the site
+    /// Directory for the site
     #[arg(value_name = "DIR")]
     out: PathBuf,
     /// A checkout of the repository

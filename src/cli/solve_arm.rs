@@ -4,7 +4,7 @@ use super::prelude::*;
 use rodlab_robot::{Pose, Posture, parts, pose};
 use rodlab_workcell::cell::{Arm, Cell};
 
-/// Which arm.
+/// Choice of an arm of a cell.
 #[derive(Debug, Args)]
 pub(super) struct ArmChoice {
     /// The cell file

@@ -1,4 +1,4 @@
-//! What tests share: cells that come with the program, and rods for them.
+//! Shared parts of tests: cells that come with the program, and rods for them.
 
 use crate::cell::Cell;
 use crate::virtual_cell::{RodSupply, Settings};

@@ -22,7 +22,7 @@ pub struct Cell {
     pub camera: Option<Camera>,
     /// File of the rod of tasks that name no other.
     pub rod: Option<PathBuf>,
-    /// How trajectories are streamed.
+    /// Settings of the streaming of trajectories.
     pub streaming: StreamBounds,
     /// Remarks on what was ignored when the file was read.
     pub warnings: Vec<String>,

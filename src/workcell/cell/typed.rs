@@ -32,7 +32,7 @@ pub struct CellFile {
     pub camera: Option<Camera>,
     /// The rod of tasks that name no other.
     pub rod: Option<SuppliedRod>,
-    /// How trajectories are streamed.
+    /// Settings of the streaming of trajectories.
     pub streaming: Option<Streaming>,
 }
 
@@ -220,7 +220,7 @@ pub struct Camera {
     pub source: Option<String>,
 }
 
-/// How trajectories are streamed.
+/// Settings of the streaming of trajectories.
 #[derive(Debug, Deserialize)]
 pub struct Streaming {
     pub start_tolerance: Option<Quantity<Angle>>,
@@ -232,7 +232,7 @@ pub struct Streaming {
     pub horizon: Option<Quantity<Time>>,
 }
 
-/// What moves an arm or an axis.
+/// Driver of an arm or an axis.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Driver {

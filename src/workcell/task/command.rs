@@ -24,7 +24,7 @@ pub trait TaskCommand {
     /// Failure of planning.
     type Error: From<PlanError>;
 
-    /// How it is run.
+    /// Returns how it is run.
     fn way(&self) -> Way<'_>;
 
     /// Validates arguments that need no cell, before one is read.
@@ -55,7 +55,7 @@ pub trait TaskCommand {
     fn plan(&self, planning: &Planning<'_>, arms: &[usize]) -> Result<Self::Task, Self::Error>;
 }
 
-/// How a task is run.
+/// Options by which a task is run.
 #[derive(Clone, Copy, Debug)]
 pub struct Way<'a> {
     /// Name of the arm; not needed where the cell has only one.
@@ -112,7 +112,7 @@ impl<'a> Planning<'a> {
         Ok(&self.directory)
     }
 
-    /// Where the results are, made or not.
+    /// Directory of the results, which may not exist yet.
     pub fn results(&self) -> &Path {
         &self.directory
     }

@@ -48,9 +48,9 @@ pub struct TaskHead {
     pub version: &'static str,
     /// As it was called.
     pub command_line: Vec<String>,
-    /// When it began.
+    /// Time of the start.
     pub start: jiff::Timestamp,
-    /// When it ended.
+    /// Time of the end.
     pub end: Option<jiff::Timestamp>,
     /// Status.
     pub status: Status,

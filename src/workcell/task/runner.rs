@@ -20,7 +20,7 @@ pub struct TaskRun<T> {
     pub task: T,
 }
 
-/// What `manifest.json` holds.
+/// Contents of `manifest.json`.
 #[derive(Serialize)]
 struct Manifest<'a, R> {
     #[serde(flatten)]
@@ -38,7 +38,7 @@ impl<T: Task> TaskRun<T> {
         }
     }
 
-    /// What `manifest.json` holds.
+    /// Contents of `manifest.json`.
     pub fn manifest(&self) -> impl Serialize + '_ {
         Manifest {
             head: &self.head,

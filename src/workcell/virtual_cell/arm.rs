@@ -67,7 +67,7 @@ pub struct SimulatedArm {
     base: Pose,
     response: Response,
     joints: Vec<f64>,
-    /// Where it holds while it has no goal.
+    /// Joint positions that it holds while it has no goal.
     held: Vec<f64>,
     speeds: Vec<f64>,
     goal: Option<(PartTrajectory, f64)>,

@@ -31,7 +31,7 @@ const NEAREST: f64 = 0.2;
 pub struct Scenery {
     /// Nodes of each rod, of two at most, and its radius, m.
     pub rods: Vec<(Vec<Vector3>, f64)>,
-    /// Where markers are along the first, over its length.
+    /// Positions of markers along the first, over its length.
     pub markers: Vec<f64>,
     /// A sheet.
     pub sheet: Option<SeenSheet>,
@@ -86,7 +86,7 @@ impl PictureTaker {
     }
 }
 
-/// What the camera sees; `number` makes the noise another one each time.
+/// The picture of the camera; `number` is the seed of its noise.
 fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
     let mut options = RenderOptions {
         seed: number,
@@ -128,7 +128,7 @@ fn picture(camera: &Camera, scenery: Scenery, number: u64) -> RgbImage {
     render(camera, &rods, ground, &options)
 }
 
-/// Where on the table the round tops of pegs are seen, and how wide there, m.
+/// Apparent positions and radii of the round tops of pegs on the table, m.
 fn peg_tops(camera: &Camera, pegs: &[([Vector3; 2], f64)]) -> Vec<(Point, f64)> {
     let tops = pegs.iter().filter_map(|([_, top], radius)| {
         let side = top + camera.pose.rotation * (Vector3::x() * *radius);
@@ -148,7 +148,7 @@ fn marker(points: &[Vector3], place: f64) -> Vec<Vector3> {
     within.map(|(point, _)| *point).collect()
 }
 
-/// What is not too near, from the start of the rod on.
+/// The part of the rod from its start that is not too near to the camera.
 fn visible(camera: &Camera, points: Vec<Vector3>) -> Vec<Vector3> {
     let depth = |point: &Vector3| camera.pose.inverse_transform_point(&(*point).into()).z;
     points

@@ -26,7 +26,7 @@ pub struct ChuckedSupply {
     prepared: PreparedRun,
     /// Pose of the chuck in the cell.
     chuck: Pose,
-    /// Which of the moving parts turns it: the arms, then the axes that are served.
+    /// Index of the moving part that turns it: the arms, then the axes that are served.
     part: usize,
 }
 
@@ -57,7 +57,7 @@ impl ChuckedSupply {
         }))
     }
 
-    /// Where the hand holds the straight rod, in the frame of the chuck.
+    /// Pose of the hand at the straight rod, in the frame of the chuck.
     fn end(&self) -> Pose {
         Pose::translation(self.rod.length, 0.0, 0.0)
     }
@@ -103,7 +103,7 @@ impl Chuck {
         Self { supply, rod: None }
     }
 
-    /// Which of the moving parts turns it.
+    /// Index of the moving part that turns it.
     pub fn part(&self) -> usize {
         self.supply.part
     }
@@ -177,7 +177,7 @@ struct ChuckedRod {
     last_angle: f64,
     /// Until when its clamps lead it, s of the simulation.
     led_until: f64,
-    /// When it was handed over, s.
+    /// Time at which it was handed over, s.
     begin: f64,
 }
 

@@ -69,10 +69,10 @@ pub struct Connection {
     pub id: u64,
     link: Link,
     since: Instant,
-    /// When it last sent something.
+    /// Time of its last message.
     heard: Instant,
     topics: BTreeMap<String, Subscription>,
-    /// What a client that has subscribed the clock has seen of it.
+    /// Progress of a client that has subscribed the clock.
     pace: Option<Pace>,
     /// Whether something of the last message still waits.
     is_full: bool,

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// How long a goal that ended is listed, as servers of `actionlib` do.
+/// Time for which a goal that ended is listed, as by servers of `actionlib`.
 const LISTED: Duration = Duration::from_secs(5);
 /// Most goals that ended and are listed.
 const MOST: usize = 20;

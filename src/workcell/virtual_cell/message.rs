@@ -30,7 +30,7 @@ pub enum Request {
         action: String,
         /// Name of the goal.
         id: String,
-        /// What to do.
+        /// Body of the goal.
         body: Value,
     },
     /// To have it done no more; every goal where the name is empty.
@@ -203,7 +203,7 @@ pub fn complaint(words: &str, goal: Option<&str>) -> String {
 /// A goal as its client names it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GoalName {
-    /// Which ROS the action is of.
+    /// Version of ROS of the action.
     pub version: RosVersion,
     /// Name of the action.
     pub action: String,
@@ -248,7 +248,7 @@ impl GoalName {
         }
     }
 
-    /// How it ended.
+    /// Message with the result of the goal.
     pub fn result(&self, verdict: &Verdict) -> String {
         let (status_2, code, words) = match verdict {
             Verdict::Succeeded => (4, 0, ""),

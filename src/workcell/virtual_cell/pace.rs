@@ -1,4 +1,4 @@
-//! How much of the cell's time a client has seen.
+//! The time of the cell that a client has seen.
 //!
 //! A client on a busy machine reads late. The server sends pings that carry the time of the cell. A WebSocket client answers a
 //! ping after it has read what was sent before it, so that the last answer is a time up to which the client has read. The clock
@@ -27,7 +27,7 @@ impl Pace {
         }
     }
 
-    /// What a ping at the time `now`, s, carries; `None` where that time was sent before.
+    /// Payload of a ping at the time `now`, s; `None` if that time was sent before.
     pub fn ping(&mut self, now: f64) -> Option<[u8; 8]> {
         if now <= self.sent {
             return None;

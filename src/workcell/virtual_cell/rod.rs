@@ -25,9 +25,9 @@ const FIRST_LINE: f64 = 0.05;
 pub struct RodSupply {
     prepared: PreparedRun,
     rod: DeployedRod,
-    /// Where the end hangs of a rod whose free end lies at the origin, along x.
+    /// Pose of the hanging end of a rod whose free end lies at the origin, along x.
     end: Pose,
-    /// Where in the cell a person lays the free end, m; else where the rod hangs by itself.
+    /// Place in the cell of the free end, m; otherwise the rod hangs by itself.
     free_end: Option<[f64; 2]>,
     /// Whether the rod may hang by itself where no hand reaches it with its free end there.
     may_hang: bool,
@@ -314,7 +314,7 @@ mod tests {
         Pose::translation(0.3, -0.1, 0.05)
     }
 
-    /// Where a hand takes a rod whose free end lies somewhere on the table.
+    /// Pose at which a hand takes a rod whose free end lies somewhere on the table.
     fn hand(supply: &RodSupply, heading: f64) -> Pose {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading);
         table() * Pose::from_parts(Translation3::new(0.1, 0.2, 0.0), turn) * supply.end

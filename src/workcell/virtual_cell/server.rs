@@ -26,9 +26,9 @@ const MOST_CLIENTS: usize = 16;
 const WORK: Duration = Duration::from_millis(5);
 /// Time for which it sleeps when idle.
 const REST: Duration = Duration::from_millis(1);
-/// How far, s on our clock, the cell may fall behind before its clock waits for it.
+/// Largest delay of the cell, s of wall time, before its clock waits for it.
 const BEHIND: f64 = 0.05;
-/// How far, s of the cell's clock, it may be ahead of what its clients have seen: a third of the time by which an arm may be late.
+/// Largest lead, s of the cell's clock, over the time that its clients have seen: a third of the time by which an arm may be late.
 const LEAD: f64 = 0.1;
 /// Time between reports: of the cell's clock, s, of ours at least, and of ours at most.
 const REPORT: (f64, Duration, Duration) =

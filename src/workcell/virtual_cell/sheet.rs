@@ -27,7 +27,7 @@ const GRAVITY: f64 = 9.81;
 /// Length of sheet beside the edge, in layers, that does not lie below it.
 const BESIDE: f64 = 50.0;
 
-/// How a sheet lies on the table of a cell.
+/// Place of a sheet on the table of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheetPlace {
     /// The middle of the edge that is taken (or the corner) in the frame of the table's top, x and y, m.
@@ -41,9 +41,9 @@ pub struct SheetPlace {
 pub struct HeldSheet {
     /// The farthest that its free end had slid, m.
     pub largest_sliding: f64,
-    /// How far it had slid at last, in the direction in which the edge is folded, m.
+    /// Final slide in the direction in which the edge is folded, m.
     pub sliding: f64,
-    /// Where its edge was at last: along the fold and up, m.
+    /// Final position of its edge: along the fold and up, m.
     pub edge: [f64; 2],
 }
 
@@ -202,12 +202,12 @@ impl SimulatedSheet {
         self.held.is_some()
     }
 
-    /// How thick it is, m.
+    /// Its thickness, m.
     pub fn thickness(&self) -> f64 {
         self.thickness
     }
 
-    /// What a camera sees of it.
+    /// Its image in a camera.
     pub fn seen(&self) -> SeenSheet {
         SeenSheet {
             frame: self.frame,

@@ -14,7 +14,7 @@ const UPPER: [f64; 3] = [232.0, 229.0, 220.0];
 const LOWER: [f64; 3] = [168.0, 186.0, 214.0];
 /// Light that comes from everywhere; the rest comes from where the light is.
 const AMBIENT: f64 = 0.45;
-/// What is nearer than this to a point along a ray, in parts of the ray, does not hide it.
+/// Distance from a point along a ray, in parts of the ray, within which nothing hides the point.
 const NEAR: f64 = 1e-3;
 
 /// A sheet as it is at some time.
@@ -30,7 +30,7 @@ pub struct SeenSheet {
     pub is_diagonal: bool,
 }
 
-/// Where a ray meets a sheet.
+/// Intersection of a ray with a sheet.
 struct Hit {
     /// Part of the ray.
     part: f64,
@@ -48,7 +48,7 @@ pub struct SheetView {
     /// From the cell to the frame of the sheet, and height of the table, m.
     inwards: Pose,
     table: f64,
-    /// What of the table the sheet may hide, or darken, in its frame: from and to in x and y.
+    /// Area of the table that the sheet may hide, or darken, in its frame: from and to in x and y.
     bounds: [[f64; 2]; 2],
     /// Half of its extent across at each node, m.
     half: Vec<f64>,

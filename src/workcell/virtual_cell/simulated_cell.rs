@@ -41,7 +41,7 @@ struct Gripper {
     opened: f64,
     /// The opening that was commanded last, m.
     told: f64,
-    /// When it is done, s, under a command.
+    /// Time at which a command is done, s.
     done: Option<f64>,
 }
 
@@ -304,7 +304,7 @@ impl SimulatedCell {
         taken.map(|()| HANDING_OVER)
     }
 
-    /// What is held slips; of several grippers that hold one rod, out of that which took hold last.
+    /// Releases the held object; of several grippers that hold one rod, the last one loses it.
     fn let_go(&mut self) -> Result<(), SimulationError> {
         if let Some(chuck) = &mut self.chuck {
             chuck.let_go()?;

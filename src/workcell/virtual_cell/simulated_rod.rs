@@ -18,7 +18,7 @@ const LONGEST_FALL: Duration = Duration::from_secs(2);
 /// Height of a rod's end at which the table stops the hand that leads it, in radii.
 const FLOOR: f64 = 1.05;
 
-/// Where a rod begins that a gripper holds by its end.
+/// Initial state of a rod that a gripper holds by its end.
 pub struct Placed {
     /// The frame of its simulation in the cell.
     pub frame: Pose,
@@ -33,7 +33,7 @@ pub struct Placed {
 pub struct HandedRod {
     /// The arm.
     pub arm: usize,
-    /// How many nodes it has.
+    /// Number of its nodes.
     pub nodes: usize,
     /// Its radius, m.
     pub radius: f64,
@@ -48,7 +48,7 @@ pub struct SimulatedRod {
     grips: Vec<Grip>,
     /// Until when their hands lead it, s of the simulation.
     led_until: f64,
-    /// When the simulation began, s.
+    /// Time at which the simulation began, s.
     begin: f64,
     /// The rods, in the order of their nodes.
     rods: Vec<HandedRod>,

@@ -25,7 +25,7 @@ pub struct FoldRecord {
     pub closed_loop: bool,
     /// Numbers of the motion as it was planned before.
     pub motion: PlanReport,
-    /// Where the middle of the edge of the sheet was seen, x and y in the cell, m, and the direction over the sheet, degrees.
+    /// Measured middle of the edge of the sheet, x and y in the cell, m, and direction over the sheet, degrees.
     pub sheet_place: Option<[f64; 3]>,
     /// Measurements of the camera after each part.
     pub looks: Vec<Look>,

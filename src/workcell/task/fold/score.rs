@@ -29,11 +29,11 @@ pub struct FoldScore {
     pub largest_sliding_m: f64,
     /// Whether at the end the edge lay on the free end, so that this was seen no more.
     pub is_end_hidden: bool,
-    /// How far the edge had come along the fold, by the joints of the arm, m.
+    /// Distance of the edge along the fold, by the joints of the arm, m.
     pub edge_m: f64,
     /// From the edge to a crease that is pressed half a crease target back from it, along the sheet, m.
     pub fold_length_m: Option<f64>,
-    /// What that is more than half the crease target, m.
+    /// Excess of that over half the crease target, m.
     pub fold_length_error_m: Option<f64>,
 }
 

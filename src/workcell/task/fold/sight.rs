@@ -39,7 +39,7 @@ pub struct SeenEnd {
     pub slid: f64,
     /// Rotation about the vertical, rad: zero for a sheet that slides straight.
     pub turned: f64,
-    /// Where its edges are seen, pixels.
+    /// Its edges in the picture, pixels.
     pub edges: Vec<[Point; 2]>,
 }
 
@@ -131,7 +131,7 @@ impl Sight {
         }
     }
 
-    /// How far the free end has slid in the direction of the fold, expected at `near`, m, of a sheet whose frame is known.
+    /// Slide of the free end in the direction of the fold, expected at `near`, m, of a sheet with a known frame.
     ///
     /// # Errors
     /// It is not seen there.

@@ -6,7 +6,7 @@ use rodlab_planning::plan::fold::{Algorithm, FoldError, FoldPlanner, FoldPose, F
 use rodlab_robot::Pose;
 use std::sync::Arc;
 
-/// What an arm that lays an edge down stays above the sheet below, m: nothing is pressed with its accuracy.
+/// Clearance above the lower layer when an arm lays an edge down, m: nothing is pressed with its accuracy.
 const CLEARANCE: f64 = 1e-4;
 
 /// Request for a fold.

@@ -54,7 +54,7 @@ pub struct Choreography<'a> {
 }
 
 impl<'a> Choreography<'a> {
-    /// What begins with the first arm, in some joints, where the first rod is laid, and the second one at home.
+    /// Motions that start with the first arm, in given joints, where the first rod is laid, and the second one at home.
     pub fn from(request: &'a TieMotionRequest<'a>, frame: Pose, first: Vec<f64>) -> Self {
         let joints = [first, request.home(1).clone()];
         Self {
@@ -166,7 +166,7 @@ impl Choreography<'_> {
         Ok((last, stretches))
     }
 
-    /// What has been put together so far as a motion of its own; the next one begins where it ends.
+    /// The motions put together so far as one motion; the next one begins where it ends.
     pub fn ended(&mut self) -> JointTrajectory {
         self.both.rest(REST);
         let joints = [0, 1].map(|which| self.both.joints(which).to_vec());

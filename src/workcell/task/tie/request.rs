@@ -12,7 +12,7 @@ pub struct TieMotionRequest<'a> {
     pub cell: &'a Cell,
     /// Indices of the arm that lays the first rod, and of the other one.
     pub arms: [usize; 2],
-    /// Where the frame of the patterns lies in the cell.
+    /// Place of the frame of the patterns in the cell.
     pub place: Place,
     /// Greatest speed of a hand that holds the rod, m/s.
     pub speed: f64,

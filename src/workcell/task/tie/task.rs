@@ -43,7 +43,7 @@ pub struct TiePlan {
     pub knot: KnotPlan,
     /// Greatest speed of a hand that holds nothing, m/s.
     pub free_speed: f64,
-    /// Which pixels are rod.
+    /// Colour of the rod.
     pub colour: ColourRule,
 }
 
@@ -56,7 +56,7 @@ pub struct TieTask {
 }
 
 impl TieTask {
-    /// What was planned for a cell.
+    /// A task from its plan in a cell.
     pub fn new(cell: &Cell, plan: TiePlan) -> Self {
         let TiePlan { motion, knot, .. } = &plan;
         Self {

@@ -10,7 +10,7 @@ const STEP: f64 = 0.01;
 pub struct TwoArms<'a> {
     cell: &'a Cell,
     arms: [usize; 2],
-    /// Where the joints of each are at its end.
+    /// Joint positions of each at its end.
     joints: [Vec<f64>; 2],
     points: Vec<Vec<f64>>,
 }
@@ -27,7 +27,7 @@ impl<'a> TwoArms<'a> {
         }
     }
 
-    /// Where the joints of an arm of both are now.
+    /// Current joint positions of one of both arms.
     pub fn joints(&self, which: usize) -> &[f64] {
         &self.joints[which]
     }
