@@ -184,7 +184,7 @@ impl Walk<'_> {
         })
     }
 
-    /// Returns to the straight rod. A rod that snapped is clamped again there: it keeps a part of it, apparently whole turns of twist,
+    /// Returns to the straight rod. A rod that snapped is clamped again there: it retains twist, apparently whole turns,
     /// which a straight rod does not show.
     fn straighten(&mut self, has_snapped: bool) -> Result<(), WorkError> {
         self.go(0)?;

@@ -214,7 +214,7 @@ impl Sight {
         Ok(if is_right { [from, to] } else { [to, from] })
     }
 
-    /// Whether paper lies across the place x of a sheet's frame, m, where its edge has been lifted from.
+    /// Whether paper lies at x in the frame of a sheet, m, where its edge lay before it was lifted.
     ///
     /// # Errors
     /// The colour cannot be applied, or the place is out of the picture.
