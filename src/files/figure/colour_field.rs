@@ -1,8 +1,9 @@
 //! Values over positions of a plot as colours, with their colour bar.
 
 use super::axis::{Axis, AxisScale};
-use super::curve::Mark;
+
 use super::drawing::{Anchor, Drawing, Stroke, Words, number};
+use super::mark::Mark;
 use super::palette::Color;
 use super::plot_axes::{Axes, Frame, widest_label};
 

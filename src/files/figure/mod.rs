@@ -15,6 +15,7 @@ mod film;
 mod font;
 mod legend;
 mod line_plot;
+mod mark;
 mod markup;
 mod motion;
 mod numbered;

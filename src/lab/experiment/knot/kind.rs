@@ -197,8 +197,8 @@ mod tests {
         let monitor = run.observer::<KnotMonitor>().unwrap();
         let knot = derived_knot(&monitor.observer, &run).unwrap();
         assert_eq!((knot.determinant, knot.pull_speed), (9, 5e-3));
-        // (0.6 − 0.36)/0.0016, and less by 2 · 5 mm/s · 18 s.
-        assert!((knot.length_normalized[0] - 150.0).abs() < 1e-9);
-        assert!((knot.length_normalized[1] - 37.5).abs() < 1e-9);
+        // (0.6 − 0.36)/0.001, and less by 2 · 5 mm/s · 18 s.
+        assert!((knot.length_normalized[0] - 240.0).abs() < 1e-9);
+        assert!((knot.length_normalized[1] - 60.0).abs() < 1e-9);
     }
 }
