@@ -1,41 +1,41 @@
-//! What makes a scene impossible.
+//! Errors of scenes.
 
 use super::fluid::FluidError;
 use super::rod::PlacementError;
 use std::fmt;
 
-/// Why a scene cannot be set up, or cannot answer what is asked of it.
+/// Reason why a scene cannot be set up, or is not suitable for a method.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SceneError {
-    /// There is nothing to simulate.
+    /// The scene contains no rods.
     #[error("the scene has no rods")]
     NoRods,
-    /// A rod, or a clamp on it, is impossible.
+    /// A rod, or a clamp on it, is invalid.
     #[error("rod `{name}`: {reason}")]
     Rod {
         /// Name of the rod.
         name: String,
-        /// What is wrong with it.
+        /// The fault.
         reason: RodError,
     },
-    /// A load asks for something that does not exist.
+    /// A load refers to something that does not exist.
     #[error(transparent)]
     Load(#[from] LoadError),
     /// Two bodies overlap as placed.
     #[error(transparent)]
     Overlap(#[from] Overlap),
-    /// The fluid, or a rod in it, is beyond its theory.
+    /// The fluid, or a rod in it, is outside the range of its theory.
     #[error(transparent)]
     Fluid(#[from] FluidError),
-    /// A joint or body is impossible.
+    /// A joint or body is invalid.
     #[error("joint or body `{name}`: {reason}")]
     Joint {
         /// Its name.
         name: String,
-        /// What is wrong with it.
+        /// The fault.
         reason: JointError,
     },
-    /// The scene lacks what a method needs.
+    /// The scene is not suitable for the method.
     #[error("{0}")]
     Unsuitable(&'static str),
     /// A node cannot be grasped or released, or a load not be scaled.
@@ -46,7 +46,7 @@ pub enum SceneError {
     Checkpoint(String),
 }
 
-/// What is wrong with a rod.
+/// Fault of a rod.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RodError {
     /// Too few nodes for a rod, or for a ring.
@@ -58,7 +58,7 @@ pub enum RodError {
         nodes: usize,
     },
     /// The natural shape has another number of nodes than the rod.
-    #[error("its natural shape has {natural} nodes, itself {nodes}")]
+    #[error("its natural shape has {natural} nodes, but the rod has {nodes}")]
     NaturalShape {
         /// Nodes of the natural shape.
         natural: usize,
@@ -66,7 +66,7 @@ pub enum RodError {
         nodes: usize,
     },
     /// A clamp at a node that does not exist.
-    #[error("a clamp asks for node {node} of {nodes}")]
+    #[error("a clamp names node {node}, but the rod has {nodes} nodes")]
     ClampOutside {
         /// The node.
         node: usize,
@@ -79,16 +79,16 @@ pub enum RodError {
         /// The node.
         node: usize,
     },
-    /// The polyline is no rod.
+    /// The polyline does not describe a rod.
     #[error(transparent)]
     Placement(#[from] PlacementError),
 }
 
-/// What is wrong with a joint or body.
+/// Fault of a joint or body.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum JointError {
     /// A node that does not exist.
-    #[error("asks for node {node} of {nodes}")]
+    #[error("names node {node}, but the rod has {nodes} nodes")]
     NoSuchNode {
         /// The node.
         node: usize,
@@ -99,51 +99,51 @@ pub enum JointError {
     #[error("joins a node to itself")]
     SameNode,
     /// The nodes are not at one point.
-    #[error("its nodes are {distance:.6e} m apart, they must lie at one point")]
+    #[error("its nodes are {distance:.6e} m apart, but must be at one point")]
     Apart {
         /// Their distance, m.
         distance: f64,
     },
     /// A spring between nodes that are one point.
-    #[error("its nodes are one point by other joints, where no spring can act")]
+    #[error("other joints already unite its nodes in one point, where a spring cannot act")]
     OnePoint,
     /// A spring between frames that are one.
     #[error(
-        "its nodes turn as one, by other joints or because nothing turns them, where no spring can turn them"
+        "its nodes turn as one, because other joints unite them or neither can turn: a spring between them cannot act"
     )]
     OneFrame,
     /// A spring without a direction in which to push.
     #[error(
-        "its nodes lie at one point, where a spring of rest length {rest_length:e} m pushes in no direction: let the rest length be 0, or place them apart"
+        "its nodes are at one point, where a spring of rest length {rest_length:e} m has no direction: set the rest length to 0, or place the nodes apart"
     )]
     NoDirection {
         /// Its length without force, m.
         rest_length: f64,
     },
-    /// A joint breaks whose force is not known.
+    /// A joint that should break, but whose force cannot be determined.
     #[error(
-        "breaks at a force that is not known, since other joints share its point: only a joint that is alone there can break"
+        "cannot break, because other joints share its point and its own force cannot be determined: only a joint that is alone at its point can break"
     )]
     Unbreakable,
-    /// Other joints hold what it holds.
-    #[error("other joints at this point already hold what it holds")]
+    /// Other joints already hold the same.
+    #[error("is redundant: other joints at this point already hold the same")]
     Twice,
-    /// A hinge between two frames that both hang on hinges.
-    #[error("hangs on another hinge at this point: let all hinges there share one rod")]
+    /// A hinge between two frames that both turn on hinges.
+    #[error("is connected to another hinge at this point: all hinges there must share one rod")]
     HingeOnHinge,
     /// A sliding node that is one point with a node of the rod along which it slides.
     #[error(
-        "its first node is joined to the rod along which it should slide: leave out one of the joints"
+        "its first node is joined to the rod along which it should slide: remove one of the joints"
     )]
     JoinedToRail,
     /// A node that slides along two rods.
     #[error(
-        "its first node slides along another rod already: let another node slide, or join two rods there by a ball"
+        "its first node already slides along another rod: use another node, or join two rods there by a ball joint"
     )]
     SlidesTwice,
     /// A sliding node on a rod along which others slide.
     #[error(
-        "its first node is one of those of rod `{rod}`, along which another node slides: what bears a sliding node cannot slide itself"
+        "its first node is one of those of rod `{rod}`, along which another node slides: a node of such a rod cannot itself slide"
     )]
     SlidingRail {
         /// Name of that rod.
@@ -154,7 +154,7 @@ pub enum JointError {
     OwnRing,
     /// A sliding node that is held.
     #[error(
-        "a clamp, or `held`, holds the node of rod `{rod}` that should slide: hold the other rod, and let its nodes be the ones that move"
+        "a clamp, or `held`, holds the node of rod `{rod}` that should slide: hold the other rod instead, and let this node move"
     )]
     HeldSlide {
         /// Name of the rod.
@@ -165,7 +165,7 @@ pub enum JointError {
     TwoBodies,
     /// Clamps hold several of its nodes.
     #[error(
-        "clamps hold rods `{first}` and `{second}` at this point: let one of them hold it, and the other the frame of its rod alone, `hold = \"frame\"`, beside a ball joint, or nothing beside a rigid one"
+        "clamps hold rods `{first}` and `{second}` at this point: only one clamp may hold the point; at a ball joint the other may hold the frame of its rod with `hold = \"frame\"`, at a rigid joint remove the other"
     )]
     TwoClamps {
         /// Name of a rod.
@@ -175,7 +175,7 @@ pub enum JointError {
     },
     /// A clamp holds the frame of a node that a joint or body would turn.
     #[error(
-        "a clamp holds the frame of rod `{rod}` at this point, which a hinge, a body, a joint that may break or another clamp turns: let the clamp hold the position alone, or clamp each rod without a joint"
+        "a clamp holds the frame of rod `{rod}` at this point, which turns with a hinge, a body, a joint that may break or another clamp: let the clamp hold only the position, or clamp each rod without a joint"
     )]
     ClampedFrame {
         /// Name of the rod.
@@ -183,19 +183,19 @@ pub enum JointError {
     },
     /// A rigid joint to a rod that is held.
     #[error(
-        "a rod that is held is a rigid obstacle and is joined by its position alone: make the joint a ball"
+        "a rod with `held = true` is a rigid obstacle and can be joined only by its position: use a ball joint"
     )]
     HeldRod,
 }
 
-/// What is wrong with a load.
+/// Fault of a load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LoadError {
     /// A rod that does not exist.
-    #[error("a load asks for rod {0}")]
+    #[error("a load names rod {0}, which does not exist")]
     NoSuchRod(usize),
     /// A node that does not exist.
-    #[error("a force asks for node {node} of {nodes}")]
+    #[error("a force names node {node}, but the rod has {nodes} nodes")]
     NoSuchNode {
         /// The node.
         node: usize,
@@ -203,7 +203,7 @@ pub enum LoadError {
         nodes: usize,
     },
     /// An edge that does not exist.
-    #[error("a moment asks for edge {edge} of {edges}")]
+    #[error("a moment names edge {edge}, but the rod has {edges} edges")]
     NoSuchEdge {
         /// The edge.
         edge: usize,

@@ -60,13 +60,13 @@ fn faults_name_the_joint_and_what_is_allowed() {
         rigid ["end", "start"]; break_at_moment = "1 N" => but this key takes a moment
         ball ["end", "start"]; break_at_moment = 1 => unknown key
         spring ["end", 4]; stiffness = 1; break_at_moment = 1 => missing key `turning_stiffness`
-        slide ["start", 4] => m apart, they must lie at one point
+        slide ["start", 4] => m apart, but must be at one point
         slide ["end", 11] => allowed: 0 to 10
         slide ["end", "start"]; stiffness = 1 => unknown key
         slide ["end", "start"]; break_at = -1 => allowed: greater than 0
         slide ["end", "start"]; [[clamps]]; rod = "post"; at = "end" => holds the node of rod `post` that should slide
-        spring ["end", "start"]; stiffness = 1; rest_length = "1 cm" => let the rest length be 0
-        hinge ["end", "start"]; axis = [0, 1, 0]; [[clamps]]; rod = "boom"; at = "start" => let the clamp hold the position alone
+        spring ["end", "start"]; stiffness = 1; rest_length = "1 cm" => set the rest length to 0
+        hinge ["end", "start"]; axis = [0, 1, 0]; [[clamps]]; rod = "boom"; at = "start" => let the clamp hold only the position
         ball ["end", "start"]; [contact]; model = "complementarity" => `imc` or `ipc`
     "#;
     let of_one_joint = cases(table).map(|(text, expected)| {
@@ -80,9 +80,9 @@ fn faults_name_the_joint_and_what_is_allowed() {
                 + &joint("rigid", "[\"end\", \"start\"]").replace("knee", "weld"), "`knee`: its first node is joined to the rod along which it should slide"), (joint("slide", "[\"end\", \"start\"]")
                 + &joint("slide", "[\"end\", \"start\"]").replace("knee", "again"), "`again`: its first node slides along another rod already"), (joint("ball", "[\"end\", \"start\"]")
                 + "break_at = 1\n"
-                + &joint("rigid", "[\"end\", \"start\"]"), "`joints.0.break_at`: `knee`: breaks at a force that is not known"), (joint("hinge", "[\"end\", \"start\"]")
+                + &joint("rigid", "[\"end\", \"start\"]"), "`joints.0.break_at`: `knee`: cannot break, because other joints share its point"), (joint("hinge", "[\"end\", \"start\"]")
                 + "axis = [0, 1, 0]\nbreak_at_moment = 1\n"
-                + &joint("ball", "[\"end\", \"start\"]").replace("knee", "ball"), "`joints.0.break_at_moment`: `knee`: breaks at a force that is not known"), (joint("ball", "[\"end\", \"start\"]")
+                + &joint("ball", "[\"end\", \"start\"]").replace("knee", "ball"), "`joints.0.break_at_moment`: `knee`: cannot break, because other joints share its point"), (joint("ball", "[\"end\", \"start\"]")
                 + &joint("spring", "[\"end\", \"start\"]").replace("knee", "tie")
                 + "stiffness = 1\n", "`tie`: its nodes are one point"), (joint("spring", "[4, 4]").replace("boom", "post") + "stiffness = 1\n", "joins a node to itself"), (joint("rigid", "[\"end\", \"start\"]").replace("boom", "bom"), "boom"), (joint("rigid", "[\"end\", \"start\"]") + &joint("rigid", "[\"end\", \"start\"]"), "already hold"), ("[[bodies]]\nrod = \"boom\"\nat = \"end\"\n".to_owned(), "missing key `mass`"), ("[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\ninertia = [1, 1, 3]\n".to_owned(), "no body is like that"), ("[[bodies]]\nrod = \"boom\"\nat = \"end\"\nmass = \"1 g\"\nshape = { kind = \"disk\" }\n".to_owned(), "missing key `radius`"), (format!("{BALL}[contact]\nmodel = \"imc\"\n"), "the ball at node 10 of rod `boom`"), (NET.to_owned(), "missing key `shape`"), (format!("{NET}shape = {{ kind = \"grid\", sides = [[1, 0, 0], [2, 0, 0]], rods = [3, 3] }}\n"), "parallel"), (format!("{NET}shape = {{ kind = \"grid\", sides = [[1, 0, 0], [0, 1, 0]], rods = [1, 3] }}\n"), "allowed: 2 to 1000"), (format!("{NET}shape = {{ kind = \"table\", points = [[0, 0, 0], [1, 0, 0]], rods = [[0, 2]] }}\n"), "no point 2; allowed: 0 to 1"), (format!("{NET}shape = {{ kind = \"table\", points = [[0, 0, 0], [1, 0, 0]], rods = [[0, 0]] }}\n"), "same point twice")];
     for (text, expected) in of_one_joint.chain(others) {

@@ -1,16 +1,16 @@
-//! What to try where steps fail: only what the scene has.
+//! Advice on failed steps, limited to what the scene contains.
 
 use super::failure::{Crossing, Failure, Forces};
 use super::parameters::{IntegrationParameters, Scheme, StepSize};
 use crate::mechanics::contact::ContactModel;
 use crate::mechanics::system::System;
 
-/// What a scene and its time steps have that advice may name.
+/// Properties of a scene and its time steps that select the advice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Means {
-    /// The contact model; `None` where nothing can touch.
+    /// The contact model; `None` without contact.
     pub contact: Option<ContactModel>,
-    /// Whether anything that may touch rubs.
+    /// Whether any contact has friction.
     pub friction: bool,
     /// Whether a rod is in a fluid.
     pub fluid: bool,
@@ -21,7 +21,7 @@ pub(super) struct Means {
 }
 
 impl Means {
-    /// Those of a scene whose fluid has rods in it or not.
+    /// Collects them from a scene; `fluid`: whether a fluid contains rods.
     pub(crate) fn of(system: &System, parameters: &IntegrationParameters, fluid: bool) -> Self {
         let contact = system.contact();
         Self {
@@ -41,10 +41,10 @@ impl Means {
         )
     }
 
-    /// A sentence on the steps that something needs, with how to find them.
+    /// Completes a sentence about the steps that are needed with how to choose them.
     fn steps(&self, needed: &str) -> String {
         if self.fixed {
-            format!("{needed}; time.step = \"auto\" finds them")
+            format!("{needed}; use time.step = \"auto\" to choose them")
         } else {
             needed.to_owned()
         }
@@ -52,7 +52,7 @@ impl Means {
 }
 
 impl Failure {
-    /// What to try where steps of a scene with such means fail so again and again; empty where nothing is known to help.
+    /// Advice for a scene with these properties where steps fail repeatedly in this way; empty where there is none.
     pub(crate) fn advice(&self, means: &Means) -> String {
         let mut choices = Vec::new();
         match self {
@@ -82,7 +82,7 @@ impl Failure {
             Self::Work {
                 forces: Forces::Drag,
                 ..
-            } => choices.extend(["rods that keep their distance", "shorter edges"]),
+            } => choices.extend(["rods farther apart", "shorter edges"]),
             Self::NoContactForces { .. } => {
                 choices.extend(["contact.model = \"imc\"", "contact.model = \"ipc\""]);
             }
@@ -93,22 +93,21 @@ impl Failure {
             Self::Crossing {
                 crossing: Crossing::Clamp,
                 ..
-            } => choices.push("a slower clamp"),
+            } => choices.push("a slower motion of the clamp"),
             Self::Work {
                 forces: Forces::Elastic,
                 ..
             } => {
-                return means.steps(
-                    "rods that turn need steps in which they turn by at most a tenth of a radian",
-                );
+                return means
+                    .steps("rotating rods need steps in which they turn by at most 0.1 rad");
             }
             Self::Turn { .. } => {
                 return means
-                    .steps("rods that snap need steps in which no edge turns by more than 2 rad");
+                    .steps("snapping rods need steps in which no edge turns by more than 2 rad");
             }
             Self::Work { .. } | Self::Crossing { .. } => {
                 return means
-                    .steps("impacts need steps in which nodes move by at most about a radius");
+                    .steps("impacts need steps in which nodes move by at most about one radius");
             }
         }
         match choices.split_last() {

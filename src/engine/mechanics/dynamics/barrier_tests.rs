@@ -200,7 +200,7 @@ fn a_clamp_driven_through_a_held_rod_ends_the_run() {
         }
     };
     assert!(
-        error.to_string().contains("leads through a contact"),
+        error.to_string().contains("passes through a contact"),
         "{error}"
     );
     assert!((simulation.time() - 0.1).abs() < 1e-3);

@@ -13,7 +13,7 @@ use tracing::{debug, warn};
 const STIFFENINGS: usize = 8;
 
 const NOT_JUDGED: SceneError = SceneError::Unsuitable(
-    "the stability of an equilibrium under moments and forces that turn with rods is found for up to 1500 nodes",
+    "the stability of an equilibrium under moments and forces that turn with rods is computed for at most 1500 nodes",
 );
 
 impl Simulation {
@@ -93,13 +93,13 @@ impl Simulation {
         small_motions(&mut self.system, &self.state.unknowns)
     }
 
-    /// Judges an equilibrium that was found by its small motions, where forces have no potential.
+    /// Judges the stability of the equilibrium by its small motions, where forces have no potential.
     fn judge_stability(&mut self) {
         if self.system.is_symmetric() || self.system.rubs() {
             return;
         }
         let message = match self.small_motions() {
-            None => Some("whether the equilibrium is stable was not found out".to_owned()),
+            None => Some("the stability of the equilibrium could not be determined".to_owned()),
             Some(motions) => {
                 let how = motions.in_words();
                 how.map(|how| format!("the equilibrium is unstable: {how}"))

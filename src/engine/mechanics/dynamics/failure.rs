@@ -13,7 +13,7 @@ pub(super) enum Failure {
     Newton(Divergence),
     /// Surfaces overlap by more than is allowed.
     Penetration { iterations: usize, overlap: Overlap },
-    /// No contact forces obey the laws of Signorini and Coulomb, or none were found.
+    /// No contact forces satisfy the laws of Signorini and Coulomb, or none were found.
     NoContactForces { iterations: usize },
     /// The drag of the motion within the step was not found.
     NoDrag { iterations: usize },
@@ -46,7 +46,7 @@ pub(super) enum Forces {
 pub(super) enum Crossing {
     /// A clamp prescribes it.
     Clamp,
-    /// The midpoint rule goes on from the middle of the step through a contact.
+    /// The extrapolation of the midpoint rule from the middle of the step passes through a contact.
     Extrapolation,
     /// Surfaces overlap by more than is allowed at the end of the step.
     Overlap(Overlap),
@@ -58,10 +58,10 @@ impl fmt::Display for Crossing {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Clamp => {
-                formatter.write_str("the prescribed motion of a clamp leads through a contact")
+                formatter.write_str("the prescribed motion of a clamp passes through a contact")
             }
             Self::Extrapolation => formatter
-                .write_str("the extrapolation of the midpoint rule leads through a contact"),
+                .write_str("the extrapolation of the midpoint rule passes through a contact"),
             Self::Overlap(overlap) => overlap.fmt(formatter),
             Self::Passage([first, second]) => {
                 write!(
@@ -154,7 +154,7 @@ impl fmt::Display for Failure {
             ),
             Self::Penetration { overlap, .. } => overlap.fmt(formatter),
             Self::NoContactForces { .. } => {
-                formatter.write_str("no contact forces obey the laws of Signorini and Coulomb")
+                formatter.write_str("no contact forces satisfy the laws of Signorini and Coulomb")
             }
             Self::NoDrag { iterations } => write!(
                 formatter,
@@ -163,15 +163,15 @@ impl fmt::Display for Failure {
             Self::Work { forces, work, .. } => match forces {
                 Forces::Contact => write!(
                     formatter,
-                    "rods slide so far around each other within a step that contact forces bring {work:.3e} J"
+                    "rods slide so far around each other within a step that contact forces add {work:.3e} J"
                 ),
                 Forces::Elastic => write!(
                     formatter,
-                    "rods turn so far within a step that elastic forces bring {work:.3e} J"
+                    "rods turn so far within a step that elastic forces add {work:.3e} J"
                 ),
                 Forces::Drag => write!(
                     formatter,
-                    "the drag of the fluid brings {work:.3e} J: parts of rods in it overlap, where its model does not hold"
+                    "the drag of the fluid adds {work:.3e} J: parts of rods in the fluid overlap, where the drag model is not valid"
                 ),
             },
             Self::Crossing { crossing, .. } => crossing.fmt(formatter),
@@ -213,7 +213,7 @@ pub(super) fn no_equilibrium(
     divergence: &Divergence,
 ) -> SimulationError {
     let advice = if system.terms.loads.are_forces() {
-        "let the loads grow with time.mode = \"continuation\", or run dynamically with damping"
+        "increase the loads gradually with time.mode = \"continuation\", or run dynamically with damping"
     } else {
         "run dynamically with damping"
     };

@@ -53,7 +53,7 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
         if may_part(scene, assembly, &positions, pair) {
             let [first, second] = pair.map(|node| names.of(node));
             return Err(SceneError::Fluid(FluidError::BadInput(format!(
-                "{first} and {second} begin at one place, where the flow between them has no solution: join them by [[joints]], \
+                "{first} and {second} start at the same point, where the flow between them has no solution: join them by [[joints]], \
                  clamp both, or place the rods apart"
             ))));
         }

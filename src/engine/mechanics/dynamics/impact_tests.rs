@@ -1,4 +1,4 @@
-//! Impacts, and energy that nothing gave: restitution never exceeds 1, and a run whose energy grows beyond all measure ends.
+//! Impacts, and spurious energy: restitution never exceeds 1, and a run whose energy grows beyond all measure ends.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -106,7 +106,7 @@ fn a_run_that_gains_more_energy_than_it_had_ends() {
     let error = run(Scheme::ImplicitMidpoint).unwrap_err();
     let text = error.to_string();
     assert!(matches!(error, SimulationError::Unphysical(_)), "{text}");
-    assert!(text.contains("nothing gave them"), "{text}");
+    assert!(text.contains("spurious energy"), "{text}");
     for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
         let remarks = run(scheme).unwrap();
         assert!(

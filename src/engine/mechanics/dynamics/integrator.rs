@@ -21,13 +21,13 @@ use tracing::{debug, trace_span};
 pub(super) const STIFFENING: f64 = 10.0;
 /// Part of the time reached below which a step is lost in the rounding of times.
 const RESOLVED_TIME: f64 = 64.0 * f64::EPSILON;
-/// Part of the largest step that is no step.
+/// Part of the largest step below which two times count as equal.
 const SAME_TIME: f64 = 1e-6;
 /// Such growths before the step is halved instead, or accepted where contacts are only deep. Where it cannot be halved they may
 /// make any energy.
 const STIFFENINGS: usize = 3;
 
-/// Part of a step of the grid below which a step counts as far smaller than the one asked for.
+/// Part of a step of the grid below which a step counts as far smaller than requested.
 const SMALL_PART: f64 = 0.125;
 /// Such steps in a row after which a run warns.
 const SMALL_STEPS: usize = 100;
@@ -44,13 +44,13 @@ pub(super) struct Integrator {
     pub control: StepControl,
     pub fluid: FluidDrag,
     workspace: Workspace,
-    /// Steps far smaller than the one asked for since the last whole one.
+    /// Number of steps far smaller than requested since the last whole one.
     small_steps: usize,
     /// Why a step failed last, and what to try.
     last_failure: Option<LastFailure>,
     /// Whether velocities of the last step ring.
     pub rings: bool,
-    /// A row of steps far smaller than asked for, since this was last taken.
+    /// A series of steps far smaller than requested, until it is taken.
     pub small_row: Option<SmallSteps>,
 }
 
@@ -94,7 +94,7 @@ impl Integrator {
         })
     }
 
-    /// The motion begins anew: schemes that need steps before begin with small ones.
+    /// Restarts the motion: schemes that need earlier steps begin with small ones.
     pub(crate) fn begin_anew(&mut self) {
         let parameters = &self.setting.parameters;
         if parameters.scheme.rules().begins_small() {
@@ -164,7 +164,7 @@ impl Integrator {
             let stage = &self.workspace.stage;
             let least = self.setting.parameters.minimum_step;
             let is_least = 0.5 * step < least.max(RESOLVED_TIME * goal);
-            // The midpoint rule promises no energy, and where it goes on from the middle of the step through a soft contact, no
+            // The midpoint rule does not conserve energy exactly, and where it extrapolates from the middle of the step through a soft contact, no
             // smaller step helps.
             let scheme = setting.parameters.scheme.rules();
             let bound = (!is_least && !scheme.extrapolates()).then_some(stage);
@@ -180,7 +180,7 @@ impl Integrator {
                     debug!(
                         time = state.time,
                         step,
-                        reason = "contacts are pressed deep",
+                        reason = "contacts are compressed too far",
                         "contact stiffened"
                     );
                     step
@@ -295,7 +295,7 @@ impl Integrator {
         self.control.begin_again(maximum, harmless, spacing);
     }
 
-    /// Notes that steps of a fixed grid stay far smaller than asked for, with the reason and what to try.
+    /// Records that steps of a fixed grid stay far smaller than requested, with the reason and the advice.
     fn watch_small_steps(&mut self, report: &StepReport) {
         let StepSize::Fixed(whole) = self.setting.parameters.step else {
             return;
@@ -309,7 +309,7 @@ impl Integrator {
             self.small_steps += 1;
             if self.small_steps == SMALL_STEPS {
                 let message = format!(
-                    "at t = {:.6e} s: {SMALL_STEPS} steps have been far smaller than the {whole} s asked for, now {:.3e} s: {reason}",
+                    "at t = {:.6e} s: {SMALL_STEPS} steps in a row were far smaller than the requested {whole} s, the last one {:.3e} s: {reason}",
                     report.time, report.step
                 );
                 self.small_row = Some(SmallSteps::first(message, advice.clone()));

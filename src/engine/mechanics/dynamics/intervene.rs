@@ -22,11 +22,11 @@ impl Simulation {
     /// Multiplies a load of the scene, counted from 0, by a factor beside its schedule, from the next step on.
     ///
     /// # Errors
-    /// [`SimulationError::BadScene`] where there is no such load.
+    /// [`SimulationError::BadScene`] if the load does not exist.
     pub fn set_load_factor(&mut self, load: usize, factor: f64) -> Result<(), SimulationError> {
         self.validity.stop_counting_energy();
         let set = self.system.set_load_factor(load, factor);
-        set.ok_or_else(|| refused(format!("there is no load {load}")))
+        set.ok_or_else(|| refused(format!("load {load} does not exist")))
     }
 
     /// Gives a clamp another motion, which holds from the next step or equilibrium on: for ends that a robot or a
@@ -40,7 +40,7 @@ impl Simulation {
     /// [`Self::move_clamp`] and [`Self::release`]. A node whose position is held stops at once.
     ///
     /// # Errors
-    /// [`SimulationError::BadScene`] where there is no such node, or it cannot be grasped.
+    /// [`SimulationError::BadScene`] if the node does not exist or cannot be grasped.
     pub fn grasp(&mut self, node: usize, grasp: Grasp) -> Result<usize, SimulationError> {
         let grasped = self.system.grasp(node, grasp, &self.state.unknowns);
         let clamp = grasped.map_err(refused)?;
@@ -51,10 +51,10 @@ impl Simulation {
         Ok(clamp)
     }
 
-    /// Lets a clamp go, one of the scene or one that was grasped. The node goes on with its velocity.
+    /// Releases a clamp of the scene or of a grasp. The node keeps its velocity.
     ///
     /// # Errors
-    /// [`SimulationError::BadScene`] where there is no such clamp, or it cannot be released.
+    /// [`SimulationError::BadScene`] if the clamp does not exist or cannot be released.
     pub fn release(&mut self, clamp: usize) -> Result<(), SimulationError> {
         let released = self.system.release(clamp, &self.state.unknowns);
         released.map_err(refused)?;
@@ -62,7 +62,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Forgets the steps before, whose accelerations say nothing about what follows.
+    /// Discards the earlier steps, whose accelerations do not apply to the motion after the intervention.
     pub(super) fn begin_anew(&mut self) {
         self.validity.stop_counting_energy();
         self.state.begin_anew();

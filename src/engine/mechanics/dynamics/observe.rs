@@ -244,7 +244,7 @@ impl Simulation {
         if state.unknowns.len() != self.state.unknowns.len()
             || state.reference.twist.len() != self.system.reference.twist.len()
         {
-            return Err(foreign("other numbers of nodes or vertices".into()));
+            return Err(foreign("the number of nodes or vertices differs".into()));
         }
         self.system.terms.contact.place_obstacles(state.time);
         match (&mut self.system.terms.contact.model, &state.contact) {
@@ -252,7 +252,7 @@ impl Simulation {
                 .restore(memory)
                 .map_err(|e| foreign(e.to_string()))?,
             (None, None) => {}
-            _ => return Err(foreign("contact".into())),
+            _ => return Err(foreign("the contact model differs".into())),
         }
         self.integrator
             .fluid

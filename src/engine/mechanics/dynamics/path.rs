@@ -8,7 +8,7 @@ use crate::mechanics::statics::{PathPlan, PathPoint, Tracer};
 use crate::mechanics::system::{Demand, MOST_UNKNOWNS};
 
 const TOO_MANY: SceneError = SceneError::Unsuitable(
-    "the stability of a path under moments and forces that turn with rods is found for up to 1500 nodes: take fewer edges",
+    "the stability of a path under moments and forces that turn with rods is computed for at most 1500 nodes: use fewer edges",
 );
 
 impl Simulation {

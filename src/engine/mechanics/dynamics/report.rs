@@ -120,7 +120,7 @@ impl Energies {
 /// Why a simulation stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulationError {
-    /// The scene itself is wrong, or cannot answer what is asked (exit code 2).
+    /// The scene is invalid, or not suitable for the requested method (exit code 2).
     #[error(transparent)]
     BadScene(#[from] SceneError),
     /// Newton did not converge at the smallest step (exit code 3).
@@ -143,7 +143,7 @@ pub enum SimulationError {
     },
     /// The contact problem of complementarity had no solution, or none was found, at the smallest step (exit code 3).
     #[error(
-        "no convergence at t = {time:.6e} s with the smallest step {step:.3e} s: no contact forces obey the laws of Signorini and Coulomb"
+        "no convergence at t = {time:.6e} s with the smallest step {step:.3e} s: no contact forces satisfy the laws of Signorini and Coulomb"
     )]
     NoContactForces {
         /// Time at the start of the failed step, s.
@@ -174,7 +174,7 @@ pub enum SimulationError {
     Unphysical(String),
 }
 
-/// A residual in N, which may be no number.
+/// Formats a residual in N, which may be NaN.
 fn in_words(residual: f64) -> String {
     if residual.is_finite() {
         format!("residual {residual:.3e} N")

@@ -234,7 +234,10 @@ fn a_clamp_that_cannot_be_is_named() {
     let error = Simulation::new(&scene, &IntegrationParameters::default())
         .err()
         .unwrap();
-    assert_eq!(error.to_string(), "rod `rod`: a clamp asks for node 9 of 6");
+    assert_eq!(
+        error.to_string(),
+        "rod `rod`: a clamp names node 9, but the rod has 6 nodes"
+    );
 }
 
 #[test]

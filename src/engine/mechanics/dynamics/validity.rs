@@ -1,4 +1,4 @@
-//! What a simulation says of itself: strains beyond the theory, energy that comes from nowhere, steps far smaller than asked
+//! Remarks on the validity of a simulation: strains beyond the theory, spurious energy, steps far smaller than requested
 //! for.
 //!
 //! Each is a warning in the log when it first happens, and a remark at the end with its largest size: the numbers are what
@@ -20,12 +20,12 @@ const LARGEST_STRETCH: f64 = 0.05;
 const LARGEST_BEND: f64 = 0.2;
 /// Friction that edges put in the way of what slides that is remarked.
 pub const LARGEST_CATCH: f64 = 0.05;
-/// Stretch at which a lack of convergence is no wonder.
+/// Stretch at which a lack of convergence is expected.
 const CRUSHING: f64 = 0.5;
-/// Gain of energy that is no more rounding, Newton's method or a swing of the midpoint rule, over the largest energy so far
+/// Gain of energy that can no longer be rounding, Newton's method or a swing of the midpoint rule, over the largest energy so far
 /// that is explained.
 const LARGEST_GAIN: f64 = 0.05;
-/// Gain at which a run ends: what it has then says nothing of the rods.
+/// Gain at which a run ends: its results are then meaningless.
 const RUINOUS_GAIN: f64 = 1.0;
 /// Part of all energy exchanged by which it may be counted wrongly: work is a sum of forces at the ends of steps.
 const MISCOUNTED: f64 = 0.1;
@@ -58,7 +58,7 @@ pub(super) struct Validity {
     has_automatic_steps: bool,
     /// Distance tolerance δ of contact, m; 0 without.
     distance_tolerance: f64,
-    /// Energy that counts as none, J.
+    /// Energy below which a gain is ignored, J.
     rounding: f64,
     pub memory: ValidityMemory,
 }
@@ -85,10 +85,10 @@ impl Kind {
     fn theory(self) -> &'static str {
         match self {
             Self::Stretch => {
-                "the theory of rods holds for a few per cent, and errs by as much as the stretch"
+                "the theory of rods holds for strains of a few per cent, and its relative error is about the stretch"
             }
             Self::Bending | Self::Twist => {
-                "the theory of rods errs by about the square of that, 4 % at 20 %"
+                "the relative error of the theory of rods is about the square of that strain, 4 % at 20 %"
             }
         }
     }
@@ -135,13 +135,13 @@ impl Validity {
         }
     }
 
-    /// The same with such steps.
+    /// Sets how steps are chosen.
     pub(crate) fn with_steps(mut self, step: &StepSize) -> Self {
         self.has_automatic_steps = matches!(step, StepSize::Auto { .. });
         self
     }
 
-    /// What to try where a scheme makes energy.
+    /// Advice where a scheme adds energy.
     fn gaining(&self) -> &'static str {
         if self.has_automatic_steps {
             "the time steps are too large for this scheme; take a smaller time.tolerance, or time.scheme = \"implicit-euler\""
@@ -150,7 +150,7 @@ impl Validity {
         }
     }
 
-    /// Work is done that is not counted: other forces act than those of the scene, or a clamp moves otherwise.
+    /// Stops the balance of energy: forces outside the scene act, or a clamp deviates from its prescribed motion.
     pub(crate) fn stop_counting_energy(&mut self) {
         self.memory.is_conservative = false;
     }
@@ -191,7 +191,7 @@ impl Validity {
         }
     }
 
-    /// Keeps what was said of an equilibrium that is not stable.
+    /// Keeps the remark on an equilibrium that is not stable.
     pub(crate) fn note_instability(&mut self, message: String) {
         self.memory.instability.get_or_insert(message);
     }
@@ -227,8 +227,8 @@ impl Validity {
         }
     }
 
-    /// Names two rods that meet faster than waves of stretching run in one of them, from which such an impact cannot escape
-    /// along the rod: its strain is then of the order of one. For motions that find no step any more.
+    /// Describes two rods that collide faster than stretching waves travel in one of them; such an impact cannot escape
+    /// along the rod: its strain is then of the order of one. For motions in which no time step converges any more.
     pub(crate) fn fast_impact(
         &self,
         system: &System,
@@ -256,7 +256,7 @@ impl Validity {
                     format!("rods `{first}` and `{second}`")
                 };
                 let reason = format!(
-                    "{who} meet at {speed:.3} m/s, faster than waves of stretching run there ({wave:.3} m/s): such an impact crushes a rod, and the theory of rods does not hold for it"
+                    "{who} collide at {speed:.3} m/s, faster than the speed of stretching waves in the rod ({wave:.3} m/s): such an impact crushes a rod, and the theory of rods does not cover it"
                 );
                 fastest = Some((speed, reason));
             }
@@ -264,13 +264,13 @@ impl Validity {
         fastest.map(|(_, reason)| reason)
     }
 
-    /// Names a rod that is stretched or compressed to where Hooke's law means nothing, for motions that find no step any more.
+    /// Describes a rod that is stretched or compressed beyond Hooke's law, for motions in which no time step converges any more.
     pub(crate) fn crushed(&self, system: &System, unknowns: &[f64]) -> Option<String> {
         let found = system.largest_strains(unknowns, &self.sections).stretch?;
         (found.size.abs() > CRUSHING).then(|| {
             let (rod, node) = system.assembly.locate(found.node);
             format!(
-                "rod `{}` is {} by {:.0} % at node {node} and no step is found any more: the theory of rods holds for a few per cent",
+                "rod `{}` is {} by {:.0} % at node {node} and no time step converges any more: the theory of rods holds for strains of a few per cent",
                 system.assembly.names[rod],
                 Kind::Stretch.suffered(found.size),
                 100.0 * found.size.abs()
@@ -286,7 +286,7 @@ impl Validity {
         }
     }
 
-    /// Warns of a row of steps far smaller than asked for, the first with its advice, and counts later ones.
+    /// Warns of a series of steps far smaller than requested, once for each advice, and counts later ones.
     pub(crate) fn note_small_steps(&mut self, row: SmallSteps) {
         let known = &mut self.memory.small_steps;
         match known.iter_mut().find(|known| known.advice == row.advice) {
@@ -298,7 +298,7 @@ impl Validity {
         }
     }
 
-    /// After a step: looks now and then. Says why the run must end where the energy has grown beyond all measure.
+    /// Checks some of the accepted steps. Returns the reason to end the run where the spurious energy is ruinous.
     ///
     /// The energy E of rods and contacts less what was taken in W must not grow: the gain is (E − W) less the least of that
     /// so far. It is measured by the largest kinetic and elastic energy that is not gain, with a tenth of all energy
@@ -341,19 +341,19 @@ impl Validity {
             });
             if earlier.is_none() {
                 warn!(
-                    "at t = {time:.4} s the rods have gained {gain:.3e} J that nothing gave them, {:.0} % of their energy: {advice}",
+                    "at t = {time:.4} s the rods have gained {gain:.3e} J of spurious energy, {:.0} % of their energy: {advice}",
                     100.0 * relative
                 );
             }
         }
         (gain > RUINOUS_GAIN * scale + negligible).then(|| {
             format!(
-                "at t = {time:.6e} s the rods have gained {gain:.3e} J that nothing gave them, more than the {scale:.3e} J that they had: {advice}"
+                "at t = {time:.6e} s the rods have gained {gain:.3e} J of spurious energy, more than the {scale:.3e} J that they had: {advice}"
             )
         })
     }
 
-    /// Counts what a step took in and lost.
+    /// Adds the energy that a step received and dissipated.
     fn count_exchange(&mut self, report: &StepReport) {
         let exchange = &report.exchange;
         let lost = exchange.friction_loss + exchange.drag_loss;
@@ -374,7 +374,7 @@ impl Validity {
         }
     }
 
-    /// What people should know of the whole motion, a sentence each.
+    /// Remarks on the whole motion, one sentence each.
     pub(crate) fn remarks(&self, system: &System) -> Vec<String> {
         let memory = &self.memory;
         let strains = Kind::ALL.map(|kind| {
@@ -404,7 +404,7 @@ impl Validity {
         });
         let gain = memory.gain.map(|gain| {
             format!(
-                "from t = {:.4} s the rods gained energy that nothing gave them, up to {:.0} % of theirs: {}",
+                "from t = {:.4} s the rods gained spurious energy, up to {:.0} % of their energy: {}",
                 gain.since,
                 100.0 * gain.relative,
                 self.gaining()
@@ -419,13 +419,13 @@ impl Validity {
     }
 }
 
-/// Friction coefficient that the edges of a rod, h long, put in the way of a node that slides along it under the force F
+/// Apparent friction coefficient of the edges of a rod, h long, for a node that slides along it under the force F
 /// across it: 0.1 F h²/EI ([`crate::mechanics::system`], `joints::track`).
 pub fn apparent_friction(force: f64, edge: f64, bending: f64) -> f64 {
     0.1 * force * edge * edge / bending
 }
 
-/// Says of a node that its rod catches it.
+/// Describes a node that the corners of its rod slow down.
 fn in_words(system: &System, caught: &CaughtSlide) -> String {
     let at = |node: usize| {
         let (rod, node) = system.assembly.locate(node);
@@ -437,7 +437,7 @@ fn in_words(system: &System, caught: &CaughtSlide) -> String {
         time => format!(" at t = {time:.4} s"),
     };
     format!(
-        "the edges of rod `{rail}` are too long for the force with which node {node} of rod `{rod}` slides along it: they catch it like a friction coefficient of up to {:.2}{when}; with edges of {:.2e} m it would be {LARGEST_CATCH}",
+        "the edges of rod `{rail}` are too long for the force with which node {node} of rod `{rod}` slides along it: the corners resist like friction with a coefficient of up to {:.2}{when}; with edges of {:.2e} m it would be {LARGEST_CATCH}",
         caught.friction, caught.edge
     )
 }

@@ -24,12 +24,12 @@ pub struct Gain {
     pub since: f64,
 }
 
-/// Rows of steps far smaller than asked for, with the same advice.
+/// Series of steps far smaller than requested, with the same advice.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SmallSteps {
     /// When and why the first row was so small.
     pub message: String,
-    /// What to try; empty where nothing is known to help.
+    /// Advice; empty where there is none.
     pub advice: String,
     /// Number of rows.
     pub rows: usize,
@@ -96,14 +96,14 @@ pub struct ValidityMemory {
     pub bending: Option<LargeStrain>,
     /// The largest shear by twist beyond its bound.
     pub twist: Option<LargeStrain>,
-    /// The largest gain of energy that nothing gave.
+    /// The largest gain of spurious energy.
     pub gain: Option<Gain>,
     /// Since when velocities have rung, s.
     pub ringing: Option<f64>,
-    /// Steps far smaller than asked for, one entry for each advice.
+    /// Steps far smaller than requested, one entry for each advice.
     pub small_steps: Vec<SmallSteps>,
     /// The slide that its rod catches most.
     pub slide: Option<CaughtSlide>,
-    /// What was said of an equilibrium that is not stable.
+    /// The remark on an equilibrium that is not stable.
     pub instability: Option<String>,
 }

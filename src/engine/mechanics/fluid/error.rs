@@ -1,13 +1,13 @@
-//! What can go wrong in the fluid.
+//! Errors of the fluid.
 
-/// Why there are no fluid forces.
+/// Reason why the fluid forces could not be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FluidError {
     /// The description of the fluid or of a filament is wrong.
     #[error("{0}")]
     BadInput(String),
     /// A position or velocity, and so a force, is not a finite number.
-    #[error("the fluid met a position or velocity that is not a finite number")]
+    #[error("a position or velocity in the fluid is not a finite number")]
     NotFinite,
     /// Neighbouring nodes coincide, or are far closer than the regularisation length, so that velocities do not determine the forces.
     #[error(
@@ -22,7 +22,7 @@ pub enum FluidError {
     BehindWall {
         /// Node of the scene.
         node: usize,
-        /// What it is called.
+        /// Its name.
         name: String,
         /// Its height over the wall, m.
         height: f64,
@@ -30,7 +30,7 @@ pub enum FluidError {
     /// The iterative solution did not reach its tolerance.
     #[error(
         "the fluid forces did not converge: relative residual {residual:.3e} after {iterations} iterations; nodes much closer to \
-         each other than the regularisation length, by default the radius, make them ill-conditioned: take fewer"
+         each other than the regularisation length, by default the radius, make the equations ill-conditioned: use fewer nodes"
     )]
     NoConvergence {
         /// Iterations spent.
@@ -41,12 +41,12 @@ pub enum FluidError {
     /// Two nodes of filaments that have come so close to each other that velocities do not determine the forces.
     #[error(
         "{first} and {second} are {regularizations:.2} regularisation lengths apart, too close for the flow between them to have a \
-         solution: join them, or keep rods apart by [contact]"
+         solution: join them, or keep the rods apart with a [contact] table"
     )]
     TooClose {
-        /// What the first is called.
+        /// Name of the first node.
         first: String,
-        /// What the second is called.
+        /// Name of the second node.
         second: String,
         /// Their distance over the smaller regularisation length.
         regularizations: f64,
@@ -55,6 +55,6 @@ pub enum FluidError {
     #[error("resistive force theory needs slender rods, but length over radius is only {0:.3}")]
     NotSlender(f64),
     /// A checkpoint of another scene.
-    #[error("the memory of the fluid does not belong to these filaments")]
+    #[error("the stored state of the fluid belongs to other filaments")]
     ForeignMemory,
 }

@@ -30,33 +30,31 @@ pub struct RigidBody {
     pub radius: f64,
 }
 
-/// What is wrong with a mesh.
+/// Fault of a mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshFault {
-    /// Nothing there.
+    /// A mesh without triangles.
     #[error("it has no triangles")]
     Empty,
-    /// A coordinate that is no number.
+    /// A coordinate that is not finite.
     #[error("vertex {0} has a coordinate that is not finite")]
     NotFinite(usize),
     /// A corner that does not exist.
-    #[error("triangle {triangle} asks for vertex {vertex} of {vertices}")]
+    #[error("triangle {triangle} names vertex {vertex}, but there are {vertices} vertices")]
     NoVertex {
         /// The triangle.
         triangle: usize,
-        /// The vertex it asks for.
+        /// The vertex that it names.
         vertex: usize,
         /// Vertices there are.
         vertices: usize,
     },
     /// A triangle without area.
-    #[error(
-        "triangle {0} has no area: two of its corners, or all three along a line, are the same"
-    )]
+    #[error("triangle {0} has no area: two of its corners coincide, or all three are on one line")]
     Degenerate(usize),
-    /// Neighbours that do not agree about the outside.
+    /// Neighbours with opposite orientation.
     #[error(
-        "triangles {0} and {1} face opposite ways: along their common side one of them is flipped"
+        "triangles {0} and {1} face opposite ways: one of the two has its corners in the wrong order"
     )]
     Flipped(usize, usize),
     /// More than two triangles along one side.

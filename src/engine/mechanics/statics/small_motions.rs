@@ -1,7 +1,7 @@
 //! Stability of an equilibrium whose forces have no potential, by its small motions M ü + K u = 0.
 //!
 //! With loads that turn with the rod, and with moments of fixed direction, K is not symmetric, and the signs of its pivots
-//! say nothing of stability. The motions u ∝ e^{λt} have λ² = −μ with the eigenvalues μ of M⁻¹K. All is stable where these
+//! do not determine stability. The motions u ∝ e^{λt} have λ² = −μ with the eigenvalues μ of M⁻¹K. All is stable where these
 //! are real and positive. A negative one diverges; two that have met and are no longer real **flutter**, oscillations that grow
 //! (Bolotin 1963; Langthjem & Sugiyama 2000). Damping is not in it, which may destabilise such loads further (Ziegler 1952).
 //!
@@ -108,7 +108,7 @@ impl SmallMotions {
         }
     }
 
-    /// Says that it is unstable, and how; `None` where it is stable.
+    /// Describes the fastest growth of an unstable equilibrium; `None` where it is stable.
     pub(crate) fn in_words(&self) -> Option<String> {
         let Self {
             unstable,
@@ -120,12 +120,12 @@ impl SmallMotions {
         }
         Some(if *frequency > 0.0 {
             format!(
-                "it flutters: oscillations at {frequency:.4} Hz grow by a factor of e in {:.4} s",
+                "flutter, oscillations at {frequency:.4} Hz grow by a factor of e in {:.4} s",
                 1.0 / growth_rate
             )
         } else {
             format!(
-                "it diverges: departures grow by a factor of e in {:.4} s",
+                "divergence, deviations grow by a factor of e in {:.4} s",
                 1.0 / growth_rate
             )
         })

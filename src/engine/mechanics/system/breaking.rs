@@ -262,7 +262,7 @@ impl System {
     /// What of it does not fit.
     pub(crate) fn restore_breaks(&mut self, breaks: &[Option<Break>]) -> Result<(), &'static str> {
         if breaks.len() != self.breaking.links.len() {
-            return Err("joints that break");
+            return Err("the number of joints that break differs");
         }
         for (number, broken) in breaks.iter().enumerate() {
             if broken.is_some() {

@@ -18,13 +18,13 @@ use crate::mechanics::{SceneError, Vector3};
 /// What rigid contact is for: the midpoint rule would extrapolate through it, and statics has no free motion that
 /// contact could prevent.
 const ONLY_EULER: SceneError =
-    SceneError::Unsuitable("contact by complementarity needs time steps of implicit Euler");
+    SceneError::Unsuitable("contact by complementarity needs time.scheme = \"implicit-euler\"");
 
 const NO_ENERGY: SceneError =
-    SceneError::Unsuitable("with friction an equilibrium has no energy whose least it could be");
+    SceneError::Unsuitable("an equilibrium with friction is not a minimum of an energy");
 
 const NO_PATH: SceneError = SceneError::Unsuitable(
-    "a path of equilibria allows no friction and no contact by complementarity: their forces depend on the way to a configuration",
+    "a path of equilibria supports neither friction nor contact by complementarity: their forces depend on the history of the motion",
 );
 
 /// Contact with its obstacles, and scratch.

@@ -45,7 +45,7 @@ const SHORT: f64 = 1e-6;
 
 /// The midpoint rule has no rate of a strain that is not linear in the unknowns.
 const NO_MIDPOINT: SceneError = SceneError::Unsuitable(
-    "viscous rods need time steps of implicit Euler or of backward differences",
+    "viscous rods need time.scheme = \"implicit-euler\" or \"backward-differences\"",
 );
 
 /// Dashpots of all rods.

@@ -8,7 +8,7 @@
 //! their natural strains add, and so do the inverses of their stiffness. Weights of vertices beside clamps
 //! ([`VertexWeights`]) stay what they are, since others would move a stressed rod by themselves: what a clamp that lets go
 //! leaves behind cancels but for the fourth order, and a grasp is of second order. At a free end, which bears no moment, the
-//! ghost edge goes on along the last edge, without stress.
+//! ghost edge continues the last edge, without stress.
 
 use super::term::Term;
 use super::{Drive, System};
@@ -73,7 +73,9 @@ impl System {
     ) -> Result<usize, String> {
         if node >= self.assembly.rods.nodes {
             let nodes = self.assembly.rods.nodes;
-            return Err(format!("there is no node {node}; the scene has {nodes}"));
+            return Err(format!(
+                "node {node} does not exist; the scene has {nodes} nodes"
+            ));
         }
         let (rod, along) = self.assembly.locate(node);
         let refuse = |why: &str| {
@@ -94,7 +96,7 @@ impl System {
         }
         if !self.assembly.joints.frames.is_empty() {
             return refuse(
-                "joints or bodies of the scene turn, beside which nothing can be grasped",
+                "the scene has joints or bodies that turn, with which grasping is not supported",
             );
         }
         if self.assembly.joints.slides_at(node) {
@@ -128,14 +130,14 @@ impl System {
         Ok(self.assembly.drives.len() - 1)
     }
 
-    /// Lets a clamp go, one of the scene or one that was grasped; its number stays that of a clamp that holds nothing.
+    /// Releases a clamp of the scene or of a grasp; its number is not used again.
     ///
     /// # Errors
     /// A sentence: there is no such clamp, it holds nothing, or it holds an edge together with its neighbour.
     pub(crate) fn release(&mut self, clamp: usize, unknowns: &[f64]) -> Result<(), String> {
         let drives = &self.assembly.drives;
         let Some(drive) = drives.get(clamp) else {
-            return Err(format!("there is no clamp {clamp}"));
+            return Err(format!("clamp {clamp} does not exist"));
         };
         if drive.released {
             return Err(format!("clamp {clamp} holds nothing"));
@@ -146,7 +148,7 @@ impl System {
         let mut held_edges = active.flat_map(|drive| &drive.edges);
         if held_edges.any(|edge| edge.start == node || edge.end == node) {
             return Err(format!(
-                "clamp {clamp} cannot be released: it holds an edge together with its neighbour"
+                "clamp {clamp} cannot be released: it holds an edge together with an adjacent clamp"
             ));
         }
         let mut frames = self.assembly.joints.frames.iter();
@@ -192,7 +194,7 @@ impl System {
         }
     }
 
-    /// Does again what was done to a system of the same scene, which nobody has touched yet.
+    /// Repeats the recorded grasps and releases on a fresh system of the same scene.
     ///
     /// # Errors
     /// What of it does not fit.
@@ -202,7 +204,7 @@ impl System {
     ) -> Result<(), &'static str> {
         let assembly = &mut self.assembly;
         if done.external_forces.len() != assembly.unknowns.len() {
-            return Err("other numbers of nodes");
+            return Err("the number of nodes differs");
         }
         if done.load_factors.len() != self.terms.loads.factors().len() {
             return Err("other loads");
@@ -281,16 +283,16 @@ impl System {
                 let first_or_last = node == neighbours.range.first_node
                     || node + 1 == neighbours.range.first_node + neighbours.range.nodes;
                 if neighbours.range.closed && first_or_last {
-                    return Err("its frame is that of the joint of a closed rod");
+                    return Err("its frame is the one at which the closed rod is joined");
                 }
                 match self.vertex_between(before, after) {
                     Some(_) => Ok(()),
-                    None => Err("an edge beside it is held"),
+                    None => Err("an adjacent edge is held"),
                 }
             }
             (Some(edge), None) | (None, Some(edge)) => match self.vertex_at_edge(edge) {
                 Some(_) => Ok(()),
-                None => Err("its rod has fewer than three nodes, or an edge beside it is held"),
+                None => Err("its rod has fewer than three nodes, or an adjacent edge is held"),
             },
             (None, None) => Err("no edge begins or ends there"),
         }

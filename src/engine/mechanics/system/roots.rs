@@ -222,7 +222,7 @@ fn note(scene: &Scene, at: &PrescribedNode, root: &Root) -> String {
         RootBody::HeldRod(rod) => format!("rod `{}`", scene.rods[rod].name),
     };
     format!(
-        "rod `{}` is set in {body} at its clamped node {}: there is no contact between them within {:.3e} m of that node along the rod",
+        "rod `{}` starts inside {body} at its clamped node {}: contact between them is ignored within {:.3e} m of that node along the rod",
         scene.rods[at.rod].name, at.along, root.reach
     )
 }
@@ -230,7 +230,7 @@ fn note(scene: &Scene, at: &PrescribedNode, root: &Root) -> String {
 fn note_of_common(scene: &Scene, [first, second]: [&PrescribedNode; 2], reach: f64) -> String {
     let [one, other] = [first, second].map(|at| &scene.rods[at.rod].name);
     format!(
-        "node {} of rod `{one}` and node {} of rod `{other}` are clamped within each other: there is no contact between edges less than {reach:.3e} m apart along the rods through these nodes",
+        "node {} of rod `{one}` and node {} of rod `{other}` are clamped inside each other: contact is ignored between edges less than {reach:.3e} m apart along the rods through these nodes",
         first.along, second.along
     )
 }

@@ -10,9 +10,8 @@ use crate::mechanics::scene::Start;
 use crate::mechanics::{SceneError, Vector3};
 
 const OTHER_NODES: SceneError =
-    SceneError::Unsuitable("the state that it starts from has other numbers of nodes");
-const NO_LENGTH: SceneError =
-    SceneError::Unsuitable("an edge of the state that it starts from has no length");
+    SceneError::Unsuitable("the initial state has a different number of nodes");
+const NO_LENGTH: SceneError = SceneError::Unsuitable("an edge of the initial state has no length");
 
 impl Assembly {
     /// Moves everything from where it was placed to where it starts; natural shapes, masses and lengths stay. Clamps take

@@ -27,8 +27,8 @@ impl StokesletDrag {
         let nodes = self.positions.len();
         if nodes > MOST_NODES_BESIDE_A_WALL {
             return Err(FluidError::BadInput(format!(
-                "the flow beside a wall has no far-field approximation, and holds at most {MOST_NODES_BESIDE_A_WALL} nodes, not {nodes}: \
-                 take fewer nodes, or planes.wall = false"
+                "the flow beside a wall has no far-field approximation and is limited to {MOST_NODES_BESIDE_A_WALL} nodes, but there are {nodes}: \
+                 use fewer nodes, or set planes.wall = false"
             )));
         }
         let wall = FlowWall::new(wall, &self.filaments);

@@ -43,11 +43,11 @@ pub(super) use track::Track;
 pub(super) use turned::TurnedEnd;
 
 const NO_RIGID_CONTACT: SceneError = SceneError::Unsuitable(
-    "contact by complementarity knows no joints: choose the model `imc` or `ipc`",
+    "contact by complementarity does not support joints: use the model `imc` or `ipc`",
 );
 
 const NO_START: SceneError = SceneError::Unsuitable(
-    "a scene with rigid joints, hinges, sliding nodes or bodies with inertia cannot start from the end of another run, which does not tell how they are turned or where they slide",
+    "a scene with rigid joints, hinges, sliding nodes or bodies with inertia cannot start from the end of another run, because its results do not contain their rotation or the position at which they slide",
 );
 
 /// Joints and bodies of a scene, with its unknowns numbered.
