@@ -8,8 +8,8 @@
 //! [`super::CoupledSystem::solve`] finds. A symmetric matrix has U_r = A_rkᵀ at hand and needs half the
 //! updates.
 //!
-//! Branches of the elimination tree share nothing and are eliminated side by side, then the panels of the trunk one after
-//! the other, their rows side by side. Every block is the result of the same operations in the same order, whatever the
+//! Branches of the elimination tree are independent and are eliminated in parallel, then the panels of the trunk one after
+//! the other, their rows in parallel. Every block is the result of the same operations in the same order, for any
 //! number of threads.
 
 use super::elimination::{Part, SMALLEST_TASK};

@@ -8,7 +8,7 @@ pub(super) struct Branch {
     pub(super) supernodes: Range<usize>,
 }
 
-/// Parts into which the work of the branches is cut, whatever the number of threads.
+/// Parts into which the work of the branches is divided, for any number of threads.
 const PARTS: usize = 16;
 /// Products of blocks that a branch has at least, if there are others: to wake a thread takes as long as thousands of them.
 const SMALLEST_BRANCH: usize = 30_000;

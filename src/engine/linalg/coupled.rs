@@ -14,11 +14,11 @@ use super::symbolic::SymbolicFactor;
 /// A stable elimination leaves 1e-15 to 1e-13; refinement costs as much as the first solution.
 const REFINEMENT_THRESHOLD: f64 = 1e-11;
 
-/// Relative residual above which a solution is refused. Newton's method bears inexact corrections, so
+/// Relative residual above which a solution is refused. Newton's method tolerates inexact corrections, so
 /// this only has to catch systems that are singular to working precision.
 const LARGEST_RESIDUAL: f64 = 1e-4;
 
-/// Rows whose |A||x| + |b| is below this multiple of the largest hold nothing but round-off.
+/// Rows whose |A||x| + |b| is below this multiple of the largest contain only round-off.
 const NEGLIGIBLE_SCALE: f64 = 1e-14;
 
 /// A band and elements, with the factorisation of their sum.

@@ -19,11 +19,11 @@ pub(super) struct CoupledMatrix {
     blocks: Vec<Block>,
     /// Blocks that couple each node k with k + 1 and k + 2.
     band_places: Vec<[Option<usize>; 2]>,
-    /// Which positions of two nodes in each element go to which block.
+    /// Moves of the position blocks of two nodes from each element to the matrix.
     block_moves: Vec<BlockMove>,
-    /// Which of its other entries goes to which value.
+    /// Moves of its other entries to values of the matrix.
     moves: Vec<Move>,
-    /// Where the moves of each element begin: element e has those up to where those of e + 1 begin.
+    /// Start of the moves of each element; those of element e end at the start of e + 1.
     element_starts: Vec<Starts>,
     /// Entries of the band in rows and columns of unknowns that others own, and the values to which they are added.
     band_moves: Vec<BandMove>,
@@ -33,7 +33,7 @@ pub(super) struct CoupledMatrix {
     held_diagonals: Vec<u32>,
 }
 
-/// Where the moves of an element begin.
+/// Start of the moves of an element.
 #[derive(Clone, Copy, Debug)]
 struct Starts {
     block_moves: usize,
@@ -340,7 +340,7 @@ impl CoupledMatrix {
     }
 }
 
-/// The node whose whole position, free, stands at a place of an element.
+/// The node whose whole, free position is at a place of an element.
 fn node_at(element: &Element, place: usize, held: &[bool]) -> Option<usize> {
     let unknowns = &element[place..place + POSITION];
     let node = unknowns[0] / NODE;

@@ -1,7 +1,7 @@
 //! Nested dissection (George 1973): few nodes that separate the others into two halves are eliminated last, and so on in
 //! each half.
 //!
-//! Where to cut is read off distances along the graph. Nodes far from each other are landmarks; the difference of the
+//! Cuts are chosen by distances along the graph. Nodes far from each other are landmarks; the difference of the
 //! distances from two of them is a coordinate, straight across a net where the landmarks are two of its corners.
 
 use super::node_graph::NodeGraph;

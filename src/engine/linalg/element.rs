@@ -14,7 +14,7 @@ pub const UNUSED: usize = usize::MAX;
 pub struct SharedUnknown {
     /// The unknown that is eliminated.
     pub unknown: usize,
-    /// The one whose value it has, which is shared with none itself.
+    /// The unknown that owns its value, and is not itself shared.
     pub owner: usize,
 }
 

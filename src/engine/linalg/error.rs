@@ -1,9 +1,9 @@
-//! What a factorisation reports: the signs of its pivots, or why it failed.
+//! Result of a factorisation: the signs of its pivots, or the reason for its failure.
 
 /// Signs and sizes of the pivots of an LDLᵀ factorisation.
 ///
 /// By Sylvester's law of inertia the numbers of positive and negative pivots are those of the positive
-/// and negative eigenvalues, whatever the order of elimination.
+/// and negative eigenvalues, for any order of elimination.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia {
     /// Number of positive pivots.

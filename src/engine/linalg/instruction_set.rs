@@ -1,7 +1,7 @@
 //! Kernels compiled for several instruction sets, chosen when the program runs.
 //!
 //! A kernel is plain Rust over arrays of [`LANES`] numbers. The compiler turns it into vector
-//! instructions of whatever set it is compiled for. As every fused multiplication is written as
+//! instructions of the set for which it is compiled. As every fused multiplication is written as
 //! `mul_add` and no sum is reordered, all versions give the same bytes.
 
 /// Numbers per lane array: a full vector of AVX-512, two of AVX2.
@@ -17,7 +17,7 @@ pub(crate) struct InstructionSet(Kind);
 /// Names of instruction sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// Whatever the target guarantees; `mul_add` may be a slow function call.
+    /// The instructions that the target guarantees; `mul_add` may be a slow function call.
     Portable,
     /// AVX2 and FMA.
     #[cfg(target_arch = "x86_64")]
@@ -51,7 +51,7 @@ impl InstructionSet {
             .expect("the portable set is always there")
     }
 
-    /// The best set whose registers hold no more than `lanes` numbers. Wider ones cost kernels over shorter
+    /// The best set whose registers hold at most `lanes` numbers. Wider ones cost kernels over shorter
     /// arrays more in shuffles than they save.
     pub(crate) fn best_of_width(lanes: usize) -> Self {
         Self::available()
@@ -59,7 +59,7 @@ impl InstructionSet {
             .unwrap_or(Self(Kind::Portable))
     }
 
-    /// Which set it is.
+    /// The instruction set.
     pub(crate) fn kind(self) -> Kind {
         self.0
     }

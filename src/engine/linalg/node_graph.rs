@@ -1,4 +1,4 @@
-//! Which nodes are coupled, and in which order to eliminate them.
+//! The graph of coupled nodes, and the order of their elimination.
 //!
 //! The order is found for nodes, not for unknowns: the graph is sixteen times smaller, and the
 //! factorisation works on whole 4×4 blocks.
@@ -14,7 +14,7 @@ pub(super) struct NodeGraph {
     pub(super) nodes: usize,
     /// Pairs (p, q), p > q, sorted by q, then p.
     pairs: Vec<(u32, u32)>,
-    /// Where the pairs of each q begin, and where those of the last end.
+    /// Start of the pairs of each q, and end of the last.
     starts: Vec<u32>,
 }
 
@@ -126,10 +126,10 @@ impl NodeGraph {
     }
 }
 
-/// What the band couples.
+/// Unknowns coupled by the band.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BandPattern {
-    /// The unknowns to which rows and columns belong: their own, but for those that others own.
+    /// The unknowns to which rows and columns belong: their own, except those that others own.
     pub(super) owners: Vec<usize>,
     /// Unknowns that keep their place, those that others own among them.
     pub(super) held: Vec<bool>,

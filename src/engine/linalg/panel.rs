@@ -43,7 +43,7 @@ impl<'a> Rows<'a> {
         self.lower.len() / self.width
     }
 
-    /// The same rows for a while.
+    /// A temporary view of the same rows.
     #[inline(always)]
     pub(super) fn reborrow(&mut self) -> Rows<'_> {
         Rows {

@@ -187,7 +187,7 @@ fn fundamental(tree: &EliminationTree) -> (Vec<Growing>, Vec<u32>) {
             is_child && before.rows.len() == count + 1 && before.columns.len() < WIDEST
         });
         let own = if let Some(before) = extended {
-            // The same rows but for k, which is the first of them.
+            // The same rows except k, the first of them.
             rows.truncate(start);
             before.columns.end = k + 1;
             before.rows.start += 1;

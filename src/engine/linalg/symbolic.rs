@@ -1,4 +1,4 @@
-//! Where an elimination in a given order fills the matrix (George & Liu 1981, ch. 5; Davis 2006, ch. 4), and what depends
+//! Symbolic factorisation: fill of the matrix in a given order of elimination (George & Liu 1981, ch. 5; Davis 2006, ch. 4), and what depends
 //! on what in it.
 
 use super::branches::{Branch, branches};
@@ -14,12 +14,12 @@ pub(super) struct SymbolicFactor {
     /// Node eliminated as k-th.
     pub(super) order: Vec<usize>,
     pub(super) supernodes: Supernodes,
-    /// What the supernodes before it change in supernode s: `updates[update_starts[s]..update_starts[s + 1]]`.
+    /// Updates of supernode s by the supernodes before it: `updates[update_starts[s]..update_starts[s + 1]]`.
     update_starts: Vec<usize>,
     updates: Vec<Update>,
     /// Products of blocks that each supernode takes where the matrix is symmetric.
     pub(super) products: Vec<usize>,
-    /// Supernodes that share nothing with those of other branches.
+    /// Supernodes that are independent of those of other branches.
     pub(super) branches: Vec<Branch>,
     /// The other supernodes, children before parents.
     pub(super) trunk: Vec<usize>,
@@ -28,7 +28,7 @@ pub(super) struct SymbolicFactor {
     entries: Vec<Entry>,
 }
 
-/// Where the block of a pair of nodes lies.
+/// Location of the block of a pair of nodes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     /// The pair, as the node graph lists them.
@@ -80,7 +80,7 @@ impl SymbolicFactor {
         }
     }
 
-    /// What the supernodes before it change in a supernode.
+    /// Updates of a supernode by the supernodes before it.
     #[inline(always)]
     pub(super) fn updates(&self, supernode: usize) -> &[Update] {
         &self.updates[self.update_starts[supernode]..self.update_starts[supernode + 1]]

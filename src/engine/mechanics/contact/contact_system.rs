@@ -45,7 +45,7 @@ pub struct ContactSystem {
     /// Least stiffness of contacts of each node; empty where it is the same for all.
     pub(super) least_of_nodes: Vec<f64>,
     pub(super) iterate: Iterate,
-    /// How far every node has moved since the candidates were built, m; scratch.
+    /// Displacement of every node since the candidates were built, m; scratch.
     pub(super) motion: Vec<f64>,
     pub(super) broad_phase: BroadPhase,
     /// Pairs of edges whose paths come near each other; scratch.
@@ -155,12 +155,12 @@ impl ContactSystem {
         self.obstacles.place(&self.surface, obstacle, pose);
     }
 
-    /// Lets the next step start where the obstacles are.
+    /// Takes the present positions of the obstacles as the start of the next step.
     pub(crate) fn commit_obstacles(&mut self) {
         self.obstacles.commit();
     }
 
-    /// How far a vertex of an obstacle moves in the step, m; vertices are counted on from the nodes of the rods.
+    /// Displacement of a vertex of an obstacle in the step, m; vertices are counted on from the nodes of the rods.
     pub(crate) fn vertex_motion(&self, vertex: usize) -> Vector3 {
         let now = self.obstacles.points(&[]).vertices[vertex - self.node_count];
         now - self.obstacles.points_at_start(&[]).vertices[vertex - self.node_count]
@@ -190,7 +190,7 @@ impl ContactSystem {
         self.renumber_contacts();
     }
 
-    /// Lets the contacts of the last evaluation count along the new candidates; the Jacobians, of which the
+    /// Reorders the contacts of the last evaluation by the new candidates; the Jacobians, of which the
     /// Newton system knows the old pattern, go.
     fn renumber_contacts(&mut self) {
         let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
@@ -281,12 +281,12 @@ impl ContactSystem {
         self.multipliers.in_use()
     }
 
-    /// Says whether the last correction was small against the radii; before, Jacobians leave out how contacts turn.
+    /// Sets whether the last correction was small against the radii; otherwise Jacobians omit the rotation of contacts.
     pub(crate) fn set_moved_slightly(&mut self, slightly: bool) {
         self.iterate.moved_slightly = slightly;
     }
 
-    /// Goes on with Jacobians at the present gaps.
+    /// Continues with Jacobians at the present gaps.
     pub(crate) fn abandon_multipliers(&mut self) {
         self.multipliers.abandon();
     }

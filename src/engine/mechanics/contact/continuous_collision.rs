@@ -6,7 +6,7 @@
 //! Δ(t) ≥ min over i, j of n·(x_i + t v_i) − n·(x_j + t v_j), i in {0, 1}, j in {2, 3},
 //!
 //! and at t = 0 equal to it for the direction n of the closest points. So the edges may move until
-//! this slab has become too thin; there the closest points are found anew, and so on (Mirtich 1996; Li et al.
+//! this slab has become too thin; there the closest points are computed again, and so on (Mirtich 1996; Li et al.
 //! 2021, "Codimensional incremental potential contact", advance by the speed of the nodes instead, the
 //! largest over all directions, and are slower). Edges that slide along each other need one slab, where a bound by speed
 //! would advance by a fraction of the gap at a time. Nothing depends on which features are nearest
@@ -66,7 +66,7 @@ pub(super) fn fraction_beyond(
     )
 }
 
-/// The same from closest points that are known.
+/// The same from given closest points.
 fn advance(
     mut closest: ClosestPoints,
     nodes: &[Vector3; 4],

@@ -1,4 +1,4 @@
-//! How far a step may go without crossing the barrier of incremental potential contact.
+//! Bound on a step that does not cross the barrier of incremental potential contact.
 
 use super::candidates::approach;
 use super::closest_points::ClosestPoints;
@@ -18,7 +18,7 @@ const SEGMENTS: usize = 16;
 pub(crate) struct LargestStep {
     /// Fraction of the path that is free, from 0 to 1.
     pub fraction: f64,
-    /// Whether the candidates had to be built anew on the path and are now others.
+    /// Whether the candidates were rebuilt on the path and have changed.
     pub candidates_changed: bool,
 }
 
@@ -28,7 +28,7 @@ impl ContactSystem {
     /// contact model, which may penetrate.
     ///
     /// All pairs count that come near anywhere on the path: where the nodes leave the margin of the
-    /// candidates, these are built anew on the path. They are complete at the end of the free fraction.
+    /// candidates, these are rebuilt on the path. They are complete at the end of the free fraction.
     ///
     /// Surfaces that touch or overlap at `start` may not move at all.
     pub(crate) fn largest_step(

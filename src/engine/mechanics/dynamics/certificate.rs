@@ -1,4 +1,4 @@
-//! What a solved step must not do: overlap, pass through, lose turns, or bring energy.
+//! Checks of a solved step: no overlap, no passing through, no lost turns, no added energy.
 
 use super::failure::{Crossing, Failure, Forces};
 use super::parameters::Scheme;
@@ -13,7 +13,7 @@ pub(super) struct Step<'a> {
     pub end: &'a [f64],
 }
 
-/// Whether surfaces overlap beyond the bound where the stage was solved. A stiffer contact mends this, but for forces by
+/// Whether surfaces overlap beyond the bound where the stage was solved. A stiffer contact corrects this, except for forces by
 /// complementarity, whose overlap [`Step::check`] finds.
 pub(super) fn check_penetration(system: &System, iterations: usize) -> Result<(), Failure> {
     let contact = system.contact();
@@ -65,7 +65,7 @@ impl Step<'_> {
         })
     }
 
-    /// What overlaps at the end, or has passed through something on the way.
+    /// Bodies that overlap at the end of the step, or passed through each other on the way.
     fn crossing(&self, system: &mut System, is_evaluated: bool) -> Option<Crossing> {
         let overlap = if is_evaluated {
             None

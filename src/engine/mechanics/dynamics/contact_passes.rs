@@ -6,7 +6,7 @@ use crate::mechanics::system::{ForceSearch, Stage, System};
 /// Times that contact forces and the rods under them are found in turn before the step counts as failed.
 const CONTACT_PASSES: usize = 30;
 
-/// Those among them whose contact forces were not found before the step counts as failed: the next one, with other
+/// Passes without contact forces after which the step counts as failed: the next one, with other
 /// directions of contacts, may be kinder, but each costs as much as many steps.
 const UNSOLVED_PASSES: usize = 3;
 
@@ -20,15 +20,15 @@ const FARTHEST_CORRECTION: f64 = 2.0;
 #[derive(Default)]
 pub(super) struct Passes {
     count: usize,
-    /// Those whose contact forces were not found.
+    /// Passes whose contact forces were not found.
     unsolved: usize,
     search: ForceSearch,
 }
 
-/// What a pass found.
+/// Result of a pass.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Pass {
-    /// Forces that move nothing any more.
+    /// Forces that no longer move a node.
     Balanced,
     /// Forces and rods of the linearised step together.
     Corrected,

@@ -2,9 +2,9 @@
 //!
 //! In a flow every node feels the motion of every other: the drag is −R v with a resistance R that is dense. The Newton
 //! matrix holds its local part D alone, so a step is solved with the drag F₀ − D (v − v₀) of a motion v₀ that was expected.
-//! What that leaves out, (D − R) (v − v₀), may be left to the next step, whose expectation is the better for it, only
+//! The remainder, (D − R) (v − v₀), may be left to the next step, whose prediction improves by it, only
 //! where this does not ring: see [`TimeScheme::largest_lagged_ratio`](super::scheme::TimeScheme::largest_lagged_ratio). With
-//! the inertia of the thesis' flagella it does not. Where drag rules it does, whatever the step, as soon as R and D differ
+//! the inertia of the thesis' flagella it does not. Where drag dominates it does, for any step, as soon as R and D differ
 //! by half.
 //!
 //! There the drag is evaluated again for the motion that the step has found, and the step solved again, until what is left
@@ -16,7 +16,7 @@
 //! a linear step this is GMRES for the whole Jacobian, preconditioned by the Newton matrix, and converges for every R.
 //!
 //! The flow is solved to a part of all velocities. A rod that only floats along with the flow of another one has next to no
-//! drag, and what the flow solver leaves there may be more than a small part of it. So a search that has come to a stop also
+//! drag, and what the flow solver leaves there may be more than a small part of it. So a stalled search also
 //! ends where no rod leaves out more than the flow solver does.
 
 use crate::mechanics::Vector3;
@@ -30,10 +30,10 @@ const DIRECTIONS: usize = 12;
 /// Solutions of the step after which it counts as failed.
 pub(super) const MOST_SOLUTIONS: usize = 40;
 
-/// What may be left out, in parts of the drag on a rod, as a multiple of the error that the flow solver leaves.
+/// Remainder allowed, in parts of the drag on a rod, as a multiple of the error of the flow solver.
 const TOLERANCE: f64 = 10.0;
 
-/// A search has come to a stop where a solution leaves out more than this part of what the one before did.
+/// A search has stalled where the remainder of a solution is more than this part of the one before.
 const STALLED: f64 = 0.5;
 
 /// A motion, its drag, and what the step solved with it leaves out.
@@ -84,9 +84,9 @@ pub(super) struct DragCoupling {
     mobilities: Vec<f64>,
     /// The expectation that leaves out least.
     best: Motion,
-    /// Directions whose parts left out are orthonormal, the newest first.
+    /// Directions whose remainders are orthonormal, the newest first.
     directions: Vec<Motion>,
-    /// How many of them belong to this step.
+    /// Number of directions of this step.
     count: usize,
     /// The last solution.
     solution: Motion,
@@ -152,7 +152,7 @@ impl DragCoupling {
         let unsolved = if self.has_stalled() {
             let local = stage.resistance.iter().map(|local| local.trace() / 3.0);
             let speed = velocity.iter().map(Vector3::norm_squared).sum::<f64>();
-            // Beside spheres the ratio is not known.
+            // With spheres the ratio is not available.
             let ratio = if flow.largest_ratio.is_finite() {
                 flow.largest_ratio
             } else {
@@ -221,7 +221,7 @@ impl DragCoupling {
             let part = product(new, &self.best);
             self.best.add(-part, new);
         } else {
-            // Nothing new: forget all and begin with the solution.
+            // No new direction: discard all and restart with the solution.
             self.count = 0;
             self.best.copy_from(&self.solution);
         }

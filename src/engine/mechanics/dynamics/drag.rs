@@ -106,7 +106,7 @@ impl FluidDrag {
     /// A step that is repeated solves for them once more, which takes no iterations.
     ///
     /// # Errors
-    /// [`FluidError`] where the fluid has no answer.
+    /// [`FluidError`] if the drag could not be computed.
     pub(crate) fn of_start(
         &mut self,
         stage: &mut Stage,
@@ -123,7 +123,7 @@ impl FluidDrag {
     /// The same for the motion from the start of `stage` to the predicted unknowns.
     ///
     /// # Errors
-    /// [`FluidError`] where the fluid has no answer.
+    /// [`FluidError`] if the drag could not be computed.
     pub(crate) fn of_prediction(
         &mut self,
         stage: &mut Stage,
@@ -200,7 +200,7 @@ impl FluidDrag {
     /// and the Krylov iterations.
     ///
     /// # Errors
-    /// [`FluidError`] where the fluid has no answer.
+    /// [`FluidError`] if the drag could not be computed.
     pub(crate) fn couple(
         &mut self,
         stage: &mut Stage,
@@ -265,7 +265,7 @@ impl FluidDrag {
         }
     }
 
-    /// What a restart needs; `None` without fluid.
+    /// Data for a restart; `None` without fluid.
     pub(crate) fn memory(&self) -> Option<FluidMemory> {
         self.fluid.as_ref().map(Fluid::memory)
     }
@@ -273,7 +273,7 @@ impl FluidDrag {
     /// Continues from a restart.
     ///
     /// # Errors
-    /// What does not fit, in words.
+    /// A description of the mismatch.
     pub(crate) fn restore(&mut self, memory: Option<FluidMemory>) -> Result<(), String> {
         match (&mut self.fluid, memory) {
             (Some(fluid), Some(memory)) => fluid.restore(memory).map_err(|e| e.to_string()),

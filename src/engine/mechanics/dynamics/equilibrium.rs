@@ -17,7 +17,7 @@ const NOT_JUDGED: SceneError = SceneError::Unsuitable(
 );
 
 impl Simulation {
-    /// Finds the equilibrium at the present time where the scene would come to rest: Newton's method without
+    /// Finds the equilibrium at the present time at which the scene would come to rest: Newton's method without
     /// inertia, and without friction.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ impl Simulation {
         self.system.evaluate(&self.state.unknowns, None);
     }
 
-    /// Goes to the nearest equilibrium at the present time, which need not be stable; returns the number of
+    /// Finds the nearest equilibrium at the present time, which need not be stable; returns the number of
     /// directions in which its energy falls, or of small motions that grow: 0 where it is stable.
     ///
     /// # Errors

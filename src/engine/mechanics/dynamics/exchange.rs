@@ -1,4 +1,4 @@
-//! What a step takes in and gives off: with the energies, its balance.
+//! Work and losses of a step: with the energies, its balance.
 //!
 //! With the displacement Δq of the step and the forces and velocities v of its implicit stage,
 //!
@@ -6,7 +6,7 @@
 //!
 //! where r is the reaction, f_t the part of the contact force across the normal, and c the coefficient of drag; what the
 //! dashpots of viscous rods take counts as lost to drag.
-//! W = ΔE + D_friction + D_drag but for what the scheme itself damps: implicit Euler takes ½ M (Δv)² and the like, which
+//! W = ΔE + D_friction + D_drag except for the numerical damping of the scheme: implicit Euler removes ½ M (Δv)² and the like, which
 //! vanishes with the step.
 
 use super::parameters::Scheme;
@@ -31,7 +31,7 @@ pub(super) struct AcceptedStep<'a> {
 }
 
 impl AcceptedStep<'_> {
-    /// What the step exchanges.
+    /// Work and losses of the step.
     pub(crate) fn exchange(&self) -> Exchange {
         Exchange {
             clamp_work: self.clamp_work(),

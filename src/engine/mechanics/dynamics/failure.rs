@@ -1,4 +1,4 @@
-//! Why a step or an equilibrium fails, and what is reported of it.
+//! Failures of steps and equilibria, and their error messages.
 
 use super::report::SimulationError;
 use crate::mechanics::Overlap;
@@ -6,7 +6,7 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, Stage, System, Turn};
 use std::fmt;
 
-/// Why one attempt at a step fails.
+/// Reason why one attempt at a step failed.
 #[derive(Debug)]
 pub(super) enum Failure {
     /// Newton's method does not converge.
@@ -23,7 +23,7 @@ pub(super) enum Failure {
         forces: Forces,
         work: f64,
     },
-    /// Where the motion leads, or must lead, surfaces would cross.
+    /// The motion would make surfaces cross.
     Crossing {
         iterations: usize,
         crossing: Crossing,
@@ -32,7 +32,7 @@ pub(super) enum Failure {
     Turn { iterations: usize, turn: Turn },
 }
 
-/// What forces would bring energy.
+/// Forces that would add energy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Forces {
     Contact,
@@ -41,7 +41,7 @@ pub(super) enum Forces {
     Drag,
 }
 
-/// How a motion would lead surfaces across each other.
+/// Way in which a motion would make surfaces cross.
 #[derive(Debug)]
 pub(super) enum Crossing {
     /// A clamp prescribes it.
@@ -98,7 +98,7 @@ impl Failure {
         )
     }
 
-    /// The same after so many iterations in vain.
+    /// Adds the number of failed iterations.
     pub(crate) fn after(mut self, vain: usize) -> Self {
         match &mut self {
             Self::Newton(divergence) => divergence.iterations += vain,
@@ -112,7 +112,7 @@ impl Failure {
         self
     }
 
-    /// The error of a run whose step of a size (s) from `time` (s) fails so; `trial` is where Newton's method ended.
+    /// Converts to the error of a run whose step of a size (s) from `time` (s) failed; `trial` is the last iterate of Newton's method.
     pub(crate) fn into_error(
         self,
         system: &mut System,
@@ -185,7 +185,7 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Where Newton's method fails.
+/// Location of the largest residual when Newton's method failed.
 struct Place {
     /// The term of the residual that is largest there.
     term: &'static str,

@@ -1,4 +1,4 @@
-//! The rods of a scene as its fluid sees them: filaments, what holds them together, and what may not begin at one place.
+//! The rods of a scene in its fluid: filaments, their connections, and nodes that must not start at the same point.
 
 use crate::mechanics::fluid::{
     Connections, Filament, Fluid, FluidError, FluidModel, Sliding, Wall,
@@ -10,13 +10,13 @@ use crate::mechanics::{SceneError, Vector3};
 
 /// Distance, in radii, within which nodes beside a joint may overlap: those of rods that meet at a small angle do.
 const BESIDE_A_JOINT: f64 = 2.0;
-/// Distance of nodes, over ε, below which they are named where the fluid has no solution.
+/// Distance of nodes, over ε, below which an error of the fluid names them.
 const TOO_CLOSE: f64 = 0.25;
 
 /// The fluid of a scene around its rods; `None` without fluid.
 ///
 /// # Errors
-/// [`SceneError::Fluid`] where the fluid or a rod in it is beyond the theory, and where nodes begin at one place that may
+/// [`SceneError::Fluid`] if the fluid or a rod in it is outside the range of the theory, and if nodes start at the same point that may
 /// part.
 pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Fluid>, SceneError> {
     let Some(model) = scene.fluid else {
@@ -87,14 +87,14 @@ fn wall(scene: &Scene, assembly: &Assembly) -> Result<Option<Wall>, SceneError> 
     }))
 }
 
-/// What the nodes of a scene are called in messages.
+/// Names of the nodes of a scene in messages.
 pub(super) struct NodeNames {
     /// First node and name of each rod.
     rods: Vec<(usize, String)>,
 }
 
 impl NodeNames {
-    /// Those of a scene.
+    /// Collects the names of a scene.
     pub(crate) fn new(scene: &Scene, assembly: &Assembly) -> Self {
         let ranges = assembly.rods.rods.iter();
         Self {

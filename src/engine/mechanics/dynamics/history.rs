@@ -23,7 +23,7 @@ pub(crate) struct PastStep {
 }
 
 impl History {
-    /// Of a motion that begins.
+    /// History at the start of a motion.
     pub(crate) fn begin(unknowns: &[f64], velocity: &[f64]) -> Self {
         let step = PastStep {
             size: 0.0,
@@ -44,7 +44,7 @@ impl History {
         step.velocity.copy_from_slice(velocity);
     }
 
-    /// What follows does not go on with what was: the state was put to rest elsewhere.
+    /// Resets the history after the state was put to rest elsewhere.
     pub(crate) fn forget(&mut self) {
         for step in &mut self.steps {
             step.size = 0.0;

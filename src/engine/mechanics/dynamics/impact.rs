@@ -1,7 +1,7 @@
 //! Impacts in steps of the midpoint rule.
 //!
 //! The rule evaluates contact forces in the middle of a step and extrapolates from there to its end. A rod that comes into contact
-//! within a step may so be carried deep into it, or be pushed along where it has left it, and gain energy that nothing gave:
+//! within a step may so be carried deep into it, or be pushed along where it has left it, and gain spurious energy:
 //! with the force f of the middle and the energy φ of the contacts,
 //!
 //! ΔE = f·(x₁ − x₀) + φ(x₁) − φ(x₀),

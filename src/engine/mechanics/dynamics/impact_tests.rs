@@ -116,7 +116,7 @@ fn a_run_that_gains_more_energy_than_it_had_ends() {
     }
 }
 
-/// Two soft rings that meet at a thousand metres per second: what is reported of the contacts of a step is that of its end.
+/// Two soft rings that meet at a thousand metres per second: the report of the contacts of a step is that of its end.
 #[test]
 fn surfaces_reported_after_an_impact_overlap_by_no_more_than_is_allowed() {
     let ring = |centre: Vector3, across: Vector3, velocity: Vector3| {

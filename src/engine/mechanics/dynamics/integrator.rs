@@ -32,7 +32,7 @@ const SMALL_PART: f64 = 0.125;
 /// Such steps in a row after which a run warns.
 const SMALL_STEPS: usize = 100;
 
-/// Why a step failed.
+/// Reason why a step failed.
 struct LastFailure {
     reason: String,
     advice: String,
@@ -46,7 +46,7 @@ pub(super) struct Integrator {
     workspace: Workspace,
     /// Number of steps far smaller than requested since the last whole one.
     small_steps: usize,
-    /// Why a step failed last, and what to try.
+    /// The last failure of a step, with advice.
     last_failure: Option<LastFailure>,
     /// Whether velocities of the last step ring.
     pub rings: bool,
@@ -117,13 +117,13 @@ impl Integrator {
         Ok(())
     }
 
-    /// Whether two times, s, differ by no more than rounding.
+    /// Whether two times, s, differ at most by rounding.
     pub(crate) fn is_same_time(&self, one: f64, other: f64) -> bool {
         (one - other).abs() <= same_time(&self.setting.parameters.step)
     }
 
     /// Takes one step that ends no later than `until` (hit exactly when it is within the step), as long as `goes_on`; `None`
-    /// where that said no.
+    /// where that returned false.
     ///
     /// # Errors
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
@@ -280,7 +280,7 @@ impl Integrator {
     }
 
     /// Begins small again after an event in the step from `start` to `goal`: by how much velocities jump, a step errs that
-    /// knows only those before.
+    /// uses only those before.
     fn heed_events(&mut self, system: &System, start: f64, goal: f64) {
         let Setting { parameters, radius } = &self.setting;
         let StepSize::Auto { tolerance, maximum } = parameters.step else {
@@ -330,7 +330,7 @@ impl Integrator {
         let error = attempt.error / (tolerance * radius);
         let law = parameters.scheme.rules().error_law();
         let decision = self.control.decide(step, error, law, attempt.iterations);
-        // The least step is accepted whatever its error, and grows from there like any other.
+        // The least step is accepted with any error, and grows from there like any other.
         if decision != Decision::Accept && step <= parameters.minimum_step {
             self.control.accept_least(step);
             return Decision::Accept;
@@ -368,7 +368,7 @@ impl Integrator {
         system.begin_rotations_anew(&mut state.motions());
     }
 
-    /// Returns to the last accepted state; the error says why the step failed.
+    /// Returns to the last accepted state; the error gives the reason of the failure.
     fn give_up(
         &self,
         system: &mut System,
@@ -385,7 +385,7 @@ impl Integrator {
     }
 }
 
-/// The end of a step from `time`, no later than `until`: an event before it, but for those that are as good as now or
+/// The end of a step from `time`, no later than `until`: an event before it, except events that nearly coincide with now or
 /// then.
 fn earlier_event(system: &System, sizes: &StepSize, time: f64, until: f64) -> f64 {
     let snap = same_time(sizes);

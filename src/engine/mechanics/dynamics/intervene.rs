@@ -1,4 +1,4 @@
-//! What may be done to a simulation between its steps. All of it is part of the state that checkpoints hold.
+//! Interventions in a simulation between its steps. All are part of the state in checkpoints.
 
 use super::Simulation;
 use super::report::SimulationError;

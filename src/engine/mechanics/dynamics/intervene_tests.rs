@@ -1,4 +1,4 @@
-//! Nodes that are grasped and released, against clamps of the scene and rods that nobody touched.
+//! Nodes that are grasped and released, compared with clamps of the scene and with untouched rods.
 
 use super::*;
 use crate::mechanics::Vector3;

@@ -111,7 +111,7 @@ fn a_body_that_tumbles_keeps_its_angular_momentum() {
         scene.bodies[0].offset = offset;
         let mut simulation = Simulation::new(&scene, &fixed_steps(scheme, step)).unwrap();
         let [momentum, angular] = simulation.momenta();
-        // More than a turn: rotation vectors begin anew several times.
+        // More than a turn: rotation vectors are reset several times.
         advance_to(&mut simulation, 1.0);
         let [momentum_after, angular_after] = simulation.momenta();
         assert!((momentum_after - momentum).norm() < 1e-9 * momentum.norm());

@@ -1,4 +1,4 @@
-//! What can be measured of a simulation: of single rods, nodes and edges, at its last step.
+//! Measurements of a simulation: of single rods, nodes and edges, at its last step.
 
 use super::Simulation;
 use super::report::Energies;
@@ -8,13 +8,13 @@ use crate::mechanics::rod::{RodRange, STRIDE};
 use crate::mechanics::system::Resultants;
 
 impl Simulation {
-    /// Where each rod lies among all nodes.
+    /// Range of the nodes of each rod.
     pub fn rod_ranges(&self) -> &[RodRange] {
         &self.system.assembly.rods.rods
     }
 
     /// Force that a clamp exerts on its held node, N: the residual M a + ∇E − F there, inertia of the node included. It
-    /// is known after the first step or equilibrium; of the midpoint rule it is that in the middle of the step.
+    /// is available after the first step or equilibrium; for the midpoint rule it is that in the middle of the step.
     pub fn reaction(&self, node: usize) -> Vector3 {
         Vector3::from_column_slice(&self.system.residual[STRIDE * node..STRIDE * node + 3])
     }

@@ -1,21 +1,21 @@
 //! Time stepping: the implicit step, Newton's method, step control.
 //!
-//! [`Simulation`] is the door. A step is `Integrator::step`: drag at the start of the step or of the predicted motion,
+//! [`Simulation`] is the entry point. A step is `Integrator::step`: drag at the start of the step or of the predicted motion,
 //! contact candidates, an implicit stage solved by Newton's method, smaller steps where that fails, and acceptance.
 //!
 //! | file | what |
 //! |---|---|
 //! | `parameters` | scheme, step and tolerances, with the reason for each default |
-//! | `state`, `history` | where the rods are and how they move, now and at the last steps |
+//! | `state`, `history` | configuration and velocities, at present and at the last steps |
 //! | `scheme/` | one file per time scheme: its equations, its derivation, its order |
 //! | `stage`, `newton` | one attempt at a step: prediction, contact forces, Newton's method |
-//! | `step_control` | which step comes next |
+//! | `step_control` | the size of the next step |
 //! | `integrator` | the step |
-//! | `flow_scene`, `drag`, `exchange` | rods as the fluid sees them; its forces; work and losses of a step |
+//! | `flow_scene`, `drag`, `exchange` | rods in the fluid; its forces; work and losses of a step |
 //! | `equilibrium`, `path` | statics of the same scene |
-//! | `validity`, `validity_memory` | remarks on strains beyond the theory, on energy from nowhere, on steps far smaller than asked for |
-//! | `report`, `failure`, `observe` | what is reported, why a step fails, what can be seen |
-//! | `advice` | what to try where steps fail |
+//! | `validity`, `validity_memory` | remarks on strains beyond the theory, on spurious energy, on steps far smaller than requested |
+//! | `report`, `failure`, `observe` | reports, failures of steps, observations |
+//! | `advice` | advice on failed steps |
 
 mod advice;
 mod certificate;

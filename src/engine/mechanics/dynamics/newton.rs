@@ -1,11 +1,11 @@
 //! Newton's method for one implicit stage. The whole step is taken, with its Jacobian at once; only where
-//! it makes things worse a line search looks for a shorter one.
+//! it increases the residual a line search finds a shorter one.
 
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, Imbalance, Stage, System};
 use tracing::trace;
 
-/// When Newton's method stops.
+/// Stopping criteria of Newton's method.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stopping {
     /// Radius of the thinnest rod that moves, m.
@@ -17,7 +17,7 @@ pub(crate) struct Stopping {
     pub trust_radius: f64,
     /// Most iterations.
     pub iterations: usize,
-    /// Whether a correction of the last digits of the unknowns ends it, whatever they leave of the residual.
+    /// Whether a correction of only the last digits of the unknowns ends the iteration with any residual.
     pub ends_at_last_digits: bool,
     /// Whether to give up earlier, where the residual does not fall or a line search would be needed: a smaller
     /// step may be the cheaper way.
@@ -141,7 +141,7 @@ impl Newton {
     /// Finds the Newton direction at the last linearisation.
     ///
     /// # Errors
-    /// [`Divergence`] where it leads out of the trust region, and with a residual that is no number where there is none.
+    /// [`Divergence`] if the iteration leaves the trust region, with a NaN residual where there is none.
     fn find_direction(
         &mut self,
         system: &mut System,
@@ -231,7 +231,7 @@ impl Newton {
     }
 }
 
-/// What the iterations so far have done.
+/// Record of the iterations so far.
 struct Course {
     /// Most iterations.
     limit: usize,
@@ -246,7 +246,7 @@ struct Course {
     refinement: Refinement,
 }
 
-/// What a balanced step leaves may still do work, and then is corrected once more.
+/// The residual of a balanced step may still do work; the step is then corrected once more.
 #[derive(Clone, Copy, PartialEq)]
 enum Refinement {
     NotAsked,
@@ -278,12 +278,12 @@ impl Course {
         trace!(iteration, residual, ratio, last_move, "Newton iteration");
     }
 
-    /// Whether forces are balanced and nothing moved far to that.
+    /// Whether forces are balanced and the last correction was small.
     fn is_settled(&self, imbalance: &Imbalance, stopping: &Stopping) -> bool {
         imbalance.is_balanced() && self.last_move <= stopping.displacement
     }
 
-    /// Asks for the one refinement where `does_work` returns true.
+    /// Requests the one refinement where `does_work` returns true.
     fn refine(&mut self, does_work: impl FnOnce() -> bool) {
         self.refinement = match self.refinement {
             Refinement::NotAsked if does_work() => Refinement::Due,
@@ -305,7 +305,7 @@ impl Course {
     }
 }
 
-/// How far a step has come.
+/// Progress of a step.
 struct Progress {
     /// Sum of squares of the residual, N².
     squared_residual: f64,

@@ -1,4 +1,4 @@
-//! What can be seen of a simulation, and how it is saved and restored.
+//! Observation of a simulation, and its checkpoints.
 
 use super::Simulation;
 use super::parameters::Scheme;
@@ -124,14 +124,14 @@ impl Simulation {
         contact.nearest(&self.published.positions)
     }
 
-    /// Mean gap between surfaces in contact, weighted by their normal forces, in the last step, m; `None` where nothing
+    /// Mean gap between surfaces in contact, weighted by their normal forces, in the last step, m; `None` if nothing
     /// touches.
     pub fn mean_gap(&self) -> Option<f64> {
         self.system.contact()?.mean_gap()
     }
 
-    /// What people should know of the motion so far, a sentence each: strains beyond the theory of rods, energy that came
-    /// from nowhere, steps far smaller than asked for, joints that broke, what contact passes over at roots.
+    /// Remarks on the motion so far, one sentence each: strains beyond the theory of rods, spurious
+    /// energy, steps far smaller than requested, joints that broke, contact that is ignored at roots.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = self.validity.remarks(&self.system);
         remarks.extend(self.system.remarks_on_breaks());
@@ -139,7 +139,7 @@ impl Simulation {
         remarks
     }
 
-    /// How each joint that may break did so, if it did: in the order of the joints of the scene, then of its springs.
+    /// Breaking of each joint that may break, if it broke: in the order of the joints of the scene, then of its springs.
     pub fn breaks(&self) -> Vec<Option<Break>> {
         self.system.breaks()
     }
@@ -211,7 +211,7 @@ impl Simulation {
         }
     }
 
-    /// What a checkpoint must hold to continue bit for bit.
+    /// Data of a checkpoint, from which the simulation continues bit for bit.
     pub fn state(&self) -> SimulationState {
         SimulationState {
             time: self.state.time,

@@ -1,13 +1,13 @@
 //! Parameters of the time integration, with the reason for each default.
 
-/// How a simulation advances in time.
+/// Settings of time stepping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegrationParameters {
     /// Time integration scheme. Implicit Euler by default: the scheme of the thesis, which takes impacts and friction
     /// as they are, and damps what its steps do not resolve.
     pub scheme: Scheme,
     /// Size of the time step, s. 1 ms by default: a rod of a millimetre and a MPa, clamped and some centimetres long,
-    /// swings in tenths of a second, and at walking speed nothing moves farther in it than its own radius.
+    /// swings in tenths of a second, and at walking speed a rod moves by less than its own radius in it.
     pub step: StepSize,
     /// Newton stops when the residual of every degree of freedom is below this multiple of the force
     /// scale: the largest of EI/L² of the stiffest rod, the nodal loads and the contact forces.
@@ -31,9 +31,9 @@ pub struct IntegrationParameters {
 pub enum Scheme {
     /// First order, damps fast modes, and takes jumps of the velocity as they are.
     ImplicitEuler,
-    /// Second order, conserves momentum and nearly energy, damps nothing.
+    /// Second order, conserves momentum and nearly energy, without damping.
     ImplicitMidpoint,
-    /// Third order but for inertia, which is of second; damps fast modes; drag of the predicted motion.
+    /// Third order except for inertia, which is of second; damps fast modes; drag of the predicted motion.
     BackwardDifferences,
 }
 
@@ -59,7 +59,7 @@ impl StepSize {
         }
     }
 
-    /// The same with steps chosen by the error no larger than `largest`, s; fixed steps stay.
+    /// Limits steps chosen by the error to `largest`, s; fixed steps are unchanged.
     pub(super) fn limited(self, largest: f64) -> Self {
         match self {
             Self::Fixed(_) => self,

@@ -1,4 +1,4 @@
-//! What a simulation reports: steps, energies, errors, and its state for checkpoints.
+//! Reports of a simulation: steps, energies, errors, and its state for checkpoints.
 
 use super::history::History;
 use super::step_control::StepControl;
@@ -26,23 +26,23 @@ pub struct SimulationState {
     pub reference: ReferenceFrames,
     /// Step control.
     pub control: StepControl,
-    /// What was done to clamps and loads since the start.
+    /// Interventions in clamps and loads since the start.
     pub interventions: Interventions,
-    /// What is to be remarked of the motion.
+    /// Remarks on the motion.
     pub validity: ValidityMemory,
     /// Contact candidates and stiffness.
     pub contact: Option<ContactMemory>,
     /// Force history and preconditioner of the fluid.
     pub fluid: Option<FluidMemory>,
-    /// What forces keep from step to step: strains of viscous rods.
+    /// State of forces between steps: strains of viscous rods.
     pub strains: Vec<Vec<f64>>,
     /// Rotations from which those of joints and bodies count.
     pub frames: Vec<UnitQuaternion>,
-    /// How joints broke.
+    /// Breaking of the joints.
     pub breaks: Vec<Option<Break>>,
 }
 
-/// What one accepted step did.
+/// Report of one accepted step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StepReport {
     /// Time at the end of the step, s.
@@ -57,7 +57,7 @@ pub struct StepReport {
     pub retries: usize,
     /// Krylov iterations of the fluid solve.
     pub fluid_iterations: usize,
-    /// Of the bodies in contact, those whose distance is least over the one at which their surfaces touch.
+    /// The two bodies in contact with the least ratio of their distance to the one at which their surfaces touch.
     pub nearest: Option<Proximity>,
     /// Work done and energy lost.
     pub exchange: Exchange,
@@ -117,7 +117,7 @@ impl Energies {
     }
 }
 
-/// Why a simulation stopped.
+/// Reason why a simulation stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulationError {
     /// The scene is invalid, or not suitable for the requested method (exit code 2).
@@ -166,7 +166,7 @@ pub enum SimulationError {
         rod: String,
         /// Node along that rod.
         node: usize,
-        /// What to try.
+        /// Advice to the user.
         advice: &'static str,
     },
     /// A physics check failed: penetration or a number that is not finite (exit code 4).

@@ -120,7 +120,7 @@ impl Simulation {
         result.map_err(|error| self.explain(error))
     }
 
-    /// Says so where a motion finds no step any more because rods are crushed, or about to be.
+    /// Replaces the error where no step converges any more because rods are crushed, or about to be.
     fn explain(&self, error: SimulationError) -> SimulationError {
         let Published {
             positions,

@@ -23,7 +23,7 @@ const PREDICTED_PART: f64 = 0.9;
 /// step could be halved until it is smaller than the smallest.
 const FULL_EFFORT_PART: f64 = 1.0 / 64.0;
 
-/// What one attempt at a step found.
+/// Result of one attempt at a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Attempt {
     /// Newton iterations.
@@ -39,7 +39,7 @@ pub(super) struct Attempt {
     pub is_deep: bool,
 }
 
-/// What does not change from step to step.
+/// Settings that stay the same in all steps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setting {
     pub parameters: IntegrationParameters,
@@ -88,7 +88,7 @@ impl Workspace {
     /// of the drag.
     ///
     /// # Errors
-    /// [`FluidError`] where the fluid has no answer.
+    /// [`FluidError`] if the drag could not be computed.
     pub(crate) fn prepare(
         &mut self,
         setting: &Setting,
@@ -118,7 +118,7 @@ impl Workspace {
     }
 
     /// Solves the stage of a step to `goal` from its prediction; leaves the end of the step in `trial` and
-    /// `next_velocity`. Fails where `goes_on` says no.
+    /// `next_velocity`. Fails where `goes_on` returns false.
     pub(crate) fn attempt(
         &mut self,
         setting: &Setting,
@@ -284,7 +284,7 @@ impl Workspace {
                     .solve(system, &self.stage, trial, stopping, goes_on)
                     .map_err(Failure::Newton)?;
             }
-            // A contact may be missing where rods have moved far; then go on with new candidates.
+            // A contact may be missing where rods have moved far; then continue with new candidates.
             let complete = system.candidates_are_complete(trial);
             if complete && pass == Pass::Balanced {
                 return Ok(iterations);
@@ -295,7 +295,7 @@ impl Workspace {
         }
     }
 
-    /// Predicts that nothing moves but what is prescribed. Where rods move farther than their radius within a step, the
+    /// Predicts a motion of only the prescribed unknowns. Where rods move farther than their radius within a step, the
     /// prediction compresses them so much that the linearised step has no solution: its matrix is indefinite.
     fn predict_rest(&mut self, system: &System, state: &State) {
         let held = &system.assembly.held;
@@ -306,7 +306,7 @@ impl Workspace {
         }
     }
 
-    /// Goes on from the solution of the stage to the end of the step, as far again.
+    /// Extrapolates from the solution of the stage, the middle of the step, to its end.
     fn extrapolate(
         &mut self,
         system: &mut System,
@@ -347,7 +347,7 @@ impl Workspace {
         let acceleration_step = self.stage.acceleration_step;
         self.stage.acceleration_step *= lengthening;
         self.prediction.copy_from_slice(&self.trial.unknowns);
-        // What a barrier stops counts among the inertia; where a clamp leads through it, Newton's method has the last word.
+        // What a barrier stops counts among the inertia; where the motion of a clamp passes through it, Newton's method decides.
         let _ = self.shorten_prediction(system, state);
         let before = system.contact_stiffness();
         system.adapt_contact_stiffness(&self.trial.unknowns, Some(&self.stage));
@@ -384,7 +384,7 @@ impl Workspace {
     }
 }
 
-/// When Newton's method stops in a step of a size, s.
+/// Stopping criteria of Newton's method in a step of the given size, s.
 fn stopping(setting: &Setting, system: &System, step: f64) -> Stopping {
     let Setting { parameters, radius } = setting;
     let whole = parameters.step.largest();
@@ -393,7 +393,7 @@ fn stopping(setting: &Setting, system: &System, step: f64) -> Stopping {
         displacement: parameters.displacement_tolerance * radius,
         trust_radius: parameters.scheme.rules().trust_radius() * radius,
         iterations: parameters.maximum_iterations,
-        // What the midpoint rule goes on from must be known better than the end of a step.
+        // The midpoint rule extrapolates from this solution, which must be more accurate than the end of a step.
         ends_at_last_digits: !parameters.scheme.rules().extrapolates(),
         gives_up: system.has_friction() && step > FULL_EFFORT_PART * whole,
     }

@@ -2,7 +2,7 @@
 
 use super::history::{History, LENGTH};
 
-/// Where all rods are and how they move.
+/// Configuration and velocities of all rods.
 #[derive(Clone, Debug)]
 pub(super) struct State {
     /// Time, s.
@@ -42,7 +42,7 @@ impl State {
         [[&mut self.unknowns, &mut self.velocity], a, b, c]
     }
 
-    /// A motion that begins here: the steps before say nothing about what follows.
+    /// Starts a motion here: earlier steps are not extrapolated.
     pub(crate) fn begin_anew(&mut self) {
         self.history = History::begin(&self.unknowns, &self.velocity);
     }

@@ -1,11 +1,11 @@
-//! Which time step comes next: a fixed grid of times, or steps chosen by the local error.
+//! The size of the next time step: a fixed grid of times, or steps chosen by the local error.
 //!
 //! Where contact is frictional and a step of the grid fails, the next ones stay small, grow slowly, and still hit every time
 //! of the grid. A tangle of rods in frictional contact that slips fails at the whole step many times in a row, and each
 //! failure costs more than all the small steps in its place.
 //!
 //! Automatic steps lead evenly to the times that are wanted: those of outputs and of events, which are the corners of what
-//! is prescribed. The local error says nothing of what is to come, so after an event they begin small again; otherwise a
+//! is prescribed. The local error does not predict events, so after an event steps begin small again; otherwise a
 //! blow shorter than a step would be missed. Steps of a fixed grid are cut at events, and return to the grid.
 
 use super::parameters::StepSize;
@@ -24,7 +24,7 @@ const MANY_ITERATIONS: usize = 10;
 const RECOVERY: f64 = 1.1;
 /// First automatic step, and first after an event, as a part of the largest: the true scale is found within a few growths.
 const FIRST_STEP: f64 = 1e-3;
-/// But no less than this part of the way to the next event: many corners close to each other, as of a table, are resolved
+/// Lower bound, as a part of the time to the next event: many corners close to each other, as of a table, are resolved
 /// by some ten steps from one to the next.
 const PART_OF_SPACING: f64 = 0.1;
 /// First step of a scheme of several steps, as a part of those of its fixed grid: Euler's error, of second order in one
@@ -42,7 +42,7 @@ pub struct StepControl {
     proposal: f64,
 }
 
-/// What step control must know of a scheme.
+/// Properties of a scheme that step control uses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ErrorLaw {
     /// Power of the step with which the local error falls.
@@ -51,7 +51,7 @@ pub(crate) struct ErrorLaw {
     pub largest_growth: f64,
 }
 
-/// What happens to a solved step.
+/// Decision on a solved step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Decision {
     /// It is accepted.
@@ -154,7 +154,7 @@ impl StepControl {
             self.proposal = step * factor.min(0.7);
             return Decision::Repeat(self.proposal);
         }
-        // A step cut short by an output time says nothing against the proposal that stood before.
+        // A step cut short by an output time does not invalidate the earlier proposal.
         self.proposal = if step < 0.99 * self.proposal && factor >= 1.0 {
             self.proposal
         } else {
@@ -175,7 +175,7 @@ impl StepControl {
         self.proposal = self.proposal.min(first.max(harmless).max(dense));
     }
 
-    /// Accepts a step that may not be smaller, whatever its error, and proposes the same again.
+    /// Accepts a step that may not be smaller, with any error, and proposes the same again.
     pub(crate) fn accept_least(&mut self, step: f64) {
         self.proposal = step;
     }

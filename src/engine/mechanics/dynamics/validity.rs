@@ -38,7 +38,7 @@ const NEAR: f64 = 1.5;
 /// Steps between two looks, which cost some thousandths of a step each.
 const INTERVAL: usize = 16;
 
-/// What a rod may suffer too much of.
+/// Kind of strain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Stretch,
@@ -155,7 +155,7 @@ impl Validity {
         self.memory.is_conservative = false;
     }
 
-    /// Looks at the strains of all rods at `unknowns`, where the system was evaluated last.
+    /// Checks the strains of all rods at `unknowns`, where the system was evaluated last.
     pub(crate) fn check_strains(&mut self, system: &System, unknowns: &[f64], time: f64) {
         let found = system.largest_strains(unknowns, &self.sections);
         self.note_strain(system, Kind::Stretch, found.stretch, time);
@@ -163,7 +163,7 @@ impl Validity {
         self.note_strain(system, Kind::Twist, found.twist, time);
     }
 
-    /// Looks at the nodes that slide along rods: whether the edges there are short enough for the force of the slide.
+    /// Checks the nodes that slide along rods: whether the edges there are short enough for the force of the slide.
     pub(crate) fn check_slides(&mut self, system: &System, time: f64) {
         for slide in system.slides() {
             let [node, rail] = [slide.node, slide.rail().start];

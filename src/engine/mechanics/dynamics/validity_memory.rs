@@ -1,4 +1,4 @@
-//! What has been seen of strains, energy and small steps so far: part of the state that checkpoints hold.
+//! Record of strains, energy and small steps so far: part of the state in checkpoints.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +27,7 @@ pub struct Gain {
 /// Series of steps far smaller than requested, with the same advice.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SmallSteps {
-    /// When and why the first row was so small.
+    /// Time and reason of the first series.
     pub message: String,
     /// Advice; empty where there is none.
     pub advice: String,
@@ -58,7 +58,7 @@ impl SmallSteps {
     }
 }
 
-/// What slides along a rod, and is caught by its edges.
+/// A node that slides along a rod and is slowed down by its corners.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaughtSlide {
     /// The friction coefficient that this is like.
@@ -73,14 +73,14 @@ pub struct CaughtSlide {
     pub time: f64,
 }
 
-/// What has been seen so far: part of the state that checkpoints hold.
+/// Record so far: part of the state in checkpoints.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ValidityMemory {
     /// Steps so far.
     pub steps: usize,
-    /// What clamps and obstacles did less what was lost since the start, J.
+    /// Work of clamps and obstacles less the losses since the start, J.
     pub taken_in: f64,
-    /// What was taken in and lost, without signs, J.
+    /// Sum of the absolute values of work and losses, J.
     pub exchanged: f64,
     /// Least energy so far less what was taken in until then, J.
     pub lowest: Option<f64>,

@@ -23,13 +23,13 @@ use std::f64::consts::PI;
 /// (thesis' helix), so that 10⁻⁶ is never what limits; smaller costs about an iteration per decade.
 const TOLERANCE: f64 = 1e-6;
 /// The same over the error allowed in the drag where the operator is approximate. The operator's own error
-/// in the velocities is about a twentieth of that, so that a smaller residual would mean nothing.
+/// in the velocities is about a twentieth of that, so a smaller residual would not improve the result.
 const TOLERANCE_OF_FAR_FIELD_ERROR: f64 = 0.1;
-/// Operations of a preconditioner that is not made larger any more, four times as dear: this one takes half a minute.
+/// Operations of a preconditioner that is not made larger any more, four times as expensive: this one takes half a minute.
 const MOST_OPERATIONS: f64 = 2e11;
 /// Iterations after which the preconditioner is held to be too coarse. Tight bundles take some twenty.
 const MOST_ITERATIONS: usize = 40;
-/// What later solves remember of earlier ones.
+/// Results of earlier solves, used in later ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StokesletMemory {
     /// Which stations are one point.
@@ -47,7 +47,7 @@ pub(crate) struct StokesletMemory {
 /// filaments are one point, for the points ([`Points`]).
 ///
 /// GMRES starts from the best combination of the last solutions and is preconditioned by inverses of
-/// neighbourhoods at some earlier time; these are built anew when their age has made solves too dear.
+/// neighbourhoods at some earlier time; these are rebuilt when their age has made solves too expensive.
 /// Where they do not lead to convergence even when new, the neighbourhoods double. That happens for nodes
 /// much closer than ε, whose operator is ill-conditioned, and ends when a neighbourhood holds all nodes.
 pub(super) struct StokesletDrag {
@@ -72,7 +72,7 @@ pub(super) struct StokesletDrag {
     positions: Vec<Vector3>,
     /// Of the stations, m/s.
     velocities: Vec<Vector3>,
-    /// What edges that spin do to the flow.
+    /// Flow of spinning edges.
     rotlets: Rotlets,
     /// Of all places of a scene with spheres, m.
     places: Vec<Vector3>,
@@ -374,7 +374,7 @@ impl StokesletDrag {
         (self.operator.spheres()).write_forces(factor, of_spheres, &self.places, forces);
     }
 
-    /// What a checkpoint must hold.
+    /// Data of a checkpoint.
     pub(crate) fn memory(&self) -> StokesletMemory {
         StokesletMemory {
             ties: self.ties.clone(),
@@ -513,7 +513,7 @@ impl StokesletDrag {
     }
 
     fn estimate_largest_ratio(&mut self) {
-        // The preconditioner holds nothing of how spheres and filaments act on each other.
+        // The preconditioner omits the interaction of spheres and filaments.
         self.largest_ratio = if self.operator.spheres().is_empty() {
             largest_ratio(
                 &self.operator,
@@ -527,7 +527,7 @@ impl StokesletDrag {
     }
 }
 
-/// Where a solve starts.
+/// Start of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Start {
     /// From the best combination of the solutions of earlier steps.

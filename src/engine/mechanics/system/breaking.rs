@@ -7,7 +7,7 @@
 //! other ([`super::joints`]).
 //!
 //! Where a step ends with more than a joint bears, it breaks: the spring is gone, node and frame have unknowns of their own and
-//! go on with their velocities. Contact goes on to pass over what overlapped at the joint.
+//! keep their velocities. Contact still ignores what overlapped at the joint.
 
 use super::System;
 use super::build::Assembly;
@@ -17,14 +17,14 @@ use crate::mechanics::scene::{JointKind, RodNode, Scene, Strength};
 use serde::{Deserialize, Serialize};
 use tracing::info;
 
-/// How a joint broke.
+/// Breaking of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Break {
-    /// When, s: the end of a step.
+    /// Time, s: the end of a step.
     pub time: f64,
-    /// Under which force, N.
+    /// Force, N.
     pub force: f64,
-    /// Under which moment, N m; 0 where it bears none.
+    /// Moment, N m; 0 where it transmits none.
     pub moment: f64,
 }
 
@@ -49,7 +49,7 @@ enum Tie {
     /// A node whose position is that of another one.
     Point {
         node: usize,
-        /// What turns with it.
+        /// The frame that turns with it.
         turning: Turning,
         /// Force (N) and moment (N m) of the joint at the last evaluation.
         load: [f64; 2],
@@ -58,14 +58,14 @@ enum Tie {
     Slide(usize),
 }
 
-/// What a joint does to the frame of one of its rods, by its number.
+/// Effect of a joint on the frame of one of its rods, by its number.
 #[derive(Clone, Copy, Debug)]
 enum Turning {
-    /// Nothing: a ball.
+    /// No effect: a ball joint.
     Free,
     /// It turns as that of the other rod.
     Weld(usize),
-    /// It hangs on a hinge.
+    /// It turns on a hinge.
     Hinge(usize),
 }
 
@@ -79,7 +79,7 @@ impl Turning {
 }
 
 impl Breaking {
-    /// Those of a scene whose rods are joined.
+    /// Collects them from a scene whose rods are joined.
     pub(crate) fn new(scene: &Scene, assembly: &Assembly) -> Self {
         let number = |at: &RodNode| assembly.rods.rods[at.rod].first_node + at.node;
         let mut links = Vec::new();
@@ -145,7 +145,7 @@ impl Breaking {
         }
     }
 
-    /// What broke, a sentence each.
+    /// Remarks on broken joints, one sentence each.
     pub(crate) fn remarks(&self) -> impl Iterator<Item = String> {
         self.links.iter().filter_map(|link| {
             let Break {
@@ -164,7 +164,7 @@ impl Breaking {
     }
 }
 
-/// What a joint of two nodes does to the frame of one of their rods.
+/// Effect of a joint of two nodes on the frame of one of their rods.
 fn turning_of(kind: JointKind, nodes: [usize; 2], joints: &Joints) -> Turning {
     let mut frames = joints.frames.iter().enumerate();
     let mut of_frame = |is_tied: &dyn Fn(&TurningFrame) -> bool| {
@@ -245,21 +245,21 @@ impl System {
         any
     }
 
-    /// How each joint that may break did so, if it did: in the order of the joints of the scene, then of its springs.
+    /// Breaking of each joint that may break, if it broke: in the order of the joints of the scene, then of its springs.
     pub(crate) fn breaks(&self) -> Vec<Option<Break>> {
         let links = self.breaking.links.iter();
         links.map(|link| link.broken).collect()
     }
 
-    /// What broke, a sentence each.
+    /// Remarks on broken joints, one sentence each.
     pub(crate) fn remarks_on_breaks(&self) -> impl Iterator<Item = String> {
         self.breaking.remarks()
     }
 
-    /// Breaks again what broke before a checkpoint of the same scene, of which nothing has broken yet.
+    /// Breaks the joints that were broken at a checkpoint of the same scene; none may be broken yet.
     ///
     /// # Errors
-    /// What of it does not fit.
+    /// The difference, if the checkpoint belongs to another scene.
     pub(crate) fn restore_breaks(&mut self, breaks: &[Option<Break>]) -> Result<(), &'static str> {
         if breaks.len() != self.breaking.links.len() {
             return Err("the number of joints that break differs");

@@ -15,7 +15,7 @@
 //! Beginning with the forces of the step before, this takes as many iterations as it takes to find the states; where they
 //! cycle, smoothed laws lead to the solution (`rigid_contact::search`).
 //!
-//! What can touch is told by the motion that follows from the forces known so far, those of the last step at first: rods that fall
+//! Possible contacts follow from the motion under the forces found so far, at first those of the last step: rods that fall
 //! or bear a load together do not approach each other. A contact that this misses is found overlapping the next time. From
 //! then on it belongs to the step, with a force or without.
 //!
@@ -24,17 +24,17 @@
 //! their contacts turn.
 //!
 //! Solved once per step this is the two-step method of the thesis: forces explicit, then the rods. Here it is
-//! repeated around Newton's method for the rods under these forces, until the forces found anew would move
+//! repeated around Newton's method for the rods under these forces, until the new forces would move
 //! no node farther than the displacement tolerance. Contact points and directions are then those of the end of
 //! the step.
 //!
 //! **What holds.** No creep in sticking; sliding exactly at μ; contact forces in balance; no restitution. Gaps
 //! are never less than zero by more than the square of that tolerance over the edge length.
 //!
-//! **What does not.** Nothing keeps edges from passing through each other between two configurations without
+//! **Limits.** The method does not prevent edges from passing through each other between two configurations without
 //! overlap: the certificate of the step finds that, and it is halved. With friction the laws may have
 //! several solutions, or none; a step whose contact problem is not solved counts as failed and is halved, too.
-//! How contacts that do the same work share their force is left to where the iteration begins.
+//! The distribution of the force over redundant contacts depends on the start of the iteration.
 
 use super::rigid_contact::{ForceSearch, Moves, RigidContact, State};
 use super::{Stage, System, copy_positions};
@@ -45,10 +45,10 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::{motion_of, position};
 
 /// Part of the residual that Newton's method leaves by which the laws of contact may be broken: light contacts of rods on which
-/// far larger forces act are known no better.
+/// far larger forces act are not more accurate than that.
 const NEGLIGIBLE_PART: f64 = 1e-2;
 
-/// Why no contact forces were found.
+/// Reason why no contact forces were found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoContactForces {
     /// Newton's matrix is singular.
@@ -82,7 +82,7 @@ impl System {
     /// Finds the contact forces of the step `stage` linearised at `unknowns`; they act until the next call. `search`
     /// goes with all calls of an attempt at a step, `radius` is that of the thinnest rod, m.
     /// Returns the largest move of a node that they and the other forces would cause, m: small where `unknowns`
-    /// are the solution already, infinite where the forces do not obey the laws yet.
+    /// are the solution already, infinite while the forces violate the laws.
     ///
     /// # Errors
     /// [`NoContactForces`].
@@ -132,7 +132,7 @@ impl System {
         let mut correction = std::mem::take(&mut self.terms.contact.correction);
         correction.resize(unknowns.len(), 0.0);
         copy_positions(unknowns, &mut self.terms.contact.positions);
-        // What moves towards each other under the forces that are known may touch; what else touches, the next pass will see.
+        // Bodies that approach each other under the present forces may touch; the next pass finds other contacts.
         let mut motions = vec![Vector3::zeros(); self.terms.contact.positions.len()];
         contact.list_constraints(&self.terms.contact.positions, &motions, 0.0, earlier);
         self.free_forces(&mut correction);
@@ -162,7 +162,7 @@ impl System {
     }
 
     /// The forces of all constraints, N, which may be those of other configurations unless the contact `turns` under the
-    /// present ones; whether they obey the laws, and the correction of the unknowns with them.
+    /// present ones; whether they satisfy the laws, and the correction of the unknowns with them.
     fn solve_constraints(
         &mut self,
         contact: &ContactSystem,
@@ -217,7 +217,7 @@ impl System {
         Ok((forces, solved))
     }
 
-    /// How far a node, or a vertex of an obstacle, has moved since the step began, m.
+    /// Displacement of a node, or of a vertex of an obstacle, since the start of the step, m.
     pub(super) fn slid(&self, contact: &ContactSystem, node: usize, stage: &Stage) -> Vector3 {
         match self.terms.contact.positions.get(node) {
             Some(position) => position - stage.positions[node],

@@ -8,16 +8,16 @@
 //! A δq = Hᵀλ − R,   w = g + H δq,
 //! ```
 //!
-//! with the gaps and slips w. Without contact rods do not know of each other, A is a band, and the response A⁻¹Hᵀ of a rod
+//! with the gaps and slips w. Without contact rods are not coupled, A is a band, and the response A⁻¹Hᵀ of a rod
 //! to a force at one of its contacts is cheap. So sweeps over the contacts, each of which is given the force that its own
 //! laws ask for while all others stay (projected Gauss–Seidel; Moreau 1988, Jean 1999), cost a hundredth of a
-//! factorisation with contact. They are slow to converge, but soon tell the states, and Newton's method begins with
+//! factorisation with contact. They converge slowly, but soon determine the states, and Newton's method begins with
 //! their forces and where these move the rods.
 //!
-//! The first time it is linearised where it begins. There rods have not yet passed each other nor been crushed by it, as they
-//! may have where each goes on with its velocity; later, where the last one has led.
+//! The first time it is linearised where it begins. There rods have not yet passed through each other nor been crushed by it, as they
+//! may have where each continues with its velocity; later, at the last prediction.
 //!
-//! **What holds.** The solution does not depend on it: Newton's method has the last word. The prediction leaves out what closes
+//! **What holds.** The solution does not depend on it: Newton's method computes it. The prediction leaves out what closes
 //! a ring, the smoothing of friction, and how contacts turn, which is why it is repeated where rods move far.
 
 use super::contact_response::{Response, Responses};
@@ -28,7 +28,7 @@ use crate::mechanics::rod::topology::{motion_of, position};
 
 /// Times that the step is linearised after the first.
 const PASSES: usize = 3;
-/// Move of a position, in radii, below which another linearisation has nothing new.
+/// Displacement of a position, in radii, below which another linearisation changes little.
 const SMALL_MOVE: f64 = 0.05;
 /// Farthest that one of them moves a position, in radii; the first goes as far beyond what the step moves.
 const FARTHEST: f64 = 2.0;
@@ -97,7 +97,7 @@ impl System {
         true
     }
 
-    /// The unknowns at the start of a step, but for those that are held, which are where it ends.
+    /// The unknowns at the start of a step, except held ones, which are at its end.
     pub(super) fn at_start(&self, unknowns: &[f64], stage: &Stage) -> Vec<f64> {
         let ends = unknowns.iter().zip(&self.assembly.held);
         ends.zip(&stage.start)
@@ -106,7 +106,7 @@ impl System {
     }
 
     /// One of these passes, which moves no position beyond the second `reach`; the first is the radius of the thinnest rod, m.
-    /// Returns the farthest move of a node, m, or nothing where the rods are not stable or nothing touches.
+    /// Returns the farthest move of a node, m, or `None` where the rods are not stable or without contact.
     fn predict_once(
         &mut self,
         unknowns: &mut [f64],
@@ -168,7 +168,7 @@ impl System {
             }
             let (mut change, mut largest) = (0.0_f64, 0.0_f64);
             for k in 0..touches.len() {
-                // To and fro: what one end of a chain of contacts bears reaches the other in one sweep.
+                // Forwards and backwards: a force at one end of a chain of contacts reaches the other in one sweep.
                 let k = if sweep % 2 == 0 {
                     k
                 } else {

@@ -1,4 +1,4 @@
-//! Who shares the masses of rods with consistent inertia: see [`super::mass`].
+//! Neighbours that share the masses of rods with consistent inertia: see [`super::mass`].
 
 use crate::mechanics::rod::{ElasticRods, RodRange, STRIDE};
 use crate::mechanics::scene::RodDescription;
@@ -12,7 +12,7 @@ const OF_VERTEX: f64 = 1.0 / 12.0;
 #[derive(Clone, Debug, Default)]
 pub struct ConsistentMasses {
     rods: Vec<Densities>,
-    /// Neighbours whose unknowns lie in the band: all of a rod but what closes it.
+    /// Neighbours whose unknowns are in the band: all of a rod except the pair that closes it.
     pub(super) chains: Vec<Chain>,
     /// The last nodes and edges of rings with their first.
     pub(super) joints: Vec<Joint>,
@@ -57,7 +57,7 @@ impl ConsistentMasses {
         });
     }
 
-    /// Finds out anew who shares masses; to be called where vertices come and go.
+    /// Recomputes which unknowns share masses; to be called after vertices are added or removed.
     pub(super) fn share(&mut self, rods: &ElasticRods) {
         let (mut chains, mut joints) = (Vec::new(), Vec::new());
         for rod in &self.rods {

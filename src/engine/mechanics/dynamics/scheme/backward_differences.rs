@@ -19,7 +19,7 @@
 //! extrapolated by a + c cos ωt + d sin ωt from the last four by least squares: of third order as well, for one solution
 //! of the fluid per step.
 //!
-//! Why four, where three would do: what the local resistance D lacks of the drag R, (R − D) v*, is fed back from step to
+//! Four are used, where three would suffice, because the difference of the drag R and the local resistance D, (R − D) v*, is fed back from step to
 //! step. With the inertia M, y = M/(Hₐ D), and without elasticity, this grows where the polynomial
 //!
 //! ```text
@@ -68,7 +68,7 @@ const LEAST_INERTIA: f64 = 0.3;
 /// damped.
 const LARGEST_ANGLE: f64 = 1.0;
 
-/// Least number of steps, chosen by the error, in which a clamp turns once. The error of each step stands for that of
+/// Least number of steps, chosen by the error, in which a clamp turns once. The error of each step represents that of
 /// many: where bundled flagella bear on each other, what larger steps lose adds up. Over 250 s two of them come 0.5 radii
 /// off those of steps of 1 ms with 160 steps a turn.
 const STEPS_PER_TURN: f64 = 200.0;

@@ -16,7 +16,7 @@
 //!
 //! **Conservation.** Quadratic invariants are kept exactly: momentum, angular momentum, and in linear problems energy.
 //! Otherwise energy swings about a value near the true one while steps resolve the motion; where they do not, it may
-//! grow, for nothing is damped: |(1 + iωh/2)/(1 − iωh/2)| = 1. What jumps, rings: velocities of modes that the step does
+//! grow, since the scheme has no damping: |(1 + iωh/2)/(1 − iωh/2)| = 1. What jumps, rings: velocities of modes that the step does
 //! not resolve change their sign from step to step, without decay.
 //!
 //! **Drag of a flow.** With the drag at the start of the step, implicit in its local part D, a step of inertia M multiplies v by

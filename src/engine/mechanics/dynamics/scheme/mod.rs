@@ -1,7 +1,7 @@
-//! The time integration schemes, one file each: its equations, their derivation, and what they promise.
+//! The time integration schemes, one file each: its equations, their derivation, and its guarantees.
 //!
 //! Every scheme solves one implicit stage per step, of the form that [`Stage`] states: velocities (q − q̂)/h and
-//! accelerations (v − v̂)/hₐ, forces where the stage ends. A scheme says where the stage starts, from what its solution is
+//! accelerations (v − v̂)/hₐ, forces where the stage ends. A scheme defines where the stage starts, from what its solution is
 //! predicted, and what follows from the solution for the end of the step and the error made in it.
 
 mod backward_differences;
@@ -25,7 +25,7 @@ pub(super) use backward_differences::largest_step;
 
 /// A scheme of one implicit stage.
 pub(super) trait TimeScheme {
-    /// How the local error falls with the step, and how fast automatic steps may grow.
+    /// Order of the local error in the step, and the growth allowed to automatic steps.
     fn error_law(&self) -> ErrorLaw;
 
     /// Time at which the stage of a step from `start` to `goal` is solved, s.
@@ -78,7 +78,7 @@ pub(super) trait TimeScheme {
     fn finish(&self, solved: &SolvedStep, velocity: &mut [f64]) -> f64;
 }
 
-/// Where the solution of a stage is expected.
+/// Prediction of the solution of a stage.
 #[derive(Clone, Debug)]
 pub(super) struct Prediction {
     /// Unknowns at the end of the stage; Newton's method starts here, and leaves its solution here.

@@ -36,7 +36,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Builds the tree anew.
+    /// Rebuilds the tree.
     pub(crate) fn build(&mut self, links: &[Link], positions: &[Vector3]) {
         self.order.clear();
         self.order.extend(0..positions.len());

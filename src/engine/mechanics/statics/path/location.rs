@@ -1,4 +1,4 @@
-//! Places on a path, and the directions in which it goes on from there.
+//! Points of a path, and the directions in which it continues from there.
 
 use crate::mechanics::rod::ReferenceFrames;
 use crate::mechanics::statics::neutral::NeutralModes;
@@ -32,10 +32,10 @@ pub(super) struct Origin {
     pub direction: Tangent,
 }
 
-/// What happens to the path at a point.
+/// Event at a point of the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PointKind {
-    /// Nothing.
+    /// No event.
     Regular,
     /// Stability changes, and the parameter turns back.
     Fold,
@@ -48,7 +48,7 @@ pub enum PointKind {
 /// A point of the path.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PathPoint {
-    /// Number of the branch; 0 is the one that starts where the plan says.
+    /// Number of the branch; 0 is the one that starts at the start of the plan.
     pub branch: usize,
     /// The path parameter λ.
     pub parameter: f64,
@@ -62,7 +62,7 @@ pub struct PathPoint {
     /// just behind it.
     pub negative: usize,
     /// Lowest eigenvalue of the Hessian over motions of the nodes in m and of the edges in rad times the
-    /// shortest edge, but for motions without stiffness, N/m; no number where forces have no energy.
+    /// shortest edge, but for motions without stiffness, N/m; NaN where forces have no energy.
     pub lowest_eigenvalue: f64,
     /// Small motions, where forces have no energy.
     pub motions: Option<SmallMotions>,

@@ -49,7 +49,7 @@ pub struct Tracer {
     branches: usize,
     ended_early: EndedEarly,
     points: usize,
-    /// Where the path stands; `None` before its start and after its end.
+    /// Present point of the path; `None` before its start and after its end.
     pub(super) here: Option<Location>,
     pub(super) tangent: Tangent,
     /// Length of the next step; 1 is the whole range of the parameter.
@@ -98,7 +98,7 @@ impl Tracer {
     /// The next point of the path; `None` after the last.
     ///
     /// # Errors
-    /// [`Divergence`] where there is no equilibrium to start at, and where the first branch cannot be followed by the
+    /// [`Divergence`] where no equilibrium was found at the start, and where the first branch cannot be followed by the
     /// smallest step.
     pub(crate) fn next(&mut self, system: &mut System) -> Result<Option<PathPoint>, Divergence> {
         while self.waiting.is_empty() {
@@ -255,7 +255,7 @@ impl Tracer {
         self.correct_along(system, low, parameter, predicted, way)
     }
 
-    /// Goes from a prediction to the path: at its parameter, or across the tangent; no farther than `largest`, for
+    /// Corrects a prediction to the path: at its parameter, or across the tangent; no farther than `largest`, for
     /// there another branch may lie.
     fn correct_along(
         &mut self,
@@ -288,7 +288,7 @@ impl Tracer {
         }
     }
 
-    /// Ends the branch where the range of the parameter ends; goes on otherwise.
+    /// Ends the branch at the end of the range of the parameter; otherwise continues.
     fn arrive_or_end(
         &mut self,
         system: &mut System,
@@ -315,7 +315,7 @@ impl Tracer {
         Ok(())
     }
 
-    /// Makes `location` the place where the path stands, and a point to be handed out.
+    /// Makes `location` the present point of the path and queues it for output.
     pub(super) fn arrive(&mut self, system: &mut System, mut location: Location) {
         let unknowns = self.place(system, &location);
         if self.bordered.linearize(system, &unknowns).is_some() {

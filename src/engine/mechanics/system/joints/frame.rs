@@ -6,14 +6,14 @@
 //!
 //! A body of the moments of inertia I₁, I₂, I₃ moves like three masses mₖ = ½ (I₁ + I₂ + I₃ − 2 Iₖ)/ℓ² at the tips of its
 //! principal axes, pₖ = ℓ R eₖ, seen from its centre: ½ Σ mₖ ṗₖ² is its energy of rotation. The tips have a place among the
-//! unknowns, so that time schemes know their past; they are no unknowns themselves, but follow from φ.
+//! unknowns, so that time schemes keep their history; they are not unknowns themselves, but follow from φ.
 
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{GhostEdge, STRIDE};
 use crate::mechanics::scene::HingeSpring;
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3, rotation};
 
-/// Turn of a frame from which on its rotation vector begins anew, rad: far from a whole turn, where J is singular.
+/// Turn of a frame beyond which its rotation vector is reset, rad: far from a whole turn, where J is singular.
 const LARGEST_TURN: f64 = 1.0;
 
 /// The mass of a body whose centre is off its node: see [`super::super::eccentric`].
@@ -63,7 +63,7 @@ pub struct TurningFrame {
 }
 
 impl TurningFrame {
-    /// A frame as placed, with nothing clamped to it.
+    /// A frame as placed, without rods clamped to it.
     pub(crate) fn new(first_unknown: usize, hinge: Option<(usize, Vector3)>) -> Self {
         Self {
             first_unknown,
@@ -93,13 +93,13 @@ impl TurningFrame {
         unknowns[self.first_unknown + 3]
     }
 
-    /// Where the tips of the principal axes of a body are, seen from its centre, m.
+    /// Tips of the principal axes of a body, relative to its centre, m.
     pub(crate) fn tips(&self, rotation: &UnitQuaternion) -> Option<(usize, [Vector3; 3])> {
         let (first, axes) = self.body?;
         Some((first, axes.map(|axis| rotation * axis * self.length)))
     }
 
-    /// Lets the rotation vector begin anew from the present rotation, where it has become long; the change of chart is
+    /// Resets a rotation vector that has become long, with the present rotation as base; the change of chart is
     /// exact for the present `motion` (unknowns and velocities) and for earlier ones.
     pub(crate) fn begin_anew(&mut self, motions: &mut [[&mut [f64]; 2]]) {
         let Some([unknowns, _]) = motions.first() else {

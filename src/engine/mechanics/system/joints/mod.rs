@@ -5,14 +5,14 @@
 //! and its force needs no unknown.
 //!
 //! **Frames.** Rods that meet rigidly, at a hinge or in a body are clamped to a frame ([`frame::TurningFrame`]), with the half
-//! vertex of every clamp ([`crate::mechanics::rod`], `turning_ghost`), so that the joint stands at the node and its
+//! vertex of every clamp ([`crate::mechanics::rod`], `turning_ghost`), so that the joint is at the node and its
 //! error is of second order in the edge length. In the middle of a rod the two half vertices in series are as stiff as the
 //! whole one was.
 //! Kernels write moments on frames seen from outside; how these and their derivatives become those over the unknowns is in
 //! [`derivatives`].
 //!
 //! **Slides.** A node that slides along a rod has the position of a place there ([`slide`]), which depends on the rod and
-//! on one unknown. Since other nodes bear it from edge to edge, it is not eliminated from the matrix, but by a border of it
+//! on one unknown. Since the nodes that carry it change from edge to edge, it is not eliminated from the matrix, but by a border of it
 //! ([`border`]).
 
 pub(crate) mod border;
@@ -86,10 +86,10 @@ impl Joints {
         }
     }
 
-    /// Whether a scene with them can do what is asked for.
+    /// Checks that a scene with them meets a demand.
     ///
     /// # Errors
-    /// Why it cannot.
+    /// The reason why it does not.
     pub(crate) fn admit(&self, demand: Demand) -> Result<(), SceneError> {
         let turn_or_slide = !self.frames.is_empty() || !self.slides.is_empty();
         match demand {
@@ -120,7 +120,7 @@ impl Joints {
         self.points.iter().chain(&self.welds)
     }
 
-    /// The unknowns of an element of the rods as the Jacobian has them: half vertices of hinges know the frame that these
+    /// The unknowns of an element of the rods as the Jacobian has them: half vertices of hinges refer to the frame that these
     /// are tied to, and the angle.
     pub(crate) fn elements(&self, of_rods: &[Element]) -> Vec<Element> {
         let mut elements = of_rods.to_vec();
@@ -288,7 +288,7 @@ impl Joints {
         dependent
     }
 
-    /// Adds what acts on nodes whose positions others determine to what acts on these.
+    /// Adds the forces on nodes whose positions others determine to the forces on the latter.
     pub(crate) fn gather(&self, forces: &mut [f64]) {
         self.gather_points(forces);
         if !self.slides.is_empty() {
@@ -409,7 +409,7 @@ impl System {
         self.assembly.joints.begin_step(start);
     }
 
-    /// Lets rotation vectors that have become long begin anew in a motion: its unknowns and velocities now, and earlier ones.
+    /// Resets rotation vectors that have become long in a motion: its present unknowns and velocities, and earlier ones.
     pub(crate) fn begin_rotations_anew(&mut self, motions: &mut [[&mut [f64]; 2]]) {
         for frame in &mut self.assembly.joints.frames {
             if frame.hinge.is_none() {
@@ -424,10 +424,10 @@ impl System {
         frames.map(|frame| frame.base).collect()
     }
 
-    /// Goes on with those of a checkpoint.
+    /// Restores those of a checkpoint.
     ///
     /// # Errors
-    /// What of it does not fit.
+    /// The difference, if the checkpoint belongs to another scene.
     pub(crate) fn restore_frame_bases(
         &mut self,
         bases: &[UnitQuaternion],

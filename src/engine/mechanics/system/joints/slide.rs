@@ -1,15 +1,15 @@
 //! A node that slides along a rod without friction.
 //!
-//! Its position is that of a place on the rod's curve ([`Track`]), whose parameter s is the unknown in its stead:
+//! Its position is that of a place on the rod's curve ([`Track`]), whose parameter s replaces it as the unknown:
 //!
 //! ```text
 //! x = X(s, q) = Σ wⱼ(s) xⱼ,    what acts on x, R:   wⱼ R on xⱼ,   R·X' on s
 //! ```
 //!
-//! So the force of the joint is across the rod, momentum is kept, and whatever s is, the node is on the curve exactly. At the
+//! So the force of the joint is across the rod, momentum is conserved, and for every s the node is exactly on the curve. At the
 //! ends of an open rod stops take what pushes s outwards.
 //!
-//! **From the middle of a step.** The implicit midpoint rule goes on from the middle as far again. There the place is
+//! **From the middle of a step.** The implicit midpoint rule extrapolates from the middle to the end. At the middle the place is
 //! x = ½ (xₙ + X(2s − sₙ, 2q − qₙ)), so that the step ends on the curve; forces pass over where the middle is, at (s, q).
 //! For a straight rod at rest that keeps energy exactly.
 
@@ -25,9 +25,9 @@ pub struct Slide {
     /// The unknown s.
     pub unknown: usize,
     pub(super) track: Track,
-    /// Where forces pass over.
+    /// Place at which forces are transmitted.
     pub(super) grip: Grip,
-    /// How the node moves with s and q.
+    /// Derivatives of the position of the node over s and q.
     pub(super) follow: Grip,
     /// Residual of the node by all that acts on it, R, N.
     pub(super) residual: Vector3,
@@ -62,7 +62,7 @@ fn sum(factors: &[f64; 4], nodes: &[usize; 4], of: impl Fn(usize) -> Vector3) ->
 }
 
 impl Slide {
-    /// A node at the place that the unknown tells.
+    /// A node at the place given by the unknown.
     pub(crate) fn new(node: usize, unknown: usize, track: Track, unknowns: &[f64]) -> Self {
         let weights = track.at(unknowns[unknown]);
         let grip = Grip::new(weights, |node| position(unknowns, node));
@@ -151,7 +151,7 @@ impl Slide {
         });
     }
 
-    /// Lets what acts on the node act on the rod and on s.
+    /// Transfers the forces on the node to the rod and to s.
     pub(super) fn gather(&self, forces: &mut [f64]) {
         let own = STRIDE * self.node;
         let force = position(forces, self.node);

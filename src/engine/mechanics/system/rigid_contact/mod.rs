@@ -1,4 +1,4 @@
-//! Signorini's and Coulomb's laws of a single contact, as a linear law of the state it is thought to be in.
+//! Signorini's and Coulomb's laws of a single contact, as a linear law of its presumed state.
 //!
 //! With the inertia ρ of the contact points (N/m), the wanted force λ of the last linear law and the gap and slip w that
 //! came with it, the projections
@@ -7,7 +7,7 @@
 //! λ_n* = (λ_n − ρ w_n)₊,   λ_t* = P(λ_t − ρ w_t)
 //! ```
 //!
-//! on the half line and on the disk of radius μ λ_n* tell the state (Alart and Curnier 1991): open, sticking where the disk
+//! on the half line and on the disk of radius μ λ_n* determine the state (Alart and Curnier 1991): open, sticking where the disk
 //! holds λ_t − ρ w_t, else sliding. λ* = λ is the solution. The law that follows is linear in the motion m of the contact
 //! points: λ = λ* − K w with a stiffness far above all others in the directions that are shut, and friction that turns with
 //! the slip while its size follows the normal force where they slide.
@@ -29,8 +29,8 @@ pub(super) use search::Moves;
 /// Stiffness of directions that are shut, in units of ρ: contacts that do the same work, as at the joint of two edges,
 /// share their force, and rounding leaves ten digits of it.
 const SHUT: f64 = 1e6;
-/// Part of its force that a contact keeps in the iteration in which it opens, and its stiffness then in units of ρ, lest
-/// iterations cycle.
+/// Part of its force that a contact keeps in the iteration in which it opens, and its stiffness then in units of ρ, so that
+/// iterations do not cycle.
 const KEPT_PART: f64 = 0.02;
 const KEPT_STIFFNESS: f64 = 20.0;
 /// Resistance to slip in units of ρ, as for the smoothed law of friction, and what of it remains after reversals of the
@@ -73,7 +73,7 @@ pub(super) struct State {
 }
 
 impl RigidContact {
-    /// A contact whose points have moved by `slid` (m) since the step began, with the force that it has to begin with.
+    /// A contact whose points have moved by `slid` (m) since the step began, with its initial force.
     pub(crate) fn new(constraint: &ContactConstraint, slid: Vector3, inertia: f64) -> Self {
         let normal = constraint.normal;
         let along = slid - normal * normal.dot(&slid);

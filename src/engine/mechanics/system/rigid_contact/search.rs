@@ -1,4 +1,4 @@
-//! The search for forces that obey the laws of many contacts at once.
+//! The search for forces that satisfy the laws of many contacts at once.
 //!
 //! Going from the states of all contacts to the forces that they ask for, and from these to the next states, is Newton's method
 //! for a function with corners. Where few states change it ends within a few iterations; where many do, it may cycle. Then the laws
@@ -6,9 +6,9 @@
 //! iterate solves the equations of the rods, and so does what lies between two of them: a step that makes the smoothed laws worse
 //! is shortened without another solution of a linear system.
 //!
-//! The rods are linearised again as they move, and forces are asked for no better than that: smoothed laws are followed to a width
+//! The rods are linearised again as they move, and forces are solved only to that accuracy: smoothed laws are followed to a width
 //! in proportion to the motion, and from there on after the next linearisation. Where they are followed no farther, wider ones are
-//! obeyed, and the rods linearised where these lead. Near the end, the states of narrow laws are those of the exact ones but for a few.
+//! obeyed, and the rods linearised where these lead. Near the end, the states of narrow laws are those of the exact ones except for a few.
 
 use super::{RigidContact, State};
 use crate::mechanics::Vector3;
@@ -28,17 +28,17 @@ const REDUCTION: f64 = 0.1;
 /// Width from which down the exact laws are tried, mostly with success, and the least.
 const NARROW_WIDTH: f64 = 1e-4;
 const LEAST_WIDTH: f64 = 1e-6;
-/// Iterations at a width, which mostly takes two to five, after which wider laws are obeyed first, and the rods linearised anew if
+/// Iterations at a width, which mostly takes two to five, after which wider laws are solved first, and the rods linearised again if
 /// they still move.
 const STUCK_ITERATIONS: usize = 10;
-/// Violation of smoothed laws, in units of their width, up to which they count as obeyed.
+/// Violation of smoothed laws, in units of their width, up to which they count as satisfied.
 const FOLLOWED: f64 = 2.0;
 /// Times that a step is halved that makes the smoothed laws worse.
 const HALVINGS: usize = 6;
 
 /// Largest violation of the laws of a solution, relative to the largest force.
 const TOLERANCE: f64 = 1e-9;
-/// Largest violation while rods still move, or width of the smoothed laws that are obeyed, relative to the typical force, and the same
+/// Largest violation while rods still move, or width of the smoothed laws that are solved, relative to the typical force, and the same
 /// per move in radii: normals turn as much. From the second move on, in radii, forces are found to the end.
 const LOOSEST: f64 = 0.1;
 const LOOSENESS: f64 = 0.1;
@@ -63,15 +63,15 @@ pub(crate) struct ForceSearch {
 struct Sizes {
     /// That of a contact, N.
     typical: f64,
-    /// What counts as obeyed in any case, N.
+    /// Violation that is always accepted, N.
     negligible: f64,
     /// The least motion of the node that moves farthest, in radii, of all iterations: wide laws move rods that lie still.
     farthest: f64,
 }
 
 impl ForceSearch {
-    /// Finds forces that obey the laws of all contacts; says whether they do, or iterations ran out. `move_by` solves for the
-    /// motion under the linear laws that it is given, one per contact. Laws count as obeyed where they are broken by no more
+    /// Finds forces that satisfy the laws of all contacts; returns whether it succeeded before iterations ran out. `move_by` solves for the
+    /// motion under the linear laws that it is given, one per contact. Laws count as satisfied where they are violated by no more
     /// than a part of the largest force, or by `negligible`, N; more is left while rods move far.
     pub(in crate::mechanics::system) fn find<E>(
         &mut self,
@@ -176,7 +176,7 @@ fn shorten(
     part
 }
 
-/// Forces and motions that the contacts have come to.
+/// Forces and motions of the contacts so far.
 fn iterates(contacts: &[RigidContact]) -> Vec<[Vector3; 2]> {
     contacts.iter().map(RigidContact::iterate).collect()
 }
@@ -209,7 +209,7 @@ fn is_solved_near<E>(
     Ok(solved)
 }
 
-/// Iterations from the states of all contacts to the next ones; says whether they have led to the solution, or cycle.
+/// Iterations from the states of all contacts to the next ones; returns whether they converged or cycle.
 fn from_state_to_state<E>(
     contacts: &mut [RigidContact],
     sizes: &mut Sizes,
@@ -246,7 +246,7 @@ fn typical_force(contacts: &[RigidContact]) -> f64 {
 }
 
 /// Takes over the motions under linear laws; returns by how much the contacts break their laws now, N: zero where that
-/// counts as obeyed, infinite where a number is not finite.
+/// counts as satisfied, infinite where a number is not finite.
 fn follow(
     contacts: &mut [RigidContact],
     states: &[State],
