@@ -1,4 +1,4 @@
-//! What is to be simulated: rods, clamps, loads, planes and models, in SI units.
+//! Description of a simulation: rods, clamps, loads, planes and models, in SI units.
 //!
 //! A [`Scene`] is plain data. Experiments build it; [`super::dynamics::Simulation`] and
 //! [`super::statics`] run it. Node indices inside a scene count along their own rod.
@@ -46,7 +46,7 @@ pub struct Scene {
     /// Index of the plane at which the fluid is at rest, its no-slip wall, for regularized Stokeslets; the flow ignores all
     /// other planes, and obstacles.
     pub wall: Option<usize>,
-    /// Where and how everything starts, if not as placed.
+    /// Initial positions and velocities, if not those of the descriptions.
     pub start: Option<Start>,
 }
 
@@ -59,7 +59,7 @@ pub struct Start {
     pub directors: Vec<Vector3>,
     /// Twist between the edges on either side of each node, rad, whole turns included; 0 at free ends.
     pub twist: Vec<f64>,
-    /// Velocities, m/s; empty where rods start as their descriptions say.
+    /// Velocities, m/s; empty where rods start with the velocities of their descriptions.
     pub velocities: Vec<Vector3>,
     /// Rate at which the edge that starts at each node turns about itself, rad/s; as long as `velocities`.
     pub spins: Vec<f64>,
@@ -96,11 +96,11 @@ pub struct RodDescription {
     pub mass_per_length: f64,
     /// Moment of inertia about the centreline per length, ρ(I₁ + I₂), kg m.
     pub rotational_inertia_per_length: f64,
-    /// How edges weigh on their nodes.
+    /// Distribution of the mass of edges to their nodes.
     pub inertia: Inertia,
     /// Retardation time T of Kelvin–Voigt damping, s: viscosity of the material over its modulus; 0 without damping.
     pub retardation_time: f64,
-    /// What of its stiffness relaxes, if any does.
+    /// Viscous part of its stiffness, if any.
     pub relaxation: Option<Relaxation>,
     /// Velocity of every node at time zero, m/s.
     pub velocity: Vector3,
@@ -162,7 +162,7 @@ impl RodDescription {
     }
 }
 
-/// How the edges of a rod weigh on their nodes, and vertices beside clamps on the rod.
+/// Distribution of the mass of edges to nodes, and of the weights of vertices beside clamps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Inertia {
@@ -220,7 +220,7 @@ impl Stiffness {
 /// A held or driven node.
 ///
 /// Holding the frame adds a ghost half edge at the node: an edge of prescribed direction and material
-/// frame with a Voronoi length of half an edge, so that the wall stands at the node itself. At an inner
+/// frame with a Voronoi length of half an edge, so that the wall is at the node itself. At an inner
 /// node there is one on either side. Where another clamp holds the position, but not the frame, of the
 /// node at the other end of an edge, the edge itself is the wall: its material frame is held, without a
 /// ghost edge.
@@ -234,7 +234,7 @@ pub struct Clamp {
     pub holds_position: bool,
     /// Whether tangent and material frame at the node are held.
     pub holds_frame: bool,
-    /// How the clamp moves.
+    /// Motion of the clamp.
     pub motion: Motion,
 }
 
@@ -260,7 +260,7 @@ pub struct Motion {
 /// An external load. `schedule` multiplies it: factor at given times, piecewise linear, 1 where empty.
 #[derive(Clone, Debug)]
 pub struct Load {
-    /// What acts.
+    /// The kind of load.
     pub kind: LoadKind,
     /// Factor at given times in s.
     pub schedule: Vec<(f64, f64)>,
@@ -356,7 +356,7 @@ pub struct Obstacle {
     pub body: RigidBody,
     /// Friction coefficient between obstacle and rods; overrides that of the contact model.
     pub friction: Option<f64>,
-    /// How it moves, about the centre of its vertices if not about another pivot, and about z if not about another axis.
+    /// Motion, by default about the centre of its vertices and the z axis.
     pub motion: Motion,
 }
 
@@ -398,7 +398,7 @@ fn piece<T: Copy>(corners: &[(f64, T)], t: f64) -> Option<(T, T, f64)> {
     if t >= last.0 {
         return Some((last.1, last.1, 0.0));
     }
-    // A time that is no number, as after an overflow, lies in no piece: the value is no number, either.
+    // A NaN time, as after an overflow, is in no piece: the value is NaN, too.
     let after = corners
         .partition_point(|corner| corner.0 <= t)
         .clamp(1, corners.len() - 1);

@@ -1,4 +1,4 @@
-//! What tests of mechanics share: small parts of scenes, simulations of them, and comparisons of numbers.
+//! Helpers of the tests of mechanics: small parts of scenes, simulations of them, and comparisons of numbers.
 //!
 //! Parts are the plainest of their kind and are varied by the syntax of struct updates.
 
@@ -286,7 +286,7 @@ pub(crate) fn assert_close(found: f64, expected: f64, tolerance: f64) {
     assert_close_in((), found, expected, tolerance);
 }
 
-/// The same, where a message needs the case.
+/// The same, with the case in the message.
 #[track_caller]
 pub(crate) fn assert_close_in(case: impl Debug, found: f64, expected: f64, tolerance: f64) {
     let error = found / expected - 1.0;

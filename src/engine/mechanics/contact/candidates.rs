@@ -28,7 +28,7 @@ const REBUILD_FRACTION: f64 = 0.25;
 /// Part of the margin within which the set is complete.
 const COMPLETE_FRACTION: f64 = 0.5;
 
-/// The candidate pairs with what tells when they are out of date.
+/// The candidate pairs with the data that determine when they are out of date.
 #[derive(Clone, Debug)]
 pub(super) struct Candidates {
     /// Reach of the potential beyond the surfaces, m.
@@ -48,7 +48,7 @@ pub(super) struct Candidates {
     found: Vec<(CandidatePair, f64)>,
 }
 
-/// What belongs to the pairs of a list, for a newer list; for new pairs nothing. Both lists are sorted. Values beyond the
+/// Values of the pairs of a list, reordered for a newer list; new pairs get the default. Both lists are sorted. Values beyond the
 /// pairs stay behind them.
 pub(crate) fn carried_over<T: Copy + Default>(
     old: &[CandidatePair],
@@ -183,7 +183,7 @@ impl Candidates {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// How far every node has moved since the set was built, m.
+    /// Displacement of every node since the set was built, m.
     pub(crate) fn motion(&self, positions: &[Vector3], motion: &mut Vec<f64>) {
         motion.clear();
         motion.extend(

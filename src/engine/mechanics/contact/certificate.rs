@@ -1,4 +1,4 @@
-//! The certificate of an accepted step: nothing has passed through anything else on the way to it.
+//! The certificate of an accepted step: no bodies passed through each other on the way to it.
 //!
 //! Between the ends of a step the nodes are taken to move along straight lines. At both ends the surfaces overlap by no
 //! more than the fraction p of their distance of touch T = h_i + h_j that the parameters allow, Δ ≥ (1 − p) T. Two edges
@@ -10,9 +10,9 @@
 //! most steps of most scenes the certificate costs one comparison per node. Beyond that, the pairs whose paths come near
 //! each other are found by boxes around the whole paths, and tested by continuous collision detection.
 //!
-//! Planes need no more than the ends: the distance of a node from a plane is linear in time. Faces of obstacles are passed by a
+//! For planes the ends suffice: the distance of a node from a plane is linear in time. Faces of obstacles are passed by a
 //! node that is on the other side of their plane in the end and was within their edges as it met it; a tube is convex, so that what is inside at both ends was so in between.
-//! What has felt the rim of a tube keeps its distance from it.
+//! Rods that touch the rim of a tube keep their distance from it.
 
 use super::closest_points::ClosestPoints;
 use super::contact_system::ContactSystem;
@@ -22,7 +22,7 @@ use super::foot::crossing;
 use super::rim::{RimPoint, fraction_beyond_rim};
 use crate::mechanics::Vector3;
 
-/// Part of the least distance allowed at the ends of a step that centrelines keep within it. Zero would be enough to tell
+/// Part of the least distance allowed at the ends of a step that centrelines keep within it. Zero would be enough to distinguish
 /// passing from not passing; a half leaves continuous collision detection few advances, and costs no step whose nodes move
 /// by less than 0.95 radii.
 const KEPT_PART: f64 = 0.5;

@@ -25,7 +25,7 @@ use crate::mechanics::Vector3;
 /// the middle instead of the true minimum is 1e-12 of the radius; at 1e-4 it would already be felt.
 const PARALLEL_SINE: f64 = 1e-6;
 
-/// Which contact ratios are free to move along their edges, [first edge, second edge].
+/// Contact ratios that are free to move along their edges, [first edge, second edge].
 ///
 /// The number of free ratios is the class of the contact: none is point–point (Eq. 2.4), one is
 /// point–edge (Eq. 2.5), two is edge–edge (Eq. 2.6).
@@ -36,7 +36,7 @@ pub(super) type FreeRatios = [bool; 2];
 pub(super) struct ClosestPoints {
     /// Contact ratios β_i and β_j in [0, 1].
     pub ratios: [f64; 2],
-    /// Which of them are not held at an end of their edge.
+    /// The ratios that are not at an end of their edge.
     pub free: FreeRatios,
     /// c_i − c_j, m.
     pub separation: Vector3,
@@ -88,7 +88,7 @@ impl ClosestPoints {
     }
 
     /// Closest points of parallel edges: the middle of the stretch along which they face each other,
-    /// held on the first edge and projected on the second; the nearest ends where there is no such stretch.
+    /// held on the first edge and projected on the second; the nearest ends if there is no such stretch.
     fn of_parallel_edges(nodes: &[Vector3; 4]) -> Self {
         let edge_i = nodes[1] - nodes[0];
         let edge_j = nodes[3] - nodes[2];

@@ -18,12 +18,12 @@ use super::nearest_points::{NearestPoints, separation};
 use super::normal_law::NormalLaw;
 use crate::mechanics::Vector3;
 
-/// What motions along each other may close of a gap, as a part of them: normals turn. What this misses is found overlapping.
+/// Part of a relative tangential motion that may close a gap, because normals turn. Contacts that this misses are found overlapping.
 const SIDEWAYS: f64 = 0.1;
 
 impl ContactSystem {
     /// Lists the contacts that `motions` of the nodes from `positions` may close, m, or bring to within `margin` (m) of that, and
-    /// those among `earlier` ones wherever they are, with the forces that they had there, or else in the last step, to begin with.
+    /// those among `earlier` ones at any distance, starting with their forces there, or else in the last step.
     pub(crate) fn list_constraints(
         &mut self,
         positions: &[Vector3],
@@ -134,7 +134,7 @@ impl ContactSystem {
             .fold(0.0, f64::max)
     }
 
-    /// Where a constraint keeps what it carries from step to step.
+    /// Slot for the data that a constraint keeps between steps.
     fn slot_of(&self, constraint: &ContactConstraint) -> usize {
         match constraint.bodies {
             Bodies::Edges(candidate) => candidate,
@@ -154,7 +154,7 @@ impl ContactSystem {
         self.constraints = constraints;
     }
 
-    /// Lets iterations begin with forces of the listed contacts, N, and with none at others.
+    /// Starts the iterations with forces of the listed contacts, N, and with none at others.
     pub(crate) fn begin_with_forces(&mut self, forces: &[Vector3]) {
         self.multipliers.begin_without();
         for (index, force) in forces.iter().enumerate() {
@@ -238,7 +238,7 @@ impl ContactSystem {
     }
 
     /// Gives the listed contacts their forces, N, and drops those that never had any in this step. One that had stays: left out
-    /// where it has opened, it would be found overlapping and listed again, to and fro.
+    /// where it has opened, it would be found overlapping and listed again, in a cycle.
     pub(crate) fn load_constraints(&mut self, forces: &[Vector3]) {
         for (constraint, force) in self.constraints.iter_mut().zip(forces) {
             constraint.force = *force;

@@ -27,7 +27,7 @@ use crate::mechanics::rotation::Pose;
 ///
 /// The distance of two edges has kinks where several pairs of points are equally near: joints of a rod, and
 /// parallel edges, whose closest points the implicit contact model smooths. Newton's method may need its line search
-/// there. What holds for every model at the end of a step: no surfaces overlap beyond the bound, and nothing has passed
+/// there. Every model guarantees at the end of a step: no surfaces overlap beyond the bound, and no bodies have passed
 /// through anything else.
 #[derive(Clone, Debug)]
 pub struct ContactSystem {
@@ -56,7 +56,7 @@ pub struct ContactSystem {
     /// Friction per normal force of the contacts.
     pub(super) tractions: Vec<Vector3>,
     pub(super) jacobians: Vec<EdgeJacobian>,
-    /// What to add to the forces to have those of the linear laws, N.
+    /// Corrections of the forces to those of the linear laws, N.
     pub(super) linear_corrections: Vec<[f64; 12]>,
     pub(super) plane_contacts: Vec<PlaneContact>,
     /// Friction per normal force of the plane contacts.
@@ -320,7 +320,7 @@ impl ContactSystem {
             .commit(slots, of_pairs.chain(of_planes));
     }
 
-    /// Where contacts keep what they carry from step to step.
+    /// Slots for the data that contacts keep between steps.
     pub(super) fn slots(&self) -> Slots {
         Slots {
             candidates: self.candidates.pairs().len(),

@@ -1,4 +1,4 @@
-//! What is known of a single contact.
+//! Data of a single contact.
 
 use crate::mechanics::Vector3;
 
@@ -21,7 +21,7 @@ pub(super) struct Linearised<J> {
 
 /// Side of a pair of two edges.
 pub(super) const EDGE: i8 = 0;
-/// Side of a pair of a node and the axis of a tube around it; the node stands twice among the four.
+/// Side of a pair of a node and the axis of a tube around it; the node is listed twice among the four.
 pub(super) const TUBE: i8 = 2;
 /// Side of a pair of a piece of a rod around a node and the rim of a tube; of the piece before the middle of the first edge, and of that
 /// behind the middle of the last: three nodes, then the centre of the rim.
@@ -29,7 +29,7 @@ pub(super) const RIM: i8 = 3;
 pub(super) const RIM_START: i8 = 4;
 pub(super) const RIM_END: i8 = 5;
 /// Side of a pair that counts against those with the same rim: of the middle of an edge where two pieces meet, by the first two and by the
-/// last two of its nodes, and of a node in the tube, which stands three times.
+/// last two of its nodes, and of a node in the tube, which is listed three times.
 pub(super) const RIM_JOINT: i8 = 6;
 pub(super) const RIM_JOINT_END: i8 = 7;
 pub(super) const RIM_NODE: i8 = 8;
@@ -43,7 +43,7 @@ pub struct CandidatePair {
     /// The nodes x_i, x_{i+1}, x_j, x_{j+1}; of a face the node of the rod and the three
     /// vertices, of a tube the node twice and the ends of the axis, of a rim three nodes of the rod and the end of the axis.
     pub nodes: [usize; 4],
-    /// What the second body is to the first: 0 for an edge, 2 for a tube around it, 3 to 8 for its rim, or the side of a face on which
+    /// Kind of the second body: 0 for an edge, 2 for a tube around it, 3 to 8 for its rim, or the side of a face on which
     /// the node is, 1 or −1.
     pub side: i8,
 }
@@ -79,7 +79,7 @@ impl CandidatePair {
         (RIM..=RIM_NODE).contains(&self.side)
     }
 
-    /// 1, or −1 for a pair that counts against others so that nothing counts twice: see [`super::rim`].
+    /// 1, or −1 for a pair that is subtracted so that no energy counts twice: see [`super::rim`].
     pub(super) fn sign(&self) -> f64 {
         if (RIM_JOINT..=RIM_NODE).contains(&self.side) {
             -1.0
@@ -135,7 +135,7 @@ pub struct PlaneContact {
     pub force: [f64; 3],
 }
 
-/// What a constraint is between.
+/// The two bodies of a constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Bodies {
     /// Index of the candidate pair of edges.
@@ -144,7 +144,7 @@ pub(super) enum Bodies {
     Plane(usize),
 }
 
-/// Where the matrix of a constraint belongs.
+/// Location of the matrix of a constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ConstraintPlace {
     /// A candidate pair of edges.
@@ -184,7 +184,7 @@ impl ContactConstraint {
         }
     }
 
-    /// Where its matrix belongs.
+    /// Location of its matrix.
     pub(crate) fn place(&self) -> ConstraintPlace {
         match self.bodies {
             Bodies::Edges(candidate) => ConstraintPlace::Candidate(candidate),
@@ -221,7 +221,7 @@ impl ContactConstraint {
     }
 }
 
-/// What to add to the forces of all contacts of an evaluation, N.
+/// Corrections of the forces of all contacts of an evaluation, N.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceCorrections<'a> {
     /// One per contact of two edges, node after node.
@@ -245,7 +245,7 @@ pub enum ContactPair {
     },
 }
 
-/// How near two bodies are.
+/// Distance of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proximity {
     /// The bodies.

@@ -65,7 +65,7 @@ struct TouchingPair {
     sign: f64,
 }
 
-/// What the linearised laws of a contact begin with.
+/// Initial values of the linearised laws of a contact.
 struct Touch {
     gap: f64,
     law: NormalLaw,
@@ -140,7 +140,7 @@ impl ContactSystem {
         for candidate in 0..self.candidates.pairs().len() {
             let earlier = self.candidates.gaps()[candidate];
             let loaded = with_jacobians && self.multipliers.is_loaded(candidate);
-            // Most candidates are out of reach wherever their nodes have moved.
+            // Most candidates are out of reach for any displacement of their nodes so far.
             if !loaded && earlier - farthest >= reach {
                 continue;
             }
@@ -308,7 +308,7 @@ impl ContactSystem {
         ));
     }
 
-    /// The laws of a slot, linearised where its multipliers are; `moved` says how its nodes have moved.
+    /// The laws of a slot, linearised where its multipliers are; `moved` are the displacements of its nodes.
     fn linear_laws(
         &self,
         slot: usize,

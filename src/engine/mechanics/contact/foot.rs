@@ -1,4 +1,4 @@
-//! Where a node of a rod is over a face of an obstacle.
+//! The foot of a node of a rod on a face of an obstacle.
 
 use crate::mechanics::Vector3;
 
@@ -24,7 +24,7 @@ impl Points<'_> {
     }
 }
 
-/// Where a node is over a face.
+/// Foot of a node on a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Foot {
     /// Unit normal of the face, on the side given.

@@ -1,4 +1,4 @@
-//! What lies within a closed obstacle.
+//! Points inside a closed obstacle.
 
 use super::foot::{Foot, Points};
 use super::surface::ContactSurface;

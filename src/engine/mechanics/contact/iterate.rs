@@ -1,9 +1,9 @@
-//! What the iterations of a step know of the configuration at which contact was last linearised.
+//! Data of the configuration at which contact was last linearised, for the iterations of a step.
 
 use super::multipliers::Moved;
 use crate::mechanics::Vector3;
 
-/// Resistance of bodies that are held on both sides, N/m: any finite one, since nothing moves them.
+/// Resistance of bodies that are held on both sides, N/m: any finite one, since they do not move.
 const HELD: f64 = 1.0;
 
 /// Rods and contacts from which on a prediction of all their forces may pay. Ten rods of a pile take 3.3 iterations a step
@@ -19,8 +19,8 @@ const SURPRISE: f64 = 0.05;
 /// The configuration of the last linearisation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Iterate {
-    /// How far a unit force moves each node within a step by inertia alone, h²/m, m/N; zero where it is held. Vertices of
-    /// obstacles are none of them.
+    /// Displacement of each node under a unit force within a step by inertia alone, h²/m, m/N; zero where it is held. Vertices of
+    /// obstacles are not included.
     mobilities: Vec<f64>,
     /// Positions, m; empty before the first linearisation of a step.
     positions: Vec<Vector3>,
@@ -78,7 +78,7 @@ impl Iterate {
         self.positions.extend_from_slice(positions);
     }
 
-    /// How the nodes of a contact, now at `positions`, have moved since, and how they resist with their weights.
+    /// Displacements of the nodes of a contact, now at `positions`, since then, and their weighted resistance.
     pub(crate) fn moved<const N: usize>(
         &self,
         nodes: &[usize; N],

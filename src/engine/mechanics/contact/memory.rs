@@ -1,10 +1,10 @@
-//! What a restart needs to know of contact.
+//! Data of contact for a restart.
 
 use super::contact_system::ContactSystem;
 use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// What influences future contact forces; part of a checkpoint.
+/// State that influences future contact forces; part of a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactMemory {
     /// Positions of all nodes when the candidates were last built, m; empty before the first time.
@@ -30,7 +30,7 @@ pub(crate) struct MismatchedMemory {
 }
 
 impl ContactSystem {
-    /// What a checkpoint must hold.
+    /// Data of a checkpoint.
     pub(crate) fn memory(&self) -> ContactMemory {
         let positions = self.candidate_positions().iter();
         let tractions = self.carried_tractions().committed().iter();
@@ -46,7 +46,7 @@ impl ContactSystem {
     /// Continues from a checkpoint of the same scene: candidates and stiffness are as they were.
     ///
     /// # Errors
-    /// When the memory is that of a scene with another number of nodes.
+    /// If the memory is that of a scene with another number of nodes.
     pub(crate) fn restore(&mut self, memory: &ContactMemory) -> Result<(), MismatchedMemory> {
         let stored = memory.candidate_positions.iter();
         let positions: Vec<Vector3> = stored.map(|&position| position.into()).collect();

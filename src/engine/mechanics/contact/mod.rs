@@ -2,23 +2,23 @@
 //!
 //! [`ContactSystem`] holds all contacts of a scene; the other files follow the chain from geometry to force:
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `surface` | edges as capsules, planes, obstacles, which pairs are neighbours |
-//! | `placed_obstacles`, `foot` | rigid obstacles: where they are, what of them is near a rod, and where a node is over a face |
+//! | `placed_obstacles`, `foot` | rigid obstacles: positions, parts near a rod, and the foot of a node on a face |
 //! | `box_tree` | boxes around the parts of an obstacle, and which of them are near |
 //! | `broad_phase`, `candidates` | pairs of edges that may touch, kept over many steps |
 //! | `closest_points`, `distance` | centreline distance Δ of two edges and its derivatives (thesis Eqs. 2.3–2.6) |
-//! | `inside` | what lies within a closed obstacle |
+//! | `inside` | points inside a closed obstacle |
 //! | `prescribed` | contacts of prescribed points, which carry no force |
 //! | `root`, `roots` | clamped nodes at which a rod leaves a body that it is set in |
 //! | `rim` | the rims of tubes |
-//! | `reflex_edge` | edges in valleys of a mesh, which are not felt |
+//! | `reflex_edge` | edges in valleys of a mesh, which have no contact |
 //! | `nearest_points` | the same of two edges, or of a node and a face |
 //! | `parameters` | the contact model and its numbers |
 //! | `normal_law`, `normal_response`, `potential`, `barrier` | contact energy of a gap: Eqs. 2.15, 2.16 or the barrier of Eq. 2.1 |
-//! | `continuous_collision`, `step_bound` | how far a step may go without crossing the barrier |
-//! | `certificate` | that nothing has passed through anything in a step |
+//! | `continuous_collision`, `step_bound` | bound on a step that does not cross the barrier |
+//! | `certificate` | check that no bodies passed through each other in a step |
 //! | `coupled_pairs` | pairs for which the Newton system has room |
 //! | `constraints` | contacts as constraints, whose forces are found by complementarity (thesis 3.3) |
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
@@ -26,12 +26,12 @@
 //! | `multipliers`, `tractions`, `slots`, `iterate` | normal forces and friction that Newton's method carries along |
 //! | `stored_energy` | contact energy beside the last evaluation |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
-//! | `contacts` | what is known of a single contact |
+//! | `contacts` | data of a single contact |
 //! | `contact_system`, `evaluation` | all contacts of a scene |
 //! | `proximity` | least distance, penetration, overlaps of a new scene |
-//! | `rest_gap` | how far apart surfaces rest |
-//! | `touching` | where surfaces touch, for pictures |
-//! | `memory` | what a restart needs |
+//! | `rest_gap` | gap of surfaces at rest |
+//! | `touching` | points of contact, for pictures |
+//! | `memory` | data for a restart |
 
 mod barrier;
 mod box_tree;

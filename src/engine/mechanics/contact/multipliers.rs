@@ -13,7 +13,7 @@
 //!
 //! with λ eliminated: the matrix has the same pattern, and the solution is the same. Interior point methods treat their
 //! barriers so. After an iteration λ has the value of the linear law at the displacements that the linear system has
-//! found, which know nothing of how the gap g curves. The two need not agree. The law is next linearised between them, at
+//! found, which omits the curvature of the gap g. The two need not agree. The law is next linearised between them, at
 //! the force λ* and the gap g* with
 //!
 //! ```text
@@ -22,12 +22,12 @@
 //!
 //! with the inertia ρ = 1/Σ(w² h²/m) of the two bodies at their contact points: as large a gap as this force opens within a
 //! step. This is a step of the primal–dual active set method (Hintermüller, Ito and Kunisch 2002, Eq. 2.3): a contact
-//! presses where λ > ρ g, whatever the last iteration took it for, with a force of the size that removes the overlap, and
+//! presses where λ > ρ g, in whatever state the last iteration had it, with a force of the size that removes the overlap, and
 //! is open where not.
 //!
-//! The first iteration of a step has no linear law to come from. Where the prediction is good, its gaps tell the new forces
+//! The first iteration of a step has no linear law to come from. Where the prediction is good, its gaps give the new forces
 //! to second order in the step, and the law is linearised there; where the force at the predicted gap is not of the size of
-//! the last step's, gaps are not known well enough for that, and the step above begins with the last force.
+//! the last step's, gaps are not accurate enough for that, and the step above begins with the last force.
 //!
 //! Active sets may cycle, release a contact, find it crossed, and close it again. A contact that opens therefore keeps the
 //! part [`KEPT_PART`] of its force for an iteration, until corrections are small.
@@ -50,13 +50,13 @@ const KEPT_PART: f64 = 0.02;
 /// Chosen by trial in knots that are pulled tight, where 2 saves most of the iterations that 4 does, and 100 no more.
 const TRUSTED_RATIO: f64 = 4.0;
 
-/// Largest ratio of two forces of a slot in a row at which it is known well enough for how its contact turns to count.
+/// Largest ratio of two forces of a slot in a row at which it is accurate enough to include the rotation of its contact.
 ///
-/// Where edges are nearly parallel, iterations without that go back and forth along them for ever, though the force has long
+/// Where edges are nearly parallel, iterations without that alternate along them without end, though the force has long
 /// been found. Chosen by trial: in piles of 60 and of 200 rods other steps fail with 1.1, 1.5 and 4, few with each.
 const KNOWN_RATIO: f64 = 1.1;
 
-/// How the nodes of a contact have moved since the last linearisation, m, and how they resist.
+/// Displacements of the nodes of a contact since the last linearisation, m, and their resistance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moved {
     /// Displacements of the four nodes; a plane has one, the first.
@@ -138,12 +138,12 @@ impl Multipliers {
         self.force(slot)
     }
 
-    /// Lets iterations begin without any force.
+    /// Starts the iterations without forces.
     pub(crate) fn begin_without(&mut self) {
         self.tangents.forget();
     }
 
-    /// Lets iterations begin with a force at a slot, N.
+    /// Starts the iterations with a force at a slot, N.
     pub(crate) fn begin_with(&mut self, slot: usize, force: f64) {
         self.tangents.set(slot, Tangent::constant(force));
     }
@@ -190,7 +190,7 @@ impl Multipliers {
         self.tangents.get(slot).map_or(0.0, |tangent| tangent.force)
     }
 
-    /// Whether the contact of a slot bears force by its multiplier, wherever it is.
+    /// Whether the multiplier of a slot carries a force, at any gap.
     pub(crate) fn is_loaded(&self, slot: usize) -> bool {
         self.in_use && self.force(slot) > 0.0
     }

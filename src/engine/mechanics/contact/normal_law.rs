@@ -4,8 +4,8 @@ use super::normal_response::NormalResponse;
 use super::parameters::{ContactModel, ContactParameters};
 use super::{barrier, potential};
 
-/// Why complementarity never asks for a law.
-const RIGID: &str = "the forces of rigid contact are constraints, no functions of the gap";
+/// Panic message: complementarity never evaluates a law.
+const RIGID: &str = "the forces of rigid contact are constraints, not functions of the gap";
 
 /// Iterations of [`NormalLaw::resolved`], which mostly takes one or two.
 const RESOLVING_ITERATIONS: usize = 30;
@@ -74,7 +74,7 @@ impl NormalLaw {
     }
 
     /// The force λ* (N) and the gap g* (m) with λ* = N(g*) and λ* − ρ g* = `force` − ρ `gap`, for ρ = `inertia` (N/m); no
-    /// force where none can be told from zero.
+    /// force where it cannot be distinguished from zero.
     pub(crate) fn resolved(&self, force: f64, gap: f64, inertia: f64) -> (f64, f64) {
         let sum = force - inertia * gap;
         let least = self.least_force();

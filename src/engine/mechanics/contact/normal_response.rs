@@ -1,4 +1,4 @@
-//! What a normal force law says of a gap.
+//! Response of a normal force law to a gap.
 
 /// Energy of a gap and its derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -39,7 +39,7 @@ pub struct ContactParameters {
     /// Slip tolerance ν, m/s: slower sliding counts as sticking (Eq. 2.10).
     pub slip_tolerance: f64,
     /// Factor s of the adaptive contact stiffness. The implicit contact model has k = s max‖F‖ (Eq. 2.19),
-    /// the default; the barrier bears the force s max‖F‖ at a gap of δ/2, and there 1 suits.
+    /// the default; the barrier carries the force s max‖F‖ at a gap of δ/2, for which 1 is suitable.
     pub stiffness_factor: f64,
     /// Penetration that ends the run, as a fraction of the sum of the two radii; without effect on
     /// incremental potential contact, which allows none.
@@ -71,7 +71,7 @@ impl ContactParameters {
 
     /// Smoothing c of the closest points of edges that touch at the distance `threshold` (m), m².
     ///
-    /// None for complementarity, whose contacts have no gap to spare.
+    /// None for complementarity, whose contacts have no gap.
     pub(super) fn smoothing(&self, threshold: f64) -> f64 {
         let part = match self.model {
             ContactModel::ImplicitContact => SMOOTHING,
@@ -108,7 +108,7 @@ impl ContactParameters {
         self.model == ContactModel::IncrementalPotential
     }
 
-    /// Whether contact forces are no functions of the gap, but found together for a whole step.
+    /// Whether contact forces are not functions of the gap, but solved together for a whole step.
     pub fn is_complementarity(&self) -> bool {
         self.model == ContactModel::Complementarity
     }

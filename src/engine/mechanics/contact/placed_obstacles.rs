@@ -1,4 +1,4 @@
-//! Where the obstacles are, and which of their parts are near a rod.
+//! Positions of the obstacles, and their parts near a rod.
 //!
 //! Each obstacle has a tree of boxes around its segments and faces in the frame of its own, which never changes: edges of rods
 //! are carried into it by the pose of the obstacle. So a search costs the logarithm of the size of a mesh for every edge of a
@@ -29,7 +29,7 @@ pub(super) struct PlacedObstacles {
 struct Placed {
     pose: Pose,
     pose_at_start: Pose,
-    /// Where its vertices, segments and faces begin among those of all obstacles; segments among all edges.
+    /// Start of its vertices, segments and faces among those of all obstacles; segments among all edges.
     first_vertex: usize,
     first_edge: usize,
     first_face: usize,
@@ -309,7 +309,7 @@ impl Placed {
             })
     }
 
-    /// Adds the pieces of rods that are near a rim of the tube, on whatever side of it.
+    /// Adds the pieces of rods that are near a rim of the tube, on either side of it.
     fn find_at_rims(
         &self,
         surface: &ContactSurface,

@@ -1,7 +1,7 @@
 //! Contacts whose points are both prescribed: of nodes that clamps hold, of held rods, and of obstacles.
 //!
-//! Nothing that the contact does could move such points, and so no law says what its force is: any force is borne by what holds
-//! them. Every model has none there. They overlap as their clamps say, which is still looked at.
+//! A contact force cannot move such points, and so no law determines it: any force is balanced by what holds
+//! them. Every model sets it to zero. Overlaps due to their clamps are still checked.
 //!
 //! The weight of a free node in a contact goes to zero as the contact point comes to the end of an edge that is held, and the
 //! force on that node with it. So what moves feels no jump.
@@ -10,7 +10,7 @@ use super::contact_system::ContactSystem;
 use super::contacts::Proximity;
 
 impl ContactSystem {
-    /// Says of every node of the rods whether its position is prescribed.
+    /// Sets for every node of the rods whether its position is prescribed.
     pub(crate) fn set_prescribed(&mut self, prescribed: impl Iterator<Item = bool>) {
         self.prescribed.clear();
         self.prescribed.extend(prescribed);

@@ -1,4 +1,4 @@
-//! How near bodies are to each other: the least distance, penetration, overlaps of a new scene.
+//! Proximity of bodies: the least distance, penetration, overlaps of a new scene.
 
 use super::broad_phase::BroadPhase;
 use super::candidates::approach;
@@ -44,7 +44,7 @@ impl ContactSystem {
             .min_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
-    /// The contacts of the last evaluation, those of prescribed points, which bear nothing, among them.
+    /// The contacts of the last evaluation, including those of prescribed points, which carry no force.
     pub(crate) fn touching(&self) -> impl Iterator<Item = Proximity> {
         self.bearing().chain(self.touching_without_force())
     }

@@ -1,4 +1,4 @@
-//! How far apart the surfaces rest that bear contact forces.
+//! Gap at rest of surfaces that carry contact forces.
 //!
 //! A force law N(g) carries a load at a gap, and two rods of radius h that rest at g behave like rods of radius h + g/2 that
 //! touch. With the stiffness k and, for the implicit contact model, r = 15 N h̄²/(2 k δ),
@@ -17,7 +17,7 @@ impl ContactSystem {
     /// all pairs of edges and all nodes at planes, with g the distance of the centrelines less the sum of the radii (of a
     /// node from its plane, less its radius). Negative where they penetrate. `None` where no force acts.
     ///
-    /// The weights leave out what is near but bears nothing, wherever the force law may end.
+    /// The weights exclude pairs that are near but carry no force, at any range of the force law.
     pub(crate) fn mean_gap(&self) -> Option<f64> {
         let edges = self.contacts().iter();
         let edges = edges.map(|one| (one.normal_force, one.distance - one.threshold));

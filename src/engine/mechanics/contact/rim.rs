@@ -1,4 +1,4 @@
-//! The rim of a tube, on which a rod bears that leaves by an end.
+//! The rim of a tube, in contact with a rod that leaves through an end.
 //!
 //! The rim is a circle, sharp. What it touches is not the polygon of the nodes but the smooth curve that goes with it: the quadratic
 //! B-spline p(β) = Σ w_k(β) x_k through the middles of the edges, with the edges as tangents there. Between the middles of two edges that
@@ -57,9 +57,9 @@ pub(super) struct Rim {
 /// A piece of a rod, or a point of it, that may be near a rim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct RodPiece {
-    /// Which kind of piece, as the side of its pairs.
+    /// Kind of the piece, as the side of its pairs.
     pub side: i8,
-    /// Edge of the rod by which it is known.
+    /// Edge of the rod that identifies it.
     pub edge: usize,
     /// Its nodes.
     pub nodes: [usize; 3],
@@ -191,8 +191,8 @@ impl RimPoint {
         Self::at(side, nodes, rim, ratio, true)
     }
 
-    /// The same where the rim is felt: by what is within the tube or in front of its mouth. What passes along the tube outside of it
-    /// is not. A node counts against its contact with the wall, within the tube.
+    /// The same where the rim acts: on rods within the tube or in front of its mouth. A rod that passes
+    /// along the tube outside of it is ignored. A node counts against its contact with the wall, within the tube.
     pub(crate) fn of(side: i8, nodes: &[Vector3; 4], rim: &Rim) -> Option<Self> {
         let found = Self::nearest(side, nodes, rim);
         let is_felt = if side == RIM_NODE {
@@ -366,7 +366,7 @@ pub(super) fn rim_jacobian(
 }
 
 /// The part of the straight path of a piece between `start` and `end`, up to `longest`, along which it is certain to keep a distance of
-/// `kept` (m) from a rim that moves between two places, and to where that is used up but for `tolerance` (m).
+/// `kept` (m) from a rim that moves between two places, and to where that is used up except for `tolerance` (m).
 pub(super) fn fraction_beyond_rim(
     side: i8,
     [start, end]: [&[Vector3; 4]; 2],
@@ -399,7 +399,7 @@ pub(super) fn fraction_beyond_rim(
     fraction
 }
 
-/// The part of the straight path of a piece by these displacements, up to `longest`, along which a rim that stands keeps a `part` of its gap
+/// The part of the straight path of a piece by these displacements, up to `longest`, along which a rim at rest keeps a `part` of its gap
 /// beyond the distance `touch` (m).
 pub(super) fn safe_fraction_at_rim(
     side: i8,

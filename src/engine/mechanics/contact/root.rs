@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 const LEAST_REACH: f64 = PI;
 /// Reach over the way on which the rod overlaps.
 const REACH: f64 = 1.5;
-/// Largest reach in radii: a rod that overlaps farther lies in the body.
+/// Largest reach in radii: a rod that overlaps farther is inside the body.
 const FARTHEST_REACH: f64 = 20.0;
 
 /// A body that a rod is rooted in.
@@ -46,7 +46,7 @@ impl Root {
     }
 }
 
-/// What is passed over at roots: pairs of numbers, sorted.
+/// Pairs ignored at roots: pairs of numbers, sorted.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Roots {
     /// Edges of rods and obstacles.

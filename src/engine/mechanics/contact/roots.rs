@@ -1,4 +1,4 @@
-//! What contact passes over at roots, and how far a clamped node is from what it may be rooted in.
+//! Pairs that contact ignores at roots, and the distance of a clamped node from bodies in which it may be rooted.
 
 use super::closest_points::{ClosestPoints, edge_distance};
 use super::contact_system::ContactSystem;
@@ -49,12 +49,12 @@ impl ContactSurface {
 }
 
 impl ContactSystem {
-    /// Lets a rod pass over the body that it is rooted in. To be called before the first candidates.
+    /// Ignores contact of a rod with the body in which it is rooted. To be called before the first candidates.
     pub(crate) fn pass_over_root(&mut self, root: &Root) {
         self.surface.add_root(root);
     }
 
-    /// Lets two rods pass over each other near two clamped nodes that do not move against each other, at arc lengths along them
+    /// Ignores contact of two rods near two clamped nodes without relative motion, at arc lengths along them
     /// (m), where the rods leave them at `angle` (rad): as at a joint. To be called before the first candidates. Returns the reach, m.
     pub(crate) fn pass_over_common_root(
         &mut self,
@@ -100,7 +100,7 @@ impl ContactSystem {
             let [a, b] = points.of(self.surface.edges()[edge].nodes);
             let nodes = [*point, *point, a, b];
             if body.hollow {
-                // Outside of the wall nothing touches; a point on it counts as inside.
+                // Outside of the wall there is no contact; a point on it counts as inside.
                 let inside = ClosestPoints::in_tube(&nodes);
                 inside.map_or(f64::INFINITY, |inside| {
                     (inside.distance() + body.radius).abs()

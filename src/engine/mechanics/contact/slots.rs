@@ -1,4 +1,4 @@
-//! Where contacts keep what they carry from iteration to iteration, and from step to step.
+//! Slots for the data that contacts keep between iterations and between steps.
 
 use super::candidates::carried_over;
 use super::contacts::CandidatePair;

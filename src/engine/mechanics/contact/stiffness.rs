@@ -91,7 +91,7 @@ impl ContactSystem {
     ///
     /// The thesis takes the largest force over the nodes in contact. Here all nodes of pairs whose surfaces
     /// are nearer than a quarter of the candidates' margin count, so that a contact which begins within the
-    /// step is met with the right stiffness. Without such nodes nothing changes. To be called once per
+    /// step is met with the right stiffness. Without such nodes the stiffness stays the same. To be called once per
     /// step: within Newton's method the stiffness must stay.
     pub(crate) fn adapt_stiffness(&mut self, positions: &[Vector3], forces: &[Vector3]) -> bool {
         let Some(force) = self.largest_force_near_contact(positions, forces) else {

@@ -7,7 +7,7 @@ use super::nearest_points::NearestPoints;
 use super::normal_law::NormalLaw;
 use crate::mechanics::Vector3;
 
-/// What contacts hold.
+/// Energy stored in contacts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Stored {
     /// J.

@@ -8,12 +8,12 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 
 /// An edge of a rod as contact sees it: a capsule around the segment between two nodes; such an edge of an obstacle; or a
-/// ball around one node, which stands twice.
+/// ball around one node, which is listed twice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactEdge {
-    /// The two nodes, indices into the positions of all rods; those of obstacles, their vertices, go on from there.
+    /// The two nodes, indices into the positions of all rods; the vertices of obstacles are numbered after them.
     pub nodes: [usize; 2],
-    /// Index of the rod; balls and obstacles go on from there.
+    /// Index of the rod; balls and obstacles are numbered after the rods.
     pub rod: usize,
     /// Radius h of the surface, m.
     pub radius: f64,
@@ -73,9 +73,9 @@ pub struct ContactSurface {
     closed_lengths: Vec<Option<f64>>,
     /// Least radius of the rods that move, and of all, m; `None` without any.
     least_radii: [Option<f64>; 2],
-    /// Where two rods are joined, by their indices, the lower first.
+    /// Joints of two rods, by their indices, the lower first.
     joints: HashMap<[usize; 2], Vec<ContactJoint>>,
-    /// What is passed over where rods are set in bodies.
+    /// Contact ignored where rods are rooted in bodies.
     pub(super) roots: Roots,
 }
 
@@ -409,7 +409,7 @@ impl ContactSurface {
         }
     }
 
-    /// What to take off the distance of the edges or faces of a pair to have that of the surface of an obstacle, m.
+    /// Correction to subtract from the distance of the edges or faces of a pair for the surface of an obstacle, m.
     pub(super) fn core(&self, pair: &CandidatePair) -> f64 {
         match self.obstacle_of(pair.edges[1]) {
             None => 0.0,
@@ -430,7 +430,7 @@ impl ContactSurface {
         }
     }
 
-    /// Least distance at which the centrelines of two edges may touch by their surfaces, m; infinite where nothing moves.
+    /// Least distance at which the centrelines of two edges may touch by their surfaces, m; infinite if neither can move.
     pub(super) fn least_threshold(&self) -> f64 {
         match self.least_radii {
             [Some(moving), Some(any)] => moving + any,

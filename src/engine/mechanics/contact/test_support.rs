@@ -1,4 +1,4 @@
-//! What the derivative tests of this room share: random contacts and vectors of dual numbers.
+//! Helpers of the derivative tests of contact: random contacts and vectors of dual numbers.
 
 use super::closest_points::{ClosestPoints, FreeRatios};
 use crate::mechanics::Vector3;

@@ -1,4 +1,4 @@
-//! Where surfaces touch, for pictures: no forces, no memory.
+//! Points at which surfaces touch, for pictures: no forces, no memory.
 
 use super::broad_phase::BroadPhase;
 use super::closest_points::ClosestPoints;
@@ -9,7 +9,7 @@ use crate::mechanics::Vector3;
 use crate::mechanics::rotation::Pose;
 
 /// Points at which rods touch each other, a plane or an obstacle: where the gap between the surfaces is below
-/// `clearance` (m). A point lies in the middle of the gap between two rods, or on the plane or obstacle.
+/// `clearance` (m). A point is in the middle of the gap between two rods, or on the plane or obstacle.
 ///
 /// `positions`: of all nodes, m; `poses`: of all obstacles.
 pub fn touching_points(

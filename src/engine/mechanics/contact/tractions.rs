@@ -1,4 +1,4 @@
-//! Friction that Newton's method carries along as unknowns of its own.
+//! Friction as additional unknowns of Newton's method.
 //!
 //! The smoothed law of Coulomb is all but flat where surfaces slide and steep where they stick, and its
 //! scale, the slip tolerance, is far below the speeds that occur: Newton's method on the slip speed alone
@@ -12,11 +12,11 @@
 //! ```
 //!
 //! with the inertia ρ of the contact points, the step h and the normal force λ: where |t − c u| < μ surfaces stick,
-//! whatever the last iteration took them for, at the slip that belongs to this traction, and elsewhere they slide along it.
+//! in whatever state the last iteration had them, at the slip that belongs to this traction, and elsewhere they slide along it.
 //! This is Newton's method for Alart and Curnier's function (1991), with the smoothed law in place of the disk. A slip
 //! that has turned round within an iteration lowers |t − c u|: it has passed through rest.
 //!
-//! As long as c is no larger than what truly resists the slip, sticking and sliding are found within a few iterations
+//! As long as c does not exceed the true resistance to the slip, sticking and sliding are found within a few iterations
 //! without cycles. Elasticity makes that larger than ρ, since neighbours that stick hold a node, but not for all slips of
 //! many contacts at once: so c begins at [`BEGINNING_PART`] times as much, and falls where slips go back and forth.
 
@@ -44,7 +44,7 @@ pub(super) struct LinearTraction {
     pub value: Vector3,
     /// Value of the linear law at the present slip.
     pub present: Vector3,
-    /// How often the slip has turned round in the step.
+    /// Number of reversals of the slip in the step.
     reversals: u8,
 }
 
@@ -84,7 +84,7 @@ impl Tangent {
     }
 }
 
-/// The tractions of all slots, as in [`multipliers`](super::multipliers); those without contact are not known.
+/// The tractions of all slots, as in [`multipliers`](super::multipliers); those without contact are unset.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tractions {
     /// At the end of the last accepted step, one per slot.
@@ -111,7 +111,7 @@ impl Tractions {
         tangent.map_or_else(Vector3::zeros, |tangent| tangent.value)
     }
 
-    /// Lets iterations begin with a traction at a slot.
+    /// Starts the iterations with a traction at a slot.
     pub(crate) fn begin_with(&mut self, slot: usize, traction: Vector3) {
         self.tangents.set(slot, Tangent::constant(traction));
     }
@@ -126,7 +126,7 @@ impl Tractions {
         self.committed = committed;
     }
 
-    /// Takes over the tractions of an accepted step, slot by slot; those not given are not known.
+    /// Takes over the tractions of an accepted step, slot by slot; those not given are unset.
     pub(crate) fn commit(
         &mut self,
         slots: Slots,

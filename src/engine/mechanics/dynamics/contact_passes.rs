@@ -7,7 +7,7 @@ use crate::mechanics::system::{ForceSearch, Stage, System};
 const CONTACT_PASSES: usize = 30;
 
 /// Passes without contact forces after which the step counts as failed: the next one, with other
-/// directions of contacts, may be kinder, but each costs as much as many steps.
+/// directions of contacts, may succeed, but each costs as much as many steps.
 const UNSOLVED_PASSES: usize = 3;
 
 /// The first of them, which move the rods by the linearised step with contact forces, as Newton's method would for

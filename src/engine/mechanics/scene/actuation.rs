@@ -8,9 +8,9 @@ use std::f64::consts::TAU;
 pub struct Actuation {
     /// Index of the rod.
     pub rod: usize,
-    /// Which strain it is.
+    /// The strain.
     pub strain: ActuatedStrain,
-    /// Where along the rod it acts, from and to, m of its natural length without actuation; infinite: to the end.
+    /// Start and end of the actuated part, m of the natural length without actuation; infinite: to the end.
     pub part: [f64; 2],
     /// Its size.
     pub course: Course,
@@ -67,7 +67,7 @@ impl Course {
         }
     }
 
-    /// What a piece of a rod, given by the distances of its ends from the start of the rod (m), has of the strain: its length,
+    /// Share of a piece of a rod, given by the distances of its ends from the start of the rod (m), in the strain: its length,
     /// or ∫ sin(ks + φ) ds and ∫ cos(ks + φ) ds.
     pub(crate) fn shares(&self, [from, to]: [f64; 2]) -> [f64; 2] {
         let length = to - from;

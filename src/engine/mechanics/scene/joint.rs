@@ -1,4 +1,4 @@
-//! What joins rods, and what they carry.
+//! Joints, springs and bodies of rods.
 
 use crate::mechanics::Vector3;
 
@@ -21,13 +21,13 @@ pub struct Joint {
     pub name: String,
     /// The nodes, which are placed at one point.
     pub nodes: [RodNode; 2],
-    /// How rods may turn against each other there.
+    /// Relative rotation that the joint leaves free.
     pub kind: JointKind,
-    /// What it bears; only of slides, and of joints that share their point with no other one.
+    /// Strength; only for slides, and for joints that share their point with no other one.
     pub strength: Strength,
 }
 
-/// What a joint or spring bears: where a step ends with more, it breaks.
+/// Strength of a joint or spring: it breaks at the end of a step with a larger load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strength {
     /// Largest force, N: of a spring pulled or pushed, of a joint what holds the one rod at the other.
@@ -37,7 +37,7 @@ pub struct Strength {
 }
 
 impl Default for Strength {
-    /// Of one that never breaks.
+    /// Strength of a joint that never breaks.
     fn default() -> Self {
         Self {
             force: f64::INFINITY,
@@ -47,7 +47,7 @@ impl Default for Strength {
 }
 
 impl Strength {
-    /// Of one that breaks under a force (N) alone.
+    /// Strength of a joint that breaks under a force (N) alone.
     pub fn of_force(force: f64) -> Self {
         Self {
             force,
@@ -55,7 +55,7 @@ impl Strength {
         }
     }
 
-    /// Of one that breaks under a moment (N m) alone.
+    /// Strength of a joint that breaks under a moment (N m) alone.
     pub fn of_moment(moment: f64) -> Self {
         Self {
             moment,
@@ -79,15 +79,15 @@ pub struct Spring {
     pub nodes: [RodNode; 2],
     /// Force per lengthening k, N/m; 0 where it neither pulls nor pushes.
     pub stiffness: f64,
-    /// How it turns the material frames of the rods at its nodes.
+    /// Torsional spring between the material frames of the rods at its nodes.
     pub turning: Option<TurningStiffness>,
     /// Length without force, m; `None` is the distance of the nodes as placed.
     pub rest_length: Option<f64>,
-    /// What it bears.
+    /// Strength.
     pub strength: Strength,
 }
 
-/// How a spring resists that the material frames of two rods turn against each other, about whatever axis.
+/// Resistance of a spring to the relative rotation of the material frames of two rods, about any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurningStiffness {
     /// Moment per angle c, N m/rad.
@@ -97,7 +97,7 @@ pub struct TurningStiffness {
     pub rest_rotation: Vector3,
 }
 
-/// What a joint leaves free.
+/// Degrees of freedom of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JointKind {
     /// Every rotation.
@@ -130,7 +130,7 @@ pub struct HingeSpring {
 pub struct Body {
     /// Name by which scenarios and messages call it.
     pub name: String,
-    /// Where it is.
+    /// Its node.
     pub at: RodNode,
     /// Mass, kg.
     pub mass: f64,
@@ -139,7 +139,7 @@ pub struct Body {
     /// Principal moments of inertia (kg m²) about its centre of mass and axes along the two material directors and the tangent;
     /// `None` for a point mass at the node, which the rod carries without being stiffened.
     pub inertia: Option<[f64; 3]>,
-    /// Radius of the ball around the node that it is for contact, m; `None` where it touches nothing.
+    /// Radius of the ball around the node that it is for contact, m; `None` without contact.
     pub ball: Option<f64>,
 }
 

@@ -21,7 +21,7 @@ use crate::mechanics::{LoadError, SceneError};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Actuators {
     actuations: Vec<Actuation>,
-    /// What each actuation has to say at which vertices or edges.
+    /// Share of each actuation at its vertices or edges.
     shares: Vec<Vec<Share>>,
     /// Natural strains and stiffness of the vertices without actuation.
     vertices: Vec<(VertexStrains, VertexStiffness)>,
@@ -56,7 +56,7 @@ impl Actuators {
         self.vertices = rods.vertices.iter().map(strains).collect();
         self.lengths = rods.edges.iter().map(|edge| edge.natural_length).collect();
         self.edges = vec![usize::MAX; rods.nodes];
-        // Where each edge lies along its rod, m.
+        // Position of each edge along its rod, m.
         let mut places = vec![[0.0; 2]; rods.nodes];
         let (mut rod, mut along) = (0, 0.0);
         for (number, edge) in rods.edges.iter().enumerate() {
@@ -145,7 +145,7 @@ impl Actuators {
         }
     }
 
-    /// Lets the vertices follow the lengths of their edges.
+    /// Adapts the vertices to the lengths of their edges.
     fn lengthen(&self, rods: &mut ElasticRods) {
         for vertex in &mut rods.vertices {
             let own = [vertex.before, vertex.after].into_iter();
@@ -215,7 +215,7 @@ impl Term for Actuators {
         }
     }
 
-    /// Rods with other natural strains bear other forces; of its own it has none.
+    /// Actuation changes the natural strains of rods, and through them their elastic forces; it has no forces of its own.
     fn add_forces(&self, _: &Configuration, _: &mut [f64]) {}
 
     fn list_events(&self, events: &mut Vec<Event>) {

@@ -1,18 +1,18 @@
-//! When forces count as balanced: rod by rod, against the forces that act on it.
+//! Criteria of balance: for every rod, the residual against the forces that act on it.
 //!
 //! A correction of Newton's method leaves at no unknown of a rod more than the force tolerance times the largest of its
-//! EI/L², of its loads and of its contact forces. Nothing of other rods is in it: beside a stiff post the residual of a
+//! EI/L², of its loads and of its contact forces. It does not depend on other rods: beside a stiff post the residual of a
 //! soft beam must be as small as without.
 //!
 //! EI/L² may be far above the forces that act: a short steel rod is hardly bent by its weight. Then its deflection is
-//! linear in them, and one correction finds it to many digits, whatever residual is allowed. It must be made: a predicted
+//! linear in them, and one correction finds it to many digits, for any allowed residual. It must be made: a predicted
 //! configuration that no correction has touched counts as balanced only where the residual at every unknown is small
 //! against what acts there itself ([`System::is_balanced_as_predicted`]).
 //!
 //! In a time step a rod may turn besides, and that is not linear. What one correction leaves of forces that turn with it may
 //! do work that counts beside the energy of a slow motion, and is corrected once more ([`System::residual_does_work`]).
 //!
-//! No residual can be asked to be smaller than what the last digits of the unknowns leave in elastic forces, and in a
+//! The allowed residual is never smaller than the rounding errors of the unknowns leave in elastic forces, and in a
 //! time step in inertia and in friction, whose slip is the difference of two positions over the step.
 
 use super::contact::forces;
@@ -23,7 +23,7 @@ use crate::mechanics::rod::{RodRange, STRIDE};
 
 /// Last digits of the unknowns to which a residual must vanish.
 const ROUNDINGS: f64 = 8.0;
-/// Times that estimate, which knows single terms of a sum, within which a residual that no correction lowers any more is
+/// Multiple of that estimate, which is made for single terms of a sum, within which a residual that corrections no longer lower is
 /// one of rounding.
 const NEAR_ROUNDING: f64 = 8.0;
 
@@ -57,7 +57,7 @@ struct RodTolerance {
     force: f64,
     /// What rounding leaves of it, N.
     rounding: f64,
-    /// Weight of its residual among those of all rods: 1 for the rod that asks for the least.
+    /// Weight of its residual among those of all rods: 1 for the rod with the least tolerance.
     weight: f64,
 }
 
@@ -92,7 +92,7 @@ impl Imbalance {
 }
 
 impl System {
-    /// Sets what residual counts as none near `unknowns`: `relative` times the forces of each rod, but no less than
+    /// Sets the tolerance of the residual near `unknowns`: `relative` times the forces of each rod, but at least
     /// rounding leaves.
     pub(crate) fn set_tolerances(
         &mut self,
@@ -175,7 +175,7 @@ impl System {
         self.tolerances.rods = tolerances;
     }
 
-    /// The least residual that is asked for, N; 0 where all rods are held.
+    /// The least tolerance of all rods, N; 0 where all rods are held.
     pub(super) fn least_tolerance(&self) -> f64 {
         let forces = self.tolerances.rods.iter().map(|rod| rod.force);
         let least = forces.fold(f64::INFINITY, f64::min);
@@ -230,7 +230,7 @@ impl System {
     fn residual_of_frame(&self, first: usize, rod: usize) -> f64 {
         let own = &self.residual[first..first + STRIDE];
         let per_length = 1.0 / self.assembly.scales[rod].shortest_edge;
-        // What is no number stays none.
+        // A NaN stays one.
         let larger = |most: f64, size: f64| {
             if size > most || size.is_nan() {
                 size
@@ -265,7 +265,7 @@ impl System {
 
     /// Whether the residual of the last evaluation, at `unknowns` that were only predicted, is so small that no
     /// correction is needed: at every unknown against the load that alone acts there, at others against the largest force
-    /// on their rod (loads, inertia, drag, contact, springs, reactions of clamps), and where nothing acts at all against rounding.
+    /// on their rod (loads, inertia, drag, contact, springs, reactions of clamps), and, without any such force, against rounding.
     pub(crate) fn is_balanced_as_predicted(
         &mut self,
         unknowns: &[f64],
@@ -300,7 +300,7 @@ impl System {
         balanced
     }
 
-    /// The same for one rod; `acting` are the forces on its unknowns but for loads.
+    /// The same for one rod; `acting` are the forces on its unknowns except loads.
     fn is_rod_balanced(
         &self,
         rod: usize,
@@ -320,7 +320,7 @@ impl System {
                 reactions = reactions.max(weight * self.residual[k].abs());
             }
         }
-        // A clamp of a rod on which nothing else acts may still feel what rounding leaves of its elastic forces.
+        // A clamp of a rod without other forces still carries the rounding errors of its elastic forces.
         if reactions > rounding {
             largest = largest.max(reactions);
         }

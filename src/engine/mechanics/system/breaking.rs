@@ -6,7 +6,7 @@
 //! the frame of one of its rods; a weld that may break has a frame for either rod, of which the one has the unknowns of the
 //! other ([`super::joints`]).
 //!
-//! Where a step ends with more than a joint bears, it breaks: the spring is gone, node and frame have unknowns of their own and
+//! A joint breaks at the end of a step with a load above its strength: the spring is removed, node and frame get unknowns of their own and
 //! keep their velocities. Contact still ignores what overlapped at the joint.
 
 use super::System;
@@ -186,7 +186,7 @@ fn turning_of(kind: JointKind, nodes: [usize; 2], joints: &Joints) -> Turning {
 
 impl System {
     /// Breaks the joints that bear less than the step put on them that ended at `time` (s) with `unknowns` and `velocity`,
-    /// which then are those of what is free; says whether there are any.
+    /// which then are those of free bodies; returns whether there are any.
     pub(crate) fn break_joints(
         &mut self,
         time: f64,

@@ -55,7 +55,7 @@ pub struct Assembly {
     pub rounding_stiffness: f64,
 }
 
-/// What holds the direction and the material frame of a rod at a node.
+/// Clamp of the direction and the material frame of a rod at a node.
 #[derive(Clone, Copy)]
 enum Wall {
     /// A clamp, by its number.
@@ -205,7 +205,7 @@ impl Assembly {
             &natural_lengths,
             plan,
         )?;
-        // Weights beside clamps are those of walls that stand still.
+        // Weights beside clamps are those of walls at rest.
         let turns = (0..range.nodes).any(|node| plan.frame_at(index, node).is_some());
         if rod.inertia == Inertia::Consistent && !rod.held && !turns {
             self.rods.refine(first_vertex);
@@ -455,7 +455,7 @@ impl Assembly {
         self.rods.elements.len() - 1
     }
 
-    /// Where the local unknowns `from..to` of the vertex at node `k` of a rod are.
+    /// Location of the local unknowns `from..to` of the vertex at node `k` of a rod.
     fn unknowns_of(
         &mut self,
         range: &RodRange,

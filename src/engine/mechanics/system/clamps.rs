@@ -17,7 +17,7 @@ const PIECE: f64 = 0.5;
 /// Direct way over the way through a corner from which on a motion goes straight on there.
 const STRAIGHT_ON: f64 = 0.99;
 
-/// 1 − cos of the angle between an axis and a tangent that are the same but for rounding.
+/// 1 − cos of the angle between an axis and a tangent that are the same up to rounding.
 const SAME_AXIS: f64 = 1e-14;
 
 /// A clamp with everything resolved.
@@ -35,7 +35,7 @@ pub struct Drive {
     pub ghosts: Vec<usize>,
     /// Edges whose both ends are held; their material frames follow, too.
     pub edges: Vec<HeldEdge>,
-    /// Whether it has let go: it then holds nothing.
+    /// Whether it was released and holds no node.
     pub released: bool,
     motion: Motion,
     axis: Vector3,
@@ -131,7 +131,7 @@ impl Drive {
         }
     }
 
-    /// How its frame has turned at a time (s) since it took hold.
+    /// Rotation of its frame at a time (s) since the start of the clamp.
     pub(crate) fn rotation(&self, time: f64) -> UnitQuaternion {
         let turning = self.turning(time);
         let about_axis = rotation::from_vector(turning.axis * turning.angle);

@@ -31,7 +31,7 @@ const NO_PATH: SceneError = SceneError::Unsuitable(
 pub(crate) struct Contact {
     /// The contact model, where the scene has one.
     pub model: Option<ContactSystem>,
-    /// What contact passes over where rods are set in other bodies, a sentence for each.
+    /// Contact ignored where rods are rooted in other bodies, one sentence for each.
     pub roots: Vec<String>,
     /// Whether rods rub against each other or against obstacles, and against planes.
     rubs: [bool; 2],
@@ -42,7 +42,7 @@ pub(crate) struct Contact {
     moving_obstacles: Vec<MovingObstacle>,
     /// Positions where the step starts, m.
     pub step_start: Vec<Vector3>,
-    /// Energy that contacts hold there, J, where it was asked for.
+    /// Energy that contacts store there, J, where it was requested.
     pub stored_at_start: f64,
     /// Scratch: positions, m.
     pub positions: Vec<Vector3>,
@@ -235,7 +235,7 @@ impl System {
         }
     }
 
-    /// Lets Newton's method carry contact forces along, those of the last step at first.
+    /// Makes contact forces unknowns of Newton's method, starting with those of the last step.
     pub(crate) fn begin_iterations(&mut self, stage: &Stage) {
         let Contact {
             model: Some(contact),
@@ -325,7 +325,7 @@ impl System {
     }
 
     /// Farthest that a node may move at once so that surfaces do not pass through each other unnoticed, m; infinite
-    /// where nothing touches, and where [`Self::largest_step`] watches over it.
+    /// without contact, and where [`Self::largest_step`] guarantees it.
     pub(crate) fn largest_safe_move(&self) -> f64 {
         let is_soft =
             |contact: &ContactSystem| contact.parameters().model == ContactModel::ImplicitContact;

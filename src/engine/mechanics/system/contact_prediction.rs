@@ -1,6 +1,6 @@
 //! A prediction of contact forces, for steps in which many contacts change.
 //!
-//! Newton's method learns which contacts open, stick and slide by an iteration, hence a factorisation, after the other;
+//! Newton's method finds which contacts open, stick and slide one iteration, hence one factorisation, after the other;
 //! where rods fall on each other that takes ten. Here the step is linearised without contact, A δq = −R, and contacts
 //! with forces λ are added as constraints,
 //!

@@ -1,8 +1,8 @@
 //! The contact stiffness of a step, and the energy that a change of it makes.
 //!
-//! A contact that bears a force stores the energy k φ(g) of its gap g. Where its stiffness k rises from one step to the next, as
-//! it does with the forces that rods meet with, the gap is still that of the softer contact, and the energy rises with k, out
-//! of nothing. Where contacts bear what they were made for, that is a force times a part of δ, and is lost again as they
+//! A contact that carries a force stores the energy k φ(g) of its gap g. Where its stiffness k rises from one step to the next, as
+//! it does with the contact forces, the gap is still that of the softer contact, and the energy rises spuriously
+//! with k. Under typical contact forces the increase is a force times a part of δ, and is lost again as they
 //! open. Rods that meet at great speed, however, are caught deep in a soft contact: a thousand times as stiff, it
 //! throws them apart with many times the energy that they came with. So k rises only as far as the energy that
 //! this makes is small.
@@ -14,7 +14,7 @@ use crate::mechanics::rod::{STRIDE, topology::position};
 
 /// Energy that a rise of the stiffness may make, of the kinetic and elastic energy of the scene.
 const MADE: f64 = 1e-4;
-/// The same for every contact, of the work that the force for which it rises does over δ: what contacts store that bear it.
+/// The same for every contact, of the work over δ of the force for which it rises: the energy of contacts that carry this force.
 const MADE_BY_CONTACT: f64 = 0.2;
 
 impl System {
@@ -65,7 +65,7 @@ impl System {
         stored_at_start(contact, now, &self.terms.contact.step_start).energy - stored
     }
 
-    /// Lowers the contact stiffness, risen from `before`, as far as the energy of the contacts at the start of a step asks
+    /// Lowers the contact stiffness, risen from `before`, as far as the energy of the contacts at the start of a step requires
     /// for.
     pub(crate) fn bound_contact_stiffness(&mut self, before: f64, stage: &Stage) {
         if let Some(mut contact) = self.terms.contact.model.take() {
@@ -74,7 +74,7 @@ impl System {
         }
     }
 
-    /// Makes contact stiffer by this factor, in a time step where that makes little energy; says whether it did. Contact by
+    /// Makes contact stiffer by this factor, in a time step where that adds little energy; returns whether it did. Contact by
     /// complementarity is rigid already.
     pub(crate) fn stiffen_contact(&mut self, factor: f64, stage: Option<&Stage>) -> bool {
         if self.has_constraints() {
@@ -120,7 +120,7 @@ impl System {
         }
     }
 
-    /// Of all that is not held, J.
+    /// Kinetic energy of all free nodes, J.
     pub(super) fn kinetic_energy_at_start(&self, stage: &Stage) -> f64 {
         let masses = self.assembly.masses.iter().zip(&self.assembly.held);
         masses
@@ -131,7 +131,7 @@ impl System {
     }
 }
 
-/// What the contacts hold where the step begins, with the stiffness k, which is left.
+/// Energy of the contacts at the start of the step with the stiffness k, which is kept.
 fn stored_at_start(contact: &mut ContactSystem, stiffness: f64, start: &[Vector3]) -> Stored {
     contact.set_stiffness(stiffness);
     contact.stored_at_start(start)

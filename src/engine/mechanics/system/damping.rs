@@ -1,6 +1,6 @@
 //! Damping by the material: Kelvin–Voigt, stresses E (ε + T ε̇) with the retardation time T = η/E, and the standard linear solid.
 //!
-//! A dashpot lies beside every spring of the discrete rod, K T ε̇ beside K (ε − ε̃), for the strains of the vertices and the
+//! A dashpot acts in parallel to every spring of the discrete rod, K T ε̇ in parallel to K (ε − ε̃), for the strains of the vertices and the
 //! lengths of the edges. They turn with the rod, so that a motion as a rigid body meets no resistance, however large. In an
 //! implicit stage of the size H the rate is the difference of the scheme, taken of the strains themselves:
 //!
@@ -28,7 +28,7 @@
 //! natural length l* and the stiffness of stretching EA (1 + T/H + r γ) l*/l̃.
 //!
 //! Each step of implicit Euler loses T/H K (εₙ₊₁ − εₙ)² ≥ 0 in the dashpots beside the springs. The midpoint rule would need the
-//! rate in the middle of the step, which is no such difference where strains are not linear in the unknowns: it is refused.
+//! rate in the middle of the step, which is not such a difference where strains are not linear in the unknowns: it is refused.
 
 use super::System;
 use super::build::Assembly;
@@ -55,9 +55,9 @@ pub(crate) struct Damping {
     rods: Vec<(f64, Option<Relaxation>)>,
     /// Strains of the vertices, then lengths of the edges (m), at the starts of the last steps, the latest first.
     history: [Vec<f64>; 3],
-    /// q of all strains, at the start of the present step; empty where nothing relaxes.
+    /// q of all strains, at the start of the present step; empty without viscous parts.
     relaxing: Vec<f64>,
-    /// Where the vertices are to which q belongs: their nodes, and which of their edges are those of clamps.
+    /// Vertices to which q belongs: their nodes, and which of their edges are those of clamps.
     places: Vec<(usize, [bool; 2])>,
     /// The stage that the rods are in; `None` at rest.
     stage: Option<Difference>,
@@ -67,7 +67,7 @@ pub(crate) struct Damping {
     strains: Vec<f64>,
 }
 
-/// How a stage takes rates.
+/// Rate formula of a stage.
 #[derive(Clone, Copy, Debug)]
 struct Difference {
     /// H, s.
@@ -78,7 +78,7 @@ struct Difference {
     size: f64,
 }
 
-/// What lies beside the springs of a rod in a stage.
+/// Dashpots parallel to the springs of a rod in a stage.
 #[derive(Clone, Copy, Debug, Default)]
 struct Beside {
     /// T/H.
@@ -131,12 +131,12 @@ impl Damping {
         self.stage = None;
     }
 
-    /// How many times as stiff a rod is in the present stage as at rest, 1 + T/H + r γ.
+    /// Ratio of the stiffness of a rod in the present stage to that at rest, 1 + T/H + r γ.
     pub(crate) fn stiffening(&self, rod: usize) -> f64 {
         1.0 + self.beside(rod).stiffness()
     }
 
-    /// What lies beside the springs of a rod.
+    /// Dashpots parallel to the springs of a rod.
     fn beside(&self, rod: usize) -> Beside {
         let (Some(stage), Some(&(time, relaxation))) = (self.stage, self.rods.get(rod)) else {
             return Beside::default();
@@ -365,12 +365,12 @@ impl Term for Damping {
         Kind::Motion
     }
 
-    /// That of what relaxes.
+    /// Energy of the viscous parts.
     fn energy(&self, assembly: &Assembly, _: &RodGeometry) -> ElasticEnergy {
         self.relaxing_energy(assembly, None)
     }
 
-    /// Rods that are elastic ones of the stage bear what their dashpots do; of its own it has no force.
+    /// The elastic rods of the stage include the forces of the dashpots; the term has no forces of its own.
     fn add_forces(&self, _: &Configuration, _: &mut [f64]) {}
 
     fn accept(&mut self, assembly: &Assembly, geometry: &RodGeometry) {
@@ -435,7 +435,7 @@ impl System {
         self.geometry.take_natural_strains(&damping.acting);
     }
 
-    /// Without a stage dashpots bear nothing.
+    /// Without a stage dashpots carry no force.
     pub(super) fn undamp(&mut self) {
         if self.terms.damping.stage.take().is_some() {
             self.geometry.take_natural_strains(&self.assembly.rods);
@@ -450,7 +450,7 @@ impl System {
         }
     }
 
-    /// What dashpots take from the start of a step to the last evaluation, where it ends, J.
+    /// Energy that dashpots dissipate from the start of a step to the last evaluation, at its end, J.
     pub(crate) fn viscous_loss(&self) -> f64 {
         let damping = &self.terms.damping;
         if damping.stage.is_none() {

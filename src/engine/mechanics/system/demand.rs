@@ -1,20 +1,20 @@
-//! What a scene may be asked to do, and its forces may refuse.
+//! Demands on a scene, which its forces may refuse.
 
-/// What a scene is asked to do.
+/// Demand on a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Demand {
-    /// To begin where another run ended.
+    /// Start at the end of another run.
     Start,
-    /// To find contact forces by complementarity.
+    /// Contact forces by complementarity.
     RigidContact,
-    /// To move, with time steps of a scheme.
+    /// Time steps of a scheme.
     ImplicitEuler,
     ImplicitMidpoint,
     BackwardDifferences,
-    /// To come to an equilibrium.
+    /// A stable equilibrium.
     Equilibrium,
-    /// To come to the nearest equilibrium, stable or not, of which the energy is judged.
+    /// The nearest equilibrium, stable or not, of which the energy is judged.
     NearbyEquilibrium,
-    /// To follow a path of equilibria.
+    /// A path of equilibria.
     Path,
 }

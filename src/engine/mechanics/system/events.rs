@@ -5,7 +5,7 @@ use super::System;
 /// A corner of a schedule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Event {
-    /// When it is, s.
+    /// Time, s.
     pub time: f64,
     /// Jump of the velocity of the clamp or obstacle that moves so, m/s; infinite for a load and for a natural strain, whose
     /// effect depends on what it acts on.

@@ -1,13 +1,13 @@
-//! Nodes that are taken hold of, and let go, while the scene runs.
+//! Nodes that are grasped and released while the scene runs.
 //!
-//! A grasp is a clamp that comes into being at the present configuration. Held positions leave the Newton system as
+//! A grasp is a clamp that is added at the present configuration. Held positions leave the Newton system as
 //! those of the scene's clamps do. A held frame splits the vertex at the node in two halves, one to either side of a
 //! ghost edge (as [`crate::mechanics::scene::Clamp`] describes): with Voronoi lengths l̄ = l̄₀ + l̄₁, the halves have
 //! the natural strains κ̃ l̄ᵢ/l̄ and the stiffness EI/l̄ᵢ, and the ghost edge lies in the middle of turn and twist, so that
-//! the energy stays as it is but for terms of fourth order in the turning angle. Letting go joins the halves again:
+//! the energy stays the same except for terms of fourth order in the turning angle. A release joins the halves again:
 //! their natural strains add, and so do the inverses of their stiffness. Weights of vertices beside clamps
-//! ([`VertexWeights`]) stay what they are, since others would move a stressed rod by themselves: what a clamp that lets go
-//! leaves behind cancels but for the fourth order, and a grasp is of second order. At a free end, which bears no moment, the
+//! ([`VertexWeights`]) stay the same, since others would move a stressed rod by themselves: what a released clamp
+//! leaves behind cancels up to the fourth order, and a grasp is of second order. At a free end, which carries no moment, the
 //! ghost edge continues the last edge, without stress.
 
 use super::term::Term;
@@ -22,7 +22,7 @@ use crate::mechanics::rod::{
 use crate::mechanics::scene::{Clamp, Motion};
 use serde::{Deserialize, Serialize};
 
-/// What is held of a node that is grasped.
+/// Degrees of freedom that a grasp holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Grasp {
     /// Its position.
@@ -31,7 +31,7 @@ pub struct Grasp {
     pub frame: bool,
 }
 
-/// What was done to a system since the start; part of the state that checkpoints hold.
+/// Grasps and releases since the start; part of the state in checkpoints.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Interventions {
     /// Clamps of the scene, then grasps, with their motions.
@@ -40,7 +40,7 @@ pub struct Interventions {
     external_forces: Vec<f64>,
     /// Factors of the loads beside their schedules.
     load_factors: Vec<f64>,
-    /// What is held, and the vertices, where a node was ever grasped or released.
+    /// Held degrees of freedom and vertices, if a node was ever grasped or released.
     switched: Option<Switched>,
 }
 
@@ -133,7 +133,7 @@ impl System {
     /// Releases a clamp of the scene or of a grasp; its number is not used again.
     ///
     /// # Errors
-    /// A sentence: there is no such clamp, it holds nothing, or it holds an edge together with its neighbour.
+    /// A sentence: the clamp does not exist, was released, or holds an edge together with an adjacent clamp.
     pub(crate) fn release(&mut self, clamp: usize, unknowns: &[f64]) -> Result<(), String> {
         let drives = &self.assembly.drives;
         let Some(drive) = drives.get(clamp) else {
@@ -175,7 +175,7 @@ impl System {
         Ok(())
     }
 
-    /// What was done since the start.
+    /// Grasps and releases since the start.
     pub(crate) fn interventions(&self) -> Interventions {
         let switched = || {
             let mut rods = self.assembly.rods.clone();
@@ -197,7 +197,7 @@ impl System {
     /// Repeats the recorded grasps and releases on a fresh system of the same scene.
     ///
     /// # Errors
-    /// What of it does not fit.
+    /// The difference, if it belongs to another scene.
     pub(crate) fn restore_interventions(
         &mut self,
         done: Interventions,

@@ -9,7 +9,7 @@
 //! the "consistent" mass of the finite element method: half of the edge lumped at either node, less a sixth of it on the
 //! difference. In the middle of a uniform rod its stencil is ρA h [⅙, ⅔, ⅙]. To waves e^{ikx} it is lighter than lumped
 //! masses by the factor 1 − (kh)²/6, as the bending of the vertices is softer than that of the rod by (1 − (kh)²/12)²:
-//! the errors cancel, and bending waves travel right but for (kh)⁴. The same holds at free and hinged ends, whose
+//! the errors cancel, and bending waves have the right speed up to (kh)⁴. The same holds at free and hinged ends, whose
 //! conditions the energy implies, and at clamps with the weights of [`crate::mechanics::rod::VertexWeights`]. Held nodes
 //! move what is beside them as others do; where a clamp jerks, its neighbours feel it.
 //!

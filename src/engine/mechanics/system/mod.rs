@@ -1,4 +1,4 @@
-//! All forces on all rods in one place: what dynamics and statics solve.
+//! All forces on all rods: the equations that dynamics and statics solve.
 //!
 //! [`System`] has a list of forces (`terms`), each of which implements one interface (`term`); it evaluates the residual
 //!
@@ -9,7 +9,7 @@
 //!
 //! (thesis Eq. 1.8) and its Jacobian, with the drag F₀ of a motion with the velocities v₀ and its local
 //! resistance D; without a [`Stage`] the terms with h fall away and equilibrium remains. The natural strains in E may be
-//! functions of time (`actuation`), and dashpots lie beside its springs where rods are viscous (`damping`). Springs between
+//! functions of time (`actuation`), and dashpots act in parallel to its springs where rods are viscous (`damping`). Springs between
 //! nodes, between frames and about hinges are part of E (`springs`). Positions that others determine are eliminated (`joints`).
 
 mod actuation;
@@ -86,7 +86,7 @@ use super::SceneError;
 use super::rod::{ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry};
 use super::scene::{Motion, Scene};
 
-/// Why Newton's method gave up.
+/// Reason why Newton's method did not converge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Divergence {
     /// Iterations spent.
@@ -103,7 +103,7 @@ pub struct System {
     pub assembly: Assembly,
     /// The forces.
     pub(crate) terms: Terms,
-    /// What breaks of joints and springs.
+    /// Joints and springs that may break.
     breaking: Breaking,
     /// Frames from which the present step transports.
     pub reference: ReferenceFrames,
@@ -123,9 +123,9 @@ pub struct System {
     /// Whether a node was ever grasped or released.
     switched: bool,
     matrix: NewtonMatrix,
-    /// What sliding nodes add to it.
+    /// Border of the matrix for sliding nodes.
     border: Border,
-    /// What residual counts as none.
+    /// Convergence tolerance of the residual.
     tolerances: Tolerances,
 }
 
@@ -178,10 +178,10 @@ impl System {
         Ok(system)
     }
 
-    /// Whether the scene can do what is asked for.
+    /// Checks that the scene meets a demand.
     ///
     /// # Errors
-    /// The answer of what refuses.
+    /// The reason of the force that refuses.
     pub(crate) fn admit(&self, demand: Demand) -> Result<(), SceneError> {
         self.assembly.joints.admit(demand)?;
         self.terms.admit(demand)
@@ -193,7 +193,7 @@ impl System {
         self.list_events();
     }
 
-    /// Multiplies a load of the scene, counted from 0, by a factor beside its schedule; `None` where there is no such load.
+    /// Multiplies a load of the scene, counted from 0, by a factor in addition to its schedule; `None` if the load does not exist.
     pub(crate) fn set_load_factor(&mut self, load: usize, factor: f64) -> Option<()> {
         self.terms.loads.factors().get(load)?;
         for term in self.terms.all_mut() {
@@ -326,7 +326,7 @@ impl System {
         self.residual.fill(0.0);
     }
 
-    /// Where forces are evaluated.
+    /// Configuration at which forces are evaluated.
     fn at<'a>(&'a self, unknowns: &'a [f64], stage: Option<&'a Stage>) -> Configuration<'a> {
         Configuration {
             assembly: &self.assembly,

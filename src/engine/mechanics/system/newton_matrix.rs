@@ -17,7 +17,7 @@ const ZERO: ElementMatrix = [[0.0; 12]; 12];
 /// Elements are numbered: those of the terms, of which the elasticity of rods comes first (closing vertices of rings and half
 /// vertices at joints), contact candidates of two rods that are coupled, with obstacles one per edge, then (with friction on planes
 /// or obstacles, or rigid contact) one per node. Rods that couple nowhere are factored as a band; contact with planes and obstacles
-/// alone couples nothing new.
+/// alone adds no couplings.
 pub(crate) struct NewtonMatrix {
     band: BandedSymmetric,
     factor: BandedFactor,
@@ -235,7 +235,7 @@ impl NewtonMatrix {
     }
 
     /// Makes room for the contacts that are coupled in a pattern yet to be found, where something couples: to be called
-    /// before [`Self::factor`], also by who adds contacts later.
+    /// before [`Self::factor`], also when contacts are added later.
     pub(crate) fn expect_contacts(&mut self, contact: &ContactSystem) {
         let couples =
             !self.active.is_empty() || !self.permanent.is_empty() || !self.shared.is_empty();
@@ -315,7 +315,7 @@ impl NewtonMatrix {
         }
     }
 
-    /// Eliminates held unknowns from the band; the coupled system knows them from its pattern.
+    /// Eliminates held unknowns from the band; the coupled system has them in its pattern.
     pub(crate) fn hold(&mut self, held: &[bool]) {
         for (k, _) in held.iter().enumerate().filter(|(_, held)| **held) {
             self.band.hold(k);
@@ -373,7 +373,7 @@ impl NewtonMatrix {
         self.candidates_changed = true;
     }
 
-    /// Factors the band of the rods alone, without elements that couple; tells its inertia unless it is singular.
+    /// Factors the band of the rods alone, without elements that couple; returns its inertia unless it is singular.
     pub(crate) fn factor_rods(&mut self) -> Option<Inertia> {
         self.factor.factor(&self.band).ok()
     }
@@ -417,7 +417,7 @@ impl NewtonMatrix {
     /// Solves with the factors of the last [`Self::factor`].
     ///
     /// Where strands of nearly parallel edges press on each other without friction, the pivots of the symmetric
-    /// elimination become so small that rounding spoils it; the general one, at twice the cost, then stands in until
+    /// elimination become so small that rounding spoils it; the general one, at twice the cost, then replaces it until
     /// the pattern changes.
     pub(crate) fn solve(&mut self, right_hand_side: &mut [f64]) -> Result<(), SingularMatrix> {
         let Some(coupled) = self.coupled.as_mut().filter(|_| !self.uses_band) else {

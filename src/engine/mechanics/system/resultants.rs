@@ -2,8 +2,8 @@
 //!
 //! A vertex of bending stiffness EI/l̄ and twisting stiffness GJ/l̄ bears the moments EI (κ − κ̃)/l̄ about the two
 //! material directors, where κ is the mean of the integrated curvatures seen by its two edges, and GJ (τ − τ̃)/l̄ about
-//! the tangent, where rods that bend by the angle of turning take that for κ; an edge bears the tension EA (l/l̃ − 1). What
-//! dashpots of the material bear comes to it.
+//! the tangent, where rods that bend by the angle of turning take that for κ; an edge carries the tension EA (l/l̃ − 1). The
+//! moments and tensions of dashpots of the material are added.
 //!
 //! **Moment of a clamp.** The energy E of the half vertex at a ghost edge does not change when all of it is turned, so
 //! that turning the ghost edge alone by δφ changes it by M·δφ, where −M·δφ is the change when the rod's edge is turned
@@ -17,7 +17,7 @@ use crate::mechanics::Vector3;
 use crate::mechanics::rod::vertex::{EdgeFrame, VertexStrains, curvature_binormal};
 use crate::mechanics::rod::{BendingStrain, ElasticEnergy, STRIDE, Vertex};
 
-/// What a rod bears at a node, and its curvature there.
+/// Internal forces and moments of a rod at a node, and its curvature there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resultants {
     /// Size of the bending moment, N m.

@@ -1,8 +1,8 @@
-//! Which rods are rooted: clamped where they overlap, as placed, with something that does not move against the clamp.
+//! Rooted rods: clamped where they overlap, as placed, with a body that does not move against the clamp.
 //!
 //! A stalk in a floor, a hair in a scalp, several hairs at one root, a rod clamped on a post. Contact passes over what overlaps
 //! there, within a reach that is stated ([`crate::mechanics::contact::Root`], and for two rods that of a joint at the same
-//! angle). A root must itself be within the other body, and move with it: nothing is passed over where a clamp moves on its own.
+//! angle). A root must itself be within the other body, and move with it: contact is never ignored at a clamp with a motion of its own.
 
 use super::Assembly;
 use super::centreline::{arc_length, directions};
@@ -14,7 +14,7 @@ use crate::mechanics::scene::{Motion, Scene};
 /// Surfaces at a root that are nearer than this part of the radius overlap or touch.
 const TOUCHING: f64 = 1e-6;
 
-/// A node whose position a clamp, or a joint with something held, prescribes.
+/// A node whose position a clamp, or a joint with a held node, prescribes.
 struct PrescribedNode {
     node: usize,
     rod: usize,
@@ -22,7 +22,7 @@ struct PrescribedNode {
     motion: Motion,
 }
 
-/// Lets contact pass over what overlaps at roots; returns a sentence for each.
+/// Ignores contact that overlaps at roots; returns a sentence for each.
 pub(super) fn pass_over_roots(
     contact: &mut ContactSystem,
     scene: &Scene,
@@ -142,7 +142,7 @@ fn root_in(
     }
 }
 
-/// Where along a rod, by the arc lengths of both ends (m), and with which rigid body it overlaps.
+/// The part of a rod, by the arc lengths of both ends (m), that overlaps with a rigid body, and that body.
 fn on_rod(
     contact: &ContactSystem,
     scene: &Scene,

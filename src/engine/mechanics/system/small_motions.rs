@@ -1,4 +1,4 @@
-//! What small motions about an equilibrium need: the mass matrix, and the Jacobian with a multiple of it.
+//! Matrices of small motions about an equilibrium: the mass matrix, and the Jacobian with a multiple of it.
 
 use super::{Stage, System};
 use crate::linalg::SingularMatrix;

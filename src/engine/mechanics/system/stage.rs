@@ -1,14 +1,14 @@
-//! What an implicit stage of a time step is.
+//! An implicit stage of a time step.
 
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::{Matrix3, Vector3};
 
-/// What forces need of an implicit stage of a time step.
+/// Data of an implicit stage of a time step that forces use.
 #[derive(Clone, Debug)]
 pub struct Stage {
     /// Size h of the implicit stage, s: velocities are (q − qₙ)/h.
     pub step: f64,
-    /// Size hₐ of the same for velocities, s: accelerations are (v − vₙ)/hₐ. It is h but for backward differences.
+    /// Size hₐ of the same for velocities, s: accelerations are (v − vₙ)/hₐ. It is h except for backward differences.
     pub acceleration_step: f64,
     /// Unknowns at its start.
     pub start: Vec<f64>,

@@ -65,7 +65,7 @@ impl Assembly {
         }
     }
 
-    /// Lets a clamp take hold where its node is.
+    /// Moves a clamp to the present place of its node.
     fn take_hold(&mut self, index: usize, start: &Start) {
         let node = self.drives[index].node;
         let (rod, along) = self.locate(node);

@@ -1,4 +1,4 @@
-//! The largest strains, against what the theory of rods is for.
+//! The largest strains, for the check against the range of the theory of rods.
 //!
 //! Outer fibres of a rod that is bent by Δκ beyond its natural curvature stretch by c Δκ, and its surface shears by c Δτ
 //! where it is twisted by Δτ per length; c is the distance of the outer fibres from the centreline, h for a circular section.
@@ -27,7 +27,7 @@ pub(crate) struct LargestStrains {
     pub twist: Option<Strain>,
 }
 
-/// What tells the strains of a section from those of its centreline.
+/// Ratios of the strains of a section to those of its centreline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SectionScale {
     /// Distances of the outer fibres that bending about the first and the second director strains, m.

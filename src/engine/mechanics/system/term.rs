@@ -7,21 +7,21 @@
 //! ```
 //!
 //! over all unknowns q, 4 per node (x, y, z in m and the angle of its edge in rad), then those of frames. [`super::terms`] lists the
-//! terms; everything else of [`super::System`] asks that list. A term declares
+//! terms; all other parts of [`super::System`] use that list. A term declares
 //!
-//! - where its Jacobian lies beside the band of the rods ([`Term::elements`]);
-//! - what it is at a time ([`Term::drive`]) and at a configuration ([`Term::update`]);
+//! - the entries of its Jacobian outside the band of the rods ([`Term::elements`]);
+//! - its state at a time ([`Term::drive`]) and at a configuration ([`Term::update`]);
 //! - its energy, and its parts of residual and Jacobian ([`Term::energy`], [`Term::add_forces`], [`Term::add_jacobian`]);
-//! - what it keeps from step to step ([`Term::accept`], [`Term::commit`], [`Term::resume`]), and what of that belongs to a
+//! - the data that it keeps between steps ([`Term::accept`], [`Term::commit`], [`Term::resume`]), and which of these belong to a
 //!   checkpoint ([`Term::memory`]);
-//! - when what it depends on changes its rate ([`Term::list_events`]);
-//! - what it is not made for ([`Term::refuses`]).
+//! - the times at which the quantities it depends on change their rate ([`Term::list_events`]);
+//! - the demands that it does not support ([`Term::refuses`]).
 //!
-//! Everything but the residual has an answer for terms that need no other. Calls are virtual, but few: one per term and
+//! All methods except the residual have default implementations. Calls are virtual, but few: one per term and
 //! evaluation.
 //!
-//! Clamps and joints are no terms: they prescribe or eliminate unknowns ([`super::clamps`], [`super::joints`]), and what holds them
-//! is what the sum leaves. The flow of a fluid is solved for by the stage; its term is the drag that this gives.
+//! Clamps and joints are not terms: they prescribe or eliminate unknowns ([`super::clamps`], [`super::joints`]), and the reactions on them
+//! are what the sum leaves. The flow of a fluid is solved for by the stage; its term is the drag that this gives.
 
 use super::build::Assembly;
 use super::demand::Demand;
@@ -63,7 +63,7 @@ pub(crate) enum Kind {
 
 /// A force, or what changes others.
 pub(crate) trait Term {
-    /// That of a scene whose unknowns are numbered.
+    /// Creates the term of a scene whose unknowns are numbered.
     ///
     /// # Errors
     /// [`SceneError`] names what is impossible.
@@ -154,10 +154,10 @@ pub(crate) trait Term {
     /// Adds the times at which what it depends on changes its rate.
     fn list_events(&self, _events: &mut Vec<Event>) {}
 
-    /// Multiplies a load of the scene by a factor beside its schedule.
+    /// Multiplies a load of the scene by a factor in addition to its schedule.
     fn scale_load(&mut self, _load: usize, _factor: f64) {}
 
-    /// Why a scene with it cannot do what is asked for; `None` where it can.
+    /// Reason why a scene with it does not meet a demand; `None` if it does.
     fn refuses(&self, _demand: Demand) -> Option<SceneError> {
         None
     }

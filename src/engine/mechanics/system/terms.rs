@@ -25,7 +25,7 @@ macro_rules! terms {
         }
 
         impl Terms {
-            /// Those of a scene whose unknowns are numbered.
+            /// Creates the terms of a scene whose unknowns are numbered.
             ///
             /// # Errors
             /// [`SceneError`] names what is impossible.
@@ -78,7 +78,7 @@ impl Terms {
         self.all().iter().any(|term| term.couples_nodes())
     }
 
-    /// Whether a scene with them can do what is asked for.
+    /// Checks that a scene with them meets a demand.
     ///
     /// # Errors
     /// The answer of the last term that refuses.

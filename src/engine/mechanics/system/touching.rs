@@ -13,7 +13,7 @@ use crate::mechanics::{Overlap, Vector3};
 /// The contact model of a scene, and what it passes over.
 pub(super) struct ContactOfScene {
     pub contact: ContactSystem,
-    /// A sentence for every root at which a rod is set in another body.
+    /// A sentence for every root at which a rod starts inside another body.
     pub roots: Vec<String>,
 }
 
@@ -86,7 +86,7 @@ pub(super) fn contact_of(
     Ok(Some(ContactOfScene { contact, roots }))
 }
 
-/// Lets contact know where rods are joined, and at which angle.
+/// Passes the joints of rods, with their angles, to contact.
 fn join(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
     let points = &assembly.joints.points;
     for (index, &[node, owner]) in points.iter().enumerate() {
@@ -150,7 +150,7 @@ impl System {
         &self.terms.contact.roots
     }
 
-    /// Lets contact know which nodes are prescribed, after something was grasped or released.
+    /// Passes the prescribed nodes to contact, after a grasp or release.
     pub(super) fn note_prescribed_nodes(&mut self) {
         if let Some(contact) = &mut self.terms.contact.model {
             let prescribed = self.assembly.held.iter().step_by(STRIDE).copied();
@@ -158,7 +158,7 @@ impl System {
         }
     }
 
-    /// Names the bodies that overlap beyond what is allowed at `unknowns`, wherever contact was last evaluated; candidates
+    /// Returns the bodies that overlap by more than is allowed at `unknowns`, which need not be the point of the last evaluation; candidates
     /// are brought up to date.
     pub(crate) fn excessive_penetration_at(&mut self, unknowns: &[f64]) -> Option<Overlap> {
         if !self.candidates_are_complete(unknowns) {

@@ -2,7 +2,7 @@
 //!
 //! An implicit step takes no more out of a convex energy φ than it held: f·(q₁ − q₀) ≤ φ(q₀) − φ(q₁) with the force f = −∇φ
 //! where the step ends. The energy of a contact is convex in its gap, elastic energy in the strains. Gaps and strains are
-//! nearly linear in the unknowns as long as nothing turns far within the step. Rods that move around each other by a good part
+//! nearly linear in the unknowns as long as rotations within the step are small. Rods that move around each other by a good part
 //! of their thickness, however, are pushed apart along a normal that has turned meanwhile, and an edge that is compressed is
 //! pushed along as it turns. A step in which that brings energy is repeated.
 
@@ -70,7 +70,7 @@ impl System {
     }
 
     /// Energy that contacts bring into a step of the midpoint rule that ends at `unknowns`, J, where it is not negligible; of
-    /// normal forces in the middle of the step, with what a change of the contact stiffness makes. `None` also where nothing
+    /// normal forces in the middle of the step, with the energy added by a change of the contact stiffness. `None` also where nothing
     /// touches.
     pub(crate) fn work_of_contact_in_the_middle(
         &mut self,
@@ -119,7 +119,7 @@ impl System {
         contact.map_or(0.0, |contact| contact.energy_at(positions))
     }
 
-    /// What moves the obstacles against the normal forces of the contacts gives the rods in the step, J; and the sum of these
+    /// Work on the rods in the step of obstacles that move against the normal forces of the contacts, J; and the sum of these
     /// forces, N.
     pub(crate) fn work_of_obstacles(&self) -> (f64, f64) {
         let Some(contact) = self.contact() else {
@@ -142,7 +142,7 @@ impl System {
         )
     }
 
-    /// Energy that elastic forces bring into a step of implicit Euler that ends at `unknowns`, where they were evaluated last,
+    /// Energy that elastic forces add in a step of implicit Euler that ends at `unknowns`, where they were evaluated last,
     /// J, where it is not negligible: more than inertia loses in the step, ½ ‖v₁ − v₀‖²_M. A rod that spins as a rigid body
     /// has that back from the forces that turn its velocities.
     pub(crate) fn work_of_elasticity(&mut self, stage: &Stage, unknowns: &[f64]) -> Option<f64> {
@@ -207,7 +207,7 @@ mod tests {
         move |at| along * (at * LENGTH)
     }
 
-    /// What elastic forces bring into a step that turns the rod and in which inertia loses nothing.
+    /// Energy that elastic forces add in a step that turns the rod and in which inertia loses none.
     fn brought(strain: f64, angle: f64) -> Option<f64> {
         let stiffness = section(STRETCHING, [0.02; 2], 0.03);
         let places = [-0.5, -0.25, 0.0, 0.25, 0.5];
