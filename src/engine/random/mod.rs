@@ -1,6 +1,6 @@
 //! Repeatable random numbers for disturbances and checks: SplitMix64 (Steele, Lea & Flood 2014). Evenly spread points: [`sobol`].
 //!
-//! The draws stand behind published tables and figures, so the generator must never change, as those of libraries may.
+//! Published tables and figures use these draws, so the generator must never change; generators of libraries may change.
 
 mod sobol;
 

@@ -1,8 +1,8 @@
-//! When a preconditioner has become too old.
+//! Criterion for rebuilding a preconditioner.
 
 use serde::{Deserialize, Serialize};
 
-/// What the present preconditioner has cost since it was built.
+/// Cost of the present preconditioner since it was built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Age {
     /// Solves with it.

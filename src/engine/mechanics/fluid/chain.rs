@@ -1,4 +1,4 @@
-//! How nodes follow each other along the filaments, and runs of them laid out for the segment kernel.
+//! Order of nodes along the filaments, and runs of them in the layout of the segment kernel.
 
 use super::Filament;
 
@@ -39,7 +39,7 @@ pub(super) fn links(filaments: &[Filament], regularization: f64) -> Vec<Link> {
 pub(super) struct Slot {
     /// The node here.
     pub node: usize,
-    /// Whether the node is one of those asked for; if not, it only ends a segment of its neighbour.
+    /// Whether the node was requested; if not, it only ends a segment of its neighbour.
     pub own: bool,
     /// Whether a segment runs from here to the next slot.
     pub joined: bool,

@@ -61,7 +61,7 @@ impl CoarseSpace {
     /// Takes over an assembled operator.
     ///
     /// # Errors
-    /// [`FluidError::Singular`] where Zᵀ A Z has no inverse.
+    /// [`FluidError::Singular`] if Zᵀ A Z has no inverse.
     pub(crate) fn build(
         &mut self,
         operator: &FlowOperator,

@@ -1,7 +1,7 @@
 //! The lengths of filaments that continue each other, for resistive force theory.
 //!
 //! The coefficients of resistive force theory depend on the length of a filament. Where the ends of two filaments are
-//! joined, and nothing else is joined to them there, the two are one filament of their common length: a rod made of pieces
+//! joined, without other joints there, the two are one filament of their common length: a rod made of pieces
 //! has the drag of one made in one piece. Where three or more nodes meet, or an end meets the middle of another
 //! filament, each keeps its own length.
 
@@ -11,7 +11,7 @@ use crate::mechanics::Vector3;
 /// Distance over the radius below which the ends of two filaments are still joined.
 const JOINED: f64 = 0.1;
 
-/// Which filaments continue each other.
+/// Filaments that continue each other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Continuation {
     /// Two filaments by their numbers, and the nodes at which they meet.
@@ -22,7 +22,7 @@ pub(super) struct Continuation {
 }
 
 impl Continuation {
-    /// Of filaments that are held together.
+    /// Finds those of connected filaments.
     pub(crate) fn new(filaments: &[Filament], connections: &Connections) -> Self {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for pair in &connections.joined {

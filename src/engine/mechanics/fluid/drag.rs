@@ -1,4 +1,4 @@
-//! The fluid as the rods feel it: forces on nodes from their positions and velocities.
+//! Forces of the fluid on nodes, from their positions and velocities.
 
 use super::continuation::Continuation;
 use super::report::FluidReport;
@@ -10,7 +10,7 @@ use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// Far-field errors that the expansions can keep. What they leave out of the regularised kernel and of the
+/// Far-field errors that the expansions can guarantee. Their truncation of the regularised kernel and of the
 /// segments' lengths is less than the smallest.
 const FAR_FIELD_ERRORS: RangeInclusive<f64> = 1e-6..=1e-2;
 
@@ -36,7 +36,7 @@ enum Method {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FluidMemory(Option<StokesletMemory>);
 
-/// How much of the drag on a node comes from the motion of others.
+/// Share of the motion of others in the drag on a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
     /// Estimate of the largest eigenvalue of D⁻¹ R, with the resistance R of all nodes and its local part D.
@@ -46,7 +46,7 @@ pub struct Coupling {
 }
 
 impl Fluid {
-    /// A fluid around filaments, no two of which share a node, and which nothing holds together.
+    /// A fluid around filaments, no two of which share a node, without connections.
     ///
     /// # Errors
     /// [`FluidError::BadInput`] for a viscosity, regularisation or radius that is not positive and finite,
@@ -92,7 +92,7 @@ impl Fluid {
     /// only.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`FluidError::BadInput`] for another model, a normal that is no unit vector, and for more
+    /// As [`new`](Self::new), and [`FluidError::BadInput`] for another model, a normal that is not a unit vector, and for more
     /// than 5000 nodes.
     pub fn beside_wall(
         model: &FluidModel,
@@ -161,8 +161,8 @@ impl Fluid {
         }
     }
 
-    /// Lets the fluid know what holds filaments together that are placed at `positions` (m, of all nodes of the scene). Nodes
-    /// at one place are one point of the flow, joined or not, until they come apart.
+    /// Sets the connections of filaments that are placed at `positions` (m, of all nodes of the scene). Nodes
+    /// at the same point are one point of the flow, joined or not, until they separate.
     pub(crate) fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
         match &mut self.method {
             Method::Stokeslets(drag) => drag.connect(connections, positions),
@@ -172,8 +172,8 @@ impl Fluid {
         }
     }
 
-    /// Pairs of nodes that were at one place when the filaments were placed, without a joint; none where nodes do not feel each
-    /// other through the fluid.
+    /// Pairs of nodes that were at the same point when the filaments were placed, without a joint; none where nodes do not interact
+    /// through the fluid.
     pub(crate) fn met_by_chance(&self) -> Vec<[usize; 2]> {
         match &self.method {
             Method::Stokeslets(drag) => drag.met_by_chance(),
@@ -182,7 +182,7 @@ impl Fluid {
     }
 
     /// The two nodes, not neighbours along a filament nor one point, that are nearest to each other, and their distance over the
-    /// smaller regularisation length; `None` where nodes do not feel each other through the fluid.
+    /// smaller regularisation length; `None` where nodes do not interact through the fluid.
     pub(crate) fn nearest_nodes(&self, positions: &[Vector3]) -> Option<([usize; 2], f64)> {
         match &self.method {
             Method::Stokeslets(drag) => drag.nearest_nodes(positions),
@@ -195,13 +195,13 @@ impl Fluid {
     /// resistive force theory exactly.
     ///
     /// All slices have one entry per node of the scene, and with spheres one per place of it, positions in m and velocities in
-    /// m/s. `spins` (rad/s) are those of the edges that start at the nodes, about their tangents; empty where their flow counts for
-    /// nothing, as it does for resistive force theory. Nodes outside all filaments get zero. The centre of a sphere gets the force on it, and points that turn with it
+    /// m/s. `spins` (rad/s) are those of the edges that start at the nodes, about their tangents; empty where their flow is
+    /// ignored, as in resistive force theory. Nodes outside all filaments get zero. The centre of a sphere gets the force on it, and points that turn with it
     /// get forces whose torques add up to that on it.
     ///
     /// # Errors
-    /// See [`FluidError`]; `forces` and `resistance` then hold nothing of use, while the memory stays fit
-    /// for another try.
+    /// See [`FluidError`]; `forces` and `resistance` are then unspecified, while the memory stays valid
+    /// for another attempt.
     pub fn drag(
         &mut self,
         positions: &[Vector3],
@@ -243,7 +243,7 @@ impl Fluid {
     /// [`Self::drag`], which gave them a local `resistance`: linear in the velocities, as flow without inertia is.
     ///
     /// # Errors
-    /// Those of [`Self::drag`].
+    /// The errors of [`Self::drag`].
     ///
     /// # Panics
     /// If the fluid does not couple nodes ([`Self::coupling`]).
@@ -256,11 +256,11 @@ impl Fluid {
     ) -> Result<FluidReport, FluidError> {
         match &mut self.method {
             Method::Stokeslets(drag) => drag.drag_of(velocities, spins, resistance, forces),
-            Method::Resistive { .. } => panic!("local drag is known for all velocities"),
+            Method::Resistive { .. } => panic!("local drag does not depend on a flow"),
         }
     }
 
-    /// How nodes feel the motion of others; `None` where they do not, and the local resistance D is all of it.
+    /// Influence of the motion of other nodes; `None` where there is none, and the local resistance D is the whole one.
     pub(crate) fn coupling(&self) -> Option<Coupling> {
         match &self.method {
             Method::Stokeslets(drag) => Some(Coupling {
@@ -280,7 +280,7 @@ impl Fluid {
         }
     }
 
-    /// What a checkpoint must hold.
+    /// Data of a checkpoint.
     pub(crate) fn memory(&self) -> FluidMemory {
         FluidMemory(match &self.method {
             Method::Stokeslets(drag) => Some(drag.memory()),

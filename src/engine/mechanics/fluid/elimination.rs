@@ -6,7 +6,7 @@ kernel! {
     /// Solves M X = B by Gaussian elimination with partial pivoting.
     ///
     /// `rows` holds the rows of [M B] one after the other, `order` + `columns` numbers each. X overwrites
-    /// B. Returns whether every pivot was a normal number; if not, `rows` holds nothing of use.
+    /// B. Returns whether every pivot was a normal number; if not, `rows` is unspecified.
     fn eliminate(rows: &mut [f64], order: usize, columns: usize) -> bool {
         let stride = order + columns;
         for k in 0..order {

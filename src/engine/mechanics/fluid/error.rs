@@ -51,7 +51,7 @@ pub enum FluidError {
         /// Their distance over the smaller regularisation length.
         regularizations: f64,
     },
-    /// The logarithm of the slender-body coefficients has no positive value.
+    /// The logarithm of the slender-body coefficients is not positive.
     #[error("resistive force theory needs slender rods, but length over radius is only {0:.3}")]
     NotSlender(f64),
     /// A checkpoint of another scene.

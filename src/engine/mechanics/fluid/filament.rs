@@ -1,4 +1,4 @@
-//! Which nodes form a rod in the fluid, and which of them are held together.
+//! Nodes of rods in the fluid, and their connections.
 
 use std::ops::Range;
 
@@ -31,7 +31,7 @@ impl Filament {
     }
 }
 
-/// What holds the nodes of filaments together.
+/// Connections of the nodes of filaments.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Connections {
     /// Pairs of nodes that have one position, at least until a joint breaks.

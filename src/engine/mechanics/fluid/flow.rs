@@ -51,7 +51,7 @@ impl Flow {
         }
     }
 
-    /// The flow beside a wall, which is exact for any number of nodes: by clusters there are no images. Every station is a point.
+    /// The flow beside a wall, which is exact for any number of nodes: clusters do not support images. Every station is a point.
     pub(crate) fn beside_wall(filaments: &[Filament], regularization: f64, wall: FlowWall) -> Self {
         let operator = FlowOperator::beside_wall(filaments, regularization, wall);
         Self {

@@ -22,7 +22,7 @@ pub(super) struct Gmres {
     preconditioned: Vec<f64>,
 }
 
-/// How a solution went.
+/// Result of a solution.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Convergence {
     pub iterations: usize,

@@ -1,4 +1,4 @@
-//! How many times its local part the resistance of the flow is.
+//! Ratio of the resistance of the flow to its local part.
 
 use super::flow::Flow;
 use super::gmres::{dot, scale};
@@ -10,7 +10,7 @@ use crate::mechanics::{Matrix3, Vector3};
 const POWER_ITERATIONS: usize = 10;
 
 /// Estimate of the largest eigenvalue of D⁻¹ R for the assembled operator, by power iteration with A⁻¹ A_d, which has the same
-/// eigenvalues; the preconditioner stands for A⁻¹. `vector` and `image` are scratch for as many numbers as there are unknowns.
+/// eigenvalues; the preconditioner approximates A⁻¹. `vector` and `image` are scratch for as many numbers as there are unknowns.
 pub(super) fn largest_ratio(
     operator: &Flow,
     preconditioner: &mut Preconditioner,

@@ -2,7 +2,7 @@
 
 /// ln(n/d) for normal positive n ≥ d, to about one unit in the last place, with a single division.
 ///
-/// `difference` is n − d, which the caller may know better than a subtraction would tell; where n/d is
+/// `difference` is n − d, which the caller may have more accurately than by subtraction; where n/d is
 /// near 1 it decides the result.
 ///
 /// With k the power of two nearest to n/d and d' = 2ᵏ d, ln(n/d) = k ln 2 + 2 artanh((n − d')/(n + d')).

@@ -1,6 +1,6 @@
 //! Viscous fluid around rods: regularized Stokeslet segments and resistive force theory.
 //!
-//! [`Fluid`] is the door: it turns positions and velocities of nodes into forces and local resistances.
+//! [`Fluid`] is the entry point: it computes forces and local resistances from positions and velocities of nodes.
 //!
 //! | file | idea |
 //! |---|---|
@@ -13,8 +13,8 @@
 //! | `wall` | a plane at which the fluid is at rest, by images of the segments |
 //! | `spheres` | spheres that rods carry, by their force and torque |
 //! | `rotlets` | the flow of rods that spin about their axes |
-//! | `flow` | which of the two: exact for few nodes, by clusters for many |
-//! | `ties`, `points` | which nodes of joined filaments are one point of the flow |
+//! | `flow` | choice between the two: exact for few nodes, by clusters for many |
+//! | `ties`, `points` | nodes of joined filaments that are one point of the flow |
 //! | `preconditioner` | approximate inverse of A, of two levels |
 //! | `neighbourhoods`, `elimination` | the fine one, from the neighbourhoods of nodes |
 //! | `coarse_space` | the coarse one, from aggregates of filaments |
@@ -22,12 +22,12 @@
 //! | `stokeslet_drag` | a time series of such solves (thesis Eq. 2.27) |
 //! | `stations` | nodes of filaments, their lengths |
 //! | `age` | when the preconditioner is rebuilt |
-//! | `largest_ratio` | how the whole resistance compares with its local part |
-//! | `report` | what a computation of the drag took |
+//! | `largest_ratio` | ratio of the whole resistance to its local part |
+//! | `report` | cost of a computation of the drag |
 //! | `resistive_force_theory` | the cheap model: local coefficients along and across |
 //! | `continuation` | the lengths of filaments that continue each other, for these coefficients |
 //!
-//! # What it costs
+//! # Cost
 //! Per pair of nodes and core (Zen 5): assembly 3.4 ns with AVX-512 (4.3 ns where A is too large for the
 //! second-level cache), 5 ns with AVX2 and some 120 ns without either, limited by arithmetic; a product
 //! 0.31 ns while A fits the second-level cache (136 nodes) and about twice that where it streams from farther
@@ -40,14 +40,14 @@
 //! of 64, on one core. The helices 3 mm apart instead, it is 63 and 43 ms. Below a thousand nodes all pairs
 //! are cheaper.
 //!
-//! # What is not guaranteed
-//! Nodes closer than about a quarter of ε make A ill-conditioned, as ever with regularized Stokeslets: at
+//! # Limits
+//! Nodes closer than about a quarter of ε make A ill-conditioned, as always with regularized Stokeslets: at
 //! a spacing of ε/8 the tolerance of 10⁻⁶ in the velocities leaves 0.3 % in the drag, and solves get slow.
 //! Segments of different rods may come as close as they like, but within a few radii the flow between
-//! their surfaces (lubrication) is not resolved. Nodes of different rods that begin at one place are one point of the flow
+//! their surfaces (lubrication) is not resolved. Nodes of different rods that start at the same point are one point of the flow
 //! (`ties`); nodes that come so close later make A singular.
-//! Where the end of a rod enters another one, A has a negative eigenvalue, for the motion that parts them; a step in which such
-//! a motion rules is refused (`Fluid::dissipation`).
+//! Where the end of a rod enters another one, A has a negative eigenvalue, for the motion that separates them; a step in which such
+//! a motion dominates is refused (`Fluid::dissipation`).
 //!
 //! The error of the drag by clusters was measured for helices, not proved: velocities that alternate from
 //! node to node, or nodes much closer than ε, may make it larger than `far_field_error`.

@@ -1,4 +1,4 @@
-//! Which fluid surrounds the rods.
+//! The fluid around the rods.
 
 /// A fluid model.
 #[derive(Clone, Copy, Debug, PartialEq)]

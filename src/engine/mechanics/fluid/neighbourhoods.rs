@@ -42,7 +42,7 @@ struct Group {
     gathered: Vec<Lanes>,
 }
 
-/// Where the stations are and which points they make.
+/// Positions of the stations, and the points that they form.
 struct Site<'a> {
     links: &'a [Link],
     positions: &'a [Vector3],
@@ -101,7 +101,7 @@ impl Neighbourhoods {
     /// Finds the neighbourhoods of the points of stations at these positions, and inverts their part of the operator.
     ///
     /// # Errors
-    /// [`FluidError::Singular`] where a neighbourhood has no inverse.
+    /// [`FluidError::Singular`] if a neighbourhood has no inverse.
     pub(crate) fn build(
         &mut self,
         links: &[Link],

@@ -24,7 +24,7 @@ const ROWS_PER_TASK: usize = 32;
 /// # Slots
 /// The columns are slots: one per node, and for a closed filament one more that repeats its first node,
 /// so that segment j always runs from slot j to slot j + 1. The last slot of a filament starts a segment
-/// without length, which moves nothing. Slots are stored in chunks of eight lanes: all that fit in the
+/// without length, which has no flow. Slots are stored in chunks of eight lanes: all that fit in the
 /// first lanes of the chunks, then in the second and so on, so that the neighbour of a slot is in the
 /// same lane of the next chunk.
 pub struct FlowOperator {
@@ -39,7 +39,7 @@ pub struct FlowOperator {
     blocks: Vec<BlockLanes>,
     /// The vectors to be multiplied, by slots.
     vectors: [Vec<VectorLanes>; 3],
-    /// What a wall adds.
+    /// Contribution of a wall.
     wall: Option<WallBlocks>,
 }
 
@@ -49,7 +49,7 @@ struct SlotRange {
     regularization_squared: f64,
 }
 
-/// Where the column of a node is stored; it is the sum of both slots.
+/// Slots of the column of a node, which is the sum of both.
 struct Column {
     slot: usize,
     /// The last slot of a closed filament, for its first node.
@@ -93,7 +93,7 @@ impl FlowOperator {
             });
         }
         let (nodes, chunks) = (columns.len(), slots.len().div_ceil(LANES));
-        // Lanes after the last slot hold segments without length, which move nothing.
+        // Lanes after the last slot hold segments without length, which have no flow.
         let void = Segment::new(&Vector3::zeros(), &Vector3::zeros(), 1.0);
         let mut segments = vec![SegmentLanes::default(); chunks];
         for slot in slots.len()..chunks * LANES {

@@ -49,7 +49,7 @@ impl Patch {
         }
     }
 
-    /// The segment that starts at a place; one without length, which moves nothing, where there is none.
+    /// The segment that starts at a place; one without length, which has no flow, where there is none.
     fn segment(&self, place: usize, links: &[Link], positions: &[Vector3]) -> Segment {
         match self.slots.get(place) {
             Some(slot) if slot.joined => Segment::new(

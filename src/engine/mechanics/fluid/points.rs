@@ -26,14 +26,14 @@ pub(super) struct Share {
     pub weight: f64,
 }
 
-/// How stations and points hang together.
+/// Relation of stations and points.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Points {
     /// The first station of each point, in ascending order.
     representatives: Vec<usize>,
     /// All stations of each point, without those that slide.
     members: Vec<Vec<usize>>,
-    /// Of each station; the second has no weight but where the station slides.
+    /// Of each station; the weight of the second is zero unless the station slides.
     shares: Vec<[Share; 2]>,
     sliding: Vec<SlidingStation>,
 }
@@ -96,7 +96,7 @@ impl Points {
         points
     }
 
-    /// Lets sliding stations take their densities from where they are.
+    /// Sets the weights of sliding stations by their present places.
     pub(crate) fn place(&mut self, positions: &[Vector3]) {
         for SlidingStation { station, rail } in &self.sliding {
             let foot = rail.nearest(positions, &positions[*station]);
@@ -139,7 +139,7 @@ impl Points {
         &self.members[point]
     }
 
-    /// What the force density of a station consists of.
+    /// Composition of the force density of a station.
     pub(crate) fn shares(&self, station: usize) -> &[Share; 2] {
         &self.shares[station]
     }

@@ -24,7 +24,7 @@ const PRICE_OF_ELIMINATION: f64 = 2.5;
 /// ```
 ///
 /// with the [`CoarseSpace`] Q and the [`Neighbourhoods`] S. In the bundle of ten flagella Q takes iterations from 11.6 to
-/// 7.7 a solve. By clusters of nodes there is no Q: its building would take products by the hundred.
+/// 7.7 a solve. With clusters of nodes there is no Q: building it would take hundreds of products.
 pub(super) struct Preconditioner {
     neighbourhoods: Neighbourhoods,
     coarse: Option<CoarseSpace>,
@@ -64,7 +64,7 @@ impl Preconditioner {
     /// Builds the parts for stations at these positions, for which `operator` has been assembled.
     ///
     /// # Errors
-    /// [`FluidError::Singular`] where one of them has no inverse.
+    /// [`FluidError::Singular`] if one of them has no inverse.
     pub(crate) fn build(
         &mut self,
         links: &[Link],

@@ -1,6 +1,6 @@
-//! What a computation of the drag took.
+//! Cost of a computation of the drag.
 
-/// What a computation of the drag took.
+/// Cost of a computation of the drag.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FluidReport {
     /// Krylov iterations; zero for resistive force theory, which solves nothing.

@@ -10,7 +10,7 @@
 //! with R from the start of the edge, a = t·R and q the distance from its line. Beside a long rod that is ω r²/q, and ω r at the
 //! surface; inside of it (q < r) it grows from zero in proportion to q. A straight rod does not move itself; a bent one does.
 //!
-//! The opposite is left out: that an edge in the vorticity of others would spin with it. So the torque on an edge is that of its own
+//! The opposite effect is omitted: an edge in the vorticity of others would spin with it. So the torque on an edge is that of its own
 //! spin alone.
 
 use super::Filament;
@@ -41,7 +41,7 @@ pub(super) struct Rotlets {
 }
 
 impl Rotlets {
-    /// Of filaments whose edges do not spin.
+    /// Creates those of filaments whose edges do not spin.
     pub(crate) fn new(filaments: &[Filament]) -> Self {
         let edges: usize = filaments.iter().map(Filament::edges).sum();
         let void = EdgeLanes {

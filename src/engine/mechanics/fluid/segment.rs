@@ -103,7 +103,7 @@ impl Segment {
         ]
     }
 
-    /// Where `x` lies.
+    /// Position of `x`.
     #[inline(always)]
     pub(crate) fn offset(&self, x: [f64; 3]) -> Offset {
         let t = self.tangent;

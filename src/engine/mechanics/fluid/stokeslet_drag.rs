@@ -32,7 +32,7 @@ const MOST_ITERATIONS: usize = 40;
 /// Results of earlier solves, used in later ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StokesletMemory {
-    /// Which stations are one point.
+    /// Stations that are one point.
     ties: Ties,
     /// The last solutions, newest first, three numbers per point.
     densities: [Vec<f64>; KEPT],
@@ -55,7 +55,7 @@ pub(super) struct StokesletDrag {
     filaments: Vec<Filament>,
     rails: Vec<Rail>,
     links: Vec<Link>,
-    /// Which stations are one point.
+    /// Stations that are one point.
     ties: Ties,
     /// The plane at which the fluid is at rest.
     wall: Option<FlowWall>,

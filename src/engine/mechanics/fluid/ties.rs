@@ -1,4 +1,4 @@
-//! Which nodes of filaments count as one point of the flow.
+//! Nodes of filaments that count as one point of the flow.
 //!
 //! Two nodes at one place have the same row in the collocation matrix, and one velocity does not determine two force
 //! densities: the matrix is singular, and ill-conditioned where nodes are much closer than ε. Nodes closer than
@@ -7,7 +7,7 @@
 //! nodes resist that they part about as much as each of them alone resists that it moves, which is what the tied ones do;
 //! nearer to each other they would resist it many times as much, and the force would leap where the tie parts.
 //!
-//! Only nodes that are joined, or that begin so close, are ever tied. A node that slides along a filament is no point of
+//! Only nodes that are joined, or that begin so close, are ever tied. A node that slides along a filament is not a point of
 //! its own as long as it is on the filament: its velocity follows from that of the rail and its force density is
 //! that of the rail there ([`points`](super::points)).
 
@@ -68,7 +68,7 @@ pub(super) fn rails(filaments: &[Filament], connections: &Connections) -> Vec<Ra
 }
 
 impl Rail {
-    /// The edge nearest to a place, and where along it, from 0 to 1, the nearest point of it lies.
+    /// The edge nearest to a place, and the position of the nearest point along it, from 0 to 1.
     pub(crate) fn nearest(&self, positions: &[Vector3], x: &Vector3) -> Foot {
         let first = self.stations.start;
         let edges = self.stations.len() - usize::from(!self.closed);
@@ -151,7 +151,7 @@ impl Ties {
         ties
     }
 
-    /// Whether every station is a point of its own for good.
+    /// Whether every station is permanently a point of its own.
     pub(crate) fn is_empty(&self) -> bool {
         self.pairs.is_empty() && self.on_rail.is_empty()
     }
@@ -164,7 +164,7 @@ impl Ties {
         stations(self) == stations(other) && self.on_rail.len() == other.on_rail.len()
     }
 
-    /// Lets ties hold or part at new positions; says whether any changed.
+    /// Updates the ties at new positions; returns whether any changed.
     pub(crate) fn update(&mut self, links: &[Link], rails: &[Rail], positions: &[Vector3]) -> bool {
         let mut changed = false;
         for tie in &mut self.pairs {

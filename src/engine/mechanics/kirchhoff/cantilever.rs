@@ -4,7 +4,7 @@ use super::elastica::{Elastica, Forces, Place, State};
 use super::numerics::bisect;
 use std::f64::consts::FRAC_PI_2;
 
-/// What bends the cantilever down.
+/// Load of the cantilever.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CantileverLoad {
     /// Its weight per length w: γ = w L³/EI.

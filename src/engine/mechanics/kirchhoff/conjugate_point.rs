@@ -13,11 +13,11 @@ const FARTHEST: f64 = 100.0;
 /// Directions with less curvature are taken for straight: the critical distance is even in κ, so that
 /// the error is of the order of the square.
 const STRAIGHT: f64 = 1e-5;
-/// Two zeros of the determinant that are nearer than this fraction of a step, squared, cannot be told
+/// Two zeros of the determinant that are nearer than this fraction of a step, squared, cannot be distinguished
 /// from one double zero in round-off.
 const DOUBLE_ZERO: f64 = 1e-10;
 
-/// Where a direction of the (κ, τ, ω) space first loses stability.
+/// Point at which a direction of the (κ, τ, ω) space first loses stability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CriticalDistance {
     /// ‖(κ, τ, ω)‖ for a rod of unit length.

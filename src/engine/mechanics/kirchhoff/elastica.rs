@@ -32,7 +32,7 @@ impl Forces {
     }
 }
 
-/// What bends an elastica.
+/// Load of an elastica.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Elastica {
     /// H and V.

@@ -20,10 +20,10 @@ pub struct HangingStrip {
     pub length_by_drop: f64,
 }
 
-/// Why a strip has no answer.
+/// Reason why a strip cannot be evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum StripError {
-    /// The drop is not below the length, or so near to either end that it says nothing.
+    /// The drop is not below the length, or too near to either limit to be used.
     #[error(
         "the drop is {drop} of the length: measure one between {} and {} of it",
         HangingStrip::DROPS[0],
@@ -33,7 +33,7 @@ pub enum StripError {
         /// Drop over length.
         drop: f64,
     },
-    /// The strip is too short to bend, or too long to be told from a vertical one.
+    /// The strip is too short to bend, or too long to be distinguished from a vertical one.
     #[error(
         "the length is {length} gravito-bending lengths: it must be between {} and {}",
         HangingStrip::LENGTHS[0],
@@ -46,7 +46,7 @@ pub enum StripError {
 }
 
 impl HangingStrip {
-    /// Drops that can be told apart, as fractions of the length.
+    /// Range of drops that can be evaluated, as fractions of the length.
     pub(crate) const DROPS: [f64; 2] = [1e-6, 0.95];
     /// Lengths for which the drop is found, in gravito-bending lengths.
     pub(crate) const LENGTHS: [f64; 2] = [0.02, 7.0];
@@ -63,7 +63,7 @@ impl HangingStrip {
             return Err(StripError::Length { length });
         }
         let [reach, drop] = tip(length);
-        // Central difference; with round-off of 1e-12 in the drop a smaller step would gain nothing.
+        // Central difference; with round-off of 1e-12 in the drop a smaller step would not be more accurate.
         let step = 1e-4 * length;
         let slope = (tip(length + step)[1] - tip(length - step)[1]) / (2.0 * step);
         Ok(Self {
@@ -104,7 +104,7 @@ impl HangingStrip {
     }
 }
 
-/// Where the free end is, across and down, as fractions of the length.
+/// Position of the free end, across and down, as fractions of the length.
 fn tip(length: f64) -> [f64; 2] {
     Cantilever::new(CantileverLoad::OwnWeight(0.5 * length.powi(3))).position(1.0)
 }

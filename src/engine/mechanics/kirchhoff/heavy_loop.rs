@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 const ITERATIONS: usize = 20;
 
-/// The loop of a heavy rod that lies on a table and is folded over onto itself (thesis Fig. 5.8).
+/// The loop of a heavy rod that rests on a table and is folded over onto itself (thesis Fig. 5.8).
 ///
 /// Lengths in the gravito-bending length L_gb, for which EI/(ρgA) = 2 L_gb³.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! Continuous rods: inextensible, unshearable Kirchhoff rods, solved without a mesh.
 //!
-//! What the discrete rod converges to, in closed form or from ordinary differential equations; for exact
-//! answers, and for judging the discrete rod.
+//! The limits of the discrete rod, in closed form or from ordinary differential equations; for exact
+//! solutions, and for verifying the discrete rod.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
 //! | `elastica` | planar elasticas under a force and their weight, from one end on |
 //! | `cantilever` | the same clamped at one end, under its own weight or a load at its tip |

@@ -3,7 +3,7 @@
 /// Root of a continuous function between two points where its signs differ, to the last bit.
 ///
 /// # Panics
-/// If the signs at `a` and `b` agree: the theory that asks has a wrong bracket.
+/// If the signs at `a` and `b` agree: the caller has a wrong bracket.
 pub fn bisect(mut a: f64, mut b: f64, function: impl Fn(f64) -> f64) -> f64 {
     let sign = function(a).signum();
     assert!(

@@ -60,7 +60,7 @@ impl<N: Fn(f64) -> [f64; 3]> SpatialCantilever<N> {
     /// load grows from zero. Of several equilibria it is that which is reached so.
     ///
     /// # Panics
-    /// Where `steps` is no multiple of 8.
+    /// If `steps` is not a multiple of 8.
     pub fn points(&self, steps: usize) -> Option<Vec<Vector3>> {
         assert!(steps > 0 && steps.is_multiple_of(PIECES), "{steps} steps");
         let mut unknowns = self.unloaded(steps);

@@ -6,7 +6,7 @@ const SMALL: f64 = 1e-3;
 /// A function of the length ℓ that first vanishes where the straight rod with clamped ends buckles.
 ///
 /// The limit κ → 0 of the helix has the twisting moment ω and the axial force (ω − τ) τ, in units of EI.
-/// Its displacement w across the axis, as a complex number, obeys w'''' − i ω w''' − (ω − τ) τ w'' = 0,
+/// Its displacement w across the axis, as a complex number, satisfies w'''' − i ω w''' − (ω − τ) τ w'' = 0,
 /// whose solutions are 1, s, exp(i τ s) and exp(i (ω − τ) s). With A = τℓ/2 and B = (ω − τ)ℓ/2, clamped
 /// ends need (B − A) sin A sin B = A B sin(B − A). Divided by what vanishes without buckling, this is
 ///

@@ -14,22 +14,22 @@ const TOLERANCE: f64 = 1e-10;
 const LARGEST_CHANGE: f64 = 2.0;
 /// Step of the difference quotients of the boundary conditions.
 const DIFFERENCE: f64 = 1e-6;
-/// Steps from the circular arc to the ends asked for.
+/// Steps from the circular arc to the requested ends.
 const PLANAR_STEPS: usize = 16;
 
 /// Whether the ends of a loop may spin about their tangents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EndSpin {
-    /// They may not: the loop keeps the twist of a planar loop without any, turned along with its ends.
+    /// The ends may not turn: the loop keeps the twist of an untwisted planar loop, turned along with its ends.
     Clamped {
         /// Torsional over bending stiffness GJ/EI: 1/(1 + ν) of a round rod.
         stiffness_ratio: f64,
     },
-    /// They may: no twisting moment.
+    /// The ends may turn: no twisting moment.
     Free,
 }
 
-/// How the ends of a loop of length 1 are held. The loop is symmetric under half a turn about the y axis.
+/// Supports of the ends of a loop of length 1. The loop is symmetric under half a turn about the y axis.
 ///
 /// It leaves at (−a cos θ, −a sin θ, −c/2), the mirrored end being at the top, with the tangent
 /// (sin φ sin θ, −sin φ cos θ, cos φ): at θ = 0 and a = 0 it lies in the half plane y > 0 of x = 0.
@@ -56,7 +56,7 @@ pub struct LoopEnds {
 /// from the middle, which lies on the y axis, to the lower end, with a material director d. Length and EI are 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SuspendedLoop {
-    /// How its ends are held.
+    /// Supports of its ends.
     pub ends: LoopEnds,
     unknowns: SVector<f64, 6>,
 }
@@ -84,7 +84,7 @@ impl LoopEnds {
     fn twist_compliance(&self) -> f64 {
         match self.spin {
             EndSpin::Clamped { stiffness_ratio } => 1.0 / stiffness_ratio,
-            // There is no twisting moment, whatever the stiffness.
+            // The twisting moment is zero for any stiffness.
             EndSpin::Free => 1.0,
         }
     }
@@ -118,7 +118,7 @@ impl SuspendedLoop {
         })
     }
 
-    /// The equilibrium near this one whose ends are held otherwise; `None` where Newton's method finds none.
+    /// The equilibrium near this one with other supports; `None` where Newton's method finds none.
     pub fn moved_to(&self, ends: LoopEnds) -> Option<Self> {
         self.corrected(ends, self.unknowns)
     }
@@ -221,7 +221,7 @@ fn shoot(ends: &LoopEnds, unknowns: &SVector<f64, 6>) -> Vec<State> {
     })
 }
 
-/// What is wrong at the lower end: three of the position, two of the tangent, one of the spin.
+/// Errors at the lower end: three of the position, two of the tangent, one of the spin.
 fn residual(ends: &LoopEnds, unknowns: &SVector<f64, 6>) -> SVector<f64, 6> {
     let end = shoot(ends, unknowns)[STEPS];
     let [position, tangent, director] = ends.lower();

@@ -7,7 +7,7 @@ pub use surface::neighbourhood;
 use super::{UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 
-/// Sine of the angle between two faces up to which they count as one plane, whose common side no rod can touch alone.
+/// Sine of the angle between two faces up to which they count as one plane, without contact of their common side.
 const FLAT: f64 = 1e-6;
 
 /// A rigid body at time zero.
@@ -104,7 +104,7 @@ impl RigidBody {
     }
 
     /// A tube of an inner radius (m) around the segment between two points, open at both ends: what is inside stays there,
-    /// what is outside passes by, and what leaves by an end bears on the rim.
+    /// rods outside pass by, and rods that leave through an end touch the rim.
     pub fn tube(ends: [Vector3; 2], radius: f64) -> Self {
         Self {
             hollow: true,

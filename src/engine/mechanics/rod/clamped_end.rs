@@ -1,17 +1,17 @@
-//! What vertices beside a clamp count as in the integrals of bending and twisting energy.
+//! Weights of vertices beside a clamp in the integrals of bending and twisting energy.
 //!
-//! A vertex bears the moment M of the rod at its node, exactly where nodes bear the loads, and turns by M l̄/EI with the
-//! Voronoi length l̄. The complementary energy ½ ∫ M²/EI ds is thereby summed by the trapezoidal rule, with the half
+//! A vertex carries the moment M of the rod at its node, exactly where nodes carry the loads, and turns by M l̄/EI with the
+//! Voronoi length l̄. The complementary energy ½ ∫ M²/EI ds is therefore summed by the trapezoidal rule, with the half
 //! vertex of a clamp as its end. The sum errs by the rule of Euler and Maclaurin,
 //!
 //! ```text
 //! ∫₀ f ds = h (f₀/2 + f₁ + f₂ + ...) + (h²/12) f'(0) − (h⁴/720) f‴(0) + ...,     f = M²/EI
 //! ```
 //!
-//! of which nothing is left at free and hinged ends, where M = 0 makes f' = 2 M M'/EI vanish. At a clamp it is
+//! which vanishes at free and hinged ends, where M = 0 makes f' = 2 M M'/EI vanish. At a clamp it is
 //! h² M₀ M₀'/6EI: the rod turns too far by as much, and swings too slowly by the second order in h. Gregory's end weights
 //! take f'(0) from the first three vertices, (−3 f₀ + 4 f₁ − f₂)/2h, exactly where M is linear, as it is beside a clamp,
-//! near which nothing moves (M'' = ρA ẅ = 0 and M‴ = 0 there):
+//! near which the rod is at rest (M'' = ρA ẅ = 0 and M‴ = 0 there):
 //!
 //! ```text
 //! h (½, 1, 1, 1, ...)  →  h (½ − 1/8, 1 + 1/6, 1 − 1/24, 1, ...) = h (3/8, 7/6, 23/24, 1, ...)
@@ -21,7 +21,7 @@
 //! linearly, vibrations are then of fourth order. For edges of the lengths a and b from the clamp on the same quadratic
 //! gives a²/12 f'(0) = −a(2a+b)/12(a+b) f₀ + a(a+b)/12b f₁ − a³/12b(a+b) f₂. (Two edges between two clamps get the weights
 //! of Simpson's rule. One coupling of the first two vertices, h (⅓ M₀² + ⅙ M₀M₁ + M₁²), is of the same order, with an error
-//! thrice as large and a kernel of its own.)
+//! three times as large and a kernel of its own.)
 //!
 //! **Twist.** Angles belong to edges, whose middles are half an edge from the clamp. There θ = 0 and so T' = ρJ θ̈ = 0: the
 //! trapezoidal sum of ½ ∫ T²/GJ is right. But the moment of inertia of the first edge, which should share with an edge
@@ -34,7 +34,7 @@
 //!
 //! Weights change stiffness, not natural strains: the shape without stress stays what it is.
 //!
-//! Where the first edge is more than twice as long as the second, and for one edge between two clamps, nothing is changed.
+//! Where the first edge is more than twice as long as the second, and for one edge between two clamps, the weights stay the same.
 
 use super::discretization::{ElasticRods, Vertex, VertexWeights};
 use super::turning_angle::BendingStrain;
@@ -49,7 +49,7 @@ const TWIST_LESS: f64 = 0.036_777_001_896_685_47;
 /// so small that angles and their tangents do not differ.
 const STRAIGHT: f64 = 1e-4;
 
-/// What Gregory's rule adds to the lengths (m) of the first three vertices in the integral of bending, where edges of the
+/// Correction by Gregory's rule of the lengths (m) of the first three vertices in the integral of bending, where edges of the
 /// lengths `first` and `second` (m) follow the end.
 fn added_by_gregory(first: f64, second: f64) -> [f64; 3] {
     let both = first + second;
@@ -61,7 +61,7 @@ fn added_by_gregory(first: f64, second: f64) -> [f64; 3] {
 }
 
 impl ElasticRods {
-    /// Lets the vertices from number `first` on, which are those of one rod, bend by their angles if the rod is straight by
+    /// Makes the angle the strain of the vertices from number `first` on, those of one rod, if the rod is straight by
     /// nature, and weighs those beside clamps.
     pub(crate) fn refine(&mut self, first: usize) {
         let own = &mut self.vertices[first..];
@@ -101,7 +101,7 @@ impl ElasticRods {
             if length > LARGEST_RATIO * next {
                 continue;
             }
-            // At a free or hinged end there is no third vertex, nor a moment.
+            // A free or hinged end has neither a third vertex nor a moment.
             let third = beyond(next_edge).map(|(third, _)| third);
             let numbers = [Some(wall), Some(second), third];
             for (number, length) in numbers.into_iter().zip(added_by_gregory(length, next)) {

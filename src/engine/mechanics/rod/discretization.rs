@@ -14,7 +14,7 @@ pub struct GhostEdge {
     pub tangent: Vector3,
     /// First material director.
     pub director: Vector3,
-    /// Turn of the director about the tangent since the reference frames were committed, rad. The frames show it but for
+    /// Turn of the director about the tangent since the reference frames were committed, rad. The frames show it up to
     /// whole turns.
     pub spin: f64,
 }
@@ -32,7 +32,7 @@ pub struct Edge {
     pub stretching: f64,
 }
 
-/// What the Voronoi length of a vertex counts as in the integrals of energy, over itself: `clamped_end` says where and why it is not 1.
+/// Weight of a vertex in the integrals of energy, over its Voronoi length: `clamped_end` describes where and why it is not 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VertexWeights {
     /// In that of bending.
@@ -42,7 +42,7 @@ pub struct VertexWeights {
 }
 
 impl Default for VertexWeights {
-    /// As itself.
+    /// The Voronoi length itself.
     fn default() -> Self {
         Self {
             bending: 1.0,
@@ -60,20 +60,20 @@ pub struct Vertex {
     pub after: usize,
     /// Natural strains; none of bending where the angle is the strain.
     pub natural: VertexStrains,
-    /// What bends it.
+    /// The measure of bending.
     pub strain: BendingStrain,
     /// Stiffness over Voronoi length, as this is weighed.
     pub stiffness: VertexStiffness,
-    /// What its Voronoi length counts as; not 1 beside clamps of rods with consistent inertia.
+    /// Weight over its Voronoi length; not 1 beside clamps of rods with consistent inertia.
     pub weights: VertexWeights,
     /// Twist at which the frames of a ring are glued at its joint, rad; zero elsewhere.
     pub joint_twist: f64,
-    /// Where its derivatives go.
+    /// Location of its derivatives.
     pub unknowns: VertexUnknowns,
 }
 
 impl Vertex {
-    /// What bends and twists it beyond its nature, rad.
+    /// Strains of bending and twist less the natural ones, rad.
     pub(crate) fn elastic_strains(&self, strains: &VertexStrains) -> VertexStrains {
         let (turning, natural) = (self.strain.of(strains), &self.natural);
         VertexStrains {

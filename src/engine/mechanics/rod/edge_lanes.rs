@@ -14,7 +14,7 @@ pub(super) type SymmetricLanes = [Lanes; 6];
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct EdgeLanes {
-    /// What the frames are transported from.
+    /// Start of the transport of frames.
     pub from: TransportLanes,
     /// The frames.
     pub frames: FrameLanes,

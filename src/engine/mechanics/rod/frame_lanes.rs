@@ -102,7 +102,7 @@ impl FrameLanes {
     }
 }
 
-/// What frames are made of, structure of arrays.
+/// Components of frames, structure of arrays.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct TransportLanes {

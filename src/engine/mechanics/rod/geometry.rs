@@ -66,7 +66,7 @@ impl RodGeometry {
         }
     }
 
-    /// Takes over natural strains, natural lengths and stiffnesses of `rods`, which are those of this storage but for them.
+    /// Takes over natural strains, natural lengths and stiffnesses of `rods`, which otherwise equal this storage.
     pub(crate) fn take_natural_strains(&mut self, rods: &ElasticRods) {
         for (vertices, lanes) in rods.vertices.chunks(LANES).zip(&mut self.vertex_lanes) {
             lanes.take_natural_strains(vertices);

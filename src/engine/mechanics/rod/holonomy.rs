@@ -1,4 +1,4 @@
-//! How the spin of a transported frame changes with its edge: ∇c of the holonomy c = −(s×t)/((1+s·t) l).
+//! Derivative of the spin of a transported frame over its edge: ∇c of the holonomy c = −(s×t)/((1+s·t) l).
 
 use super::vertex::{EdgeFrame, curvature_binormal};
 use crate::mechanics::{Matrix3, Vector3};

@@ -6,7 +6,7 @@ use super::transport::{any_normal, normal_part, parallel_transport, rotated, sig
 use super::vertex::{EdgeFrame, VertexStrains, curvatures};
 use crate::mechanics::Vector3;
 
-/// Why a polyline is no rod.
+/// Reason why a polyline does not describe a rod.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlacementError {
     /// Two neighbouring nodes coincide.

@@ -1,4 +1,4 @@
-//! How the nodes and edges of all rods are numbered.
+//! Numbering of the nodes and edges of all rods.
 //!
 //! Nodes of all rods are numbered through, rod after rod. Edge `k` starts at node `k`; at the last node
 //! of an open rod no edge starts. Unknowns have stride four: the position of node `k` at 4k..4k+2 and the
@@ -10,7 +10,7 @@ use crate::mechanics::Vector3;
 /// Unknowns per node.
 pub const STRIDE: usize = 4;
 
-/// Where one rod lies in the numbering.
+/// Range of one rod in the numbering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RodRange {
     /// Its first node.

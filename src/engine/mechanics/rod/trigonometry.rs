@@ -13,7 +13,7 @@ const QUARTER_TURN: [f64; 3] = [
     6.077100506303966e-11,
     2.0222662487959506e-21,
 ];
-/// Added to a number and taken off again, it rounds to an integer, which then stands in the lowest bits of the sum.
+/// Added to a number and taken off again, it rounds to an integer, which is then in the lowest bits of the sum.
 const ROUNDING: f64 = 1.5 * (1u64 << 52) as f64;
 /// (sin √z/√z − 1)/z for z ≤ (π/4)².
 const SINE: [f64; 6] = [
@@ -108,7 +108,7 @@ pub(super) fn angle_of(sine: f64, cosine: f64) -> f64 {
 }
 
 /// A polynomial of z with an even number of coefficients, those of even and odd powers by themselves: two short chains
-/// of operations in the place of a long one.
+/// of operations instead of a long one.
 #[inline(always)]
 fn polynomial<const N: usize>(coefficients: &[f64; N], z: f64) -> f64 {
     let square = z * z;

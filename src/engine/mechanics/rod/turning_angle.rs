@@ -24,7 +24,7 @@
 use super::vertex::{Moments, VertexStiffness, VertexStrains};
 use serde::{Deserialize, Serialize};
 
-/// What of the turning at a vertex bends the rod.
+/// Measure of the turning at a vertex that bends the rod.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BendingStrain {
     /// Twice the tangent of half the angle: the curvature binormal.
@@ -93,7 +93,7 @@ impl BendingStrain {
         }
     }
 
-    /// What bends the rod, from the components of the curvature binormal.
+    /// Strain of bending, from the components of the curvature binormal.
     pub(crate) fn of(self, strains: &VertexStrains) -> VertexStrains {
         if self == Self::Tangent {
             return *strains;

@@ -1,8 +1,8 @@
 //! Half vertices between a rod and a joint or body: their ghost edge turns with it.
 //!
-//! A vertex knows its energy as a function of two edges and of the spins of their frames. The ghost edge is a unit vector t
+//! The energy of a vertex is a function of two edges and of the spins of their frames. The ghost edge is a unit vector t
 //! with a material frame, both of which turn by the rotation ψ of the joint: along t(s) = exp(s[ψ]×) t the frame spins by
-//! s ψ·t against parallel transport, but for terms of the third order. So with g = ∂E/∂t and the spin moment m
+//! s ψ·t against parallel transport, up to terms of the third order. So with g = ∂E/∂t and the spin moment m
 //!
 //! ```text
 //! ∂E/∂ψ = T = t × g + m t                                    the moment of the joint on the rod
@@ -19,7 +19,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// Unknowns of such a half vertex: start of the real edge, its angle, its end, and the rotation of the ghost.
 pub(crate) const TURNING_UNKNOWNS: usize = 10;
-/// Where the rotation begins among them.
+/// Index of the rotation among them.
 pub(crate) const TURNING_ROTATION: usize = 7;
 
 /// The ghost edge of a half vertex.

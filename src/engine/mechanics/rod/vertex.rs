@@ -10,7 +10,7 @@
 //! E = Σⱼ [EI₂(κ¹ʲ−κ̃¹ʲ)² + EI₁(κ²ʲ−κ̃²ʲ)²] / 4l̄ + GJ(τ−τ̃)² / 2l̄
 //! ```
 //!
-//! with the Voronoi length l̄. The superscript says towards which director the rod bends: κ¹ is the curvature towards m₁,
+//! with the Voronoi length l̄. The superscript gives the director towards which the rod bends: κ¹ is the curvature towards m₁,
 //! that is, about m₂, and κ² that about −m₁. Cross-sections are described by the axes *about* which they bend (second
 //! moments, natural curvatures); `VertexStrains::about_directors` and [`VertexStiffness::about_directors`] translate.
 //!
@@ -24,7 +24,7 @@
 //!
 //! Thesis Eq. 1.4 averages the two frames before squaring; averaging the
 //! squares agrees with it to second order in the edge length and does not soften under strong twist: for
-//! an isotropic, naturally straight rod the bending energy is EI|κb|²/2l̄ whatever the frames do.
+//! an isotropic, naturally straight rod the bending energy is EI|κb|²/2l̄ for any frames.
 //!
 //! Rods that are straight by nature may bend by the angle φ instead of |κb| = 2 tan(φ/2): [`super::BendingStrain`].
 //!
@@ -154,7 +154,7 @@ pub(crate) fn energies(
     (bending, 0.5 * stiffness.twisting * difference * difference)
 }
 
-/// What all derivatives of a vertex share.
+/// Common terms of all derivatives of a vertex.
 pub(super) struct Common {
     pub(super) t0: Vector3,
     pub(super) t1: Vector3,

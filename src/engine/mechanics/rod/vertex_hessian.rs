@@ -6,7 +6,7 @@ use super::turning_angle::{AngleRatio, PairHessian};
 use super::vertex::{Common, EdgeFrame, Moments, VertexStiffness, VertexStrains};
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Blocks of the lower triangle of the Hessian over (e⁰, φ⁰, e¹, φ¹), but for (∂E/∂φ)∇c, which is added
+/// Blocks of the lower triangle of the Hessian over (e⁰, φ⁰, e¹, φ¹), except (∂E/∂φ)∇c, which is added
 /// once per edge. The block of eⁱ and φʲ is a vector over eⁱ on either side of the diagonal.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // the names are the rows and columns

@@ -1,4 +1,4 @@
-//! Equilibrium of a system, ∇E(q) = F, where it would come to rest: Newton's method that goes downhill.
+//! Equilibrium of a system, ∇E(q) = F, where it would come to rest: Newton's method with decreasing energy.
 //!
 //! - Where the Hessian has negative pivots, a multiple of the unit matrix is added, large enough that they are
 //!   all positive (Nocedal & Wright, Numerical Optimization, 2nd ed., algorithm 3.3).
@@ -30,11 +30,11 @@ const ITERATIONS: usize = 10_000;
 const LARGEST_MOVE: f64 = 0.3;
 /// Largest turn of an edge in one iteration, rad: of the order that a corrected step can follow.
 const LARGEST_TURN: f64 = 0.8;
-/// Most times by which a step is tried longer than the shifted Hessian asks for.
+/// Largest factor by which a step may exceed the solution with the shifted Hessian.
 const LENGTHENING: f64 = 8.0;
-/// Stiffness that counts as none, over EI/L³: motions without stiffness are no reason to go anywhere.
+/// Stiffness that counts as none, over EI/L³: motions without stiffness are not followed.
 const NEUTRAL: f64 = 1e-6;
-/// But no less than this multiple of the rounding error of the stiffest entry of each rod.
+/// Lower bound: this multiple of the rounding error of the stiffest entry of each rod.
 const ROUNDINGS: f64 = 8.0;
 /// Whole corrections that suffice where the residual is small against EI/L², but not against the loads: the first
 /// misses by what is added to the Hessian, a millionth, the second by its square.
@@ -50,13 +50,13 @@ const HALVINGS: usize = 12;
 /// Fall of the potential over that of its linear model that is enough (Armijo).
 const SUFFICIENT_FALL: f64 = 1e-4;
 /// The same by the slope of the potential at the end of the step over that at its start, where the potential itself changes by
-/// no more than so many roundings of what it adds up.
+/// at most so many roundings of its terms.
 const LARGEST_END_SLOPE: f64 = 0.8;
 const ROUNDINGS_OF_POTENTIAL: f64 = 64.0;
 /// Fall of the squared residual that is enough where the Hessian is positive: near the solution the potential
 /// falls by less than its rounding error.
 const SUFFICIENT_REDUCTION: f64 = 0.5;
-/// How far an unstable equilibrium is left: the largest move of a node over the extent, and halvings of it.
+/// Displacement from an unstable equilibrium: the largest move of a node over the extent, and halvings of it.
 const DEPARTURE: f64 = 0.05;
 const DEPARTURE_HALVINGS: usize = 20;
 
@@ -99,7 +99,7 @@ impl Scale {
         }
     }
 
-    /// A shift that leaves nothing of the Hessian, over EI/L³.
+    /// A shift that dominates the Hessian, over EI/L³.
     fn largest_shift(&self, system: &System) -> f64 {
         let stiffest = system.assembly.rounding_stiffness / f64::EPSILON;
         stiffest / self.stiffness
@@ -117,7 +117,7 @@ impl Scale {
     }
 }
 
-/// What a step must improve.
+/// Quantity that a step must decrease.
 struct Start {
     potential: f64,
     /// Rounding error of the potential, J.
@@ -227,7 +227,7 @@ impl Descent {
         unreachable!("the last iteration returns")
     }
 
-    /// How many times as long as the direction the way is to the bottom along it, by the Hessian without its shift.
+    /// Ratio of the distance to the minimum along the direction to its length, by the Hessian without its shift.
     fn lengthening(&self, system: &System, shift: f64, scale: &Scale) -> f64 {
         if shift == 0.0 || !system.is_symmetric() {
             return 1.0;
@@ -241,7 +241,7 @@ impl Descent {
         }
     }
 
-    /// Looks for a better configuration along the direction, which was cut to `factor` of the solution; leaves it in
+    /// Searches for a better configuration along the direction, which was cut to `factor` of the solution; leaves it in
     /// `trial` and returns its part of the whole step, `None` where there is none.
     fn step(
         &mut self,
@@ -275,8 +275,8 @@ impl Descent {
                 } else {
                     self.correction.copy_from_slice(&system.residual);
                     let solved = system.solve(&mut self.correction).is_ok();
-                    // Of the way to the solution, as it was before it was limited, this step goes so far. With a shift that
-                    // is no solution: what remains may be as long.
+                    // Part of the way to the unlimited solution that this step covers. With a shift that solution is not one of
+                    // the equations: the remainder may be as long.
                     let part = if positive { length * factor } else { 0.0 };
                     solved && factor * scale.norm(&self.correction) <= (1.0 - 0.25 * part) * whole
                 };

@@ -1,7 +1,7 @@
 //! Equilibria: Newton's method without inertia.
 //!
-//! `Descent` goes downhill, so that it ends where a rod would come to rest; `nearby_equilibrium` goes to the
-//! nearest one, and tells whether it is stable; [`Tracer`] follows equilibria along a path of loads or of clamps
+//! `Descent` decreases the energy, so that it ends where a rod would come to rest; `nearby_equilibrium` finds the
+//! nearest one, and whether it is stable; [`Tracer`] follows equilibria along a path of loads or of clamps
 //! that move.
 
 mod equilibrium;

@@ -6,7 +6,7 @@ use crate::mechanics::system::{Divergence, System};
 /// Most iterations. From a configuration within the error of the mesh it takes three to six.
 const ITERATIONS: usize = 30;
 
-/// Goes to the equilibrium near `unknowns` by plain Newton steps, which converge to saddle points as well
+/// Finds the equilibrium near `unknowns` by plain Newton steps, which converge to saddle points as well
 /// as to minima; returns the inertia of the Hessian there, `None` where the Jacobian is not symmetric. The
 /// equilibrium is stable where no pivot is negative. `tolerance` is the residual left as a multiple of the forces of each
 /// rod ([`System::set_tolerances`]).

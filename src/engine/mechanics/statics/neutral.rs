@@ -1,9 +1,9 @@
 //! Motions without stiffness: a ring that rolls through itself, a column that bends over in any plane, a rod
 //! that nothing holds.
 //!
-//! The energy does not change along them, wherever the rod is, so that forces have no part in them but
+//! The energy is constant along them for any position of the rod, so that forces have no component along them except
 //! rounding errors, which the inverse of the Hessian would magnify without bound. They are the null vectors of
-//! the Hessian all along a path, which tells them from the one that belongs to a critical point.
+//! the Hessian all along a path, which distinguishes them from the one that belongs to a critical point.
 
 use super::inner_product::{inner, normalise, scale_angles};
 use crate::linalg::SingularMatrix;
@@ -33,7 +33,7 @@ impl NeutralModes {
         self.vectors.clear();
     }
 
-    /// How many there are.
+    /// Their number.
     pub(crate) fn count(&self) -> usize {
         self.vectors.len()
     }
@@ -54,7 +54,7 @@ impl NeutralModes {
         Ok(())
     }
 
-    /// Takes out of `vector` what lies along them.
+    /// Removes from `vector` its component along them.
     pub(crate) fn remove_from(&self, vector: &mut [f64]) {
         remove(&self.vectors, vector, self.weight);
     }

@@ -7,7 +7,7 @@
 //!
 //! The eigenvalues nearest to zero are found by Arnoldi's method on (K + σM)⁻¹M, whose eigenvalues are 1/(μ + σ), in the
 //! inner product of M (Saad, Numerical Methods for Large Eigenvalue Problems, 2nd ed., sec. 8.1). Only such count as have
-//! converged: the lowest ten and more. Motions that lose stability are among the lowest in all cases known.
+//! converged: the lowest ten and more. Motions that lose stability are among the lowest in all known cases.
 
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::System;
@@ -31,12 +31,12 @@ const EXHAUSTED: f64 = 1e-13;
 /// σ over EI/L³ and the mass of all rods; the lowest μ of a cantilever is 12.4 times that.
 const SHIFT: f64 = 10.0;
 
-/// How many small motions grow.
+/// Number of growing small motions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Unstable {
-    /// Those that do not oscillate; of forces with a potential, directions in which it falls.
+    /// Growing motions without oscillation; for forces with a potential, directions in which it falls.
     pub divergent: usize,
-    /// Those that do, in pairs of conjugate eigenvalues.
+    /// Growing oscillations, in pairs of conjugate eigenvalues.
     pub flutter: usize,
 }
 
@@ -50,7 +50,7 @@ impl Unstable {
 /// The small motions about an equilibrium.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SmallMotions {
-    /// Those that grow.
+    /// The growing motions.
     pub unstable: Unstable,
     /// Rate at which the fastest of them grows, 1/s; 0 where none does.
     pub growth_rate: f64,
@@ -58,7 +58,7 @@ pub struct SmallMotions {
     pub frequency: f64,
 }
 
-/// The small motions at an equilibrium; `None` where there are too many unknowns, where nothing is free, and where K + σM
+/// The small motions at an equilibrium; `None` where there are too many unknowns, without free unknowns, and where K + σM
 /// is singular.
 pub(crate) fn small_motions(system: &mut System, unknowns: &[f64]) -> Option<SmallMotions> {
     let shift = SHIFT * lowest_scale(system, unknowns)?;

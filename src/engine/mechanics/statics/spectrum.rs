@@ -7,7 +7,7 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::System;
 
 /// Most iterations. The lowest two eigenvalues of a rod are seldom closer than a tenth of the lowest;
-/// where they coincide any vector of their plane will do.
+/// where they coincide any vector of their plane is accepted.
 const ITERATIONS: usize = 60;
 /// Relative change at which the eigenvalue counts as found.
 const TOLERANCE: f64 = 1e-10;
@@ -72,7 +72,7 @@ pub(super) fn inverse_iteration(
 }
 
 /// Finds all motions without stiffness with the factors of the Hessian at an equilibrium, to which `shift` (N/m) was
-/// added; forgets those known before.
+/// added; discards earlier ones.
 pub(super) fn find_neutral_modes(
     neutral: &mut NeutralModes,
     system: &mut System,

@@ -12,8 +12,8 @@
 //! In a time step a rod may turn besides, and that is not linear. What one correction leaves of forces that turn with it may
 //! do work that counts beside the energy of a slow motion, and is corrected once more ([`System::residual_does_work`]).
 //!
-//! The allowed residual is never smaller than the rounding errors of the unknowns leave in elastic forces, and in a
-//! time step in inertia and in friction, whose slip is the difference of two positions over the step.
+//! The allowed residual is never smaller than the effect of rounding the unknowns on elastic forces, and in a time
+//! step on inertia and on friction, whose slip is the difference of two positions over the step.
 
 use super::contact::forces;
 use super::joints::Slide;
@@ -23,7 +23,7 @@ use crate::mechanics::rod::{RodRange, STRIDE};
 
 /// Last digits of the unknowns to which a residual must vanish.
 const ROUNDINGS: f64 = 8.0;
-/// Multiple of that estimate, which is made for single terms of a sum, within which a residual that corrections no longer lower is
+/// Multiple of that estimate, which is made for single terms of a sum, below which a residual that corrections no longer lower is
 /// one of rounding.
 const NEAR_ROUNDING: f64 = 8.0;
 

@@ -15,7 +15,7 @@ use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
 use crate::mechanics::scene::Scene;
 use crate::mechanics::{SceneError, Vector3};
 
-/// What rigid contact is for: the midpoint rule would extrapolate through it, and statics has no free motion that
+/// Rigid contact is limited to implicit Euler: the midpoint rule would extrapolate through it, and statics has no free motion that
 /// contact could prevent.
 const ONLY_EULER: SceneError =
     SceneError::Unsuitable("contact by complementarity needs time.scheme = \"implicit-euler\"");

@@ -1,4 +1,4 @@
-//! How rods yield to forces at contacts, where they do not know of each other: the responses A⁻¹Hᵀ of
+//! Responses of uncoupled rods to forces at contacts: A⁻¹Hᵀ of
 //! [`super::contact_prediction`], rod by rod from the factors of a band.
 
 use super::Assembly;
@@ -16,21 +16,21 @@ pub(super) struct Part {
     rows: [usize; 2],
 }
 
-/// How a contact yields to its own force.
+/// Response of a contact to its own force.
 pub(super) struct Response {
     parts: [Option<Part>; 2],
-    /// What a force along the normal moves, m/N.
+    /// Response to a force along the normal, m/N.
     pub by_pressure: Vector3,
     /// Two directions along the surfaces, and the motion along them under forces along them, m/N.
     along: [Vector3; 2],
     yielding: [f64; 3],
 }
 
-/// Responses of rods to forces on single nodes, found when they are first asked for.
+/// Responses of rods to forces on single nodes, computed on first use.
 pub(super) struct Responses<'a> {
     factor: &'a BandedFactor,
     assembly: &'a Assembly,
-    /// Where the rows of each node begin.
+    /// Start of the rows of each node.
     of_node: Vec<Option<usize>>,
     /// Motion of an unknown by unit forces on a node along the three axes, m/N.
     rows: Vec<[f64; 4]>,
@@ -94,7 +94,7 @@ impl<'a> Responses<'a> {
         (STRIDE * range.first_node, STRIDE * range.nodes)
     }
 
-    /// Where the rows of a node begin.
+    /// Start of the rows of a node.
     fn of_node(&mut self, node: usize) -> usize {
         if let Some(begin) = self.of_node[node] {
             return begin;
@@ -158,7 +158,7 @@ impl<'a> Responses<'a> {
         response
     }
 
-    /// Motion of a node under a force at a contact, m; none of the vertices of obstacles.
+    /// Motion of a node under a force at a contact, m; zero for vertices of obstacles.
     fn motion_of(&self, node: usize, parts: &[Option<Part>; 2], force: &Vector3) -> Vector3 {
         let mut motion = Vector3::zeros();
         for part in parts.iter().flatten() {

@@ -1,18 +1,17 @@
-//! The contact stiffness of a step, and the energy that a change of it makes.
+//! The contact stiffness of a step, and the energy that its change adds.
 //!
 //! A contact that carries a force stores the energy k φ(g) of its gap g. Where its stiffness k rises from one step to the next, as
-//! it does with the contact forces, the gap is still that of the softer contact, and the energy rises spuriously
-//! with k. Under typical contact forces the increase is a force times a part of δ, and is lost again as they
-//! open. Rods that meet at great speed, however, are caught deep in a soft contact: a thousand times as stiff, it
-//! throws them apart with many times the energy that they came with. So k rises only as far as the energy that
-//! this makes is small.
+//! it does with the contact forces, the gap is still that of the softer contact, and the energy rises spuriously with k.
+//! Under typical contact forces the increase is a force times a part of δ, and is lost again as contacts open. Rods
+//! that collide at high speed, however, penetrate far into a soft contact: when it becomes a thousand times as stiff, it
+//! pushes them apart with many times their initial energy. So k rises only as far as the added energy is small.
 
 use super::{Stage, System, copy_positions};
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactSystem, Stored};
 use crate::mechanics::rod::{STRIDE, topology::position};
 
-/// Energy that a rise of the stiffness may make, of the kinetic and elastic energy of the scene.
+/// Energy that a rise of the stiffness may add, over the kinetic and elastic energy of the scene.
 const MADE: f64 = 1e-4;
 /// The same for every contact, of the work over δ of the force for which it rises: the energy of contacts that carry this force.
 const MADE_BY_CONTACT: f64 = 0.2;
@@ -120,7 +119,7 @@ impl System {
         }
     }
 
-    /// Kinetic energy of all free nodes, J.
+    /// Kinetic energy of all free unknowns, J.
     pub(super) fn kinetic_energy_at_start(&self, stage: &Stage) -> f64 {
         let masses = self.assembly.masses.iter().zip(&self.assembly.held);
         masses

@@ -1,4 +1,4 @@
-//! Bodies whose centre of mass is off the node that bears them.
+//! Bodies whose centre of mass is off the node that carries them.
 //!
 //! The centre of such a body, of the mass m, is at x + r with r = Σ cₖ pₖ by the tips pₖ = ℓ R eₖ of its principal axes
 //! ([`super::joints`], `frame`), whose masses mₖ have the energy of its rotation about the centre. So its kinetic energy
@@ -62,7 +62,7 @@ impl Assembly {
         }
     }
 
-    /// Their kinetic energy beside that of the masses of nodes and tips, of those whose tips are among some places, J.
+    /// Their kinetic energy in addition to that of the masses of nodes and tips, for those whose tips are among some places, J.
     pub(super) fn eccentric_energy(&self, places: &Range<usize>, velocity: &[f64]) -> f64 {
         let own = self
             .eccentric()

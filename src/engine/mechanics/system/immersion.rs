@@ -1,4 +1,4 @@
-//! What of a scene beside its rods is in its fluid.
+//! Parts of a scene in its fluid in addition to its rods.
 
 use super::Assembly;
 use crate::mechanics::fluid::{FluidModel, Sphere};
@@ -23,7 +23,7 @@ impl Assembly {
         spheres.collect()
     }
 
-    /// What the fluid resists that edges spin about their axes by, the torque 4πη r² ω per length of a long cylinder: a
+    /// Resistance of the fluid to the spin of edges about their axes, the torque 4πη r² ω per length of a long cylinder: a
     /// coefficient for each unknown, N m s. Half an edge that ends in a sphere turns with that.
     pub(super) fn spin_resistance(&self, scene: &Scene) -> Option<Vec<f64>> {
         let viscosity = match scene.fluid {

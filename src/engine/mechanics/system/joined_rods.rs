@@ -1,4 +1,4 @@
-//! The joints and bodies of a scene whose rods are numbered: who owns which position, and what bodies weigh.
+//! The joints and bodies of a scene whose rods are numbered: the owners of positions, and the masses of bodies.
 
 use super::Assembly;
 use super::joints::{EccentricMass, JointPlan, PlannedFrame, PlannedSlide, Slide, Track};
@@ -163,7 +163,7 @@ impl Assembly {
         let track = Track::new(&range, planned.rail, &lengths);
         let unknown = STRIDE * place + 3;
         self.unknowns[unknown] = track.parameter(start);
-        // The rest of its place is unused, and lies where the node does.
+        // The rest of its place is unused, and is at the node.
         self.unknowns
             .copy_within(STRIDE * node..STRIDE * node + 3, STRIDE * place);
         self.held[STRIDE * place..unknown].fill(true);
@@ -171,7 +171,7 @@ impl Assembly {
         self.joints.slides.push(slide);
     }
 
-    /// Gives a frame the inertia of a body that a rod bears: masses at the tips of its principal axes, and that of its centre
+    /// Gives a frame the inertia of a body that a rod carries: masses at the tips of its principal axes, and that of its centre
     /// where this is off the node.
     fn add_inertia(&mut self, number: usize, body: &Body) {
         let (rod, inertia) = (body.at.rod, body.inertia.unwrap_or_default());
@@ -254,7 +254,7 @@ impl Assembly {
         }
         for &[own, owner] in &self.joints.welds {
             let [own, owner] = [own, owner].map(|place| STRIDE * place);
-            // The one that bears a body turns already.
+            // The one that carries a body turns already.
             if position(&self.velocity, own / STRIDE) == Vector3::zeros() {
                 self.velocity.copy_within(owner..owner + 3, own);
             } else {

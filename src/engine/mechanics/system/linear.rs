@@ -12,7 +12,7 @@ impl System {
             .shift(all, shift, spin_shift, &self.assembly.held);
     }
 
-    /// The same with a shift for each rod (N/m), its frames and what slides with it, and `spin` (m²) times it for angles and
+    /// The same with a shift for each rod (N/m), its frames and the nodes that slide with it, and `spin` (m²) times it for angles and
     /// places along rods.
     pub(crate) fn shift_rods(&mut self, shift_of: impl Fn(usize) -> f64, spin: f64) {
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
@@ -21,7 +21,7 @@ impl System {
             self.matrix
                 .shift(unknowns, shift, shift * spin, &self.assembly.held);
         }
-        // Frames that turn and nodes that slide, with the rod that bears them.
+        // Frames that turn and nodes that slide, with the rod that carries them.
         let joints = &self.assembly.joints;
         let frames = joints
             .frames

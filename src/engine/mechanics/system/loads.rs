@@ -27,7 +27,7 @@ pub(crate) struct Loads {
     pub external: Vec<f64>,
     /// Acceleration of gravity, with schedules, for the potential energy.
     gravity: Vec<(Vector3, Scale)>,
-    /// What weighs on the tips of bodies whose centre of mass is off their node: unknown along x and mass, kg.
+    /// Masses at the tips of bodies whose centre of mass is off their node: unknown along x and mass, kg.
     weights_of_tips: Vec<(usize, f64)>,
     /// Factor of each load of the scene beside its schedule.
     factors: Vec<f64>,
@@ -249,7 +249,7 @@ impl Term for Loads {
         }
     }
 
-    /// That of dead forces: their work.
+    /// The potential of dead forces: their work.
     fn potential(&self, unknowns: &[f64]) -> [f64; 2] {
         let works = || (self.present.iter().zip(unknowns)).map(|(force, unknown)| force * unknown);
         [-works().sum::<f64>(), works().map(f64::abs).sum()]
@@ -302,7 +302,7 @@ impl Term for Loads {
         }
     }
 
-    /// Those of forces that turn with edges; dead forces are known at every unknown.
+    /// The entries of forces that turn with edges; dead forces do not depend on the unknowns.
     fn add_sizes(&self, at: &Configuration, forces: &mut [f64]) {
         for follower in &self.followers {
             let force = follower.force(at.time, &at.geometry.edges[follower.start]);

@@ -1,8 +1,8 @@
 //! Forces and moments inside the rods and at clamps, at the last evaluation.
 //!
-//! A vertex of bending stiffness EI/l̄ and twisting stiffness GJ/l̄ bears the moments EI (κ − κ̃)/l̄ about the two
+//! A vertex of bending stiffness EI/l̄ and twisting stiffness GJ/l̄ carries the moments EI (κ − κ̃)/l̄ about the two
 //! material directors, where κ is the mean of the integrated curvatures seen by its two edges, and GJ (τ − τ̃)/l̄ about
-//! the tangent, where rods that bend by the angle of turning take that for κ; an edge carries the tension EA (l/l̃ − 1). The
+//! the tangent, where κ is the angle of turning for rods that use that angle as strain; an edge carries the tension EA (l/l̃ − 1). The
 //! moments and tensions of dashpots of the material are added.
 //!
 //! **Moment of a clamp.** The energy E of the half vertex at a ghost edge does not change when all of it is turned, so
@@ -40,7 +40,7 @@ impl System {
     }
 
     /// What the rods bear at each node; `None` at free and hinged ends. Where a clamp holds the frame of an inner node,
-    /// it is that of the side that bears the larger bending moment.
+    /// it is that of the side with the larger bending moment.
     pub(crate) fn resultants(&self) -> Vec<Option<Resultants>> {
         let mut all: Vec<Option<Resultants>> = vec![None; self.assembly.rods.nodes];
         for (index, vertex) in self.assembly.rods.vertices.iter().enumerate() {
@@ -137,7 +137,7 @@ impl System {
             binormal.norm()
         } else {
             let turning = vertex.strain.of(&strains);
-            // Beside a clamp the turning is no mean of the curvature around the node; the moment is right there.
+            // Beside a clamp the turning is not the mean curvature around the node; the moment is right there.
             let over_length = |axis: usize| {
                 let of_edges =
                     |of: &VertexStrains| 0.5 * (of.curvature[axis] + of.curvature[axis + 2]);

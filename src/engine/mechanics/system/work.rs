@@ -1,10 +1,10 @@
-//! The energy that forces bring into a step.
+//! The energy that forces add in a step.
 //!
-//! An implicit step takes no more out of a convex energy φ than it held: f·(q₁ − q₀) ≤ φ(q₀) − φ(q₁) with the force f = −∇φ
-//! where the step ends. The energy of a contact is convex in its gap, elastic energy in the strains. Gaps and strains are
-//! nearly linear in the unknowns as long as rotations within the step are small. Rods that move around each other by a good part
-//! of their thickness, however, are pushed apart along a normal that has turned meanwhile, and an edge that is compressed is
-//! pushed along as it turns. A step in which that brings energy is repeated.
+//! An implicit step removes at most the stored amount from a convex energy φ: f·(q₁ − q₀) ≤ φ(q₀) − φ(q₁) with the force f = −∇φ
+//! at the end of the step. The energy of a contact is convex in its gap, elastic energy in the strains. Gaps and strains are
+//! nearly linear in the unknowns as long as rotations within the step are small. Rods that move around each other by a
+//! large part of their thickness, however, are pushed apart along a normal that has turned meanwhile, and a compressed
+//! edge is accelerated as it turns. A step in which that adds energy is repeated.
 
 use super::term::Kind;
 use super::{Stage, System, copy_positions};
@@ -13,11 +13,11 @@ use crate::mechanics::contact::ContactSystem;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 
-/// Energy that counts as none, of the kinetic and elastic energy of the scene.
+/// Energy that is negligible, over the kinetic and elastic energy of the scene.
 const NEGLIGIBLE: f64 = 1e-3;
-/// The same for contacts in steps of the midpoint rule, which take no energy either: an impact takes many of them.
+/// The same for contacts in steps of the midpoint rule, which do not remove energy either: an impact takes many of them.
 const NEGLIGIBLE_IN_THE_MIDDLE: f64 = 1e-5;
-/// The same of what all contact forces do over the distance tolerance δ: rods that lie still move by less, this way and that.
+/// The same over the work of all contact forces along the distance tolerance δ: rods at rest move by less, in alternating directions.
 const NEGLIGIBLE_WAY: f64 = 0.2;
 /// Turn of an edge within a step, rad, up to which strains count as linear: what that leaves out is half of its square.
 const FAR_TURN: f64 = 0.1;
@@ -69,7 +69,7 @@ impl System {
         (work, forces)
     }
 
-    /// Energy that contacts bring into a step of the midpoint rule that ends at `unknowns`, J, where it is not negligible; of
+    /// Energy that contacts add in a step of the midpoint rule that ends at `unknowns`, J, where it is not negligible; of
     /// normal forces in the middle of the step, with the energy added by a change of the contact stiffness. `None` also where nothing
     /// touches.
     pub(crate) fn work_of_contact_in_the_middle(

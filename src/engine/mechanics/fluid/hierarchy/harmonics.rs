@@ -23,13 +23,13 @@ pub(super) const fn whole_size(order: usize) -> usize {
     (order + 1) * (order + 1)
 }
 
-/// Where degree n and 0 ≤ m ≤ n stand in a table with m ≥ 0.
+/// Index of degree n and 0 ≤ m ≤ n in a table with m ≥ 0.
 #[inline(always)]
 pub(super) const fn half(n: usize, m: usize) -> usize {
     n * (n + 1) / 2 + m
 }
 
-/// Where degree n and |m| ≤ n stand in a table with all m.
+/// Index of degree n and |m| ≤ n in a table with all m.
 #[inline(always)]
 pub(super) const fn whole(n: usize, m: isize) -> usize {
     (n * (n + 1)).wrapping_add_signed(m)

@@ -1,4 +1,4 @@
-//! Which clusters act on which through expansions, and which must be summed exactly.
+//! Pairs of clusters that interact through expansions, and those that must be summed exactly.
 
 use super::tree::{Cluster, Tree};
 

@@ -9,7 +9,7 @@ use crate::mechanics::Vector3;
 /// Gauss points of a segment.
 const GAUSS: usize = 2;
 
-/// Point forces that stand for the linear densities on the segments of some nodes.
+/// Point forces that represent the linear densities on the segments of some nodes.
 #[derive(Default)]
 pub(super) struct Sources {
     slots: Vec<Slot>,

@@ -10,7 +10,7 @@ const LEAF: usize = 32;
 /// Nodes near each other, and the ball that holds them.
 #[derive(Clone, Debug)]
 pub(super) struct Cluster {
-    /// Where they stand in [`Tree::order`].
+    /// Their range in [`Tree::order`].
     pub nodes: Range<usize>,
     /// The two halves; none for a leaf.
     pub children: Option<[usize; 2]>,

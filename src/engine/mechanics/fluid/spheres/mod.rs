@@ -9,9 +9,9 @@
 //! ```
 //!
 //! where B is the flow of a sphere at the points, C is Faxén's laws for the force densities, linear along the edges, and M is that of
-//! spheres in the flow of spheres ([`sphere`]). Nodes that begin inside a sphere are part of it: they take no force.
+//! spheres in the flow of spheres ([`sphere`]). Nodes that start inside a sphere are part of it and carry no force.
 //!
-//! **What is left out.** A sphere moves as in the flow of others at its centre, with the curvature of that flow, but its surface
+//! **Omitted.** A sphere moves as in the flow of others at its centre, with the curvature of that flow, but its surface
 //! does not shape their flow further: of a force just outside of a sphere the exact image is missing (Oseen 1927). Where a
 //! filament leaves a sphere that pulls it, the fluid moves with the sphere, and the forces there are small.
 
@@ -273,7 +273,7 @@ impl Spheres {
     }
 }
 
-/// Where φ or τ of a sphere stands among the unknowns of all.
+/// Index of φ or τ of a sphere among the unknowns of all.
 fn range_of(number: usize, unknown: usize) -> Range<usize> {
     let first = UNKNOWNS * number + 3 * unknown;
     first..first + 3

@@ -32,7 +32,7 @@ pub(crate) struct Sphere {
     pub arm: f64,
 }
 
-/// What a sphere and a point at a distance do to each other, beside the rotation of the point.
+/// Interaction of a sphere and a point at a distance, without the rotation of the point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in super::super) struct Influence {
     /// Of the force on the velocity: symmetric.
@@ -100,7 +100,7 @@ impl Sphere {
         }
     }
 
-    /// What the force at a point, at r from it to the centre, does to the sphere: per 8πη and unit of force its velocity is S f and
+    /// Effect on the sphere of the force at a point, with r from it to the centre: per 8πη and unit of force its velocity is S f and
     /// that of its surface, aΩ, f × d.
     pub(in super::super) fn influence_of(&self, r: &Vector3) -> Influence {
         let a = self.radius;

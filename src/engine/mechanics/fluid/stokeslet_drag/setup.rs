@@ -1,4 +1,4 @@
-//! What is in the flow: a wall, spheres, filaments that are held together.
+//! Setup of the flow: a wall, spheres, connected filaments.
 
 use super::{StokesletDrag, TOLERANCE};
 use crate::mechanics::fluid::age::Age;

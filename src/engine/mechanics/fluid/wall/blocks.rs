@@ -1,4 +1,4 @@
-//! What a wall adds to the stored collocation matrix.
+//! Contribution of a wall to the stored collocation matrix.
 
 use super::FlowWall;
 use super::image::{Image, cross};
@@ -15,7 +15,7 @@ const ROWS_PER_TASK: usize = 32;
 /// The part of the operator that a wall adds, in the layout of the operator's own blocks.
 ///
 /// The symmetric parts of the images are added to the operator's blocks; the antisymmetric parts are stored here, 12 bytes
-/// per pair of nodes. Scenes without a wall have none of this.
+/// per pair of nodes. Scenes without a wall have none of these blocks.
 pub(in super::super) struct WallBlocks {
     wall: FlowWall,
     images: Vec<ImageLanes>,

@@ -30,7 +30,7 @@
 //! | K₄ | J₂ − ρ² K₂ |
 //!
 //! and (1 − s₀s₁)/ρ² = (ρ² + ζ₀² + ζ₁²)/((R₀R₁ + ζ₀ζ₁) R₀R₁) where ζ₀ζ₁ > 0, which has no difference of nearly
-//! equal numbers. There is no quadrature, and so no smallest height: the error is that of rounding.
+//! equal numbers. It needs no quadrature, and therefore has no smallest height: the error is that of rounding.
 
 use super::super::segment::{Integrals, Offset, Segment, Symmetric, combine, full};
 use crate::mechanics::{Matrix3, Vector3};
@@ -106,7 +106,7 @@ impl Image {
         }
     }
 
-    /// What the image adds to A₁ and A₂ at `x`, which is at height `z` over the wall with unit normal `n`.
+    /// Contribution of the image to A₁ and A₂ at `x`, which is at height `z` over the wall with unit normal `n`.
     fn integral(&self, x: [f64; 3], z: f64, n: &[f64; 3]) -> [Part; 2] {
         let offset = self.mirrored.offset(x);
         let moments = self.moments(&offset);

@@ -4,15 +4,15 @@
 //! |---|---|
 //! | `image` | the image of one segment in closed form (Blake 1971; Ainley et al. 2008) |
 //! | `lanes` | the same for eight segments at a time |
-//! | `blocks` | what a wall adds to the stored operator |
+//! | `blocks` | contribution of a wall to the stored operator |
 //!
 //! # Nodes in the wall
-//! The row of a node on the wall vanishes: nothing moves the fluid there. A rod that is clamped in the wall has such a node.
+//! The row of a node on the wall vanishes: the fluid is at rest there. A rod that is clamped in the wall has such a node.
 //! The force density of a rod at rest falls to zero there, since the fluid near the wall is at rest, too; so a
 //! node whose position is held and whose height is less than a tenth of the radius takes none. Where such a node is behind the
 //! wall, its edge counts from the wall on. Any other node at or behind the wall is an error.
 //!
-//! # What is not resolved
+//! # Not resolved
 //! Images act between centrelines; lubrication within the gap is not modelled. Drag of a long cylinder that glides along the wall, over the
 //! exact 2πη/arcosh(height/radius), for two regularisations:
 //!

@@ -19,12 +19,12 @@ use serde::{Deserialize, Serialize};
 /// Added to the Hessian, in units of EI/L³, so that motions without stiffness neither make it singular nor
 /// count as unstable. The loads of critical points are too large by some millionths for it.
 const NEUTRAL: f64 = 1e-6;
-/// But no less than this multiple of the rounding error of the stiffest entry.
+/// Lower bound: this multiple of the rounding error of the stiffest entry.
 const ROUNDINGS: f64 = 8.0;
-/// Largest move of a node, over the rods' extent, that the next iteration may ask for at a point of the path. Near
+/// Largest move of a node, over the rods' extent, that the next iteration may make at a point of the path. Near
 /// a critical point a small residual alone allows large errors along its null vector.
 const PRECISION: f64 = 1e-9;
-/// Rounding errors may ask for more: it is enough when an iteration asks for no less than this part of the one
+/// Rounding errors may cause larger corrections: iterations end when a correction is at least this part of the one
 /// before.
 const STAGNATION: f64 = 0.1;
 /// Most iterations; a step that needs more is too long.
@@ -71,7 +71,7 @@ pub(super) struct Bordered {
     pub neutral: NeutralModes,
 }
 
-/// How an iteration ended.
+/// Result of an iteration.
 pub(super) struct Converged {
     pub iterations: usize,
     /// Small motions that grow there.
@@ -97,7 +97,7 @@ impl Bordered {
         }
     }
 
-    /// Goes to the point of the path that meets `condition`; `rate` is ∂q/∂λ there.
+    /// Finds the point of the path that meets `condition`; `rate` is ∂q/∂λ there.
     pub(crate) fn correct(
         &mut self,
         system: &mut System,
@@ -169,7 +169,7 @@ impl Bordered {
         unreachable!("the last iteration returns")
     }
 
-    /// Linearises at `unknowns` and factors the Jacobian, to which next to nothing is added; returns the
+    /// Linearises at `unknowns` and factors the Jacobian, to which a tiny multiple is added; returns the
     /// number of negative pivots, 0 where it is not symmetric, and `None` where it cannot be factored.
     pub(crate) fn linearize(&self, system: &mut System, unknowns: &[f64]) -> Option<usize> {
         system.linearize(unknowns, None);

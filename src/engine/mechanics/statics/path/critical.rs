@@ -9,7 +9,7 @@ use crate::mechanics::system::System;
 
 /// Arclength to which a critical point is located; 1 is the range of the parameter.
 const TOLERANCE: f64 = 1e-8;
-/// Where a bracket is divided: in its middle, or beside it where Newton's method fails there.
+/// Points at which a bracket is divided: its middle, or beside it where Newton's method fails there.
 const SHARES: [f64; 5] = [0.5, 0.3, 0.7, 0.1, 0.9];
 /// Most critical points between two neighbouring points.
 const MOST_IN_A_STEP: usize = 8;
@@ -20,7 +20,7 @@ const LARGEST_COUPLING: f64 = 1e-4;
 const HALVINGS: usize = 6;
 
 impl Tracer {
-    /// Hands out the critical points between `here` and `next`, which lies `step` ahead along `tangent`.
+    /// Returns the critical points between `here` and `next`, which is `step` ahead along `tangent`.
     pub(super) fn locate_critical_points(
         &mut self,
         system: &mut System,
@@ -57,7 +57,7 @@ impl Tracer {
             let divided = SHARES
                 .into_iter()
                 .find_map(|share| Some((share, self.between(system, low, &high, share).ok()?)));
-            // So near the critical point that Newton's method cannot tell where it goes.
+            // Too near the critical point for Newton's method to converge.
             let Some((share, middle)) = divided else {
                 break;
             };

@@ -24,7 +24,7 @@ pub(super) struct Tangent {
     pub parameter: f64,
 }
 
-/// Where another branch leaves.
+/// Start of another branch.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Origin {
     pub location: Location,
@@ -52,7 +52,7 @@ pub struct PathPoint {
     pub branch: usize,
     /// The path parameter λ.
     pub parameter: f64,
-    /// How far λ is at most from that of the critical point; 0 where the point is not critical.
+    /// Bound on the difference of λ to that of the critical point; 0 where the point is not critical.
     pub parameter_error: f64,
     /// Unknowns, 4 per node.
     pub unknowns: Vec<f64>,

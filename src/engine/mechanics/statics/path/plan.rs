@@ -1,8 +1,8 @@
-//! Which path is followed, and how.
+//! The plan of a path: its range and its steps.
 
 use serde::{Deserialize, Serialize};
 
-/// Where a path begins and ends, and the steps along it.
+/// Start and end of a path, and the steps along it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathPlan {
     /// Path parameter at the start.
@@ -14,7 +14,7 @@ pub struct PathPlan {
     /// Largest step: neither does the parameter change by more, nor does the root mean square of the
     /// nodes' displacement over the rods' extent by more than this part of the whole range of λ.
     pub largest_step: f64,
-    /// What a step holds fixed.
+    /// Quantity that a step holds fixed.
     pub method: PathMethod,
     /// Whether branches that leave at bifurcations are followed, too.
     pub switch_branches: bool,
@@ -22,7 +22,7 @@ pub struct PathPlan {
     pub most_points: usize,
 }
 
-/// What a step along the path prescribes.
+/// Condition that a step along the path prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PathMethod {
     /// The parameter itself. At a fold no equilibrium is near: the path ends there, or jumps to a distant one.

@@ -33,7 +33,7 @@ const NOT_BETWEEN: Divergence = Divergence {
 /// Branches that ended within the range of the parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EndedEarly {
-    /// They had as many points as the plan allows.
+    /// The limit of points of the plan was reached.
     pub long: usize,
     /// Branches but the first: they could not be followed by the smallest step, or not be found.
     pub lost: usize,
@@ -211,7 +211,7 @@ impl Tracer {
         }
     }
 
-    /// The point of the path that lies `step` ahead of `from`.
+    /// The point of the path `step` ahead of `from`.
     fn step_by(
         &mut self,
         system: &mut System,

@@ -8,9 +8,9 @@
 //! ⎣ Nᵀ   D ⎦ ⎣ z ⎦  =  ⎣ s ⎦ ,    z = (η, σ),                    ⎣ X'ᵀ    R·X'' ⎦
 //! ```
 //!
-//! where E picks the sliding node and W the nodes that bear it: the first rows of the border say δx = W δq + X' σ. N is L but
+//! where E selects the sliding node and W the nodes that carry it: the first rows of the border are δx = W δq + X' σ. N is L except
 //! in the middle of a step, where the node moves by other weights than its force ([`super::slide`]). So K keeps its pattern
-//! wherever a node slides, a band remains a band, and four solutions more a joint and a small dense matrix,
+//! wherever a node slides, a band remains a band, and four additional solutions per joint and a small dense matrix,
 //! S = D − Nᵀ K⁻¹ L, are the price. The numbers of negative eigenvalues of K and S add up to those of the whole
 //! (Haynsworth 1968), of which three a joint belong to the constraints.
 
@@ -28,7 +28,7 @@ const OWN: usize = 4;
 /// Factors of the border; empty without sliding nodes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Border {
-    /// As they were when it was factored.
+    /// Their values when it was factored.
     slides: Vec<Slide>,
     /// Entries of Nᵀ and their unknowns: a row for each unknown of the border.
     rows: Vec<Vec<(usize, f64)>>,
@@ -45,7 +45,7 @@ impl Border {
     /// parameters, and `solve` solves with K. Of the inertia of K it makes that of the whole.
     ///
     /// # Errors
-    /// Those of `solve`, and a matrix S that is singular.
+    /// The errors of `solve`, and a singular matrix S.
     pub(crate) fn factor(
         &mut self,
         joints: &Joints,
@@ -111,7 +111,7 @@ impl Border {
     /// `solve` solves with K.
     ///
     /// # Errors
-    /// Those of `solve`.
+    /// The errors of `solve`.
     pub(crate) fn solve(
         &self,
         right_hand_side: &mut [f64],
@@ -144,7 +144,7 @@ impl Border {
         Ok(())
     }
 
-    /// Lets what acts on the sliding nodes act on what bears them, as when the border was factored.
+    /// Transfers the forces on sliding nodes to the nodes that carry them, as when the border was factored.
     pub(crate) fn gather(&self, forces: &mut [f64]) {
         self.slides.iter().for_each(|slide| slide.gather(forces));
     }
@@ -221,7 +221,7 @@ fn turning(slide: &Slide, size: usize) -> Vec<f64> {
     column
 }
 
-/// What of a vector is not zero.
+/// The nonzero entries of a vector.
 fn entries(row: &[f64]) -> Vec<(usize, f64)> {
     let all = row.iter().copied().enumerate();
     all.filter(|(_, entry)| *entry != 0.0).collect()

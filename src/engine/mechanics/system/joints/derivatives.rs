@@ -16,14 +16,14 @@ use crate::linalg::ElementMatrix;
 use crate::mechanics::rod::{STRIDE, TURNING_ROTATION};
 use crate::mechanics::{Matrix3, Vector3, rotation};
 
-/// Where the angle of a hinge lies among the unknowns of a half vertex, and of the element of a frame.
+/// Index of the angle of a hinge among the unknowns of a half vertex, and of the element of a frame.
 pub(super) const HINGE: usize = TURNING_ROTATION + 3;
 pub(super) const OWN_HINGE: usize = 3;
-/// Where the position of the node begins in the element of a frame with a body whose centre of mass is off it.
+/// Index of the position of the node in the element of a frame with a body whose centre of mass is off it.
 pub(super) const OWN_NODE: usize = 6;
 
 impl Joints {
-    /// How a frame turns, seen from outside, with the rotation ℓφ in which it takes part, J/ℓ, and the axis of its hinge at
+    /// Derivatives of the rotation of a frame, seen from outside: over the rotation ℓφ of its group, J/ℓ, and the axis of its hinge at
     /// the last evaluation, which was at `unknowns`.
     pub(crate) fn rates_of_frame(
         &self,

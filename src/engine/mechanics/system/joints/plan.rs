@@ -1,4 +1,4 @@
-//! Which nodes are one point, and which frames turn together: found from the description of a scene before its rods are
+//! Nodes that are one point, and frames that turn together: found from the description of a scene before its rods are
 //! numbered.
 
 use super::Joints;
@@ -48,7 +48,7 @@ pub fn joint_unknowns(scene: &Scene) -> [usize; 2] {
         return [0; 2];
     };
     let taken = plan.points.iter().map(|point| 3 * (point.len() - 1));
-    // Three of the position, and one more that says where it is.
+    // Three of the position, and one more for the place on the rod.
     let slides = plan.slides.len();
     let added = plan
         .frames
@@ -159,7 +159,7 @@ impl JointPlan {
         Ok(plan)
     }
 
-    /// The frames of groups of nodes: of those that hinges tie together, the one with the most hinges bears the others.
+    /// The frames of groups of nodes: of those that hinges tie together, the one with the most hinges carries the others.
     fn add_frames(
         &mut self,
         mut groups: Vec<Vec<RodNode>>,

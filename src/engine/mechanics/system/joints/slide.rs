@@ -180,7 +180,7 @@ impl Slide {
     }
 }
 
-/// Where a node is where a step from `start` ends of which `unknowns` are the middle.
+/// Position of a node at the end of a step from `start` of which `unknowns` are the middle.
 fn place(unknowns: &[f64], start: Option<&[f64]>, node: usize) -> Vector3 {
     let now = position(unknowns, node);
     start.map_or(now, |start| now * 2.0 - position(start, node))

@@ -1,4 +1,4 @@
-//! How far nodes are apart that joints and springs tie.
+//! Distance of nodes that joints and springs tie.
 
 use crate::mechanics::scene::{RodNode, Scene};
 use crate::mechanics::{JointError, Vector3};
@@ -6,7 +6,7 @@ use crate::mechanics::{JointError, Vector3};
 /// Farthest that the nodes of a joint may be apart, over the shorter of the edges there.
 const SAME_POINT: f64 = 1e-6;
 
-/// How far two nodes are apart as placed.
+/// Distance of two nodes as placed.
 pub(super) struct Span {
     /// m.
     pub distance: f64,
@@ -20,7 +20,7 @@ impl Span {
     }
 }
 
-/// How far the nodes of a joint are apart, where they exist and are two.
+/// Distance of the nodes of a joint, where they exist and are two.
 pub(super) fn span(scene: &Scene, nodes: &[RodNode; 2]) -> Result<Span, JointError> {
     if nodes[0] == nodes[1] {
         return Err(JointError::SameNode);

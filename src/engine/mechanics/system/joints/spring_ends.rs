@@ -1,4 +1,4 @@
-//! What springs tie: how far apart, and what turns with their ends.
+//! The ends of springs: their distance, and the frames that turn with them.
 
 use super::plan::JointPlan;
 use super::span::span;
@@ -48,7 +48,7 @@ impl JointPlan {
         found.map_err(|reason| wrong(spring, reason))
     }
 
-    /// What the ends of a spring turn with that turns frames.
+    /// Frames with which the ends of a torsional spring turn.
     ///
     /// # Errors
     /// [`SceneError::Joint`] where both turn as one.

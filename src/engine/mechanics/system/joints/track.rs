@@ -29,7 +29,7 @@ pub(crate) struct Track {
     pub edge: f64,
 }
 
-/// What a place on the curve is made of: its position is Σ wⱼ xⱼ.
+/// Weights of the nodes at a place on the curve, whose position is Σ wⱼ xⱼ.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Weights {
     /// Numbers of the nodes xⱼ; one may occur twice.
@@ -117,7 +117,7 @@ impl Track {
                 let node = if self.closed {
                     (node + nodes - 1) % nodes
                 } else {
-                    // Where there is no such node its weight is none.
+                    // A missing node has no weight.
                     node.saturating_sub(1).min(nodes - 1)
                 };
                 self.first_node + node

@@ -1,21 +1,21 @@
-//! What turns with the ends of springs that turn material frames.
+//! Frames that turn with the ends of torsional springs.
 
 use super::span::span;
 use crate::mechanics::scene::{RodNode, Scene, Spring};
 use crate::mechanics::{JointError, SceneError};
 
-/// What one end of a spring turns with that turns material frames.
+/// Frame with which one end of a torsional spring turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::mechanics::system) enum TurnedEnd {
     /// A frame to which the rod is clamped there, by its number.
     Frame(usize),
     /// The clamp that holds the frame of the rod there.
     Clamped(RodNode),
-    /// A rod that stands still.
+    /// A rod at rest.
     Held,
 }
 
-/// What turns with a node but a frame that is free.
+/// The frame that turns with a node, except a free one.
 pub(super) fn wall_at(scene: &Scene, at: RodNode) -> Option<TurnedEnd> {
     let mut clamps = scene.clamps.iter().filter(|clamp| clamp.holds_frame);
     if scene.rods[at.rod].held {
@@ -30,7 +30,7 @@ pub(super) fn wall_at(scene: &Scene, at: RodNode) -> Option<TurnedEnd> {
 /// Nodes at which rods are clamped to frames that springs turn.
 ///
 /// # Errors
-/// [`SceneError::Joint`] where there is no such node.
+/// [`SceneError::Joint`] if the node does not exist.
 pub(super) fn turned_nodes(scene: &Scene) -> Result<Vec<RodNode>, SceneError> {
     let mut nodes = Vec::new();
     for spring in scene
@@ -45,7 +45,7 @@ pub(super) fn turned_nodes(scene: &Scene) -> Result<Vec<RodNode>, SceneError> {
     Ok(nodes)
 }
 
-/// What is wrong with a spring.
+/// Fault of a spring.
 pub(super) fn wrong(spring: &Spring, reason: JointError) -> SceneError {
     SceneError::Joint {
         name: spring.name.clone(),

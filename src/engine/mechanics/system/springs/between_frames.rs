@@ -1,7 +1,7 @@
 //! A spring that turns the material frames of two rods towards each other.
 //!
 //! Of the rotations A and B of the frames since they were placed, and the rotation Q₀ of the second against the first at which
-//! there is no moment, B = A Q₀ is where it rests. What is left,
+//! there is no moment, the spring rests at B = A Q₀. The rotation from there,
 //!
 //! ```text
 //! B Q₀ᵀ Aᵀ = exp([θ]×),   ‖θ‖ ≤ π,   E = ½ c ‖θ‖²
@@ -9,7 +9,7 @@
 //!
 //! turns the second frame by the angle ‖θ‖ too far, about an axis seen from outside: the moment per angle c is the same about
 //! all axes. Turning A by φ and B by ψ, seen from outside, too, changes θ by J⁻¹ ψ − J⁻ᵀ φ with the left Jacobian J(θ) of the
-//! rotation group ([`rotation::left_jacobian`]; Solà et al. 2018, Eqs. 143 to 146), which leaves θ as it is, J⁻¹ θ = J⁻ᵀ θ = θ.
+//! rotation group ([`rotation::left_jacobian`]; Solà et al. 2018, Eqs. 143 to 146), which leaves θ unchanged, J⁻¹ θ = J⁻ᵀ θ = θ.
 //! So
 //!
 //! ```text
@@ -17,8 +17,8 @@
 //! T_A = ∂E/∂φ = −c θ,     ∂T_A/∂φ = c J⁻ᵀ,    ∂T_A/∂ψ = −c J⁻¹
 //! ```
 //!
-//! The moments are opposite, so that angular momentum is kept. Of the derivative of a moment over the rotation of its own
-//! frame, D = S − ½ [T]×, joints ask for the symmetric part S ([`super::super::joints`]), which is ½ c (J⁻¹ + J⁻ᵀ).
+//! The moments are opposite, so that angular momentum is conserved. Of the derivative of a moment over the rotation of its own
+//! frame, D = S − ½ [T]×, joints need the symmetric part S ([`super::super::joints`]), which is ½ c (J⁻¹ + J⁻ᵀ).
 //!
 //! At half a turn, ‖θ‖ = π, the energy has a ridge: the spring turns back the shorter way.
 
@@ -29,17 +29,17 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::add_to_node;
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3, rotation};
 
-/// Where the angles of the hinges of both frames lie among the unknowns of its element, after their rotations.
+/// Indices of the angles of the hinges of both frames among the unknowns of its element, after their rotations.
 const HINGES: [usize; 2] = [6, 7];
 
-/// What one end turns with.
+/// Frame with which one end turns.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SpringEnd {
     /// A frame of the joints, by its number.
     Frame(usize),
     /// A clamp, by its number.
     Clamp(usize),
-    /// A rod that stands still.
+    /// A rod at rest.
     Held,
 }
 
@@ -48,7 +48,7 @@ pub(super) enum SpringEnd {
 pub(super) struct FrameSpring {
     /// Number of the spring of the scene.
     pub number: usize,
-    /// What A and B turn with.
+    /// Frames of the rotations A and B.
     pub ends: [SpringEnd; 2],
     /// c, N m/rad.
     pub stiffness: f64,
@@ -80,7 +80,7 @@ impl FrameSpring {
         [-moment, moment]
     }
 
-    /// The derivative of a moment over the rotation of its own frame, but for −½ [T]×, and of that on the first frame over
+    /// The derivative of a moment over the rotation of its own frame, except −½ [T]×, and of that on the first frame over
     /// the rotation of the second, N m.
     fn derivatives(&self) -> [Matrix3; 2] {
         let across = rotation::inverse_left_jacobian(&self.vector) * self.stiffness;
@@ -97,7 +97,7 @@ impl FrameSpring {
         }
     }
 
-    /// Its unknowns: the rotations in which both frames take part, then the angles of their hinges.
+    /// Its unknowns: the rotations of the groups of both frames, then the angles of their hinges.
     pub(crate) fn element(&self, joints: &Joints) -> Element {
         let mut element = [UNUSED; 12];
         for (end, side) in self.ends.iter().enumerate() {

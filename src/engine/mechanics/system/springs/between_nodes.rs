@@ -6,7 +6,7 @@
 //! E = ½ k (r − L)²,   ∂E/∂d = k (1 − L/r) d,   ∂²E/∂d² = k [ (1 − L/r) 1 + L/r d⊗d/r² ]
 //! ```
 //!
-//! Without L that is k d and k 1, wherever the nodes are. Where the nodes of another one meet exactly its force has no
+//! Without L that is k d and k 1 at every distance. Where the nodes of another one meet exactly its force has no
 //! direction, and is taken to be none.
 
 use crate::mechanics::{Matrix3, Vector3};

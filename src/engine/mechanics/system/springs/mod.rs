@@ -84,7 +84,7 @@ impl Springs {
         self.about_hinges.retain(|spring| spring.unknown != angle);
     }
 
-    /// Lets one exert no force and no moment any more.
+    /// Disables the force and moment of a spring.
     pub(crate) fn cut(&mut self, number: usize) {
         let spring = &mut self.between_nodes[number];
         (spring.stiffness, spring.rest_length) = (0.0, 0.0);
@@ -228,7 +228,7 @@ impl Term for Springs {
         self.turn(&at.assembly.joints, &at.assembly.drives, at.time);
     }
 
-    /// That between nodes counts as of stretching, that between frames and about hinges as of bending.
+    /// Springs between nodes count as stretching, springs between frames and about hinges as bending.
     fn energy(&self, _: &Assembly, _: &RodGeometry) -> ElasticEnergy {
         let of_angle = |spring: &AngleSpring| {
             let turn = spring.angle - spring.rest_angle;
