@@ -37,7 +37,7 @@ pub struct Scene {
     pub planes: Vec<Plane>,
     /// Rigid bodies that rods may touch.
     pub obstacles: Vec<Obstacle>,
-    /// Contact model between rods, with planes and with obstacles; `None` lets everything pass through.
+    /// Contact model between rods, with planes and with obstacles; `None`: bodies pass through each other.
     pub contact: Option<ContactParameters>,
     /// Surrounding fluid; `None` is a vacuum.
     pub fluid: Option<FluidModel>,
@@ -115,7 +115,7 @@ pub struct RodDescription {
 pub struct Relaxation {
     /// Modulus of that spring over Young's modulus, r = E₁/E; the same for stretching, bending and twisting.
     pub ratio: f64,
-    /// Relaxation time τ, s: in it, what the two bear at constant strain falls to 1/e.
+    /// Relaxation time τ, s, in which the stress of the two at constant strain falls to 1/e.
     pub time: f64,
 }
 

@@ -72,7 +72,7 @@ pub(crate) fn straight_rod(edges: usize, length: f64) -> RodDescription {
     }
 }
 
-/// Rods that nothing holds or loads.
+/// Rods without supports or loads.
 pub(crate) fn free_rods(rods: Vec<RodDescription>) -> Scene {
     Scene {
         rods,
@@ -119,7 +119,7 @@ pub(crate) fn hinge(axis: Vector3) -> JointKind {
     JointKind::Hinge { axis, spring: None }
 }
 
-/// A spring of a stiffness (N/m) as long as placed that turns nothing and does not break.
+/// A spring of a stiffness (N/m) with its placed length as rest length, without torsional stiffness, unbreakable.
 pub(crate) fn spring(name: &str, nodes: [RodNode; 2], stiffness: f64) -> Spring {
     Spring {
         name: name.into(),
@@ -131,7 +131,7 @@ pub(crate) fn spring(name: &str, nodes: [RodNode; 2], stiffness: f64) -> Spring 
     }
 }
 
-/// A body of a mass (kg) whose centre is at its node, and which touches nothing.
+/// A body of a mass (kg) whose centre is at its node, and which has no contact.
 pub(crate) fn body(name: &str, at: RodNode, mass: f64, inertia: Option<[f64; 3]>) -> Body {
     Body {
         name: name.into(),
@@ -280,7 +280,7 @@ pub(crate) fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
     distances.fold(0.0, f64::max)
 }
 
-/// A number lies within `tolerance` of what is expected, relative to that.
+/// Asserts that a number is within the relative `tolerance` of the expected one.
 #[track_caller]
 pub(crate) fn assert_close(found: f64, expected: f64, tolerance: f64) {
     assert_close_in((), found, expected, tolerance);

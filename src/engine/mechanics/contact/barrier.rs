@@ -83,7 +83,7 @@ pub(super) fn gap_of_force(force: f64, scale: f64, tolerance: f64, stiffness: f6
     tolerance / (1.0 + nearness)
 }
 
-/// The stiffness k (J) at which a unit force (N) between bodies of mean radius h̄ = `scale` (m) is borne in the
+/// The stiffness k (J) at which a unit force (N) between bodies of mean radius h̄ = `scale` (m) is balanced in the
 /// middle of the barrier.
 ///
 /// A softer barrier carries its loads close to contact, where it is steep; a stiffer one far out, where it

@@ -22,7 +22,7 @@ use crate::mechanics::Vector3;
 /// The points of parallel edges that face each other are equally near. Where the sine is smaller the
 /// closest points are unstable and the curvature of the distance, which grows like its inverse square,
 /// is of no use to Newton's method. At 1e-6 and edges of a few radii the distance that is lost by taking
-/// the middle instead of the true minimum is 1e-12 of the radius; at 1e-4 it would already be felt.
+/// the middle instead of the true minimum is 1e-12 of the radius; at 1e-4 it would already be noticeable.
 const PARALLEL_SINE: f64 = 1e-6;
 
 /// Contact ratios that are free to move along their edges, [first edge, second edge].
@@ -63,7 +63,7 @@ impl ClosestPoints {
         );
         let cross = edge_i.cross(&edge_j);
         let determinant = cross.norm_squared() + smoothing * (square_i + square_j - smoothing);
-        // An edge without length is a point, which is parallel to nothing, and lies at its first node.
+        // An edge without length is a point, which has no parallels, at its first node.
         let is_point = square_i == smoothing || square_j == smoothing;
         if is_point || determinant <= PARALLEL_SINE * PARALLEL_SINE * square_i * square_j {
             return Self::of_parallel_edges(nodes);
@@ -74,8 +74,8 @@ impl ClosestPoints {
         let (inverse_i, inverse_j) = (1.0 / square_i, 1.0 / square_j);
 
         // The minimum over the lines, cut to the first edge; the nearest point of the second edge; and, for
-        // the case that this was cut too, the nearest point of the first edge to it. Where nothing was
-        // cut the last two change nothing; computing them without branches is faster. Ratios count from the middles.
+        // the case that this was cut too, the nearest point of the first edge to it. Without a
+        // cut the last two have no effect; computing them without branches is faster. Ratios count from the middles.
         let over_lines = offset.cross(&edge_j).dot(&cross) + smoothing * along_i;
         let start = (over_lines / determinant).clamp(-0.5, 0.5);
         let ratio_j = ((start * mixed - along_j) * inverse_j).clamp(-0.5, 0.5);
@@ -94,7 +94,7 @@ impl ClosestPoints {
         let edge_j = nodes[3] - nodes[2];
         let (length_i, length_j) = (edge_i.norm_squared(), edge_j.norm_squared());
         if length_j == 0.0 {
-            // A point, which is parallel to nothing.
+            // A point, which has no parallels.
             let ratio_i = project(&nodes[2], &nodes[0], &edge_i, length_i).clamp(0.0, 1.0);
             return Self::at(nodes, [ratio_i, 0.0], [is_inside(ratio_i), false]);
         }

@@ -171,7 +171,7 @@ pub struct ContactConstraint {
     pub(super) threshold: f64,
     /// Force on the first body, N.
     pub force: Vector3,
-    /// Whether it has borne a force since the step began.
+    /// Whether it has carried a force since the step began.
     pub(super) touched: bool,
 }
 

@@ -9,7 +9,7 @@
 //! this slab has become too thin; there the closest points are computed again, and so on (Mirtich 1996; Li et al.
 //! 2021, "Codimensional incremental potential contact", advance by the speed of the nodes instead, the
 //! largest over all directions, and are slower). Edges that slide along each other need one slab, where a bound by speed
-//! would advance by a fraction of the gap at a time. Nothing depends on which features are nearest
+//! would advance by a fraction of the gap at a time. The bound does not depend on which features are nearest
 //! (point–point, point–edge, edge–edge), and an error of the closest points makes the slab thinner
 //! than need be, never too thick.
 

@@ -24,7 +24,7 @@ pub(super) struct Iterate {
     mobilities: Vec<f64>,
     /// Positions, m; empty before the first linearisation of a step.
     positions: Vec<Vector3>,
-    /// Contacts of the first linearisation that bear or bore force, the sum of these forces, and that of their changes, N.
+    /// Contacts of the first linearisation that carry or carried a force, the sum of these forces, and that of their changes, N.
     contacts: usize,
     /// Rods that those press on that bore force, each as often as it is pressed on: where rods overlap in the prediction, many
     /// neighbours of each true contact count.
@@ -59,7 +59,7 @@ impl Iterate {
         self.changes += (now.0 - before.0).abs() + (now.1 * now.0 - before.1 * before.0).norm();
     }
 
-    /// Whether many contacts bear other forces than in the last step, and not too many for so many rods.
+    /// Whether many contacts have other forces than in the last step, and not too many for so many rods.
     pub(crate) fn is_surprised(&self, rods: usize) -> bool {
         let are_many = rods >= MANY_RODS && self.contacts >= MANY_CONTACTS;
         let suits = are_many && self.pressed <= MOST_PER_ROD * rods;

@@ -3,7 +3,7 @@
 //! Every candidate pair of edges has a slot, and after them every node over every plane (see [`super::slots`]).
 //!
 //! The contact force falls to a third within δ/30 of gap, a distance that rods cross many times within one
-//! time step. Newton's method on the gap alone sees no force a little too far out, and one that is out
+//! time step. Newton's method on the gap alone finds no force a little too far out, and one that is out
 //! by orders of magnitude a little too far in; it then needs an iteration for every factor of e. So each
 //! pair keeps its normal force λ from the last step, and Newton's method is that for the pair of equations
 //!
@@ -79,7 +79,7 @@ impl Moved {
     }
 }
 
-/// The force law of one contact as the linear system sees it.
+/// The force law of one contact in the linear system.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LinearLaw {
     /// λ* and N′(g*), for the Jacobian.

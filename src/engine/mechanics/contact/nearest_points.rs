@@ -21,7 +21,7 @@ pub(super) enum NearestPoints {
 
 impl NearestPoints {
     /// Those of a pair at `points`, smoothed over parallel edges by c (m²); `None` where the node of a pair with a face is not over
-    /// it, or not within the ends of a tube, and where a rim is not felt.
+    /// it, or not within the ends of a tube, and where a rim does not act.
     pub(crate) fn of(
         surface: &ContactSurface,
         pair: &CandidatePair,
@@ -68,7 +68,7 @@ impl NearestPoints {
 }
 
 /// Distance of the centrelines of two rods, or of that of a rod from the surface of an obstacle, m; `None` where a node is not
-/// over its face, or not within the ends of its tube, and where a rim is not felt.
+/// over its face, or not within the ends of its tube, and where a rim does not act.
 pub(super) fn separation(
     surface: &ContactSurface,
     pair: &CandidatePair,
@@ -79,7 +79,7 @@ pub(super) fn separation(
 }
 
 impl ContactSystem {
-    /// Distance between the surfaces of a pair at which the gap that the force law sees is zero, m.
+    /// Distance between the surfaces of a pair at which the gap of the force law is zero, m.
     pub(super) fn standoff(&self, pair: &CandidatePair) -> f64 {
         if pair.side == EDGE {
             self.parameters.standoff()

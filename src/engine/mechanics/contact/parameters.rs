@@ -81,7 +81,7 @@ impl ContactParameters {
         4.0 * part * self.distance_tolerance * threshold
     }
 
-    /// Distance between the surfaces of two edges at which the gap that the force law sees is zero, m.
+    /// Distance between the surfaces of two edges at which the gap of the force law is zero, m.
     ///
     /// The smoothed distance Δ of [`ClosestPoints`](super::closest_points::ClosestPoints) is larger than the true one d by
     /// at most c/(4 d), so that with a barrier at Δ = h_i + h_j + c/(4 (h_i + h_j)) surfaces never touch. Penalties have none.

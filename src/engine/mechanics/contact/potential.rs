@@ -18,7 +18,7 @@ use super::normal_response::NormalResponse;
 /// Distance between the surfaces, in units of δ, beyond which there is no force.
 ///
 /// The force falls like exp(−30 gap/δ): at δ, where Eq. 2.15 cuts it off, it is 1e-8 of what the adaptive
-/// stiffness (s = 1e5, δ = h/100) aims at, which a tight Newton tolerance still feels as a jump; at 1.5 δ
+/// stiffness (s = 1e5, δ = h/100) aims at, which for a tight Newton tolerance is still a jump; at 1.5 δ
 /// it is 4e-15 of it.
 const REACH: f64 = 1.5;
 

@@ -4,7 +4,7 @@
 //! them. Every model sets it to zero. Overlaps due to their clamps are still checked.
 //!
 //! The weight of a free node in a contact goes to zero as the contact point comes to the end of an edge that is held, and the
-//! force on that node with it. So what moves feels no jump.
+//! force on that node with it. So forces on free nodes do not jump.
 
 use super::contact_system::ContactSystem;
 use super::contacts::Proximity;

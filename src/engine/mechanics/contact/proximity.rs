@@ -49,7 +49,7 @@ impl ContactSystem {
         self.bearing().chain(self.touching_without_force())
     }
 
-    /// The contacts of the last evaluation that may bear a force.
+    /// The contacts of the last evaluation that may carry a force.
     fn bearing(&self) -> impl Iterator<Item = Proximity> {
         let edges = self.contacts().iter().map(|contact| Proximity {
             pair: ContactPair::Edges(self.candidates()[contact.candidate].edges),
@@ -124,7 +124,7 @@ impl ContactSystem {
         deepest_beyond(allowed, self.touching())
     }
 
-    /// Whether a contact of the last evaluation is pressed deeper than those that bear what they are made for.
+    /// Whether a contact of the last evaluation is compressed further than by its design force.
     pub(crate) fn is_deep(&self) -> bool {
         let allowed = DEEP * self.parameters().maximum_penetration;
         deepest_beyond(allowed, self.bearing()).is_some()
@@ -175,7 +175,7 @@ impl ContactSystem {
         BroadPhase::default().find(self.surface(), positions, clearance, &mut found);
         self.obstacles
             .find(self.surface(), positions, clearance, &mut found);
-        // A rim is near what passes by outside of the tube, too, which does not feel it.
+        // A rim does not act on rods that pass by outside of the tube, though it may be near them.
         let is_felt = |pair: &CandidatePair| {
             !pair.is_with_rim() || self.separation(pair, positions).is_some()
         };

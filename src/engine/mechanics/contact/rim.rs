@@ -150,7 +150,7 @@ fn weighted(nodes: &[Vector3; 3], weights: &[f64; 3]) -> Vector3 {
 }
 
 impl RimPoint {
-    /// The nearest point of the piece of a `side` with nodes at the first three of these places, felt or not. Pieces are taken to
+    /// The nearest point of the piece of a `side` with nodes at the first three of these places, whether it acts or not. Pieces are taken to
     /// have one such point.
     pub(crate) fn nearest(side: i8, nodes: &[Vector3; 4], rim: &Rim) -> Self {
         let nodes = &[nodes[0], nodes[1], nodes[2]];

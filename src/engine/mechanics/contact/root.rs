@@ -1,8 +1,8 @@
 //! Roots: clamped nodes at which a rod leaves a body in which it is set.
 //!
-//! A stalk that is clamped in a floor, or a hair in a scalp, overlaps with the body around its root by nature, and nothing moves
-//! the one against the other there. The edges and nodes of the rod within the reach of the root pass over that body; what
-//! lies beyond touches it. With the radius h of the rod and the way s along it on which it overlaps as placed, the reach is
+//! A stalk that is clamped in a floor, or a hair in a scalp, overlaps with the body around its root by design, without relative
+//! motion there. Contact of the edges and nodes of the rod within the reach of the root with that body is ignored; what
+//! is beyond touches it. With the radius h of the rod and the way s along it on which it overlaps as placed, the reach is
 //!
 //! R = max(π h, 1.5 s), at most 20 h.
 
@@ -58,17 +58,17 @@ pub(super) struct Roots {
 }
 
 impl Roots {
-    /// Whether an edge of a rod passes over the edges of an obstacle.
+    /// Whether contact of an edge of a rod with the edges of an obstacle is ignored.
     pub(crate) fn free_edge(&self, edge: usize, obstacle: usize) -> bool {
         self.edges.binary_search(&[edge, obstacle]).is_ok()
     }
 
-    /// Whether a node passes over the faces, or the wall, of an obstacle.
+    /// Whether contact of a node with the faces, or the wall, of an obstacle is ignored.
     pub(crate) fn free_node(&self, node: usize, obstacle: usize) -> bool {
         self.nodes.binary_search(&[node, obstacle]).is_ok()
     }
 
-    /// Whether a node passes over a plane.
+    /// Whether contact of a node with a plane is ignored.
     pub(crate) fn frees_from_plane(&self, node: usize, plane: usize) -> bool {
         self.planes.binary_search(&[node, plane]).is_ok()
     }

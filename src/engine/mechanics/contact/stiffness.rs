@@ -1,8 +1,8 @@
 //! The adaptive contact stiffness (thesis Eqs. 2.18, 2.19).
 //!
 //! k = s max‖F‖ over the nodes in contact, where F is the total force on a node without contact and
-//! friction: at this stiffness a contact that must bear F does so within δ of touching. The barrier of
-//! incremental potential contact follows the same rule with the factor that makes it bear F at δ/2.
+//! friction: at this stiffness a contact carries the force F within δ of touching. The barrier of
+//! incremental potential contact follows the same rule with the factor at which it carries F at δ/2.
 //!
 //! The forces change from step to step, and the stiffness should not follow every flicker: the contact
 //! force grows exponentially with the gap, so that a stiffness that is off by a factor of two moves the gap

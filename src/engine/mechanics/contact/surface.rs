@@ -7,7 +7,7 @@ use crate::mechanics::rigid_body::RigidBody;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// An edge of a rod as contact sees it: a capsule around the segment between two nodes; such an edge of an obstacle; or a
+/// The contact shape of an edge of a rod: a capsule around the segment between two nodes; such an edge of an obstacle; or a
 /// ball around one node, which is listed twice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactEdge {
@@ -233,7 +233,7 @@ impl ContactSurface {
         reach
     }
 
-    /// Lets the first rod slide along the second with a place at an arc length (m): edges of the first that are nearer to it
+    /// Allows the first rod to slide along the second with a place at an arc length (m): edges of the first that are nearer to it
     /// along the rod than π times the mean of the radii are neighbours of the whole second rod.
     pub(crate) fn add_slide(&mut self, rods: [usize; 2], arc_length: f64) {
         let radius = |rod: usize| self.edges.iter().find(|edge| edge.rod == rod);

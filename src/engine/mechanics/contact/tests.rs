@@ -321,7 +321,7 @@ fn overlaps_and_penetration_are_named() {
 }
 
 #[test]
-fn statics_know_no_friction() {
+fn statics_refuse_friction() {
     let (mut contact, start) = woven(2, 2.0 * RADIUS);
     contact.update_candidates(&start);
     contact.evaluate(&start, &moved(&start, 9, 1e-4), STATIC);
@@ -420,7 +420,7 @@ fn a_mass_slides_down_an_incline_by_coulombs_law() {
 }
 
 #[test]
-fn a_mass_sticks_to_an_incline_but_for_the_creep_of_the_smoothing() {
+fn a_mass_sticks_to_an_incline_except_for_the_creep_of_the_smoothing() {
     for friction in [0.6, 0.8] {
         let (acceleration, speed) = slide_down(friction);
         // tan(30°)/μ of the Coulomb limit, see the friction law.

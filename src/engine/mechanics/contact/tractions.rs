@@ -35,7 +35,7 @@ const FREE_REVERSALS: u8 = 3;
 /// Part of c that remains after each further reversal.
 const PART_AFTER_REVERSAL: f64 = 0.25;
 
-/// The friction law of one pair as the linear system sees it.
+/// The friction law of one pair in the linear system.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LinearTraction {
     /// Slip at which the law is linearised, m/s.

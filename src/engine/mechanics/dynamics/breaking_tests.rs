@@ -323,7 +323,7 @@ fn a_ball_joint_breaks_at_the_force_that_holds_the_rod_and_lets_it_fall() {
 }
 
 #[test]
-fn what_broke_is_broken_after_a_checkpoint_and_goes_on_bit_for_bit() {
+fn broken_joints_stay_broken_after_a_checkpoint_bit_for_bit() {
     for scheme in [Scheme::BackwardDifferences, Scheme::ImplicitMidpoint] {
         let mut scenes = vec![(parting(), 0.02), (hanging(), 0.12)];
         if scheme == Scheme::BackwardDifferences {

@@ -1,6 +1,6 @@
 //! The drag of a flow that couples nodes, found within the step.
 //!
-//! In a flow every node feels the motion of every other: the drag is −R v with a resistance R that is dense. The Newton
+//! In a flow the motion of every node acts on every other: the drag is −R v with a resistance R that is dense. The Newton
 //! matrix holds its local part D alone, so a step is solved with the drag F₀ − D (v − v₀) of a motion v₀ that was expected.
 //! The remainder, (D − R) (v − v₀), may be left to the next step, whose prediction improves by it, only
 //! where this does not ring: see [`TimeScheme::largest_lagged_ratio`](super::scheme::TimeScheme::largest_lagged_ratio). With

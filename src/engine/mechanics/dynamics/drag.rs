@@ -92,7 +92,7 @@ impl FluidDrag {
         })
     }
 
-    /// Places that feel the fluid.
+    /// Places on which the fluid acts.
     pub(crate) fn places(&self) -> usize {
         self.forces.len()
     }

@@ -123,7 +123,7 @@ fn a_straight_column_leaves_its_unstable_equilibrium_and_bends_over() {
 }
 
 #[test]
-fn a_rod_that_lies_on_a_plane_or_on_a_post_is_borne_by_it() {
+fn a_plane_or_a_post_supports_a_resting_rod() {
     let post = RodDescription {
         name: "post".into(),
         centreline: vec![

@@ -22,7 +22,7 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
     let Some(model) = scene.fluid else {
         return Ok(None);
     };
-    // Held rods do not move, so that they matter only where rods feel each other through the fluid.
+    // Held rods do not move, so that they matter only where rods interact through the fluid.
     let are_obstacles = matches!(model, FluidModel::RegularizedStokeslets { .. });
     let filaments: Vec<Filament> = (assembly.rods.rods.iter().zip(&scene.rods))
         .filter(|(_, rod)| are_obstacles || !rod.held)
@@ -62,7 +62,7 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
 }
 
 /// Whether edges that spin about their axes move the fluid: not beside a wall, since rotlets have no images there, and not in
-/// fluids in which nodes do not feel each other.
+/// fluids in which nodes do not interact.
 pub(super) fn spins_flow(scene: &Scene) -> bool {
     let couples = matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. }));
     scene.spin_drag && couples && scene.wall.is_none()

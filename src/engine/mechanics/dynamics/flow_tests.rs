@@ -178,7 +178,7 @@ fn beside(fix: impl Fn(&mut Scene)) -> Scene {
 }
 
 #[test]
-fn a_held_rod_stands_in_the_way_of_the_flow_as_a_clamped_one_does() {
+fn a_held_rod_obstructs_the_flow_as_a_clamped_one_does() {
     let speed = |scene: &Scene| after(scene, 1e-3, 40).velocities()[10].x;
     let alone = speed(&filament(&[20], JointKind::Rigid, Vector3::x() * 1e-3));
     let clamped = speed(&beside(|scene| {
@@ -240,7 +240,7 @@ fn pieces_part_in_the_fluid_where_their_weld_breaks() {
 }
 
 #[test]
-fn nodes_at_one_place_that_nothing_ties_are_refused() {
+fn untied_nodes_at_one_place_are_refused() {
     let mut scene = filament(&[10, 10], JointKind::Ball, Vector3::x() * 1e-3);
     scene.joints.clear();
     let attempt = |scene: &Scene| Simulation::new(scene, &IntegrationParameters::default());

@@ -70,7 +70,7 @@ fn an_impact_in_short_steps_hardens_contact_no_more_than_in_a_whole_one() {
 /// sticks, over the step, are slips that friction answers with more than was allowed to be left of the forces. Such steps
 /// failed, and those after them stayed as short.
 #[test]
-fn no_step_asks_friction_for_a_residual_below_rounding() {
+fn the_tolerance_of_friction_is_never_below_rounding() {
     let mut scene = Scene {
         rods: vec![rod("lying", Vector3::new(7.0, 5.0, RADIUS), Vector3::x())],
         contact: Some(ContactParameters {

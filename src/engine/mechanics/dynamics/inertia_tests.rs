@@ -166,7 +166,7 @@ fn a_short_rod_of_steel_falls() {
 }
 
 #[test]
-fn a_grasp_beside_a_clamp_moves_nothing_and_lets_go_without_a_trace() {
+fn a_grasp_beside_a_clamp_moves_no_node_and_is_released_without_a_trace() {
     let scene = swinging(20, Inertia::Consistent);
     let mut simulation = Simulation::new(&scene, &fixed(1e-3)).unwrap();
     simulation.find_equilibrium().unwrap();

@@ -133,7 +133,7 @@ fn what_cannot_be_grasped_or_released_is_refused_with_the_reason() {
         "node 5 of rod `rod` cannot be grasped: a clamp holds it",
         "node 0 of rod `post` cannot be grasped: its rod is a rigid obstacle",
         "node 1000 does not exist; the scene has 45 nodes",
-        "clamp 1 holds nothing",
+        "clamp 1 is already released",
         "clamp 99 does not exist",
     ];
     assert_eq!(refusals, reasons);

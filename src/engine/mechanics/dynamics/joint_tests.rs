@@ -128,7 +128,7 @@ fn a_body_that_tumbles_keeps_its_angular_momentum() {
 }
 
 #[test]
-fn tumbling_goes_on_from_a_checkpoint_bit_for_bit() {
+fn tumbling_resumes_from_a_checkpoint_bit_for_bit() {
     let parameters = fixed_steps(Scheme::BackwardDifferences, 1e-3);
     let mut whole = Simulation::new(&tumbling(), &parameters).unwrap();
     let mut state = None;

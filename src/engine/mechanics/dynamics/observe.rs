@@ -49,7 +49,7 @@ impl Simulation {
         self.integrator.fluid.forces().to_vec()
     }
 
-    /// Pairs of edges that bear on each other in the last step.
+    /// Pairs of edges that press on each other in the last step.
     pub fn contacts(&self) -> &[ActiveContact] {
         self.system
             .contact()

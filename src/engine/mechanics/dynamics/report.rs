@@ -51,7 +51,7 @@ pub struct StepReport {
     pub step: f64,
     /// Newton iterations of the accepted step and of the retries before it.
     pub newton_iterations: usize,
-    /// Contacts that bear force at the end of the step.
+    /// Contacts with a force at the end of the step.
     pub contacts: usize,
     /// Times the step was repeated before it was accepted.
     pub retries: usize,

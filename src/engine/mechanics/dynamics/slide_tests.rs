@@ -187,7 +187,7 @@ fn stops_hold_it_at_the_end() {
 }
 
 #[test]
-fn it_goes_on_from_a_checkpoint_bit_for_bit_and_breaks() {
+fn a_run_resumes_from_a_checkpoint_bit_for_bit_and_breaks() {
     for scheme in [
         Scheme::BackwardDifferences,
         Scheme::ImplicitMidpoint,

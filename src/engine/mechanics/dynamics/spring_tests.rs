@@ -57,7 +57,7 @@ fn error_of_gap(scheme: Scheme, step: f64) -> f64 {
 }
 
 #[test]
-fn two_rods_swing_against_each_other_as_theory_says() {
+fn two_rods_swing_against_each_other_as_in_theory() {
     let period = TAU / (2.0 * STIFFNESS / MASS).sqrt();
     for (scheme, bound) in [
         (Scheme::ImplicitMidpoint, 2e-3),

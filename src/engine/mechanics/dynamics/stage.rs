@@ -35,7 +35,7 @@ pub(super) struct Attempt {
     pub rings: bool,
     /// Local error of the positions, m.
     pub error: f64,
-    /// Whether a contact is pressed deeper than those that bear what they are made for.
+    /// Whether a contact is compressed further than by its design force.
     pub is_deep: bool,
 }
 
@@ -190,7 +190,7 @@ impl Workspace {
                 .couple(&mut self.stage, &self.trial.unknowns)
                 .map_err(|_| Failure::NoDrag { iterations })?;
             fluid_iterations += more;
-            // Reactions are what the residual leaves at clamps. A motion that has come to rest has a drag of what Newton's method
+            // Reactions are what the residual leaves at clamps. A motion at rest has a drag of what Newton's method
             // leaves alone, which differs from one solution to the next, but balances all the same.
             system.evaluate(&self.trial.unknowns, Some(&self.stage));
             let balanced = system.imbalance().is_balanced();

@@ -124,7 +124,7 @@ impl StepControl {
         }
     }
 
-    /// Lets the steps of a fixed grid grow towards their whole size, after one that succeeded.
+    /// Increases the steps of a fixed grid towards their whole size, after one that succeeded.
     pub(crate) fn recover(&mut self, whole: f64) {
         self.proposal = whole.min(RECOVERY * self.proposal);
     }

@@ -318,7 +318,7 @@ fn a_sixfold_stretch_draws_a_warning() {
 }
 
 #[test]
-fn the_midpoint_rule_says_so_where_large_steps_create_energy() {
+fn the_midpoint_rule_remarks_energy_created_by_large_steps() {
     let scene = heavy_cantilever(20);
     let with = |step: f64| fixed_steps(Scheme::ImplicitMidpoint, step);
     assert!(warnings(&scene, &with(1e-3), 1.0).is_empty());

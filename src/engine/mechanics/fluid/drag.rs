@@ -271,7 +271,7 @@ impl Fluid {
         }
     }
 
-    /// Power that the last drag takes from the motion of the nodes, W, where nodes feel the motion of others; `None` where
+    /// Power that the last drag takes from the motion of the nodes, W, where the motion of nodes acts on others; `None` where
     /// they do not. That of a fluid at rest is positive in every motion.
     pub(crate) fn dissipation(&self) -> Option<f64> {
         match &self.method {

@@ -1,4 +1,4 @@
-//! The flow operator as the solver sees it: exact for few nodes, by clusters for many.
+//! The flow operator of the solver: exact for few nodes, by clusters for many.
 
 use super::Filament;
 use super::hierarchy::HierarchicalOperator;

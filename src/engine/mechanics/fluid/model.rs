@@ -3,7 +3,7 @@
 /// A fluid model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FluidModel {
-    /// Regularized Stokeslet segments (thesis 2.4.1): every node feels every edge.
+    /// Regularized Stokeslet segments (thesis 2.4.1): every edge acts on every node.
     RegularizedStokeslets {
         /// Dynamic viscosity η, Pa s.
         viscosity: f64,

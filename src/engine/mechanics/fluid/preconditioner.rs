@@ -16,7 +16,7 @@ pub(super) const NEIGHBOURHOOD: usize = 32;
 /// Price of an operation of an elimination in operations of a product, as timed for 136 and 680 nodes.
 const PRICE_OF_ELIMINATION: f64 = 2.5;
 
-/// A Schwarz method of two levels (Smith, Bjørstad and Gropp 1996): first the force that each aggregate of a filament feels
+/// A Schwarz method of two levels (Smith, Bjørstad and Gropp 1996): first the force on each aggregate of a filament
 /// as a whole, from all the others, then from what flow that leaves the forces of nodes, from their neighbourhoods.
 ///
 /// ```text

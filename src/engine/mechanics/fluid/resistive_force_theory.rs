@@ -1,6 +1,6 @@
 //! Resistive force theory: drag by local coefficients along and across the rod.
 //!
-//! A rod with unit tangent t that moves at velocity v through fluid at rest feels the force per length
+//! A rod with unit tangent t that moves at velocity v through fluid at rest is subject to the force per length
 //! f = −ξ_∥ (v·t) t − ξ_⊥ (v − (v·t) t) = −Ξ v. It neglects that one part of a rod drags fluid past
 //! another, so that it is a rough model for coiled or neighbouring rods.
 

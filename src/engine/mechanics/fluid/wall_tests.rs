@@ -53,7 +53,7 @@ fn drag(
 }
 
 #[test]
-fn a_long_cylinder_glides_along_a_wall_as_bipolar_coordinates_say() {
+fn a_long_cylinder_glides_along_a_wall_as_in_bipolar_coordinates() {
     let nodes = 121;
     let positions = lying(nodes, 600.0, 0.0);
     for (height, bound) in [(3.0, 0.04), (5.0, 0.015), (10.0, 0.005)] {

@@ -48,7 +48,7 @@
 use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
 
-/// Geometry of one edge, real or ghost, as a vertex sees it.
+/// Geometry of one edge, real or ghost, for a vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeFrame {
     /// Unit tangent t.

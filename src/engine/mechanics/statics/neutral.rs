@@ -1,5 +1,5 @@
 //! Motions without stiffness: a ring that rolls through itself, a column that bends over in any plane, a rod
-//! that nothing holds.
+//! without supports.
 //!
 //! The energy is constant along them for any position of the rod, so that forces have no component along them except
 //! rounding errors, which the inverse of the Hessian would magnify without bound. They are the null vectors of

@@ -152,7 +152,7 @@ impl System {
                 }
             }
         }
-        // Of what joined rods leave at a joint the one sees what rounding leaves of the other's forces.
+        // At a joint, the residual of each rod contains the rounding errors of the other's forces.
         let joints = &self.assembly.joints;
         let slides = (joints.slides.iter()).map(|slide| [slide.node, slide.rail().start]);
         for nodes in joints.points.iter().copied().chain(slides) {

@@ -185,7 +185,7 @@ fn turning_of(kind: JointKind, nodes: [usize; 2], joints: &Joints) -> Turning {
 }
 
 impl System {
-    /// Breaks the joints that bear less than the step put on them that ended at `time` (s) with `unknowns` and `velocity`,
+    /// Breaks the joints whose strength the step exceeded that ended at `time` (s) with `unknowns` and `velocity`,
     /// which then are those of free bodies; returns whether there are any.
     pub(crate) fn break_joints(
         &mut self,

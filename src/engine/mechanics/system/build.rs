@@ -495,7 +495,7 @@ impl Assembly {
         self.held.get(STRIDE * node) == Some(&false)
     }
 
-    /// Node at which a vertex lies.
+    /// Node of a vertex.
     pub(super) fn node_of(&self, vertex: &Vertex) -> usize {
         if vertex.after < self.rods.nodes {
             return vertex.after;

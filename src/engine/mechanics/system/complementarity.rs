@@ -16,7 +16,7 @@
 //! cycle, smoothed laws lead to the solution (`rigid_contact::search`).
 //!
 //! Possible contacts follow from the motion under the forces found so far, at first those of the last step: rods that fall
-//! or bear a load together do not approach each other. A contact that this misses is found overlapping the next time. From
+//! or carry a load together do not approach each other. A contact that this misses is found overlapping the next time. From
 //! then on it belongs to the step, with a force or without.
 //!
 //! Contacts turn with the rods. Where edges are nearly parallel the contact points run along them as they do, and rods and forces

@@ -10,7 +10,7 @@
 //!
 //! with the gaps and slips w. Without contact rods are not coupled, A is a band, and the response A⁻¹Hᵀ of a rod
 //! to a force at one of its contacts is cheap. So sweeps over the contacts, each of which is given the force that its own
-//! laws ask for while all others stay (projected Gauss–Seidel; Moreau 1988, Jean 1999), cost a hundredth of a
+//! laws require while all others stay (projected Gauss–Seidel; Moreau 1988, Jean 1999), cost a hundredth of a
 //! factorisation with contact. They converge slowly, but soon determine the states, and Newton's method begins with
 //! their forces and where these move the rods.
 //!
@@ -42,7 +42,7 @@ const SWEEPS_PER_REST: usize = 5;
 
 /// A contact between sweeps.
 struct Touch {
-    /// Contact points where nothing moves: gap along the normal, and slip since the step began, m.
+    /// Contact points at rest: gap along the normal, and slip since the step began, m.
     start: Vector3,
     /// Gap at which it rests under its force, m.
     rest: f64,
@@ -52,7 +52,7 @@ struct Touch {
 
 impl System {
     /// Moves `unknowns`, the prediction of a step at which the system has been linearised, by the contact forces that it
-    /// leads to, and lets iterations begin with these, where they differ much from those of the last step; says whether
+    /// leads to, and starts the iterations with these, where they differ much from those of the last step; returns whether
     /// that is so. `radius` is that of the thinnest rod, m.
     pub(crate) fn predict_contacts(
         &mut self,
@@ -210,7 +210,7 @@ impl Touch {
         }
     }
 
-    /// Takes the force that its laws ask for while all others stay; returns the change, N.
+    /// Takes the force that its laws require while all others stay; returns the change, N.
     fn relax(
         &mut self,
         constraint: &ContactConstraint,

@@ -116,6 +116,6 @@ fn rods_that_would_pass_each_other_within_a_step_stay_on_their_side() {
 }
 
 #[test]
-fn rods_that_meet_nothing_are_left_where_they_are() {
+fn rods_without_contact_stay_where_they_are() {
     assert!(moves(&raft(ContactModel::ImplicitContact), Vector3::z()).is_none());
 }

@@ -16,7 +16,7 @@
 //! q = e^(−x) qₙ + r γ (ε − εₙ),     x = Δt/τ,     γ = (1 − e^(−x))/x
 //! ```
 //!
-//! (Simo and Hughes 1998, Eq. 10.3.12). What all bear is then the gradient of a square again,
+//! (Simo and Hughes 1998, Eq. 10.3.12). The total force is then the gradient of a square again,
 //!
 //! ```text
 //! ½ K (ε − ε̃)² + ½ K T/H (ε − ε̂)² + ½ K r γ (ε − εₙ)² + K e^(−x) qₙ ε = ½ K (1 + T/H + r γ) (ε − ε*)² + const,
@@ -442,7 +442,7 @@ impl System {
         }
     }
 
-    /// The rods with what their dashpots bear in the last stage.
+    /// The rods with the forces of their dashpots in the last stage.
     pub(super) fn acting_rods(&self) -> &ElasticRods {
         match self.terms.damping.stage {
             Some(_) => &self.terms.damping.acting,

@@ -1,4 +1,4 @@
-//! The elasticity of rods as a term: gradient and Hessian of [`crate::mechanics::rod`], in one sweep where both are asked for.
+//! The elasticity of rods as a term: gradient and Hessian of [`crate::mechanics::rod`], in one sweep where both are needed.
 
 use super::build::Assembly;
 use super::newton_matrix::Entries;

@@ -3,7 +3,7 @@
 //! A grasp is a clamp that is added at the present configuration. Held positions leave the Newton system as
 //! those of the scene's clamps do. A held frame splits the vertex at the node in two halves, one to either side of a
 //! ghost edge (as [`crate::mechanics::scene::Clamp`] describes): with Voronoi lengths l̄ = l̄₀ + l̄₁, the halves have
-//! the natural strains κ̃ l̄ᵢ/l̄ and the stiffness EI/l̄ᵢ, and the ghost edge lies in the middle of turn and twist, so that
+//! the natural strains κ̃ l̄ᵢ/l̄ and the stiffness EI/l̄ᵢ, and the ghost edge is in the middle of turn and twist, so that
 //! the energy stays the same except for terms of fourth order in the turning angle. A release joins the halves again:
 //! their natural strains add, and so do the inverses of their stiffness. Weights of vertices beside clamps
 //! ([`VertexWeights`]) stay the same, since others would move a stressed rod by themselves: what a released clamp
@@ -140,7 +140,7 @@ impl System {
             return Err(format!("clamp {clamp} does not exist"));
         };
         if drive.released {
-            return Err(format!("clamp {clamp} holds nothing"));
+            return Err(format!("clamp {clamp} is already released"));
         }
         let (node, ghosts) = (drive.node, drive.ghosts.clone());
         let holds_position = drive.holds_position;
@@ -355,7 +355,7 @@ impl System {
         let (natural, stiffness, strain, weights, half_twist) =
             match (neighbours.before, neighbours.after) {
                 (Some(before), Some(after)) => {
-                    let index = self.vertex_between(before, after).expect("asked before");
+                    let index = self.vertex_between(before, after).expect("checked before");
                     let half_twist = 0.5 * self.geometry.twist(index);
                     let vertex = self.assembly.rods.vertices.remove(index);
                     self.reference.twist.remove(index);
@@ -369,8 +369,8 @@ impl System {
                     )
                 }
                 (before, after) => {
-                    let edge = before.or(after).expect("asked before");
-                    let index = self.vertex_at_edge(edge).expect("asked before");
+                    let edge = before.or(after).expect("checked before");
+                    let index = self.vertex_at_edge(edge).expect("checked before");
                     let vertex = self.assembly.rods.vertices[index];
                     let length = self.half_length(vertex.before) + self.half_length(vertex.after);
                     let stiffness = of_unit_length(&vertex, length);

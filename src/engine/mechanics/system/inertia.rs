@@ -7,7 +7,7 @@ use super::term::{Configuration, Kind, Term};
 use crate::mechanics::SceneError;
 use crate::mechanics::scene::Scene;
 
-/// What accelerations ask for.
+/// Forces of inertia.
 pub(crate) struct Inertia;
 
 impl Term for Inertia {

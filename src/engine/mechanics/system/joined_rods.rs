@@ -9,7 +9,7 @@ use crate::mechanics::scene::{Body, Clamp, RodNode, Scene};
 use crate::mechanics::{JointError, SceneError, Vector3};
 
 impl Assembly {
-    /// Joins the rods, which have their nodes, clamps and ghost edges, and lets them carry their bodies.
+    /// Joins the rods, which have their nodes, clamps and ghost edges, and adds their bodies.
     ///
     /// # Errors
     /// [`SceneError::Joint`] where clamps hold what joints hold, or a body is none.
@@ -77,7 +77,7 @@ impl Assembly {
         Ok(())
     }
 
-    /// Lets a frame turn as another one, with one measure of length.
+    /// Makes a frame turn as another one, with one measure of length.
     fn weld(&mut self, number: usize, base: usize) {
         let frames = &mut self.joints.frames;
         let length = frames[number].length.min(frames[base].length);
@@ -148,7 +148,7 @@ impl Assembly {
         }
     }
 
-    /// Lets a node follow a place along a rod, which becomes an unknown.
+    /// Makes a node follow a place along a rod, which becomes an unknown.
     fn free_slide(&mut self, planned: &PlannedSlide, place: usize) {
         let [node, start] = planned.nodes.each_ref().map(|at| self.number(at));
         let mut points = self.joints.points.iter();
@@ -214,7 +214,7 @@ impl Assembly {
         }
     }
 
-    /// Lets nodes carry the masses of bodies.
+    /// Adds the masses of bodies to nodes.
     fn add_masses(&mut self, scene: &Scene) -> Result<(), SceneError> {
         for body in &scene.bodies {
             let node = body.at.node;
@@ -232,7 +232,7 @@ impl Assembly {
         Ok(())
     }
 
-    /// Lets frames and bodies turn at first as the rods that bear them begin to move.
+    /// Sets the initial rotation rates of frames and bodies by the motion of the rods that carry them.
     fn start_rotations(&mut self, scene: &Scene) {
         for number in 0..self.joints.frames.len() {
             let frame = &self.joints.frames[number];

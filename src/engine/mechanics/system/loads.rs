@@ -349,7 +349,7 @@ impl Assembly {
 
 impl EdgeMoment {
     /// Generalised forces of the moment m on (x_start, θ, x_end): the edge turns with angular velocity
-    /// t×ṫ + (spin) t, so that its ends feel ∓(m×t)/l ∓ (m·t) c and its angle m·t, with the holonomy c of
+    /// t×ṫ + (spin) t, so that the forces on its ends are ∓(m×t)/l ∓ (m·t) c and that on its angle m·t, with the holonomy c of
     /// the transported frame ([`crate::mechanics::rod::vertex`]).
     pub(crate) fn force(&self, time: f64, frame: &EdgeFrame) -> (Vector3, f64) {
         let moment = self.at(time, frame);

@@ -39,7 +39,7 @@ impl System {
         Some(edges[index].stretching * strain)
     }
 
-    /// What the rods bear at each node; `None` at free and hinged ends. Where a clamp holds the frame of an inner node,
+    /// Internal forces and moments at each node; `None` at free and hinged ends. Where a clamp holds the frame of an inner node,
     /// it is that of the side with the larger bending moment.
     pub(crate) fn resultants(&self) -> Vec<Option<Resultants>> {
         let mut all: Vec<Option<Resultants>> = vec![None; self.assembly.rods.nodes];

@@ -1,6 +1,6 @@
 //! Rooted rods: clamped where they overlap, as placed, with a body that does not move against the clamp.
 //!
-//! A stalk in a floor, a hair in a scalp, several hairs at one root, a rod clamped on a post. Contact passes over what overlaps
+//! A stalk in a floor, a hair in a scalp, several hairs at one root, a rod clamped on a post. Contact ignores what overlaps
 //! there, within a reach that is stated ([`crate::mechanics::contact::Root`], and for two rods that of a joint at the same
 //! angle). A root must itself be within the other body, and move with it: contact is never ignored at a clamp with a motion of its own.
 

@@ -16,7 +16,7 @@ pub(crate) struct Strain {
     pub node: usize,
 }
 
-/// The largest strains of all rods that are no obstacles, by size; `None` where there are none.
+/// The largest strains of all rods that are not obstacles, by size; `None` without such rods.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct LargestStrains {
     /// Stretch of an edge, compression below zero.

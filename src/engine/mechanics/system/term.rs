@@ -132,7 +132,7 @@ pub(crate) trait Term {
     /// Keeps what belongs to the end of an accepted step, the last evaluation.
     fn accept(&mut self, _assembly: &Assembly, _geometry: &RodGeometry) {}
 
-    /// Lets the next step, or the next equilibrium, begin where things are.
+    /// Starts the next step, or the next equilibrium, at the present configuration.
     fn commit(&mut self) {}
 
     /// Continues from a time, s, at which a state was committed.

@@ -278,7 +278,7 @@ fn the_jacobian_of_contact_and_friction_is_exact() {
 }
 
 #[test]
-fn candidates_that_come_while_nothing_touches_are_in_the_pattern() {
+fn candidates_without_contact_are_in_the_pattern() {
     let across = |height: f64| {
         (0..5)
             .map(|k| Vector3::new(0.4, 0.2 * (f64::from(k) - 2.0), 2.0 + height))

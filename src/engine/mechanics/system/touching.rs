@@ -10,7 +10,7 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{JointKind, Scene};
 use crate::mechanics::{Overlap, Vector3};
 
-/// The contact model of a scene, and what it passes over.
+/// The contact model of a scene, and the pairs that it ignores.
 pub(super) struct ContactOfScene {
     pub contact: ContactSystem,
     /// A sentence for every root at which a rod starts inside another body.
@@ -145,7 +145,7 @@ fn add_balls(surface: &mut ContactSurface, scene: &Scene, assembly: &Assembly) {
 }
 
 impl System {
-    /// What contact passes over because rods are set in other bodies there, a sentence for each root.
+    /// Contact ignored at roots, where rods start inside other bodies, a sentence for each.
     pub(crate) fn remarks_on_roots(&self) -> &[String] {
         &self.terms.contact.roots
     }
@@ -170,7 +170,7 @@ impl System {
         Some(name_overlap(&overlap, contact, &self.assembly))
     }
 
-    /// Whether a contact of the last evaluation is pressed deeper than those that bear what they are made for. Contact by
+    /// Whether a contact of the last evaluation is compressed further than by its design force. Contact by
     /// complementarity is rigid.
     pub(crate) fn is_contact_deep(&self) -> bool {
         let contact = self.contact();

@@ -69,7 +69,7 @@ const LEAST_INERTIA: f64 = 0.3;
 const LARGEST_ANGLE: f64 = 1.0;
 
 /// Least number of steps, chosen by the error, in which a clamp turns once. The error of each step represents that of
-/// many: where bundled flagella bear on each other, what larger steps lose adds up. Over 250 s two of them come 0.5 radii
+/// many: where bundled flagella press on each other, the losses of larger steps add up. Over 250 s two of them come 0.5 radii
 /// off those of steps of 1 ms with 160 steps a turn.
 const STEPS_PER_TURN: f64 = 200.0;
 

@@ -192,7 +192,7 @@ fn all_instruction_sets_and_thread_counts_give_the_same_bytes() {
 }
 
 #[test]
-fn a_product_depends_on_nothing_but_the_positions() {
+fn a_product_depends_only_on_the_positions() {
     let (filaments, positions) = helices(10, 0.03);
     let (_, elsewhere) = helices(10, 0.004);
     let mut operator = HierarchicalOperator::new(&filaments, 1.02, 5);

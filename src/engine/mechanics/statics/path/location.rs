@@ -62,7 +62,7 @@ pub struct PathPoint {
     /// just behind it.
     pub negative: usize,
     /// Lowest eigenvalue of the Hessian over motions of the nodes in m and of the edges in rad times the
-    /// shortest edge, but for motions without stiffness, N/m; NaN where forces have no energy.
+    /// shortest edge, except motions without stiffness, N/m; NaN where forces have no energy.
     pub lowest_eigenvalue: f64,
     /// Small motions, where forces have no energy.
     pub motions: Option<SmallMotions>,

@@ -308,7 +308,7 @@ fn judge_slides(
     Ok(())
 }
 
-/// Whether there is no other joint at the nodes of one.
+/// Whether the nodes of a joint have no other joint.
 fn is_alone(scene: &Scene, joint: &Joint) -> bool {
     let touches = |other: &&Joint| other.nodes.iter().any(|node| joint.nodes.contains(node));
     scene.joints.iter().filter(touches).count() == 1

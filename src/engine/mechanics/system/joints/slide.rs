@@ -10,7 +10,7 @@
 //! ends of an open rod stops take what pushes s outwards.
 //!
 //! **From the middle of a step.** The implicit midpoint rule extrapolates from the middle to the end. At the middle the place is
-//! x = ½ (xₙ + X(2s − sₙ, 2q − qₙ)), so that the step ends on the curve; forces pass over where the middle is, at (s, q).
+//! x = ½ (xₙ + X(2s − sₙ, 2q − qₙ)), so that the step ends on the curve; forces are transmitted at the middle, at (s, q).
 //! For a straight rod at rest that keeps energy exactly.
 
 use super::track::{Track, Weights};

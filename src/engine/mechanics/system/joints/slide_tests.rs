@@ -81,7 +81,7 @@ fn frame() -> Scene {
 }
 
 #[test]
-fn sliding_nodes_lie_where_they_were_placed() {
+fn sliding_nodes_stay_where_they_were_placed() {
     let scene = frame();
     let mut system = System::new(&scene).unwrap();
     assert_eq!(system.assembly.joints.slides.len(), 4 - 1);

@@ -343,7 +343,7 @@ fn the_jacobian_of_a_ball_that_touches_is_exact_and_symmetric() {
 }
 
 #[test]
-fn newton_solves_what_the_dense_matrix_says() {
+fn newton_solves_as_the_dense_matrix_does() {
     let mut system = System::new(&star()).unwrap();
     let stage = stage_at(&system);
     let unknowns = perturbed(&mut system, 0.05);
@@ -364,7 +364,7 @@ fn newton_solves_what_the_dense_matrix_says() {
 }
 
 #[test]
-fn rotations_that_begin_anew_are_the_same() {
+fn reset_rotations_are_the_same() {
     let mut system = System::new(&star()).unwrap();
     let mut unknowns = perturbed(&mut system, 0.0);
     let frame = system.assembly.joints.frames[0].clone();

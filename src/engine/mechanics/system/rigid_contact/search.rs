@@ -1,14 +1,14 @@
 //! The search for forces that satisfy the laws of many contacts at once.
 //!
-//! Going from the states of all contacts to the forces that they ask for, and from these to the next states, is Newton's method
-//! for a function with corners. Where few states change it ends within a few iterations; where many do, it may cycle. Then the laws
-//! are smoothed ([`super::smoothed`]), and the width of the smoothing falls as iterations follow it down to nothing. Every
-//! iterate solves the equations of the rods, and so does what lies between two of them: a step that makes the smoothed laws worse
+//! Newton's method for a function with corners goes from the states of all contacts to the forces that they require, and
+//! from these to the next states. It converges in a few iterations where few states change, and may cycle where many do. Then the laws
+//! are smoothed ([`super::smoothed`]), and the width of the smoothing falls as iterations follow it down to zero. Every
+//! iterate solves the equations of the rods, and so does every point between two of them: a step that makes the smoothed laws worse
 //! is shortened without another solution of a linear system.
 //!
 //! The rods are linearised again as they move, and forces are solved only to that accuracy: smoothed laws are followed to a width
 //! in proportion to the motion, and from there on after the next linearisation. Where they are followed no farther, wider ones are
-//! obeyed, and the rods linearised where these lead. Near the end, the states of narrow laws are those of the exact ones except for a few.
+//! solved, and the rods linearised where these lead. Near the end, the states of narrow laws are those of the exact ones except for a few.
 
 use super::{RigidContact, State};
 use crate::mechanics::Vector3;
@@ -94,7 +94,7 @@ impl ForceSearch {
         self.follow_smoothed_laws(contacts, &mut sizes, &mut move_by)
     }
 
-    /// Follows smoothed laws to narrower ones: as far as the motion of the rods asks for, or to the exact ones.
+    /// Follows smoothed laws to narrower ones: as far as the motion of the rods requires, or to the exact ones.
     fn follow_smoothed_laws<E>(
         &mut self,
         contacts: &mut [RigidContact],
@@ -181,7 +181,7 @@ fn iterates(contacts: &[RigidContact]) -> Vec<[Vector3; 2]> {
     contacts.iter().map(RigidContact::iterate).collect()
 }
 
-/// Lets all contacts go a part of the way between two iterates.
+/// Moves all contacts a part of the way between two iterates.
 fn go_between(
     contacts: &mut [RigidContact],
     from: &[[Vector3; 2]],
@@ -232,7 +232,7 @@ fn from_state_to_state<E>(
     Ok(false)
 }
 
-/// Median of the forces of contacts that bear any, N: where iterations cycle some are far too large. Where none does, the force of
+/// Median of the nonzero forces of contacts, N: where iterations cycle some are far too large. Where all are zero, the force of
 /// the inertia that closes or opens the largest gap.
 fn typical_force(contacts: &[RigidContact]) -> f64 {
     let sizes = contacts.iter().map(|contact| contact.force().norm());

@@ -8,7 +8,7 @@
 //!
 //! which are those of Signorini and Coulomb for ν = 0: with logarithms as barriers at both surfaces, as interior point methods have
 //! them. Solved for the force that belongs to λ − ρ w, the first is Chen, Harker, Kanzow and Smale's function
-//! ½ (z + √(z² + 4ν²)). A contact that neither presses nor gapes yields as much as its inertia, whatever it bears, so that no
+//! ½ (z + √(z² + 4ν²)). A contact that neither presses nor gapes yields as much as its inertia, at any force, so that no
 //! states are left to cycle through.
 
 use super::{RigidContact, SHUT, State};
@@ -48,7 +48,7 @@ impl RigidContact {
         let mut apart = self.normal * gap;
         let mut stiffness = self.normal * self.normal.transpose() * pressing;
         let disk = self.friction * pressure;
-        // Friction of a contact that bears far less than ν is nothing.
+        // Friction of a contact with a force far below ν vanishes.
         if disk > LEAST_DISK * width {
             let room = rest * (2.0 - rest);
             let softness = 2.0 * (width / disk).powi(2) / (inertia * room);
@@ -112,7 +112,7 @@ impl RigidContact {
 fn rest_of_disk(size: f64, width: f64) -> f64 {
     let over = size - 1.0;
     let root = libm::hypot(over, (2.0 * width).sqrt());
-    // Where the cube of y is nothing.
+    // Where the cube of y vanishes.
     let start = if over > 0.0 {
         width / (over + root)
     } else {

@@ -183,7 +183,7 @@ fn forces_that_no_contact_presses_for_vanish() {
 }
 
 #[test]
-fn motions_that_are_not_finite_are_no_solution() {
+fn motions_that_are_not_finite_are_not_solutions() {
     for wrong in [f64::NAN, f64::INFINITY] {
         let mut contacts = Problem::random(0, 2, 6).contacts(|_| Vector3::z());
         let moved = |_: &[State]| {
