@@ -1,4 +1,5 @@
-//! Symbolic factorisation: fill of the matrix in a given order of elimination (George & Liu 1981, ch. 5; Davis 2006, ch. 4), and what depends
+//! Symbolic factorisation: fill of the matrix in a given order of elimination (George & Liu 1981, ch. 5;
+//! Davis 2006, ch. 4), and what depends
 //! on what in it.
 
 use super::branches::{Branch, branches};

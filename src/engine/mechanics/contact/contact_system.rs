@@ -191,7 +191,7 @@ impl ContactSystem {
     }
 
     /// Reorders the contacts of the last evaluation by the new candidates; the Jacobians, of which the
-    /// Newton system knows the old pattern, go.
+    /// Newton system has the old pattern, are removed.
     fn renumber_contacts(&mut self) {
         let (old, new) = (self.candidates.earlier_pairs(), self.candidates.pairs());
         let numbers: Vec<Option<usize>> = self
@@ -243,14 +243,14 @@ impl ContactSystem {
 
     /// Whether no contact can be missing from the candidates at these positions: no node has moved more
     /// than half the margin since they were built. To be asked when a step has converged; where it is
-    /// false, update the candidates and go on iterating if the set changed.
+    /// false, update the candidates and continue iterating if the set changed.
     pub(crate) fn candidates_are_complete(&self, positions: &[Vector3]) -> bool {
         !self.obstacles.moved && self.candidates.are_complete(positions)
     }
 
     /// Starts the Newton iterations of a step: until [`Self::commit_multipliers`] or
     /// [`Self::abandon_multipliers`] the Jacobians are those of the force law linearised at the normal forces
-    /// and tractions that the iteration carries along, which begin with those of the last step. `mobilities` says how far a
+    /// and tractions as unknowns of the iteration, which begin with those of the last step. `mobilities` is how far a
     /// unit force moves each node within the step by inertia alone, m/N: zero where it is held.
     pub(crate) fn begin_iterations(&mut self, mobilities: &[f64]) {
         if self.parameters.is_complementarity() {
@@ -263,7 +263,7 @@ impl ContactSystem {
         self.carried_tractions.begin(self.slots());
     }
 
-    /// Begins the iterations of a step again from the forces of the last one; what is no surprise any more is forgotten.
+    /// Restarts the iterations of a step from the forces of the last one, without the record of sudden changes.
     pub(crate) fn begin_forces_anew(&mut self) {
         self.iterate.forget_changes();
         self.multipliers.begin(self.slots());

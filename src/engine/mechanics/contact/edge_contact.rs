@@ -7,7 +7,7 @@
 //!
 //! with the traction t of [`FrictionLaw`] (Eq. 2.11: node i has the normal force |w_i| N, and the two edges
 //! have opposite friction). The thesis obtains ∂β through the ratio of nodal forces (Eqs. 2.12, 2.13);
-//! here it is known directly, and the chain rule of Eq. 2.14 reads
+//! here it is given directly, and the chain rule of Eq. 2.14 reads
 //!
 //! ∂F = (w ∂N + N ∂w) ⊗ d + N w ⊗ ∂d,
 //! ∂d = ∂n + (∂t/∂n) ∂n + (∂t/∂v) (w/Δt + Σ_k (a_k·ẋ) ∂β_k).

@@ -117,7 +117,7 @@ mod tests {
             rims.into_iter().chain(feet).fold(f64::INFINITY, f64::min)
         }
 
-        /// Whether an edge of the rod passes through a triangle, where distances from its sides tell nothing.
+        /// Whether an edge of the rod passes through a triangle, where distances from its sides do not apply.
         fn is_pierced(&self) -> bool {
             [[0, 2, 1], [0, 1, 3]].into_iter().any(|face| {
                 let [a, b, c] = face.map(|vertex| self.vertices[vertex]);
@@ -145,7 +145,7 @@ mod tests {
                 nearest += 1;
             }
         }
-        // Both happen often: valleys are found, and ridges on which the rod lies are felt.
+        // Both happen often: valleys are found, and ridges under the rod have contact.
         assert!(hidden > 300 && nearest > 300, "{hidden} {nearest}");
     }
 }

@@ -191,7 +191,7 @@ fn a_rod_beside_a_tube_passes_its_end() {
 
 #[test]
 fn a_rod_on_the_axis_of_a_tube_meets_wall_and_rim_on_its_way() {
-    // As thick as the tube but for a hundredth, so that the margin of the candidates is wider than the clearance.
+    // As thick as the tube except for a hundredth, so that the margin of the candidates is wider than the clearance.
     let on_axis: Vec<Vector3> = (0..NODES)
         .map(|k| Vector3::new(0.02 * (k as f64 - 5.5), 0.0, 0.0))
         .collect();

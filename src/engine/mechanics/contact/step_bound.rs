@@ -163,7 +163,7 @@ fn safe_fraction_in_tube(
 }
 
 /// The fraction up to `longest` of a straight path, by `displacement`, of the first node that a face allows: to where its gap
-/// over the face is a tenth of what it is where the node comes to be over it.
+/// over the face is a tenth of that at the place where the node is first over it.
 fn safe_fraction_over_face(
     nodes: &[Vector3; 4],
     displacement: &Vector3,

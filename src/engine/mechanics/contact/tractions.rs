@@ -268,7 +268,7 @@ mod tests {
     }
 
     /// Iterations that find the slip u of a body with c (u − w) = t(u), from the slip and the traction of a step
-    /// before; c = m/(h N) in s/m, and w is the slip without friction. `known` is the part of c that is known.
+    /// before; c = m/(h N) in s/m, and w is the slip without friction. `known` is the given part of c.
     fn iterations(
         inertia: f64,
         known: f64,

@@ -272,7 +272,7 @@ fn a_rod_leaves_its_hinge_as_it_moves_and_turns() {
     let (sine, cosine) = libm::sincos(SPIN * time);
     let expected = Vector3::new(-sine, cosine, 0.0) * (0.025 * SPIN);
     let error = (velocity - expected).xy().norm() / expected.norm();
-    // When it breaks is known to the step, in which the arm turns by so much.
+    // The time of breaking is accurate to one step, in which the arm turns by so much.
     assert!(error < SPIN * STEP, "{velocity} {expected}");
     for state in states {
         let mut resumed = Simulation::new(&scene, &parameters).unwrap();

@@ -111,7 +111,7 @@ fn a_strip_turned_at_its_end_about_any_axis_comes_to_rest() {
 fn a_straight_column_leaves_its_unstable_equilibrium_and_bends_over() {
     for (load, rests) in [(0.9, true), (1.1, false), (2.0, false)] {
         let mut scene = cantilever(point_force(0, EDGES, -load * 0.25 * PI * PI * Vector3::x()));
-        // Soft in one plane, so that it is known where to.
+        // Soft in one plane, which determines the direction.
         scene.rods[0].stiffness.bending = [1.0, 20.0];
         let mut simulation = simulation_of(&scene);
         let report = simulation.find_equilibrium().unwrap();

@@ -154,7 +154,7 @@ fn the_corners_of_a_smooth_motion_cost_little() {
 
 #[test]
 fn a_force_that_nothing_announces_makes_steps_repeat() {
-    // Forces of another solver are no events: only the error tells.
+    // Forces of another solver are not events: only the error reveals them.
     for scheme in SCHEMES {
         let push = |simulation: &mut Simulation| {
             let mut forces = vec![Vector3::zeros(); EDGES + 1];

@@ -164,7 +164,7 @@ impl Integrator {
             let stage = &self.workspace.stage;
             let least = self.setting.parameters.minimum_step;
             let is_least = 0.5 * step < least.max(RESOLVED_TIME * goal);
-            // The midpoint rule does not conserve energy exactly, and where it extrapolates from the middle of the step through a soft contact, no
+            // The midpoint rule does not conserve energy exactly, and where it extrapolates through a soft contact, no
             // smaller step helps.
             let scheme = setting.parameters.scheme.rules();
             let bound = (!is_least && !scheme.extrapolates()).then_some(stage);
@@ -309,7 +309,7 @@ impl Integrator {
             self.small_steps += 1;
             if self.small_steps == SMALL_STEPS {
                 let message = format!(
-                    "at t = {:.6e} s: {SMALL_STEPS} steps in a row were far smaller than the requested {whole} s, the last one {:.3e} s: {reason}",
+                    "at t = {:.6e} s: {SMALL_STEPS} steps were far smaller than the requested {whole} s, the last one {:.3e} s: {reason}",
                     report.time, report.step
                 );
                 self.small_row = Some(SmallSteps::first(message, advice.clone()));

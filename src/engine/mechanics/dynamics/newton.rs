@@ -34,7 +34,7 @@ pub(crate) struct Newton {
 /// Iterations in which contact forces are carried along; a step that needs more begins again without.
 const CARRYING_ITERATIONS: usize = 30;
 /// Farthest that such an iteration moves a position, in radii: rods that fall move a radius within a step, and beyond two
-/// nothing is known of what they meet.
+/// contacts on the way have not been detected.
 const FARTHEST_CARRIED: f64 = 2.0;
 /// Correction of a position, in radii, from which down normals and contact points are those of the solution.
 const SLIGHT_MOVE: f64 = 1e-2;
@@ -46,7 +46,7 @@ const SLIGHT_MOVE: f64 = 1e-2;
 const TRIAL_ITERATIONS: usize = 5;
 const TRIAL_REDUCTION: f64 = 0.2;
 /// A correction of so many last digits of the unknowns is none: where contact is stiff they leave more of the residual than
-/// is asked for.
+/// is requested.
 const LAST_DIGITS: f64 = 4.0;
 /// Reductions of the step along one direction before it is taken as it is.
 const LINE_SEARCH_STEPS: usize = 12;

@@ -1,4 +1,4 @@
-//! Rods that come to lie along each other: contact points run along edges that are nearly parallel.
+//! Rods that become parallel in contact: contact points run along edges that are nearly parallel.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -67,7 +67,7 @@ fn rigid_contacts_turn_with_the_rods() {
     }
 }
 
-/// Without how contacts turn whose forces are known, iterations went to and fro along the edges, and 30 steps took 59 with 5
+/// Without the rotation of contacts with accurate forces, iterations alternated along the edges, and 30 steps took 59 with 5
 /// repeated, and 437 iterations.
 #[test]
 fn soft_contacts_whose_forces_are_known_turn_with_the_rods() {

@@ -256,7 +256,7 @@ impl Validity {
                     format!("rods `{first}` and `{second}`")
                 };
                 let reason = format!(
-                    "{who} collide at {speed:.3} m/s, faster than the speed of stretching waves in the rod ({wave:.3} m/s): such an impact crushes a rod, and the theory of rods does not cover it"
+                    "{who} collide at {speed:.3} m/s, faster than stretching waves travel in them ({wave:.3} m/s): such an impact crushes a rod, and the theory of rods does not cover it"
                 );
                 fastest = Some((speed, reason));
             }

@@ -196,7 +196,8 @@ impl Fluid {
     ///
     /// All slices have one entry per node of the scene, and with spheres one per place of it, positions in m and velocities in
     /// m/s. `spins` (rad/s) are those of the edges that start at the nodes, about their tangents; empty where their flow is
-    /// ignored, as in resistive force theory. Nodes outside all filaments get zero. The centre of a sphere gets the force on it, and points that turn with it
+    /// ignored, as in resistive force theory. Nodes outside all filaments get zero. The centre of a
+    /// sphere gets the force on it, and points that turn with it
     /// get forces whose torques add up to that on it.
     ///
     /// # Errors

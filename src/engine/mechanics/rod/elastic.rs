@@ -189,7 +189,7 @@ impl ElasticRods {
             VertexUnknowns::Consecutive { first, from, to } => {
                 let entries = &mut gradient[first..first + to - from];
                 if let Ok(entries) = <&mut [_; VERTEX_UNKNOWNS]>::try_from(&mut *entries) {
-                    // The same loop as below, but of known length.
+                    // The same loop as below, of constant length.
                     for k in 0..VERTEX_UNKNOWNS {
                         entries[k] += local[k][lane];
                     }
@@ -281,7 +281,7 @@ fn scatter_hessian(
         VertexUnknowns::Consecutive { first, from, to } => {
             let columns = &mut band.columns_mut()[first..first + to - from];
             if let Ok(columns) = <&mut [_; VERTEX_UNKNOWNS]>::try_from(&mut *columns) {
-                // The same loops as below, but of known lengths.
+                // The same loops as below, of constant lengths.
                 for j in 0..VERTEX_UNKNOWNS {
                     for r in 0..VERTEX_UNKNOWNS - j {
                         columns[j][r] += hessians[j][r][lane];

@@ -193,7 +193,7 @@ mod tests {
             let angle = 0.7 + TAU * turns;
             let (sine, cosine) = sine_cosine(within_reach(angle));
             let (expected_sine, expected_cosine) = libm::sincos(angle);
-            // The angle itself is no better known than to its last place.
+            // The angle itself is accurate only to its last place.
             let bound = f64::EPSILON * angle;
             assert!(
                 (sine - expected_sine).abs() < bound && (cosine - expected_cosine).abs() < bound

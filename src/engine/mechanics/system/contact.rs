@@ -15,10 +15,11 @@ use crate::mechanics::rod::{ElasticRods, RodGeometry, STRIDE};
 use crate::mechanics::scene::Scene;
 use crate::mechanics::{SceneError, Vector3};
 
-/// Rigid contact is limited to implicit Euler: the midpoint rule would extrapolate through it, and statics has no free motion that
-/// contact could prevent.
-const ONLY_EULER: SceneError =
-    SceneError::Unsuitable("contact by complementarity needs time.scheme = \"implicit-euler\"");
+/// Rigid contact is limited to implicit Euler: the midpoint rule would extrapolate through it, and statics has no
+/// free motion that contact could prevent.
+const ONLY_EULER: SceneError = SceneError::Unsuitable(
+    "contact by complementarity needs time steps with time.scheme = \"implicit-euler\"",
+);
 
 const NO_ENERGY: SceneError =
     SceneError::Unsuitable("an equilibrium with friction is not a minimum of an energy");

@@ -1,6 +1,7 @@
 //! Damping by the material: Kelvin–Voigt, stresses E (ε + T ε̇) with the retardation time T = η/E, and the standard linear solid.
 //!
-//! A dashpot acts in parallel to every spring of the discrete rod, K T ε̇ in parallel to K (ε − ε̃), for the strains of the vertices and the
+//! A dashpot acts in parallel to every spring of the discrete rod, K T ε̇ in parallel to K (ε − ε̃), for the
+//! strains of the vertices and the
 //! lengths of the edges. They turn with the rod, so that a motion as a rigid body meets no resistance, however large. In an
 //! implicit stage of the size H the rate is the difference of the scheme, taken of the strains themselves:
 //!

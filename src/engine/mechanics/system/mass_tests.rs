@@ -37,7 +37,7 @@ fn scene() -> Scene {
     }
 }
 
-/// Some velocities that are no rigid motion, of nodes (m/s) or also of angles.
+/// Some velocities that are not a rigid motion, of nodes (m/s) or also of angles.
 fn velocities(assembly: &Assembly, spins: bool) -> Vec<f64> {
     (0..assembly.unknowns.len())
         .map(|k| {

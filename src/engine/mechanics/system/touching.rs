@@ -158,7 +158,8 @@ impl System {
         }
     }
 
-    /// Returns the bodies that overlap by more than is allowed at `unknowns`, which need not be the point of the last evaluation; candidates
+    /// Returns the bodies that overlap by more than is allowed at `unknowns`, which need not be the point of the last
+    /// evaluation; candidates
     /// are brought up to date.
     pub(crate) fn excessive_penetration_at(&mut self, unknowns: &[f64]) -> Option<Overlap> {
         if !self.candidates_are_complete(unknowns) {

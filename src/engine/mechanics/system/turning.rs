@@ -1,6 +1,6 @@
 //! How far edges turn within a step.
 //!
-//! The twist of a vertex is known from one step to the next as the nearest of all that differ by whole turns. Where an edge turns by
+//! The twist of a vertex is chosen in each step as the nearest to the last one of all that differ by whole turns. Where an edge turns by
 //! nearly half a turn within a step this is a guess, and a wrong one loses a turn of the rod: where its ends are held, or it is
 //! closed, the rod keeps that ever after.
 

@@ -19,7 +19,8 @@
 //! extrapolated by a + c cos ωt + d sin ωt from the last four by least squares: of third order as well, for one solution
 //! of the fluid per step.
 //!
-//! Four are used, where three would suffice, because the difference of the drag R and the local resistance D, (R − D) v*, is fed back from step to
+//! Four are used, where three would suffice, because the difference of the drag R and the local resistance D,
+//! (R − D) v*, is fed back from step to
 //! step. With the inertia M, y = M/(Hₐ D), and without elasticity, this grows where the polynomial
 //!
 //! ```text

@@ -218,7 +218,7 @@ fn slides_that_cannot_be_are_named() {
         });
     });
     assert_eq!((name.as_str(), reason), ("foot", JointError::JoinedToRail));
-    // The strut, whose ends slide, is no rail.
+    // The strut, whose ends slide, is not a rail.
     let (name, reason) = refused(&|scene| {
         scene.joints[1].kind = JointKind::Slide;
         scene.joints[1].nodes.swap(0, 1);

@@ -364,7 +364,7 @@ fn newton_solves_as_the_dense_matrix_does() {
 }
 
 #[test]
-fn reset_rotations_are_the_same() {
+fn rotations_that_begin_anew_are_the_same() {
     let mut system = System::new(&star()).unwrap();
     let mut unknowns = perturbed(&mut system, 0.0);
     let frame = system.assembly.joints.frames[0].clone();
@@ -413,7 +413,7 @@ fn joints_that_cannot_be_are_named() {
     let (name, reason) = refused(&|scene| scene.joints[3].nodes[0] = at(4, 1));
     assert_eq!(name, "ball");
     assert!(matches!(reason, JointError::Apart { distance } if (distance - 0.4387).abs() < 1e-3));
-    // A thousandth of an edge is no rounding.
+    // A thousandth of an edge is more than rounding.
     let (name, reason) = refused(&|scene| {
         let nodes = scene.rods[4].centreline.iter_mut();
         nodes.for_each(|node| *node += Vector3::y() * 4e-4);

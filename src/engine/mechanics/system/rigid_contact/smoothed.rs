@@ -187,7 +187,7 @@ mod tests {
                     contact.follow(&law, &(holds + by * part));
                     contact.smoothed_violation(width) / size
                 });
-                // To second order, but for what is shut: that yields a little.
+                // To second order, except for closed contacts, which yield a little.
                 assert!(errors[0] < 1e-9, "{width}: {errors:?}");
                 assert!(errors[1] < 1e-2, "{width}: {errors:?}");
                 assert!(errors[2] < 2e-2 * errors[1] + 1e-7, "{width}: {errors:?}");

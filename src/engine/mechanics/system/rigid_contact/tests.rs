@@ -39,7 +39,7 @@ impl Problem {
         }
     }
 
-    /// Every second contact lies beside the one before, and moves as that does but for a part `apart` of a motion of its own, as
+    /// Every second contact is next to the one before, and moves as that one does except for a part `apart` of a motion of its own, as
     /// neighbours on nearly parallel edges.
     fn paired(seed: u64, contacts: usize, rank: usize, apart: f64) -> Self {
         let mut problem = Self::random(seed, contacts, rank);
@@ -292,7 +292,7 @@ fn neighbours_that_bear_nearly_the_same_load_find_their_forces() {
     }
 }
 
-/// Where rods still move far, forces are asked for no better than directions of contacts are known.
+/// Where rods still move far, forces are computed only as accurately as the directions of contacts.
 #[test]
 fn rods_that_move_far_take_fewer_iterations() {
     let problem = Problem::paired(10, 40, 60, 1e-2);
