@@ -205,7 +205,7 @@ pub struct Stiffness {
 }
 
 impl Stiffness {
-    /// Of a round rod of a radius (m): E π r², E π r⁴/4 and G π r⁴/2 with Young's modulus E (Pa) and G = E/(2 + 2 ν).
+    /// Stiffness of a round rod of a radius (m): E π r², E π r⁴/4 and G π r⁴/2 with Young's modulus E (Pa) and G = E/(2 + 2 ν).
     pub fn circular(youngs_modulus: f64, poissons_ratio: f64, radius: f64) -> Self {
         let stretching = youngs_modulus * std::f64::consts::PI * radius * radius;
         let bending = 0.25 * stretching * radius * radius;

@@ -187,7 +187,7 @@ impl ContactSystem {
         law.gap_of_force(force) + standoff
     }
 
-    /// How the forces of a listed contact, as they are, change with the positions of its nodes as it turns, N/m.
+    /// Derivative of the forces of a listed contact, at constant size, over the positions of its nodes as it turns, N/m.
     ///
     /// Without friction and for edges that touch between their ends this is minus the stiffness N Δ Q⁻¹ of
     /// `distance`, which grows as edges turn through parallel.

@@ -387,7 +387,7 @@ impl ContactSystem {
         &self.jacobians
     }
 
-    /// What to add to the forces of [`Self::contacts`] and [`Self::plane_contacts`] to have those of the linearised laws at
+    /// Corrections from the forces of [`Self::contacts`] and [`Self::plane_contacts`] to those of the linearised laws at
     /// the present gaps, N: the right-hand side that goes with the Jacobians. Zero without multipliers.
     pub(crate) fn linear_corrections(&self) -> ForceCorrections<'_> {
         ForceCorrections {

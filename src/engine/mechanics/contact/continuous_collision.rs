@@ -121,7 +121,7 @@ mod tests {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// How far the path is free for a distance of `kept`, by advancing with the speed of the nodes.
+    /// Free fraction of the path for a distance of `kept`, by advancing with the speed of the nodes.
     fn safe_fraction_by_speed(
         nodes: &[Vector3; 4],
         displacements: &[Vector3; 4],

@@ -29,7 +29,7 @@ impl ContactSystem {
         self.couple(new)
     }
 
-    /// Those of some candidates that are of two rods and not coupled yet.
+    /// Candidates among those given that are of two rods and not coupled yet.
     fn uncoupled(&self, candidates: impl Iterator<Item = usize>) -> Vec<usize> {
         let is_of_rods = |one: &usize| self.is_of_rod(self.candidates.pairs()[*one].nodes[3]);
         let is_new = |one: &usize| self.coupled_pairs().binary_search(one).is_err();

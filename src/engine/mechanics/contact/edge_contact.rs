@@ -57,9 +57,9 @@ pub(super) fn contact_force(
 /// Derivative of [`contact_force`] with respect to the coordinates of the four nodes, N/m, for the friction law linearised
 /// at the slip given with `sliding` (m/s); without that of normal and contact points unless the contact `turns`.
 ///
-/// What turning adds is of the order of N/Δ and of either sign. While forces and contact points are still those of a guess
-/// it leads astray: a force that is far too large makes the system indefinite. Without it the Jacobian of frictionless
-/// contact is positive. Where edges are nearly parallel it must be there, though, however far corrections still move them: the
+/// The contribution of turning is of the order of N/Δ and of either sign. While forces and contact points are still those
+/// of a guess it is harmful: a force that is far too large makes the system indefinite. Without it the Jacobian of frictionless
+/// contact is positive. Where edges are nearly parallel it is necessary, though, even while corrections still move them far: the
 /// contact points run along them as they turn.
 ///
 /// Only the part of the first edge is written where the second is of an obstacle, which is where it is put.

@@ -478,7 +478,7 @@ fn of_first_node(of_node: Linearised<[[f64; 3]; 3]>) -> Linearised<EdgeJacobian>
     }
 }
 
-/// What to add to `force` to have that of the linearised laws; `with` gives the force of a normal force and a traction.
+/// Correction from `force` to that of the linearised laws; `with` returns the force of a normal force and a traction.
 fn correction<const N: usize>(
     pressure: &LinearLaw,
     friction: &LinearTraction,

@@ -20,7 +20,7 @@ pub(super) enum NearestPoints {
 }
 
 impl NearestPoints {
-    /// Those of a pair at `points`, smoothed over parallel edges by c (m²); `None` where the node of a pair with a face is not over
+    /// Nearest points of a pair at `points`, smoothed over parallel edges by c (m²); `None` where the node of a pair with a face is not over
     /// it, or not within the ends of a tube, and where a rim does not act.
     pub(crate) fn of(
         surface: &ContactSurface,

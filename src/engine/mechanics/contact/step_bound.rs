@@ -13,7 +13,7 @@ use crate::mechanics::Vector3;
 /// thickest rod; a path that is longer is cut.
 const SEGMENTS: usize = 16;
 
-/// How far nodes may move.
+/// Bound on the displacement of nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct LargestStep {
     /// Fraction of the path that is free, from 0 to 1.

@@ -57,7 +57,7 @@ impl ContactFace {
 #[derive(Clone, Debug, Default)]
 pub struct ContactSurface {
     edges: Vec<ContactEdge>,
-    /// Of each edge of an obstacle the vertices opposite to it in its two faces, counted from the nodes of the rods on; none where it
+    /// Vertices opposite to each edge of an obstacle in its two faces, counted from the nodes of the rods on; `None` where it
     /// has no two faces.
     opposite: Vec<Option<[usize; 2]>>,
     faces: Vec<ContactFace>,

@@ -170,7 +170,7 @@ fn weight_acts_over_six_decades_of_stiffness_length_density_and_gravity() {
         };
         let acceleration = decades(1e-3);
         let weight = rod.mass_per_length() * acceleration;
-        // Softer ones hang down and stretch, which the theory does not know.
+        // Softer ones hang down and stretch, which the theory does not include.
         if weight * length.powi(3) / rod.bending() > 20.0 {
             continue;
         }

@@ -32,7 +32,7 @@ impl Simulation {
     /// state is then as before.
     ///
     /// # Errors
-    /// Those of [`Self::find_equilibrium`].
+    /// The errors of [`Self::find_equilibrium`].
     pub fn find_equilibrium_while(
         &mut self,
         goes_on: &dyn Fn() -> bool,

@@ -37,7 +37,7 @@ pub(super) enum Failure {
 pub(super) enum Forces {
     Contact,
     Elastic,
-    /// Of the fluid.
+    /// Forces of the fluid.
     Drag,
 }
 

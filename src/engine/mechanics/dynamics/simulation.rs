@@ -76,7 +76,7 @@ impl Simulation {
     /// The step then is given up halfway: [`Self::restore`] a state before anything else.
     ///
     /// # Errors
-    /// Those of [`Self::advance`].
+    /// The errors of [`Self::advance`].
     pub fn advance_while(
         &mut self,
         until: f64,

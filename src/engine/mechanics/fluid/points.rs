@@ -33,7 +33,7 @@ pub(super) struct Points {
     representatives: Vec<usize>,
     /// All stations of each point, without those that slide.
     members: Vec<Vec<usize>>,
-    /// Of each station; the weight of the second is zero unless the station slides.
+    /// Shares of each station; the weight of the second is zero unless the station slides.
     shares: Vec<[Share; 2]>,
     sliding: Vec<SlidingStation>,
 }

@@ -35,7 +35,7 @@ const GAUSS: [f64; 4] = [
 /// Halvings after which an interval is taken as it is.
 pub(super) const DEEPEST: usize = 20;
 
-/// What [`segment_integral`] gives, by adaptive Gauss–Kronrod quadrature of
+/// The result of [`segment_integral`], by adaptive Gauss–Kronrod quadrature of
 /// Eq. 2.21 to an absolute `tolerance` (A₁ and A₂ have no dimension) or to round-off.
 pub(crate) fn segment_integral_by_quadrature(
     x: &Vector3,

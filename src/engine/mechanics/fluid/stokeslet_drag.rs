@@ -68,13 +68,13 @@ pub(super) struct StokesletDrag {
     age: Age,
     guess: InitialGuess,
     gmres: Gmres,
-    /// Of the stations, m.
+    /// Positions of the stations, m.
     positions: Vec<Vector3>,
-    /// Of the stations, m/s.
+    /// Velocities of the stations, m/s.
     velocities: Vec<Vector3>,
     /// Flow of spinning edges.
     rotlets: Rotlets,
-    /// Of all places of a scene with spheres, m.
+    /// Positions of all places of a scene with spheres, m.
     places: Vec<Vector3>,
     /// Voronoi lengths Δl of the stations, m.
     lengths: Vec<f64>,

@@ -17,7 +17,7 @@ pub struct RigidBody {
     pub vertices: Vec<Vector3>,
     /// Pairs of vertices; a vertex twice is a point.
     pub segments: Vec<[usize; 2]>,
-    /// Of the first segments, which are sides of triangles: the vertices opposite to them in their two triangles; none for a side
+    /// Vertices opposite to the first segments, which are sides of triangles, in their two triangles; `None` for a side
     /// of one triangle alone.
     pub opposite: Vec<Option<[usize; 2]>>,
     /// Triangles, anticlockwise as seen from outside.

@@ -30,17 +30,17 @@ const NEAR_ROUNDING: f64 = 8.0;
 /// Work of what is left of the residual that counts as none, of the energy of a rod: such works of many steps add up.
 const NEGLIGIBLE_WORK: f64 = 1e-5;
 
-/// What residual counts as none.
+/// Tolerances of the residual.
 pub(super) struct Tolerances {
     rods: Vec<RodTolerance>,
-    /// The multiple of the acting forces that it is.
+    /// Tolerance as a multiple of the acting forces.
     relative: f64,
     /// Scratch: which nodes are in contact.
     in_contact: Vec<bool>,
 }
 
 impl Tolerances {
-    /// None yet.
+    /// Tolerances that are not set yet.
     pub(crate) fn new(assembly: &Assembly) -> Self {
         Self {
             rods: vec![RodTolerance::default(); assembly.rods.rods.len()],
@@ -50,21 +50,21 @@ impl Tolerances {
     }
 }
 
-/// What of its residual counts as none for one rod.
+/// Tolerance of the residual of one rod.
 #[derive(Clone, Copy, Debug, Default)]
 struct RodTolerance {
     /// Largest force, N; infinite for a rod that is held.
     force: f64,
-    /// What rounding leaves of it, N.
+    /// Rounding error of it, N.
     rounding: f64,
     /// Weight of its residual among those of all rods: 1 for the rod with the least tolerance.
     weight: f64,
 }
 
-/// How far forces are from balance.
+/// Imbalance of forces.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Imbalance {
-    /// Largest residual of a free unknown over what counts as none: balanced where it is at most 1.
+    /// Largest residual of a free unknown over its tolerance: balanced where it is at most 1.
     pub ratio: f64,
     /// That residual, N; moments are divided by the shortest edge of their rod.
     pub residual: f64,
@@ -188,7 +188,7 @@ impl System {
         imbalance.is_balanced()
     }
 
-    /// How far the residual of the last evaluation is from balance.
+    /// Imbalance of the residual of the last evaluation.
     pub(crate) fn imbalance(&self) -> Imbalance {
         self.imbalance_against(|rod| rod.force)
     }

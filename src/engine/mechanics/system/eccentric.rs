@@ -87,7 +87,7 @@ impl Assembly {
         momenta
     }
 
-    /// What weighs on the tips of bodies: their unknowns along x, each with a mass, kg; those along y and z follow.
+    /// Masses at the tips of bodies: their unknowns along x, each with a mass, kg; those along y and z follow.
     pub(super) fn weights_of_tips(&self) -> Vec<(usize, f64)> {
         let weights = self.eccentric().flat_map(|body| {
             let of_tip =

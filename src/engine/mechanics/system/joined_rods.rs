@@ -264,7 +264,7 @@ impl Assembly {
     }
 }
 
-/// What is wrong with the joint or body at a node.
+/// Fault of the joint or body at a node.
 fn wrong(scene: &Scene, at: &RodNode, reason: JointError) -> SceneError {
     let joint = scene.joints.iter().find(|joint| joint.nodes.contains(at));
     let body = scene.bodies.iter().find(|body| body.at == *at);

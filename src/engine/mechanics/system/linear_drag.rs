@@ -20,7 +20,7 @@ pub(crate) struct LinearDrag {
 
 #[derive(Clone, Debug)]
 struct Part {
-    /// Of each unknown, N s/m or N m s.
+    /// Coefficient of each unknown, N s/m or N m s.
     coefficients: Vec<f64>,
     scale: Scale,
 }

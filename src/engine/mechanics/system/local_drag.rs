@@ -9,7 +9,7 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::scene::Scene;
 
-/// What the stage has of a fluid.
+/// Local drag of a fluid in a stage.
 pub(crate) struct LocalDrag;
 
 impl Term for LocalDrag {

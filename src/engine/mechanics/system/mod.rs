@@ -369,7 +369,7 @@ impl System {
     }
 }
 
-/// What an evaluation reads and writes.
+/// Data that an evaluation reads and writes.
 struct Parts<'a> {
     at: Configuration<'a>,
     terms: &'a mut Terms,

@@ -33,9 +33,9 @@ pub(crate) struct NewtonMatrix {
     /// Elements of the terms, always present.
     permanent: Vec<Element>,
     permanent_matrices: Vec<ElementMatrix>,
-    /// Where those of each term end among them.
+    /// End of those of each term among them.
     ends: Vec<usize>,
-    /// How many are those of the rods.
+    /// Number of those of the rods.
     closing: usize,
     /// Elements of contacts active in this linearisation.
     active: Vec<(usize, ElementMatrix)>,

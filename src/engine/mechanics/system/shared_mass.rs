@@ -8,7 +8,7 @@ const OF_EDGE: f64 = 1.0 / 6.0;
 /// The same of the moment of inertia of the two half edges at a vertex.
 const OF_VERTEX: f64 = 1.0 / 12.0;
 
-/// What neighbours share of the masses of rods with consistent inertia.
+/// Masses that neighbours share in rods with consistent inertia.
 #[derive(Clone, Debug, Default)]
 pub struct ConsistentMasses {
     rods: Vec<Densities>,
@@ -35,7 +35,7 @@ pub(super) type Shared = [f64; STRIDE];
 #[derive(Clone, Debug)]
 pub(super) struct Chain {
     pub first_node: usize,
-    /// What each node shares with the next.
+    /// Masses that each node shares with the next.
     pub shared: Vec<Shared>,
 }
 

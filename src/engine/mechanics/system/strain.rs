@@ -7,7 +7,7 @@ use super::System;
 use crate::mechanics::rod::topology::position;
 use crate::mechanics::scene::RodDescription;
 
-/// What a rod suffers most.
+/// Largest strain of a rod.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Strain {
     /// Its size: 0.1 is 10 %. A stretch has a sign.
@@ -37,7 +37,7 @@ pub(crate) struct SectionScale {
 }
 
 impl SectionScale {
-    /// Of a rod. c_i = 2 √(EI_i/EA) is h for a circular section, and 15 % more than half the side of a rectangle; where
+    /// Computes the scale of a rod. c_i = 2 √(EI_i/EA) is h for a circular section, and 15 % more than half the side of a rectangle; where
     /// stiffnesses are given freely, it is that of the ellipse that would have them.
     pub(crate) fn of(rod: &RodDescription) -> Self {
         let stiffness = &rod.stiffness;

@@ -49,7 +49,7 @@ pub(crate) struct Configuration<'a> {
     pub stage: Option<&'a Stage>,
 }
 
-/// What kind of force a term is.
+/// Kind of force of a term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// Inertia, damping and drag.
@@ -71,10 +71,10 @@ pub(crate) trait Term {
     where
         Self: Sized;
 
-    /// What kind of force it is: which one an error message blames.
+    /// Kind of force, which error messages name.
     fn kind(&self) -> Kind;
 
-    /// Unknowns that it couples beside those in the band of the rods, up to twelve in each element. Their number never changes.
+    /// Unknowns that it couples in addition to those in the band of the rods, up to twelve in each element. Their number never changes.
     fn elements(&self, _assembly: &Assembly) -> Vec<Element> {
         Vec::new()
     }
@@ -138,15 +138,15 @@ pub(crate) trait Term {
     /// Continues from a time, s, at which a state was committed.
     fn resume(&mut self, _time: f64) {}
 
-    /// What a checkpoint holds of it.
+    /// Its data in a checkpoint.
     fn memory(&self) -> Vec<Vec<f64>> {
         Vec::new()
     }
 
-    /// Continues from the next of what a checkpoint holds, as much as [`Self::memory`] gave.
+    /// Continues from the next data of a checkpoint, as many as [`Self::memory`] returned.
     ///
     /// # Errors
-    /// What of it does not fit.
+    /// The difference, if the checkpoint belongs to another scene.
     fn restore(&mut self, _memory: &mut dyn Iterator<Item = Vec<f64>>) -> Result<(), &'static str> {
         Ok(())
     }

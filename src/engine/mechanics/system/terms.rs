@@ -81,22 +81,22 @@ impl Terms {
     /// Checks that a scene with them meets a demand.
     ///
     /// # Errors
-    /// The answer of the last term that refuses.
+    /// The reason of the last term that refuses.
     pub(crate) fn admit(&self, demand: Demand) -> Result<(), SceneError> {
         let terms = self.all().into_iter().rev();
         let refusal = terms.filter_map(|term| term.refuses(demand)).next();
         refusal.map_or(Ok(()), Err)
     }
 
-    /// What a checkpoint holds of them.
+    /// Their data in a checkpoint.
     pub(crate) fn memory(&self) -> Vec<Vec<f64>> {
         self.all().iter().flat_map(|term| term.memory()).collect()
     }
 
-    /// Continues from what a checkpoint holds.
+    /// Continues from the data of a checkpoint.
     ///
     /// # Errors
-    /// What of it does not fit.
+    /// The difference, if the checkpoint belongs to another scene.
     pub(crate) fn restore(&mut self, memory: Vec<Vec<f64>>) -> Result<(), &'static str> {
         let mut memory = memory.into_iter();
         for term in self.all_mut() {

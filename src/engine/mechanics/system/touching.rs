@@ -1,4 +1,4 @@
-//! The contact model of a scene, and words for what touches.
+//! The contact model of a scene, and names of bodies in contact.
 
 use super::centreline::{arc_length, directions};
 use super::roots::pass_over_roots;
@@ -50,7 +50,7 @@ pub(super) fn contact_of(
         friction: plane.friction.unwrap_or(parameters.friction),
     });
     let stiffness_per_force = parameters.stiffness_per_force(surface.largest_moving_radius());
-    // That of the forces that bend each rod: neither a stiff post nor its stiffness belongs to what a soft rod meets.
+    // The stiffness follows from the forces that bend each rod, so that a stiff post does not stiffen the contacts of a soft rod.
     let least_of_rods = || {
         let rods = scene.rods.iter().zip(&assembly.scales);
         rods.map(|(rod, scale)| {

@@ -12,9 +12,9 @@ const LARGEST: f64 = 2.0;
 /// An edge that turns too far within a step.
 #[derive(Clone, Debug)]
 pub(crate) struct Turn {
-    /// Which one, in words.
+    /// Name of the edge, in words.
     pub edge: String,
-    /// By how much, rad.
+    /// Its rotation, rad.
     pub angle: f64,
 }
 

@@ -47,11 +47,11 @@ pub(super) struct Spheres {
     inside: Vec<bool>,
     /// The same of each point.
     points_inside: Vec<usize>,
-    /// Of each sphere on each point, sphere by sphere.
+    /// Action of each sphere on each point, sphere by sphere.
     on_points: Vec<Influence>,
-    /// Of each point on each sphere.
+    /// Action of each point on each sphere.
     on_spheres: Vec<Influence>,
-    /// Of each sphere on each one, row by row.
+    /// Action of each sphere on each one, row by row.
     on_each_other: Vec<[[Matrix3; 2]; 2]>,
 }
 

@@ -35,7 +35,7 @@ pub(crate) struct Sphere {
 /// Interaction of a sphere and a point at a distance, without the rotation of the point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in super::super) struct Influence {
-    /// Of the force on the velocity: symmetric.
+    /// Action of the force on the velocity: symmetric.
     pub stokeslet: Matrix3,
     /// d of the velocity τ × d.
     pub rotlet: Vector3,

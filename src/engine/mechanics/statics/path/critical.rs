@@ -13,8 +13,8 @@ const TOLERANCE: f64 = 1e-8;
 const SHARES: [f64; 5] = [0.5, 0.3, 0.7, 0.1, 0.9];
 /// Most critical points between two neighbouring points.
 const MOST_IN_A_STEP: usize = 8;
-/// The null vector v of a bifurcation has v·∂R/∂λ = 0; it is a fold where this cosine is larger. Seen are 1e-9
-/// and less at bifurcations and some hundredths at folds.
+/// The null vector v of a bifurcation has v·∂R/∂λ = 0; it is a fold where this cosine is larger. Observed
+/// values are at most 1e-9 at bifurcations and some hundredths at folds.
 const LARGEST_COUPLING: f64 = 1e-4;
 /// Halvings of the first step onto a new branch.
 const HALVINGS: usize = 6;

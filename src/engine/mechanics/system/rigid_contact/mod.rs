@@ -234,7 +234,7 @@ impl RigidContact {
 }
 
 impl State {
-    /// What it adds to Newton's matrix, N/m.
+    /// Its contribution to Newton's matrix, N/m.
     pub(crate) fn matrix(&self, constraint: &ContactConstraint) -> ElementMatrix {
         let weights = &constraint.weights;
         std::array::from_fn(|row| {

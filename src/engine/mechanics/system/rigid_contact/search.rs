@@ -44,7 +44,7 @@ const LOOSEST: f64 = 0.1;
 const LOOSENESS: f64 = 0.1;
 const SLIGHT_MOVE: f64 = 1e-3;
 
-/// What the solution of all linear laws moves.
+/// Displacements of the solution of all linear laws.
 pub(in crate::mechanics::system) struct Moves {
     /// The contact points, m.
     pub contacts: Vec<Vector3>,
@@ -52,14 +52,14 @@ pub(in crate::mechanics::system) struct Moves {
     pub farthest: f64,
 }
 
-/// A search within a step; it remembers between linearisations of the rods how narrow smoothed laws have become.
+/// A search within a step; it keeps the width of the smoothed laws between linearisations of the rods.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ForceSearch {
-    /// Width of smoothed laws, N, while they lead.
+    /// Width of smoothed laws, N, while they are used.
     width: Option<f64>,
 }
 
-/// What forces are measured by.
+/// Scales of forces.
 struct Sizes {
     /// That of a contact, N.
     typical: f64,

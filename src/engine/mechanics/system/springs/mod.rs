@@ -284,7 +284,7 @@ impl Term for Springs {
         }
     }
 
-    /// Those on nodes.
+    /// Adds the forces on nodes.
     fn add_sizes(&self, _: &Configuration, forces: &mut [f64]) {
         for spring in &self.between_nodes {
             let force = spring.gradient();
