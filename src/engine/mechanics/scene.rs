@@ -70,7 +70,7 @@ pub struct Start {
 /// One rod as placed at time zero.
 #[derive(Clone, Debug)]
 pub struct RodDescription {
-    /// Name by which scenarios and results call it.
+    /// Name in scenarios and results.
     pub name: String,
     /// Nodes of the centreline, m: N + 1 for an open rod of N edges, N for a closed one.
     pub centreline: Vec<Vector3>,
@@ -110,7 +110,7 @@ pub struct RodDescription {
     pub held: bool,
 }
 
-/// The spring and the dashpot in a row that lie beside the spring of a standard linear solid.
+/// The spring and the dashpot in series that are parallel to the spring of a standard linear solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation {
     /// Modulus of that spring over Young's modulus, r = E₁/E; the same for stretching, bending and twisting.
@@ -120,7 +120,7 @@ pub struct Relaxation {
 }
 
 impl RodDescription {
-    /// Lengths of edges that are so long under the tension of the placed rod, without it.
+    /// Lengths without tension of edges whose lengths under the tension of the placed rod are given.
     pub fn relaxed(&self, mut lengths: Vec<f64>) -> Vec<f64> {
         let stretch = 1.0 + self.pretension / self.stiffness.stretching;
         lengths.iter_mut().for_each(|length| *length /= stretch);
@@ -169,7 +169,7 @@ pub enum Inertia {
     /// Half of the edge at either node: vibrations of second order in the edge length.
     #[default]
     Lumped,
-    /// As they move, linearly from node to node, with Gregory's weights beside clamps: vibrations of straight rods of
+    /// By the motion of the edges, linear from node to node, with Gregory's weights beside clamps: vibrations of straight rods of
     /// fourth order.
     Consistent,
 }
@@ -350,7 +350,7 @@ pub struct Plane {
 /// A rigid body that rods may touch.
 #[derive(Clone, Debug, Default)]
 pub struct Obstacle {
-    /// Name by which scenarios and results call it.
+    /// Name in scenarios and results.
     pub name: String,
     /// Its shape and place at time zero.
     pub body: RigidBody,

@@ -8,8 +8,8 @@
 //! Ericson 2005, section 5.1.9). The minimum over the lines is computed from a triple product with e_i × e_j,
 //! which stays accurate for edges that are nearly parallel, where the usual difference of dot products cancels.
 //!
-//! Where edges turn through parallel the closest points leap from one end of the stretch along which they face each
-//! other to the other end, and the torque of the contact force with them. Rods that lie along each other come to rest
+//! Where edges turn through parallel the closest points jump from one end of the stretch along which they face each
+//! other to the other end, and the torque of the contact force with them. Parallel rods in contact come to rest
 //! just there, in between, where Newton's method finds no force that would hold them. With a smoothing c the points pass
 //! through the middle of that stretch, within an angle of about c/(2 Δ ‖e‖). The distance is then the root of twice
 //! the minimum, so that its gradient at fixed ratios still is the whole one; it is larger than that of the edges by

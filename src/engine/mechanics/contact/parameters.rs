@@ -4,20 +4,20 @@ use super::{barrier, friction, potential};
 
 /// Most that the smoothing of closest points adds to a gap, in units of δ.
 ///
-/// The contact force at a gap then changes by at most 1.5 %. A reef knot whose straight tails come to lie along each other
-/// takes 2.1 iterations a step with a tenth of this and with 30 times as much, and without any it goes no farther.
+/// The contact force at a gap then changes by at most 1.5 %. A reef knot whose straight tails become parallel in contact
+/// takes 2.1 iterations a step with a tenth of this and with 30 times as much, and without any it does not advance.
 const SMOOTHING: f64 = 5e-4;
 
-/// The same for a barrier, which begins that much outside the surfaces so that they never touch for it.
+/// The same for a barrier, which begins that much outside the surfaces so that they never touch.
 ///
-/// Without any, steps get as small as the smallest where rods that press on each other come to lie along each other: the
-/// closest points of edges leap as they turn through parallel, and the forces on the nodes with them.
+/// Without any, steps get as small as the smallest where rods that press on each other become parallel: the
+/// closest points of edges jump as they turn through parallel, and so do the forces on the nodes.
 const BARRIER_SMOOTHING: f64 = 5e-3;
 
 /// Contact models, all with Coulomb friction (thesis Eqs. 2.7–2.14).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactModel {
-    /// The implicit contact model (thesis 2.2–2.3): a smooth penalty, which a large force may overcome.
+    /// The implicit contact model (thesis 2.2–2.3): a smooth penalty, which a large force may exceed.
     ImplicitContact,
     /// Incremental potential contact (Li et al. 2020): a barrier that is infinite at contact, and steps that
     /// never cross it.

@@ -1,23 +1,23 @@
 //! The drag of a flow that couples nodes, found within the step.
 //!
 //! In a flow the motion of every node acts on every other: the drag is −R v with a resistance R that is dense. The Newton
-//! matrix holds its local part D alone, so a step is solved with the drag F₀ − D (v − v₀) of a motion v₀ that was expected.
+//! matrix holds its local part D alone, so a step is solved with the drag F₀ − D (v − v₀) of a predicted motion v₀.
 //! The remainder, (D − R) (v − v₀), may be left to the next step, whose prediction improves by it, only
 //! where this does not ring: see [`TimeScheme::largest_lagged_ratio`](super::scheme::TimeScheme::largest_lagged_ratio). With
 //! the inertia of the thesis' flagella it does not. Where drag dominates it does, for any step, as soon as R and D differ
 //! by half.
 //!
-//! There the drag is evaluated again for the motion that the step has found, and the step solved again, until what is left
-//! out is small against the drag on every rod. Then a step is one of the implicit scheme with the whole resistance, which
+//! There the drag is evaluated again for the motion of the solved step, and the step solved again, until the
+//! remainder is small against the drag on every rod. Then a step is one of the implicit scheme with the whole resistance, which
 //! is positive: it is stable for every ratio of drag to inertia, as the scheme is.
 //!
-//! Expecting the last solution would converge only for R < 2 D. So the next expectation is the combination of all
-//! solutions so far that leaves out least, by generalised conjugate residuals (Eisenstat, Elman & Schultz 1983, Alg. 2): for
+//! Predicting the last solution would converge only for R < 2 D. So the next prediction is the combination of all
+//! solutions so far with the least remainder, by generalised conjugate residuals (Eisenstat, Elman & Schultz 1983, Alg. 2): for
 //! a linear step this is GMRES for the whole Jacobian, preconditioned by the Newton matrix, and converges for every R.
 //!
-//! The flow is solved to a part of all velocities. A rod that only floats along with the flow of another one has next to no
-//! drag, and what the flow solver leaves there may be more than a small part of it. So a stalled search also
-//! ends where no rod leaves out more than the flow solver does.
+//! The flow is solved to a part of all velocities. A rod that only moves along with the flow of another one has almost no
+//! drag, and the error of the flow solver there may be more than a small part of it. So a stalled search also
+//! ends where the remainder of no rod exceeds the error of the flow solver.
 
 use crate::mechanics::Vector3;
 use crate::mechanics::fluid::Coupling;

@@ -21,8 +21,8 @@ impl Simulation {
     /// inertia, and without friction.
     ///
     /// # Errors
-    /// [`SimulationError::NoEquilibrium`], [`SimulationError::Unphysical`] where rods penetrate however stiff their
-    /// contact, and [`SimulationError::BadScene`] with rigid contact, which gives forces to time steps only.
+    /// [`SimulationError::NoEquilibrium`], [`SimulationError::Unphysical`] if rods penetrate even with the stiffest
+    /// contact, and [`SimulationError::BadScene`] with rigid contact, which is defined for time steps only.
     pub fn find_equilibrium(&mut self) -> Result<StepReport, SimulationError> {
         let found = self.find_equilibrium_while(&|| true)?;
         Ok(found.expect("it is never stopped"))
@@ -93,7 +93,7 @@ impl Simulation {
         small_motions(&mut self.system, &self.state.unknowns)
     }
 
-    /// Judges the stability of the equilibrium by its small motions, where forces have no potential.
+    /// Determines the stability of the equilibrium by its small motions, where forces have no potential.
     fn judge_stability(&mut self) {
         if self.system.is_symmetric() || self.system.rubs() {
             return;
@@ -136,7 +136,7 @@ impl Simulation {
         }
     }
 
-    /// Takes over an equilibrium.
+    /// Stores an equilibrium as the present state.
     fn rest_at(&mut self, unknowns: &[f64]) {
         self.state.rest_at(unknowns);
         self.publish();

@@ -110,7 +110,7 @@ fn a_rod_that_spins_drags_its_neighbour_around() {
     let moment = spun.reaction_moment(0).z;
     let expected = 4.0 * PI * VISCOSITY * radius * radius * 0.1 * speed;
     assert!((moment / expected - 1.0).abs() < 1e-3, "{moment}");
-    // Near a long rod the velocity is ω r²/d; its mean along a rod of the length L is less by the factor (√(L² + d²) − d)/L.
+    // Near a long rod the velocity is ω r²/d; its mean along a rod of the length L is this times (√(L² + d²) − d)/L.
     let mean: Vector3 = spun.velocities()[21..].iter().sum::<Vector3>() / 21.0;
     let (length, distance) = (0.1f64, 6e-3f64);
     let part = ((length * length + distance * distance).sqrt() - distance) / length;

@@ -8,7 +8,7 @@ use crate::mechanics::system::Grasp;
 use crate::mechanics::{SceneError, Vector3};
 
 impl Simulation {
-    /// Sets forces of another solver, which act beside the loads of the scene from the next step on: for
+    /// Sets forces of another solver, which act in addition to the loads of the scene from the next step on: for
     /// coupling step by step. `forces` act on the nodes, N; `moments` about the tangent of the edge that
     /// starts at each node, N m.
     pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
@@ -19,7 +19,7 @@ impl Simulation {
         }
     }
 
-    /// Multiplies a load of the scene, counted from 0, by a factor beside its schedule, from the next step on.
+    /// Multiplies a load of the scene, counted from 0, by a factor in addition to its schedule, from the next step on.
     ///
     /// # Errors
     /// [`SimulationError::BadScene`] if the load does not exist.
@@ -29,14 +29,14 @@ impl Simulation {
         set.ok_or_else(|| refused(format!("load {load} does not exist")))
     }
 
-    /// Gives a clamp another motion, which holds from the next step or equilibrium on: for ends that a robot or a
+    /// Replaces the motion of a clamp from the next step or equilibrium on: for ends that a robot or a
     /// continuation moves. Clamps of the scene are counted from 0; those that [`Self::grasp`] makes follow.
     pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
         self.validity.stop_counting_energy();
         self.system.move_clamp(clamp, motion);
     }
 
-    /// Takes hold of a node, counted over the whole scene, where it is now; returns the number of the clamp, for
+    /// Grasps a node, counted over the whole scene, at its present place; returns the number of the clamp, for
     /// [`Self::move_clamp`] and [`Self::release`]. A node whose position is held stops at once.
     ///
     /// # Errors

@@ -40,8 +40,8 @@ impl Simulation {
         self.system.resultants()
     }
 
-    /// Twist of the material frame of a rod from one end to the other, rad: whole turns count, and where a clamp holds a
-    /// frame it goes over that.
+    /// Twist of the material frame of a rod from one end to the other, rad: including whole turns and the twist across
+    /// frames that clamps hold.
     pub fn total_twist(&self, rod: usize) -> f64 {
         self.system.total_twist(rod)
     }

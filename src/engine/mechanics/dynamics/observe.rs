@@ -81,7 +81,7 @@ impl Simulation {
         forces
     }
 
-    /// Energies now, J.
+    /// Present energies, J.
     pub fn energies(&self) -> Energies {
         let elastic = self.system.elastic_energy();
         let assembly = &self.system.assembly;
@@ -99,7 +99,7 @@ impl Simulation {
         }
     }
 
-    /// Energy of the contacts now, J. The midpoint rule evaluates them in the middle of its steps.
+    /// Present energy of the contacts, J. The midpoint rule evaluates them in the middle of its steps.
     fn contact_energy(&self) -> f64 {
         let scheme = self.integrator.setting.parameters.scheme;
         match self.system.contact() {
@@ -233,7 +233,7 @@ impl Simulation {
     /// Continues from a checkpoint of the same scene.
     ///
     /// # Errors
-    /// [`SimulationError::BadScene`] where the checkpoint does not fit the scene.
+    /// [`SimulationError::BadScene`] if the checkpoint belongs to another scene.
     pub fn restore(&mut self, state: SimulationState) -> Result<(), SimulationError> {
         let foreign = |what: String| SimulationError::BadScene(SceneError::Checkpoint(what));
         // Before what was grasped since.

@@ -3,8 +3,8 @@
 /// Settings of time stepping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegrationParameters {
-    /// Time integration scheme. Implicit Euler by default: the scheme of the thesis, which takes impacts and friction
-    /// as they are, and damps what its steps do not resolve.
+    /// Time integration scheme. Implicit Euler by default: the scheme of the thesis, which handles impacts and
+    /// friction directly, and damps motions that its steps do not resolve.
     pub scheme: Scheme,
     /// Size of the time step, s. 1 ms by default: a rod of a millimetre and a MPa, clamped and some centimetres long,
     /// swings in tenths of a second, and at walking speed a rod moves by less than its own radius in it.
@@ -17,10 +17,10 @@ pub struct IntegrationParameters {
     pub force_tolerance: f64,
     /// ... and when the last correction moved no node by more than this multiple of the radius of the thinnest rod.
     ///
-    /// 1e-4 by default, a hundredth of the gap of a contact: a larger correction may have closed one unnoticed.
+    /// 1e-4 by default, a hundredth of the gap of a contact: a larger correction may have closed one without its force.
     pub displacement_tolerance: f64,
     /// Newton iterations after which a step counts as failed and is halved. 40 by default: steps take two to six, those
-    /// with many new contacts up to thirty, and what has not converged by then seldom does.
+    /// with many new contacts up to thirty, and later convergence is rare.
     pub maximum_iterations: usize,
     /// Smallest step before the run is given up, s. 1 ns by default, a millionth of the step by default: twenty halvings.
     pub minimum_step: f64,
@@ -29,7 +29,7 @@ pub struct IntegrationParameters {
 /// Time integration schemes; `dynamics/scheme` derives them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
-    /// First order, damps fast modes, and takes jumps of the velocity as they are.
+    /// First order, damps fast modes, and allows jumps of the velocity.
     ImplicitEuler,
     /// Second order, conserves momentum and nearly energy, without damping.
     ImplicitMidpoint,

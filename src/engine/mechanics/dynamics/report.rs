@@ -11,7 +11,7 @@ use crate::mechanics::{SceneError, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
-/// Everything that influences the future of a simulation; what a checkpoint holds.
+/// All state that influences the future of a simulation: the data of a checkpoint.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SimulationState {
     /// Time, s.
@@ -63,13 +63,13 @@ pub struct StepReport {
     pub exchange: Exchange,
     /// Work that moving obstacles did on the rods by normal forces, J.
     pub obstacle_work: f64,
-    /// Energy that a change of the contact stiffness made at the start of the step, J.
+    /// Energy added by a change of the contact stiffness at the start of the step, J.
     pub stiffening: f64,
     /// Sum of all normal contact forces, N.
     pub contact_force: f64,
 }
 
-/// Energy that rods took in and gave off, J.
+/// Work done on rods and energy that they lost, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Exchange {
     /// Work of the clamps by the motion of the nodes and angles that they hold; not that of tilting a held tangent.

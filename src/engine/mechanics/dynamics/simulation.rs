@@ -30,7 +30,7 @@ impl Simulation {
     /// Sets up a simulation at time zero.
     ///
     /// # Errors
-    /// [`SimulationError::BadScene`] names what is impossible.
+    /// [`SimulationError::BadScene`] for an invalid scene, with the reason.
     pub fn new(scene: &Scene, parameters: &IntegrationParameters) -> Result<Self, SimulationError> {
         let mut system = System::new(scene)?;
         system.admit(match parameters.scheme {
@@ -73,7 +73,7 @@ impl Simulation {
     }
 
     /// The same, as long as `goes_on`, which is called at every Newton iteration, returns true; `None` where it did not.
-    /// The step then is given up halfway: [`Self::restore`] a state before anything else.
+    /// The step is then incomplete: call [`Self::restore`] before anything else.
     ///
     /// # Errors
     /// The errors of [`Self::advance`].

@@ -3,7 +3,7 @@
 use super::piecewise_linear;
 use std::f64::consts::TAU;
 
-/// A natural strain of a rod beside that of its shape, as a function of place and time. Those of one rod add up.
+/// A natural strain of a rod in addition to that of its shape, as a function of place and time. Those of one rod add up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuation {
     /// Index of the rod.
@@ -43,7 +43,7 @@ pub enum Course {
 pub struct Wave {
     /// A, in the unit of the strain.
     pub amplitude: f64,
-    /// λ, m; infinite where all of the rod does the same.
+    /// λ, m; infinite where the strain is the same along the whole rod.
     pub wavelength: f64,
     /// ν, 1/s; below zero the wave runs towards the start of the rod.
     pub frequency: f64,

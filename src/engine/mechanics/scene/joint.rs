@@ -11,13 +11,13 @@ pub struct RodNode {
     pub node: usize,
 }
 
-/// Two nodes, of one rod or of two, that are the same point from time zero on, or begin as one where the first slides along
+/// Two nodes, of one rod or of two, that are the same point from time zero on, or start as one where the first slides along
 /// the rod of the second.
 ///
 /// They keep one position, exactly: it is one set of unknowns. Any number of joints may meet at a point.
 #[derive(Clone, Debug)]
 pub struct Joint {
-    /// Name by which scenarios and messages call it.
+    /// Name in scenarios and messages.
     pub name: String,
     /// The nodes, which are placed at one point.
     pub nodes: [RodNode; 2],
@@ -30,9 +30,9 @@ pub struct Joint {
 /// Strength of a joint or spring: it breaks at the end of a step with a larger load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strength {
-    /// Largest force, N: of a spring pulled or pushed, of a joint what holds the one rod at the other.
+    /// Largest force, N: of a spring its tension or compression, of a joint the force between the two rods.
     pub force: f64,
-    /// Largest moment, N m: of what turns rods towards each other.
+    /// Largest moment between the rods, N m.
     pub moment: f64,
 }
 
@@ -73,7 +73,7 @@ impl Strength {
 /// each other; they need not lie at one point.
 #[derive(Clone, Debug)]
 pub struct Spring {
-    /// Name by which scenarios and messages call it.
+    /// Name in scenarios and messages.
     pub name: String,
     /// The nodes.
     pub nodes: [RodNode; 2],
@@ -128,7 +128,7 @@ pub struct HingeSpring {
 /// A mass at a node, or a rigid body that is welded to the rod there.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// Name by which scenarios and messages call it.
+    /// Name in scenarios and messages.
     pub name: String,
     /// Its node.
     pub at: RodNode,
@@ -139,7 +139,7 @@ pub struct Body {
     /// Principal moments of inertia (kg m²) about its centre of mass and axes along the two material directors and the tangent;
     /// `None` for a point mass at the node, which the rod carries without being stiffened.
     pub inertia: Option<[f64; 3]>,
-    /// Radius of the ball around the node that it is for contact, m; `None` without contact.
+    /// Contact radius of the ball around the node, m; `None` without contact.
     pub ball: Option<f64>,
 }
 

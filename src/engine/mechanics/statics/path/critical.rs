@@ -72,7 +72,7 @@ impl Tracer {
         high
     }
 
-    /// Hands out the critical point between two points next to it.
+    /// Returns the critical point between two points next to it.
     fn hand_out_critical(&mut self, system: &mut System, low: &Location, high: &Location) {
         let (before, after) = (low.unstable, high.unstable);
         let crossing = after.divergent.abs_diff(before.divergent);
@@ -174,7 +174,7 @@ impl Tracer {
         }
     }
 
-    /// Steps onto a branch; false where there is none to be found.
+    /// Steps onto a branch; returns false where none is found.
     pub(super) fn switch(&mut self, system: &mut System, origin: &Origin) -> bool {
         self.begin_branch();
         let Origin {
