@@ -31,7 +31,7 @@
 //! | [`linalg`] | banded and sparse factorisations |
 //!
 //! The crate reads and writes no files and has no command line; loops over many pairs run on the global pool of `rayon`, and results do
-//! not depend on its size. Scenario files, results directories and everything else of the program `rodlab` are in the crates beside it.
+//! not depend on its size. Scenario files, results directories and the program `rodlab` are in other crates.
 
 // What is public is for users of the library.
 #![warn(unreachable_pub)]

@@ -140,7 +140,7 @@ impl Dissection {
         self.divide(other);
     }
 
-    /// Makes a part of each set of nodes of a part that hang together, and lists them.
+    /// Makes a part of each connected component of a part, and lists its nodes.
     fn components(&mut self, nodes: &[u32]) -> Vec<Vec<u32>> {
         let whole = self.part[nodes[0] as usize];
         let mut components = Vec::new();

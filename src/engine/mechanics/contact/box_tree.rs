@@ -6,7 +6,7 @@
 
 use crate::mechanics::Vector3;
 
-/// A box along the axes. A box around nothing contains no point and meets no box.
+/// A box along the axes. An empty box contains no point and meets no box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct AlignedBox {
     lower: [f64; 3],

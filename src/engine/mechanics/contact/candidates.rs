@@ -107,7 +107,7 @@ impl Candidates {
         self.margin
     }
 
-    /// Sets the margin, m, and forgets the set.
+    /// Sets the margin, m, and discards the set.
     #[cfg(test)]
     pub(crate) fn set_margin(&mut self, margin: f64) {
         self.margin = margin;

@@ -6,7 +6,7 @@
 //!
 //! Δ ≥ max{(1 − p) T − 2M s, (1 − p) T − 2M (1 − s)} ≥ (1 − p) T − M,
 //!
-//! and centrelines are certain to keep [`KEPT_PART`] of the distance allowed wherever M ≤ (1 − [`KEPT_PART`])(1 − p) T: for
+//! and centrelines keep [`KEPT_PART`] of the distance allowed if M ≤ (1 − [`KEPT_PART`])(1 − p) T: for
 //! most steps of most scenes the certificate costs one comparison per node. Beyond that, the pairs whose paths come near
 //! each other are found by boxes around the whole paths, and tested by continuous collision detection.
 //!

@@ -131,7 +131,7 @@ impl ContactSystem {
         &self.parameters
     }
 
-    /// Sets the margin of the candidates, m (two radii of the thickest moving rod otherwise), and forgets them.
+    /// Sets the margin of the candidates, m (two radii of the thickest moving rod otherwise), and discards them.
     ///
     /// A larger margin means fewer rebuilds, a smaller one fewer candidates and so fewer entries in the
     /// Newton system. To be called before the first update, and again before a restart.

@@ -1,7 +1,7 @@
 //! Continuous collision detection for two moving edges, by conservative advancement.
 //!
 //! The nodes move along straight lines, x_m + t v_m. For any unit vector n the distance of the edges is at
-//! least the width of the slab that separates them along n (an edge lies between its ends),
+//! least the width of the slab that separates them along n (an edge is between its ends),
 //!
 //! Δ(t) ≥ min over i, j of n·(x_i + t v_i) − n·(x_j + t v_j), i in {0, 1}, j in {2, 3},
 //!

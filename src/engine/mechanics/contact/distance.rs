@@ -16,7 +16,7 @@
 //! - ∇²Δ = Σ_k (a_k ⊗ n) ∂β_kᵀ + w ⊗ ∂n.
 //!
 //! Where c = 0, T projects on what is normal to n and to all free s_k: the tangent plane for point–point, one line
-//! for point–edge, nothing for edge–edge. These are then the second derivatives of thesis Eqs. 2.4, 2.5 and 2.6
+//! for point–edge, zero for edge–edge. These are then the second derivatives of thesis Eqs. 2.4, 2.5 and 2.6
 //! (the tests take those as printed), without their cross products and quotients.
 //!
 //! The thesis multiplies all lengths by 1/h before (Eq. 2.15). Relative rounding errors do not depend on the

@@ -177,7 +177,7 @@ mod tests {
 
     const TIME_STEP: f64 = 1e-3;
     const STIFFNESS: f64 = 2.5;
-    /// δ/h; large, so that the random gaps of half a radius feel the potential.
+    /// δ/h; large, so that the random gaps of half a radius are within the potential.
     const TOLERANCE: f64 = 0.5;
 
     fn energy<D: Dual>(distance: D, radius: f64) -> D {

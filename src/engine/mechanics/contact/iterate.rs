@@ -66,7 +66,7 @@ impl Iterate {
         suits && self.changes > SURPRISE * self.forces
     }
 
-    /// Forgets by how much the forces of contacts have changed.
+    /// Discards the record of changes of contact forces.
     pub(crate) fn forget_changes(&mut self) {
         (self.contacts, self.pressed) = (0, 0);
         (self.forces, self.changes) = (0.0, 0.0);

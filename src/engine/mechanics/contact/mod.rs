@@ -24,7 +24,7 @@
 //! | `friction` | Coulomb friction, smoothed near zero slip (Eqs. 2.7–2.14) |
 //! | `edge_contact`, `plane_contact` | force and Jacobian of one contact |
 //! | `multipliers`, `tractions`, `slots`, `iterate` | normal forces and friction that Newton's method carries along |
-//! | `stored_energy` | contact energy beside the last evaluation |
+//! | `stored_energy` | contact energy at other configurations than the last evaluation |
 //! | `stiffness` | the adaptive contact stiffness (Eqs. 2.18, 2.19) |
 //! | `contacts` | data of a single contact |
 //! | `contact_system`, `evaluation` | all contacts of a scene |

@@ -109,7 +109,7 @@ impl PlacedObstacles {
         }
     }
 
-    /// Nodes of rods with the vertices as they are.
+    /// Nodes of rods with the present vertices.
     pub(crate) fn points<'a>(&'a self, nodes: &'a [Vector3]) -> Points<'a> {
         Points {
             nodes,

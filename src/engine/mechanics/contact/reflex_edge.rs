@@ -85,7 +85,7 @@ mod tests {
             ClosestPoints::of(&[self.rod[0], self.rod[1], a, b]).distance()
         }
 
-        /// Whether the common edge is not felt, and the distance from it.
+        /// Whether the common edge is ignored, and the distance from it.
         fn common_edge(&self) -> (bool, f64) {
             let edges = self.surface.edges();
             let common = (1..edges.len()).find(|edge| self.surface.opposite(*edge).is_some());

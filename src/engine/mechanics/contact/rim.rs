@@ -3,7 +3,7 @@
 //! The rim is a circle, sharp. What it touches is not the polygon of the nodes but the smooth curve that goes with it: the quadratic
 //! B-spline p(β) = Σ w_k(β) x_k through the middles of the edges, with the edges as tangents there. Between the middles of two edges that
 //! meet in the node x₁ it is w = (½(1−β)², ½ + β − β², ½β²), and straight from an end of the rod to the middle of its first edge. So the
-//! force of the rim turns with the tangent of the rod as the rod slides, not by leaps from edge to edge.
+//! force of the rim turns continuously with the tangent of the rod as the rod slides, without jumps from edge to edge.
 //!
 //! With the centre c of the rim, its axis t out of the tube, and p − c = ρ u + z t, the separation of the rod from its rim is
 //!
@@ -23,7 +23,7 @@
 //! # What counts once
 //!
 //! Two pieces that meet near the rim are both near it, and so is a node in the tube that is near the rim as well as the wall. That
-//! energies neither count twice nor leap as the rod slides, some pairs count against others, with the same law and a negative sign: the
+//! energies neither count twice nor jump as the rod slides, some pairs count against others, with the same law and a negative sign: the
 //! joints of pieces, so that Σ U(pieces) − Σ U(joints) is U of the nearest point where one is near, and for a node within the tube
 //! its distance from the rim, so that U(wall) − U(rim) fades as it comes to the mouth, where the two are equal and so are their
 //! gradients. (Li, Ferguson, Schneider et al. 2023, "Convergent incremental potential contact", count features of meshes so.)

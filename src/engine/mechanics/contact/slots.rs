@@ -47,13 +47,13 @@ impl<T> Default for SlotValues<T> {
 }
 
 impl<T: Copy> SlotValues<T> {
-    /// Forgets all values and makes room for so many slots.
+    /// Discards all values and makes room for so many slots.
     pub(crate) fn clear(&mut self, count: usize) {
         self.forget();
         self.places.resize(count, 0);
     }
 
-    /// Forgets all values.
+    /// Discards all values.
     pub(crate) fn forget(&mut self) {
         for slot in self.slots.drain(..) {
             self.places[slot] = 0;

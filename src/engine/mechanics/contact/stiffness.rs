@@ -79,7 +79,7 @@ impl ContactSystem {
         self.stiffness = stiffness;
     }
 
-    /// Work over δ of the force that contacts of the present stiffness are made for, J.
+    /// Work over δ of the design force of contacts of the present stiffness, J.
     pub(crate) fn work_over_tolerance(&self) -> f64 {
         let parameters = &self.parameters;
         let per_force = parameters.stiffness_per_force(self.surface.largest_moving_radius());

@@ -1,4 +1,4 @@
-//! Contact energy at any configuration, beside the last evaluation, which stays as it is.
+//! Contact energy at any configuration, without changes to the last evaluation.
 
 use super::contact_system::ContactSystem;
 use super::contacts::CandidatePair;

@@ -347,7 +347,7 @@ impl ContactSurface {
         &self.faces
     }
 
-    /// The obstacles as they are at time zero.
+    /// The obstacles at time zero.
     pub(crate) fn obstacles(&self) -> &[RigidBody] {
         &self.obstacles
     }

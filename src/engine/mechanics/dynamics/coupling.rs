@@ -36,7 +36,7 @@ const TOLERANCE: f64 = 10.0;
 /// A search has stalled where the remainder of a solution is more than this part of the one before.
 const STALLED: f64 = 0.5;
 
-/// A motion, its drag, and what the step solved with it leaves out.
+/// A motion, its drag, and the remainder of the step solved with it.
 #[derive(Clone, Debug, Default)]
 struct Motion {
     /// m/s per node.
@@ -82,7 +82,7 @@ impl Motion {
 pub(super) struct DragCoupling {
     /// 1/D of each node, mean of the three axes, m/(N s); 0 at held nodes and out of the fluid.
     mobilities: Vec<f64>,
-    /// The expectation that leaves out least.
+    /// The prediction with the least remainder.
     best: Motion,
     /// Directions whose remainders are orthonormal, the newest first.
     directions: Vec<Motion>,
@@ -90,7 +90,7 @@ pub(super) struct DragCoupling {
     count: usize,
     /// The last solution.
     solution: Motion,
-    /// Norm of what the last solution leaves out, and the one before, √(N m/s).
+    /// Norm of the remainders of the last solution and the one before, √(N m/s).
     sizes: [f64; 2],
     solutions: usize,
 }
@@ -113,7 +113,7 @@ impl DragCoupling {
         self.mobilities.extend(mobilities);
     }
 
-    /// Takes up a solution of the step: its velocities and their drag. Returns whether what it leaves out is below the
+    /// Adds a solution of the step: its velocities and their drag. Returns whether its remainder is below the
     /// tolerance on each run of nodes of `rods`, or no longer falls and is what the flow solver leaves; `stage` then has the
     /// drag of the solution itself.
     pub(crate) fn record(
@@ -168,7 +168,7 @@ impl DragCoupling {
         })
     }
 
-    /// Whether the last solution leaves out more than half of what the one before did.
+    /// Whether the remainder of the last solution is more than half of that of the one before.
     pub(crate) fn has_stalled(&self) -> bool {
         let [last, before] = self.sizes;
         last > STALLED * before
@@ -190,7 +190,7 @@ impl DragCoupling {
         stage.drag_velocity.copy_from_slice(&self.best.velocity);
     }
 
-    /// Goes from the best motion along the way to the last solution, as far as that leaves out less.
+    /// Moves from the best motion towards the last solution, as far as the remainder decreases.
     fn add_direction(&mut self) {
         if self.directions.len() < DIRECTIONS {
             self.directions.push(Motion::default());

@@ -28,7 +28,7 @@ pub(super) struct FluidDrag {
     forces: Vec<Vector3>,
     positions: Vec<Vector3>,
     velocities: Vec<Vector3>,
-    /// Of the edges that start at the nodes, rad/s; empty where their flow is left out.
+    /// Spins of the edges that start at the nodes, rad/s; empty where their flow is ignored.
     spins: Vec<f64>,
     /// Drag for these velocities, N; scratch.
     found: Vec<Vector3>,
@@ -165,8 +165,8 @@ impl FluidDrag {
         Ok(report.iterations)
     }
 
-    /// Whether what the local resistance leaves out of the drag must be found within the step: the scheme would ring, or
-    /// might, with less inertia than there is beside the drag.
+    /// Whether the drag that the local resistance omits must be found within the step: the scheme would ring, or
+    /// might, with less inertia in comparison to the drag.
     pub(crate) fn must_be_coupled(&self, stage: &Stage, scheme: &dyn TimeScheme) -> bool {
         let Some(coupling) = self.fluid.as_ref().and_then(Fluid::coupling) else {
             return false;
@@ -233,7 +233,7 @@ impl FluidDrag {
 
     /// Work that the drag of a coupled step brings, J; `None` where it takes energy, as that of a fluid at rest does in every
     /// motion. Where rods overlap, the velocities that their segments cause at each other's nodes may exceed those at their
-    /// own: the resistance is then negative for a motion apart, and the nodes leap.
+    /// own: the resistance is then negative for a separating motion, and the nodes jump.
     pub(crate) fn work_of_coupled(&self, stage: &Stage) -> Option<f64> {
         let power = -self.fluid.as_ref().and_then(Fluid::dissipation)?;
         let against = |(velocity, local): (&Vector3, &Matrix3)| velocity.dot(&(local * velocity));
@@ -243,7 +243,7 @@ impl FluidDrag {
         (power > ROUNDING * scale).then_some(power * stage.step)
     }
 
-    /// Whether the last solution of a coupled step leaves out hardly less than the one before.
+    /// Whether the remainder of the last solution of a coupled step is hardly less than that of the one before.
     pub(crate) fn has_stalled(&self) -> bool {
         self.coupling.has_stalled()
     }

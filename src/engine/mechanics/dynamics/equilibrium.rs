@@ -142,7 +142,7 @@ impl Simulation {
         self.publish();
     }
 
-    /// Rods that penetrate beyond what is allowed in the last evaluation.
+    /// Rods that penetrate by more than is allowed in the last evaluation.
     fn penetration(&self) -> Option<Overlap> {
         let contact = self.system.contact()?;
         let overlap = contact.excessive_penetration()?;

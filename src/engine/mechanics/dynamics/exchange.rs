@@ -111,7 +111,7 @@ mod tests {
             + energies.gravitational
     }
 
-    /// Gain of energy from `start` (s) to `end` (s), and what was exchanged meanwhile.
+    /// Gain of energy from `start` (s) to `end` (s), and the work and losses in between.
     fn budget(scene: &Scene, step: f64, start: f64, end: f64) -> (f64, Exchange) {
         let parameters = fixed(step);
         let mut simulation = run_with(scene, &parameters, start);

@@ -48,7 +48,7 @@ const TRIAL_REDUCTION: f64 = 0.2;
 /// A correction of so many last digits of the unknowns is none: where contact is stiff they leave more of the residual than
 /// is requested.
 const LAST_DIGITS: f64 = 4.0;
-/// Reductions of the step along one direction before it is taken as it is.
+/// Reductions of the step along one direction before it is accepted.
 const LINE_SEARCH_STEPS: usize = 12;
 /// A step is accepted when the force along the direction has fallen below this fraction.
 const SUFFICIENT_REDUCTION: f64 = 0.9;

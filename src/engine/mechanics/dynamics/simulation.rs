@@ -1,4 +1,4 @@
-//! A scene in motion or at rest: one door to dynamics and statics.
+//! A scene in motion or at rest: the entry point of dynamics and statics.
 
 use super::integrator::Integrator;
 use super::parameters::{IntegrationParameters, Scheme};

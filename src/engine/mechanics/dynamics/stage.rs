@@ -30,7 +30,7 @@ pub(super) struct Attempt {
     pub iterations: usize,
     /// Krylov iterations of the drag found within the step.
     pub fluid_iterations: usize,
-    /// Whether velocities ring: the scheme does not damp what its steps do not resolve, and inertia is too small beside
+    /// Whether velocities ring: the scheme does not damp what its steps do not resolve, and inertia is too small against
     /// the drag for them to.
     pub rings: bool,
     /// Local error of the positions, m.

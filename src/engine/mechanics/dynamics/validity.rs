@@ -16,7 +16,7 @@ use tracing::warn;
 /// Stretch that is remarked: Hooke's law and an area that stays the same err by as much, the first power of the strain.
 const LARGEST_STRETCH: f64 = 0.05;
 /// Strain of the outer fibres by bending, and shear of the surface by twist, that are remarked: by the symmetry of the
-/// section what the theory leaves out is of the second power, 4 % of the moment at this size.
+/// section the error of the theory is of the second power, 4 % of the moment at this size.
 const LARGEST_BEND: f64 = 0.2;
 /// Friction that edges put in the way of what slides that is remarked.
 pub const LARGEST_CATCH: f64 = 0.05;

@@ -42,7 +42,7 @@ impl InitialGuess {
         self.previous = previous;
     }
 
-    /// Adds the newest solution and forgets the oldest.
+    /// Adds the newest solution and discards the oldest.
     pub(crate) fn remember(&mut self, solution: &[f64]) {
         self.previous.rotate_right(1);
         self.previous[0].copy_from_slice(solution);

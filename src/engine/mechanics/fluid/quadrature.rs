@@ -32,7 +32,7 @@ const GAUSS: [f64; 4] = [
     0.381_830_050_505_118_9,
     0.417_959_183_673_469_4,
 ];
-/// Halvings after which an interval is taken as it is.
+/// Halvings after which an interval is accepted.
 pub(super) const DEEPEST: usize = 20;
 
 /// The result of [`segment_integral`], by adaptive Gauss–Kronrod quadrature of

@@ -5,7 +5,7 @@
 //! [`CLOSE`] ε are therefore one point, with one velocity and one force density, until they are farther apart than
 //! [`APART`] ε. The first distance is about the smallest at which the solution is still accurate. At the second one two
 //! nodes resist that they part about as much as each of them alone resists that it moves, which is what the tied ones do;
-//! nearer to each other they would resist it many times as much, and the force would leap where the tie parts.
+//! nearer to each other they would resist it many times as much, and the force would jump where the tie is released.
 //!
 //! Only nodes that are joined, or that begin so close, are ever tied. A node that slides along a filament is not a point of
 //! its own as long as it is on the filament: its velocity follows from that of the rail and its force density is
@@ -54,7 +54,7 @@ pub(super) struct Rail {
     pub closed: bool,
 }
 
-/// The sliding stations; those of nodes outside of the flow are left out.
+/// The sliding stations; those of nodes outside of the flow are omitted.
 pub(super) fn rails(filaments: &[Filament], connections: &Connections) -> Vec<Rail> {
     let rail = |sliding: &super::Sliding| {
         let first = station_of(filaments, sliding.rail.start)?;

@@ -4,14 +4,14 @@
 //!
 //! > θ'' = H sin θ − (V + w s) cos θ,  x' = cos θ,  z' = sin θ
 
-/// Coefficients of a series, the highest first to be left out.
+/// Number of coefficients of a series before truncation.
 const TERMS: usize = 20;
 /// A step ends where the last coefficients reach this size.
 const ACCURACY: f64 = 1e-15;
 
 type Series = [f64; TERMS + 2];
 
-/// Horizontal and vertical force that an elastica exerts on what is before its start. Of a sheet that is lifted off a table, in
+/// Horizontal and vertical force that an elastica exerts on the part before its start. Of a sheet that is lifted off a table, in
 /// EI/L_gb²:
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forces {

@@ -32,7 +32,7 @@
 //! (½ − d)² − (1 + d)²/12 = ¼ − 1/12 − 1/24,     11 d² − 14 d + ½ = 0,     d = 0.0368
 //! ```
 //!
-//! Weights change stiffness, not natural strains: the shape without stress stays what it is.
+//! Weights change stiffness, not natural strains: the shape without stress stays the same.
 //!
 //! Where the first edge is more than twice as long as the second, and for one edge between two clamps, the weights stay the same.
 

@@ -3,18 +3,18 @@
 //! The curvature binormal κb of two edges that turn by φ has the length 2 tan(φ/2), too large by φ³/12. A straight rod that
 //! loads bend turns by its curvature times its length, so that the angle itself is the strain to take. A factor λ makes it
 //! of κb, exact up to φ⁷/840, that takes neither a root nor a division, and still resists a fold, φ = π, without bound:
-//! with c = cos²(φ/2) and q = |κb|² = 4/c − 4, which each edge sees as the sum of its two squares,
+//! with c = cos²(φ/2) and q = |κb|² = 4/c − 4, which is the sum of two squares in the frame of each edge,
 //!
 //! ```text
 //! E = Σⱼ [EI₂ (λκ¹ʲ)² + EI₁ (λκ²ʲ)²] / 4l̄
 //! λ = (8 + 9c − 2c²)/15,   dλ/dq = −c² (9 − 4c)/60,   d²λ/dq² = c³ (3 − 2c)/40
 //! ```
 //!
-//! (What the angle spoils are rods that are bent by nature and closely: around them a polygon of the right length turns by
-//! 2 tan(φ/2) where its edges touch the arc, as κb has it.)
+//! (The angle is less accurate for rods with a large natural curvature: around them a polygon of the right length turns by
+//! 2 tan(φ/2) where its edges touch the arc, which is the strain κb.)
 //!
 //! **Derivatives** over the components of κb, of which [`super::vertex`] has those over the unknowns: with the moments Q and
-//! the stiffness K over λκ, for the two components that an edge sees,
+//! the stiffness K over λκ, for the two components in the frame of an edge,
 //!
 //! ```text
 //! ∂E/∂κ = λ Q + 2λ' (Q·κ) κ
@@ -104,7 +104,7 @@ impl BendingStrain {
     }
 }
 
-/// Second derivatives over the two components of the curvature binormal that an edge sees.
+/// Second derivatives over the two components of the curvature binormal in the frame of an edge.
 pub(super) struct PairHessian {
     pub(super) first: f64,
     pub(super) mixed: f64,

@@ -73,7 +73,7 @@ pub(crate) fn hessian_of_angle(
     hessian
 }
 
-/// Gradient of a strain that one edge sees, over e⁰, e¹ and the angle of that edge.
+/// Gradient of a strain in the frame of one edge, over e⁰, e¹ and the angle of that edge.
 struct SeenGradient {
     e0: Vector3,
     e1: Vector3,
@@ -92,7 +92,7 @@ impl SeenGradient {
     }
 }
 
-/// Gradients of the two components of the curvature binormal that the edge before sees. When the frame spins, κ¹ turns
+/// Gradients of the two components of the curvature binormal in the frame of the edge before. When the frame spins, κ¹ turns
 /// into κ² and κ² into −κ¹.
 #[inline(always)]
 fn slopes_before(
@@ -130,7 +130,7 @@ fn slopes_after(
 }
 
 impl VertexHessian {
-    /// Adds `weight` g⊗g of a strain that the edge before sees.
+    /// Adds `weight` g⊗g of a strain in the frame of the edge before.
     #[inline(always)]
     fn add_square_before(&mut self, weight: f64, g: &SeenGradient) {
         let phi = g.phi * weight;
@@ -140,7 +140,7 @@ impl VertexHessian {
         self.phi0phi0 += g.phi * phi;
     }
 
-    /// The same of a strain that the edge after sees.
+    /// The same of a strain in the frame of the edge after.
     #[inline(always)]
     fn add_square_after(&mut self, weight: f64, g: &SeenGradient) {
         let phi = g.phi * weight;
@@ -150,7 +150,7 @@ impl VertexHessian {
         self.phi1phi1 += g.phi * phi;
     }
 
-    /// Adds f⊗g of strains that the edge before sees, which with others makes a symmetric matrix.
+    /// Adds f⊗g of strains in the frame of the edge before, which with others makes a symmetric matrix.
     #[inline(always)]
     fn add_outer_before(&mut self, f: &SeenGradient, g: &SeenGradient) {
         self.add_outer_of_edges(f, g);
@@ -159,7 +159,7 @@ impl VertexHessian {
         self.phi0phi0 += f.phi * g.phi;
     }
 
-    /// The same of strains that the edge after sees.
+    /// The same of strains in the frame of the edge after.
     #[inline(always)]
     fn add_outer_after(&mut self, f: &SeenGradient, g: &SeenGradient) {
         self.add_outer_of_edges(f, g);

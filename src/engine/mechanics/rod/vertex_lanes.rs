@@ -147,7 +147,7 @@ impl VertexLanes {
         self.strains.get(lane)
     }
 
-    /// Factor of the curvatures in a lane, and the moments on what it makes of them.
+    /// Factor of the curvatures in a lane, and the moments on the resulting strains.
     #[inline(always)]
     fn angle_moments(&self, lane: usize) -> (AngleRatio, Moments) {
         let chi = 1.0 + self.before.tangent(lane).dot(&self.after.tangent(lane));

@@ -37,7 +37,7 @@ const NEUTRAL: f64 = 1e-6;
 /// Lower bound: this multiple of the rounding error of the stiffest entry of each rod.
 const ROUNDINGS: f64 = 8.0;
 /// Whole corrections that suffice where the residual is small against EI/L², but not against the loads: the first
-/// misses by what is added to the Hessian, a millionth, the second by its square.
+/// has the relative error of the addition to the Hessian, a millionth, the second its square.
 const CORRECTIONS: usize = 2;
 /// Growth of the shift until the pivots are positive, and where no step lowers the potential; and the smallest,
 /// over EI/L³.
@@ -125,7 +125,7 @@ struct Start {
     /// R·d: the rate of the potential along the direction, negative.
     slope: f64,
     squared_residual: f64,
-    /// Whether the Hessian is positive as it is.
+    /// Whether the Hessian is positive without a shift.
     positive: bool,
 }
 
@@ -289,7 +289,7 @@ impl Descent {
         None
     }
 
-    /// Makes the whole correction without asking what it improves; false where a contact is in its way.
+    /// Makes the whole correction without a check of improvement; returns false where a contact is in its way.
     fn correct(&mut self, system: &mut System, unknowns: &[f64]) -> bool {
         self.move_by(system, unknowns, 1.0);
         system.largest_step(unknowns, &self.trial) >= 1.0

@@ -28,7 +28,7 @@ impl NeutralModes {
         }
     }
 
-    /// Forgets all of them.
+    /// Discards all of them.
     pub(crate) fn clear(&mut self) {
         self.vectors.clear();
     }

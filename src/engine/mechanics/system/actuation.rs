@@ -46,7 +46,7 @@ impl Actuators {
         self.actuations.is_empty()
     }
 
-    /// Takes note of the vertices and edges that there are; their natural strains are those without actuation.
+    /// Records the present vertices and edges; their natural strains are those without actuation.
     pub(crate) fn resolve(&mut self, assembly: &Assembly) {
         if self.is_empty() {
             return;

@@ -10,7 +10,7 @@
 //! against what acts there itself ([`System::is_balanced_as_predicted`]).
 //!
 //! In a time step a rod may turn besides, and that is not linear. What one correction leaves of forces that turn with it may
-//! do work that counts beside the energy of a slow motion, and is corrected once more ([`System::residual_does_work`]).
+//! do work that is not negligible against the energy of a slow motion, and is corrected once more ([`System::residual_does_work`]).
 //!
 //! The allowed residual is never smaller than the effect of rounding the unknowns on elastic forces, and in a time
 //! step on inertia and on friction, whose slip is the difference of two positions over the step.
@@ -27,7 +27,7 @@ const ROUNDINGS: f64 = 8.0;
 /// one of rounding.
 const NEAR_ROUNDING: f64 = 8.0;
 
-/// Work of what is left of the residual that counts as none, of the energy of a rod: such works of many steps add up.
+/// Work of the remaining residual that is negligible, over the energy of a rod: such works of many steps add up.
 const NEGLIGIBLE_WORK: f64 = 1e-5;
 
 /// Tolerances of the residual.
@@ -338,8 +338,8 @@ impl System {
         })
     }
 
-    /// Whether what is left of the residual does work on a rod in a step that ends at `unknowns`, where it was evaluated last:
-    /// more than counts beside the energy of the rod and the work of its loads, and more than rounding leaves.
+    /// Whether the remaining residual does work on a rod in a step that ends at `unknowns`, where it was evaluated last:
+    /// more than is negligible against the energy of the rod and the work of its loads, and more than rounding errors.
     pub(crate) fn residual_does_work(&self, unknowns: &[f64], stage: &Stage) -> bool {
         let mut rods = self.assembly.rods.rods.iter().enumerate();
         rods.any(|(rod, range)| {

@@ -20,7 +20,7 @@
 //! then on it belongs to the step, with a force or without.
 //!
 //! Contacts turn with the rods. Where edges are nearly parallel the contact points run along them as they do, and rods and forces
-//! found in turn would go to and fro; from the second time on A has, therefore, how the forces found last change as
+//! found in turn would alternate; from the second time on A has, therefore, how the forces found last change as
 //! their contacts turn.
 //!
 //! Solved once per step this is the two-step method of the thesis: forces explicit, then the rods. Here it is

@@ -1,4 +1,4 @@
-//! Contact as a term: [`ContactSystem`] with what the system keeps beside it.
+//! Contact as a term: [`ContactSystem`] with additional data of the system.
 
 use super::System;
 use super::build::Assembly;

@@ -17,8 +17,8 @@
 //! The first time it is linearised where it begins. There rods have not yet passed through each other nor been crushed by it, as they
 //! may have where each continues with its velocity; later, at the last prediction.
 //!
-//! **What holds.** The solution does not depend on it: Newton's method computes it. The prediction leaves out what closes
-//! a ring, the smoothing of friction, and how contacts turn, which is why it is repeated where rods move far.
+//! **Limits.** The solution does not depend on it: Newton's method computes it. The prediction omits the closing of
+//! rings, the smoothing of friction, and the rotation of contacts, so it is repeated where rods move far.
 
 use super::contact_response::{Response, Responses};
 use super::{Stage, System, copy_positions};

@@ -44,7 +44,7 @@ impl System {
         self.contact().map_or(0.0, ContactSystem::stiffness)
     }
 
-    /// Sets the contact stiffness back to what it was before a step that is repeated.
+    /// Restores the contact stiffness before a step that is repeated.
     pub(crate) fn restore_contact_stiffness(&mut self, stiffness: f64) {
         if let Some(contact) = &mut self.terms.contact.model {
             contact.set_stiffness(stiffness);

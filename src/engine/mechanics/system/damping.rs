@@ -10,7 +10,7 @@
 //! ```
 //!
 //! with α = 0 for implicit Euler and the weights of backward differences otherwise. In the standard linear solid (Zener) a spring
-//! and a dashpot in a row lie beside the spring, of the stiffness rK and the relaxation time τ. What they bear, K q, follows
+//! and a dashpot in series act in parallel to the spring, of the stiffness rK and the relaxation time τ. Their force, K q, follows
 //! q̇ = r ε̇ − q/τ, and where strains are linear in a step of the size Δt it is at its end exactly
 //!
 //! ```text
@@ -28,7 +28,7 @@
 //! those of [`crate::mechanics::rod`], exact, symmetric and banded. For an edge, whose strain is its length l, K is EA/l̃, the
 //! natural length l* and the stiffness of stretching EA (1 + T/H + r γ) l*/l̃.
 //!
-//! Each step of implicit Euler loses T/H K (εₙ₊₁ − εₙ)² ≥ 0 in the dashpots beside the springs. The midpoint rule would need the
+//! Each step of implicit Euler loses T/H K (εₙ₊₁ − εₙ)² ≥ 0 in the dashpots parallel to the springs. The midpoint rule would need the
 //! rate in the middle of the step, which is not such a difference where strains are not linear in the unknowns: it is refused.
 
 use super::System;
@@ -95,7 +95,7 @@ struct Beside {
 }
 
 impl Beside {
-    /// Stiffness beside that of the springs, over it.
+    /// Stiffness in addition to that of the springs, over it.
     fn stiffness(&self) -> f64 {
         self.dashpot + self.relaxing
     }
@@ -252,7 +252,7 @@ fn all_strains(assembly: &Assembly) -> impl Iterator<Item = (StrainKind, usize, 
 }
 
 impl Damping {
-    /// Takes note of the strains of the geometry, where a step starts.
+    /// Records the strains of the geometry at the start of a step.
     fn begin(&mut self, assembly: &Assembly, geometry: &RodGeometry) {
         let mut strains = std::mem::take(&mut self.history[0]);
         write_strains(assembly, geometry, &mut strains);
@@ -411,7 +411,7 @@ impl Term for Damping {
 }
 
 impl System {
-    /// Takes note of the strains at `unknowns`, where a step starts.
+    /// Records the strains at `unknowns`, at the start of a step.
     pub(crate) fn begin_damping(&mut self, unknowns: &[f64]) {
         if self.terms.damping.is_empty() {
             return;

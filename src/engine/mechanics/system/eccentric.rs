@@ -39,7 +39,7 @@ impl Assembly {
         frames.filter_map(|frame| frame.eccentric.as_ref())
     }
 
-    /// Adds to the residual what the accelerations of a stage at `unknowns` make of them beside the masses of nodes and tips.
+    /// Adds to the residual their inertia under the accelerations of a stage at `unknowns`, in addition to that of the masses of nodes and tips.
     pub(super) fn add_eccentric_inertia(
         &self,
         stage: &Stage,
@@ -74,7 +74,7 @@ impl Assembly {
         energies.sum()
     }
 
-    /// Their momentum, kg m/s, and angular momentum about the origin, kg m²/s, beside those of the masses of nodes and tips.
+    /// Their momentum, kg m/s, and angular momentum about the origin, kg m²/s, in addition to those of the masses of nodes and tips.
     pub(super) fn eccentric_momenta(&self, unknowns: &[f64], velocity: &[f64]) -> [Vector3; 2] {
         let mut momenta = [Vector3::zeros(); 2];
         for body in self.eccentric() {

@@ -1,4 +1,4 @@
-//! Times at which what is prescribed changes its rate: corners of schedules, of motions and of poses.
+//! Times at which prescribed values change their rate: corners of schedules, of motions and of poses.
 
 use super::System;
 

@@ -38,7 +38,7 @@ pub struct Interventions {
     drives: Vec<Drive>,
     /// Forces of another solver.
     external_forces: Vec<f64>,
-    /// Factors of the loads beside their schedules.
+    /// Factors of the loads in addition to their schedules.
     load_factors: Vec<f64>,
     /// Held degrees of freedom and vertices, if a node was ever grasped or released.
     switched: Option<Switched>,
@@ -248,7 +248,7 @@ impl System {
         Ok(())
     }
 
-    /// Makes everything else fit what is held and the vertices there are.
+    /// Adapts all other data to the held degrees of freedom and the present vertices.
     fn rebuild(&mut self, unknowns: &[f64]) {
         self.switched = true;
         self.note_prescribed_nodes();

@@ -88,7 +88,7 @@ impl Assembly {
         self.joints.welds.push(places);
     }
 
-    /// Makes the rotation of a frame an unknown, or its angle where it hangs on a hinge, and gives it an element.
+    /// Makes the rotation of a frame an unknown, or its angle where it turns on a hinge, and gives it an element.
     fn free_frame(&mut self, number: usize, at: &RodNode, is_held: bool) {
         let node = self.number(at);
         let frame = &mut self.joints.frames[number];

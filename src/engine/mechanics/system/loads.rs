@@ -29,7 +29,7 @@ pub(crate) struct Loads {
     gravity: Vec<(Vector3, Scale)>,
     /// Masses at the tips of bodies whose centre of mass is off their node: unknown along x and mass, kg.
     weights_of_tips: Vec<(usize, f64)>,
-    /// Factor of each load of the scene beside its schedule.
+    /// Factor of each load of the scene in addition to its schedule.
     factors: Vec<f64>,
 }
 
@@ -182,7 +182,7 @@ impl Loads {
         Ok(loads)
     }
 
-    /// Factor of each load of the scene beside its schedule.
+    /// Factor of each load of the scene in addition to its schedule.
     pub(crate) fn factors(&self) -> &[f64] {
         &self.factors
     }

@@ -11,7 +11,7 @@
 //! masses by the factor 1 − (kh)²/6, as the bending of the vertices is softer than that of the rod by (1 − (kh)²/12)²:
 //! the errors cancel, and bending waves have the right speed up to (kh)⁴. The same holds at free and hinged ends, whose
 //! conditions the energy implies, and at clamps with the weights of [`crate::mechanics::rod::VertexWeights`]. Held nodes
-//! move what is beside them as others do; where a clamp jerks, its neighbours feel it.
+//! move what is beside them as others do; where a clamp jerks, its neighbours react.
 //!
 //! **Twist.** Angles belong to edges, twist to the vertices between them. Waves of twist are too slow by the factor
 //! 1 − (kh)²/12 of their squared frequency; so the moments of inertia of the two half edges at a vertex are shared with

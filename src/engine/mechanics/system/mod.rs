@@ -133,7 +133,7 @@ impl System {
     /// Sets up a scene at time zero.
     ///
     /// # Errors
-    /// [`SceneError`] names what is impossible, overlapping rods among it.
+    /// [`SceneError`] for an invalid scene, for example with overlapping rods.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut assembly = Assembly::new(scene)?;
         let is_rigid = (scene.contact).is_some_and(|contact| contact.is_complementarity());
@@ -355,7 +355,7 @@ impl System {
         }
     }
 
-    /// Forgets the factorisation pattern, as after a restart from a checkpoint.
+    /// Discards the factorisation pattern, as after a restart from a checkpoint.
     pub(crate) fn forget_pattern(&mut self) {
         self.matrix.forget_pattern();
     }

@@ -18,7 +18,7 @@ pub struct ConsistentMasses {
     pub(super) joints: Vec<Joint>,
 }
 
-/// A rod and what it weighs.
+/// A rod and its masses.
 #[derive(Clone, Copy, Debug)]
 struct Densities {
     range: RodRange,
@@ -103,7 +103,7 @@ impl ConsistentMasses {
         self.joints = joints;
     }
 
-    /// Every two nodes that share masses, with what they share.
+    /// Pairs of nodes that share masses, with the shares.
     pub(super) fn pairs(&self) -> impl Iterator<Item = ([usize; 2], &Shared)> {
         let chains = self.chains.iter().flat_map(|chain| {
             let nodes = (chain.first_node..).map(|node| [node, node + 1]);

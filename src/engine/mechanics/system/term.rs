@@ -66,7 +66,7 @@ pub(crate) trait Term {
     /// Creates the term of a scene whose unknowns are numbered.
     ///
     /// # Errors
-    /// [`SceneError`] names what is impossible.
+    /// [`SceneError`] for an invalid scene.
     fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError>
     where
         Self: Sized;

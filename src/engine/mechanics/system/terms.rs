@@ -28,7 +28,7 @@ macro_rules! terms {
             /// Creates the terms of a scene whose unknowns are numbered.
             ///
             /// # Errors
-            /// [`SceneError`] names what is impossible.
+            /// [`SceneError`] for an invalid scene.
             pub(crate) fn new(scene: &Scene, assembly: &mut Assembly) -> Result<Self, SceneError> {
                 Ok(Self { $($name: Term::new(scene, assembly)?,)* })
             }

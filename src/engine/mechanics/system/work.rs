@@ -19,7 +19,7 @@ const NEGLIGIBLE: f64 = 1e-3;
 const NEGLIGIBLE_IN_THE_MIDDLE: f64 = 1e-5;
 /// The same over the work of all contact forces along the distance tolerance δ: rods at rest move by less, in alternating directions.
 const NEGLIGIBLE_WAY: f64 = 0.2;
-/// Turn of an edge within a step, rad, up to which strains count as linear: what that leaves out is half of its square.
+/// Turn of an edge within a step, rad, up to which strains count as linear: the error is half of its square.
 const FAR_TURN: f64 = 0.1;
 
 impl System {

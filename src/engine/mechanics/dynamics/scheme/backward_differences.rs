@@ -11,8 +11,8 @@
 //!
 //! with the size h₀ of the step before. For ω = 0, where S(t) = t, these are BDF3 and BDF2 (Gear 1971). Differences of
 //! third order alone would feed oscillations that no drag damps (they are not A-stable); with an acceleration of second
-//! order they damp all of them, and what is of second order is but the inertia of a motion other than turning, which is
-//! small where drag rules. So positions and velocities advance by an Euler stage of size H from q̂ and v̂. Contact and
+//! order they damp all of them, and only the inertia of a motion other than turning is of second order, which is
+//! small where drag dominates. So positions and velocities advance by an Euler stage of size H from q̂ and v̂. Contact and
 //! elasticity are those where the step ends.
 //!
 //! The drag is that of the predicted motion q̂ + H v*, implicit in each node's own velocity, with the velocity v*

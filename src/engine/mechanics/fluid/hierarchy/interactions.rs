@@ -6,7 +6,7 @@ use super::tree::{Cluster, Tree};
 /// on the other through expansions. Errors fall with the order p like OPENING^p. Smaller needs lower
 /// orders, but leaves more pairs of nodes to be summed exactly.
 const OPENING: f64 = 0.5;
-/// Least distance over ε. The expansions hold the kernel's terms up to ε²/r²; what they lack is at most
+/// Least distance over ε. The expansions hold the kernel's terms up to ε²/r²; the truncation is at most
 /// 15/8 (ε/r)⁴ of it, that is 10⁻⁵ here.
 const REGULARIZATIONS: f64 = 20.0;
 /// Least distance over the longest segment. Two Gauss points per segment err by about 0.006 (L/r)⁴.

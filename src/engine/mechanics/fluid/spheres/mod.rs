@@ -39,7 +39,7 @@ const GAUSS: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
-/// The spheres of a flow, and what they and the points do to each other.
+/// The spheres of a flow, and the interactions of spheres and points.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spheres {
     spheres: Vec<Sphere>,

@@ -18,7 +18,7 @@ use crate::mechanics::{Matrix3, Vector3};
 const MOST_NODES_BESIDE_A_WALL: usize = 5000;
 
 impl StokesletDrag {
-    /// Puts a wall beside the filaments, before they are connected and anything is solved; `regularization` as in
+    /// Adds a wall, before they are connected and anything is solved; `regularization` as in
     /// [`new`](Self::new).
     ///
     /// # Errors
@@ -84,7 +84,7 @@ impl StokesletDrag {
         self.resize();
     }
 
-    /// Sets up what depends on the number of unknowns, and forgets earlier solutions.
+    /// Sets up the data that depend on the number of unknowns, and discards earlier solutions.
     pub(super) fn resize(&mut self) {
         let nodes = self.operator.nodes();
         let unknowns = self.operator.unknowns();

@@ -56,7 +56,7 @@ impl Wall {
     }
 }
 
-/// A wall with what it means for each node of the filaments, numbered one filament after the other.
+/// A wall with its effect on each node of the filaments, numbered one filament after the other.
 #[derive(Clone, Debug)]
 pub(super) struct FlowWall {
     plane: Wall,

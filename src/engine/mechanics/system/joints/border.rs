@@ -131,7 +131,7 @@ impl Border {
         for (row, entry) in self.rows.iter().zip(own.iter_mut()) {
             *entry -= dot(row, right_hand_side);
         }
-        // What is singular has been refused.
+        // Singular matrices have been refused.
         schur.solve_mut(&mut own);
         for (solution, part) in self.solutions.iter().zip(own.iter()) {
             for (entry, solution) in right_hand_side.iter_mut().zip(solution) {

@@ -29,7 +29,7 @@ pub struct EccentricMass {
     pub parts: [f64; 3],
 }
 
-/// A frame and what is clamped to it.
+/// A frame and the rods clamped to it.
 #[derive(Clone, Debug)]
 pub struct TurningFrame {
     /// First of its unknowns: ℓφ, and the angle of a hinge (rad) after them. Of the frame of a hinge only that is free.

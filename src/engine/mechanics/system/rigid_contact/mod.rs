@@ -13,7 +13,7 @@
 //! the slip while its size follows the normal force where they slide.
 //!
 //! [`ForceSearch`] goes from law to law until all projections are solutions at once. This is Newton's method for a function
-//! with corners, and may cycle, as it does where contacts beside each other on nearly parallel edges bear nearly the same
+//! with corners, and may cycle, as it does where adjacent contacts on nearly parallel edges carry nearly the same
 //! load; then it follows smoothed laws to the solution.
 
 use crate::linalg::ElementMatrix;
@@ -209,7 +209,7 @@ impl RigidContact {
         self.forget_changes();
     }
 
-    /// Forgets how often it has changed its mind.
+    /// Resets the number of changes of its state.
     fn forget_changes(&mut self) {
         (self.reversals, self.changes, self.kept) = (0, 0, false);
     }

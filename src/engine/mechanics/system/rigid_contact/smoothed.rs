@@ -215,7 +215,7 @@ mod tests {
                 let rest = rest_of_disk(size, width);
                 let force = (1.0 - rest) * (1.0 + width / (rest * (2.0 - rest)));
                 let error = (force / size - 1.0).abs();
-                // Where hardly any of the disk is taken, its last digit is felt.
+                // Where hardly any of the disk is used, rounding matters.
                 let rounding = 2e-12 / (1.0 - rest);
                 assert!(error < 1e-9 + rounding, "{size} {width}: {rest} {error}");
             }

@@ -46,7 +46,7 @@ impl Springs {
         self.between_nodes[number].force()
     }
 
-    /// Moment by which one turns what it ties, c ‖θ‖, N m; 0 for one that does not.
+    /// Moment of a torsional spring, c ‖θ‖, N m; 0 for other springs.
     pub(crate) fn moment(&self, number: usize) -> f64 {
         let mut between_frames = self.between_frames.iter();
         let spring = between_frames.find(|spring| spring.number == number);
