@@ -97,7 +97,7 @@ impl PlacedObstacles {
         around.contains(&placed.pose.back_of(point))
     }
 
-    /// Makes the present poses those where the next step starts.
+    /// Takes the present poses as the start of the next step.
     pub(crate) fn commit(&mut self) {
         let changed = |placed: &Placed| placed.pose != placed.pose_at_start;
         if !self.placed.iter().any(changed) {

@@ -18,7 +18,7 @@ const LARGEST_STRETCH: f64 = 0.05;
 /// Strain of the outer fibres by bending, and shear of the surface by twist, that are remarked: by the symmetry of the
 /// section the error of the theory is of the second power, 4 % of the moment at this size.
 const LARGEST_BEND: f64 = 0.2;
-/// Friction that edges put in the way of what slides that is remarked.
+/// Apparent friction coefficient of edges above which a remark is made.
 pub const LARGEST_CATCH: f64 = 0.05;
 /// Stretch at which a lack of convergence is expected.
 const CRUSHING: f64 = 0.5;

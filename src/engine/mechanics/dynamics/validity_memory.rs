@@ -11,7 +11,7 @@ pub struct LargeStrain {
     pub node: usize,
     /// When it was so large, s.
     pub time: f64,
-    /// Since when one has been beyond the bound, s.
+    /// Time from which one has been beyond the bound, s.
     pub since: f64,
 }
 

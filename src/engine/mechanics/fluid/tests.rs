@@ -333,7 +333,7 @@ fn restored_memory_of_many_nodes_continues_with_the_same_bytes() {
     continues_with_the_same_bytes(20, swarm, 12);
 }
 
-/// Steps on from the memory after six steps.
+/// Continues from the memory after six steps.
 fn continues_with_the_same_bytes(
     count: usize,
     scene: impl Fn(usize) -> (Vec<Vector3>, Vec<Vector3>),

@@ -15,7 +15,7 @@ type Series = [f64; TERMS + 2];
 /// EI/L_gb²:
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forces {
-    /// H; negative: it pushes the lying part away.
+    /// H; negative: it pushes the resting part away.
     pub horizontal: f64,
     /// V; negative: it presses on the table.
     pub vertical: f64,

@@ -42,7 +42,7 @@ use super::turning_angle::BendingStrain;
 /// Longest first edge over the second: beyond 2.3 the third vertex would count as none.
 const LARGEST_RATIO: f64 = 2.0;
 
-/// By how much less of the first edge the twist at a clamp counts as half of it: d = (14 − √174)/22.
+/// Reduction of the weight of the first edge from one half in the twist at a clamp: d = (14 − √174)/22.
 const TWIST_LESS: f64 = 0.036_777_001_896_685_47;
 
 /// Largest natural strain of a vertex of a straight rod, rad: far beyond what rounding makes of one that is placed so, and

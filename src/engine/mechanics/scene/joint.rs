@@ -70,7 +70,7 @@ impl Strength {
 }
 
 /// Two nodes, of one rod or of two, that a spring pulls together and pushes apart, or whose material frames it turns towards
-/// each other; they need not lie at one point.
+/// each other; they need not be at one point.
 #[derive(Clone, Debug)]
 pub struct Spring {
     /// Name in scenarios and messages.

@@ -266,7 +266,7 @@ impl Drive {
     }
 }
 
-/// Adds the corners of a motion of something that reaches `arm` (m) from the pivot.
+/// Adds the corners of the motion of a body of the radius `arm` (m) around the pivot.
 pub(super) fn list_motion(motion: &Motion, arm: f64, events: &mut Vec<Event>) {
     list_corners(&motion.translation, |from, to| (to - from).norm(), events);
     list_corners(&motion.angle, |from, to| (to - from).abs() * arm, events);

@@ -355,7 +355,7 @@ impl Groups {
         self.parent.insert(a.max(b), a.min(b));
     }
 
-    /// The sets, each in the order of its nodes, in that of their first ones.
+    /// The sets, each in the order of its nodes, ordered by their first nodes.
     fn into_groups(self) -> Vec<Vec<RodNode>> {
         let mut groups: BTreeMap<RodNode, Vec<RodNode>> = BTreeMap::new();
         for node in self.parent.keys() {

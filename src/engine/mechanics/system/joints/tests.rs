@@ -314,7 +314,7 @@ fn touching_ball(model: ContactModel) -> Scene {
     Scene {
         rods: vec![
             rod("bearer", Vector3::zeros(), Vector3::new(0.3, 0.2, -0.9), 3),
-            // The middle of an edge is beside the ball, no node.
+            // The middle of an edge, not a node, is next to the ball.
             rod("beside", beside - y * 0.7, beside + y * 0.4, 4),
             rod("above", above, above + Vector3::new(0.1, 0.3, 0.9), 3),
         ],
