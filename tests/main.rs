@@ -21,6 +21,7 @@ mod guide;
 mod helix_boundary;
 mod incremental_potential;
 mod knots;
+mod language;
 mod learning;
 mod linking_number;
 mod long_steps;

@@ -168,7 +168,7 @@ impl DiscreteRod {
     }
 
     /// Each equilibrium is found from the one before, as the end of the rod moves; the step is halved where the
-    /// next has lost stability, where there is none, or where it is no longer a helix: past a supercritical pitchfork
+    /// next has lost stability, where there is none, or where it stops being a helix: past a supercritical pitchfork
     /// the rod leaves the helix as the square root of the distance, and is stable.
     fn along_path(
         &self,
