@@ -648,7 +648,7 @@ fn presets_stand_for_files_in_an_empty_folder() {
     );
     let (code, _, stderr) = outcome(&[&["run", "scenarios/flagella_m2.toml"], &short[..]].concat());
     assert_eq!(
-        (code, stderr.contains("the preset `flagella_m2` is taken")),
+        (code, stderr.contains("using the preset `flagella_m2`")),
         (0, true),
         "{stderr}"
     );

@@ -214,7 +214,7 @@ fn what_an_exploration_cannot_do_is_told_before_anything_moves() {
     };
     let write = |text: &str| fs::write(folder.path().join("list.csv"), text).unwrap();
     for (text, words) in [
-        ("kappa,tau\n1,0\n", "list.csv:1: there is no column `omega`"),
+        ("kappa,tau\n1,0\n", "list.csv:1: no column `omega`"),
         (
             "kappa,tau,omega\n1,0,0\n0,0,1\n",
             "list.csv:3: `kappa` is 0 ",

@@ -232,7 +232,7 @@ mod tests {
             assert!(
                 ["0.0", "60 d", "1 d", "rods of"]
                     .iter()
-                    .any(|what| text.contains(&format!("**Quick: {what}"))),
+                    .any(|what| text.contains(&format!("**Quick version: only {what}"))),
                 "{text}"
             );
             let figures: Vec<&str> = text.lines().filter(|line| line.starts_with("![")).collect();

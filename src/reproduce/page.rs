@@ -308,7 +308,7 @@ fn head<R: Run>(heading: Heading, options: &ReproduceOptions, cases: &[Case<R>])
         .max_by(|a, b| a.run.end().total_cmp(&b.run.end()));
     if let Some(longest) = longest.filter(|_| options.quick) {
         add(format!(
-            "**Quick version: {} only. Totals and end times are those of this part.**",
+            "**Quick version: only {}. Totals and end times are those of this part.**",
             longest.run.extent()
         ));
     }

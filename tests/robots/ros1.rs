@@ -228,7 +228,7 @@ fn a_killed_server_and_a_killed_master_end_the_stream_before_the_motion_ends() {
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{}", said(&output));
         let expected = if master {
-            "does not answer"
+            "no longer answers"
         } else {
             "no report of its joints"
         };

@@ -223,7 +223,7 @@ fn the_rod_is_that_of_the_cell_file() {
     let output = deploy();
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     assert!(
-        said(&output).contains("there is no file"),
+        said(&output).contains("does not exist"),
         "{}",
         said(&output)
     );
@@ -251,7 +251,7 @@ fn an_arm_moves_only_after_a_confirmation() {
         .unwrap();
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     assert!(
-        said(&output).contains("--yes is needed"),
+        said(&output).contains("--yes is required"),
         "{}",
         said(&output)
     );
