@@ -380,7 +380,9 @@ fn a_page_of_a_run_at_work_reloads_and_keeps_what_the_user_chose() {
     let loaded = "document.readyState === 'complete' ? String(performance.timeOrigin) : ''";
     let first = browser.evaluate(loaded);
     let is_first = |origin: serde_json::Value| origin == "" || origin == first;
+    let begin = std::time::Instant::now();
     while is_first(browser.evaluate(loaded)) {
+        assert!(begin.elapsed().as_secs() < 120, "the page was not reloaded");
         std::thread::sleep(std::time::Duration::from_millis(50));
     }
     browser.settle();

@@ -127,5 +127,5 @@ fn others_are_let_in_only_with_a_token() {
     assert!(serve(&["--fault", "sneeze@3s"]).contains("drop-link"));
     let away = gantry().replace("127.0.0.1:9090\"\naction", "192.0.2.1:9090\"\naction");
     fs::write(folder.path().join("cell.toml"), away).unwrap();
-    assert!(serve(&[]).contains("others can reach 192.0.2.1:9090"));
+    assert!(serve(&[]).contains("other machines can reach 192.0.2.1:9090"));
 }

@@ -132,7 +132,7 @@ fn rod_pieces(
             // A free end is round, its outline as well.
             for (is_end, node) in [(segment == 0, 0), (next + 1 == pixels.len(), next)] {
                 if is_end && is_thick && !rod.closed {
-                    let dot = format!("M{}h0.01", pair(pixels[node]));
+                    let dot = format!("M{}l0.01 0", pair(pixels[node]));
                     svg += &stroke(&dot, outline, width, ROUND);
                 }
             }

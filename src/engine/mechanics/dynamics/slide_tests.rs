@@ -377,7 +377,7 @@ fn edges_too_long_for_what_slides_along_them_are_remarked() {
     // 0.1 F h²/EI: 0.31 and 0.02.
     let found = remarks(40);
     assert!(
-        found.len() == 1 && found[0].contains("friction coefficient of up to 0.31"),
+        found.len() == 1 && found[0].contains("coefficient of up to 0.31"),
         "{found:?}"
     );
     assert!(remarks(160).is_empty(), "{:?}", remarks(160));

@@ -23,7 +23,8 @@ function watchGestures(canvas, camera, changed) {
     }
     changed();
   });
-  for (const ending of ["pointerup", "pointercancel"]) {
+  // Without its capture a pointer that is released elsewhere would drag for ever.
+  for (const ending of ["pointerup", "pointercancel", "lostpointercapture"]) {
     canvas.addEventListener(ending, (event) => {
       pointers.delete(event.pointerId);
       if (!pointers.size) canvas.classList.remove("dragging");
