@@ -42,7 +42,7 @@ fn faults_name_the_obstacle_and_what_is_allowed() {
         { kind = "mesh" } => an STL or OBJ file
         { kind = "mesh", file = "nowhere.stl" } => nowhere.stl
         { kind = "mesh", TETRAHEDRON, triangles = [[0,2,1],[0,1,3],[0,3,2]] } => holes
-        { kind = "mesh", TETRAHEDRON, triangles = [[0,1,2],[0,1,3],[0,3,2],[1,2,3]] } => flipped
+        { kind = "mesh", TETRAHEDRON, triangles = [[0,1,2],[0,1,3],[0,3,2],[1,2,3]] } => face opposite ways
         { kind = "mesh", TETRAHEDRON, triangles = [[0,1,2],[0,3,1],[0,2,3],[1,3,2]] } => inwards
         { kind = "mesh", TETRAHEDRON, triangles = [[0,1,1]] } => no area
         { kind = "mesh", TETRAHEDRON, triangles = [[0,1,7]] } => allowed: 0 to 3

@@ -320,7 +320,7 @@ rods.shape.radius (of kind "ring")
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "rods.shape").unwrap(), @r###"
 rods.shape
-  Where the rod is placed.
+  The placed shape of the rod.
   A curve in space.
   kinds: straight, helix, arc, ring, catenary, slack, coil, points
   keys of "straight": end, start

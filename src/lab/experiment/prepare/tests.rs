@@ -89,7 +89,7 @@ fn a_hundred_thousand_edges_within_a_few_diameters_are_refused_before_they_take_
         .to_string();
     assert!(error.starts_with("two.toml:8:9: `rods.0.edges`"), "{error}");
     assert!(
-        error.contains("2.0e8 pairs of edges to look at, which take 16.0 GB"),
+        error.contains("2.0e8 pairs of edges to check, which take 16.0 GB"),
         "{error}"
     );
     // A knot of a hundred thousand nodes: its check took minutes.

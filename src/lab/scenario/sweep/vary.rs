@@ -145,7 +145,7 @@ mod tests {
         assert!(
             read(0, "friction=0:1:-1")
                 .unwrap_err()
-                .contains("do not lead")
+                .contains("do not go")
         );
     }
 
