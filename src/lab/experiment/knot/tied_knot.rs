@@ -273,9 +273,9 @@ mod tests {
         let refusal = |curve: &[Vector3], overrides: &[&str]| along(curve, overrides).unwrap_err();
         let knotted = curve(|height, _| height);
         let flat = curve(|_, _| 0.0);
-        let low = curve(|height, _| 0.3 * height);
+        let low = curve(|height, _| 0.5 * height);
         insta::assert_snapshot!(refusal(&knotted, &["knot.unknotting_number=1"]), @"curve.toml:16:9: `knot.curve`: the curve is another knot: its determinant is 5, that of the knot asked for is 3");
         insta::assert_snapshot!(refusal(&flat, &[]), @"curve.toml:16:9: `knot.curve`: the curve meets itself");
-        insta::assert_snapshot!(refusal(&low, &[]), @"curve.toml:16:9: `knot.curve`: edge 62 of rod `knot` and edge 168 of rod `knot` interpenetrate: distance 1.8e-3 m, allowed is at least 2.000000e-3 m");
+        insta::assert_snapshot!(refusal(&low, &[]), @"curve.toml:16:9: `knot.curve`: edge 62 of rod `knot` and edge 168 of rod `knot` interpenetrate: distance 2.991735e-3 m, allowed is at least 3.200000e-3 m");
     }
 }
