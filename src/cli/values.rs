@@ -1,6 +1,7 @@
 //! Values of arguments that several subcommands read, or that are more than a number.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+pub use rodlab_files::input::{is_positive, number, numbers, positive};
 use rodlab_lab::scenario::{metres, seconds};
 use rodlab_lab::sweep::Shard;
 use std::ops::RangeInclusive;
@@ -21,24 +22,6 @@ pub fn named<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// A parser of allowed numbers; others are refused with the message `needed`.
-pub fn number(
-    is_allowed: fn(f64) -> bool,
-    needed: &'static str,
-) -> impl Fn(&str) -> Result<f64, String> + Clone {
-    move |text| {
-        let number = text.trim().parse().ok();
-        let number = number.filter(|number| is_allowed(*number));
-        number.ok_or_else(|| needed.into())
-    }
-}
-
-/// Numbers with commas between them; `None` if one of them is not a number.
-pub fn numbers(text: &str) -> Option<Vec<f64>> {
-    let numbers = text.split(',').map(|part| part.trim().parse().ok());
-    numbers.collect()
-}
-
 /// A parser of numbers in a range.
 pub fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| match text.trim().parse() {
@@ -57,16 +40,6 @@ pub fn edges(range: RangeInclusive<usize>) -> impl Fn(&str) -> Result<usize, Str
             range.end()
         )),
     }
-}
-
-/// Whether a number is above zero and finite.
-pub fn is_positive(number: f64) -> bool {
-    number > 0.0 && number.is_finite()
-}
-
-/// A number above zero.
-pub fn positive(text: &str) -> Result<f64, String> {
-    number(is_positive, "a number above 0 is needed")(text)
 }
 
 /// A speed above zero, m/s.

@@ -118,7 +118,7 @@ impl Served {
         self.stands("/joint_states")
     }
 
-    /// Whether the arm whose joints are told on a topic stands.
+    /// Whether the arm whose joints are published on a topic is at rest.
     pub fn stands(&self, topic: &str) -> bool {
         let (mut socket, _) = tungstenite::connect(format!("ws://{}", self.address)).unwrap();
         let subscription = json!({ "op": "subscribe", "topic": topic });
@@ -134,7 +134,7 @@ impl Served {
         (0..5).all(|_| joints() == first)
     }
 
-    /// The next task, here one whose results would go to `again`, is refused, until somebody says that the cell was looked at.
+    /// The next task, here one whose results would go to `again`, is refused until the user confirms that the cell was inspected.
     pub fn asks_for_a_look_before(&self, task: &[&str]) {
         let refused = self.run(task);
         assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
