@@ -1,0 +1,222 @@
+"""The compiled part of `rodlab`. Quantities are in SI units; arrays are float64."""
+
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_Array = NDArray[np.float64]
+
+class RodlabError(Exception):
+    """Base class of all errors of rodlab. `exit_code` is that of the command line."""
+
+    exit_code: int
+
+class ScenarioError(RodlabError, ValueError):
+    """A fault of a scenario, of an argument, or of a file."""
+
+class ConvergenceError(RodlabError, RuntimeError):
+    """No step converges, or no equilibrium is found. The state is that of the last accepted step."""
+
+class PhysicsError(RodlabError, RuntimeError):
+    """A physics check failed: rods pass through each other, or strains are beyond any rod."""
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the command line, and return its exit code."""
+
+def command(arguments: Sequence[str]) -> str:
+    """Run the command line, and return its standard output; a failure raises its error."""
+
+@final
+class Scenario:
+    """A scenario: everything that a file describes, with defaults filled in."""
+
+    @staticmethod
+    def load(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Scenario: ...
+    @staticmethod
+    def loads(text: str, overrides: Sequence[str] = (), name: str = "scenario", directory: str | PathLike[str] = ".") -> Scenario: ...
+    @staticmethod
+    def from_dict(table: Mapping[str, Any], overrides: Sequence[str] = (), name: str = "scenario", directory: str | PathLike[str] = ".") -> Scenario: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def experiment(self) -> str: ...
+    def to_toml(self) -> str:
+        """Return the resolved scenario as TOML."""
+
+@final
+class StepReport:
+    """What a step did. Times in s, energies in J."""
+
+    time: float
+    step: float
+    steps: int
+    newton_iterations: int
+    contacts: int
+    retries: int
+    ended: str | None
+
+@final
+class Contacts:
+    """Pairs in contact at the last step, m of them."""
+
+    nodes: NDArray[np.int64]
+    """Nodes of each pair, m × 4: ends of the first edge, then of the second."""
+    points: _Array
+    """Places of the contacts, m × 3, m."""
+    forces: _Array
+    """Forces on the first of each pair, friction included, m × 3, N."""
+    normals: _Array
+    """Unit vectors from the second to the first, m × 3."""
+    distances: _Array
+    """Distances of centrelines, m, m."""
+    def __len__(self) -> int: ...
+
+@final
+class State:
+    """All that influences the future of a simulation. It can be pickled."""
+
+    @property
+    def time(self) -> float: ...
+
+@final
+class Simulation:
+    """A scene in motion, with n nodes in all: rod after rod."""
+
+    def __init__(self, scenario: Scenario) -> None: ...
+    # Motion.
+    def step(self, duration: float | None = None) -> StepReport:
+        """Advance by `duration` (s), by default by one step of the scenario."""
+    def run(self, until: float) -> StepReport:
+        """Advance to the time `until` (s), with steps of the scenario's size."""
+    def find_equilibrium(self) -> StepReport: ...
+    def follow(self, to: float, step: float | None = None) -> dict[str, _Array]:
+        """Follow the equilibria along the scenario's parameter from the present one to `to`."""
+    # State.
+    @property
+    def scenario(self) -> Scenario: ...
+    @property
+    def time(self) -> float: ...
+    @property
+    def end(self) -> float | None:
+        """End of the motion in the scenario, s."""
+    @property
+    def ended(self) -> str | None:
+        """Why the scenario's own condition ended the motion, if it did."""
+    @property
+    def step_size(self) -> float: ...
+    @property
+    def rod_names(self) -> list[str]: ...
+    @property
+    def rod_slices(self) -> list[tuple[int, int]]: ...
+    @property
+    def clamp_names(self) -> list[str]: ...
+    @property
+    def clamp_nodes(self) -> list[int]: ...
+    @property
+    def positions(self) -> _Array:
+        """Positions of the nodes, n × 3, m."""
+    @property
+    def velocities(self) -> _Array:
+        """Velocities of the nodes, n × 3, m/s."""
+    @property
+    def directors(self) -> _Array:
+        """First material directors of the edges that start at the nodes, n × 3; zero where none starts."""
+    @property
+    def edge_angles(self) -> _Array:
+        """Angles of these edges about their tangents, n, rad."""
+    @property
+    def twists(self) -> _Array:
+        """Twist per length at the nodes, n, rad/m."""
+    @property
+    def curvatures(self) -> _Array:
+        """Curvature κ₁, κ₂ at the nodes, n × 2, 1/m; not a number at free ends."""
+    @property
+    def moments(self) -> _Array:
+        """Bending moments M₁, M₂ and the twisting moment at the nodes, n × 3, N m; not a number at free ends."""
+    @property
+    def tensions(self) -> _Array:
+        """Tension of the edges that start at the nodes, n, N; not a number where none starts."""
+    def read_positions(self, out: _Array) -> None:
+        """Write the positions into an array n × 3 that exists."""
+    # Actions, which hold from the next step on.
+    @property
+    def forces(self) -> _Array:
+        """Forces on the nodes in addition to the scenario's loads, n × 3, N: an array to write to."""
+    @forces.setter
+    def forces(self, forces: ArrayLike) -> None: ...
+    @property
+    def torques(self) -> _Array:
+        """Moments about the tangents of the edges that start at the nodes, n, N m: an array to write to."""
+    @torques.setter
+    def torques(self, torques: ArrayLike) -> None: ...
+    @property
+    def natural_curvature(self) -> _Array:
+        """Natural curvature κ₁, κ₂ at the nodes, n × 2, 1/m: an array to write to."""
+    @natural_curvature.setter
+    def natural_curvature(self, curvature: ArrayLike) -> None: ...
+    def clamp_pose(self, clamp: int) -> _Array:
+        """Pose of a clamp, 4 × 4: its columns are the directors d₁ and d₂, the tangent, and the position in m."""
+    def move_clamp(self, clamp: int, pose: ArrayLike) -> None:
+        """Move a clamp to a pose, 4 × 4, or to a position, 3, during the next call of `step` or `run`."""
+    def grasp(self, node: int, position: bool = True, frame: bool = True) -> int:
+        """Grasp a node where it is, and return the number of the new clamp."""
+    def release(self, clamp: int) -> None: ...
+    def set_load_factor(self, load: int, factor: float) -> None: ...
+    # Measurements.
+    def reaction(self, clamp: int) -> _Array:
+        """Force and moment that a clamp exerts, 6, N and N m."""
+    @property
+    def contacts(self) -> Contacts: ...
+    @property
+    def contact_forces(self) -> _Array:
+        """Contact force on each node, n × 3, N."""
+    @property
+    def fluid_forces(self) -> _Array:
+        """Force of the fluid on each node, n × 3, N."""
+    @property
+    def energies(self) -> dict[str, float]:
+        """Kinetic, stretching, bending, twisting, contact and gravitational energy, J."""
+    def probes(self) -> dict[str, float]:
+        """The scenario's probes and the columns of its experiment now; names end with their units."""
+    @property
+    def remarks(self) -> list[str]: ...
+    # States.
+    def save(self) -> State: ...
+    def restore(self, state: State) -> None: ...
+
+@final
+class Batch:
+    """Simulations that are stepped together on all cores: c cases with n nodes each."""
+
+    def __init__(self, scenarios: Sequence[Scenario] | Scenario, count: int | None = None) -> None: ...
+    def __len__(self) -> int: ...
+    def step(self, duration: float | None = None, count: int = 1) -> None:
+        """Advance all cases by `count` times `duration` (s). A case that fails stays at its last step; see `failures`."""
+    def run(self, until: float) -> None: ...
+    @property
+    def failures(self) -> list[str | None]: ...
+    @property
+    def times(self) -> _Array: ...
+    @property
+    def positions(self) -> _Array:
+        """Positions, c × n × 3, m."""
+    @property
+    def velocities(self) -> _Array: ...
+    @property
+    def forces(self) -> _Array:
+        """Forces in addition to the scenario's loads, c × n × 3, N: an array to write to."""
+    def move_clamp(self, clamp: int, poses: ArrayLike) -> None:
+        """Move a clamp of all cases to poses, c × 4 × 4, or positions, c × 3, during the next step."""
+    def save(self, case: int) -> State: ...
+    def restore(self, case: int, state: State) -> None: ...
+    def reset(self, cases: Sequence[int] | None = None) -> None:
+        """Put cases back to the start of their scenarios."""
+
+def run(scenario: Scenario, out: str | PathLike[str], force: bool = False, progress: bool = False) -> str:
+    """Run a scenario as `rodlab run` does, and return its outcome as JSON."""
+
+def trace(image: NDArray[np.uint8], colour: str = "auto", least_area: int = 60) -> list[_Array]:
+    """Trace the rods of an RGB image, h × w × 3; a centreline is an array k × 2 of pixels u, v."""
