@@ -8,6 +8,7 @@ mod end_state;
 mod error;
 mod interruption;
 mod linking;
+mod live;
 mod observer;
 mod output_times;
 #[cfg(test)]
@@ -34,6 +35,7 @@ pub use end_state::start_from;
 pub use error::RunError;
 pub use interruption::{Interruption, is_attended};
 pub use linking::LinkingGuard;
+pub use live::{LiveRun, LiveState};
 pub use observer::{Finding, Observer, ObserverObject, Sample};
 pub use prepared::{Mode, OutputPlan, PreparedRun, TableRun};
 pub use progress::AmongBars;

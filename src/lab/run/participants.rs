@@ -1,6 +1,8 @@
 //! All observers and controllers of a run together.
 
-use super::{Controller, Observer};
+use super::observer::{Finding, Sample};
+use super::{Controller, Observer, PreparedRun};
+use rodlab_engine::mechanics::dynamics::{Simulation, SimulationError};
 use rodlab_files::results::{CaseOutcome, NamedValues, ResultsError};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -20,6 +22,35 @@ pub(super) struct Participants {
 }
 
 impl Participants {
+    /// Those of a run, in their state at the start.
+    pub fn of(prepared: &PreparedRun) -> Self {
+        Self {
+            observers: prepared.observers.clone(),
+            controllers: prepared.controllers.clone(),
+        }
+    }
+
+    /// Lets controllers act before a step; returns when the next of them must act again, s.
+    pub fn control(&mut self, simulation: &mut Simulation) -> Result<f64, SimulationError> {
+        let now = simulation.time();
+        let mut until = f64::INFINITY;
+        for controller in &mut self.controllers {
+            controller.act(simulation)?;
+            let next = controller.next_time();
+            if next > now {
+                until = until.min(next);
+            }
+        }
+        Ok(until)
+    }
+
+    /// Lets observers look that are due at `time`, at times that do not depend on those of outputs.
+    pub fn sample_if_due(&mut self, sample: &Sample<'_>, time: f64) -> Vec<Finding> {
+        let observers = self.observers.iter_mut();
+        let due = observers.filter(|observer| observer.is_due(time));
+        due.map(|observer| observer.sample(sample)).collect()
+    }
+
     /// Their states now.
     pub fn save(&self) -> SavedStates {
         let observers = self.observers.iter();

@@ -29,6 +29,23 @@ impl Simulation {
         set.ok_or_else(|| refused(format!("load {load} does not exist")))
     }
 
+    /// Sets the values of an actuation of the scene, counted from 0, whose course is [`Course::Given`], from the next step
+    /// or equilibrium on.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] if it does not exist, has another course, or another number of values.
+    ///
+    /// [`Course::Given`]: crate::mechanics::scene::Course::Given
+    pub fn set_actuation(
+        &mut self,
+        actuation: usize,
+        values: &[f64],
+    ) -> Result<(), SimulationError> {
+        self.validity.stop_counting_energy();
+        let set = self.system.give_actuation(actuation, values);
+        set.map_err(refused)
+    }
+
     /// Replaces the motion of a clamp from the next step or equilibrium on: for ends that a robot or a
     /// continuation moves. Clamps of the scene are counted from 0; those that [`Self::grasp`] makes follow.
     pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {

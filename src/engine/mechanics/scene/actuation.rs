@@ -36,6 +36,16 @@ pub enum Course {
     Uniform(Vec<(f64, f64)>),
     /// A wave that travels along the rod.
     Wave(Wave),
+    /// Values at places along the rod, which [`Simulation::set_actuation`] changes; each holds up to the middle between its
+    /// place and the next.
+    ///
+    /// [`Simulation::set_actuation`]: crate::mechanics::dynamics::Simulation::set_actuation
+    Given {
+        /// Distances from the start of the rod in ascending order, m.
+        places: Vec<f64>,
+        /// The strain at each place.
+        values: Vec<f64>,
+    },
 }
 
 /// A f(t) sin(2π (s/λ − ν t) + φ) at the distance s from the start of the rod.
@@ -64,6 +74,7 @@ impl Course {
                 let (sine, cosine) = libm::sincos(TAU * wave.frequency * time);
                 [cosine, -sine].map(|part| wave.amplitude * factor * part)
             }
+            Self::Given { .. } => [1.0, 0.0],
         }
     }
 
@@ -85,14 +96,23 @@ impl Course {
                 let (sine, cosine) = libm::sincos(middle);
                 [sine, cosine].map(|part| length * mean * part)
             }
+            Self::Given { places, values } => {
+                let middle = 0.5 * (from + to);
+                let next = places.partition_point(|place| *place < middle);
+                let is_nearer_to_last = next == places.len()
+                    || next > 0 && middle - places[next - 1] < places[next] - middle;
+                let nearest = next.saturating_sub(usize::from(is_nearer_to_last));
+                [length * values.get(nearest).unwrap_or(&0.0), 0.0]
+            }
         }
     }
 
     /// Times at which it changes its rate, s; not those of the wave itself, which has none.
     pub(crate) fn corners(&self) -> impl Iterator<Item = f64> {
         let schedule = match self {
-            Self::Uniform(values) => values,
+            Self::Uniform(values) => values.as_slice(),
             Self::Wave(wave) => &wave.schedule,
+            Self::Given { .. } => &[],
         };
         schedule.iter().map(|corner| corner.0)
     }
@@ -101,6 +121,24 @@ impl Course {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn given_values_hold_up_to_the_middle_between_their_places() {
+        let course = Course::Given {
+            places: vec![0.0, 0.1, 0.4],
+            values: vec![1.0, 2.0, 3.0],
+        };
+        for (piece, value) in [
+            ([0.0, 0.05], 1.0),
+            ([0.05, 0.1], 2.0),
+            ([0.1, 0.25], 2.0),
+            ([0.25, 0.4], 3.0),
+            ([0.4, 0.5], 3.0),
+        ] {
+            let length = piece[1] - piece[0];
+            assert_eq!(course.shares(piece), [length * value, 0.0]);
+        }
+    }
 
     #[test]
     fn a_wave_is_summed_exactly_over_its_pieces() {

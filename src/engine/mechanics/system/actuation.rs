@@ -14,7 +14,7 @@ use super::events::Event;
 use super::term::{Configuration, Kind, Term};
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
 use crate::mechanics::rod::{ElasticRods, RodGeometry};
-use crate::mechanics::scene::{ActuatedStrain, Actuation, Scene};
+use crate::mechanics::scene::{ActuatedStrain, Actuation, Course, Scene};
 use crate::mechanics::{LoadError, SceneError};
 
 /// All actuations of a scene, resolved to its vertices and edges.
@@ -113,6 +113,46 @@ impl Actuators {
             shares
         });
         self.shares = shares.collect();
+    }
+
+    /// Values of the actuations that a program sets, with their numbers.
+    pub(crate) fn given(&self) -> Vec<(usize, Vec<f64>)> {
+        let courses = self.actuations.iter().map(|actuation| &actuation.course);
+        let given = courses
+            .enumerate()
+            .filter_map(|(number, course)| match course {
+                Course::Given { values, .. } => Some((number, values.clone())),
+                _ => None,
+            });
+        given.collect()
+    }
+
+    /// Sets the values of such an actuation.
+    ///
+    /// # Errors
+    /// A sentence: it does not exist, has another course, or another number of values.
+    pub(crate) fn give(
+        &mut self,
+        number: usize,
+        new: &[f64],
+        assembly: &mut Assembly,
+    ) -> Result<(), String> {
+        let actuation = self.actuations.get_mut(number);
+        let Some(Course::Given { values, .. }) = actuation.map(|one| &mut one.course) else {
+            return Err(format!(
+                "actuation {number} with given values does not exist"
+            ));
+        };
+        if values.len() != new.len() {
+            let (places, found) = (values.len(), new.len());
+            return Err(format!(
+                "actuation {number} takes {places} values, found {found}"
+            ));
+        }
+        values.copy_from_slice(new);
+        self.withdraw(&mut assembly.rods);
+        self.resolve(assembly);
+        Ok(())
     }
 
     /// Gives the rods the natural strains that they have at a time, s.

@@ -40,6 +40,8 @@ pub struct Interventions {
     external_forces: Vec<f64>,
     /// Factors of the loads in addition to their schedules.
     load_factors: Vec<f64>,
+    /// Values of the actuations that a program sets.
+    given: Vec<(usize, Vec<f64>)>,
     /// Held degrees of freedom and vertices, if a node was ever grasped or released.
     switched: Option<Switched>,
 }
@@ -175,6 +177,15 @@ impl System {
         Ok(())
     }
 
+    /// Sets the values of an actuation.
+    ///
+    /// # Errors
+    /// A sentence: it does not exist, has another course, or another number of values.
+    pub(crate) fn give_actuation(&mut self, number: usize, values: &[f64]) -> Result<(), String> {
+        let actuators = &mut self.terms.actuators;
+        actuators.give(number, values, &mut self.assembly)
+    }
+
     /// Grasps and releases since the start.
     pub(crate) fn interventions(&self) -> Interventions {
         let switched = || {
@@ -190,6 +201,7 @@ impl System {
             drives: self.assembly.drives.clone(),
             external_forces: self.terms.loads.external.clone(),
             load_factors: self.terms.loads.factors().to_vec(),
+            given: self.terms.actuators.given(),
             switched: self.switched.then(switched),
         }
     }
@@ -243,6 +255,10 @@ impl System {
             self.matrix.adapt(assembly);
             self.switched = true;
             self.note_prescribed_nodes();
+        }
+        for (number, values) in done.given {
+            let given = self.give_actuation(number, &values);
+            given.map_err(|_| "other actuations")?;
         }
         self.list_events();
         Ok(())

@@ -2,7 +2,6 @@
 
 use super::Session;
 use crate::run::advance::Advance;
-use crate::run::observer::Finding;
 use crate::run::stop::{Stop, StopRequests};
 use rodlab_engine::mechanics::dynamics::StepReport;
 use std::time::{Duration, Instant};
@@ -68,19 +67,10 @@ impl Session {
 
     /// Lets controllers act before a step; returns when the next of them must act again, s.
     fn control(&mut self, simulation: &mut impl Advance) -> Result<f64, Stop> {
-        let now = simulation.time();
-        let mut until = f64::INFINITY;
-        let Some(simulation) = simulation.simulation_mut() else {
-            return Ok(until);
-        };
-        for controller in &mut self.participants.controllers {
-            controller.act(simulation)?;
-            let next = controller.next_time();
-            if next > now {
-                until = until.min(next);
-            }
+        match simulation.simulation_mut() {
+            Some(simulation) => Ok(self.participants.control(simulation)?),
+            None => Ok(f64::INFINITY),
         }
-        Ok(until)
     }
 
     /// Lets observers look that are due, at times that do not depend on those of outputs.
@@ -89,9 +79,7 @@ impl Session {
             return Ok(());
         };
         let time = simulation.time();
-        let observers = self.participants.observers.iter_mut();
-        let due = observers.filter(|observer| observer.is_due(time));
-        let findings: Vec<Finding> = due.map(|observer| observer.sample(&sample)).collect();
+        let findings = self.participants.sample_if_due(&sample, time);
         self.conclude_from(findings)
     }
 }

@@ -102,10 +102,7 @@ impl Session {
         let hash = scenario_hash(&prepared.scenario_toml);
         let rods = rod_records(prepared);
         let plan = recorder_plan(prepared);
-        let participants = Participants {
-            observers: prepared.observers.clone(),
-            controllers: prepared.controllers.clone(),
-        };
+        let participants = Participants::of(prepared);
         let mut checkpoints = CheckpointFiles::new(directory.path(), &hash);
         let continued = checkpoints.read(|mut checkpoint: Checkpoint<S::State>| {
             let (rods, plan) = (rods.clone(), plan.clone());

@@ -1,0 +1,215 @@
+//! A run without files, whose steps another program takes.
+
+use super::counters::Counters;
+use super::observer::{Finding, Sample};
+use super::participants::{self, Participants, SavedStates};
+use super::prepared::{Mode, PreparedRun};
+use rodlab_engine::mechanics::dynamics::{
+    Simulation, SimulationError, SimulationState, StepReport,
+};
+use rodlab_engine::mechanics::statics::PathPoint;
+use rodlab_files::results::Value;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Wall time up to which a step is always finished, as in a run with files.
+const SHORT_STEP: Duration = Duration::from_millis(50);
+
+/// A simulation with the observers and controllers of its experiment.
+///
+/// It takes the steps that [`run`](super::run()) takes, as far as they end at the same times: outputs end steps, too.
+pub struct LiveRun {
+    /// The simulation.
+    pub simulation: Simulation,
+    participants: Participants,
+    counters: Counters,
+    mode: Mode,
+    /// Wall time of the last step.
+    last_step: Duration,
+}
+
+/// All that influences the future of a [`LiveRun`].
+#[derive(Clone, Serialize, Deserialize)]
+pub struct LiveState {
+    /// The state of the simulation.
+    pub simulation: SimulationState,
+    participants: SavedStates,
+    counters: Counters,
+}
+
+impl LiveRun {
+    /// Sets up the scene of a run at time zero.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] for an invalid scene.
+    pub fn new(prepared: &PreparedRun) -> Result<Self, SimulationError> {
+        Ok(Self {
+            simulation: Simulation::new(&prepared.scene, &prepared.integration)?,
+            participants: Participants::of(prepared),
+            counters: Counters::default(),
+            mode: prepared.mode,
+            last_step: Duration::ZERO,
+        })
+    }
+
+    /// Whether the scene moves, rests or follows a path.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// The sentence in which an observer stated why the run is complete, if one did.
+    pub fn ending(&self) -> Option<&str> {
+        let ending = self.counters.outcome.ending.as_ref();
+        ending.map(|ending| ending.sentence.as_str())
+    }
+
+    /// Takes one step that ends no later than `until`, s, while `goes_on` returns true; `None` where it returned false, and
+    /// the state is then that before the step.
+    ///
+    /// # Errors
+    /// The errors of [`Simulation::advance`], and [`SimulationError::Unphysical`] where an observer finds a fault; the
+    /// state is then that of the last accepted step.
+    pub fn advance(
+        &mut self,
+        until: f64,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
+        let is_long = self.last_step >= SHORT_STEP;
+        let before = is_long.then(|| self.save());
+        let start = Instant::now();
+        let until = self.participants.control(&mut self.simulation)?.min(until);
+        let report = if let Some(before) = before {
+            let goes_on = || start.elapsed() < SHORT_STEP || goes_on();
+            match self.simulation.advance_while(until, &goes_on)? {
+                Some(report) => report,
+                None => {
+                    self.restore(before)?;
+                    return Ok(None);
+                }
+            }
+        } else {
+            self.simulation.advance(until)?
+        };
+        self.last_step = start.elapsed();
+        self.counters.add_step(&report);
+        let time = self.simulation.time();
+        let (sample, participants) = self.sample();
+        let findings = participants.sample_if_due(&sample, time);
+        self.take(findings)?;
+        Ok(Some(report))
+    }
+
+    /// Finds the equilibrium, while `goes_on` returns true; `None` where it returned false, and the state is then that before.
+    ///
+    /// # Errors
+    /// The errors of [`Simulation::find_equilibrium_while`].
+    pub fn find_equilibrium(
+        &mut self,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
+        let before = self.save();
+        let found = self.simulation.find_equilibrium_while(goes_on);
+        match found {
+            Ok(Some(report)) => self.counters.add_equilibrium(&report),
+            Ok(None) => self.restore(before)?,
+            Err(_) => {}
+        }
+        found
+    }
+
+    /// Counts a point of a path of equilibria.
+    pub fn count_point(&mut self, point: &PathPoint) {
+        let report = StepReport {
+            time: point.parameter,
+            newton_iterations: point.iterations,
+            ..StepReport::default()
+        };
+        self.counters.add_point(&report, false);
+    }
+
+    /// The columns that the observers add to the series, with their values now; observers do not remember the call.
+    ///
+    /// # Errors
+    /// [`SimulationError::Unphysical`] where an observer finds a fault.
+    pub fn measure(&self) -> Result<Vec<(String, Value)>, SimulationError> {
+        let simulation = &self.simulation;
+        let row = self.counters.clone().take_row(
+            simulation.time(),
+            simulation.nearest(),
+            &simulation.energies(),
+        );
+        let mut observers = self.participants.observers.clone();
+        let names = participants::columns(&observers);
+        let sample = Sample {
+            simulation,
+            steps: self.counters.outcome.steps,
+            exchange: self.counters.exchange,
+        };
+        let mut values = Vec::with_capacity(names.len());
+        for observer in &mut observers {
+            let (cells, finding) = observer.measure(&sample, &row);
+            values.extend(cells);
+            if let Finding::Fail(reason) = finding {
+                return Err(SimulationError::Unphysical(reason));
+            }
+        }
+        Ok(names.into_iter().zip(values).collect())
+    }
+
+    /// Remarks of the simulation and the observers so far, a sentence each.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = self.simulation.remarks();
+        let observers = self.participants.observers.iter();
+        remarks.extend(observers.flat_map(|one| one.remarks()));
+        remarks
+    }
+
+    /// The present state.
+    pub fn save(&self) -> LiveState {
+        LiveState {
+            simulation: self.simulation.state(),
+            participants: self.participants.save(),
+            counters: self.counters.clone(),
+        }
+    }
+
+    /// Continues from a state of the same scenario, bit for bit.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] if it belongs to another scenario.
+    pub fn restore(&mut self, state: LiveState) -> Result<(), SimulationError> {
+        let mut participants = self.participants.clone();
+        let restored = participants.restore(&state.participants, Path::new("state"));
+        restored.map_err(|error| {
+            let foreign = rodlab_engine::mechanics::SceneError::Checkpoint(error.to_string());
+            SimulationError::BadScene(foreign)
+        })?;
+        self.simulation.restore(state.simulation)?;
+        self.participants = participants;
+        self.counters = state.counters;
+        Ok(())
+    }
+
+    /// Input of observers now, and the participants.
+    fn sample(&mut self) -> (Sample<'_>, &mut Participants) {
+        let sample = Sample {
+            simulation: &self.simulation,
+            steps: self.counters.outcome.steps,
+            exchange: self.counters.exchange,
+        };
+        (sample, &mut self.participants)
+    }
+
+    /// Records an end that an observer found.
+    fn take(&mut self, findings: Vec<Finding>) -> Result<(), SimulationError> {
+        for finding in findings {
+            match finding {
+                Finding::GoOn => {}
+                Finding::End(ending) => self.counters.outcome.ending = Some(ending),
+                Finding::Fail(reason) => return Err(SimulationError::Unphysical(reason)),
+            }
+        }
+        Ok(())
+    }
+}
