@@ -120,6 +120,20 @@ pub fn from_text(
     scenario::from_text(*EXPERIMENTS, name, text, directory, overrides)
 }
 
+/// Resolves a scenario that is a table in memory, called `name`, that names other files relative to `directory`; see
+/// [`scenario::from_table`].
+///
+/// # Errors
+/// All its faults.
+pub fn from_table(
+    name: &str,
+    table: toml::Table,
+    directory: &Path,
+    overrides: &[String],
+) -> Result<Loaded, ScenarioError> {
+    scenario::from_table(*EXPERIMENTS, name, table, directory, overrides)
+}
+
 /// Reads a scenario file with its sweep; see [`CaseSet::load`].
 ///
 /// # Errors
@@ -142,6 +156,20 @@ pub fn case_set_from_text(
     directory: &Path,
 ) -> Result<CaseSet, ScenarioError> {
     CaseSet::from_text(*EXPERIMENTS, name, text, directory)
+}
+
+/// The cases in a table in memory; see [`CaseSet::from_table`].
+///
+/// # Errors
+/// As [`case_set`].
+pub fn case_set_from_table(
+    name: &str,
+    table: toml::Table,
+    directory: &Path,
+    overrides: &[String],
+    varied: &[String],
+) -> Result<CaseSet, ScenarioError> {
+    CaseSet::from_table(*EXPERIMENTS, name, table, directory, overrides, varied)
 }
 
 /// JSON Schema of scenario files; see [`scenario::json_schema`].

@@ -1,7 +1,7 @@
 //! Faults of scenarios with the text around them, for readers.
 
 use super::issue::Issue;
-use super::source::{Sources, Span};
+use super::source::{Sources, Span, line_and_column};
 use miette::{
     Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode,
 };
@@ -23,8 +23,14 @@ pub struct Located {
 #[derive(Clone, Debug)]
 struct Place {
     name: String,
-    source: NamedSource<Arc<str>>,
     span: Span,
+    /// None in a table, which has no text.
+    text: Option<TextPlace>,
+}
+
+#[derive(Clone, Debug)]
+struct TextPlace {
+    source: NamedSource<Arc<str>>,
     line: usize,
     column: usize,
 }
@@ -34,21 +40,27 @@ impl Located {
     pub fn new(sources: &Sources, issue: Issue, span: Option<Span>) -> Self {
         let place = span.map(|span| {
             let source = sources.get(span.source);
-            let (line, column) = source.line_and_column(span.bytes.start);
+            let text = source.text.as_ref().map(|text| {
+                let (line, column) = line_and_column(text, span.bytes.start);
+                TextPlace {
+                    source: NamedSource::new(&source.name, text.clone()),
+                    line,
+                    column,
+                }
+            });
             Place {
                 name: source.name.clone(),
-                source: NamedSource::new(&source.name, source.text.clone()),
                 span,
-                line,
-                column,
+                text,
             }
         });
         Self { issue, place }
     }
 
-    /// Line and column, counted from one.
+    /// Line and column, counted from one; a fault in a table in memory has none.
     pub fn line_and_column(&self) -> Option<(usize, usize)> {
-        self.place.as_ref().map(|place| (place.line, place.column))
+        let text = self.place.as_ref()?.text.as_ref()?;
+        Some((text.line, text.column))
     }
 
     /// Sorts faults as their texts were read.
@@ -74,12 +86,12 @@ impl Diagnostic for Located {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        let place = self.place.as_ref()?;
-        Some(&place.source)
+        let text = self.place.as_ref()?.text.as_ref()?;
+        Some(&text.source)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let place = self.place.as_ref()?;
+        let place = self.place.as_ref().filter(|place| place.text.is_some())?;
         let label = LabeledSpan::new_with_span(Some("here".to_owned()), place.span.bytes.clone());
         Some(Box::new(std::iter::once(label)))
     }
@@ -94,18 +106,18 @@ impl From<Located> for ScenarioError {
 impl std::error::Error for ScenarioError {}
 
 impl fmt::Display for ScenarioError {
-    /// One line per fault: `file:line:column: key: message (help)`.
+    /// One line per fault: `file:line:column: key: message (help)`; a table in memory has a name only.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (number, located) in self.0.iter().enumerate() {
             if number > 0 {
                 writeln!(formatter)?;
             }
             if let Some(place) = &located.place {
-                write!(
-                    formatter,
-                    "{}:{}:{}: ",
-                    place.name, place.line, place.column
-                )?;
+                write!(formatter, "{}", place.name)?;
+                if let Some(text) = &place.text {
+                    write!(formatter, ":{}:{}", text.line, text.column)?;
+                }
+                write!(formatter, ": ")?;
             }
             write!(formatter, "{located}")?;
             if let Some(help) = &located.issue.help {

@@ -1,7 +1,7 @@
 //! Reading scenarios: the file, those it extends and includes, overrides from the command line.
 
 use super::document::{self, Entry, Node, Value};
-use super::document_text;
+use super::document_values;
 use super::error::{Located, ScenarioError};
 use super::expansion::{self, Copied, Expanded, Origins};
 use super::experiments::{Experiments, TypedFile};
@@ -16,6 +16,7 @@ use super::source::{Sources, Span};
 use std::collections::HashSet;
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Most files that extend or include each other in a row.
 const MOST_ANCESTORS: usize = 64;
@@ -96,9 +97,44 @@ pub(super) fn merged_text(
     overrides: &[String],
 ) -> Result<(Sources, Node), ScenarioError> {
     let mut sources = Sources::default();
-    let mut ancestors = Vec::new();
-    let source = sources.add(format!("{name}.toml"), text.to_owned(), directory);
-    let document = parse_and_extend(&mut sources, &mut ancestors, source)?;
+    let parsed = parse(&mut sources, format!("{name}.toml"), text.into(), directory)?;
+    let document = extend(&mut sources, &mut Vec::new(), parsed)?;
+    overridden(sources, document, overrides)
+}
+
+/// Resolves a scenario that is a table in memory, called `name`, that names other files relative to `directory`; overrides
+/// as [`load`] takes them. Every `Serialize` type makes a table, by `toml::Table::try_from`, and so does the macro `toml::toml!`.
+///
+/// # Errors
+/// As [`load`], with `name` in place of file, line and column.
+pub fn from_table(
+    experiments: Experiments,
+    name: &str,
+    table: toml::Table,
+    directory: &Path,
+    overrides: &[String],
+) -> Result<Loaded, ScenarioError> {
+    let (sources, document) = merged_table(name, table, directory, overrides)?;
+    finish(experiments, name, sources, document)
+}
+
+/// [`merged`] for a table in memory.
+pub(super) fn merged_table(
+    name: &str,
+    table: toml::Table,
+    directory: &Path,
+    overrides: &[String],
+) -> Result<(Sources, Node), ScenarioError> {
+    let mut sources = Sources::default();
+    let source = sources.add(name.to_owned(), None, directory);
+    let document = document_values::from_table(source, table).map_err(|issue| {
+        let span = Span {
+            source,
+            bytes: 0..0,
+        };
+        Located::new(&sources, issue, Some(span))
+    })?;
+    let document = extend(&mut sources, &mut Vec::new(), document)?;
     overridden(sources, document, overrides)
 }
 
@@ -163,7 +199,7 @@ impl Loaded {
                 }
                 Ok::<(), Infallible>(())
             });
-        document_text::document(&document)
+        document_values::document(&document)
     }
 
     /// The names of files in the document after expansion that were typed at `span`.
@@ -247,20 +283,23 @@ fn read(
     let text = String::from_utf8(bytes).map_err(|error| unreadable(&error))?;
     let canonical = path.canonicalize().map_err(|error| unreadable(&error))?;
     let directory = path.parent().unwrap_or(Path::new("")).to_owned();
-    let source = sources.add(path.display().to_string(), text, &directory);
+    let name = path.display().to_string();
+    let parsed = parse(sources, name, text.into(), &directory)?;
     ancestors.push(canonical);
-    let node = parse_and_extend(sources, ancestors, source)?;
+    let node = extend(sources, ancestors, parsed)?;
     ancestors.pop();
     Ok(node)
 }
 
-fn parse_and_extend(
+/// Parses a text and adds it to the sources.
+fn parse(
     sources: &mut Sources,
-    ancestors: &mut Vec<PathBuf>,
-    source: usize,
+    name: String,
+    text: Arc<str>,
+    directory: &Path,
 ) -> Result<Node, ScenarioError> {
-    let text = sources.get(source).text.clone();
-    let node = document::parse(source, &text).map_err(|errors| {
+    let source = sources.add(name, Some(text.clone()), directory);
+    document::parse(source, &text).map_err(|errors| {
         let located = errors.into_iter().map(|error| {
             let span = Span {
                 source,
@@ -270,14 +309,22 @@ fn parse_and_extend(
             Located::new(sources, Issue::new(KeyPath::root(), message), Some(span))
         });
         ScenarioError(located.collect())
-    })?;
-    let mut node = node;
+    })
+}
+
+/// The top of a source with the files that it extends and includes.
+fn extend(
+    sources: &mut Sources,
+    ancestors: &mut Vec<PathBuf>,
+    mut node: Node,
+) -> Result<Node, ScenarioError> {
+    let directory = sources.get(node.span.source).directory.clone();
     let unset = node.remove("unset");
     let includes = node.remove(INCLUDE);
     let mut merged = match node.entry("extends") {
         Some(entry) => {
             let base = text_of(sources, entry)?;
-            let path = sources.get(source).directory.join(base);
+            let path = directory.join(base);
             let mut merged = read_beside(sources, ancestors, entry, &entry.node, &path)?;
             if let Some(unset) = unset {
                 forget(sources, &mut merged, &unset)?;
@@ -297,7 +344,7 @@ fn parse_and_extend(
     };
     if let Some(includes) = includes {
         for (name, node) in include::names(sources, &includes)? {
-            let path = sources.get(source).directory.join(name);
+            let path = directory.join(name);
             merged.add(read_beside(sources, ancestors, &includes, node, &path)?);
         }
     }

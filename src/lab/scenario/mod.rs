@@ -4,7 +4,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `source`, `document`, `document_text` | the texts; TOML as a tree with the place of every key, and back |
+//! | `source`, `document`, `document_values` | the texts; TOML as a tree with the place of every key, from text or values in memory, and back |
 //! | `input_file`, `named_files` | regular files of a bounded size; the keys that name them |
 //! | `load`, `include`, `overrides` | reading a file, the files that it `extends` and `include`s, `--set key=value` |
 //! | `expression`, `expansion` | `[parameters]`, `"2*radius"`, copies of tables: a tree without them |
@@ -26,7 +26,7 @@ mod cross_section;
 pub(crate) mod declaration;
 mod decode;
 mod document;
-mod document_text;
+mod document_values;
 mod error;
 mod expansion;
 mod experiments;
@@ -64,7 +64,7 @@ pub use experiments::Experiments;
 pub use explain::{explain, json_schema, unit};
 pub use input_file::read_text_file;
 pub use issue::{Issue, Issues, KeyPath, did_you_mean};
-pub use load::{Loaded, from_text, load};
+pub use load::{Loaded, from_table, from_text, load};
 pub use named_files::INPUTS;
 pub use rescale::{Scales, rescaled};
 pub use resolve::{END_STATE, read_polyline};

@@ -15,7 +15,7 @@ const MOST_STEPS: usize = 32;
 ///
 /// Missing tables on the path are created; elements of arrays must exist.
 pub fn apply(sources: &mut Sources, document: &mut Node, text: &str) -> Result<(), ScenarioError> {
-    let source = sources.add("--set".to_owned(), text.to_owned(), Path::new(""));
+    let source = sources.add("--set".to_owned(), Some(text.into()), Path::new(""));
     let fault = |sources: &Sources, path: KeyPath, message: String, help: Option<String>| {
         let key_length = text.find('=').unwrap_or(text.len());
         let span = Span {

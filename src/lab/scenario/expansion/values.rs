@@ -84,7 +84,8 @@ pub fn located(sources: &Sources, place: &Place, node: &Node, mistake: Mistake) 
 
 /// The span of some bytes of a text that was typed at `span`; the whole span, where it was typed with escapes.
 fn part_of(sources: &Sources, span: &Span, text: &str, bytes: &std::ops::Range<usize>) -> Span {
-    let typed = sources.get(span.source).text.get(span.bytes.clone());
+    let text_of_source = sources.get(span.source).text.as_ref();
+    let typed = text_of_source.and_then(|text| text.get(span.bytes.clone()));
     let typed = typed.unwrap_or_default();
     let offset = if typed == format!("\"{text}\"") || typed == format!("'{text}'") {
         1

@@ -1,7 +1,7 @@
 //! One case of a sweep: its values and its id.
 
 use crate::scenario::document::Value;
-use crate::scenario::document_text;
+use crate::scenario::document_values;
 use crate::scenario::units::parse_any;
 use std::fmt::Write;
 
@@ -41,7 +41,7 @@ impl Parameter {
         };
         let typed = match value {
             Value::String(text) => text.clone(),
-            other => document_text::inline(other),
+            other => document_values::inline(other),
         };
         Self {
             key: key.to_owned(),

@@ -60,6 +60,23 @@ impl CaseSet {
         Self::new(experiments, name, sources, document, &[])
     }
 
+    /// The set of cases in a table in memory, called `name`, that names other files relative to `directory`; `overrides` and
+    /// `varied` as [`CaseSet::load`] takes them.
+    ///
+    /// # Errors
+    /// As [`CaseSet::load`].
+    pub fn from_table(
+        experiments: Experiments,
+        name: &str,
+        table: toml::Table,
+        directory: &Path,
+        overrides: &[String],
+        varied: &[String],
+    ) -> Result<Self, ScenarioError> {
+        let (sources, document) = load::merged_table(name, table, directory, overrides)?;
+        Self::new(experiments, name, sources, document, varied)
+    }
+
     fn new(
         experiments: Experiments,
         name: &str,
@@ -166,7 +183,7 @@ impl CaseSet {
 
     /// The axis of an argument, which takes the place of that of the file.
     fn vary(&mut self, sources: &mut Sources, argument: &str) -> Result<Axis, ScenarioError> {
-        let source = sources.add("--vary".to_owned(), argument.to_owned(), Path::new(""));
+        let source = sources.add("--vary".to_owned(), Some(argument.into()), Path::new(""));
         let axis = vary::read(source, argument).map_err(|message| {
             let span = Span {
                 source,

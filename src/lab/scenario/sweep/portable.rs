@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::case_set::CaseSet;
 use crate::scenario::document::{Node, Value};
-use crate::scenario::document_text;
+use crate::scenario::document_values;
 use crate::scenario::error::{Located, ScenarioError};
 use crate::scenario::input_file::{self, LARGEST_TABLE};
 use crate::scenario::issue::{Issue, KeyPath};
@@ -68,7 +68,7 @@ impl CaseSet {
         }
         let inputs = copies.contents.into_iter();
         Ok(Portable {
-            toml: document_text::document(&root),
+            toml: document_values::document(&root),
             inputs: inputs
                 .map(|(name, contents)| InputFile { name, contents })
                 .collect(),
