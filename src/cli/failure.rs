@@ -60,7 +60,7 @@ impl Failure {
     }
 
     /// Message in whole lines.
-    fn in_words(&self, colour: bool) -> String {
+    pub(super) fn in_words(&self, colour: bool) -> String {
         match self {
             Self::Scenario(errors) => errors.iter().map(|error| error.render(colour)).collect(),
             Self::Input(message)

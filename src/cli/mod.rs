@@ -101,26 +101,91 @@ use arguments::{Arguments, Command};
 use clap::{CommandFactory, FromArgMatches};
 use clap_complete::CompleteEnv;
 use failure::Failure;
+use std::ffi::OsString;
 use std::process;
 
 /// Runs the program and returns its exit code.
 pub fn main() -> process::ExitCode {
-    if let Some(commit) = option_env!("RODLAB_COMMIT") {
-        rodlab_files::origin::state_commit(commit);
-    }
     // Answers a shell that completes a command line, and ends the program then.
     CompleteEnv::with_factory(Arguments::command).complete();
     crash::announce_panics();
     file_size::report_as_errors();
-    let matches = overview::with_groups(Arguments::command()).get_matches();
-    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    process::ExitCode::from(run(std::env::args_os()))
+}
+
+/// Runs the program with arguments, of which the first is its name, and returns its exit code.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = match parse(arguments) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // Nothing can be reported where its stream is closed.
+            let _ = error.print();
+            return error.exit_code() as u8;
+        }
+    };
     crash::guarded(|| match dispatch(&arguments) {
-        Ok(()) => process::ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => {
             failure.report(arguments.common.colours_stderr());
-            process::ExitCode::from(failure.exit_code())
+            failure.exit_code()
         }
     })
+}
+
+/// Result of a command that a program has called.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// The exit code, 0 for success.
+    pub exit_code: u8,
+    /// Standard output.
+    pub output: String,
+    /// Message of the failure, if it failed.
+    pub error: String,
+}
+
+/// Calls the program with arguments, without its name, and collects what it prints.
+pub fn call(arguments: impl IntoIterator<Item = OsString>) -> Answer {
+    let name = OsString::from(env!("CARGO_PKG_NAME"));
+    let arguments = match parse([name].into_iter().chain(arguments)) {
+        Ok(arguments) => arguments,
+        Err(error) if error.exit_code() == 0 => {
+            return Answer {
+                exit_code: 0,
+                output: error.to_string(),
+                error: String::new(),
+            };
+        }
+        Err(error) => {
+            return Answer {
+                exit_code: error.exit_code() as u8,
+                output: String::new(),
+                error: error.to_string(),
+            };
+        }
+    };
+    let mut error = String::new();
+    let (exit_code, output) = output::collect(|| {
+        crash::guarded(|| match dispatch(&arguments) {
+            Ok(()) => 0,
+            Err(failure) => {
+                error = failure.in_words(false);
+                failure.exit_code()
+            }
+        })
+    });
+    Answer {
+        exit_code,
+        output,
+        error,
+    }
+}
+
+fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Arguments, clap::Error> {
+    if let Some(commit) = option_env!("RODLAB_COMMIT") {
+        rodlab_files::origin::state_commit(commit);
+    }
+    let program = overview::with_groups(Arguments::command());
+    Arguments::from_arg_matches(&program.try_get_matches_from(arguments)?)
 }
 
 fn dispatch(arguments: &Arguments) -> Result<(), Failure> {

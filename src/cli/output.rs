@@ -8,10 +8,31 @@ use serde::Serialize;
 use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// Standard output of a command that a program has called.
+static COLLECTED: Mutex<Option<String>> = Mutex::new(None);
+
+/// Collects what `work` prints. One call at a time.
+pub fn collect<T>(work: impl FnOnce() -> T) -> (T, String) {
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let collected = || COLLECTED.lock().unwrap_or_else(PoisonError::into_inner);
+    *collected() = Some(String::new());
+    let result = work();
+    let text = collected().take();
+    (result, text.unwrap_or_default())
+}
 
 /// Writes text to standard output, to a terminal without control characters, see [`printable`]. A reader that has closed
 /// the pipe, as `head` does, is not an error.
 pub fn print(text: &str) -> Result<(), Failure> {
+    let mut collected = COLLECTED.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(collected) = collected.as_mut() {
+        *collected += text;
+        return Ok(());
+    }
+    drop(collected);
     let mut stdout = std::io::stdout().lock();
     let text = match stdout.is_terminal() {
         true => Cow::Owned(printable(text)),

@@ -5,7 +5,7 @@ use super::report::SimulationError;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::Motion;
 use crate::mechanics::system::Grasp;
-use crate::mechanics::{SceneError, Vector3};
+use crate::mechanics::{SceneError, UnitQuaternion, Vector3};
 
 impl Simulation {
     /// Sets forces of another solver, which act in addition to the loads of the scene from the next step on: for
@@ -51,6 +51,35 @@ impl Simulation {
     pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
         self.validity.stop_counting_energy();
         self.system.move_clamp(clamp, motion);
+    }
+
+    /// Moves a clamp from its present pose at constant speed to another one, which it reaches at the time `until`, s, and
+    /// keeps. `position` in m; `frame` turns the axes to both material directors and the tangent, and is the present one where
+    /// it is `None`. What the clamp does not hold is ignored.
+    ///
+    /// # Errors
+    /// [`SimulationError::BadScene`] if the clamp does not exist or was released, or if `until` has passed.
+    pub fn carry_clamp(
+        &mut self,
+        clamp: usize,
+        position: Vector3,
+        frame: Option<UnitQuaternion>,
+        until: f64,
+    ) -> Result<(), SimulationError> {
+        let now = self.state.time;
+        let drives = &self.system.assembly.drives;
+        let Some(drive) = drives.get(clamp).filter(|drive| !drive.released) else {
+            return Err(refused(format!("clamp {clamp} does not exist")));
+        };
+        if !(until > now) {
+            return Err(refused(format!(
+                "clamp {clamp} cannot move until {until} s: it is {now} s already"
+            )));
+        }
+        let start = self.published.positions[drive.node];
+        let motion = drive.way_to(position, frame, start, [now, until]);
+        self.move_clamp(clamp, motion);
+        Ok(())
     }
 
     /// Grasps a node, counted over the whole scene, at its present place; returns the number of the clamp, for

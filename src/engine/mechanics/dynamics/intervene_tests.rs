@@ -155,3 +155,61 @@ fn a_factor_scales_a_load_and_its_potential() {
     let ratio = scaled.energies().gravitational / whole.energies().gravitational;
     assert!((ratio - 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn a_clamp_that_is_carried_reaches_its_pose_and_keeps_it() {
+    use crate::mechanics::{UnitQuaternion, rotation};
+    let mut scene = heavy(vec![straight_rod(20, 0.5)]);
+    scene.clamps.push(clamp(0, 0));
+    let mut simulation = simulation_of(&scene);
+    let before = simulation.clamp_pose(0).unwrap();
+    let target = before.position + Vector3::new(0.01, 0.02, -0.03);
+    let turn = rotation::from_vector(Vector3::new(0.3, -0.2, 0.4));
+    let frame: UnitQuaternion = turn * before.frame;
+    for until in [0.05, 0.1] {
+        let carried = simulation.carry_clamp(0, target, Some(frame), until);
+        carried.unwrap();
+        advance_to(&mut simulation, until);
+        let after = simulation.clamp_pose(0).unwrap();
+        assert!((after.position - target).norm() < 1e-12);
+        assert!(after.frame.angle_to(&frame) < 1e-9);
+        let first = simulation.positions()[1] - simulation.positions()[0];
+        let tangent = frame * Vector3::z();
+        assert!(first.normalize().dot(&tangent) > 0.99);
+    }
+    assert!(simulation.carry_clamp(0, target, None, 0.1).is_err());
+    assert!(simulation.carry_clamp(1, target, None, 1.0).is_err());
+}
+
+#[test]
+fn given_curvature_is_that_of_a_uniform_actuation_and_part_of_the_state() {
+    use crate::mechanics::scene::{ActuatedStrain, Actuation, Course};
+    let actuated = |course| {
+        let mut scene = heavy(vec![straight_rod(20, 0.5)]);
+        scene.clamps.push(clamp(0, 0));
+        scene.actuations.push(Actuation {
+            rod: 0,
+            strain: ActuatedStrain::SecondCurvature,
+            part: [0.0, f64::INFINITY],
+            course,
+        });
+        scene
+    };
+    let places = (0..21).map(|node| 0.5 * f64::from(node) / 20.0).collect();
+    let given = actuated(Course::Given {
+        places,
+        values: vec![0.0; 21],
+    });
+    let mut uniform = simulation_of(&actuated(Course::Uniform(vec![(0.0, 3.0)])));
+    let mut set = simulation_of(&given);
+    set.set_actuation(0, &[3.0; 21]).unwrap();
+    let mut restored = simulation_of(&given);
+    restored.restore(set.state()).unwrap();
+    for simulation in [&mut uniform, &mut set, &mut restored] {
+        advance_to(simulation, 0.05);
+    }
+    assert_eq!(uniform.positions(), set.positions());
+    assert_eq!(restored.positions(), set.positions());
+    assert!(set.set_actuation(0, &[3.0; 20]).is_err());
+    assert!(set.set_actuation(1, &[3.0; 21]).is_err());
+}

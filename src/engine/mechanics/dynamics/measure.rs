@@ -2,12 +2,46 @@
 
 use super::Simulation;
 use super::report::Energies;
-use crate::mechanics::Vector3;
 use crate::mechanics::contact::{ContactPlane, PlaneContact};
 use crate::mechanics::rod::{RodRange, STRIDE};
 use crate::mechanics::system::Resultants;
+use crate::mechanics::{UnitQuaternion, Vector3};
+
+/// Where a clamp is, and what it holds.
+#[derive(Clone, Copy, Debug)]
+pub struct HeldPose {
+    /// Node of the whole scene.
+    pub node: usize,
+    /// Position of the node, m.
+    pub position: Vector3,
+    /// Turns the axes to the first and the second material director and the tangent of the rod there.
+    pub frame: UnitQuaternion,
+    /// Whether the position is held.
+    pub holds_position: bool,
+    /// Whether the frame is held; otherwise `frame` is that at which the clamp took hold, as far as it turned since.
+    pub holds_frame: bool,
+}
 
 impl Simulation {
+    /// Number of clamps, those that were released included: first those of the scene, then those that
+    /// [`Self::grasp`] made.
+    pub fn clamps(&self) -> usize {
+        self.system.assembly.drives.len()
+    }
+
+    /// Pose of a clamp; `None` if it does not exist or was released.
+    pub fn clamp_pose(&self, clamp: usize) -> Option<HeldPose> {
+        let drives = &self.system.assembly.drives;
+        let drive = drives.get(clamp).filter(|drive| !drive.released)?;
+        Some(HeldPose {
+            node: drive.node,
+            position: self.published.positions[drive.node],
+            frame: drive.frame_at(self.state.time),
+            holds_position: drive.holds_position,
+            holds_frame: !(drive.ghosts.is_empty() && drive.edges.is_empty()),
+        })
+    }
+
     /// Range of the nodes of each rod.
     pub fn rod_ranges(&self) -> &[RodRange] {
         &self.system.assembly.rods.rods

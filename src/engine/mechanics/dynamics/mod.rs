@@ -47,6 +47,7 @@ mod validity;
 mod validity_memory;
 
 pub use crate::mechanics::system::{Break, Grasp, Resultants};
+pub use measure::HeldPose;
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
 pub use simulation::Simulation;

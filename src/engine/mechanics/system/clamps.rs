@@ -113,6 +113,41 @@ impl Drive {
         self.motion = motion;
     }
 
+    /// The motion from where it is at the time `from`, at `start`, to a `position` and a `frame`, where it is at the time
+    /// `until` and rests from then on, s. Where `frame` is `None` it keeps its orientation.
+    pub(crate) fn way_to(
+        &self,
+        position: Vector3,
+        frame: Option<UnitQuaternion>,
+        start: Vector3,
+        [from, until]: [f64; 2],
+    ) -> Motion {
+        let turned = self.rotation(from);
+        let target = frame.map_or(turned, |frame| frame * self.placed().inverse());
+        Motion {
+            translation: vec![
+                (from, start - self.position),
+                (until, position - self.position),
+            ],
+            orientation: vec![(from, turned), (until, target)],
+            ..Motion::default()
+        }
+    }
+
+    /// The frame at time zero, or when it took hold: it turns the axes to both directors and the tangent.
+    fn placed(&self) -> UnitQuaternion {
+        let GhostEdge {
+            tangent, director, ..
+        } = self.frame;
+        let axes = nalgebra::Matrix3::from_columns(&[director, tangent.cross(&director), tangent]);
+        UnitQuaternion::from_matrix(&axes)
+    }
+
+    /// The frame at a time, s, as [`Self::placed`].
+    pub(crate) fn frame_at(&self, time: f64) -> UnitQuaternion {
+        self.rotation(time) * self.placed()
+    }
+
     /// Adds the corners of its motion, on a rod of a radius (m), to `events`.
     pub(crate) fn list_events(&self, radius: f64, events: &mut Vec<Event>) {
         let motion = &self.motion;
