@@ -1,1 +1,49 @@
-//! The Python module `rodlab._rodlab`.
+//! The Python module `rodlab._rodlab`: scenarios, simulations step by step, batches, and the command line.
+//!
+//! `rodlab/_rodlab.pyi` describes its interface.
+//!
+//! | file | what |
+//! |---|---|
+//! | `table` | values of Python as a table of a scenario |
+//! | `scenario` | scenarios from files, texts and dictionaries |
+//! | `simulation` | a simulation: its steps, its actions |
+//! | `arrays` | its state as arrays; arrays of Python with checked shapes |
+//! | `pose` | clamps that move to a pose during a step |
+//! | `actuation` | natural curvature as an array |
+//! | `contacts` | contacts as arrays |
+//! | `state` | states that are saved and restored |
+//! | `batch` | many simulations on all cores |
+//! | `attention` | Ctrl-C during long calls |
+//! | `command` | the command line, runs with files, traces of pictures |
+//! | `errors` | exceptions |
+
+mod actuation;
+mod arrays;
+mod attention;
+mod batch;
+mod command;
+mod contacts;
+mod errors;
+mod pose;
+mod scenario;
+mod simulation;
+mod state;
+mod table;
+
+#[pyo3::pymodule]
+mod _rodlab {
+    #[pymodule_export]
+    use super::batch::Batch;
+    #[pymodule_export]
+    use super::command::{command, main, run, trace};
+    #[pymodule_export]
+    use super::contacts::Contacts;
+    #[pymodule_export]
+    use super::errors::{ConvergenceError, PhysicsError, RodlabError, ScenarioError};
+    #[pymodule_export]
+    use super::scenario::Scenario;
+    #[pymodule_export]
+    use super::simulation::{Simulation, StepReport};
+    #[pymodule_export]
+    use super::state::State;
+}

@@ -85,15 +85,19 @@ class State:
 class Simulation:
     """A scene in motion, with n nodes in all: rod after rod."""
 
-    def __init__(self, scenario: Scenario) -> None: ...
+    def __init__(self, scenario: Scenario, natural_curvature: bool = False) -> None:
+        """Set up the scene at time zero; `natural_curvature` makes the array of that name available."""
     # Motion.
     def step(self, duration: float | None = None) -> StepReport:
         """Advance by `duration` (s), by default by one step of the scenario."""
     def run(self, until: float) -> StepReport:
         """Advance to the time `until` (s), with steps of the scenario's size."""
     def find_equilibrium(self) -> StepReport: ...
-    def follow(self, to: float, step: float | None = None) -> dict[str, _Array]:
-        """Follow the equilibria along the scenario's parameter from the present one to `to`."""
+    def follow(self, to: float | None = None, step: float | None = None) -> dict[str, Any]:
+        """Follow the equilibria along the scenario's [continuation], p points.
+
+        Returns `parameter` (p), `positions` (p × n × 3, m), `unstable_modes` (p) and `kind` (a list of p words).
+        """
     # State.
     @property
     def scenario(self) -> Scenario: ...
@@ -132,10 +136,10 @@ class Simulation:
         """Twist per length at the nodes, n, rad/m."""
     @property
     def curvatures(self) -> _Array:
-        """Curvature κ₁, κ₂ at the nodes, n × 2, 1/m; not a number at free ends."""
+        """Curvature of the centreline at the nodes, n, 1/m; not a number at free ends."""
     @property
     def moments(self) -> _Array:
-        """Bending moments M₁, M₂ and the twisting moment at the nodes, n × 3, N m; not a number at free ends."""
+        """Size of the bending moment and the twisting moment at the nodes, n × 2, N m; not a number at free ends."""
     @property
     def tensions(self) -> _Array:
         """Tension of the edges that start at the nodes, n, N; not a number where none starts."""
@@ -154,7 +158,7 @@ class Simulation:
     def torques(self, torques: ArrayLike) -> None: ...
     @property
     def natural_curvature(self) -> _Array:
-        """Natural curvature κ₁, κ₂ at the nodes, n × 2, 1/m: an array to write to."""
+        """Natural curvature κ₁, κ₂ at the nodes in addition to that of the rods, n × 2, 1/m: an array to write to."""
     @natural_curvature.setter
     def natural_curvature(self, curvature: ArrayLike) -> None: ...
     def clamp_pose(self, clamp: int) -> _Array:

@@ -54,7 +54,7 @@ impl Simulation {
     }
 
     /// Moves a clamp from its present pose at constant speed to another one, which it reaches at the time `until`, s, and
-    /// keeps. `position` in m; `frame` turns the axes to both material directors and the tangent, and is the present one where
+    /// keeps; at once if that is the present time, as before a search for an equilibrium. `position` in m; `frame` turns the axes to both material directors and the tangent, and is the present one where
     /// it is `None`. What the clamp does not hold is ignored.
     ///
     /// # Errors
@@ -71,7 +71,7 @@ impl Simulation {
         let Some(drive) = drives.get(clamp).filter(|drive| !drive.released) else {
             return Err(refused(format!("clamp {clamp} does not exist")));
         };
-        if !(until > now) {
+        if !(until >= now) {
             return Err(refused(format!(
                 "clamp {clamp} cannot move until {until} s: it is {now} s already"
             )));

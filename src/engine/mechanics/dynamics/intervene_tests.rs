@@ -177,7 +177,11 @@ fn a_clamp_that_is_carried_reaches_its_pose_and_keeps_it() {
         let tangent = frame * Vector3::z();
         assert!(first.normalize().dot(&tangent) > 0.99);
     }
-    assert!(simulation.carry_clamp(0, target, None, 0.1).is_err());
+    assert!(simulation.carry_clamp(0, target, None, 0.09).is_err());
+    let home = before.position;
+    simulation.carry_clamp(0, home, None, 0.1).unwrap();
+    simulation.find_equilibrium().unwrap();
+    assert!((simulation.positions()[0] - home).norm() < 1e-12);
     assert!(simulation.carry_clamp(1, target, None, 1.0).is_err());
 }
 

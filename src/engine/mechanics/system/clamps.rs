@@ -124,14 +124,19 @@ impl Drive {
     ) -> Motion {
         let turned = self.rotation(from);
         let target = frame.map_or(turned, |frame| frame * self.placed().inverse());
-        Motion {
+        let mut motion = Motion {
             translation: vec![
                 (from, start - self.position),
                 (until, position - self.position),
             ],
             orientation: vec![(from, turned), (until, target)],
             ..Motion::default()
+        };
+        if until == from {
+            motion.translation.remove(0);
+            motion.orientation.remove(0);
         }
+        motion
     }
 
     /// The frame at time zero, or when it took hold: it turns the axes to both directors and the tangent.

@@ -1,0 +1,292 @@
+//! Many simulations on all cores.
+
+use crate::arrays::{Written, column, cube, elements, vectors};
+use crate::attention::Attention;
+use crate::errors::{bad_argument, of_simulation};
+use crate::pose::Target;
+use crate::scenario::Scenario;
+use crate::simulation::{Core, Stopped};
+use crate::state::{Saved, State};
+use numpy::{PyArray1, PyArray3};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Simulations that are stepped together on all cores: c cases with n nodes each.
+#[pyclass(module = "rodlab")]
+pub struct Batch {
+    cases: Vec<Case>,
+    nodes: usize,
+    forces: Written,
+}
+
+struct Case {
+    core: Core,
+    failure: Option<String>,
+}
+
+impl Case {
+    fn new(scenario: &Scenario) -> PyResult<Self> {
+        Ok(Self {
+            core: Core::new(scenario, false)?,
+            failure: None,
+        })
+    }
+
+    /// Takes steps up to the times that `next` gives; a failure stops this case alone.
+    fn advance(&mut self, until: &[Option<f64>], goes_on: &dyn Fn() -> bool) {
+        for until in until {
+            if self.failure.is_some() {
+                return;
+            }
+            match self.core.advance(*until, goes_on) {
+                Ok(_) => {}
+                Err(Stopped::Signal) => return,
+                Err(Stopped::Failed(error)) => self.failure = Some(error.to_string()),
+            }
+        }
+    }
+}
+
+impl Batch {
+    fn act(&mut self, py: Python<'_>) -> PyResult<()> {
+        let size = 3 * self.nodes;
+        let Some(forces) = self.forces.changed(py)? else {
+            return Ok(());
+        };
+        let none = vec![0.0; self.nodes];
+        for (case, forces) in self.cases.iter_mut().zip(forces.chunks_exact(size)) {
+            let simulation = &mut case.core.run.simulation;
+            simulation.set_external_forces(&vectors(forces), &none);
+        }
+        Ok(())
+    }
+
+    fn advance(
+        &mut self,
+        py: Python<'_>,
+        plan: impl Fn(&mut Case) -> PyResult<Vec<Option<f64>>>,
+    ) -> PyResult<()> {
+        self.act(py)?;
+        let plans: Vec<_> = self.cases.iter_mut().map(plan).collect::<PyResult<_>>()?;
+        let cases = &mut self.cases;
+        let interrupted = AtomicBool::new(false);
+        let finished = AtomicBool::new(false);
+        let goes_on = || !interrupted.load(Relaxed);
+        py.detach(|| {
+            let mut raised = Ok(());
+            std::thread::scope(|scope| {
+                let worker = scope.spawn(|| {
+                    let pairs = cases.par_iter_mut().zip(&plans);
+                    pairs.for_each(|(case, plan)| case.advance(plan, &goes_on));
+                    finished.store(true, Relaxed);
+                });
+                // Signals are looked at by the thread that called.
+                let attention = Attention::new();
+                while !finished.load(Relaxed) && !worker.is_finished() {
+                    if !attention.continues() {
+                        interrupted.store(true, Relaxed);
+                        break;
+                    }
+                    std::thread::park_timeout(std::time::Duration::from_micros(50));
+                }
+                raised = attention.finish();
+            });
+            raised
+        })
+    }
+
+    fn gather<'py>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&Simulation) -> &[Vector3],
+    ) -> Bound<'py, PyArray3<f64>> {
+        let mut flat = Vec::with_capacity(3 * self.nodes * self.cases.len());
+        for case in &self.cases {
+            for vector in of(&case.core.run.simulation) {
+                flat.extend_from_slice(vector.as_slice());
+            }
+        }
+        cube(py, [self.cases.len(), self.nodes, 3], flat)
+    }
+
+    fn case(&mut self, case: usize) -> PyResult<&mut Case> {
+        let count = self.cases.len();
+        let found = self.cases.get_mut(case);
+        found.ok_or_else(|| bad_argument(format!("case: {case}; allowed: 0 to {}", count - 1)))
+    }
+}
+
+#[derive(FromPyObject)]
+enum Scenarios {
+    One(Scenario),
+    Many(Vec<Scenario>),
+}
+
+#[pymethods]
+impl Batch {
+    #[new]
+    #[pyo3(signature = (scenarios, count = None))]
+    fn new(py: Python<'_>, scenarios: Scenarios, count: Option<usize>) -> PyResult<Self> {
+        let scenarios = match (scenarios, count) {
+            (Scenarios::One(scenario), count) => vec![scenario; count.unwrap_or(1)],
+            (Scenarios::Many(scenarios), None) => scenarios,
+            (Scenarios::Many(scenarios), Some(count)) if scenarios.len() == count => scenarios,
+            (Scenarios::Many(scenarios), Some(count)) => {
+                return Err(bad_argument(format!(
+                    "count: {count}, but there are {} scenarios",
+                    scenarios.len()
+                )));
+            }
+        };
+        if scenarios.is_empty() {
+            return Err(bad_argument("scenarios: at least one is needed"));
+        }
+        let cases: Vec<Case> = py.detach(|| {
+            let cases = scenarios.par_iter().map(Case::new);
+            cases.collect::<PyResult<_>>()
+        })?;
+        let nodes = cases[0].core.nodes();
+        if let Some(other) = cases.iter().position(|case| case.core.nodes() != nodes) {
+            return Err(bad_argument(format!(
+                "scenarios: number {other} has {} nodes, the first has {nodes}; allowed: equal numbers",
+                cases[other].core.nodes()
+            )));
+        }
+        let forces = Written::new("forces", &[cases.len(), nodes, 3]);
+        Ok(Self {
+            cases,
+            nodes,
+            forces,
+        })
+    }
+
+    fn __len__(&self) -> usize {
+        self.cases.len()
+    }
+
+    #[pyo3(signature = (duration = None, count = 1))]
+    fn step(&mut self, py: Python<'_>, duration: Option<f64>, count: usize) -> PyResult<()> {
+        self.advance(py, |case| {
+            let Some(first) = case.core.end_of_step(duration)? else {
+                return Ok(vec![None; count]);
+            };
+            if count > 0 && case.failure.is_none() {
+                case.core.carry(first)?;
+            }
+            let now = case.core.run.simulation.time();
+            let step = first - now;
+            Ok((1..=count).map(|k| Some(now + k as f64 * step)).collect())
+        })
+    }
+
+    fn run(&mut self, py: Python<'_>, until: f64) -> PyResult<()> {
+        if !until.is_finite() {
+            return Err(bad_argument(format!("until: {until}; allowed: finite")));
+        }
+        self.advance(py, |case| {
+            if case.failure.is_none() && until >= case.core.run.simulation.time() {
+                case.core.carry(until)?;
+            }
+            Ok(vec![Some(until)])
+        })
+    }
+
+    #[getter]
+    fn failures(&self) -> Vec<Option<String>> {
+        self.cases.iter().map(|case| case.failure.clone()).collect()
+    }
+
+    #[getter]
+    fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let times = self
+            .cases
+            .iter()
+            .map(|case| case.core.run.simulation.time());
+        column(py, times.collect())
+    }
+
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
+        self.gather(py, |simulation| simulation.positions())
+    }
+
+    #[getter]
+    fn velocities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
+        self.gather(py, |simulation| simulation.velocities())
+    }
+
+    #[getter]
+    fn get_forces(&mut self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        self.forces.array(py)
+    }
+
+    #[setter]
+    fn set_forces(&mut self, py: Python<'_>, forces: &Bound<'_, PyAny>) -> PyResult<()> {
+        self.forces.assign(py, forces)
+    }
+
+    fn move_clamp(
+        &mut self,
+        py: Python<'_>,
+        clamp: usize,
+        poses: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let count = self.cases.len();
+        let (which, flat) = elements(py, "poses", poses, &[&[count, 4, 4], &[count, 3]])?;
+        let size = [16, 3][which];
+        for (case, pose) in self.cases.iter_mut().zip(flat.chunks_exact(size)) {
+            case.core.aim(Target::new(clamp, pose)?)?;
+        }
+        Ok(())
+    }
+
+    fn save(&mut self, case: usize) -> PyResult<State> {
+        let nodes = self.nodes;
+        let forces = self.forces.last_read().chunks_exact(3 * nodes).nth(case);
+        let forces = forces.map_or_else(|| vec![0.0; 3 * nodes], <[f64]>::to_vec);
+        let run = self.case(case)?.core.run.save();
+        Ok(State {
+            saved: Saved {
+                run,
+                actions: [forces, vec![0.0; nodes]],
+                curvature: vec![0.0; 2 * nodes],
+            },
+        })
+    }
+
+    fn restore(&mut self, py: Python<'_>, case: usize, state: &State) -> PyResult<()> {
+        let nodes = self.nodes;
+        let own = self.case(case)?;
+        let restored = own.core.run.restore(state.saved.run.clone());
+        restored.map_err(|error| of_simulation(&error))?;
+        own.failure = None;
+        let mut forces = self.forces.last_read().to_vec();
+        forces[3 * nodes * case..3 * nodes * (case + 1)].copy_from_slice(&state.saved.actions[0]);
+        self.forces.put_back(py, &forces)
+    }
+
+    #[pyo3(signature = (cases = None))]
+    fn reset(&mut self, py: Python<'_>, cases: Option<Vec<usize>>) -> PyResult<()> {
+        let nodes = self.nodes;
+        let cases = cases.unwrap_or_else(|| (0..self.cases.len()).collect());
+        let mut forces = self.forces.last_read().to_vec();
+        for case in cases {
+            let own = self.case(case)?;
+            let scenario = own.core.scenario.clone();
+            *own = Case::new(&scenario)?;
+            forces[3 * nodes * case..3 * nodes * (case + 1)].fill(0.0);
+        }
+        self.forces.put_back(py, &forces)
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<rodlab.Batch of {} cases with {} nodes>",
+            self.cases.len(),
+            self.nodes
+        )
+    }
+}

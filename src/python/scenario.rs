@@ -1,0 +1,110 @@
+//! Scenarios from files, texts and dictionaries.
+
+use crate::errors::bad_argument;
+use crate::table::table;
+use pyo3::prelude::*;
+use pyo3::types::PyMapping;
+use rodlab::presets::{Preset, PresetKind};
+use rodlab_lab::experiment::{self, prepare};
+use rodlab_lab::run::PreparedRun;
+use rodlab_lab::scenario::{self, Loaded, ScenarioError};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A scenario: everything that a file describes, with defaults filled in.
+#[pyclass(frozen, module = "rodlab", from_py_object)]
+#[derive(Clone)]
+pub struct Scenario {
+    loaded: Arc<Loaded>,
+}
+
+impl Scenario {
+    fn of(loaded: Result<Loaded, ScenarioError>) -> PyResult<Self> {
+        let loaded = loaded.map_err(|error| bad_argument(error.to_string()))?;
+        let loaded = Arc::new(loaded);
+        Ok(Self { loaded })
+    }
+
+    /// The resolved scenario.
+    pub fn resolved(&self) -> &scenario::Scenario {
+        &self.loaded.scenario
+    }
+
+    /// The scene of the scenario, with observers and controllers.
+    pub fn prepare(&self) -> PyResult<PreparedRun> {
+        prepare(&self.loaded.scenario)
+            .map_err(|issues| bad_argument(self.loaded.locate(issues).to_string()))
+    }
+}
+
+#[pymethods]
+impl Scenario {
+    #[staticmethod]
+    #[pyo3(signature = (path, overrides = Vec::new()))]
+    fn load(path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
+        let kind = PresetKind::Scenario;
+        let path = match path.exists() {
+            true => path,
+            false => match Preset::in_place_of(kind, &path) {
+                Some(preset) => preset
+                    .file()
+                    .map_err(|error| bad_argument(error.to_string()))?,
+                None => path,
+            },
+        };
+        Self::of(experiment::load(&path, &overrides))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (text, overrides = Vec::new(), name = "scenario", directory = PathBuf::from(".")))]
+    fn loads(text: &str, overrides: Vec<String>, name: &str, directory: PathBuf) -> PyResult<Self> {
+        Self::of(experiment::from_text(name, text, &directory, &overrides))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (table, overrides = Vec::new(), name = "scenario", directory = PathBuf::from(".")))]
+    fn from_dict(
+        table: &Bound<'_, PyMapping>,
+        overrides: Vec<String>,
+        name: &str,
+        directory: PathBuf,
+    ) -> PyResult<Self> {
+        let table = self::table(table)?;
+        Self::of(experiment::from_table(name, table, &directory, &overrides))
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.loaded.scenario.name
+    }
+
+    #[getter]
+    fn experiment(&self) -> &str {
+        self.loaded.scenario.experiment.name()
+    }
+
+    /// Return the resolved scenario as TOML.
+    fn to_toml(&self) -> String {
+        self.loaded.scenario.to_toml()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let loads = py.get_type::<Self>().getattr("loads")?;
+        let none: Vec<String> = Vec::new();
+        (loads, (self.to_toml(), none, self.name()))
+            .into_pyobject(py)
+            .map(Bound::into_any)
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
+        self.clone()
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<rodlab.Scenario {:?} ({})>",
+            self.name(),
+            self.experiment()
+        )
+    }
+}
