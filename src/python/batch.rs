@@ -15,7 +15,7 @@ use rodlab_engine::mechanics::dynamics::Simulation;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Simulations that are stepped together on all cores: c cases with n nodes each.
-#[pyclass(module = "rodlab")]
+#[pyclass(module = "rodlab._rodlab")]
 pub struct Batch {
     cases: Vec<Case>,
     nodes: usize,

@@ -9,7 +9,7 @@ use rodlab_engine::mechanics::contact::ActiveContact;
 use rodlab_engine::mechanics::dynamics::Simulation;
 
 /// Pairs in contact at the last step, m of them.
-#[pyclass(frozen, module = "rodlab")]
+#[pyclass(frozen, module = "rodlab._rodlab")]
 pub struct Contacts {
     count: usize,
     /// Nodes of each pair, m × 4: ends of the first edge, then of the second.

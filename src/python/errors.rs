@@ -1,49 +1,31 @@
-//! Exceptions, with the texts of the command line.
+//! Exceptions, which `rodlab/errors.py` defines, with the texts of the command line.
 
-use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_lab::run::RunError;
-
-pyo3::create_exception!(
-    rodlab,
-    RodlabError,
-    PyException,
-    "Base class of all errors of rodlab; `exit_code` is that of the command line."
-);
-pyo3::create_exception!(
-    rodlab,
-    ScenarioError,
-    RodlabError,
-    "A fault of a scenario, of an argument, or of a file."
-);
-pyo3::create_exception!(
-    rodlab,
-    ConvergenceError,
-    RodlabError,
-    "No step converges, or no equilibrium is found."
-);
-pyo3::create_exception!(rodlab, PhysicsError, RodlabError, "A physics check failed.");
 
 /// Exit code of a command that was interrupted.
 const INTERRUPTED: u8 = 130;
 
 /// The exception for a failure with an exit code of the command line.
 pub fn of_exit_code(exit_code: u8, message: &str) -> PyErr {
-    let message = message.trim_end().to_owned();
-    let message = message
-        .strip_prefix("error: ")
-        .unwrap_or(&message)
-        .to_owned();
-    let error = match exit_code {
-        2 => ScenarioError::new_err(message),
-        3 => ConvergenceError::new_err(message),
-        4 => PhysicsError::new_err(message),
-        INTERRUPTED => return PyKeyboardInterrupt::new_err(message),
-        _ => RodlabError::new_err(message),
+    let message = message.trim_end();
+    let message = message.strip_prefix("error: ").unwrap_or(message);
+    let name = match exit_code {
+        2 => "ScenarioError",
+        3 => "ConvergenceError",
+        4 => "PhysicsError",
+        INTERRUPTED => return PyKeyboardInterrupt::new_err(message.to_owned()),
+        _ => "RodlabError",
     };
-    Python::attach(|py| error.value(py).setattr("exit_code", exit_code))
-        .map_or_else(|e| e, |()| error)
+    let raise = |py: Python<'_>| -> PyResult<PyErr> {
+        let kind = py.import("rodlab.errors")?.getattr(name)?;
+        let error = kind.call1((message,))?;
+        error.setattr("exit_code", exit_code)?;
+        Ok(PyErr::from_value(error))
+    };
+    Python::attach(raise).unwrap_or_else(|error| error)
 }
 
 /// The exception for a fault of an argument.

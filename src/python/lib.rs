@@ -39,8 +39,6 @@ mod _rodlab {
     #[pymodule_export]
     use super::contacts::Contacts;
     #[pymodule_export]
-    use super::errors::{ConvergenceError, PhysicsError, RodlabError, ScenarioError};
-    #[pymodule_export]
     use super::scenario::Scenario;
     #[pymodule_export]
     use super::simulation::{Simulation, StepReport};

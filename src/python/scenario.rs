@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A scenario: everything that a file describes, with defaults filled in.
-#[pyclass(frozen, module = "rodlab", from_py_object)]
+#[pyclass(frozen, module = "rodlab._rodlab", from_py_object)]
 #[derive(Clone)]
 pub struct Scenario {
     loaded: Arc<Loaded>,

@@ -21,7 +21,7 @@ use rodlab_lab::run::{LiveRun, Mode, PreparedRun};
 use std::sync::Arc;
 
 /// What a call of `step` or `run` did.
-#[pyclass(frozen, get_all, module = "rodlab")]
+#[pyclass(frozen, get_all, module = "rodlab._rodlab")]
 #[derive(Clone, Default)]
 pub struct StepReport {
     /// Time at its end, s.
@@ -129,9 +129,9 @@ impl Core {
             Some(duration) => Err(bad_argument(format!(
                 "duration: {duration}; allowed: finite and greater than 0 s"
             ))),
-            None if self.targets.is_empty() => Ok(None),
             None => match self.fixed_step() {
                 Some(step) => Ok(Some(now + step)),
+                None if self.targets.is_empty() => Ok(None),
                 None => Err(bad_argument(
                     "duration: needed where clamps move and the scenario's steps are automatic",
                 )),
@@ -180,7 +180,7 @@ impl Core {
 }
 
 /// A scene in motion, with n nodes in all: rod after rod.
-#[pyclass(module = "rodlab")]
+#[pyclass(module = "rodlab._rodlab")]
 pub struct Simulation {
     core: Core,
     forces: Written,

@@ -18,7 +18,7 @@ pub struct Saved {
 }
 
 /// All that influences the future of a simulation. It can be pickled.
-#[pyclass(frozen, module = "rodlab")]
+#[pyclass(frozen, module = "rodlab._rodlab")]
 pub struct State {
     pub saved: Saved,
 }

@@ -9,20 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 _Array = NDArray[np.float64]
 
-class RodlabError(Exception):
-    """Base class of all errors of rodlab. `exit_code` is that of the command line."""
-
-    exit_code: int
-
-class ScenarioError(RodlabError, ValueError):
-    """A fault of a scenario, of an argument, or of a file."""
-
-class ConvergenceError(RodlabError, RuntimeError):
-    """No step converges, or no equilibrium is found. The state is that of the last accepted step."""
-
-class PhysicsError(RodlabError, RuntimeError):
-    """A physics check failed: rods pass through each other, or strains are beyond any rod."""
-
 def main(arguments: Sequence[str]) -> int:
     """Run the command line, and return its exit code."""
 
@@ -89,7 +75,7 @@ class Simulation:
         """Set up the scene at time zero; `natural_curvature` makes the array of that name available."""
     # Motion.
     def step(self, duration: float | None = None) -> StepReport:
-        """Advance by `duration` (s), by default by one step of the scenario."""
+        """Advance by `duration` (s), by default by the step of the scenario; where that is automatic, by one step."""
     def run(self, until: float) -> StepReport:
         """Advance to the time `until` (s), with steps of the scenario's size."""
     def find_equilibrium(self) -> StepReport: ...
@@ -110,7 +96,8 @@ class Simulation:
     def ended(self) -> str | None:
         """Why the scenario's own condition ended the motion, if it did."""
     @property
-    def step_size(self) -> float: ...
+    def step_size(self) -> float | None:
+        """Step of the scenario, s; None where it is automatic."""
     @property
     def rod_names(self) -> list[str]: ...
     @property
@@ -118,7 +105,7 @@ class Simulation:
     @property
     def clamp_names(self) -> list[str]: ...
     @property
-    def clamp_nodes(self) -> list[int]: ...
+    def clamp_nodes(self) -> list[int | None]: ...
     @property
     def positions(self) -> _Array:
         """Positions of the nodes, n × 3, m."""
