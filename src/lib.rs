@@ -62,6 +62,9 @@
 //! rodlab-files      results, figure, mesh, finite, input, origin
 //! ```
 //!
+//! The crate `rodlab-python` in `src/python` depends on all of them; it is the module `rodlab._rodlab` of the Python package
+//! beside it.
+//!
 //! | room | contents |
 //! |---|---|
 //! | [`cli`] | one file per subcommand: parse, call one library function, print |
