@@ -5,6 +5,14 @@ use pyo3::prelude::*;
 use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_lab::run::RunError;
 
+/// Names of the exceptions.
+pub const NAMES: [&str; 4] = [
+    "RodlabError",
+    "ScenarioError",
+    "ConvergenceError",
+    "PhysicsError",
+];
+
 /// Exit code of a command that was interrupted.
 const INTERRUPTED: u8 = 130;
 

@@ -44,4 +44,15 @@ mod _rodlab {
     use super::simulation::{Simulation, StepReport};
     #[pymodule_export]
     use super::state::State;
+
+    /// Names the exceptions here, too.
+    #[pymodule_init]
+    fn name_exceptions(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        use pyo3::types::{PyAnyMethods, PyModuleMethods};
+        let errors = module.py().import("rodlab.errors")?;
+        for name in super::errors::NAMES {
+            module.add(name, errors.getattr(name)?)?;
+        }
+        Ok(())
+    }
 }

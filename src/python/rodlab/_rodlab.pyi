@@ -7,6 +7,11 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .errors import ConvergenceError as ConvergenceError
+from .errors import PhysicsError as PhysicsError
+from .errors import RodlabError as RodlabError
+from .errors import ScenarioError as ScenarioError
+
 _Array = NDArray[np.float64]
 
 def main(arguments: Sequence[str]) -> int:
