@@ -123,6 +123,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             return error.exit_code() as u8;
         }
     };
+    logging::start(&arguments.common);
     crash::guarded(|| match dispatch(&arguments) {
         Ok(()) => 0,
         Err(failure) => {
@@ -143,7 +144,7 @@ pub struct Answer {
     pub error: String,
 }
 
-/// Calls the program with arguments, without its name, and collects what it prints.
+/// Calls the program with arguments, without its name, and collects what it prints; nothing is logged.
 pub fn call(arguments: impl IntoIterator<Item = OsString>) -> Answer {
     let name = OsString::from(env!("CARGO_PKG_NAME"));
     let arguments = match parse([name].into_iter().chain(arguments)) {
@@ -189,7 +190,6 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Arguments, cla
 }
 
 fn dispatch(arguments: &Arguments) -> Result<(), Failure> {
-    logging::start(&arguments.common);
     preset_file::log_substitutes();
     arguments.common.start_threads()?;
     // A thread of the pool shares work out without waking another one first and waiting for it.

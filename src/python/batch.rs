@@ -178,7 +178,11 @@ impl Batch {
             }
             let now = case.core.run.simulation.time();
             let step = first - now;
-            Ok((1..=count).map(|k| Some(now + k as f64 * step)).collect())
+            let end = |k: usize| match k {
+                1 => first,
+                k => now + k as f64 * step,
+            };
+            Ok((1..=count).map(|k| Some(end(k))).collect())
         })
     }
 
