@@ -6,8 +6,9 @@ use super::prelude::*;
 use super::run::simulate;
 use super::view::show;
 use super::watchdog;
-use rodlab_lab::experiment::{Crease, case_set_from_text};
+use rodlab_lab::experiment::case_set_from_table;
 use rodlab_lab::run::RunOptions;
+use toml::{Table, Value, toml};
 
 /// Time of a fold, s.
 const TIME: f64 = 15.0;
@@ -22,8 +23,8 @@ pub fn fold_in_simulation(
     watchdog::watch(None);
     let stem = arguments.paper.file_stem().unwrap_or_default();
     let name = format!("fold_{}", stem.to_string_lossy());
-    let text = scenario(arguments, title, friction)?;
-    let cases = case_set_from_text(&name, &text, Path::new(""))?;
+    let scenario = scenario(arguments, title, friction)?;
+    let cases = case_set_from_table(&name, scenario, Path::new(""), &[], &[])?;
     let directory = results_directory(arguments.out.as_deref(), &name);
     let options = RunOptions {
         force: arguments.force,
@@ -34,33 +35,28 @@ pub fn fold_in_simulation(
 }
 
 /// The scenario of a fold.
-fn scenario(arguments: &FoldArguments, title: &str, friction: f64) -> Result<String, Failure> {
+fn scenario(arguments: &FoldArguments, title: &str, friction: f64) -> Result<Table, Failure> {
     let paper = std::path::absolute(&arguments.paper);
     let paper = paper.map_err(Failure::system)?;
-    let quoted = |text: &str| toml::Value::from(text).to_string();
-    let crease = match arguments.crease {
-        Crease::Half => quoted("half"),
-        Crease::Diagonal => quoted(Crease::DIAGONAL_STRIP),
-        Crease::At(target) => format!("{target:?}"),
+    let crease = Value::try_from(arguments.crease).map_err(Failure::system)?;
+    let mut folding = toml! {
+        crease = crease
+        algorithm = (arguments.algorithm.as_str())
+        seed = (arguments.seed)
     };
-    let mut text = format!(
-        "extends = {}\nexperiment = \"folding\"\ntitle = {}\n\n[folding]\ncrease = {crease}\nalgorithm = {}\nseed = {}\n",
-        quoted(&paper.to_string_lossy()),
-        quoted(title),
-        quoted(&arguments.algorithm),
-        arguments.seed
-    );
-    // Writing to a string cannot fail.
     if let Some(parts) = arguments.feedback {
-        let _ = writeln!(text, "feedback = {{ parts = {parts} }}");
+        folding.insert("feedback".into(), toml! { parts = parts }.into());
     }
     if let Some(jitter) = arguments.jitter {
-        let _ = writeln!(text, "jitter = {jitter:?}");
+        folding.insert("jitter".into(), jitter.into());
     }
-    let _ = write!(
-        text,
-        "\n[contact]\nfriction = {friction:?}\ndistance_tolerance = \"20 µm\"\nslip_tolerance = \"0.02 mm/s\"\n\n\
-         [time]\nstep = \"5 ms\"\nend = {TIME:?}\n\n[output]\ninterval = \"0.1 s\"\n"
-    );
-    Ok(text)
+    Ok(toml! {
+        extends = (paper.to_string_lossy().into_owned())
+        experiment = "folding"
+        title = title
+        folding = folding
+        contact = { friction = friction, distance_tolerance = "20 µm", slip_tolerance = "0.02 mm/s" }
+        time = { step = "5 ms", end = TIME }
+        output = { interval = "0.1 s" }
+    })
 }

@@ -1,10 +1,11 @@
 //! Applications of the thesis' deployment: cables placed in clips (5.5.5) and knots tied on the table (5.5.6), ten trials each that
 //! differ by the jitter of the grippers.
 
-use super::cases::{Case, Run, prepared};
+use super::cases::{Case, Run, prepared_table, table_of, value};
 use rodlab_lab::experiment::DeploymentOutcome;
 use rodlab_lab::run::PreparedRun;
 use rodlab_planning::plan::pattern::{chosen_stroke, read_svg};
+use toml::{Table, Value, toml};
 
 /// A task of thesis Tab. 5.4.
 #[derive(Debug)]
@@ -120,69 +121,50 @@ impl Application {
         }
     }
 
-    /// The scenario of the task, its rod and its pattern in it.
-    fn scenario(&self) -> String {
-        let Task {
-            scenario,
-            rod,
-            pattern,
-            ..
-        } = TASKS[self.task];
-        let mut drawn = strokes(pattern).into_iter();
-        let mut table = "";
-        let lines = scenario.lines().map(|line| {
-            if line.starts_with('[') {
-                table = line;
-            }
-            // A line of 2 mm has neither clips nor crossings, and a quick version has no time for
-            // another one.
-            let is_dropped = self.shortened.is_some()
-                && ["[deployment.clips]", "[deployment.knot]"]
-                    .iter()
-                    .chain(&["[deployment.second]", "[deployment.second.rod]"])
-                    .any(|dropped| table.starts_with(dropped));
-            if line.starts_with("extends") || is_dropped {
-                return String::new();
-            }
-            if !line.starts_with("pattern = ") {
-                return format!("{line}\n");
-            }
-            // The patterns are in the order of the strokes.
-            let keys = match self.shortened {
-                Some(_) => "kind = \"line\", length = 0.002".to_owned(),
-                None => drawn.next().expect("a stroke for each pattern"),
-            };
-            format!("pattern = {{ {keys} }}\n")
-        });
-        let rod = &rod[rod.find("[deployment.rod]").expect("a table of the rod")..];
-        lines.collect::<String>() + rod
-    }
-
-    fn overrides(&self) -> Vec<String> {
-        let mut overrides = vec![
-            format!("deployment.scheme={}", self.scheme()),
-            format!("deployment.seed={}", self.seed),
-        ];
+    /// The scenario of the task, its rod and its patterns in it.
+    fn scenario(&self) -> Table {
+        let task = &TASKS[self.task];
+        let mut scenario = table_of(task.scenario);
+        scenario.remove("extends");
         if let Some(end) = self.shortened {
-            overrides.push(format!("time.end={end:?}"));
-            overrides.push(format!("deployment.release={:?}", 0.5 * end));
+            scenario["time"]["end"] = end.into();
         }
-        overrides
+        let deployment = scenario["deployment"].as_table_mut();
+        let deployment = deployment.expect("a table of the task");
+        let rod = table_of(task.rod)["deployment"]["rod"].clone();
+        let seed = i64::try_from(self.seed).expect("a small number");
+        let mut set = |key: &str, value: Value| deployment.insert(key.into(), value);
+        set("rod", rod);
+        set("scheme", self.scheme().into());
+        set("seed", seed.into());
+        if let Some(end) = self.shortened {
+            set("pattern", toml! { kind = "line" length = 0.002 }.into());
+            set("release", (0.5 * end).into());
+            // The line has neither clips nor crossings, and there is no time for another one.
+            deployment.retain(|key, _| !["clips", "knot", "second"].contains(&key));
+            return scenario;
+        }
+        // The patterns are in the order of the strokes.
+        let mut strokes = strokes(task.pattern).into_iter();
+        let mut drawn = || strokes.next().expect("a stroke for each pattern").into();
+        deployment["pattern"] = drawn();
+        if let Some(second) = deployment.get_mut("second") {
+            second["pattern"] = drawn();
+        }
+        scenario
     }
 }
 
-/// The points of each stroke of the program's own drawing as keys of a pattern.
-fn strokes(svg: &str) -> Vec<String> {
+/// Each stroke of the program's own drawing as a pattern.
+fn strokes(svg: &str) -> Vec<Table> {
     let strokes = read_svg(svg).expect("the drawings of the repository are patterns");
-    let keys = |number: usize| {
+    let pattern = |number: usize| {
         let points = chosen_stroke(strokes.clone(), Some(number));
         let points = points.expect("a stroke for each number");
-        let points = points
-            .iter()
-            .map(|point| format!("[{:?}, {:?}]", point.x, point.y));
-        format!("points = [{}]", points.collect::<Vec<_>>().join(", "))
+        let points: Vec<_> = points.iter().map(|point| [point.x, point.y]).collect();
+        toml! { points = (value(points)) }
     };
-    (1..=strokes.len()).map(keys).collect()
+    (1..=strokes.len()).map(pattern).collect()
 }
 
 impl Case<Application> {
@@ -209,7 +191,7 @@ impl Run for Application {
     }
 
     fn prepare(&self) -> PreparedRun {
-        prepared(&self.id(), &self.scenario(), &self.overrides())
+        prepared_table(&self.id(), self.scenario(), &[])
     }
 
     fn end(&self) -> f64 {

@@ -2,11 +2,13 @@
 
 use super::{ReproduceError, ReproduceOptions, Result};
 use rodlab_files::results::{CaseRecord, MAIN_CASE, Manifest};
-use rodlab_lab::experiment::{from_text, prepare};
+use rodlab_lab::experiment::{from_table, prepare};
 use rodlab_lab::run::{PreparedRun, RunError, RunOptions, RunStatus, run, thread_pools};
+use serde::Serialize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use toml::{Table, Value};
 
 /// Folder of the runs of all artefacts.
 const CASES: &str = "cases";
@@ -34,14 +36,32 @@ pub(super) trait Run: Clone + Sync + Send {
     }
 }
 
+/// The run of a scenario file, with overrides, of that name.
+///
+/// # Panics
+/// If it is not possible: the scenarios of artefacts are the program's own.
+pub(super) fn prepared(id: &str, file: &str, overrides: &[String]) -> PreparedRun {
+    prepared_table(id, table_of(file), overrides)
+}
+
 /// The run of a scenario, with overrides, of that name.
 ///
 /// # Panics
 /// If it is not possible: the scenarios of artefacts are the program's own.
-pub(super) fn prepared(id: &str, text: &str, overrides: &[String]) -> PreparedRun {
-    let loaded = from_text(id, text, Path::new(""), overrides);
+pub(super) fn prepared_table(id: &str, scenario: Table, overrides: &[String]) -> PreparedRun {
+    let loaded = from_table(id, scenario, Path::new(""), overrides);
     let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
     prepare(&loaded.scenario).unwrap_or_else(|issues| panic!("{issues:?}"))
+}
+
+/// The keys of one of the program's own files.
+pub(super) fn table_of(file: &str) -> Table {
+    file.parse().expect("the files of the program are TOML")
+}
+
+/// Numbers in a scenario.
+pub(super) fn value(numbers: impl Serialize) -> Value {
+    Value::try_from(numbers).expect("numbers are TOML")
 }
 
 /// A finished run.

@@ -1,9 +1,10 @@
 //! Cost of a time step over the number of flagella, of rods in a heap, and of edges of one rod.
 
 use super::bundling::Bundling;
-use super::cases::{Run, prepared};
+use super::cases::{Run, prepared_table};
 use super::prelude::*;
 use rodlab_lab::run::PreparedRun;
+use toml::{Table, toml};
 
 pub(super) const ARTIFACT: Artifact = Artifact {
     name: "cost",
@@ -29,25 +30,6 @@ const EDGES: [usize; 5] = [100, 300, 1000, 3000, 10000];
 const END_OF_HEAP: [f64; 2] = [0.2, 0.02];
 /// The same of the rod.
 const END_OF_ROD: [f64; 2] = [0.5, 0.02];
-
-/// A heap before it falls, without its rods.
-const HEAP: &str = r#"
-experiment = "scene"
-material = { youngs_modulus = "10 MPa", poissons_ratio = 0.5, density = 1000 }
-planes = [{ point = [0, 0, 0], normal = [0, 0, 1] }]
-loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
-contact = { model = "imc", friction = 0.3 }
-"#;
-
-/// A clamped swinging rod; its edges and the end are overridden.
-const ROD: &str = r#"
-experiment = "scene"
-material = { youngs_modulus = "100 MPa", poissons_ratio = 0.5, density = 1000 }
-clamps = [{ rod = "beam", at = "start" }]
-loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
-rods = [{ name = "beam", radius = "5 mm", edges = 100, shape = { kind = "straight", start = [0, 0, 0], end = [1, 0, 0] } }]
-time = { step = "1 ms", end = 0.5 }
-"#;
 
 impl Costly {
     /// All runs of the page.
@@ -82,14 +64,43 @@ const ONE_ROD: &str = "edges of a rod";
 
 /// Rods of 20 edges in turns of the golden angle, 2.25 mm above each other, over a square of 10 cm, as in
 /// `scenarios/pile.toml`.
-fn heap(rods: usize, end: f64) -> String {
-    format!(
-        "{HEAP}time = {{ step = 1e-3, end = {end:?} }}\n\
-         [[rods]]\ncount = {rods}\nname = \"rod{{i}}\"\nradius = 1e-3\nedges = 20\n\
-         shape = {{ kind = \"straight\", start = [\"x - u\", \"y - v\", \"z\"], end = [\"x + u\", \"y + v\", \"z\"] }}\n\
-         [rods.let]\nx = \"0.1*frac(i*0.7548776662466927)\"\ny = \"0.1*frac(i*0.5698402909980532)\"\n\
-         z = \"3e-3 + 2.25e-3*i\"\nu = \"0.05*cos(i*2.399963229728653)\"\nv = \"0.05*sin(i*2.399963229728653)\"\n"
-    )
+fn heap(rods: usize, end: f64) -> Table {
+    toml! {
+        experiment = "scene"
+        material = { youngs_modulus = "10 MPa", poissons_ratio = 0.5, density = 1000 }
+        planes = [{ point = [0, 0, 0], normal = [0, 0, 1] }]
+        loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
+        contact = { model = "imc", friction = 0.3 }
+        time = { step = 1e-3, end = end }
+        [[rods]]
+        count = rods
+        name = "rod{i}"
+        radius = 1e-3
+        edges = 20
+        shape = { kind = "straight", start = ["x - u", "y - v", "z"], end = ["x + u", "y + v", "z"] }
+        [rods.let]
+        x = "0.1*frac(i*0.7548776662466927)"
+        y = "0.1*frac(i*0.5698402909980532)"
+        z = "3e-3 + 2.25e-3*i"
+        u = "0.05*cos(i*2.399963229728653)"
+        v = "0.05*sin(i*2.399963229728653)"
+    }
+}
+
+/// A clamped swinging rod.
+fn rod(edges: usize, end: f64) -> Table {
+    toml! {
+        experiment = "scene"
+        material = { youngs_modulus = "100 MPa", poissons_ratio = 0.5, density = 1000 }
+        clamps = [{ rod = "beam", at = "start" }]
+        loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
+        time = { step = "1 ms", end = end }
+        [[rods]]
+        name = "beam"
+        radius = "5 mm"
+        edges = edges
+        shape = { kind = "straight", start = [0, 0, 0], end = [1, 0, 0] }
+    }
 }
 
 impl Run for Costly {
@@ -104,14 +115,8 @@ impl Run for Costly {
     fn prepare(&self) -> PreparedRun {
         match self {
             Self::Flagella(run) => run.prepare(),
-            Self::Heap(rods, end) => prepared(&self.id(), &heap(*rods, *end), &[]),
-            Self::Rod(edges, end) => {
-                let overrides = [
-                    format!("rods.beam.edges={edges}"),
-                    format!("time.end={end:?}"),
-                ];
-                prepared(&self.id(), ROD, &overrides)
-            }
+            Self::Heap(rods, end) => prepared_table(&self.id(), heap(*rods, *end), &[]),
+            Self::Rod(edges, end) => prepared_table(&self.id(), rod(*edges, *end), &[]),
         }
     }
 

@@ -1,8 +1,9 @@
 //! Sheets that are folded (thesis 4.6): seven scenarios by several algorithms, in trials that differ by the jitter of the gripper.
 
-use super::cases::{Case, Run, prepared};
+use super::cases::{Case, Run, prepared_table, table_of};
 use rodlab_lab::experiment::FoldingOutcome;
 use rodlab_lab::run::PreparedRun;
+use toml::Table;
 
 /// A sheet and its crease.
 #[derive(Debug)]
@@ -69,12 +70,15 @@ impl Scenario {
     }
 
     /// The scenario with its paper in it.
-    pub fn text(&self) -> String {
-        let lines = SCENARIO.lines().filter(|line| !line.starts_with("extends"));
-        let lines: Vec<&str> = lines.collect();
-        let table = self.paper.find("[folding.paper]");
-        let table = table.expect("a table of the sheet");
-        format!("{}\n{}", lines.join("\n"), &self.paper[table..])
+    pub fn table(&self) -> Table {
+        let mut scenario = table_of(SCENARIO);
+        scenario.remove("extends");
+        let paper = table_of(self.paper)["folding"]["paper"].clone();
+        let folding = scenario["folding"].as_table_mut();
+        folding
+            .expect("a table of the fold")
+            .insert("paper".into(), paper);
+        scenario
     }
 }
 
@@ -224,8 +228,8 @@ impl Folded {
 
     /// The run, ready to start.
     pub fn prepared(&self) -> PreparedRun {
-        let text = SCENARIOS[self.scenario].text();
-        prepared(&self.id(), &text, &self.overrides())
+        let scenario = SCENARIOS[self.scenario].table();
+        prepared_table(&self.id(), scenario, &self.overrides())
     }
 }
 

@@ -1,7 +1,8 @@
 //! Exact grasps on a grid (thesis 5.3.4).
 
-use super::cases::{Run, prepared};
+use super::cases::{Run, prepared_table};
 use rodlab_lab::run::PreparedRun;
+use toml::toml;
 
 /// k̄_s of thesis Fig. 5.6a and l̄_s of Fig. 5.6b.
 pub(super) const STIFFNESS: f64 = 2087.0;
@@ -53,22 +54,21 @@ impl Run for GraspGrid {
         } else {
             (same(LENGTH), COMPLIANCES, [1, CURVES])
         };
-        let span = |[from, to]: [f64; 2]| format!("{{ from = {from:?}, to = {to:?} }}");
-        let text = format!(
-            "experiment = \"grasp-samples\"\n\
-             title = \"{}\"\n\
-             [grasp_samples]\n\
-             points = {{ kind = \"grid\", suspended_lengths = {long}, curvatures = {}, stretch_compliances = {soft} }}\n\
-             suspended_length = {}\n\
-             curvature = {}\n\
-             stretch_compliance = {}\n",
-            self.id(),
-            self.grasps,
-            span(lengths),
-            span(CURVATURES),
-            span(compliances),
-        );
-        prepared(&self.id(), &text, &[])
+        let span = |[from, to]: [f64; 2]| toml! { from = from to = to };
+        let scenario = toml! {
+            experiment = "grasp-samples"
+            title = (self.id())
+            [grasp_samples]
+            suspended_length = (span(lengths))
+            curvature = (span(CURVATURES))
+            stretch_compliance = (span(compliances))
+            [grasp_samples.points]
+            kind = "grid"
+            suspended_lengths = long
+            curvatures = (self.grasps)
+            stretch_compliances = soft
+        };
+        prepared_table(&self.id(), scenario, &[])
     }
 
     fn extent(&self) -> String {

@@ -1,7 +1,8 @@
 //! Strips held horizontally at one end that hang down under their weight (thesis 4.6.1).
 
-use super::cases::{Run, prepared};
+use super::cases::{Run, prepared_table};
 use rodlab_lab::run::PreparedRun;
+use toml::toml;
 
 /// Free lengths of the strips, L_gb.
 pub(super) const LENGTHS: [f64; 8] = [0.8, 1.2, 1.6, 2.0, 2.6, 3.4, 4.5, 6.0];
@@ -45,24 +46,24 @@ impl Run for Hanging {
     fn prepare(&self) -> PreparedRun {
         // L_gb³ = E h²/(24 ρ g).
         let modulus = 24.0 * DENSITY * GRAVITY * UNIT.powi(3) / THICKNESS.powi(2);
-        let text = format!(
-            "experiment = \"scene\"\n\
-             title = \"{}\"\n\
-             [material]\nyoungs_modulus = {modulus:?}\npoissons_ratio = 0.5\ndensity = {DENSITY:?}\n\
-             [contact]\nmodel = \"none\"\n\
-             [[rods]]\nname = \"strip\"\ndirector = [0, 1, 0]\nedges = {}\n\
-             cross_section = {{ kind = \"rectangle\", width = {WIDTH:?}, thickness = {THICKNESS:?} }}\n\
-             shape = {{ kind = \"straight\", start = [0, 0, 0], end = [{:?}, 0, 0] }}\n\
-             [[clamps]]\nrod = \"strip\"\nat = \"start\"\n\
-             [[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, {:?}]\n\
-             [time]\nmode = \"static\"\n\
-             [output]\nnodes = true\n",
-            self.id(),
-            self.edges,
-            LENGTHS[self.strip] * UNIT,
-            -GRAVITY,
-        );
-        prepared(&self.id(), &text, &[])
+        let length = LENGTHS[self.strip] * UNIT;
+        let scenario = toml! {
+            experiment = "scene"
+            title = (self.id())
+            material = { youngs_modulus = modulus, poissons_ratio = 0.5, density = DENSITY }
+            contact = { model = "none" }
+            clamps = [{ rod = "strip", at = "start" }]
+            loads = [{ kind = "gravity", acceleration = [0, 0, -GRAVITY] }]
+            time = { mode = "static" }
+            output = { nodes = true }
+            [[rods]]
+            name = "strip"
+            director = [0, 1, 0]
+            edges = (self.edges)
+            cross_section = { kind = "rectangle", width = WIDTH, thickness = THICKNESS }
+            shape = { kind = "straight", start = [0, 0, 0], end = [length, 0, 0] }
+        };
+        prepared_table(&self.id(), scenario, &[])
     }
 
     fn extent(&self) -> String {

@@ -3,9 +3,10 @@
 //! Held at its two ends only, the upright loop of a round rod falls to the side; the simulated loops are ribbons of the
 //! same gravito-bending length, which stay in their plane.
 
-use super::cases::{Run, prepared};
+use super::cases::{Run, prepared_table, value};
 use rodlab_engine::mechanics::kirchhoff::HeavyLoop;
 use rodlab_lab::run::PreparedRun;
+use toml::toml;
 
 /// Rods of thesis Tab. 5.1: number, name and L_gb, m.
 pub(super) const RODS: [(usize, &str, f64); 5] = [
@@ -54,34 +55,31 @@ impl Run for LoopOfRod {
     fn prepare(&self) -> PreparedRun {
         let (_, _, unit) = RODS[self.rod];
         let theory = HeavyLoop::new();
-        let points: Vec<String> = theory
-            .places(self.edges)
-            .iter()
-            .map(|[x, z]| format!("[{:?}, 0, {:?}]", x * unit, z * unit))
-            .collect();
+        let places = theory.places(self.edges).into_iter();
+        let points: Vec<[f64; 3]> = places.map(|[x, z]| [x * unit, 0.0, z * unit]).collect();
         // L_gb³ = E h²/(24 ρ g) for a ribbon of thickness h.
         let modulus = 24.0 * DENSITY * GRAVITY * unit.powi(3) / THICKNESS.powi(2);
-        let text = format!(
-            "experiment = \"scene\"\n\
-             title = \"{}\"\n\
-             [material]\nyoungs_modulus = {modulus:?}\npoissons_ratio = 0.5\ndensity = {DENSITY:?}\n\
-             [contact]\nmodel = \"none\"\n\
-             [[rods]]\nname = \"loop\"\ndirector = [0, 1, 0]\nedges = {}\n\
-             cross_section = {{ kind = \"rectangle\", width = {WIDTH:?}, thickness = {THICKNESS:?} }}\n\
-             shape = {{ kind = \"points\", points = [{}] }}\n\
-             natural_shape = {{ kind = \"straight\", start = [0, 0, 0], end = [{:?}, 0, 0] }}\n\
-             [[clamps]]\nrod = \"loop\"\nat = \"start\"\n\
-             [[clamps]]\nrod = \"loop\"\nat = \"end\"\n\
-             [[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, {:?}]\n\
-             [time]\nmode = \"static\"\n\
-             [output]\nnodes = true\n",
-            self.id(),
-            self.edges,
-            points.join(", "),
-            theory.length * unit,
-            -GRAVITY,
-        );
-        prepared(&self.id(), &text, &[])
+        let scenario = toml! {
+            experiment = "scene"
+            title = (self.id())
+            material = { youngs_modulus = modulus, poissons_ratio = 0.5, density = DENSITY }
+            contact = { model = "none" }
+            clamps = [{ rod = "loop", at = "start" }, { rod = "loop", at = "end" }]
+            loads = [{ kind = "gravity", acceleration = [0, 0, -GRAVITY] }]
+            time = { mode = "static" }
+            output = { nodes = true }
+            [[rods]]
+            name = "loop"
+            director = [0, 1, 0]
+            edges = (self.edges)
+            cross_section = { kind = "rectangle", width = WIDTH, thickness = THICKNESS }
+            shape = { kind = "points", points = (value(points)) }
+            [rods.natural_shape]
+            kind = "straight"
+            start = [0, 0, 0]
+            end = [(theory.length * unit), 0, 0]
+        };
+        prepared_table(&self.id(), scenario, &[])
     }
 
     fn extent(&self) -> String {

@@ -1,9 +1,10 @@
 //! A rod laid along a pattern, with the rods and the patterns of the thesis, section 5.5.
 
-use super::cases::{Case, Run, prepared};
+use super::cases::{Case, Run, prepared_table, table_of, value};
 use rodlab_lab::experiment::DeploymentOutcome;
 use rodlab_lab::run::PreparedRun;
 use rodlab_planning::plan::pattern::{chosen_stroke, read_svg};
+use toml::{Table, toml};
 
 /// A pattern.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +16,7 @@ pub(super) struct LaidPattern {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Source {
-    /// The keys of a formula.
+    /// The keys of a formula, one a line.
     Formula(&'static str),
     /// A drawing as SVG.
     Drawing(&'static str),
@@ -44,11 +45,11 @@ pub(super) enum Substrate {
 /// The seven patterns of Tab. 5.2. Line, circle and sine are as long and as wide as those of the
 /// thesis' released data; letters were redrawn.
 pub(super) const PATTERNS: [LaidPattern; 7] = [
-    formula("line", "kind = \"line\", length = 0.5"),
-    formula("circle", "kind = \"circle\", radius = 0.09"),
+    formula("line", "kind = 'line'\nlength = 0.5"),
+    formula("circle", "kind = 'circle'\nradius = 0.09"),
     formula(
         "sine",
-        "kind = \"sine\", amplitude = 0.085, wavelength = 0.51, waves = 1",
+        "kind = 'sine'\namplitude = 0.085\nwavelength = 0.51\nwaves = 1",
     ),
     drawing("U", include_str!("../../scenarios/patterns/U.svg")),
     drawing("C", include_str!("../../scenarios/patterns/C.svg")),
@@ -326,20 +327,17 @@ impl Laying {
         }
     }
 
-    fn keys_of_the_pattern(&self) -> String {
+    fn keys_of_the_pattern(&self) -> Table {
         if self.end < END {
-            return "kind = \"line\", length = 0.002".to_owned();
+            return toml! { kind = "line" length = 0.002 };
         }
         match PATTERNS[self.pattern].source {
-            Source::Formula(keys) => keys.to_owned(),
+            Source::Formula(keys) => table_of(keys),
             Source::Drawing(svg) => {
                 let strokes = read_svg(svg).and_then(|strokes| chosen_stroke(strokes, None));
                 let points = strokes.expect("the drawings of the repository are patterns");
-                let points: Vec<String> = points
-                    .iter()
-                    .map(|point| format!("[{:?}, {:?}]", point.x, point.y))
-                    .collect();
-                format!("points = [{}]", points.join(", "))
+                let points: Vec<_> = points.iter().map(|point| [point.x, point.y]).collect();
+                toml! { points = (value(points)) }
             }
         }
     }
@@ -396,50 +394,39 @@ impl Run for Laying {
     }
 
     fn prepare(&self) -> PreparedRun {
-        let rod = RODS[self.rod].scenario;
-        let rod = &rod[rod.find("[deployment.rod]").expect("a table of the rod")..];
-        let scheme = self.scheme();
+        let rod = table_of(RODS[self.rod].scenario)["deployment"]["rod"].clone();
         let Disturbance {
             jitter,
             seed,
             length_error,
             correction,
         } = self.disturbance;
-        let solver = if self.is_neural {
-            "solver = \"neural\""
-        } else {
-            ""
+        let mut scenario = toml! {
+            experiment = "deployment"
+            title = (self.id())
+            [contact]
+            friction = (FRICTIONS[self.friction])
+            distance_tolerance = 50e-6
+            slip_tolerance = 1e-5
+            [time]
+            step = STEP
+            end = (self.end)
+            [output]
+            interval = (self.end / 20.0)
+            [deployment]
+            pattern = (self.keys_of_the_pattern())
+            rod = rod
+            scheme = (self.scheme())
+            solver = (if self.is_neural { "neural" } else { "exact" })
+            jitter = jitter
+            seed = seed
+            length_error = length_error
         };
-        let mut errors =
-            format!("jitter = {jitter:?}\nseed = {seed}\nlength_error = {length_error:?}");
-        if let Some(noise) = correction {
-            errors += &format!("\ncorrection = {{ noise = {noise:?} }}");
+        if let (Some(noise), Some(deployment)) = (correction, scenario["deployment"].as_table_mut())
+        {
+            deployment.insert("correction".into(), toml! { noise = noise }.into());
         }
-        let text = format!(
-            "experiment = \"deployment\"\n\
-             title = \"{}\"\n\
-             [deployment]\n\
-             pattern = {{ {} }}\n\
-             scheme = \"{scheme}\"\n\
-             {solver}\n\
-             {errors}\n\
-             {rod}\n\
-             [contact]\n\
-             friction = {:?}\n\
-             distance_tolerance = 50e-6\n\
-             slip_tolerance = 1e-5\n\
-             [time]\n\
-             step = {STEP:?}\n\
-             end = {:?}\n\
-             [output]\n\
-             interval = {:?}\n",
-            self.id(),
-            self.keys_of_the_pattern(),
-            FRICTIONS[self.friction],
-            self.end,
-            self.end / 20.0,
-        );
-        prepared(&self.id(), &text, &[])
+        prepared_table(&self.id(), scenario, &[])
     }
 
     fn end(&self) -> f64 {

@@ -1,6 +1,6 @@
 //! A helical rod manipulated in time, with the parameters of the thesis, section 6.3.4.
 
-use super::cases::{Case, Run, prepared};
+use super::cases::{Case, Run, prepared_table, value};
 use rodlab_engine::mechanics::kirchhoff::Helix;
 use rodlab_files::results::{ResultsError, read_nodes, read_series};
 use rodlab_lab::experiment::helix::manipulation::{
@@ -8,7 +8,7 @@ use rodlab_lab::experiment::helix::manipulation::{
 };
 use rodlab_lab::experiment::helix::stability::DiscreteRod;
 use rodlab_lab::run::PreparedRun;
-use std::fmt::Write;
+use toml::{Table, toml};
 
 /// Direction of the search.
 pub(super) const DIRECTION: Helix = Helix {
@@ -125,61 +125,47 @@ impl ManipulatedHelix {
         self.youngs_modulus * RADIUS.powi(2) / (8.0 * DENSITY * length.powi(3))
     }
 
-    /// The scenario file.
-    fn scenario(&self) -> String {
+    /// Its scenario.
+    fn scenario(&self) -> Table {
         let path = self.path();
         let end = path.duration();
-        let mut text = format!(
-            "experiment = \"scene\"\n\
-             title = \"{title}\"\n\
-             [material]\n\
-             youngs_modulus = {youngs_modulus:?}\n\
-             poissons_ratio = {poissons_ratio:?}\n\
-             density = {DENSITY:?}\n\
-             [[rods]]\n\
-             name = \"helix\"\n\
-             radius = {RADIUS:?}\n\
-             edges = {edges}\n\
-             shape = {{ kind = \"straight\", start = [0, 0, 0], end = [{LENGTH:?}, 0, 0] }}\n\
-             [time]\n\
-             scheme = \"implicit-euler\"\n\
-             step = {step:?}\n\
-             end = {end:?}\n\
-             [output]\n\
-             interval = {interval:?}\n\
-             [[loads]]\n\
-             kind = \"gravity\"\n\
-             acceleration = [0, 0, {fall:?}]\n\
-             schedule = [[0, 0], [{grown:?}, 1]]\n\
-             [[clamps]]\n\
-             rod = \"helix\"\n\
-             at = \"start\"\n\
-             [[clamps]]\n\
-             rod = \"helix\"\n\
-             at = \"end\"\n\
-             poses = [\n",
-            title = self.id(),
-            youngs_modulus = self.youngs_modulus,
-            poissons_ratio = self.poissons_ratio,
-            edges = self.edges,
-            step = self.step(),
-            interval = end / OUTPUTS,
-            fall = -self.gravity(),
-            grown = GRAVITY_GROWS * end,
-        );
-        for ((time, displacement), (_, orientation)) in
-            path.displacements.iter().zip(&path.orientations)
-        {
+        let poses = path.displacements.iter().zip(&path.orientations);
+        let poses = poses.map(|((time, displacement), (_, orientation))| {
             let [x, y, z] = (LENGTH * displacement).into();
             let [qx, qy, qz, qw]: [f64; 4] = orientation.coords.into();
-            let x = LENGTH + x;
-            // Writing to a string cannot fail.
-            let _ = writeln!(
-                text,
-                "[{time:?}, [{x:?}, {y:?}, {z:?}], [{qw:?}, {qx:?}, {qy:?}, {qz:?}]],"
-            );
+            (time, [LENGTH + x, y, z], [qw, qx, qy, qz])
+        });
+        let poses: Vec<_> = poses.collect();
+        toml! {
+            experiment = "scene"
+            title = (self.id())
+            [material]
+            youngs_modulus = (self.youngs_modulus)
+            poissons_ratio = (self.poissons_ratio)
+            density = DENSITY
+            [[rods]]
+            name = "helix"
+            radius = RADIUS
+            edges = (self.edges)
+            shape = { kind = "straight", start = [0, 0, 0], end = [LENGTH, 0, 0] }
+            [time]
+            scheme = "implicit-euler"
+            step = (self.step())
+            end = end
+            [output]
+            interval = (end / OUTPUTS)
+            [[loads]]
+            kind = "gravity"
+            acceleration = [0, 0, (-self.gravity())]
+            schedule = [[0, 0], [(GRAVITY_GROWS * end), 1]]
+            [[clamps]]
+            rod = "helix"
+            at = "start"
+            [[clamps]]
+            rod = "helix"
+            at = "end"
+            poses = (value(poses))
         }
-        text + "]\n"
     }
 }
 
@@ -200,7 +186,7 @@ impl Run for ManipulatedHelix {
     }
 
     fn prepare(&self) -> PreparedRun {
-        prepared(&self.id(), &self.scenario(), &[])
+        prepared_table(&self.id(), self.scenario(), &[])
     }
 
     fn end(&self) -> f64 {

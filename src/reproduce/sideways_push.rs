@@ -1,8 +1,9 @@
 //! A suspended rod in one of its optimal grasps, whose gripper is pushed sideways in time (thesis 5.3.3).
 
-use super::cases::{Run, prepared};
+use super::cases::{Run, prepared_table, value};
 use rodlab_lab::run::PreparedRun;
 use rodlab_planning::plan::grasp::{GraspProblem, GraspSolver};
+use toml::toml;
 
 /// l̄_s of thesis Figs. 5.4 and 5.5.
 pub(super) const SUSPENDED: f64 = 17.68;
@@ -80,36 +81,35 @@ impl Run for SidewaysPush {
     }
 
     fn prepare(&self) -> PreparedRun {
-        let points: Vec<String> = self
-            .nodes()
-            .iter()
-            .map(|point| format!("{point:?}"))
-            .collect();
-        let text = format!(
-            "experiment = \"scene\"\n\
-             title = \"{}\"\n\
-             [material]\nyoungs_modulus = {:?}\npoissons_ratio = 0.5\ndensity = {DENSITY:?}\n\
-             [[rods]]\nname = \"suspended\"\nradius = {RADIUS:?}\nedges = {EDGES}\n\
-             shape = {{ kind = \"points\", points = [{}] }}\n\
-             natural_shape = {{ kind = \"straight\", start = [0, 0, 0], end = [{:?}, 0, 0] }}\n\
-             [[clamps]]\nrod = \"suspended\"\nat = \"start\"\n\
-             [[clamps]]\nrod = \"suspended\"\nat = \"end\"\n\
-             move = [[0, [0, 0, 0]], [{END:?}, [0, {:?}, 0]]]\n\
-             [[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, {:?}]\n\
-             [[loads]]\nkind = \"drag\"\ntranslation = {DRAG:?}\n\
-             [[probes]]\nname = \"gripper\"\nkind = \"reaction\"\nat = \"end\"\n\
-             [time]\nstep = 2e-3\nend = {:?}\n\
-             [output]\ninterval = {:?}\n",
-            self.id(),
-            bending_stiffness() / (0.25 * std::f64::consts::PI * RADIUS.powi(4)),
-            points.join(", "),
-            SUSPENDED * UNIT,
-            LARGEST * UNIT,
-            -GRAVITY,
-            self.end,
-            0.01 * self.end,
-        );
-        prepared(&self.id(), &text, &[])
+        let modulus = bending_stiffness() / (0.25 * std::f64::consts::PI * RADIUS.powi(4));
+        let scenario = toml! {
+            experiment = "scene"
+            title = (self.id())
+            material = { youngs_modulus = modulus, poissons_ratio = 0.5, density = DENSITY }
+            probes = [{ name = "gripper", kind = "reaction", at = "end" }]
+            time = { step = 2e-3, end = (self.end) }
+            output = { interval = (0.01 * self.end) }
+            [[rods]]
+            name = "suspended"
+            radius = RADIUS
+            edges = EDGES
+            shape = { kind = "points", points = (value(self.nodes())) }
+            natural_shape = { kind = "straight", start = [0, 0, 0], end = [(SUSPENDED * UNIT), 0, 0] }
+            [[clamps]]
+            rod = "suspended"
+            at = "start"
+            [[clamps]]
+            rod = "suspended"
+            at = "end"
+            move = [[0, [0, 0, 0]], [END, [0, (LARGEST * UNIT), 0]]]
+            [[loads]]
+            kind = "gravity"
+            acceleration = [0, 0, -GRAVITY]
+            [[loads]]
+            kind = "drag"
+            translation = DRAG
+        };
+        prepared_table(&self.id(), scenario, &[])
     }
 
     fn end(&self) -> f64 {

@@ -4,8 +4,8 @@
 
 use super::check::order;
 use super::frequencies::{ascending, frequencies, frequencies_of, nearest};
-use super::rods::{clamp, force_on, gravity, line, run, steady, steps_of};
-use super::scenario::{at_rest, moved};
+use super::rods::{clamp, force_on, gravity, line, run, run_until, steady, steps_of};
+use super::scenario::built;
 use super::{Check, Expectation, GroupError, bodies, slides};
 use nalgebra::{DMatrix, Matrix2};
 use rodlab_engine::mechanics::Vector3;
@@ -17,6 +17,7 @@ use rodlab_engine::mechanics::scene::{
     Strength,
 };
 use std::f64::consts::{PI, TAU};
+use toml::{Table, toml};
 
 const PORTAL: Expectation =
     Expectation::new("Δ = P H³ (2+3k)/12EI(1+6k), k = H/L", "slope–deflection");
@@ -303,30 +304,39 @@ fn disk() -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-/// A square lattice of a material, given by its keys, with numbers of rods in each direction and of
-/// edges of each piece.
-fn lattice(material: &str, rods: usize, edges: usize, rest: &str) -> String {
-    format!(
-        "experiment = \"scene\"\n[material]\n{material}\ndensity = 1000.0\n\
-         [[networks]]\nname = \"net\"\nrod = {{ radius = {RADIUS:?}, edges = {edges} }}\n\
-         shape = {{ kind = \"grid\", corner = [{0:?}, {0:?}, 0], sides = [[{LENGTH:?}, 0, 0], [0, {LENGTH:?}, 0]], rods = [{rods}, {rods}] }}\n{rest}",
-        -0.5 * LENGTH
-    )
+/// A square lattice with numbers of rods in each direction and of edges of each piece.
+fn lattice(rods: usize, edges: usize, boundary: Table) -> Table {
+    let corner = -0.5 * LENGTH;
+    toml! {
+        name = "net"
+        rod = { radius = RADIUS, edges = edges }
+        boundary = boundary
+        [shape]
+        kind = "grid"
+        corner = [corner, corner, 0]
+        sides = [[LENGTH, 0, 0], [0, LENGTH, 0]]
+        rods = [rods, rods]
+    }
 }
 
 /// A flat lattice whose corners are pushed towards each other: asymmetry of the dome over its
 /// height.
 fn gridshell() -> Result<Check, GroupError> {
     let rods = 5;
-    let text = lattice(
-        "youngs_modulus = \"1 GPa\"\npoissons_ratio = 0.3",
-        rods,
-        3,
-        "boundary = { ends = \"corners\", scale = [[0.2, 1], [1, 0.9]] }\n\
-         [[loads]]\nkind = \"distributed\"\nforce_per_length = [0, 0, 0.05]\n\
-         [[loads]]\nkind = \"drag\"\ntranslation = 0.1\n[time]\nstep = 2e-3\nend = 1.0\n",
-    );
-    let mut simulation = moved(&text, &[], 1.0)?;
+    let boundary = toml! { ends = "corners" scale = [[0.2, 1], [1, 0.9]] };
+    let mut simulation = built(toml! {
+        experiment = "scene"
+        material = { youngs_modulus = "1 GPa", poissons_ratio = 0.3, density = 1000.0 }
+        networks = [(lattice(rods, 3, boundary))]
+        time = { step = 2e-3, end = 1.0 }
+        [[loads]]
+        kind = "distributed"
+        force_per_length = [0, 0, 0.05]
+        [[loads]]
+        kind = "drag"
+        translation = 0.1
+    })?;
+    run_until(&mut simulation, 1.0)?;
     simulation.find_equilibrium()?;
     let (worst, height) = asymmetry(&simulation, rods, 3 * (rods - 1) + 1);
     if height < 0.1 * LENGTH {
@@ -338,14 +348,15 @@ fn gridshell() -> Result<Check, GroupError> {
 
 /// A square net of balls under its weight, held at its corners: asymmetry over its sag.
 fn net(rods: usize) -> Result<Check, GroupError> {
-    let text = lattice(
-        "youngs_modulus = \"1 MPa\"\npoissons_ratio = 0.5",
-        rods,
-        2,
-        "boundary = { ends = \"corners\" }\n\
-         [[loads]]\nkind = \"gravity\"\nacceleration = [0, 0, -9.81]\n[time]\nmode = \"static\"\n",
-    );
-    let simulation = at_rest(&text, &[])?;
+    let boundary = toml! { ends = "corners" };
+    let mut simulation = built(toml! {
+        experiment = "scene"
+        material = { youngs_modulus = "1 MPa", poissons_ratio = 0.5, density = 1000.0 }
+        networks = [(lattice(rods, 2, boundary))]
+        loads = [{ kind = "gravity", acceleration = [0, 0, -9.81] }]
+        time = { mode = "static" }
+    })?;
+    simulation.find_equilibrium()?;
     let (worst, sag) = asymmetry(&simulation, rods, 2 * (rods - 1) + 1);
     let name = format!(
         "net of {rods} × {rods} rods in ball joints under its weight: asymmetry over its sag"

@@ -2,10 +2,12 @@
 //! edge and by a ball, and rods that buckle in a tube.
 
 use super::friction::{POST_RADIUS, capstan_check, leg_tensions, rope_over_post};
-use super::scenario::{moved, simulation};
+use super::rods::run_until;
+use super::scenario::built;
 use super::{Check, Expectation, GroupError, sleeve, tube_buckling};
 use rodlab_engine::mechanics::Vector3;
 use std::f64::consts::PI;
+use toml::{Table, Value, toml};
 
 const LIFTED: Expectation = Expectation::new("F = 3 EI w/a³", "Euler–Bernoulli");
 const FACETED: Expectation = Expectation::new("force at a ball of formula", "");
@@ -19,19 +21,25 @@ const LEG_EDGES: usize = 60;
 
 /// Ropes over a cylinder, a sphere, and meshes of that cylinder; a beam lifted by the edge of a box and by balls; rods in tubes.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
-    let cylinder =
-        "{ kind = \"cylinder\", point = [0, 0, 0], direction = [0, 0, 1], radius = \"20 mm\" }";
-    let sphere = "{ kind = \"sphere\", centre = [0, 0, 0], radius = \"20 mm\" }";
+    let cylinder = || {
+        toml! {
+            kind = "cylinder"
+            point = [0, 0, 0]
+            direction = [0, 0, 1]
+            radius = POST_RADIUS
+        }
+    };
+    let sphere = sphere([0.0; 3], POST_RADIUS);
     let ropes = [
-        ("a cylinder", "imc", cylinder.to_owned()),
-        ("a cylinder", "ipc", cylinder.to_owned()),
-        ("a cylinder", "complementarity", cylinder.to_owned()),
-        ("the great circle of a sphere", "imc", sphere.to_owned()),
+        ("a cylinder", "imc", cylinder()),
+        ("a cylinder", "ipc", cylinder()),
+        ("a cylinder", "complementarity", cylinder()),
+        ("the great circle of a sphere", "imc", sphere),
         ("a mesh of 64 faces", "imc", prism(64)),
         ("a mesh of 256 faces", "imc", prism(256)),
     ];
     let mut checks = Vec::new();
-    for (over, model, shape) in &ropes {
+    for (over, model, shape) in ropes {
         checks.push(capstan(over, model, shape)?);
     }
     checks.extend(lifted_beam()?);
@@ -40,22 +48,21 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     Ok(checks)
 }
 
-fn capstan(over: &str, model: &str, shape: &str) -> Result<Check, GroupError> {
+fn capstan(over: &str, model: &str, shape: Table) -> Result<Check, GroupError> {
     let nodes = rope_over_post(WRAPPED_EDGES, LEG_EDGES, 3e-3);
     let points: Vec<[f64; 3]> = nodes.iter().map(|x| (*x).into()).collect();
-    let overrides = [
-        format!("rods.0.shape.points={points:?}"),
-        format!("obstacles.0.shape={shape}"),
-        format!("contact.model={model}"),
-    ];
-    let mut simulation = simulation(include_str!("scenes/rope.toml"), &overrides)?;
+    let mut scene: Table = include_str!("scenes/rope.toml").parse()?;
+    scene["rods"][0]["shape"]["points"] = Value::try_from(points)?;
+    scene["obstacles"][0]["shape"] = shape.into();
+    scene["contact"]["model"] = model.into();
+    let mut simulation = built(scene)?;
     let tensions = leg_tensions(&mut simulation, &nodes, STRETCHING, LEG_EDGES)?;
     let name = format!("rope over {over}, μ = 0.3, half a turn, {model}: T₂/T₁");
     Ok(capstan_check(name, tensions, BENDING, 5e-3))
 }
 
 /// The cylinder as a mesh with a number of faces around it and corners on the cylinder.
-fn prism(faces: usize) -> String {
+fn prism(faces: usize) -> Table {
     let corner = |k: usize, z: f64| {
         let (sine, cosine) = libm::sincos(2.0 * PI * k as f64 / faces as f64);
         [POST_RADIUS * cosine, POST_RADIUS * sine, z]
@@ -78,7 +85,7 @@ fn prism(faces: usize) -> String {
 
 /// A ball as a mesh: an octahedron whose faces are divided into four a number of times, with
 /// corners on the ball.
-fn ball(centre: [f64; 3], radius: f64, cuts: usize) -> String {
+fn ball(centre: [f64; 3], radius: f64, cuts: usize) -> Table {
     let directions = [
         [1, 0, 0],
         [-1, 0, 0],
@@ -122,17 +129,30 @@ fn ball(centre: [f64; 3], radius: f64, cuts: usize) -> String {
     mesh(&vertices, &triangles)
 }
 
-fn mesh(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> String {
-    format!("{{ kind = \"mesh\", vertices = {vertices:?}, triangles = {triangles:?} }}")
+fn mesh(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> Table {
+    toml! {
+        kind = "mesh"
+        vertices = (Value::try_from(vertices).expect("numbers are TOML"))
+        triangles = (Value::try_from(triangles).expect("numbers are TOML"))
+    }
+}
+
+fn sphere(centre: [f64; 3], radius: f64) -> Table {
+    let [x, y, z] = centre;
+    toml! { kind = "sphere" centre = [x, y, z] radius = radius }
 }
 
 /// Radius of the balls that lift the beam, m.
 const BALL: f64 = 0.02;
 
 fn lifted_beam() -> Result<[Check; 2], GroupError> {
-    let text = include_str!("scenes/pushed_beam.toml");
-    let force = |overrides: &[String]| -> Result<f64, GroupError> {
-        let simulation = moved(text, overrides, 1.5)?;
+    let force = |shape: Option<Table>| -> Result<f64, GroupError> {
+        let mut scene: Table = include_str!("scenes/pushed_beam.toml").parse()?;
+        if let Some(shape) = shape {
+            scene["obstacles"][0]["shape"] = shape.into();
+        }
+        let mut simulation = built(scene)?;
+        run_until(&mut simulation, 1.5)?;
         let forces = simulation.contact_forces();
         Ok(forces.iter().map(|force| force.z).sum())
     };
@@ -142,16 +162,13 @@ fn lifted_beam() -> Result<[Check; 2], GroupError> {
     let expected = 3.0 * bending * lift / arm.powi(3);
     // A millimetre below the beam, like the initial position of the edge of the box.
     let centre = [arm, 0.0, -radius - 1e-3 - BALL];
-    let of_formula = format!(
-        "obstacles.0.shape={{ kind = \"sphere\", centre = {centre:?}, radius = {BALL:?} }}"
-    );
-    let of_mesh = format!("obstacles.0.shape={}", ball(centre, BALL, 4));
+    let (of_formula, of_mesh) = (sphere(centre, BALL), ball(centre, BALL, 4));
     Ok([
         LIFTED
             .of("beam lifted by the edge of a box: force", "N")
-            .relative(expected, force(&[])?, 1e-2),
+            .relative(expected, force(None)?, 1e-2),
         FACETED
             .of("beam lifted by a ball of 2048 triangles: force", "N")
-            .relative(force(&[of_formula])?, force(&[of_mesh])?, 1e-2),
+            .relative(force(Some(of_formula))?, force(Some(of_mesh))?, 1e-2),
     ])
 }

@@ -1,12 +1,14 @@
 //! Scenario files: the TOML schema as Rust types, units, validation with source positions.
 //!
-//! A file is processed by these modules in order:
+//! A scenario is a file ([`load`]), text ([`from_text`]), or a table that is built in Rust ([`from_table`]), with the same keys,
+//! checks and messages. It is processed by these modules in order:
 //!
 //! | file | what |
 //! |---|---|
 //! | `source`, `document`, `document_values` | the texts; TOML as a tree with the place of every key, from text or values in memory, and back |
 //! | `input_file`, `named_files` | regular files of a bounded size; the keys that name them |
-//! | `load`, `include`, `overrides` | reading a file, the files that it `extends` and `include`s, `--set key=value` |
+//! | `merged`, `include`, `overrides` | reading a file, the files that it `extends` and `include`s, `--set key=value` |
+//! | `load` | all steps from a file, a text or a table to the scenario |
 //! | `expression`, `expansion` | `[parameters]`, `"2*radius"`, copies of tables: a tree without them |
 //! | `declaration`, `form` | one declaration for each key: words, unit, range, default; forms of values |
 //! | `tables` | tables that are resolved as they are typed, and the checks between their keys |
@@ -38,6 +40,7 @@ mod input_file;
 mod issue;
 pub mod keys;
 mod load;
+mod merged;
 mod named_files;
 mod overrides;
 mod own_tables;

@@ -48,7 +48,7 @@ impl ChuckedSupply {
         };
         let rod = ClampedRod::read(file).map_err(Box::new)?;
         let up = chuck.pose.rotation.inverse() * Vector3::z();
-        let (_, prepared) = prepared("rod", &rod.scenario(&up))?;
+        let (_, prepared) = prepared("rod", rod.scenario(&up))?;
         Ok(Some(Self {
             rod,
             prepared,

@@ -12,6 +12,7 @@ use rodlab_planning::plan::deployment::{DeployedRod, OptimalGrasps, Scheme, traj
 use rodlab_planning::plan::pattern::{Line, PatternSource, Point};
 use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
+use toml::{Table, Value, toml};
 
 /// Largest distance of the hand from where the rod hangs by itself, in gravito-bending lengths, and rotation, rad: a person
 /// bends it by so much.
@@ -53,22 +54,21 @@ impl RodError {
     }
 }
 
-/// The line of a scenario that extends a file.
-pub(super) fn extending(file: &Path) -> Result<String, RodError> {
+/// The beginning of a scenario that extends a file.
+pub(super) fn extending(file: &Path) -> Result<Table, RodError> {
     let whole = std::path::absolute(file).map_err(RodError::impossible)?;
-    let extended = toml::Value::from(whole.to_string_lossy().as_ref());
-    Ok(format!("extends = {extended}\n"))
+    Ok(toml! { extends = (whole.to_string_lossy().into_owned()) })
 }
 
-/// A scenario by its text.
-fn loaded(name: &str, text: &str) -> Result<Loaded, RodError> {
-    let loaded = experiment::from_text(name, text, Path::new(""), &[]);
+/// A scenario by its table.
+fn loaded(name: &str, scenario: Table) -> Result<Loaded, RodError> {
+    let loaded = experiment::from_table(name, scenario, Path::new(""), &[]);
     Ok(loaded.map_err(Box::new)?)
 }
 
 /// The same, ready to be simulated.
-pub(super) fn prepared(name: &str, text: &str) -> Result<(Loaded, PreparedRun), RodError> {
-    let loaded = loaded(name, text)?;
+pub(super) fn prepared(name: &str, scenario: Table) -> Result<(Loaded, PreparedRun), RodError> {
+    let loaded = loaded(name, scenario)?;
     let prepared = experiment::prepare(&loaded.scenario);
     let prepared = prepared.map_err(|issues| Box::new(loaded.locate(issues)))?;
     Ok((loaded, prepared))
@@ -80,7 +80,7 @@ impl RodSupply {
     /// # Errors
     /// The file cannot be read, or is wrong.
     pub fn new(file: &Path, friction: f64) -> Result<Self, RodError> {
-        Self::described(&extending(file)?, "", friction)
+        Self::described(&extending(file)?, &Table::new(), friction)
     }
 
     /// Rods of a deployment, on its table with its pegs; `frame` is the pose of its pattern in the cell. A person lays the free end where
@@ -89,16 +89,13 @@ impl RodSupply {
     /// # Errors
     /// The rod cannot hang.
     pub fn of(deployment: &Deployment, friction: f64, frame: Pose) -> Result<Self, RodError> {
-        let rod = &deployment.rod;
-        let rod = format!(
-            "[deployment.rod]\ngravito_bending_length = {:?}\nradius = {:?}\nlength = {:?}\ndensity = {:?}\nedges = {}\n",
-            rod.gravito_bending_length, rod.radius, rod.length, rod.density, rod.edges
-        );
+        let rod = Value::try_from(deployment.rod).map_err(RodError::impossible)?;
+        let rod = toml! { rod = rod };
         let fixtures = Fixtures::of(deployment).map_err(RodError::impossible)?;
         let pattern = deployment.whole_pattern();
         let start = pattern.map_err(RodError::impossible)?.at(0.0);
         let start = frame * nalgebra::Point3::new(start.position.x, start.position.y, 0.0);
-        let supply = Self::described("", &rod, friction)?;
+        let supply = Self::described(&Table::new(), &rod, friction)?;
         Ok(Self {
             fixtures: Some((fixtures, frame)),
             free_end: Some([start.x, start.y]),
@@ -107,23 +104,30 @@ impl RodSupply {
         })
     }
 
-    /// Rods by the first and the last lines of a scenario.
-    fn described(first: &str, last: &str, friction: f64) -> Result<Self, RodError> {
-        let text = |length: f64| {
-            format!(
-                "{first}experiment = \"deployment\"\n\
-                 [deployment]\npattern = {{ kind = \"line\", length = {length:?} }}\nlead_in = 0.0\n\
-                 [contact]\nfriction = {friction:?}\ndistance_tolerance = \"50 µm\"\nslip_tolerance = \"0.01 mm/s\"\n\
-                 [time]\nstep = \"5 ms\"\nend = 10.0\n{last}"
-            )
+    /// Rods by keys at the top of a scenario, or in its `[deployment]`.
+    fn described(top: &Table, in_deployment: &Table, friction: f64) -> Result<Self, RodError> {
+        let scenario = |length: f64| {
+            let mut deployment = toml! {
+                pattern = { kind = "line", length = length }
+                lead_in = 0.0
+            };
+            deployment.extend(in_deployment.clone());
+            let mut scenario = top.clone();
+            scenario.extend(toml! {
+                experiment = "deployment"
+                deployment = deployment
+                contact = { friction = friction, distance_tolerance = "50 µm", slip_tolerance = "0.01 mm/s" }
+                time = { step = "5 ms", end = 10.0 }
+            });
+            scenario
         };
         // Any short line is sufficient; the rod determines its length.
-        let first = loaded("rod", &text(1e-3))?;
+        let first = loaded("rod", scenario(1e-3))?;
         let tables: Option<&DeploymentTables> = first.scenario.experiment.tables();
         let tables = tables.expect("the tables of a deployment");
         let rod = tables.deployment.rod.deployed();
         let length = FIRST_LINE * rod.length;
-        let (_, prepared) = prepared("rod", &text(length))?;
+        let (_, prepared) = prepared("rod", scenario(length))?;
         let line = PatternSource::Line(Line { length }).pattern();
         let start = line.map_err(RodError::impossible)?.at(0.0);
         let poses = trajectory(&[start], &rod, Scheme::Optimal, OptimalGrasps::Exact);
@@ -393,11 +397,19 @@ mod tests {
 
     #[test]
     fn pegs_stand_where_the_frame_of_their_pattern_lies() {
-        let text = "experiment = \"deployment\"\n[deployment]\npattern = { kind = \"line\", length = 0.2 }\n\
-                    [deployment.rod]\ngravito_bending_length = 0.03\nradius = 0.002\nlength = 0.3\nedges = 30\n\
-                    [deployment.clips]\nat = [0.1]\nwidth = 0.008\nradius = 0.004\nheight = 0.006\n\
-                    [contact]\nfriction = 0.2\n[time]\nstep = 0.005\nend = 10.0\n";
-        let loaded = experiment::from_text("clips", text, Path::new(""), &[]).unwrap();
+        let scenario = toml! {
+            experiment = "deployment"
+            [deployment]
+            pattern = { kind = "line", length = 0.2 }
+            rod = { gravito_bending_length = 0.03, radius = 0.002, length = 0.3, edges = 30 }
+            clips = { at = [0.1], width = 0.008, radius = 0.004, height = 0.006 }
+            [contact]
+            friction = 0.2
+            [time]
+            step = 0.005
+            end = 10.0
+        };
+        let loaded = loaded("clips", scenario).unwrap();
         let tables: Option<&DeploymentTables> = loaded.scenario.experiment.tables();
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.5);
         let frame = table() * Pose::from_parts(Translation3::new(0.02, 0.03, 0.0), turn);

@@ -15,6 +15,7 @@ use rodlab_engine::mechanics::scene::{Load, LoadKind};
 use rodlab_lab::experiment::FoldingTables;
 use rodlab_robot::{Pose, distance_and_angle};
 use std::path::Path;
+use toml::toml;
 
 /// Largest distance of the hand from the middle of the edge that it takes, m, and rotation, rad.
 const REACH: [f64; 2] = [5e-3, 0.2];
@@ -75,20 +76,20 @@ impl SimulatedSheet {
         place: Option<SheetPlace>,
         table: &Pose,
     ) -> Result<Self, RodError> {
-        let extends = extending(file)?;
+        let mut scenario = extending(file)?;
         let crease = if is_diagonal {
             "diagonal-strip"
         } else {
             "half"
         };
         // The gripper determines the fold; a circle needs no plan.
-        let text = format!(
-            "{extends}experiment = \"folding\"\n\
-             [folding]\ncrease = \"{crease}\"\nalgorithm = \"circle\"\n\
-             [contact]\nfriction = {friction:?}\ndistance_tolerance = {TOLERANCE:?}\nslip_tolerance = \"0.02 mm/s\"\n\
-             [time]\nstep = \"5 ms\"\nend = 10.0\n"
-        );
-        let (loaded, mut prepared) = prepared("sheet", &text)?;
+        scenario.extend(toml! {
+            experiment = "folding"
+            folding = { crease = crease, algorithm = "circle" }
+            contact = { friction = friction, distance_tolerance = TOLERANCE, slip_tolerance = "0.02 mm/s" }
+            time = { step = "5 ms", end = 10.0 }
+        });
+        let (loaded, mut prepared) = prepared("sheet", scenario)?;
         let tables: Option<&FoldingTables> = loaded.scenario.experiment.tables();
         let folding = &tables.expect("the tables of a fold").folding;
         let length = folding.sheet().length;

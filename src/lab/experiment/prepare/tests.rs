@@ -1,8 +1,8 @@
 //! Names and places become indices; what does not fit is named by its key.
 
 use super::*;
-use crate::experiment::{case_set, from_text};
-use crate::scenario::Loaded;
+use crate::experiment::{case_set, case_set_from_table, from_text};
+use crate::scenario::{CaseSet, Loaded};
 use crate::sweep::check_every_value;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::contact::ContactParameters;
@@ -126,6 +126,20 @@ fn the_defaults_of_scenarios_are_those_of_the_engine() {
     assert_eq!(run.scene.contact, Some(contact));
 }
 
+/// The values of a file as a table in memory are the same cases.
+fn assert_same_from_table(path: &Path, of_file: &CaseSet) {
+    let table: toml::Table = std::fs::read_to_string(path).unwrap().parse().unwrap();
+    let directory = path.parent().unwrap();
+    let of_table = case_set_from_table(of_file.name(), table, directory, &[], &[]).unwrap();
+    assert_eq!(of_table.count(), of_file.count());
+    for index in of_file.probes() {
+        let scenario = |cases: &CaseSet| cases.scenario_of(index).unwrap().scenario.to_toml();
+        assert_eq!(scenario(&of_table), scenario(of_file), "{}", path.display());
+    }
+    let toml = |cases: &CaseSet| cases.portable().unwrap().toml;
+    assert_eq!(toml(&of_table), toml(of_file));
+}
+
 #[test]
 fn all_scenarios_of_the_repository_prepare() {
     let directory = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..", "/scenarios"));
@@ -138,6 +152,7 @@ fn all_scenarios_of_the_repository_prepare() {
         }
         let case_set = case_set(&path, &[], &[]).unwrap_or_else(|error| panic!("{error}"));
         check_every_value(&case_set).unwrap_or_else(|error| panic!("{error}"));
+        assert_same_from_table(&path, &case_set);
         if case_set.search().is_some() {
             continue;
         }

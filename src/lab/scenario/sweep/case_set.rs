@@ -10,6 +10,7 @@ use crate::scenario::error::{Located, ScenarioError};
 use crate::scenario::experiments::Experiments;
 use crate::scenario::issue::{Issue, Issues, KeyPath};
 use crate::scenario::load::{self, Loaded};
+use crate::scenario::merged;
 use crate::scenario::named_files;
 use crate::scenario::overrides;
 use crate::scenario::source::{Sources, Span};
@@ -42,7 +43,7 @@ impl CaseSet {
         overrides: &[String],
         varied: &[String],
     ) -> Result<Self, ScenarioError> {
-        let (sources, document) = load::merged(path, overrides)?;
+        let (sources, document) = merged::merged(path, overrides)?;
         Self::new(experiments, &load::name_of(path), sources, document, varied)
     }
 
@@ -56,7 +57,7 @@ impl CaseSet {
         text: &str,
         directory: &Path,
     ) -> Result<Self, ScenarioError> {
-        let (sources, document) = load::merged_text(name, text, directory, &[])?;
+        let (sources, document) = merged::merged_text(name, text, directory, &[])?;
         Self::new(experiments, name, sources, document, &[])
     }
 
@@ -73,7 +74,7 @@ impl CaseSet {
         overrides: &[String],
         varied: &[String],
     ) -> Result<Self, ScenarioError> {
-        let (sources, document) = load::merged_table(name, table, directory, overrides)?;
+        let (sources, document) = merged::merged_table(name, table, directory, overrides)?;
         Self::new(experiments, name, sources, document, varied)
     }
 

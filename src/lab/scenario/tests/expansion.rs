@@ -1,15 +1,13 @@
 //! Parameters, expressions and copies of tables in whole files.
 
-use super::{BEAM, EXPERIMENTS};
+use super::{BEAM, EXPERIMENTS, read_with};
 use crate::scenario::{CaseSet, Copied, Scenario, Shape, from_text};
 use std::path::Path;
 
 /// The scenario of a text with overrides; faults in lines.
 fn read(text: &str, set: &[&str]) -> Result<Scenario, String> {
     let set: Vec<String> = set.iter().map(|&text| text.to_owned()).collect();
-    from_text(*EXPERIMENTS, "scene", text, Path::new(""), &set)
-        .map(|loaded| loaded.scenario)
-        .map_err(|error| error.to_string())
+    read_with("scene", text, &set).map_err(|error| error.to_string())
 }
 
 /// The beam with another text in one place and parameters in front of its rods.

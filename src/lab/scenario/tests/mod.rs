@@ -4,9 +4,10 @@ mod expansion;
 mod faults;
 mod merging;
 mod round_trip;
+mod tables;
 
 use super::keys::ExperimentKeys;
-use super::{Experiments, Scenario, ScenarioError};
+use super::{Experiments, Issue, Scenario, ScenarioError};
 use crate::experiment::kind_named;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -54,5 +55,31 @@ nodes = true
 "#;
 
 fn read(text: &str) -> Result<Scenario, ScenarioError> {
-    super::from_text(*EXPERIMENTS, "beam", text, Path::new(""), &[]).map(|loaded| loaded.scenario)
+    read_with("beam", text, &[])
+}
+
+/// The scenario of a text with overrides; a table of the same values gives the same scenario or the same faults.
+fn read_with(name: &str, text: &str, set: &[String]) -> Result<Scenario, ScenarioError> {
+    let of_text = super::from_text(*EXPERIMENTS, name, text, Path::new(""), set);
+    // Text that is not TOML, and numbers that only text can have, make no table.
+    if let Ok(table) = text.parse() {
+        let of_table = super::from_table(*EXPERIMENTS, name, table, Path::new(""), set);
+        match (&of_text, &of_table) {
+            (Ok(of_text), Ok(of_table)) => {
+                assert_eq!(of_text.scenario.to_toml(), of_table.scenario.to_toml());
+            }
+            (Err(of_text), Err(of_table)) => {
+                let issues = |error: &ScenarioError| -> Vec<Issue> {
+                    error
+                        .0
+                        .iter()
+                        .map(|located| located.issue.clone())
+                        .collect()
+                };
+                assert_eq!(issues(of_text), issues(of_table));
+            }
+            _ => panic!("{text}: {of_text:?} {of_table:?}"),
+        }
+    }
+    of_text.map(|loaded| loaded.scenario)
 }

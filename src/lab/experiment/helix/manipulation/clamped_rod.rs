@@ -6,6 +6,7 @@ use rodlab_engine::mechanics::Vector3;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::path::Path;
+use toml::{Table, toml};
 
 /// Default number of edges of the simulated rod: at a distance ‖(κ, τ, ω)‖ of 12 it turns by 0.2 rad from edge to edge.
 const EDGES: u32 = 60;
@@ -117,7 +118,7 @@ impl ClampedRod {
 
     /// The scenario of the rod, straight along x and clamped at both ends, the first and the second clamp. `up` is the direction
     /// against gravity, of length 1.
-    pub fn scenario(&self, up: &Vector3) -> String {
+    pub fn scenario(&self, up: &Vector3) -> Table {
         let Self {
             length,
             radius,
@@ -126,37 +127,36 @@ impl ClampedRod {
             density,
             edges,
             ..
-        } = self;
-        let title = toml::Value::from(self.title.as_str());
+        } = *self;
         let [x, y, z]: [f64; 3] = (-GRAVITY * up).into();
-        format!(
-            "experiment = \"scene\"\n\
-             title = {title}\n\
-             [material]\n\
-             youngs_modulus = {youngs_modulus:?}\n\
-             poissons_ratio = {poissons_ratio:?}\n\
-             density = {density:?}\n\
-             [[rods]]\n\
-             name = \"rod\"\n\
-             radius = {radius:?}\n\
-             edges = {edges}\n\
-             shape = {{ kind = \"straight\", start = [0, 0, 0], end = [{length:?}, 0, 0] }}\n\
-             [[clamps]]\n\
-             rod = \"rod\"\n\
-             at = \"start\"\n\
-             [[clamps]]\n\
-             rod = \"rod\"\n\
-             at = \"end\"\n\
-             [[loads]]\n\
-             kind = \"gravity\"\n\
-             acceleration = [{x:?}, {y:?}, {z:?}]\n\
-             [contact]\n\
-             friction = {FRICTION:?}\n\
-             [time]\n\
-             scheme = \"implicit-euler\"\n\
-             step = {STEP:?}\n\
-             end = 1.0\n"
-        )
+        toml! {
+            experiment = "scene"
+            title = (self.title.as_str())
+            [material]
+            youngs_modulus = youngs_modulus
+            poissons_ratio = poissons_ratio
+            density = density
+            [[rods]]
+            name = "rod"
+            radius = radius
+            edges = edges
+            shape = { kind = "straight", start = [0, 0, 0], end = [length, 0, 0] }
+            [[clamps]]
+            rod = "rod"
+            at = "start"
+            [[clamps]]
+            rod = "rod"
+            at = "end"
+            [[loads]]
+            kind = "gravity"
+            acceleration = [x, y, z]
+            [contact]
+            friction = FRICTION
+            [time]
+            scheme = "implicit-euler"
+            step = STEP
+            end = 1.0
+        }
     }
 }
 
