@@ -12,6 +12,12 @@ const BANNED: [&str; 9] = [
 /// Columns of a line of help.
 const WIDEST_HELP: usize = 100;
 
+/// Lines of the short help of a command, which fits on a screen.
+const LONGEST_SHORT_HELP: usize = 40;
+
+/// Lines of the overview, which has a line for each of 34 commands.
+const LONGEST_OVERVIEW: usize = 45;
+
 /// A text and where it stands.
 struct Text {
     place: String,
@@ -129,23 +135,38 @@ fn documents_and_scenarios_have_no_banned_words() {
     );
 }
 
+/// Prints the help of a command with an option, `-h` or `--help`.
+fn help(command: &[String], option: &str) -> String {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_rodlab"));
+    let output = program.args(command).arg(option).output().unwrap();
+    assert!(output.status.success(), "{command:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// All commands with their subcommands, the program itself first.
+fn commands() -> Vec<Vec<String>> {
+    let mut commands = vec![vec![]];
+    let mut index = 0;
+    while let Some(command) = commands.get(index).cloned() {
+        let column = if command.is_empty() { 14 } else { 2 };
+        let names = subcommands(&help(&command, "--help"), column).into_iter();
+        commands.extend(names.map(|name| [&command[..], &[name]].concat()));
+        index += 1;
+    }
+    commands
+}
+
 #[test]
 fn help_is_narrow_and_has_no_escaped_quotes() {
-    let mut pages: Vec<Vec<String>> = vec![vec![]];
     let mut faults = Vec::new();
-    while let Some(command) = pages.pop() {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_rodlab"));
-        let output = program.args(&command).arg("--help").output().unwrap();
-        assert!(output.status.success(), "{command:?}");
-        let help = String::from_utf8(output.stdout).unwrap();
-        for line in help.lines() {
+    for command in commands() {
+        for line in help(&command, "--help").lines() {
             // The line of usage is not wrapped.
             let is_wide = line.chars().count() > WIDEST_HELP && !line.starts_with("Usage:");
             if is_wide || line.contains("\\\"") {
                 faults.push(format!("{command:?}: {line}"));
             }
         }
-        pages.extend(subcommands(&help).map(|name| [&command[..], &[name]].concat()));
     }
     assert!(
         faults.is_empty(),
@@ -155,27 +176,46 @@ fn help_is_narrow_and_has_no_escaped_quotes() {
     );
 }
 
-/// The subcommands that a page of help lists: lines of a name and what it does, between `Commands:` or the title of a group
-/// and the options.
-fn subcommands(help: &str) -> impl Iterator<Item = String> {
+#[test]
+fn short_help_fits_on_a_screen() {
+    let commands = commands();
+    assert!(commands.len() > 40, "{commands:?}");
+    for command in commands {
+        let most = if command.is_empty() {
+            LONGEST_OVERVIEW
+        } else {
+            LONGEST_SHORT_HELP
+        };
+        let lines = help(&command, "-h").lines().count();
+        assert!(lines <= most, "{command:?}: {lines} lines");
+    }
+}
+
+/// The subcommands that a page of help lists with what each does, a line each from a column: in the overview behind the
+/// titles of groups, elsewhere after `Commands:`.
+fn subcommands(help: &str, column: usize) -> Vec<String> {
     let list = help.split_once("\nUsage:").map_or("", |(_, list)| list);
     let list = list.split("\nOptions:").next().unwrap_or("");
     let list = list.split("\nArguments:").next().unwrap_or("");
     let names = list.lines().filter_map(|line| {
-        let name = line.strip_prefix("  ")?.split("  ").next()?;
-        let is_name = name.starts_with(|first: char| first.is_ascii_lowercase())
+        let (before, rest) = line.split_at_checked(column)?;
+        let name = rest.split("  ").next()?;
+        let is_name = before.ends_with(' ')
+            && name.starts_with(|first: char| first.is_ascii_lowercase())
             && name
                 .chars()
                 .all(|letter| letter.is_ascii_lowercase() || letter == '-');
         (is_name && name != "help").then(|| name.to_owned())
     });
-    names.collect::<Vec<_>>().into_iter()
+    names.collect()
 }
 
 #[test]
 fn words_are_found_only_as_whole_words() {
     assert!(has_words("made anew.", "anew") && has_words("anew", "anew"));
     assert!(!has_words("sanewt", "anew") && !has_words("biggest, or lesters", "lest"));
-    let help = "About\n\nUsage: rodlab <COMMAND>\n\nSimulate:\n  run          Run\n  cell-x  Serve\n\nOptions:\n  verbose  no";
-    assert_eq!(subcommands(help).collect::<Vec<_>>(), ["run", "cell-x"]);
+    let help = "About\n\nUsage: rodlab <COMMAND>\n\nSimulate  run     Run it\n          cell-x  Serve\n\nOptions:\n  verbose  no";
+    assert_eq!(subcommands(help, 10), ["run", "cell-x"]);
+    let help = "About\n\nUsage: rodlab solve <COMMAND>\n\nCommands:\n  ik    Solve a\n        problem\n  help  Print\n\nOptions:\n";
+    assert_eq!(subcommands(help, 2), ["ik"]);
 }

@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 /// A laboratory for slender elastic rods: bending, twist, contact, friction, viscous fluid.
 #[derive(Debug, Parser)]
-#[command(version = version(), propagate_version = true, after_help = EXAMPLES, max_term_width = 100)]
+#[command(version = version(), propagate_version = true, after_long_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
     /// Subcommand to run.
     #[command(subcommand)]
@@ -47,7 +47,7 @@ pub enum Command {
     Run(run::RunArguments),
     /// Validate scenarios and print derived numbers
     Check(check::CheckArguments),
-    /// Print a scenario with its parameters, expressions and copies as numbers and tables
+    /// Print a scenario with parameters, expressions and copies resolved
     Expand(expand::ExpandArguments),
     /// Write a commented scenario template to standard output
     Init(init::InitArguments),
@@ -57,11 +57,11 @@ pub enum Command {
     Schema,
     /// Explain a key of scenario files, or a file or column of results
     Explain(explain::ExplainArguments),
-    /// Read the guide: a page per topic
+    /// Read the guide, a page per topic; begin with getting-started
     Guide(guide::GuideArguments),
     /// Solve a problem exactly; the answer is JSON on standard output
     Solve(solve::SolveArguments),
-    /// Measure the gravito-bending length of a rod or strip, or identify the knot of a curve
+    /// Measure the gravito-bending length, or identify the knot of a curve
     Measure(measure::MeasureArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
@@ -93,11 +93,11 @@ pub enum Command {
     Movie(movie::MovieArguments),
     /// Stream a joint trajectory to the arms and axes of a cell
     Stream(stream::StreamArguments),
-    /// Serve a virtual robot cell: arms, grippers, a rod on a table and a camera, simulated
+    /// Serve a virtual robot cell: arms, grippers, a table and a camera
     Cell(cell::CellArguments),
     /// Run a sweep as a Slurm job array
     Submit(submit::SubmitArguments),
-    /// Show the status of a sweep's cases and of the Slurm tasks that run them
+    /// Show the status of a sweep's cases and of their Slurm tasks
     Status(status::StatusArguments),
     /// Collect the cases of a sweep into its tables and figures
     Gather(gather::GatherArguments),

@@ -72,6 +72,7 @@ struct ServeArguments {
     /// By default the middle of the pattern is in the middle of the table.
     #[arg(
         long,
+        hide_short_help = true,
         value_name = "X,Y,Z[,TURN]",
         requires = "scene",
         allow_hyphen_values = true
@@ -80,7 +81,7 @@ struct ServeArguments {
     /// Place on the table of the free end of a rod that is handed over: x,y in the cell, m
     ///
     /// By default it is where the rod hangs by itself, and for a scene the start of its pattern.
-    #[arg(long, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
+    #[arg(long, hide_short_help = true, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
     /// Rod for all arms except the first, as --rod [default: the same]
     #[arg(long, value_name = "FILE", requires = "rod", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
@@ -108,13 +109,13 @@ struct ServeArguments {
     #[arg(long, value_name = "ADDRESS")]
     listen: Option<String>,
     /// Token required of clients: the path after the address, "192.168.1.5:9090/TOKEN"
-    #[arg(long, value_name = "TOKEN", env = "RODLAB_CELL_TOKEN", hide_env_values = true, value_parser = token)]
+    #[arg(long, hide_short_help = true, value_name = "TOKEN", env = "RODLAB_CELL_TOKEN", hide_env_values = true, value_parser = token)]
     token: Option<String>,
     /// Time from a command to the first motion, s
-    #[arg(long, value_name = "SECONDS", default_value_t = Response::default().latency, value_parser = within(0.0, 0.2))]
+    #[arg(long, hide_short_help = true, value_name = "SECONDS", default_value_t = Response::default().latency, value_parser = within(0.0, 0.2))]
     latency: f64,
     /// Time by which joints lag behind their setpoints, s
-    #[arg(long, value_name = "SECONDS", default_value_t = Response::default().lag, value_parser = within(0.0, 0.2))]
+    #[arg(long, hide_short_help = true, value_name = "SECONDS", default_value_t = Response::default().lag, value_parser = within(0.0, 0.2))]
     lag: f64,
     /// Root mean square of the gripper noise in each direction, not seen by the joint encoders
     ///
@@ -122,7 +123,13 @@ struct ServeArguments {
     #[arg(long, value_name = "LENGTH", value_parser = positive_length)]
     jitter: Option<f64>,
     /// Seed of the gripper noise
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "jitter")]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "N",
+        default_value_t = 1,
+        requires = "jitter"
+    )]
     seed: u64,
     /// Fault to inject, and its time, s after the first motion begins: FAULT@TIME; repeatable
     #[arg(long = "fault", value_name = "FAULT@TIME")]

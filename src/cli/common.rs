@@ -11,7 +11,7 @@ pub struct Common {
     /// Number of threads; results do not depend on it [default: one per core]
     #[arg(long, global = true, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Log more: -v the stages, -vv the time steps, -vvv the Newton iterations
+    /// Log more: -v stages, -vv time steps, -vvv Newton iterations
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub verbose: u8,
     /// Log errors only, and show no progress

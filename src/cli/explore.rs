@@ -53,7 +53,7 @@ pub struct ExploreArguments {
     #[arg(long, value_name = "DISTANCE", default_value_t = 0.5, value_parser = number(is_distance, DISTANCE))]
     step: f64,
     /// Distance between pictures in the second approach to an instability
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.05, value_parser = number(is_distance, DISTANCE))]
+    #[arg(long, hide_short_help = true, value_name = "DISTANCE", default_value_t = 0.05, value_parser = number(is_distance, DISTANCE))]
     precision: f64,
     /// Distance at which a search ends
     #[arg(long, value_name = "DISTANCE", default_value_t = 14.0, value_parser = number(is_distance, DISTANCE))]
@@ -65,13 +65,13 @@ pub struct ExploreArguments {
     #[arg(long, value_name = "SPEED", default_value_t = 0.05, value_parser = positive)]
     hand_speed: f64,
     /// Greatest speed of the hand on the way back, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
+    #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
     return_speed: f64,
     /// Greatest speed of the hand on the way to the straight rod, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
+    #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
     approach_speed: f64,
     /// Least distance of arm and rod to anything else, m
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.015, value_parser = positive)]
+    #[arg(long, hide_short_help = true, value_name = "DISTANCE", default_value_t = 0.015, value_parser = positive)]
     margin: f64,
     /// Colour of the markers, as in `rodlab measure markers`
     #[arg(long, value_name = "RULE", default_value = "blue")]

@@ -60,16 +60,21 @@ pub struct FoldArguments {
     ///
     /// The direction is an angle about z in the cell. The camera then locates the sheet more exactly; of its directions the nearest is
     /// used. By default the sheet is expected in the middle of the table, along x.
-    #[arg(long, value_name = "X,Y,Z[,TURN]", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "X,Y,Z[,TURN]",
+        allow_hyphen_values = true
+    )]
     pub place: Option<Place>,
     /// Greatest speed of the hand while it folds, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 0.05, value_parser = positive)]
+    #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.05, value_parser = positive)]
     pub hand_speed: f64,
     /// Greatest speed of the hand on the way to the sheet, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
+    #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
     pub approach_speed: f64,
     /// Least distance to anything else, m
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
+    #[arg(long, hide_short_help = true, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
     pub margin: f64,
     /// Colour of the paper, as in `rodlab trace`
     #[arg(long, value_name = "RULE", default_value = "auto")]
@@ -78,16 +83,22 @@ pub struct FoldArguments {
     #[arg(long, conflicts_with = "simulate")]
     pub dry_run: bool,
     /// The arm and its gripper were inspected after a task that did not finish
-    #[arg(long, conflicts_with = "simulate")]
+    #[arg(long, hide_short_help = true, conflicts_with = "simulate")]
     pub checked: bool,
     /// Fold in plain simulation, without a cell
     #[arg(long)]
     pub simulate: bool,
     /// Root mean square of the noise of the gripper pose in each direction
-    #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires = "simulate")]
+    #[arg(long, hide_short_help = true, value_name = "LENGTH", value_parser = positive_length, requires = "simulate")]
     pub jitter: Option<f64>,
     /// Seed of the noise
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "simulate")]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "N",
+        default_value_t = 0,
+        requires = "simulate"
+    )]
     pub seed: u32,
     /// Directory for the results [default: results/fold-TIME, with --simulate results/fold_SHEET]
     #[arg(long, value_name = "DIR")]

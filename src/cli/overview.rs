@@ -3,22 +3,22 @@
 use clap::Command;
 use std::fmt::Write;
 
-/// Groups of subcommands.
+/// Groups of subcommands. A title and a name are as wide as their columns allow.
 const GROUPS: [(&str, &[&str]); 8] = [
     ("Simulate", &["run", "check", "init", "presets", "expand"]),
-    ("Look at results", &["plot", "view", "movie"]),
-    ("Sweep on a cluster", &["submit", "status", "gather"]),
-    ("Solve, measure and plan", &["solve", "measure", "plan"]),
+    ("Look", &["plot", "view", "movie"]),
+    ("Sweep", &["submit", "status", "gather"]),
+    ("Solve, plan", &["solve", "measure", "plan"]),
     (
-        "Work in a robot cell",
+        "Robot cell",
         &[
             "deploy", "place", "tie", "fold", "explore", "stream", "cell",
         ],
     ),
-    ("See", &["trace", "score", "calibrate"]),
+    ("Vision", &["trace", "score", "calibrate"]),
     ("Learn", &["dataset", "train", "evaluate"]),
     (
-        "Read and verify",
+        "Read, verify",
         &[
             "guide",
             "explain",
@@ -32,24 +32,23 @@ const GROUPS: [(&str, &[&str]); 8] = [
     ),
 ];
 
-/// The program with its subcommands in groups on the page of its help.
+/// The program with its subcommands in groups on the page of its help, a line each.
 pub fn with_groups(program: Command) -> Command {
     let mut groups = String::new();
     for (title, names) in GROUPS {
-        // Writing to a string cannot fail.
-        let _ = writeln!(groups, "{title}:");
-        for name in names {
+        for (index, name) in names.iter().enumerate() {
+            let title = if index == 0 { title } else { "" };
             let about = program.find_subcommand(name).and_then(Command::get_about);
             let about = match about {
                 Some(about) => about.to_string(),
                 None => "Print this page, or the help of a subcommand".to_owned(),
             };
-            let _ = writeln!(groups, "  {name:<12} {about}");
+            // Writing to a string cannot fail.
+            let _ = writeln!(groups, "{title:<14}{name:<13}{about}");
         }
-        groups.push('\n');
     }
     program.help_template(format!(
-        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}"
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}\nOptions:\n{{options}}{{after-help}}"
     ))
 }
 
@@ -75,7 +74,7 @@ mod tests {
         grouped.sort_unstable();
         assert_eq!(grouped, names);
         let help = with_groups(program).render_help().to_string();
-        assert!(help.contains("Look at results:\n  plot "), "{help}");
+        assert!(help.contains("\nLook          plot         Draw"), "{help}");
         let longest = help.lines().map(str::len).max();
         assert!(longest <= Some(100), "{longest:?}");
     }

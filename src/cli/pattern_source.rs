@@ -30,7 +30,7 @@ pub struct PatternArguments {
     ///
     /// Strokes of an SVG have numbers and ids, strands of a CSV file and lines of a photographed drawing only numbers. Of a
     /// photograph the longest line is the default.
-    #[arg(long, value_name = "STROKE")]
+    #[arg(long, hide_short_help = true, value_name = "STROKE")]
     stroke: Option<StrokeChoice>,
     /// Join strokes of an SVG whose ends are at most this far apart, in any order and direction
     #[arg(long, value_name = "GAP", hide_short_help = true, value_parser = length_from_zero)]
@@ -44,7 +44,7 @@ pub struct PatternArguments {
     #[arg(skip)]
     read: OnceLock<PatternSource>,
     /// Lay the pattern from the last point to the first
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     reverse: bool,
     /// Colour of the line in a photographed drawing, as in `rodlab trace`
     #[arg(

@@ -62,7 +62,7 @@ pub struct DeploymentPlan {
     #[arg(skip)]
     chosen: OnceLock<PathBuf>,
     /// Scheme by which the gripper leads the rod
-    #[arg(long, default_value = "optimal", value_parser = named(&SCHEMES))]
+    #[arg(long, hide_short_help = true, default_value = "optimal", value_parser = named(&SCHEMES))]
     scheme: Scheme,
     /// Solver for the optimal grasps
     #[arg(long, hide_short_help = true, default_value = "exact")]

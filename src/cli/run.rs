@@ -59,13 +59,13 @@ pub struct RunArguments {
     #[arg(long, value_name = "K/N", default_value = "1/1", value_parser = shard)]
     pub shard: Shard,
     /// Run failed cases again
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub retry_failed: bool,
     /// Start no further case after one has failed
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub fail_fast: bool,
     /// Run more than 100000 cases
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub yes: bool,
     /// Open the 3-D page of `rodlab view` in the browser, and update it until the run ends
     #[arg(long, conflicts_with = "dry_run")]

@@ -15,16 +15,21 @@ pub struct TaskArguments {
     ///
     /// `auto` selects the best place on the table for the arm that lays. By default the middle of the pattern is in the middle of the
     /// table.
-    #[arg(long, value_name = "X,Y,Z[,TURN]|auto", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        hide_short_help = true,
+        value_name = "X,Y,Z[,TURN]|auto",
+        allow_hyphen_values = true
+    )]
     place: Option<Place>,
     /// Greatest speed of a hand that holds the rod, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 0.03, value_parser = positive)]
+    #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.03, value_parser = positive)]
     pub hand_speed: f64,
     /// Greatest speed of a hand that holds nothing, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
+    #[arg(long, hide_short_help = true, value_name = "SPEED", default_value_t = 0.1, value_parser = positive)]
     pub approach_speed: f64,
     /// Least distance of the arms from each other and from anything else, m
-    #[arg(long, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
+    #[arg(long, hide_short_help = true, value_name = "DISTANCE", default_value_t = 0.01, value_parser = positive)]
     pub margin: f64,
     /// Colour of the rod, as in `rodlab trace`
     #[arg(long, value_name = "RULE", default_value = "auto")]
@@ -33,7 +38,7 @@ pub struct TaskArguments {
     #[arg(long)]
     pub dry_run: bool,
     /// The arms and their grippers were inspected after a task that did not finish
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub checked: bool,
     /// Directory for the results [default: results/TASK-TIME]
     #[arg(long, value_name = "DIR")]
