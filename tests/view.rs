@@ -226,16 +226,52 @@ shape = { kind = "straight", start = [0, 0, 0], end = [1, 0, 0] }
     keep("rest.png", &browser.screenshot());
 }
 
-/// Lowest and highest row of a picture with a strong colour.
-fn rows_of_rods(png: &[u8]) -> [u32; 2] {
+/// Lowest and highest column and row of a picture with a strong colour.
+fn bounds_of_rods(png: &[u8]) -> [[u32; 2]; 2] {
     let image = image::load_from_memory(png).expect("a PNG").to_rgb8();
     let spread = |pixel: &[u8; 3]| pixel.iter().max().unwrap() - pixel.iter().min().unwrap();
     let coloured = image
         .enumerate_pixels()
         .filter(|(.., pixel)| spread(&pixel.0) > 60);
-    coloured.fold([u32::MAX, 0], |[top, bottom], (_, y, _)| {
-        [top.min(y), bottom.max(y)]
+    coloured.fold([[u32::MAX, 0]; 2], |[across, down], (x, y, _)| {
+        let with = |[least, most]: [u32; 2], one: u32| [least.min(one), most.max(one)];
+        [with(across, x), with(down, y)]
     })
+}
+
+/// Lowest and highest row of a picture with a strong colour.
+fn rows_of_rods(png: &[u8]) -> [u32; 2] {
+    bounds_of_rods(png)[1]
+}
+
+#[test]
+fn the_tools_do_not_cover_a_rod_that_comes_towards_the_eye() {
+    let directory = tempfile::tempdir().unwrap();
+    let long = SCENARIO.replace(
+        "[-0.15, 0, 0.03], end = [0.1, 0, 0.03]",
+        "[-0.3, 0.3, 0.03], end = [0.3, -0.3, 0.03]",
+    );
+    fs::write(directory.path().join("long.toml"), long).unwrap();
+    let file = directory.path().join("long.toml");
+    let page = page_of(
+        &file.to_string_lossy(),
+        directory.path(),
+        &["--set", "time.end=10ms"],
+    );
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    browser.resize(1280, 800);
+    browser.open(&page);
+    let tools = "document.getElementById('tools').getBoundingClientRect().left";
+    let tools = browser.evaluate(tools).as_f64().unwrap();
+    browser.press("h");
+    let [[left, right], _] = bounds_of_rods(&browser.screenshot());
+    assert!(f64::from(right) < tools, "{right} beyond {tools}");
+    assert!(
+        f64::from(right - left) > 0.3 * tools,
+        "{left} {right}: small"
+    );
 }
 
 #[test]

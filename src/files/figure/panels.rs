@@ -63,7 +63,20 @@ impl Extent {
                 up.start.min(y)..up.end.max(y),
             )
         });
-        Some(Self { across, up })
+        // Straight lines along an axis have no extent across it, to which no pixels correspond.
+        let size = (across.end - across.start).max(up.end - up.start);
+        let widened = |range: Range<f64>| {
+            let by = if range.start < range.end {
+                0.0
+            } else {
+                1e-6 * size + 1e-12
+            };
+            range.start - by..range.end + by
+        };
+        Some(Self {
+            across: widened(across),
+            up: widened(up),
+        })
     }
 
     fn width(&self) -> f64 {
@@ -168,6 +181,24 @@ mod tests {
         let corners = [(0.0, 0.0), (size, 0.0), (size, size), (0.0, size)];
         let points = corners.map(|(x, y)| (x, Some(y)));
         Curve::new("rod", points.to_vec()).looking(Look::Bare)
+    }
+
+    #[test]
+    fn lines_along_an_axis_are_drawn() {
+        let line = |points: [(f64, f64); 2]| Panel {
+            title: "line".into(),
+            curves: vec![
+                Curve::new("rod", points.map(|(x, y)| (x, Some(y))).to_vec()).looking(Look::Bare),
+            ],
+        };
+        for ends in [
+            [(0.0, 0.3), (0.5, 0.3)],
+            [(0.3, 0.0), (0.3, 0.5)],
+            [(0.3, 0.3); 2],
+        ] {
+            let svg = panels(vec![line(ends)], 2).svg(&Paper::default());
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        }
     }
 
     #[test]

@@ -22,6 +22,14 @@ pub(super) struct Projected {
     pub nearness: f64,
 }
 
+/// Elevations of oblique views: of most scenes, and of those that lie flat, rad.
+const LOW: f64 = 15.0 * std::f64::consts::PI / 180.0;
+const HIGH: f64 = 40.0 * std::f64::consts::PI / 180.0;
+/// Angle between the thin axis of a scene that lies flat and the vertical, at most, rad.
+const STEEP: f64 = 30.0 * std::f64::consts::PI / 180.0;
+/// Least extent over the next larger one, as variances, below which a scene is thin.
+const THIN: f64 = 0.05;
+
 impl View {
     /// View from the direction `eye`, with z up (y up if the eye is above or below).
     pub fn from(eye: Vector3<f64>) -> Self {
@@ -41,7 +49,12 @@ impl View {
 
     /// View from the front (−y), slightly from the right and from above.
     pub fn oblique() -> Self {
-        let (azimuth, elevation) = (20f64.to_radians(), 15f64.to_radians());
+        Self::turned(0.0, LOW)
+    }
+
+    /// View from the front, turned about z by an angle, slightly from the right; from above by an elevation, rad.
+    fn turned(angle: f64, elevation: f64) -> Self {
+        let azimuth = angle + 20f64.to_radians();
         Self::from(Vector3::new(
             libm::sin(azimuth) * libm::cos(elevation),
             -libm::cos(azimuth) * libm::cos(elevation),
@@ -49,8 +62,18 @@ impl View {
         ))
     }
 
-    /// A view that shows the points well: normal to the plane of flat scenes, oblique for all
-    /// others.
+    /// The same view, from slightly above if it is level: in three dimensions the ground is then seen as a plane.
+    pub(super) fn raised(&self) -> Self {
+        let horizontal = libm::hypot(self.eye.x, self.eye.y);
+        if self.eye.z.abs() >= libm::sin(LOW) || horizontal == 0.0 {
+            return *self;
+        }
+        let [x, y] = [self.eye.x, self.eye.y].map(|part| part / horizontal * libm::cos(LOW));
+        Self::from(Vector3::new(x, y, libm::sin(LOW)))
+    }
+
+    /// A view that shows the points well: normal to the plane of flat scenes, oblique for all others, along the axis of
+    /// their least extent where that is much smaller than the others.
     pub fn fitting<'a>(points: impl Iterator<Item = &'a Vector3<f64>> + Clone) -> Self {
         // Extents (as variances) below these shares of the next larger one count as zero.
         const FLAT: f64 = 1e-4;
@@ -71,9 +94,26 @@ impl View {
             let normal = eigenvectors.column(order[0]).into_owned();
             // Of the two sides, the one from which x points right, or y if x is not visible.
             Self::from(normal * normal.dot(&Vector3::new(1.0, -1.0, 1.0)).signum())
+        } else if small < THIN * middle {
+            Self::across(&eigenvectors.column(order[0]).into_owned())
         } else {
             Self::oblique()
         }
+    }
+
+    /// An oblique view that shows a thin scene from one of its broad sides, given the normal to them.
+    fn across(normal: &Vector3<f64>) -> Self {
+        if normal.z.abs() > libm::cos(STEEP) {
+            return Self::turned(0.0, HIGH);
+        }
+        // Of both sides the one that is nearer to the front, or the right one.
+        let side = if normal.y.abs() > 1e-6 {
+            -normal.y
+        } else {
+            normal.x
+        };
+        let [x, y] = [normal.x, normal.y].map(|part| part * side.signum());
+        Self::turned(libm::atan2(x, -y), LOW)
     }
 
     /// Unit vector to the eye.
@@ -127,6 +167,36 @@ mod tests {
             let view = View::fitting(points.iter());
             frame_is_right_handed(&view);
             assert_eq!(view, View::oblique());
+        }
+    }
+
+    #[test]
+    fn thin_things_are_seen_from_a_broad_side_and_from_above() {
+        let arch = |along: Vector3<f64>, up: Vector3<f64>| -> Vec<Vector3<f64>> {
+            let across = along.cross(&up);
+            (0..=20)
+                .map(|k| std::f64::consts::PI * f64::from(k) / 20.0)
+                .map(|s| -along * s.cos() + up * s.sin() + across * (0.05 * (3.0 * s).sin()))
+                .collect()
+        };
+        let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+        let eye = |along, up| View::fitting(arch(along, up).iter()).eye;
+        for along in [x, y, (x + y).normalize()] {
+            let eye = eye(along, z);
+            assert!(eye.dot(&along).abs() < 0.5, "{eye:?} along the arch");
+            assert!((eye.z - LOW.sin()).abs() < 1e-9, "{eye:?}");
+        }
+        assert!(eye(x, y).z > 0.6, "from above");
+        assert!((eye(x, z) - View::oblique().eye).norm() < 1e-6);
+    }
+
+    #[test]
+    fn level_views_are_raised_and_others_kept() {
+        let raised = View::from(-Vector3::y()).raised();
+        frame_is_right_handed(&raised);
+        assert!((raised.eye.z - LOW.sin()).abs() < 1e-12 && raised.eye.y < -0.9);
+        for view in [View::oblique(), View::from(Vector3::z())] {
+            assert_eq!(view.raised(), view);
         }
     }
 }

@@ -42,6 +42,8 @@ pub struct RodsFigure {
     pub planes: Vec<Plane>,
     /// Rigid bodies in each picture; empty if there are none.
     pub bodies: Vec<Vec<Body>>,
+    /// A sentence below the pictures; empty for none.
+    pub note: String,
 }
 
 /// Snapshots side by side, without planes and names.
@@ -52,6 +54,7 @@ pub fn snapshots(snapshots: Vec<Snapshot>, view: View) -> Figure {
         names: Vec::new(),
         planes: Vec::new(),
         bodies: Vec::new(),
+        note: String::new(),
     })
 }
 
@@ -127,6 +130,15 @@ impl RodsFigure {
         draw_scale_bar(bar, grid.scale, em, &mut drawing);
         let axes = Vector2::new(paper.width - 3.2 * em, height - 1.9 * em);
         draw_axes(axes, &self.view, em, &mut drawing);
+        if !self.note.is_empty() {
+            drawing.text(Words {
+                text: &self.note,
+                at: [0.5 * paper.width, height - em],
+                size: em,
+                anchor: Anchor::Middle,
+                upright: false,
+            });
+        }
         drawing.finish(height)
     }
 }
@@ -218,6 +230,7 @@ mod tests {
             names: vec!["rope".into(), "post (held)".into()],
             planes,
             bodies: Vec::new(),
+            note: String::new(),
         }
     }
 

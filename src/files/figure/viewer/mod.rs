@@ -144,7 +144,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         "rods": rods,
         "planes": planes,
         "obstacles": obstacles,
-        "eye": case.view.eye().as_slice(),
+        "eye": case.view.raised().eye().as_slice(),
         "room": { "lower": lower.as_slice(), "size": size.as_slice() },
         "lower": bounds.lower.as_slice(),
         "size": bounds.size.as_slice(),

@@ -1,6 +1,7 @@
 //! Figures of a results directory.
 
 mod branch;
+mod close_up;
 mod curves;
 mod custom;
 mod error;
@@ -17,6 +18,7 @@ use super::obstacles::{bodies_at, obstacles_of, surfaces};
 use crate::experiment::{from_text, kind_named};
 use crate::scenario::Scenario;
 use branch::branch_figure;
+use close_up::cut_straight_ends;
 use rodlab_files::figure::{
     Figure, FigureOptions, Format, Plane, RodCurve, RodsFigure, Snapshot, View, is_picture,
     line_plots,
@@ -136,17 +138,12 @@ pub fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figure, Resu
     };
     let held: Vec<bool> = rods.iter().map(held).collect();
     let indexed: Vec<(usize, &NodePositions)> = outputs.iter().enumerate().collect();
-    let snapshots: Vec<Snapshot> = evenly_spread(&indexed, SNAPSHOTS)
+    let mut snapshots: Vec<Snapshot> = evenly_spread(&indexed, SNAPSHOTS)
         .map(|(index, output)| Snapshot {
             title: title(output.time, *index, outputs.len(), branches.as_ref()),
             rods: curves(output, rods, &held),
         })
         .collect();
-    let points = snapshots
-        .iter()
-        .flat_map(|snapshot| &snapshot.rods)
-        .flat_map(|rod| &rod.points);
-    let view = View::fitting(points);
     let planes = scenario.iter().flat_map(|scenario| &scenario.planes);
     let obstacles = obstacles_of(scenario.as_ref());
     let positions = outputs.iter().flat_map(|output| &output.positions);
@@ -162,8 +159,19 @@ pub fn rods_figure(directory: &Path, manifest: &Manifest) -> Result<Figure, Resu
             bodies
         })
         .collect();
+    let is_alone = obstacles.is_empty() && carried.is_empty() && springs.is_empty();
+    let is_cut = is_alone && planes.clone().next().is_none() && cut_straight_ends(&mut snapshots);
+    let points = snapshots
+        .iter()
+        .flat_map(|snapshot| &snapshot.rods)
+        .flat_map(|rod| &rod.points);
     Ok(Figure::Rods(RodsFigure {
-        view,
+        view: View::fitting(points),
+        note: if is_cut {
+            "The straight ends are cut off".into()
+        } else {
+            String::new()
+        },
         names: if (2..=NAMED_RODS).contains(&rods.len()) {
             let name = |(rod, held): (&RodRecord, &bool)| match held {
                 true => format!("{} (held)", rod.name),

@@ -52,16 +52,22 @@ class Camera {
     this.scale = scale;
   }
 
-  /** Shows the box whole in the free part of a canvas: all but `above` and `below`, pixels. */
-  fit(lower, size, { width, height, above, below }) {
+  /** Shows the box whole in the free part of a canvas: all but `above`, `below` and `right`, pixels. */
+  fit(lower, size, { width, height, above, below, right: beside = 0 }) {
     this.reach = 0.5 * norm(size);
-    const { right, up } = this.basis();
-    const half = (axis) => size.reduce((sum, extent, k) => sum + 0.5 * extent * Math.abs(axis[k]), 0);
-    const metresPerPixel = 1.18 * 2 * Math.max(half(up) / (height - above - below), half(right) / width);
-    this.scale = 0.5 * height * metresPerPixel;
+    const { right, up, eye } = this.basis();
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => size.map((extent, k) => (corner >> k & 1 ? 0.5 : -0.5) * extent));
+    // A corner before the target by d is seen larger: |r| / (distance − d) ≤ tan, with r to the side.
+    const tangent = Math.tan(Camera.HALF_ANGLE) / 1.12;
+    const distance = Math.max(...corners.map((corner) => {
+      const aside = Math.max(Math.abs(dot(up, corner)) * height / (height - above - below), Math.abs(dot(right, corner)) * height / (width - beside));
+      return aside / tangent + (this.parallel ? 0 : dot(eye, corner));
+    }));
+    this.scale = distance * Math.tan(Camera.HALF_ANGLE);
+    const metresPerPixel = 2 * this.scale / height;
     const centre = lower.map((x, k) => x + 0.5 * size[k]);
-    // The middle of the free part is above that of the canvas by half of what is taken more below.
-    this.target = add(centre, up, -0.5 * (below - above) * metresPerPixel);
+    // The middle of the free part is beside that of the canvas by half of what is taken more on the other side.
+    this.target = add(add(centre, up, -0.5 * (below - above) * metresPerPixel), right, 0.5 * beside * metresPerPixel);
   }
 
   distance() {

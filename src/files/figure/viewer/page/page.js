@@ -120,15 +120,16 @@ class Page {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     const boxes = (ids) => ids.map((id) => element(id).getBoundingClientRect()).filter((box) => box.height > 0);
     const below = height - Math.min(height, ...boxes(["transport", "chart-card", "ruler"]).map((box) => box.top));
-    // In low windows the tools lie in a row at the top.
+    // In low windows the tools lie in a row at the top, in others in a column on the right.
     const [tools] = boxes(["tools"]);
-    const row = tools && tools.width > tools.height ? tools.bottom : 0;
+    const isRow = tools && tools.width > tools.height;
+    const row = isRow ? tools.bottom : 0, right = tools && !isRow ? width - tools.left : 0;
     // Beside narrow cards there is room; where they span a small screen there is none.
     const cards = width < 640 ? boxes(["about", "legend"]).map((box) => box.bottom) : [];
     const above = Math.max(row, ...cards);
     const least = 0.4 * height, asked = height - above - below;
     const part = asked < least ? (height - least) / (above + below) : 1;
-    return { width, height, above: part * above, below: part * below };
+    return { width, height, above: part * above, below: part * below, right };
   }
 
   lookAlong(eye) {

@@ -8,6 +8,8 @@ const INSTANCE_BYTES = 80;
 const ROD_PARTS = [2, 2, 3, 3, 3, 3];
 /** Triangles that a modest graphics card draws smoothly. */
 const TRIANGLES = 400000;
+/** Contacts up to which rings have their full size. */
+const FEW_CONTACTS = 20;
 
 class Renderer {
   constructor(canvas) {
@@ -306,7 +308,7 @@ class Renderer {
     gl.disableVertexAttribArray(0);
   }
 
-  /** Rings at the contacts: clear where they are in sight, pale where rods are before them. */
+  /** Rings at the contacts: clear where they are in sight, pale where rods are before them; small and pale where they are many. */
   drawContacts(projection, look, density) {
     const gl = this.gl, { program, uniforms } = this.contact, shown = this.shown;
     const [from, to] = [shown.firstContact[look.frame], shown.firstContact[look.frame + 1]];
@@ -315,12 +317,14 @@ class Renderer {
     gl.uniformMatrix4fv(uniforms.projection, false, projection);
     gl.uniform3fv(uniforms.lower, shown.lower);
     gl.uniform3fv(uniforms.level, shown.level);
-    gl.uniform1f(uniforms.diameter, 11 * density);
+    // Many rings would hide the rods.
+    const share = Math.min(1, FEW_CONTACTS / (to - from));
+    gl.uniform1f(uniforms.diameter, (6 + 5 * share) * density);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.contacts);
     gl.bufferData(gl.ARRAY_BUFFER, shown.contacts.subarray(3 * from, 3 * to), gl.STREAM_DRAW);
     gl.enableVertexAttribArray(0);
     gl.vertexAttribPointer(0, 3, gl.UNSIGNED_SHORT, false, 6, 0);
-    for (const [test, opacity] of [[gl.GREATER, 0.55], [gl.LEQUAL, 1]]) {
+    for (const [test, opacity] of [[gl.GREATER, 0.55 * share], [gl.LEQUAL, 0.45 + 0.55 * share]]) {
       gl.depthFunc(test);
       gl.uniform1f(uniforms.opacity, opacity);
       gl.drawArrays(gl.POINTS, 0, to - from);
