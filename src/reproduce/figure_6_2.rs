@@ -52,7 +52,8 @@ fn write(page: &mut Page, cases: &[Case<Helices>], rows: &[BoundaryRow]) -> Resu
 fn write_section(page: &mut Page, _: &[Case<Helices>], rows: &[BoundaryRow]) -> Result<()> {
     page.text(
         "Helices without twisting moment, ω = 0. The thesis compares the discrete rod with a robot's experiments in \
-         this plane; here it is compared with the conjugate points of the smooth rod.",
+         this plane; here it is compared with the conjugate points of the smooth rod. The boundary itself is the first \
+         section of fig6.2.",
     );
     comparison(page, rows);
     Ok(())
@@ -77,11 +78,8 @@ fn sections(rows: &[BoundaryRow]) -> Vec<PageFigure> {
     figures.map(figure).collect()
 }
 
-/// The section ω = 0, and the difference of the discrete rod from theory there.
+/// The difference of the discrete rod from theory in the section ω = 0, which fig6.2 shows.
 fn section(rows: &[BoundaryRow]) -> Vec<PageFigure> {
-    let Some((_, plane)) = sections_of(rows).into_iter().next() else {
-        return Vec::new();
-    };
     let difference = |name: &str, value: fn(&BoundaryRow) -> Option<f64>| {
         curve(name, rows, |row| {
             let angle = libm::atan2(row.kappa, row.tau).to_degrees();
@@ -97,19 +95,11 @@ fn section(rows: &[BoundaryRow]) -> Vec<PageFigure> {
             }),
         ],
     );
-    vec![
-        PageFigure::new(
-            "fig6.6",
-            "The boundary in the plane ω = 0: the rod is stable on the side of the origin. Line, the smooth rod by \
-             conjugate points; marks, the discrete rod",
-            plane,
-        ),
-        PageFigure::new(
-            "fig6.6_difference",
-            "Distance of the boundary of the discrete rod from that of the smooth one, over it",
-            line_plots([plot], "Direction arctan(κ/τ) in degrees"),
-        ),
-    ]
+    vec![PageFigure::new(
+        "fig6.6_difference",
+        "Distance of the boundary of the discrete rod from that of the smooth one, over it",
+        line_plots([plot], "Direction arctan(κ/τ) in degrees"),
+    )]
 }
 
 fn comparison(page: &mut Page, rows: &[BoundaryRow]) {

@@ -9,7 +9,12 @@ use std::time::Instant;
 pub(super) const ARTIFACT: Artifact = Artifact {
     name: "tab4.1",
     title: "Table 4.1: time of planning folds",
-    recipe: &Free::new(Folded::of_table_4_1, write),
+    recipe: &Tabled::new(
+        Folded::of_table_4_1,
+        Rows::Series(|case| Ok(row(case).into_iter().collect())),
+        write,
+        |rows| vec![figure(rows)],
+    ),
 };
 
 /// Times of the thesis, s: of its own method, two of which are missing in the printed table, and of
@@ -29,9 +34,9 @@ const FRICTION: f64 = 0.12;
 const TIMES: usize = 3;
 
 /// A row of the CSV file; times in ms.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 struct Row {
-    scenario: &'static str,
+    scenario: String,
     manifold_ms: f64,
     plan_ms: f64,
     held_manifold_ms: Option<f64>,
@@ -39,16 +44,15 @@ struct Row {
 }
 
 /// Writes the table.
-fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
+fn write(page: &mut Page, _: &[Case<Folded>], rows: &[Row]) -> Result<()> {
     page.text(
         "Wall time of plans, on the machine and with the threads of the manifest, beside those of the thesis (one \
          Intel i9-9900KF). The exact manifold of a sheet is computed once; each plan then consists of the grid search, \
          the continuous refinement and the exact solution of all its folds. Plans with a moment use a separate \
          manifold. The thesis' numbers are as printed; two of the seven of its own method are missing there.",
     );
-    let rows: Vec<Row> = cases.iter().filter_map(row).collect();
     page.table(columns! { (row, (own, other)) in rows.iter().zip(THESIS);
-        "scenario" => row.scenario,
+        "scenario" => row.scenario.clone(),
         "manifold, ms" => number(row.manifold_ms, 0),
         "plan, ms" => number(row.plan_ms, 1),
         "manifold with moments, ms" => number(row.held_manifold_ms, 0),
@@ -56,8 +60,6 @@ fn write(page: &mut Page, cases: &[Case<Folded>]) -> Result<()> {
         "thesis, s" => number(own, 2),
         "Petrík et al. in the thesis, s" => number(other, 2),
     });
-    page.csv(&rows)?;
-    page.figure(&figure(&rows))?;
     Ok(())
 }
 
@@ -84,7 +86,7 @@ fn figure(rows: &[Row]) -> PageFigure {
     let plot = plot("time of a plan in s", curves);
     let style = PlotStyle {
         vertical: vec![AxisScale::Logarithmic],
-        names: rows.iter().map(|row| row.scenario.to_owned()).collect(),
+        names: rows.iter().map(|row| row.scenario.clone()).collect(),
         ..PlotStyle::default()
     };
     PageFigure::new(
@@ -114,7 +116,7 @@ fn row(case: &Case<Folded>) -> Option<Row> {
     let [manifold_ms, plan_ms] = timed(Algorithm::Optimal(Objective::Sum))?;
     let held = timed(Algorithm::Held { friction: FRICTION });
     Some(Row {
-        scenario: scenario.name,
+        scenario: scenario.name.into(),
         manifold_ms,
         plan_ms,
         held_manifold_ms: held.map(|[manifold, _]| manifold),

@@ -77,7 +77,8 @@ fn write(page: &mut Page, cases: &[Case<Laying>]) -> Result<()> {
          points without the lead-in (thesis Eq. 5.11, the deviations squared). Below each value is the value measured \
          in the thesis. The thesis calls friction low, medium and high: 0.2, 0.4 and 0.8 here. Line, circle and sine \
          are as long and as wide as those of the thesis, letters were redrawn. A star marks patterns that need more \
-         friction somewhere than the table has (thesis Eq. 5.2), so that the rod must slide there.",
+         friction somewhere than the table has, for their curvature (thesis Eq. 5.2) or at the contact node, so that \
+         the rod must slide there.",
     );
     page.table(patterns(&rows));
     page.text(&verdict(&rows));

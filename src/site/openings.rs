@@ -76,7 +76,7 @@ const OPENINGS: &[[&str; 4]] = &[
     ],
     [
         "cluster",
-        "fig6.6/fig6.6.svg",
+        "fig6.2/section_kappa_tau.svg",
         "Where 328 helices lose stability",
         "rodlab submit cantilever_sweep --print",
     ],
