@@ -99,7 +99,7 @@ struct HandEyeArguments {
     /// The camera does not move and the hand holds the target
     #[arg(long)]
     fixed_camera: bool,
-    /// Print the result as JSON (it always is)
+    /// Accepted for uniformity: the result is always JSON
     #[arg(long)]
     json: bool,
 }

@@ -82,7 +82,7 @@ pub struct Page {
 }
 
 impl Page {
-    /// What the page is called on the command line, such as `exit-codes`.
+    /// Name of the page on the command line, such as `exit-codes`.
     pub fn topic(&self) -> String {
         self.name.replace('_', "-")
     }

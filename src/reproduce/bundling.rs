@@ -40,7 +40,7 @@ pub(super) enum Scheme {
 }
 
 impl Scheme {
-    /// In the notation of scenario files.
+    /// Name of the scheme in scenario files.
     pub fn key(self) -> &'static str {
         match self {
             Self::ImplicitEuler => "implicit-euler",
@@ -62,7 +62,7 @@ pub(super) enum Step {
 pub(super) const STEP: Step = Step::Fixed(1e-3);
 
 impl Step {
-    /// In the notation of scenario files.
+    /// Name of the scheme in scenario files.
     pub fn key(self) -> String {
         match self {
             Self::Fixed(step) => format!("{step:?}"),

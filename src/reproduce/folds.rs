@@ -275,7 +275,7 @@ impl Run for Folded {
     fn extent(&self) -> String {
         match self.shortened {
             Some(end) => format!("{end} s were simulated"),
-            None => "sheets of one trial were folded".to_owned(),
+            None => "one trial of each fold was simulated".to_owned(),
         }
     }
 }

@@ -97,7 +97,7 @@ pub fn read_table(path: &Path) -> Result<Table, TableError> {
     }
     if reader.position().byte() > LARGEST {
         let message = format!(
-            "it is larger than {} MiB; allowed: at most that",
+            "it is larger than {} MiB, the largest size allowed",
             LARGEST >> 20
         );
         return Err(fault(None, message));

@@ -17,7 +17,7 @@ use nalgebra::{Isometry3, Matrix3};
 pub struct Calibration {
     /// The lens.
     pub lens: Lens,
-    /// For each view the board in the camera's axes.
+    /// Pose of the board in the camera's axes, for each view.
     pub boards: Vec<Isometry3<f64>>,
     /// Root mean square of the distances between found and computed corners over all views, pixels.
     pub reprojection_rms: f64,

@@ -151,16 +151,16 @@ pub fn compare_markers(
 
 /// The rule for the loss of stability.
 ///
-/// The rod is unstable once its error is above `upper` in `frames` pictures in a row, and stable
+/// The rod is unstable once its error is above `upper` in `frames` consecutive pictures, and stable
 /// again once it is below `lower` in as many. Between the bounds the state is kept, so noise about
 /// one of them has no effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InstabilityRule {
     /// Error above which the rod is not a helix, metres.
     pub upper: f64,
-    /// Error below which it is one again, metres; less than `upper`.
+    /// Error below which the rod is a helix again, metres; less than `upper`.
     pub lower: f64,
-    /// Pictures in a row that decide.
+    /// Number of consecutive pictures needed for a change of state.
     pub frames: usize,
 }
 

@@ -38,7 +38,9 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
             0 => format!("{largest} bytes"),
             mebibytes => format!("{mebibytes} MiB"),
         };
-        return Err(format!("it is larger than {size}; allowed: at most that"));
+        return Err(format!(
+            "it is larger than {size}, the largest size allowed"
+        ));
     }
     Ok(bytes)
 }

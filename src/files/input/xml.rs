@@ -33,7 +33,7 @@ pub fn check_nesting(text: &str) -> Result<(), String> {
             if depth > DEEPEST {
                 let line = text[..text.len() - rest.len()].matches('\n').count() + 1;
                 return Err(format!(
-                    "line {line}: elements are nested more than {DEEPEST} levels deep; allowed: at most that"
+                    "line {line}: elements are nested more than {DEEPEST} levels deep, which is not allowed"
                 ));
             }
             rest = &rest[end..];

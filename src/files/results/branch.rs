@@ -24,7 +24,7 @@ pub struct BranchRow {
     /// Negative pivots of the Hessian: directions in which the energy falls. Under forces without an energy, small motions that
     /// grow; one that oscillates counts twice.
     pub negative_pivots: usize,
-    /// Whether there are no such directions.
+    /// Whether the equilibrium is stable: it has no such directions.
     pub stable: bool,
     /// Lowest eigenvalue of the Hessian; empty under forces without an energy.
     pub lowest_eigenvalue_n_per_m: Option<f64>,

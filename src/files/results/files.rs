@@ -20,9 +20,9 @@ pub const SUMMARY: &str = "summary.csv";
 pub const TIMINGS: &str = "timings.csv";
 /// The rods at several times, drawn from the node positions.
 pub const RODS_FIGURE: &str = "rods.svg";
-/// The series over time, drawn.
+/// Figure of the series over time.
 pub const SERIES_FIGURE: &str = "series.svg";
-/// Outcomes of a sweep over its parameters, drawn.
+/// Figure of the outcomes of a sweep over its parameters.
 pub const SWEEP_FIGURE: &str = "sweep.svg";
 /// Points of a path of equilibria.
 pub const BRANCH: &str = "branch.csv";

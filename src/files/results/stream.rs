@@ -85,7 +85,7 @@ impl CsvStream {
         self.write_with(row, &[], &[])
     }
 
-    /// Appends a row and further cells, the names of whose columns are `names`.
+    /// Appends a row and further cells; `names` are the names of their columns.
     pub fn write_with(
         &mut self,
         row: &impl Serialize,

@@ -47,8 +47,8 @@ impl fmt::Display for TaskState {
     }
 }
 
-/// The tasks of the given jobs, by number; of several jobs with the same task the last job counts. Tasks that
-/// Slurm has forgotten, as it does some minutes after their end, are missing.
+/// The tasks of the given jobs, by number; if several jobs have the same task, the last job counts. Slurm drops tasks some
+/// minutes after their end; these are missing.
 ///
 /// # Errors
 /// [`ClusterError::Missing`] where there is no `scontrol`; [`ClusterError::Failed`] where it fails for a

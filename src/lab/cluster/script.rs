@@ -26,8 +26,8 @@ pub struct Program {
 /// The script that runs the given tasks (counted from 1).
 ///
 /// Task K runs the K-th share of the cases. A task that receives the signal before its time limit writes checkpoints
-/// and puts itself into the queue again; so does one whose program was killed. One that is cancelled writes
-/// checkpoints, if Slurm leaves it the time, and stays out of the queue.
+/// and puts itself into the queue again; so does one whose program was killed. A cancelled task writes
+/// checkpoints, if Slurm leaves it the time, and is not queued again.
 ///
 /// # Errors
 /// [`ClusterError::NotOneLine`] where a name or an option would break a line of the script, [`ClusterError::NotOneWord`] where

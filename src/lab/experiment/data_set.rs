@@ -19,7 +19,7 @@ pub const SAMPLES: &str = "samples.csv";
 /// The same as a figure.
 pub const SAMPLES_FIGURE: &str = "samples.svg";
 
-/// From one number to another.
+/// Range of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Span {
     /// The least.

@@ -42,7 +42,7 @@ pub struct DerivedNumbers {
     /// Boundary of the flow of a fluid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flow: Option<String>,
-    /// Those of its kind of experiment.
+    /// Derived numbers of its kind of experiment.
     #[serde(flatten)]
     pub own: Option<OwnNumbers>,
     /// Unknowns of Newton's method, those held by clamps and obstacles not counted.
@@ -75,7 +75,7 @@ pub struct Creep {
     pub speed: f64,
     /// Distance at that speed in the whole run, m.
     pub way: f64,
-    /// That distance over the radius of the thinnest rod.
+    /// Distance `way` over the radius of the thinnest rod.
     pub way_in_radii: f64,
 }
 
@@ -97,7 +97,7 @@ pub struct DerivedRod {
     /// Gravito-bending length (EI/2w)^⅓ of the smaller stiffness, w the weight per length, m; `None`
     /// without gravity.
     pub gravito_bending_length: Option<f64>,
-    /// Period of the lowest bending mode were the rod straight and clamped at one end, s.
+    /// Period of the lowest bending mode of a straight rod of this kind, clamped at one end, s.
     pub bending_period: f64,
 }
 

@@ -34,7 +34,7 @@ struct Near {
 }
 
 impl FlowGuard {
-    /// For a scene with a fluid and a wall.
+    /// The guard of a scene with a fluid and a wall; `None` for other scenes.
     pub fn of(scene: &Scene) -> Option<Self> {
         let Some(FluidModel::RegularizedStokeslets { regularization, .. }) = scene.fluid else {
             return None;

@@ -32,7 +32,7 @@ pub struct CarriedBody {
     placed: [Vector3; 2],
 }
 
-/// Those of a scenario, whose nodes were placed at `start`.
+/// Bodies that the rods of a scenario carry; its nodes were placed at `start`.
 pub fn carried_bodies(
     scenario: Option<&Scenario>,
     rods: &[RodRecord],
@@ -79,7 +79,7 @@ impl CarriedBody {
         }
     }
 
-    /// As figures show it with the nodes at these positions.
+    /// The body as figures show it, with the nodes at these positions.
     pub fn at(&self, positions: &[Vector3]) -> Body {
         let pose = self.pose(positions);
         let placed = |corners: &[Vector3; 3]| corners.map(|corner| pose.of(&corner));
@@ -89,7 +89,7 @@ impl CarriedBody {
         }
     }
 
-    /// As the 3-D page shows it with the nodes at the positions of each output.
+    /// The body as the 3-D page shows it, with the nodes at the positions of each output.
     pub fn in_motion<'a>(&self, outputs: impl Iterator<Item = &'a [Vector3]>) -> MovieObstacle {
         MovieObstacle {
             triangles: self.triangles.clone(),

@@ -54,7 +54,7 @@ impl DrawnSpring {
         [across, tangent.cross(&across), along, from]
     }
 
-    /// As figures show it with the nodes at these positions.
+    /// The spring as figures show it, with the nodes at these positions.
     pub fn at(&self, positions: &[Vector3]) -> Body {
         let [first, second, along, from] = self.placed(positions);
         let placed =
@@ -68,7 +68,7 @@ impl DrawnSpring {
         }
     }
 
-    /// As the 3-D page shows it with the nodes at the positions of each output.
+    /// The spring as the 3-D page shows it, with the nodes at the positions of each output.
     pub fn in_motion<'a>(&self, outputs: impl Iterator<Item = &'a [Vector3]>) -> MovieObstacle {
         let matrix = |positions: &[Vector3]| {
             let mut matrix = [0.0; 16];

@@ -31,7 +31,7 @@ pub struct PreparedRun {
     pub observers: Vec<Box<dyn Observer>>,
     /// Controllers in their state at the start.
     pub controllers: Vec<Box<dyn Controller>>,
-    /// Job that fills a table instead of moving the scene, which then shows the first of many.
+    /// Job that fills a table instead of moving the scene; the scene is then that of the first row.
     pub table: Option<Arc<dyn TableRun>>,
     /// Names of the files that kinds of experiments add to those of every run: starting over removes them, too.
     pub own_files: Vec<&'static str>,

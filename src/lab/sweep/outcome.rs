@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Finding of one search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// Index of the case of the keys that are not searched.
+    /// Index of the combination of the other varied keys.
     pub index: usize,
     /// The value of the searched key, in the unit in which the ends of the interval were typed; `None` where
     /// the search did not finish.

@@ -16,7 +16,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Mutex;
 
-/// Findings of the searches, a row per case of the keys that are not searched.
+/// Results of the searches: a row for each combination of the other varied keys.
 pub const SEARCH_TABLE: &str = "search.csv";
 
 /// Why a search ends early.

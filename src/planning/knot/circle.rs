@@ -15,7 +15,7 @@ pub struct FittedCircle {
 
 /// Fits a circle: in the plane of least squares, the circle of least squares of |p − c|² − R² (Kåsa 1976).
 ///
-/// That measure is biased for short arcs and not for whole circles. `None` for fewer than three points or points on
+/// This fit is biased for short arcs, and not for whole circles. `None` for fewer than three points or points on
 /// a line.
 pub fn fit_circle(points: &[Vector3]) -> Option<FittedCircle> {
     if points.len() < 3 {

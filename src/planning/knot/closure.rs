@@ -26,8 +26,8 @@ pub fn closed_far_away(nodes: &[Vector3]) -> Option<Vec<Vector3>> {
 }
 
 /// Two rods whose ends are pulled along `axis`, two to each side, as one closed curve: a path joins
-/// the starts of the rods to each other, another one their ends. Both leave the rods along the
-/// axis, outwards, and close on either side of it, that of the ends on the side where the ends are.
+/// the starts of the rods to each other, another one their ends. Both paths leave the
+/// rods outwards along the axis. They close on opposite sides of it, the second one on the side of the ends.
 pub fn joined_far_away(rods: [&[Vector3]; 2], axis: &Vector3) -> Option<Vec<Vector3>> {
     let starts = [*rods[0].first()?, *rods[1].first()?];
     let ends = [*rods[0].last()?, *rods[1].last()?];

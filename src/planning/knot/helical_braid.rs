@@ -51,7 +51,7 @@ impl HelicalBraid {
     }
 
     /// The pitch b at which b times [`unwinding_moment`](Self::unwinding_moment) is largest: b² = (1 + √(3/2))/2.
-    /// Longer braids of the same angle turn back with less, and with less than in proportion to 1/l_b.
+    /// The moment under which longer braids of the same angle turn back falls faster than 1/l_b.
     pub fn steepest_pitch() -> f64 {
         (0.5 * (1.0 + 1.5f64.sqrt())).sqrt()
     }

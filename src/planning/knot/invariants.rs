@@ -17,7 +17,7 @@ pub struct KnotInvariants {
 }
 
 impl KnotInvariants {
-    /// Those of a closed polygon, whose last node is joined to the first. `None` if two segments cross in space, or if no direction of
+    /// Invariants of a closed polygon, whose last node is joined to the first. `None` if two segments cross in space, or if no direction of
     /// projection was found in which all crossings are clear.
     pub fn of_closed(nodes: &[Vector3]) -> Option<Self> {
         Some(Self {

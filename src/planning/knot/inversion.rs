@@ -53,7 +53,7 @@ const NEARLY: f64 = 0.95;
 ///
 /// Tractions also fall steeply elsewhere: at the start of a pull from a loose knot, when the
 /// friction of the settled strands gives way, and when the corners of a tight knot jerk. The loop
-/// distinguishes these cases, so that there is no inversion by force without one by height.
+/// distinguishes these cases, so an inversion by force counts only together with one by height.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct InversionWatch {
     /// l̄_k when the loop was last upright.

@@ -393,7 +393,7 @@ impl Model {
         }
         if width != about.outputs.len() {
             return Err(contradiction(format!(
-                "the last layer has {width} outputs, but {} names",
+                "the last layer has {width} outputs, but there are {} names of outputs",
                 about.outputs.len()
             )));
         }

@@ -39,7 +39,7 @@ pub struct HandPath {
 }
 
 impl Cell {
-    /// Follows poses from pose to pose, the other arms at rest.
+    /// Follows poses from pose to pose, while the other arms are at rest.
     pub fn follow_poses(&self, request: &HandPathRequest<'_>) -> HandPath {
         let arm = &self.arms[request.arm];
         let surroundings = self.surroundings();

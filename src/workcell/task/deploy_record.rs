@@ -10,9 +10,9 @@ use std::path::Path;
 /// Distances of a rod from its pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DeployScore {
-    /// Of points at equal parts of both lengths.
+    /// Distances between points at equal fractions of both lengths.
     pub by_arc_length: CurveError,
-    /// To the nearest point of the rod.
+    /// Distances to the nearest point of the rod.
     pub by_nearest_point: CurveError,
 }
 

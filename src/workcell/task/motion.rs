@@ -38,8 +38,8 @@ pub struct DeployMotion {
 }
 
 impl MotionRequest<'_> {
-    /// Plans the laying along a path, which is made for the room that there is: of a rod that is longer than its pattern as much is
-    /// laid as the arm can. The other results of the path are returned with the motion.
+    /// Plans how an arm lays a rod along a path that fits the room on the table: of a rod that is longer than its pattern, the arm
+    /// lays as much as it can. The other results of the path are returned with the motion.
     ///
     /// # Errors
     /// No path exists, or the arm cannot follow it.

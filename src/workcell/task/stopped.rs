@@ -22,7 +22,7 @@ pub struct Stopped {
 /// Laid part of a rod along its path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LaidLength {
-    /// Length that lies, m; `None` where the arm does not report its joints.
+    /// Length of the rod laid so far, m; `None` where the arm does not report its joints.
     pub laid_m: Option<f64>,
     /// Length of the whole path, m.
     pub path_m: f64,

@@ -30,7 +30,7 @@ pub struct LaidOutlines {
 /// Rods, patterns and pegs from above at the last output; `None` where the run wrote no nodes.
 ///
 /// # Errors
-/// Where files of the run cannot be read.
+/// Files of the run cannot be read.
 pub fn laid_outlines(directory: &Path) -> Result<Option<LaidOutlines>, FigureError> {
     if !directory.join(NODES).exists() {
         return Ok(None);
@@ -124,7 +124,7 @@ fn broken_below(rods: &[Vec<Vector3>], gap: f64) -> Vec<Outline> {
 /// The figure of these; `None` where the run wrote no nodes.
 ///
 /// # Errors
-/// Where files of the run cannot be read.
+/// Files of the run cannot be read.
 pub fn laid_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
     let Some(outlines) = laid_outlines(directory)? else {
         return Ok(None);

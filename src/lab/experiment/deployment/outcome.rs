@@ -22,7 +22,7 @@ pub struct DerivedDeployment {
 }
 
 impl DerivedDeployment {
-    /// Those of all rods of a deployment in one.
+    /// Combines the numbers of all rods of a deployment.
     pub fn of_all(rods: impl Iterator<Item = Self>) -> Self {
         let least = |one: Option<f64>, other: Option<f64>| match (one, other) {
             (Some(one), Some(other)) => Some(one.min(other)),

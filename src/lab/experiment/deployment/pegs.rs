@@ -81,8 +81,8 @@ pub fn passes(rod: &[Vector3], pattern: &[[f64; 2]], peg: &Peg) -> bool {
     is_on_its_side(from_above, pattern, &axis) && height_beside(rod, &axis) < peg.height
 }
 
-/// Whether a rod that was seen from above passes a peg on the same side as its pattern, and nowhere lies on it: its
-/// centreline is farther from the axis than the radius of the peg.
+/// Whether a rod, seen from above, passes a peg on the same side as its pattern without lying on the peg: its centreline is
+/// farther from the axis of the peg than the radius of the peg.
 pub fn passes_beside(rod: &[Vector2<f64>], pattern: &[[f64; 2]], peg: &Peg) -> bool {
     let axis = Vector2::from(peg.position);
     let is_beside = rod.windows(2).all(|edge| {

@@ -14,7 +14,7 @@ pub struct RodFile {
     pub title: String,
     /// The rod.
     pub rod: DeployedRod,
-    /// Mass per volume, kg/m³. For the shape it does not matter beside the gravito-bending length.
+    /// Mass per volume, kg/m³. The shape depends on the gravito-bending length, and not on the density.
     pub density: f64,
     /// Edges of the simulated rod; the default number where it is `None`.
     pub edges: Option<u32>,

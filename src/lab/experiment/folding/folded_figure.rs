@@ -21,7 +21,7 @@ pub struct FoldedOutlines {
 /// The sheet from the side at equal distances in time, and the path of its edge; `None` where the run wrote no nodes.
 ///
 /// # Errors
-/// Where files of the run cannot be read.
+/// Files of the run cannot be read.
 pub fn folded_outlines(directory: &Path) -> Result<Option<FoldedOutlines>, FigureError> {
     if !directory.join(NODES).exists() {
         return Ok(None);
@@ -57,7 +57,7 @@ pub fn folded_outlines(directory: &Path) -> Result<Option<FoldedOutlines>, Figur
 /// The figure of these; `None` where the run wrote no nodes.
 ///
 /// # Errors
-/// Where files of the run cannot be read.
+/// Files of the run cannot be read.
 pub fn folded_figure(directory: &Path) -> Result<Option<Figure>, FigureError> {
     let Some(outlines) = folded_outlines(directory)? else {
         return Ok(None);

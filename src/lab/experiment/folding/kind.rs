@@ -112,7 +112,7 @@ impl Kind for FoldingKind {
             largest_gripper_speed_m_s: watched.largest_speed,
         };
         let sheet = format!(
-            "{:.4} m = {:.3} L_gb; its edge goes {:.4} m",
+            "{:.4} m = {:.3} L_gb; its edge moves by {:.4} m",
             watched.length,
             watched.length / watched.gravito_bending_length,
             watched.target

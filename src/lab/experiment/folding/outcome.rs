@@ -10,7 +10,7 @@ pub struct FoldingOutcome {
     pub largest_sliding_m: f64,
     /// Its displacement at the end, along the fold, m.
     pub final_sliding_m: f64,
-    /// From the edge to the crease, along the sheet, m; `None` where there is no fold.
+    /// Distance from the edge to the crease along the sheet, m; `None` where there is no fold.
     pub fold_length_m: Option<f64>,
     /// Difference from the length asked for, m.
     pub fold_length_error_m: Option<f64>,

@@ -18,7 +18,7 @@ const BANDS: [(f64, &str); 3] = [
 /// The figure of the samples in a results directory.
 ///
 /// # Errors
-/// Where they cannot be read.
+/// The samples cannot be read.
 pub fn samples_figure(directory: &Path) -> Result<Figure, ResultsError> {
     let rows: Vec<Sample> = read_whole_rows(&directory.join(SAMPLES))?.rows;
     Ok(figure(&rows))

@@ -31,7 +31,7 @@ pub struct Sample {
     pub y: Option<f64>,
     /// Place of the gripper.
     pub z: Option<f64>,
-    /// l̄_s, stretched as it hangs, less the height of the gripper.
+    /// Length l̄_s as stretched by its weight, minus the height of the gripper.
     pub drop: Option<f64>,
     /// y over κ̄.
     pub y_per_curvature: Option<f64>,

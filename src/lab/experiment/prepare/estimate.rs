@@ -12,8 +12,8 @@ const MOST_PAIRS: f64 = 3e6;
 /// Edges whose neighbours on other rods are counted; those of the others are taken to be as many.
 const COUNTED: usize = 2000;
 
-/// Refuses edges so short, or so many of different rods so near to each other, that contact would have too many pairs of
-/// them: the index of a rod at fault, and why.
+/// Refuses scenes in which contact would have too many pairs of edges, because edges are too short, or too many edges of
+/// different rods are near each other. The error is the index of a rod at fault and a message.
 pub fn refuse_countless_pairs(scene: &Scene) -> Result<(), (usize, String)> {
     let Some(contact) = scene.contact else {
         return Ok(());

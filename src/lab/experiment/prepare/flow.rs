@@ -74,7 +74,7 @@ pub(super) fn left_out(scene: &Scene, scenario: &Scenario) -> Vec<String> {
         clamp.holds_frame && (motion.angular_velocity != 0.0 || !motion.angle.is_empty())
     });
     let spin = (scene.spin_drag && scene.wall.is_some() && is_spun).then(|| {
-        "the torque on rods that spin about their own axes is part of the flow, but not how that moves the fluid beside the wall".to_owned()
+        "the flow includes the torque on rods that spin about their own axes, but not the motion of the fluid that this spin causes near the wall".to_owned()
     });
     planes.chain(obstacles).chain(bodies).chain(spin).collect()
 }

@@ -18,7 +18,8 @@ pub struct Jitter {
 }
 
 impl Jitter {
-    /// Of a root mean square in each direction, m, and about each axis, rad, with the period (s) of the fastest wave, by a seed.
+    /// Draws a jitter from a seed: `rms` is its root mean square in each direction (m) and about each axis (rad), `period` that of
+    /// its fastest wave, s.
     pub fn new(rms: [f64; 2], period: f64, seed: u64) -> Self {
         let mut number = uniform_numbers(seed);
         let waves = std::array::from_fn(|_| {

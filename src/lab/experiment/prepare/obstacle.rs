@@ -78,7 +78,7 @@ pub fn place_obstacle(
     let mut coordinates = body.vertices.iter().flat_map(|vertex| vertex.iter());
     if body.radius > farthest || coordinates.any(|coordinate| coordinate.abs() > farthest) {
         let message = format!(
-            "it reaches farther than {farthest:e} m from the origin; allowed: at most that, {FARTHEST:e} times the radius of the thinnest rod"
+            "it reaches too far from the origin; allowed: at most {farthest:e} m, {FARTHEST:e} times the radius of the thinnest rod"
         );
         return Err(Issue::new(path.key("shape"), message));
     }

@@ -99,7 +99,7 @@ impl CorrectedPath {
         RISEN * self.rod.gravito_bending_length
     }
 
-    /// Index of the first pose that is the length between two corrections further along the pattern than another one.
+    /// Index of the pose of the next correction: the first one that is `every` farther along the pattern than pose `index`.
     pub fn after(&self, index: usize) -> usize {
         let wanted = self.pattern[index].s + self.every * (1.0 - 1e-9);
         self.pattern.partition_point(|point| point.s < wanted)

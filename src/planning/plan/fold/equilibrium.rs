@@ -120,8 +120,8 @@ impl Fold {
         Self::held(gripper, Condition::Angle(angle), near)
     }
 
-    /// With the gripper at (x̄, z̄) and its angle held so that a sheet of length L̄ pulls along the table with `ratio` of what it
-    /// presses on it with, H = `ratio` ((L̄ − l̄_s)/2 − V), from another fold nearby.
+    /// Fold with the gripper at (x̄, z̄) at the angle where the force of a sheet of length L̄ along the table is `ratio` times its
+    /// pressure on the table, H = `ratio` ((L̄ − l̄_s)/2 − V). The search starts from another fold nearby.
     pub fn pushing_at(gripper: [f64; 2], ratio: f64, length: f64, near: &Self) -> Option<Self> {
         Self::held(gripper, Condition::Push { ratio, length }, near)
     }

@@ -30,7 +30,7 @@ pub struct Sheet {
 /// A planned fold.
 #[derive(Clone, Debug)]
 pub struct FoldPath {
-    /// From nearly flat to the crease target.
+    /// Folds in order, from the nearly flat sheet to the crease target.
     pub folds: Vec<Fold>,
     /// Number of them that only lift the edge, without a push along the table.
     pub lift: usize,
@@ -143,7 +143,7 @@ pub fn way_over(
     Ok((leave, way.collect()))
 }
 
-/// Number of folds of a lift that are kept at a spacing, and these with the path after it.
+/// Thins a lift to a spacing and appends the path after it; returns the number of folds kept of the lift, and all folds.
 pub fn after_lift(lift: &[Fold], way: &[Fold], spacing: f64) -> (usize, Vec<Fold>) {
     let mut folds = lift.to_vec();
     thin(&mut folds, spacing);

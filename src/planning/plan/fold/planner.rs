@@ -51,7 +51,7 @@ pub struct FoldPlanner {
 }
 
 impl FoldPlanner {
-    /// With the force manifold of the method.
+    /// Creates a planner, and computes the force manifold of the method.
     pub fn new(sheet: Sheet, algorithm: Algorithm) -> Self {
         let atlas = FoldAtlas::new();
         let spacing = ForceManifold::SPACING;
@@ -69,8 +69,8 @@ impl FoldPlanner {
         }
     }
 
-    /// With the folds of a network, for [`Objective::Sum`]; if too many of them differ from exact
-    /// ones, with exact folds.
+    /// Creates a planner that uses the folds of a network, for [`Objective::Sum`]; if too many of them
+    /// differ from exact ones, it uses exact folds.
     ///
     /// # Errors
     /// As of [`NeuralFolds::manifold`].
@@ -146,9 +146,9 @@ impl FoldPlanner {
         }
     }
 
-    /// The next part of a path for a slid sheet (thesis Algorithm 5): the gripper is at a planned
-    /// pose; relative to the sheet, which has slid by `farther`, L_gb, since planning, it is
-    /// behind, and continues to its planned goal. Poses are those on the sheet.
+    /// Replans the next part of a path for a sheet that has slid by `farther`, L_gb, since planning
+    /// (thesis Algorithm 5). The gripper is at a planned pose, behind its place on the sheet, and
+    /// continues to its planned goal. Poses are those on the sheet.
     ///
     /// # Errors
     /// No path leads there, or the gripper is beyond the end of the sheet.

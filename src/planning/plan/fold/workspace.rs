@@ -48,8 +48,8 @@ impl Workspace {
         })
     }
 
-    /// Its outline: along the taut sheets from the shortest to the longest ones, along these to
-    /// where they end, back to the shortest ones, and along these.
+    /// Its outline, in four parts: taut sheets from the shortest to the longest suspended length, the
+    /// longest one to its end, the ends back to the shortest one, and the shortest one.
     pub fn outline(&self) -> &[[f64; 2]] {
         &self.outline
     }

@@ -95,7 +95,7 @@ pub struct Leg {
 }
 
 impl Elimination {
-    /// Of the second variations of a rod's elements.
+    /// Eliminates the inner nodes of a rod, given the second variations of its elements.
     pub fn of(variations: &[Variation]) -> Self {
         let mut legs = Vec::with_capacity(variations.len());
         let mut conditions = Matrix3::zeros();
@@ -130,15 +130,15 @@ impl Elimination {
 
 /// Blocks of an element's second variation, for the rotations of its two ends.
 pub struct Variation {
-    /// Of its first end.
+    /// Second derivatives with respect to the rotation of the first end.
     pub before: Matrix3,
-    /// Of its first end with its second one.
+    /// Mixed second derivatives: first end, second end.
     pub across: Matrix3,
-    /// Of its second end.
+    /// Second derivatives with respect to the rotation of the second end.
     pub after: Matrix3,
     /// ∂(position of the gripper)/∂θ, the same for both ends.
     pub condition: Matrix3,
-    /// For the multiplier of the gripper's position.
+    /// Block of the Lagrange multiplier of the gripper's position.
     pub multiplier: Matrix3,
 }
 

@@ -51,7 +51,7 @@ impl PatternSource {
 pub struct Drawing {
     /// Length of its longer side, m; `None` as drawn.
     pub size: Option<f64>,
-    /// From the last point to the first.
+    /// Whether the pattern runs from its last point to the first.
     pub reverse: bool,
 }
 

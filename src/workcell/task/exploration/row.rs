@@ -85,11 +85,11 @@ pub fn read_rows(directory: &Path) -> Result<Vec<ExplorationRow>, ResultsError> 
 /// Results against theory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ExplorationSummary {
-    /// Directions explored.
+    /// Number of directions explored.
     pub directions: usize,
-    /// Those in which the rod buckled.
+    /// Number of directions in which the rod buckled.
     pub buckled: usize,
-    /// Those in which theory predicts an instability within reach that was not seen.
+    /// Number of directions in which theory predicts an instability within reach, and none was seen.
     pub missed: usize,
     /// Mean of |found/theory − 1| over those that buckled; empty without any.
     pub mean_relative_error: Option<f64>,

@@ -54,13 +54,13 @@ pub struct Look {
 /// Result of the search along a direction.
 #[derive(Clone, Debug)]
 pub struct Searched {
-    /// The largest distance at which the rod was the helix, and the next one, at which it was not, if there was any.
+    /// Largest distance at which the rod was the helix.
     pub stable: f64,
-    /// See `stable`.
+    /// Next distance, at which the rod was not the helix; `None` if there was none.
     pub lost: Option<f64>,
     /// All measurements.
     pub looks: Vec<Look>,
-    /// The newest picture, with the markers in it and those that were expected, where it was not.
+    /// Picture in which the rod was first seen unstable, with the markers found and expected; `None` if it stayed stable.
     pub lost_picture: Option<Picture>,
 }
 
@@ -91,7 +91,7 @@ impl Walker<'_> {
     /// Searches along a ray from its first point on, and returns there.
     ///
     /// # Errors
-    /// A motion or a picture fails: all arms were commanded to hold. Or the rod does not become straight again.
+    /// A motion or a picture fails, and all arms were commanded to hold; or the rod does not become straight again.
     pub fn search(&self, ray: &Ray) -> Result<Searched, WorkError> {
         let mut walk = Walk {
             walker: self,

@@ -40,7 +40,7 @@ impl TaskRecord for FoldRecord {
         let or_not_seen = |words: Option<String>| words.unwrap_or_else(|| "not seen".to_owned());
         report.row("cell", self.cell.as_str());
         report.row("arm", self.arm.as_str());
-        report.row("its edge goes", mm(self.target_m));
+        report.row("its edge moves by", mm(self.target_m));
         let how = if self.closed_loop {
             "replanned where the sheet has slid"
         } else {

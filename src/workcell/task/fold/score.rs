@@ -27,11 +27,11 @@ pub struct FoldScore {
     pub last_seen_part: usize,
     /// Largest slide that was seen, m.
     pub largest_sliding_m: f64,
-    /// Whether at the end the edge lay on the free end, so that this was seen no more.
+    /// Whether the edge covers the free end after the fold, so that the camera no longer sees that end.
     pub is_end_hidden: bool,
-    /// Distance of the edge along the fold, by the joints of the arm, m.
+    /// Distance by which the edge was moved in the direction of the fold, from the joint positions of the arm, m.
     pub edge_m: f64,
-    /// From the edge to a crease that is pressed half a crease target back from it, along the sheet, m.
+    /// Distance along the sheet from its edge to the crease, if it is pressed half a crease target behind the edge, m.
     pub fold_length_m: Option<f64>,
     /// Excess of that over half the crease target, m.
     pub fold_length_error_m: Option<f64>,

@@ -44,7 +44,7 @@ pub struct SeenEnd {
 }
 
 impl Sight {
-    /// For a sheet that lies on the table of a cell.
+    /// Prepares to look for a sheet that lies on the table of a cell.
     ///
     /// # Errors
     /// A message: the cell has no camera.

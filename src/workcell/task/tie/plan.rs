@@ -37,7 +37,7 @@ pub struct Lead {
     pub schedule: Schedule,
     /// Poses of the gripper that leads the end.
     pub end: GripperPoses,
-    /// Those of the one that lifts strands.
+    /// Paths of the gripper that lifts strands.
     pub lifts: Vec<LiftPath>,
 }
 

@@ -14,7 +14,7 @@ const NO_KNOT: KnotInvariants = KnotInvariants {
 /// Outcome of a knot.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TieScore {
-    /// Whether the knot that was drawn is tied; `null` where the picture does not decide. Where none was drawn none is tied.
+    /// Whether the knot that was drawn is tied; `null` where the picture does not decide. If the pattern has no knot, it is `false`.
     pub tied: Option<bool>,
     /// Reason why the picture does not decide.
     pub undecided: Option<String>,

@@ -146,7 +146,7 @@ fn drawn(request: &Request<'_>, section: &Section<'_>, typed: &typed::Pattern) -
 /// Reads an SVG drawing, and logs the parts that are ignored.
 ///
 /// # Errors
-/// In words, with the name of the file.
+/// A message with the name of the file: it cannot be read, or is not an SVG drawing.
 pub fn svg_drawing(path: &Path) -> Result<SvgDrawing, String> {
     let place = path.display();
     let text = xml_text(&read_text_file(path)?);

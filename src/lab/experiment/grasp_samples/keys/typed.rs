@@ -18,7 +18,7 @@ pub struct GraspSamples {
     pub stretch_compliance: Option<Span>,
 }
 
-/// From one number to another.
+/// Range of a number.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "span")]
 pub struct Span {

@@ -19,7 +19,7 @@ pub struct ClampPoses {
 }
 
 impl ClampPoses {
-    /// Those of a helix, whose numbers are in units of the rod's `length`, m, and its bending stiffness; `stiffness_ratio` is
+    /// Clamp poses of a helix given in units of the rod's `length`, m, and its bending stiffness; `stiffness_ratio` is
     /// c = GJ/EI. The whole helix is turned by `roll`, rad, about x, which does not change the clamps of the straight rod.
     pub fn of(helix: &Helix, length: f64, stiffness_ratio: f64, roll: f64) -> Self {
         let (axis, rate) = helix.axis();

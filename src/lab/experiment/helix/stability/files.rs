@@ -5,11 +5,11 @@ use rodlab_files::results::{Column, FileDescription, always, file, table};
 
 /// Stability limits of helical rods, a row per direction.
 pub const BOUNDARY: &str = "boundary.csv";
-/// That boundary against theory.
+/// Comparison of the stability limits with theory.
 pub const COMPARISON: &str = "comparison.csv";
-/// That boundary as a surface for ParaView.
+/// The stability limits as a surface for ParaView.
 pub const SURFACE: &str = "boundary.vtp";
-/// Sections of that boundary, drawn.
+/// Figures of sections of this surface.
 pub const SECTION_FIGURES: [&str; 3] = [
     "section_kappa_tau.svg",
     "section_kappa_omega.svg",

@@ -64,7 +64,7 @@ pub struct BoundaryRow {
 /// The rows in a results directory.
 ///
 /// # Errors
-/// Where `boundary.csv` cannot be read.
+/// `boundary.csv` cannot be read.
 pub fn read_boundary(directory: &Path) -> Result<Vec<BoundaryRow>, ResultsError> {
     Ok(read_whole_rows(&directory.join(BOUNDARY))?.rows)
 }

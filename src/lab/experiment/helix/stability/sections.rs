@@ -37,7 +37,7 @@ pub fn draw_sections(rows: &[BoundaryRow], directory: &Path) -> Result<(), Resul
 /// The sections of the boundary in a results directory, by the names of their files.
 ///
 /// # Errors
-/// Where `boundary.csv` cannot be read.
+/// `boundary.csv` cannot be read.
 pub fn section_figures(directory: &Path) -> Result<Vec<(&'static str, Figure)>, ResultsError> {
     Ok(sections_of(&read_boundary(directory)?))
 }

@@ -54,7 +54,7 @@ pub fn write_surfaces(rows: &[BoundaryRow], directory: &Path) -> Result<(), Resu
 /// The interactive page of the boundary in a results directory; `None` where it has no surface.
 ///
 /// # Errors
-/// Where `boundary.csv` cannot be read.
+/// `boundary.csv` cannot be read.
 pub fn boundary_page(directory: &Path) -> Result<Option<String>, ResultsError> {
     Ok(find(&read_boundary(directory)?).map(|found| page(&found.surface, found.distances)))
 }

@@ -126,7 +126,7 @@ impl SvgDrawing {
     }
 
     /// Joins strokes whose ends are at most `gap` apart, m, in any order and direction, from the
-    /// first one on. Of several ends the nearest is joined.
+    /// first one on. Where several ends are near, the nearest one is joined.
     ///
     /// # Errors
     /// There are too many.

@@ -36,7 +36,7 @@ const SINGLE: f64 = 1e-5;
 pub struct Seen {
     /// Its number among all elements of [`shapes`].
     pub shape: usize,
-    /// From its coordinates to user units of the page.
+    /// Transformation of its coordinates to user units of the page.
     pub place: Affine,
     /// Whether it is filled and has no outline.
     pub is_filled: bool,
