@@ -72,7 +72,7 @@ pub fn init(arguments: &InitArguments) -> Result<(), Failure> {
             let preset = found(name, Some(PresetKind::Scenario))?;
             let text = if stated(preset.text, "extends").is_some() {
                 let file = preset_file(PresetKind::Scenario, name)?;
-                let whole = expanded(&file, &[])?;
+                let whole = expanded(&file, &[], 1)?;
                 format!("# The preset `{name}` with the keys of the file that it extends.\n{whole}")
             } else {
                 preset.text.to_owned()

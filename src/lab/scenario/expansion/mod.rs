@@ -23,18 +23,20 @@ mod values;
 pub use copies::{COUNT, LET, SCATTER};
 pub use origins::{Copied, Origins};
 pub use scatter::Scatter;
+pub use values::is_plain;
 
 use super::document::{Node, Value};
 use super::error::{Located, ScenarioError};
 use super::experiments::Experiments;
 use super::issue::KeyPath;
+use super::overrides::numbered_steps;
 use super::schema_tree::SchemaTree;
 use super::source::Sources;
 use copies::is_copied;
 use definitions::read_parameters;
 use parameters::Parameters;
 use scope::Place;
-use values::{Evaluator, is_candidate};
+use values::{Evaluator, is_candidate, kind_of};
 
 /// The table of parameters.
 pub const PARAMETERS: &str = "parameters";
@@ -92,6 +94,51 @@ pub fn expand(
     }
     faults.sort_by_key(Located::order);
     Err(ScenarioError(faults))
+}
+
+/// Evaluates an expression that is to be the value of a dotted key of a document; its place in messages is `path`. Text at keys
+/// that the document does not have, or that take no numbers, stays.
+///
+/// # Errors
+/// Faults of the parameters of the document and of the expression.
+pub fn evaluate_at(
+    experiments: Experiments,
+    sources: &Sources,
+    document: &Node,
+    key: &str,
+    path: KeyPath,
+    expression: &mut Node,
+) -> Result<(), ScenarioError> {
+    let mut faults = Vec::new();
+    let parameters = match document.entry(PARAMETERS) {
+        Some(table) => read_parameters(sources, table, &mut faults),
+        None => Parameters::default(),
+    };
+    let root = experiments.shared_schema();
+    let tree = SchemaTree::new(&root);
+    let (mut schema, mut node) = (Some(&*root), Some(document));
+    for step in numbered_steps(document, key) {
+        schema = schema.and_then(|schema| match node.map(|node| &node.value) {
+            Some(Value::Array(_)) => tree.item(schema, step.parse().ok()?),
+            _ => tree.property(schema, &step, node.and_then(kind_of)),
+        });
+        node = node.and_then(|node| match &node.value {
+            Value::Array(elements) => elements.get(step.parse::<usize>().ok()?),
+            _ => node.entry(&step).map(|entry| &entry.node),
+        });
+    }
+    if faults.is_empty() {
+        let evaluator = Evaluator {
+            sources,
+            tree,
+            parameters: &parameters,
+        };
+        evaluator.visit(expression, schema, &Place::uncopied(path), &mut faults);
+    }
+    match faults.is_empty() {
+        true => Ok(()),
+        false => Err(ScenarioError(faults)),
+    }
 }
 
 /// Whether a value is an array with tables that are to be copied.

@@ -48,7 +48,7 @@ fn nearest_parameter(text: &str, parameters: &Parameters) -> bool {
 }
 
 /// Whether text is a number, with a unit or without.
-fn is_plain(text: &str) -> bool {
+pub fn is_plain(text: &str) -> bool {
     units::parse_any(text).is_some() || text.trim().parse::<f64>().is_ok()
 }
 
@@ -117,13 +117,9 @@ impl Evaluator<'_> {
         if !has_templates && !is_candidate(node, self.parameters) {
             return;
         }
+        let kind = kind_of(node).map(str::to_owned);
         match &mut node.value {
             Value::Table(entries) => {
-                let kind = entries.iter().find(|entry| entry.key == "kind");
-                let kind = kind.and_then(|entry| match &entry.node.value {
-                    Value::String(kind) => Some(kind.clone()),
-                    _ => None,
-                });
                 for entry in entries {
                     let below = schema
                         .and_then(|schema| self.tree.property(schema, &entry.key, kind.as_deref()));
@@ -235,8 +231,17 @@ impl Evaluator<'_> {
 
 /// The name of a table, if it has one.
 pub fn name_of(node: &Node) -> Option<String> {
-    match node.entry("name").map(|entry| &entry.node.value) {
-        Some(Value::String(name)) => Some(name.clone()),
+    word_of(node, "name").map(str::to_owned)
+}
+
+/// The kind of a table, if it has one.
+pub fn kind_of(node: &Node) -> Option<&str> {
+    word_of(node, "kind")
+}
+
+fn word_of<'a>(node: &'a Node, key: &str) -> Option<&'a str> {
+    match &node.entry(key)?.node.value {
+        Value::String(word) => Some(word),
         _ => None,
     }
 }

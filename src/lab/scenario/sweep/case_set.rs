@@ -2,6 +2,7 @@
 
 use super::axis::{self, Axis, sweep_path};
 use super::case::{Case, Parameter};
+use super::ends::Ends;
 use super::search::Search;
 use super::{points, sample, vary};
 use crate::scenario::decode::decode;
@@ -97,7 +98,13 @@ impl CaseSet {
             search: None,
             seed: None,
         };
-        if let Some(sweep) = sweep {
+        if let Some(mut sweep) = sweep {
+            let ends = Ends {
+                experiments,
+                sources: &sources,
+                document: &case_set.document,
+            };
+            ends.evaluate(&mut sweep.node)?;
             case_set.read_sweep(sweep, &sources, &mut issues);
         }
         if !issues.0.is_empty() {

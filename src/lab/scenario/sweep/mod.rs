@@ -6,6 +6,7 @@
 //! | `case` | one case: its values and its id |
 //! | `portable` | the scenario with copies of the files that it reads |
 //! | `axis`, `range` | lists, ranges and zipped lists of values |
+//! | `ends` | ends of ranges that are expressions |
 //! | `sample` | samples of ranges |
 //! | `points`, `vary` | points from a CSV file and from the command line |
 //! | `search` | the search for one value |
@@ -13,6 +14,7 @@
 mod axis;
 mod case;
 mod case_set;
+mod ends;
 mod points;
 mod portable;
 mod range;

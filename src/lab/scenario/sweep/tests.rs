@@ -314,6 +314,67 @@ fn a_search_adds_its_key_to_the_cases() {
 }
 
 #[test]
+fn ends_of_ranges_may_be_expressions_over_parameters() {
+    let parameters = "[parameters]\nbore = \"4 mm\"\nn = 3\n";
+    for range in [
+        "rods.rope.radius = { from = \"bore/4\", to = \"3 mm\", count = 3 }",
+        "rods.0.radius = { from = 0.001, to = \"bore - 1 mm\", count = 3 }",
+    ] {
+        let case_set = case_set(&format!("{parameters}[sweep]\n{range}"));
+        let radii = radii_and_edges(&case_set)
+            .into_iter()
+            .map(|(radius, _)| radius);
+        assert_eq!(radii.collect::<Vec<_>>(), [1e-3, 2e-3, 3e-3], "{range}");
+        assert_eq!(case_set.case(1).parameters[0].typed, "0.002");
+    }
+    // Whole numbers stay whole.
+    let edges = "rods.rope.edges = { from = 2, to = \"2*n\", count = 3 }";
+    for sweep in [
+        format!("[sweep]\n{edges}"),
+        format!("[[sweep.zip]]\n{edges}"),
+    ] {
+        let case_set = case_set(&format!("{parameters}{sweep}"));
+        let edges = radii_and_edges(&case_set)
+            .into_iter()
+            .map(|(_, edges)| edges);
+        assert_eq!(edges.collect::<Vec<_>>(), [2, 4, 6]);
+    }
+    let search = case_set(&format!(
+        "{parameters}[sweep.search]\nmethod = \"bisect\"\nparameter = \"rods.rope.radius\"\n\
+         objective = \"bending_energy_j\"\nfrom = \"bore/4\"\nto = \"3 mm\"\ntolerance = \"bore/100\""
+    ));
+    let ends = search
+        .search()
+        .map(|search| (search.from, search.to, search.tolerance));
+    assert_eq!(ends, Some((1e-3, 3e-3, 4e-5)));
+    let (again, _beside) = copied(&search, "rope");
+    assert_eq!(again.search().unwrap().from, 1e-3);
+}
+
+#[test]
+fn faults_of_ends_that_are_expressions_point_into_them() {
+    for (range, words) in [
+        (
+            "{ from = \"bora/4\", to = 1.0, count = 2 }",
+            "rope.toml:17:30: `sweep.rods.rope.radius.from`: `bora` is not known here",
+        ),
+        (
+            "{ from = \"bore^2\", to = 1.0, count = 2 }",
+            "this key takes a length",
+        ),
+        (
+            "{ from = \"bore/4\", to = \"3 s\", count = 2 }",
+            "is a time, but this key takes a length",
+        ),
+    ] {
+        let message = fault(&format!(
+            "[parameters]\nbore = \"4 mm\"\n[sweep]\nrods.rope.radius = {range}"
+        ));
+        assert!(message.contains(words), "{words} in {message}");
+    }
+}
+
+#[test]
 fn faults_name_their_place_and_what_is_allowed() {
     for (sweep, words) in cases(
         r#"

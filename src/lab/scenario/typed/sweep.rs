@@ -5,7 +5,8 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// Many cases of one scenario: every combination of the values of the keys listed here. Each key is dotted and
-/// has a list of values or a range { from, to, count, scale }, as in `flagella.count = [2, 3, 5]`.
+/// has a list of values or a range { from, to, count, scale }, as in `flagella.count = [2, 3, 5]`. The ends of a range may be
+/// expressions over `[parameters]`.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(rename = "sweep")]
 #[expect(
@@ -70,7 +71,7 @@ pub struct Search {
     pub parameter: String,
     /// A column of summary.csv, or of series.csv, whose last row counts.
     pub objective: String,
-    /// One end of the interval: a number, or text with a unit.
+    /// One end of the interval: a number, text with a unit, or an expression over `[parameters]`.
     pub from: End,
     /// The other end.
     pub to: End,
@@ -92,7 +93,7 @@ pub enum SearchMethod {
     Golden,
 }
 
-/// A number, or text with a unit, of the dimension of the key.
+/// A number, text with a unit, or an expression, of the dimension of the key.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(inline)]
@@ -101,6 +102,6 @@ pub enum End {
     Whole(i64),
     /// A number in SI units.
     Number(f64),
-    /// A number with a unit.
+    /// A number with a unit, or an expression.
     Text(String),
 }
