@@ -61,8 +61,9 @@ const ROOMS: Table = &[
 const EXPERIMENT: Table = &[
     ("derived", &["kind", "flow_guard"]),
     ("described", &["kind"]),
-    ("prepare", &["kind", "probes", "flow_guard"]),
+    ("prepare", &["kind", "parts", "probes", "flow_guard"]),
     ("flow_guard", &[]),
+    ("parts", &["places"]),
     ("places", &[]),
     ("probes", &["places"]),
     ("scene", &["kind"]),

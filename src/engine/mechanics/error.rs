@@ -35,6 +35,9 @@ pub enum SceneError {
         /// The fault.
         reason: JointError,
     },
+    /// A force of code names nodes that do not exist, none, or too many.
+    #[error("force `{0}`: it needs one to four nodes of the scene")]
+    Force(String),
     /// The scene is not suitable for the method.
     #[error("{0}")]
     Unsuitable(&'static str),

@@ -5,16 +5,20 @@
 
 mod actuation;
 mod joint;
+mod node_force;
 
 pub use actuation::{ActuatedStrain, Actuation, Course, Wave};
 
 pub use joint::{Body, HingeSpring, Joint, JointKind, RodNode, Spring, Strength, TurningStiffness};
+
+pub use node_force::{NodeForce, NodeHessian};
 
 use super::contact::ContactParameters;
 use super::fluid::FluidModel;
 use super::rigid_body::RigidBody;
 use super::{UnitQuaternion, Vector3, rotation};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A complete mechanical scene.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +33,8 @@ pub struct Scene {
     pub springs: Vec<Spring>,
     /// Masses and rigid bodies that rods carry.
     pub bodies: Vec<Body>,
+    /// Forces between nodes, or on nodes, that are described by code.
+    pub forces: Vec<Arc<dyn NodeForce>>,
     /// External loads.
     pub loads: Vec<Load>,
     /// Natural strains that change over time.

@@ -7,7 +7,8 @@
 //! |---|---|
 //! | `kind` | the interface of a kind of experiment |
 //! | `prepare` | from a scenario to a run: the common tables, then what its kind adds |
-//! | `places` | numbers of nodes and edges at keys |
+//! | `parts` | parts of scenes with tables of their own |
+//! | `places` | rods, nodes and edges at keys |
 //! | `probes` | the quantities that a scenario measures, in terms of its scene |
 //! | `data_set` | common parts of kinds that fill a table, such as samples for a network |
 //! | `on_table` | common parts of kinds in which a gripper handles a rod or a sheet on a table |
@@ -35,6 +36,7 @@ pub mod knot;
 #[cfg(test)]
 mod obstacle_tests;
 mod on_table;
+mod parts;
 mod places;
 mod prepare;
 mod probes;
@@ -67,6 +69,8 @@ pub use kind::{FigureError, Figures, Kind, OwnNumbers, Page, SampleColumns};
 pub use knot::{
     KnotEnding, KnotMonitor, KnotObserver, KnotOutcome, KnotRow, KnotSample, read_knot_series,
 };
+#[cfg(test)]
+pub use parts::{Actuation, ActuationKind, TABLES as PARTS};
 pub use prepare::{Jitter, place_obstacles, prepare, try_scene};
 
 use crate::scenario::keys::ExperimentKeys;
@@ -87,10 +91,10 @@ pub static KINDS: &[&dyn Kind] = &[
     &folding::FoldingKind,
 ];
 
-/// The same, as scenario files see them.
+/// The same with the parts of scenes, as scenario files see them.
 static EXPERIMENTS: LazyLock<Experiments> = LazyLock::new(|| {
     let keys: Vec<&dyn ExperimentKeys> = KINDS.iter().map(|kind| *kind as _).collect();
-    Experiments::new(keys.leak())
+    Experiments::new(keys.leak(), parts::TABLES)
 });
 
 /// The kind of a name.

@@ -1,6 +1,6 @@
-//! Places on rods: numbers of nodes and edges.
+//! Rods by their names, and places on them: numbers of nodes and edges.
 
-use crate::scenario::{Issue, KeyPath, Place};
+use crate::scenario::{Issue, KeyPath, Place, did_you_mean};
 use rodlab_engine::mechanics::scene::RodDescription;
 
 /// The number of a place given at a key, among the `count` nodes or edges of a rod.
@@ -23,5 +23,26 @@ pub fn find_place(
                 count - 1
             ),
         )),
+    }
+}
+
+/// The rod of a name given at a key.
+pub fn find_rod(name: &str, rods: &[RodDescription], key: &KeyPath) -> Result<usize, Issue> {
+    rods.iter().position(|rod| rod.name == name).ok_or_else(|| {
+        let names: Vec<&str> = rods.iter().map(|rod| rod.name.as_str()).collect();
+        let help = did_you_mean(name, names.iter().copied())
+            .unwrap_or_else(|| format!("the rods are: {}", listed(&names)));
+        Issue::new(key.clone(), format!("no rod is called `{name}`")).with_help(help)
+    })
+}
+
+/// Names as text; only the first ones of a long list.
+fn listed(names: &[&str]) -> String {
+    const MOST: usize = 12;
+    match names.get(..MOST) {
+        Some(first) if names.len() > MOST => {
+            format!("{}, and {} more", first.join(", "), names.len() - MOST)
+        }
+        _ => names.join(", "),
     }
 }

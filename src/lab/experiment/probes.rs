@@ -167,19 +167,7 @@ fn resolve(probe: &scenario::Probe, scene: &Scene, key: &KeyPath) -> Result<Prob
             }
             Quantity::LinkingNumber { rods: [one, other] }
         }
-        ProbeKind::SpringForce { joint } => {
-            let names: Vec<&str> = names_of(&scene.springs, |spring| &spring.name);
-            let found = names.iter().position(|name| name == joint);
-            let spring = found.ok_or_else(|| {
-                let help = match names[..] {
-                    [] => "the scene has no springs between nodes".to_owned(),
-                    _ => help_with(joint, "springs", &names),
-                };
-                let message = format!("no spring between nodes is called `{joint}`");
-                Issue::new(key.key("joint"), message).with_help(help)
-            })?;
-            Quantity::SpringForce { spring }
-        }
+        ProbeKind::SpringForce { joint } => rods.spring(joint)?,
     };
     Ok(Probe {
         name: probe.name.clone(),
@@ -285,6 +273,26 @@ impl Rods<'_> {
         Ok(Quantity::Reaction {
             node: self.first_node(rod) + along,
         })
+    }
+
+    /// A spring between nodes, or a force of a part of the scene.
+    fn spring(&self, name: &str) -> Result<Quantity, Issue> {
+        let scene = self.scene;
+        let names: Vec<&str> = names_of(&scene.springs, |spring| &spring.name);
+        if let Some(spring) = names.iter().position(|known| *known == name) {
+            return Ok(Quantity::SpringForce { spring });
+        }
+        let force = scene.forces.iter().position(|force| force.name() == name);
+        force
+            .map(|force| Quantity::NodeForce { force })
+            .ok_or_else(|| {
+                let help = match names[..] {
+                    [] => "the scene has no springs between nodes".to_owned(),
+                    _ => help_with(name, "springs", &names),
+                };
+                let message = format!("no spring between nodes is called `{name}`");
+                Issue::new(self.key.key("joint"), message).with_help(help)
+            })
     }
 
     fn distance(

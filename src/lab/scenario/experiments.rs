@@ -19,12 +19,15 @@ const EXPERIMENT: &str = "experiment";
 
 /// All kinds of experiments that scenario files may name.
 #[derive(Clone, Copy)]
-pub struct Experiments(&'static [&'static dyn ExperimentKeys]);
+pub struct Experiments(&'static [&'static dyn ExperimentKeys], &'static [OwnTable]);
 
 impl Experiments {
-    /// These kinds.
-    pub const fn new(kinds: &'static [&'static dyn ExperimentKeys]) -> Self {
-        Self(kinds)
+    /// These kinds, and the tables of parts that scenes of all kinds may have.
+    pub const fn new(
+        kinds: &'static [&'static dyn ExperimentKeys],
+        parts: &'static [OwnTable],
+    ) -> Self {
+        Self(kinds, parts)
     }
 
     fn named(self, name: &str) -> Option<&'static dyn ExperimentKeys> {
@@ -35,16 +38,17 @@ impl Experiments {
         self.0.iter().map(|kind| kind.name())
     }
 
-    /// Their tables, each once.
+    /// Their tables, each once, and those of parts.
     fn tables(self) -> impl Iterator<Item = &'static OwnTable> {
         let before = move |index: usize, key: &str| {
             let tables = self.0[..index].iter().flat_map(|kind| kind.tables());
             tables.into_iter().any(|table| table.key() == key)
         };
-        self.0.iter().enumerate().flat_map(move |(index, kind)| {
+        let of_kinds = self.0.iter().enumerate().flat_map(move |(index, kind)| {
             let tables = kind.tables().iter();
             tables.filter(move |table| !before(index, table.key()))
-        })
+        });
+        of_kinds.chain(self.1)
     }
 
     /// The key of the table `table` that names a CSV file of corners, if it has one.

@@ -52,6 +52,7 @@
 
 pub(crate) use super::declaration::keys;
 pub use super::own_tables::OwnTable;
+pub use super::part::Part;
 pub use super::resolve::{
     BuiltRod, CommonTables, ExperimentKeys, FINITE, FRACTION, NON_NEGATIVE, POSITIVE, Range,
     Request, Section, read_columns,

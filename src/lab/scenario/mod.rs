@@ -14,7 +14,7 @@
 //! | `tables` | tables that are resolved as they are typed, and the checks between their keys |
 //! | `decode`, `typed` | serde from the tree to the file as typed: unknown keys, wrong types |
 //! | `quantity`, `place`, `section` | values as typed; judging the values of one table |
-//! | `experiments`, `own_tables`, [`keys`] | the available experiments, and the definition of the keys of one |
+//! | `experiments`, `own_tables`, `part`, [`keys`] | the available experiments, and the definition of the keys of one, or of a part |
 //! | `units`, `resolve` | SI units, defaults, ranges: from the file as typed to the scenario as resolved |
 //! | `sweep` | many cases of one scenario: lists, ranges, samples, searches |
 //! | `resolved`, `cross_section`, `canonical` | the [`Scenario`], its stiffnesses, its own TOML |
@@ -44,6 +44,7 @@ mod merged;
 mod named_files;
 mod overrides;
 mod own_tables;
+mod part;
 pub(crate) mod place;
 pub(crate) mod quantity;
 mod rescale;
@@ -72,10 +73,10 @@ pub use named_files::INPUTS;
 pub use rescale::{Scales, rescaled};
 pub use resolve::{END_STATE, read_polyline};
 pub use resolved::{
-    Actuation, ActuationKind, Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, Course,
-    CrossSection, Experiment, Fluid, Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame,
-    LoadKind, Material, Movement, NaturalShape, Obstacle, ObstacleShape, Output, PathMethod, Place,
-    Plane, Pose, Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
+    Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment, Fluid,
+    Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame, LoadKind, Material, Movement,
+    NaturalShape, Obstacle, ObstacleShape, Output, Parts, PathMethod, Place, Plane, Pose, Rod,
+    Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
 };
 pub use resolved::{Probe, ProbeKind, StopWhen, Summary};
 pub use sweep::{Case, CaseSet, InputFile, Parameter, Portable, Search, earlier_id};

@@ -1,8 +1,11 @@
-//! Tables of scenario files that belong to some kinds of experiments only.
+//! Tables of scenario files that belong to some kinds of experiments only, or to a part of the scene.
 
 use super::decode::decode;
 use super::document::Node;
 use super::issue::{Issues, KeyPath};
+use super::part::{self, Part};
+use super::resolved::{Parts, Time};
+use super::section::Section;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use std::any::Any;
@@ -16,7 +19,11 @@ pub struct OwnTable {
     curve: Option<&'static str>,
     schema: fn(&mut SchemaGenerator) -> Schema,
     decode: fn(&Node) -> Result<Box<dyn Any>, Issues>,
+    resolve: Option<Resolve>,
 }
+
+/// Adds the parts of a table as typed to those as resolved.
+type Resolve = fn(&Section<'_>, &dyn Any, &Time, &mut Parts);
 
 impl OwnTable {
     /// The table `[key]`, typed as the struct `T`, whose doc comments explain its keys. The description states the
@@ -31,6 +38,20 @@ impl OwnTable {
             curve: None,
             schema: |generator| generator.subschema_for::<Option<T>>(),
             decode: |node| Ok(Box::new(decode::<T>(node)?)),
+            resolve: None,
+        }
+    }
+
+    /// The array of tables of a kind of part.
+    pub const fn of_part<P: Part>() -> Self {
+        Self {
+            schema: |generator| {
+                let mut schema = generator.subschema_for::<Vec<P::Typed>>();
+                schema.insert("default".to_owned(), serde_json::json!([]));
+                schema
+            },
+            resolve: Some(part::resolve::<P>),
+            ..Self::new::<Vec<P::Typed>>(P::KEY, P::DESCRIPTION)
         }
     }
 
@@ -61,9 +82,9 @@ impl OwnTable {
     }
 }
 
-/// The tables of kinds that a file has, as typed.
+/// The tables of kinds and of parts that a file has, as typed.
 #[derive(Default)]
-pub struct OwnTables(BTreeMap<&'static str, Box<dyn Any>>);
+pub struct OwnTables(BTreeMap<&'static str, (&'static OwnTable, Box<dyn Any>)>);
 
 impl OwnTables {
     /// Decodes those of `tables` that a document has.
@@ -81,7 +102,7 @@ impl OwnTables {
                 let typed = (table.decode)(&entry.node);
                 let below = |faults: Issues| faults.below(&KeyPath::from(table.key));
                 if let Some(typed) = issues.keep(typed.map_err(below)) {
-                    own.insert(table.key, typed);
+                    own.insert(table.key, (table, typed));
                 }
             }
         }
@@ -90,11 +111,23 @@ impl OwnTables {
 
     /// The table `[key]`, where the file has one.
     pub fn get<T: Any>(&self, key: &str) -> Option<&T> {
-        self.0.get(key)?.downcast_ref()
+        self.0.get(key)?.1.downcast_ref()
     }
 
-    /// The keys of the tables that the file has.
+    /// The keys of the tables of kinds that the file has.
     pub fn keys(&self) -> impl Iterator<Item = &'static str> {
-        self.0.keys().copied()
+        let of_kinds = self.0.values().filter(|(table, _)| table.resolve.is_none());
+        of_kinds.map(|(table, _)| table.key)
+    }
+
+    /// Resolves the parts that the file has.
+    pub fn parts(&self, top: &Section<'_>, time: &Time) -> Parts {
+        let mut parts = Parts::default();
+        for (table, typed) in self.0.values() {
+            if let Some(resolve) = table.resolve {
+                resolve(top, &**typed, time, &mut parts);
+            }
+        }
+        parts
     }
 }

@@ -69,6 +69,11 @@ impl Simulation {
         self.system.spring_force(spring)
     }
 
+    /// Force of one of [`Scene::forces`](crate::mechanics::scene::Scene::forces) on its first node, N.
+    pub fn node_force(&self, number: usize) -> Vector3 {
+        self.system.node_force(number)
+    }
+
     /// Bending and twisting moments, curvature and twist at each node; `None` where the rod ends freely.
     pub fn resultants(&self) -> Vec<Option<Resultants>> {
         self.system.resultants()

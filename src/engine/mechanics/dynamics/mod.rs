@@ -84,6 +84,8 @@ mod intervene_tests;
 #[cfg(test)]
 mod joint_tests;
 #[cfg(test)]
+mod node_force_tests;
+#[cfg(test)]
 mod overdamped_tests;
 #[cfg(test)]
 mod parallel_tests;

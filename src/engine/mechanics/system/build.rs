@@ -504,6 +504,15 @@ impl Assembly {
         self.rods.rods[rod].end_of(vertex.before)
     }
 
+    /// Takes into account what the last digits of a position leave in the force of a stiffness (N/m) at a node.
+    pub(super) fn round(&mut self, node: usize, stiffness: f64) {
+        let rounding = stiffness * f64::EPSILON;
+        let (rod, _) = self.locate(node);
+        let scale = &mut self.scales[rod];
+        scale.rounding_stiffness = scale.rounding_stiffness.max(rounding);
+        self.rounding_stiffness = self.rounding_stiffness.max(rounding);
+    }
+
     /// Rod and node along it of a node of the whole scene.
     pub(crate) fn locate(&self, node: usize) -> (usize, usize) {
         let rod = self

@@ -41,6 +41,7 @@ mod loads;
 mod local_drag;
 mod mass;
 mod newton_matrix;
+mod node_forces;
 mod obstacles;
 mod residual;
 mod resultants;

@@ -10,6 +10,7 @@ use super::inertia::Inertia;
 use super::linear_drag::LinearDrag;
 use super::loads::Loads;
 use super::local_drag::LocalDrag;
+use super::node_forces::NodeForces;
 use super::springs::Springs;
 use super::term::Term;
 use crate::linalg::Element;
@@ -55,6 +56,8 @@ terms! {
     elasticity: Elasticity,
     /// Springs between nodes, between frames and about hinges.
     springs: Springs,
+    /// Forces that the scene describes by code.
+    node_forces: NodeForces,
     /// Dashpots of the material, which change the natural strains and the stiffness of rods in a stage.
     damping: Damping,
     /// Forces and moments from outside.

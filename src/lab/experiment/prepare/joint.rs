@@ -1,7 +1,7 @@
 //! Joints and bodies, placed in the scene.
 
-use super::place::find_rod;
 use crate::experiment::places::find_place;
+use crate::experiment::places::find_rod;
 use crate::scenario::{self, Issue, KeyPath};
 use rodlab_engine::mechanics::scene::{
     Body, HingeSpring, Joint, JointKind, RodDescription, RodNode, Scene, Spring, Strength,

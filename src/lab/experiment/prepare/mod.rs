@@ -18,14 +18,14 @@ mod tests;
 mod warnings;
 
 use super::flow_guard::FlowGuard;
-use super::{KINDS, kind_named, probes};
+use super::{KINDS, kind_named, parts, probes};
 use crate::run::{
     LinkingGuard, Mode, Observer, OutputPlan, PreparedRun, RunError, rod_records, start_from,
 };
 use crate::scenario::{self, Continuation, Issue, Issues, KeyPath, Scenario, Time};
 use joint::{judge_joints, place_body, place_joint};
 use obstacle::place_obstacle;
-use place::{place_actuation, place_clamp, place_load, place_plane, place_rod, same_node};
+use place::{place_clamp, place_load, place_plane, place_rod, same_node};
 use rodlab_engine::mechanics::dynamics::Simulation;
 use rodlab_engine::mechanics::scene as mechanics;
 use rodlab_engine::mechanics::statics::{PathMethod, PathPlan};
@@ -85,12 +85,6 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
     let loads = place_all("loads", &scenario.loads, &mut issues, |load, path| {
         place_load(load, rods, path)
     });
-    let actuations = place_all(
-        "actuation",
-        &scenario.actuation,
-        &mut issues,
-        |one, path| place_actuation(one, rods, path),
-    );
     scene.planes.extend(scenario.planes.iter().map(place_plane));
     let obstacles = place_all(
         "obstacles",
@@ -99,7 +93,7 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         |one, path| place_obstacle(one, rods, path),
     );
     scene.loads.extend(loads);
-    scene.actuations.extend(actuations);
+    parts::place(scenario, &mut scene, &mut issues);
     scene.obstacles.extend(obstacles);
     if scene.obstacles.len() < scenario.obstacles.len() {
         // Later steps may look for them.

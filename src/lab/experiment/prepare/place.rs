@@ -3,10 +3,10 @@
 use super::curve::{SampledCurve, sample};
 use super::gripper_motion::gripper_motion;
 use super::round_rod::relaxation;
-use crate::experiment::places::find_place;
+use crate::experiment::places::{find_place, find_rod};
 use crate::scenario::{
-    Actuation, ActuationKind, Clamp, Course, Hold, Inertia, Issue, KeyPath, Load, LoadFrame,
-    LoadKind, Movement, NaturalShape, Place, Plane, Rod, did_you_mean,
+    Clamp, Hold, Inertia, Issue, KeyPath, Load, LoadFrame, LoadKind, Movement, NaturalShape, Place,
+    Plane, Rod,
 };
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene as mechanics;
@@ -195,91 +195,6 @@ pub(super) fn place_load(
         kind,
         schedule: load.schedule.clone(),
     })
-}
-
-pub(super) fn place_actuation(
-    actuation: &Actuation,
-    rods: &[mechanics::RodDescription],
-    path: &KeyPath,
-) -> Result<mechanics::Actuation, Issue> {
-    let rod = find_rod(&actuation.rod, rods, &path.key("rod"))?;
-    if rods[rod].held {
-        let message = format!(
-            "rod `{}` is a rigid obstacle, which neither bends nor lengthens",
-            actuation.rod
-        );
-        return Err(Issue::new(path.key("rod"), message));
-    }
-    let length = natural_length(&rods[rod]);
-    if actuation.from >= length {
-        let message = format!(
-            "{:?} m is out of range; allowed: less than the length of rod `{}`, {length:?} m",
-            actuation.from, actuation.rod
-        );
-        return Err(Issue::new(path.key("from"), message));
-    }
-    Ok(mechanics::Actuation {
-        rod,
-        strain: match actuation.kind {
-            ActuationKind::Curvature { direction: 1 } => mechanics::ActuatedStrain::FirstCurvature,
-            ActuationKind::Curvature { .. } => mechanics::ActuatedStrain::SecondCurvature,
-            ActuationKind::Twist => mechanics::ActuatedStrain::Twist,
-            ActuationKind::Length => mechanics::ActuatedStrain::Length,
-        },
-        part: [actuation.from, actuation.to.unwrap_or(f64::INFINITY)],
-        course: match &actuation.course {
-            Course::Uniform { values } => mechanics::Course::Uniform(values.clone()),
-            Course::Wave {
-                amplitude,
-                wavelength,
-                frequency,
-                phase,
-                schedule,
-            } => mechanics::Course::Wave(mechanics::Wave {
-                amplitude: *amplitude,
-                wavelength: wavelength.unwrap_or(f64::INFINITY),
-                frequency: *frequency,
-                phase: *phase,
-                schedule: schedule.clone(),
-            }),
-        },
-    })
-}
-
-/// Length of a rod without stress, m.
-fn natural_length(rod: &mechanics::RodDescription) -> f64 {
-    let nodes = match &rod.natural_shape {
-        mechanics::NaturalShape::Centreline(nodes) => nodes,
-        _ => &rod.centreline,
-    };
-    let edges = nodes.len() - usize::from(!rod.closed);
-    let length = |edge: usize| (nodes[(edge + 1) % nodes.len()] - nodes[edge]).norm();
-    rod.relaxed((0..edges).map(length).collect()).iter().sum()
-}
-
-/// The rod of a name given at a key.
-pub(super) fn find_rod(
-    name: &str,
-    rods: &[mechanics::RodDescription],
-    key: &KeyPath,
-) -> Result<usize, Issue> {
-    rods.iter().position(|rod| rod.name == name).ok_or_else(|| {
-        let names: Vec<&str> = rods.iter().map(|rod| rod.name.as_str()).collect();
-        let help = did_you_mean(name, names.iter().copied())
-            .unwrap_or_else(|| format!("the rods are: {}", listed(&names)));
-        Issue::new(key.clone(), format!("no rod is called `{name}`")).with_help(help)
-    })
-}
-
-/// Names as text; only the first ones of a long list.
-fn listed(names: &[&str]) -> String {
-    const MOST: usize = 12;
-    match names.get(..MOST) {
-        Some(first) if names.len() > MOST => {
-            format!("{}, and {} more", first.join(", "), names.len() - MOST)
-        }
-        _ => names.join(", "),
-    }
 }
 
 fn find_node(

@@ -96,6 +96,7 @@ fn is_at_rest(scene: &Scene) -> bool {
         .all(|load| matches!(load.kind, LoadKind::Drag { .. }))
         && scene.actuations.is_empty()
         && scene.springs.is_empty()
+        && scene.forces.is_empty()
         && scene.contact.is_none()
         && scene.fluid.is_none()
         && scene.start.is_none()

@@ -119,6 +119,11 @@ pub enum Quantity {
         /// The spring.
         spring: usize,
     },
+    /// Size of the force of a part of the scene on its first node, N.
+    NodeForce {
+        /// The force.
+        force: usize,
+    },
 }
 
 /// Body that presses on a rod.
@@ -175,7 +180,9 @@ impl Quantity {
                 &[("", "_m")]
             }
             Self::Reaction { .. } => &REACTIONS,
-            Self::Tension { .. } | Self::SpringForce { .. } => &[("", "_n")],
+            Self::Tension { .. } | Self::SpringForce { .. } | Self::NodeForce { .. } => {
+                &[("", "_n")]
+            }
             Self::BendingMoment { .. } | Self::TwistingMoment { .. } => &[("", "_n_m")],
             Self::Curvature { .. } | Self::Torsion { .. } => &[("", "_per_m")],
             Self::Twist { .. } => &[("", "_rad_per_m")],
@@ -257,6 +264,7 @@ impl Quantity {
                 vec![Some(range.edge_indices().map(length).sum())]
             }
             Self::SpringForce { spring } => vec![Some(simulation.spring_force(spring))],
+            Self::NodeForce { force } => vec![Some(simulation.node_force(force).norm())],
         }
     }
 }

@@ -1,6 +1,5 @@
 //! From the scenario as typed to the scenario as resolved: units, defaults, ranges.
 
-mod actuation;
 mod clamp;
 mod columns;
 mod continuation;
@@ -103,7 +102,7 @@ pub fn resolve(
     }
     let continuation = continuation::continuation(&top, file, &time);
     let loads = tables::loads(&top, &file.loads);
-    let actuation = actuation::actuations(&top, &file.actuation, &time);
+    let parts = own.parts(&top, &time);
     let planes = tables::planes(&top, &file.planes);
     let obstacles = obstacle::obstacles(context, &top, &file.obstacles);
     if !obstacles.is_empty() && contact == Contact::None {
@@ -144,7 +143,7 @@ pub fn resolve(
         joints,
         bodies,
         loads,
-        actuation,
+        parts,
         planes,
         obstacles,
         start: start::start(context, &top, file.start.as_ref()),

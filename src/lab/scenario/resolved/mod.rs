@@ -4,13 +4,13 @@
 //! serialised form uses the keys of scenario files, so that it is itself a scenario file. It is TOML, which has no null:
 //! `None` values are left out.
 
-mod actuation;
 mod experiment;
 mod load;
 mod model;
 mod movement;
 mod network;
 mod obstacle;
+mod parts;
 mod rod;
 mod run;
 mod start;
@@ -20,13 +20,13 @@ pub use super::tables::{
     Body, BodyShape, Continuation, Joint, JointKind, Load, LoadFrame, LoadKind, Output, PathMethod,
     Plane, Probe, ProbeKind, Solver, Stiffness, StopWhen, Summary,
 };
-pub use actuation::{Actuation, ActuationKind, Course};
 pub use experiment::{BuilderRod, Experiment};
 pub use load::{Clamp, Hold};
 pub use model::{Contact, Fluid};
 pub use movement::{Movement, Pose};
 pub use network::{HeldEnds, NetworkJoint};
 pub use obstacle::{Obstacle, ObstacleShape};
+pub use parts::Parts;
 pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape};
 pub use run::{Scheme, Step, Time};
 pub use start::Start;
@@ -59,9 +59,9 @@ pub struct Scenario {
     /// External loads.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<Load>,
-    /// Natural strains that change over time.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub actuation: Vec<Actuation>,
+    /// Parts with tables of their own.
+    #[serde(flatten)]
+    pub parts: Parts,
     /// Rigid half spaces.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub planes: Vec<Plane>,

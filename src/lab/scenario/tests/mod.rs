@@ -22,7 +22,7 @@ pub static EXPERIMENTS: LazyLock<Experiments> = LazyLock::new(|| {
         "helix-stability",
     ];
     let keys = names.map(|name| kind_named(name).expect("a kind") as &dyn ExperimentKeys);
-    Experiments::new(keys.to_vec().leak())
+    Experiments::new(keys.to_vec().leak(), crate::experiment::PARTS)
 });
 
 const BEAM: &str = r#"experiment = "scene"

@@ -1,7 +1,8 @@
 //! Resolved scenarios: units, defaults, and a canonical form that reads back to itself.
 
 use super::{BEAM, read};
-use crate::scenario::{ActuationKind, Contact, Hold, Inertia, NaturalShape, Scenario, Shape, Time};
+use crate::experiment::{Actuation, ActuationKind};
+use crate::scenario::{Contact, Hold, Inertia, NaturalShape, Scenario, Shape, Time};
 use proptest::prelude::*;
 
 #[test]
@@ -311,10 +312,10 @@ fn defaults_follow_from_what_is_given() {
     assert_eq!(scenario.rods[3].edges, 2);
     assert_eq!(scenario.output.interval, Some(1.2));
     assert_eq!(
-        scenario.actuation[0].kind,
+        scenario.parts.all::<Actuation>()[0].kind,
         ActuationKind::Curvature { direction: 2 }
     );
-    let [high, low] = scenario.actuation[2].course.extremes();
+    let [high, low] = scenario.parts.all::<Actuation>()[2].course.extremes();
     assert_eq!([high, low], [0.1, -0.1]);
 }
 

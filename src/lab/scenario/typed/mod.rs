@@ -3,7 +3,6 @@
 //!
 //! The comments of these types are the descriptions in the JSON Schema and the texts of `rodlab explain`.
 
-mod actuation;
 mod clamp;
 mod kinds;
 mod model;
@@ -16,7 +15,6 @@ mod start;
 mod sweep;
 
 pub use super::quantity::{Quantity, Vector};
-pub use actuation::Actuation;
 pub use clamp::Clamp;
 pub use model::{BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, SchemeChoice, Time};
 pub use movement::{Pose, TypedMovement};
@@ -79,9 +77,6 @@ pub struct ScenarioFile {
     /// External loads.
     #[serde(default)]
     pub loads: Vec<LoadKeys>,
-    /// Natural strains that change over time.
-    #[serde(default)]
-    pub actuation: Vec<Actuation>,
     /// Rigid half spaces that rods may touch.
     #[serde(default)]
     pub planes: Vec<PlaneKeys>,

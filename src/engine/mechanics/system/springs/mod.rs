@@ -57,23 +57,16 @@ impl Springs {
     fn round(&self, assembly: &mut Assembly) {
         let frames = assembly.joints.frames.iter();
         let frames: Vec<_> = frames.map(|frame| (frame.node, frame.length)).collect();
-        let mut round = |node: usize, stiffness: f64| {
-            let rounding = stiffness * f64::EPSILON;
-            let (rod, _) = assembly.locate(node);
-            let scale = &mut assembly.scales[rod];
-            scale.rounding_stiffness = scale.rounding_stiffness.max(rounding);
-            assembly.rounding_stiffness = assembly.rounding_stiffness.max(rounding);
-        };
         for spring in &self.between_nodes {
-            let [from, to] = spring.nodes;
-            round(from, spring.stiffness);
-            round(to, spring.stiffness);
+            for node in spring.nodes {
+                assembly.round(node, spring.stiffness);
+            }
         }
         for spring in &self.between_frames {
             for end in spring.ends {
                 if let SpringEnd::Frame(number) = end {
                     let (node, length) = frames[number];
-                    round(node, spring.stiffness / (length * length));
+                    assembly.round(node, spring.stiffness / (length * length));
                 }
             }
         }

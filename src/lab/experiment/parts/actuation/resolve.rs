@@ -1,8 +1,10 @@
 //! Resolving natural strains that change over time.
 
-use crate::scenario::resolved::{Actuation, ActuationKind, Course, Time};
+use super::keys::ActuationKeys;
+use super::resolved::{Actuation, ActuationKind, Course};
+use crate::scenario::Time;
+use crate::scenario::quantity::Quantity;
 use crate::scenario::section::{FINITE, NON_NEGATIVE, POSITIVE, Section};
-use crate::scenario::typed::{self, Quantity};
 use crate::scenario::units::{self, Angle, Dimension, Dimensionless, Frequency, Length};
 
 /// Largest part of its length that a rod may lose; without length there is no rod.
@@ -24,7 +26,7 @@ struct Keys<'a, D> {
 /// The [`Keys`] of a kind.
 macro_rules! keys {
     ($typed:expr, $kind:ident) => {{
-        let typed::Actuation::$kind {
+        let ActuationKeys::$kind {
             rod,
             values,
             amplitude,
@@ -53,35 +55,36 @@ macro_rules! keys {
     }};
 }
 
-/// Resolves all actuations.
-pub fn actuations(top: &Section<'_>, typed: &[typed::Actuation], time: &Time) -> Vec<Actuation> {
-    let one = |(section, typed): (Section<'_>, &typed::Actuation)| {
-        let resolved = match typed {
-            typed::Actuation::Curvature { direction, .. } => {
-                let direction = section.count("direction", direction.or(Some(1)), 1..=2);
-                let kind = ActuationKind::Curvature {
-                    direction: direction.unwrap_or(1),
-                };
-                actuation(&section, kind, &keys!(typed, Curvature))
-            }
-            typed::Actuation::Twist { .. } => {
-                actuation(&section, ActuationKind::Twist, &keys!(typed, Twist))
-            }
-            typed::Actuation::Length { .. } => {
-                actuation(&section, ActuationKind::Length, &keys!(typed, Length))
-            }
-        };
-        if *time == Time::Static && resolved.course.changes() {
-            refuse_motion(&section, &resolved.course);
+/// Resolves an actuation.
+pub fn actuation(section: &Section<'_>, typed: &ActuationKeys) -> Actuation {
+    match typed {
+        ActuationKeys::Curvature { direction, .. } => {
+            let direction = section.count("direction", direction.or(Some(1)), 1..=2);
+            let kind = ActuationKind::Curvature {
+                direction: direction.unwrap_or(1),
+            };
+            of_kind(section, kind, &keys!(typed, Curvature))
         }
-        resolved
-    };
-    let actuations: Vec<Actuation> = top.elements("actuation", typed).map(one).collect();
-    refuse_vanishing_lengths(&top.below("actuation"), &actuations);
-    actuations
+        ActuationKeys::Twist { .. } => of_kind(section, ActuationKind::Twist, &keys!(typed, Twist)),
+        ActuationKeys::Length { .. } => {
+            of_kind(section, ActuationKind::Length, &keys!(typed, Length))
+        }
+    }
 }
 
-fn actuation<D: Dimension>(
+/// Refuses changes in a run without time, and rods that would lose almost all their length.
+pub fn judge(array: &Section<'_>, actuations: &[Actuation], time: &Time) {
+    if *time == Time::Static {
+        for (index, actuation) in actuations.iter().enumerate() {
+            if actuation.course.changes() {
+                refuse_motion(&array.below(&index.to_string()), &actuation.course);
+            }
+        }
+    }
+    refuse_vanishing_lengths(array, actuations);
+}
+
+fn of_kind<D: Dimension>(
     section: &Section<'_>,
     kind: ActuationKind,
     keys: &Keys<'_, D>,

@@ -13,7 +13,7 @@ type Schedule = Vec<(Quantity<Time>, Quantity<Dimensionless>)>;
 #[derive(Debug, serde::Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "kind", deny_unknown_fields, rename = "actuation")]
-pub enum Actuation {
+pub enum ActuationKeys {
     /// Natural curvature about a material director.
     Curvature {
         /// Name of the rod.

@@ -1,0 +1,37 @@
+//! Parts of a scene that any experiment may have, each with an array of tables of its own.
+
+use super::resolved::{Parts, Time};
+use super::section::Section;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::any::Any;
+
+/// A kind of part, as scenario files see it: a table of the array `[[KEY]]`, in SI units.
+pub trait Part: Serialize + Any + Send + Sync + Sized {
+    /// A table as typed; doc comments explain its keys.
+    type Typed: DeserializeOwned + JsonSchema + Any;
+
+    /// The array.
+    const KEY: &'static str;
+    /// What it lists, one sentence.
+    const DESCRIPTION: &'static str;
+
+    /// Resolves a table.
+    fn resolve(section: &Section<'_>, typed: &Self::Typed, index: usize) -> Self;
+
+    /// Checks all tables against each other and against the mode of the run.
+    fn judge(_array: &Section<'_>, _all: &[Self], _time: &Time) {}
+}
+
+/// Resolves the array of a kind of part and adds it to the others.
+pub fn resolve<P: Part>(top: &Section<'_>, typed: &dyn Any, time: &Time, parts: &mut Parts) {
+    let typed: Option<&Vec<P::Typed>> = typed.downcast_ref();
+    let elements = top.elements(P::KEY, typed.map_or(&[], Vec::as_slice));
+    let resolved = elements.enumerate();
+    let resolved: Vec<P> = resolved
+        .map(|(index, (section, typed))| P::resolve(&section, typed, index))
+        .collect();
+    P::judge(&top.below(P::KEY), &resolved, time);
+    parts.insert(P::KEY, resolved);
+}
