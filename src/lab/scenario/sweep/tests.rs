@@ -356,7 +356,7 @@ fn faults_of_ends_that_are_expressions_point_into_them() {
     for (range, words) in [
         (
             "{ from = \"bora/4\", to = 1.0, count = 2 }",
-            "rope.toml:17:30: `sweep.rods.rope.radius.from`: `bora` is not known here",
+            "rope.toml:16:30: `sweep.rods.rope.radius.from`: unknown name `bora` (did you mean",
         ),
         (
             "{ from = \"bore^2\", to = 1.0, count = 2 }",
