@@ -29,7 +29,6 @@ use super::document::{Node, Value};
 use super::error::{Located, ScenarioError};
 use super::experiments::Experiments;
 use super::issue::KeyPath;
-use super::overrides::numbered_steps;
 use super::schema_tree::SchemaTree;
 use super::source::Sources;
 use copies::is_copied;
@@ -96,8 +95,8 @@ pub fn expand(
     Err(ScenarioError(faults))
 }
 
-/// Evaluates an expression that is to be the value of a dotted key of a document; its place in messages is `path`. Text at keys
-/// that the document does not have, or that take no numbers, stays.
+/// Evaluates an expression that is to be the value of the key at `steps` of a document, elements of arrays by their numbers; its
+/// place in messages is `path`. Text at keys that the document does not have, or that take no numbers, stays.
 ///
 /// # Errors
 /// Faults of the parameters of the document and of the expression.
@@ -105,7 +104,7 @@ pub fn evaluate_at(
     experiments: Experiments,
     sources: &Sources,
     document: &Node,
-    key: &str,
+    steps: &[String],
     path: KeyPath,
     expression: &mut Node,
 ) -> Result<(), ScenarioError> {
@@ -117,14 +116,14 @@ pub fn evaluate_at(
     let root = experiments.shared_schema();
     let tree = SchemaTree::new(&root);
     let (mut schema, mut node) = (Some(&*root), Some(document));
-    for step in numbered_steps(document, key) {
+    for step in steps {
         schema = schema.and_then(|schema| match node.map(|node| &node.value) {
             Some(Value::Array(_)) => tree.item(schema, step.parse().ok()?),
-            _ => tree.property(schema, &step, node.and_then(kind_of)),
+            _ => tree.property(schema, step, node.and_then(kind_of)),
         });
         node = node.and_then(|node| match &node.value {
             Value::Array(elements) => elements.get(step.parse::<usize>().ok()?),
-            _ => node.entry(&step).map(|entry| &entry.node),
+            _ => node.entry(step).map(|entry| &entry.node),
         });
     }
     if faults.is_empty() {

@@ -6,6 +6,7 @@ use crate::scenario::error::ScenarioError;
 use crate::scenario::expansion::{evaluate_at, is_plain};
 use crate::scenario::experiments::Experiments;
 use crate::scenario::issue::KeyPath;
+use crate::scenario::overrides::numbered_steps;
 use crate::scenario::source::Sources;
 
 const OF_RANGE: [&str; 2] = ["from", "to"];
@@ -95,6 +96,7 @@ impl Ends<'_> {
         if !texts.iter().any(is_expression) {
             return Ok(());
         }
+        let steps = numbered_steps(self.document, key);
         for end in texts {
             if let Value::String(text) = &mut end.node.value
                 && is_plain(text)
@@ -106,7 +108,7 @@ impl Ends<'_> {
                 self.experiments,
                 self.sources,
                 self.document,
-                key,
+                &steps,
                 path,
                 &mut end.node,
             )?;
