@@ -194,7 +194,7 @@ def _folding(seed: int, pictures: bool) -> Episode | None:
             "density": values["density"],
         }
         (directory / "paper.toml").write_text(_table("folding.paper", paper))
-        arguments = ["plan", "fold", "--paper", f"{directory}/paper.toml", "--objective", "moment"]
+        arguments = ["plan", "fold", "--paper", f"{directory}/paper.toml", "--objective", "friction"]
         arguments += ["--crease", str((1.0 - values["target"]) * length), "--speed", str(PACE)]
         try:
             _rodlab.command([*arguments, "--friction", str(values["friction"]), "--out", f"{directory}/plan"])
