@@ -37,7 +37,7 @@ def cable_scene(
     """
     radius, density = parameters["radius"], parameters["density"]
     modulus = 8.0 * density * GRAVITY * parameters["bending_length"] ** 3 / radius**2
-    return {
+    scene: dict[str, Any] = {
         "experiment": "scene",
         "material": {"youngs_modulus": modulus, "poissons_ratio": 0.5, "density": density},
         "rods": [
@@ -50,7 +50,6 @@ def cable_scene(
             }
         ],
         "clamps": [dict(clamp) for clamp in clamps],
-        "obstacles": [dict(obstacle) for obstacle in obstacles],
         "planes": [{"point": [0.0, 0.0, 0.0], "normal": [0.0, 0.0, 1.0]}],
         "loads": [
             {"kind": "gravity", "acceleration": [0.0, 0.0, -GRAVITY]},
@@ -65,6 +64,9 @@ def cable_scene(
         },
         "time": {"scheme": "implicit-euler", "step": step, "end": end},
     }
+    if obstacles:
+        scene["obstacles"] = [dict(obstacle) for obstacle in obstacles]
+    return scene
 
 
 def straight(start: Sequence[float], end: Sequence[float], edges: int) -> Array:
