@@ -1,4 +1,4 @@
-"""Environments with the interface of gymnasium, in which rods are learned to be handled.
+"""Learning environments with the interface of gymnasium: tasks with elastic rods.
 
 Importing this package registers six environments with gymnasium. Each is simulated by the engine of rodlab, draws its
 parameters at random for each episode, and gives the same bytes for the same seed and actions.

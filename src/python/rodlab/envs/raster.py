@@ -46,23 +46,31 @@ class Canvas:
         """Draw a polyline through points of the scene, n × 3, of the given radius in m, at least 0.8 pixels."""
         places = self.project(points)
         half = max(radius * self._scale, 0.8)
+        cover = np.zeros(self._pixels.shape[:2])
         for start, end in zip(places[:-1], places[1:], strict=True):
-            self._capsule(start, end, half, colour)
+            self._capsule(start, end, half, cover)
+        self._blend(cover, colour)
 
     def dots(self, points: ArrayLike, radius: float, colour: Colour) -> None:
         """Draw disks about points of the scene, n × 3, of the given radius in m, at least 2 pixels."""
         half = max(radius * self._scale, 2.0)
+        cover = np.zeros(self._pixels.shape[:2])
         for place in self.project(points):
-            self._capsule(place, place, half, colour)
+            self._capsule(place, place, half, cover)
+        self._blend(cover, colour)
 
     def image(self) -> NDArray[np.uint8]:
         """Return the picture, height × width × 3."""
         picture: NDArray[np.uint8] = np.rint(self._pixels).astype(np.uint8)
         return picture
 
-    def _capsule(self, start: Array, end: Array, half: float, colour: Colour) -> None:
-        """Blend the points nearer than `half` to a segment, with edges one pixel wide."""
-        height, width = self._pixels.shape[:2]
+    def _blend(self, cover: Array, colour: Colour) -> None:
+        self._pixels += cover[..., np.newaxis] * (np.array(colour, dtype=np.float64) - self._pixels)
+
+    @staticmethod
+    def _capsule(start: Array, end: Array, half: float, cover: Array) -> None:
+        """Cover the pixels nearer than `half` to a segment, with edges one pixel wide."""
+        height, width = cover.shape
         if not np.all(np.isfinite([start, end])):
             return
         low = np.floor(np.minimum(start, end) - half - 1.0)
@@ -77,6 +85,5 @@ class Canvas:
         square = float(along @ along)
         part = np.clip((x * along[0] + y * along[1]) / square, 0.0, 1.0) if square > 0.0 else 0.0
         distance = np.hypot(x - part * along[0], y - part * along[1])
-        cover = np.clip(half + 0.5 - distance, 0.0, 1.0)[..., np.newaxis]
-        region = self._pixels[top:bottom, left:right]
-        region += cover * (np.array(colour, dtype=np.float64) - region)
+        region = cover[top:bottom, left:right]
+        np.maximum(region, np.clip(half + 0.5 - distance, 0.0, 1.0), out=region)
