@@ -46,10 +46,10 @@ class RodEnv(gymnasium.Env[Observation, Action]):
 
     ranges: ClassVar[Mapping[str, Range]]
     """Randomised parameters, in the order in which they are drawn."""
+    period: ClassVar[float]
+    """Duration of a control step, s."""
     substep: ClassVar[float]
     """Time step of the engine, s."""
-    substeps: ClassVar[int]
-    """Time steps in a control period."""
     default_horizon: ClassVar[int]
     """Control steps after which an episode is truncated."""
     failure_penalty: ClassVar[float] = 10.0
@@ -87,7 +87,7 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         raise NotImplementedError
 
     def _act(self, action: Array) -> dict[int, Array]:
-        """Return the poses of the clamps at the ends of the engine's steps, by number, substeps × 4 × 4 each."""
+        """Return the poses of the clamps at the end of the control step, 4 × 4, by their numbers."""
         raise NotImplementedError
 
     def _observe(self) -> Array:
@@ -160,10 +160,9 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         poses = self.command(action)
         failure = None
         try:
-            for index in range(self.substeps):
-                for clamp, path in poses.items():
-                    simulation.move_clamp(clamp, path[index])
-                simulation.step(self.substep)
+            for clamp, pose in poses.items():
+                simulation.move_clamp(clamp, pose)
+            simulation.step(self.period)
         except _rodlab.RodlabError as error:
             failure = str(error)
         self._measure(simulation)
@@ -187,11 +186,6 @@ class RodEnv(gymnasium.Env[Observation, Action]):
 
     # The parts of `reset` and `step`, which the vectorised environment calls for each of its cases.
 
-    @property
-    def period(self) -> float:
-        """Duration of a control step, s."""
-        return self.substep * self.substeps
-
     def prepare(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[_rodlab.Scenario, _rodlab.Simulation]:
@@ -214,7 +208,7 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         return scenario, simulation
 
     def command(self, action: Action) -> dict[int, Array]:
-        """Check an action, and return the poses of the clamps during the control step."""
+        """Check an action, and return the poses of the clamps at the end of the control step."""
         values = np.asarray(action, dtype=np.float64)
         if values.shape != self.action_space.shape:
             raise ValueError(f"action has the shape {values.shape}; it must be {self.action_space.shape}")

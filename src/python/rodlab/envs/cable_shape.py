@@ -83,8 +83,8 @@ class CableShape(RodEnv):
         "bend_2": Range(-0.8, 0.8, "rad"),
         "bend_3": Range(-0.4, 0.4, "rad"),
     }
+    period = 0.1
     substep = 0.02
-    substeps = 5
     default_horizon = 150
     accepted_options = frozenset({"parameters", "points", "target"})
 
@@ -137,7 +137,7 @@ class CableShape(RodEnv):
 
     def _act(self, action: Array) -> dict[int, Array]:
         rate = np.array([0.0, 0.0, action[3]]) if self.control == "plane" else action[3:]
-        return {0: self.gripper.move(SPEED * action[:3], RATE * rate, self.period, self.substeps)}
+        return {0: self.gripper.move(SPEED * action[:3], RATE * rate, self.period)}
 
     def _distances(self) -> Array:
         flat = np.linalg.norm(self.positions[:, :2] - self.target, axis=1)

@@ -72,8 +72,8 @@ class CantileverReach(RodEnv):
         "target_yaw": Range(-0.6, 0.6, "rad"),
         "target_pitch": Range(-0.5, 0.5, "rad"),
     }
+    period = 0.05
     substep = 0.01
-    substeps = 5
     default_horizon = 100
 
     def __init__(self, render_mode: str | None = None, horizon: int | None = None) -> None:
@@ -124,7 +124,7 @@ class CantileverReach(RodEnv):
         self._held = 0
 
     def _act(self, action: Array) -> dict[int, Array]:
-        return {0: self.gripper.move(SPEED * action[:3], RATE * action[3:], self.period, self.substeps)}
+        return {0: self.gripper.move(SPEED * action[:3], RATE * action[3:], self.period)}
 
     def _observe(self) -> Array:
         length = self.parameters["length"]

@@ -75,8 +75,8 @@ class FlagellumSpeed(RodEnv):
         "target_polar": Range(0.0, 1.0, "rad"),
         "target_azimuth": Range(-np.pi, np.pi, "rad"),
     }
+    period = 0.05
     substep = 0.005
-    substeps = 10
     default_horizon = 100
     batched = False
 
@@ -150,7 +150,7 @@ class FlagellumSpeed(RodEnv):
         steering = STEERING * np.array([action[1], action[2], 0.0])
         steering -= axis * (axis @ steering)
         rate = self.spin * axis + steering
-        return {0: self.gripper.move(np.zeros(3), rate, self.period, self.substeps)}
+        return {0: self.gripper.move(np.zeros(3), rate, self.period)}
 
     def _measure(self, simulation: _rodlab.Simulation) -> None:
         self.moment = np.array(simulation.reaction(0)[3:])

@@ -69,8 +69,8 @@ class Folding(RodEnv):
         "friction": Range(0.4, 0.9),
         "target": Range(0.05, 0.3),
     }
+    period = 0.1
     substep = 0.02
-    substeps = 5
     default_horizon = 120
 
     def __init__(self, render_mode: str | None = None, horizon: int | None = None) -> None:
@@ -126,7 +126,7 @@ class Folding(RodEnv):
         velocity = SPEED * np.array([action[0], 0.0, action[1]])
         # The angle grows from +x over +z, so the axis is -y.
         rate = RATE * np.array([0.0, -action[2], 0.0])
-        return {0: self.gripper.move(velocity, rate, self.period, self.substeps)}
+        return {0: self.gripper.move(velocity, rate, self.period)}
 
     def _slide(self) -> float:
         return abs(float(self.positions[0, 0]) - self._start)

@@ -44,7 +44,7 @@ class Gripper:
         self.low = np.asarray(low, dtype=np.float64)
         self.high = np.asarray(high, dtype=np.float64)
 
-    def move(self, velocity: Array, rate: Array, duration: float, steps: int) -> Array:
+    def move(self, velocity: Array, rate: Array, duration: float) -> Array:
         """Move at constant velocities.
 
         Parameters
@@ -54,28 +54,21 @@ class Gripper:
         rate : array, 3
             Angular velocity in the frame of the scene, rad/s.
         duration : float
-            Duration of the motion, s.
-        steps : int
-            Number of equal parts of the motion.
+            Duration of the motion, s. The rotation in it is less than half a turn.
 
         Returns
         -------
-        array, steps × 4 × 4
-            Poses at the ends of the parts.
+        array, 4 × 4
+            The pose at its end.
         """
-        start = self.pose.copy()
+        place = self.pose[:3, 3]
         # A gripper that begins outside its box is not pulled into it.
-        low = np.minimum(self.low, start[:3, 3])
-        high = np.maximum(self.high, start[:3, 3])
-        shift = np.clip(start[:3, 3] + velocity * duration, low, high) - start[:3, 3]
-        poses = np.empty((steps, 4, 4))
-        for index in range(steps):
-            part = (index + 1) / steps
-            poses[index] = start
-            poses[index, :3, :3] = _orthonormal(rotation(rate * (duration * part)) @ start[:3, :3])
-            poses[index, :3, 3] += part * shift
-        self.pose = poses[-1].copy()
-        return poses
+        low, high = np.minimum(self.low, place), np.maximum(self.high, place)
+        pose = np.eye(4)
+        pose[:3, :3] = _orthonormal(rotation(rate * duration) @ self.pose[:3, :3])
+        pose[:3, 3] = np.clip(place + velocity * duration, low, high)
+        self.pose = pose
+        return pose.copy()
 
 
 def _orthonormal(frame: Array) -> Array:

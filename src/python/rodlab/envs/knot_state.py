@@ -73,8 +73,8 @@ class KnotState(RodEnv):
         "target": Range(0.45, 1.05),
         "force": Range(2.5, 4.0),
     }
+    period = 0.1
     substep = 0.02
-    substeps = 5
     default_horizon = 80
     batched = False
 
@@ -154,9 +154,7 @@ class KnotState(RodEnv):
     def _act(self, action: Array) -> dict[int, Array]:
         still = np.zeros(3)
         return {
-            gripper.clamp: gripper.move(
-                np.array([outwards * SPEED * speed, 0.0, 0.0]), still, self.period, self.substeps
-            )
+            gripper.clamp: gripper.move(np.array([outwards * SPEED * speed, 0.0, 0.0]), still, self.period)
             for gripper, outwards, speed in zip(self._grippers, (-1.0, 1.0), action, strict=True)
         }
 

@@ -80,8 +80,8 @@ class PegPlacement(RodEnv):
         **{f"side_{peg}": Range(-1.0, 1.0) for peg in (1, 2, 3)},
         "goal_y": Range(-0.04, 0.04, "m"),
     }
+    period = 0.1
     substep = 0.02
-    substeps = 5
     default_horizon = 150
 
     def __init__(self, render_mode: str | None = None, horizon: int | None = None) -> None:
@@ -135,7 +135,7 @@ class PegPlacement(RodEnv):
         self._held = 0
 
     def _act(self, action: Array) -> dict[int, Array]:
-        return {1: self.gripper.move(SPEED * action[:3], RATE * action[3:], self.period, self.substeps)}
+        return {1: self.gripper.move(SPEED * action[:3], RATE * action[3:], self.period)}
 
     def passed(self) -> Array:
         """Return 1 for each peg that the cable passes as prescribed, otherwise 0."""

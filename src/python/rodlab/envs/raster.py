@@ -65,7 +65,12 @@ class Canvas:
         return picture
 
     def _blend(self, cover: Array, colour: Colour) -> None:
-        self._pixels += cover[..., np.newaxis] * (np.array(colour, dtype=np.float64) - self._pixels)
+        rows, columns = np.flatnonzero(cover.any(axis=1)), np.flatnonzero(cover.any(axis=0))
+        if len(rows) == 0:
+            return
+        part = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+        region = self._pixels[part]
+        region += cover[part][..., np.newaxis] * (np.array(colour, dtype=np.float64) - region)
 
     @staticmethod
     def _capsule(start: Array, end: Array, half: float, cover: Array) -> None:

@@ -155,16 +155,15 @@ class RodVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
 
     def _advance(self, batch: _rodlab.Batch, actions: NDArray[np.float32], waiting: Flags) -> list[str | None]:
         """Step the batch through a control period, and return the failures."""
-        paths: dict[int, Array] = {}
+        poses: dict[int, Array] = {}
         for case, env in enumerate(self.envs):
             # A case that waits for its reset is stepped with the others, but nothing is read of it.
             action = np.zeros(actions.shape[1:], np.float32) if waiting[case] else actions[case]
-            for clamp, path in env.command(action).items():
-                paths.setdefault(clamp, np.empty((env.substeps, self.num_envs, 4, 4)))[:, case] = path
-        for index in range(self.single.substeps):
-            for clamp, poses in paths.items():
-                batch.move_clamp(clamp, poses[index])
-            batch.step(self.single.substep)
+            for clamp, pose in env.command(action).items():
+                poses.setdefault(clamp, np.empty((self.num_envs, 4, 4)))[case] = pose
+        for clamp, those in poses.items():
+            batch.move_clamp(clamp, those)
+        batch.step(self.single.period)
         return batch.failures
 
     def _restart(
