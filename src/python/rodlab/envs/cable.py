@@ -23,6 +23,8 @@ def cable_scene(
 ) -> dict[str, Any]:
     """Return the scene of a naturally straight cable on the table z = 0.
 
+    Its own weight stretches it by at most 0.4 %.
+
     Parameters
     ----------
     parameters : mapping of str to float
@@ -37,6 +39,7 @@ def cable_scene(
     """
     radius, density = parameters["radius"], parameters["density"]
     modulus = 8.0 * density * GRAVITY * parameters["bending_length"] ** 3 / radius**2
+    area, length = np.pi * radius**2, float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     scene: dict[str, Any] = {
         "experiment": "scene",
         "material": {"youngs_modulus": modulus, "poissons_ratio": 0.5, "density": density},
@@ -45,6 +48,8 @@ def cable_scene(
                 "name": "cable",
                 "radius": radius,
                 "edges": len(points) - 1,
+                # A cable hardly stretches, however easily it bends.
+                "stiffness": {"stretching": 300.0 * density * GRAVITY * area * length},
                 "natural_shape": "straight",
                 "shape": {"kind": "points", "points": points.tolist()},
             }
@@ -53,7 +58,7 @@ def cable_scene(
         "planes": [{"point": [0.0, 0.0, 0.0], "normal": [0.0, 0.0, 1.0]}],
         "loads": [
             {"kind": "gravity", "acceleration": [0.0, 0.0, -GRAVITY]},
-            {"kind": "drag", "translation": 0.5 * density * np.pi * radius**2},
+            {"kind": "drag", "translation": 0.5 * density * area},
         ],
         "contact": {
             "model": "imc",

@@ -45,9 +45,9 @@ class CableShape(RodEnv):
         name               range                meaning
         =================  ===================  ===============================================
         length             0.35 to 0.5 m        length L
-        radius             2 to 3 mm            radius of the cable
+        radius             1.5 to 2.5 mm            radius of the cable
         density            1000 to 1500 kg/m³   density
-        bending_length     15 to 30 mm          (E r² / (8 ρ g))^(1/3), the gravito-bending length
+        bending_length     20 to 35 mm          (E r² / (8 ρ g))^(1/3), the gravito-bending length
         friction           0.3 to 0.8           friction with the table and with itself
         target_x, _y       -0.05 to 0.05 m      start of the target
         target_heading     -0.4 to 0.4 rad      its direction there
@@ -72,9 +72,9 @@ class CableShape(RodEnv):
 
     ranges = {
         "length": Range(0.35, 0.5, "m"),
-        "radius": Range(0.002, 0.003, "m"),
+        "radius": Range(0.0015, 0.0025, "m"),
         "density": Range(1000.0, 1500.0, "kg/m³"),
-        "bending_length": Range(0.015, 0.03, "m"),
+        "bending_length": Range(0.02, 0.035, "m"),
         "friction": Range(0.3, 0.8),
         "target_x": Range(-0.05, 0.05, "m"),
         "target_y": Range(-0.05, 0.05, "m"),

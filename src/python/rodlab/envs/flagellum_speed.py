@@ -20,8 +20,8 @@ STEERING = 1.0
 class FlagellumSpeed(RodEnv):
     """Turn the head of a helical flagellum in a viscous fluid so that it swims in a given direction.
 
-    The frame of the head is driven, as by a magnet; its position is free, so that no force acts on the swimmer. The axis of
-    the helix is z at the start. A control step is 50 ms; an episode has 100 of them.
+    The frame of the head is driven, as by a magnet; its position is free, so that no force acts on the swimmer. The helix
+    extends from the head along -z at the start; the axis is the direction from the tail to the head. A control step is 50 ms; an episode has 100 of them.
 
     Observation (93)
         Positions of 13 nodes relative to the head, over the length of the helix (39); their velocities over
@@ -106,7 +106,7 @@ class FlagellumSpeed(RodEnv):
         helix = {
             "kind": "helix",
             "start": [radius, 0.0, 0.0],
-            "axis": [0.0, 0.0, 1.0],
+            "axis": [0.0, 0.0, -1.0],
             "radius": radius,
             "pitch": values["pitch"],
             "turns": values["turns"],

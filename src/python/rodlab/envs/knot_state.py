@@ -46,10 +46,10 @@ class KnotState(RodEnv):
         radius            2.5 to 3.5 mm        radius of the rod
         youngs_modulus    0.2 to 1 MPa         Young's modulus E
         density           1000 to 1300 kg/m³   density
-        friction          0.05 to 0.3          friction of the rod with itself
+        friction          0.05 to 0.3          friction μ of the rod with itself
         end_to_end        0.24 to 0.3 m        distance of the ends at the start
-        target            0.45 to 1.05         target over the size at the start
-        force             2.5 to 4             allowed force over E I / (H*/2)²
+        target            0.45 to 1.25         target over the size at the start
+        force             1.2 to 2.5           allowed force over (0.2 + 4 μ) E I / (H*/2)²
         ================  ===================  ===============================================
 
     Parameters
@@ -60,8 +60,8 @@ class KnotState(RodEnv):
 
     Notes
     -----
-    The bending strain is the largest curvature times the radius. Tractions are measured, so this environment is not stepped
-    by `rodlab.Batch`.
+    A slow pull takes at most about (0.2 + 4 μ) E I / (H*/2)². The bending strain is the largest curvature times the radius.
+    Tractions are measured, so this environment is not stepped by `rodlab.Batch`.
     """
 
     ranges = {
@@ -70,8 +70,8 @@ class KnotState(RodEnv):
         "density": Range(1000.0, 1300.0, "kg/m³"),
         "friction": Range(0.05, 0.3),
         "end_to_end": Range(0.24, 0.3, "m"),
-        "target": Range(0.45, 1.05),
-        "force": Range(2.5, 4.0),
+        "target": Range(0.45, 1.25),
+        "force": Range(1.2, 2.5),
     }
     period = 0.1
     substep = 0.02
@@ -89,15 +89,16 @@ class KnotState(RodEnv):
     def _tied(self) -> Array:
         """Return the nodes of a loose overhand knot, 81 × 3, m."""
         values = self.parameters
+        # A thicker rod of twice as many edges, so that no corners of the coarse curve overlap.
         table = {
             "experiment": "knot-tightening",
             "material": self._material(),
-            "rod": {"radius": values["radius"], "nodes": NODES},
+            "rod": {"radius": 1.05 * values["radius"], "nodes": 2 * NODES - 1},
             "knot": {"unknotting_number": 1, "length": LENGTH, "end_to_end": values["end_to_end"], "pull_speed": SPEED},
             "contact": self._contact(),
             "time": {"step": self.substep, "end": 1.0},
         }
-        return np.array(_rodlab.Simulation(_rodlab.Scenario.from_dict(table)).positions)
+        return np.array(_rodlab.Simulation(_rodlab.Scenario.from_dict(table)).positions[::2])
 
     def _material(self) -> dict[str, float]:
         values = self.parameters
@@ -143,7 +144,8 @@ class KnotState(RodEnv):
         values = self.parameters
         self.target = values["target"] * _size(positions)
         stiffness = values["youngs_modulus"] * np.pi * values["radius"] ** 4 / 4.0
-        self.allowed_force = values["force"] * stiffness / (0.5 * self.target) ** 2
+        needed = (0.2 + 4.0 * values["friction"]) * stiffness / (0.5 * self.target) ** 2
+        self.allowed_force = values["force"] * needed
         limits = [(np.array([-0.5 * LENGTH, 0.0, 0.0]), np.array([-0.1 * LENGTH, 0.0, 0.0]))]
         limits.append((-limits[0][1], -limits[0][0]))
         self._grippers = [

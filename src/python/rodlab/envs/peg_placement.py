@@ -52,9 +52,9 @@ class PegPlacement(RodEnv):
         name                range                meaning
         ==================  ===================  ===============================================
         length              0.45 to 0.55 m       length L
-        radius              2 to 3 mm            radius of the cable
+        radius              1.5 to 2.5 mm            radius of the cable
         density             1000 to 1500 kg/m³   density
-        bending_length      15 to 25 mm          (E r² / (8 ρ g))^(1/3), the gravito-bending length
+        bending_length      20 to 30 mm          (E r² / (8 ρ g))^(1/3), the gravito-bending length
         friction            0.2 to 0.6           friction with the table, the pegs and itself
         peg_1_x … peg_3_x   -10 to 10 mm         place of a peg beside 0.24, 0.48, 0.72 times L
         peg_1_y … peg_3_y   -20 to 20 mm         place of a peg beside the x axis
@@ -71,9 +71,9 @@ class PegPlacement(RodEnv):
 
     ranges = {
         "length": Range(0.45, 0.55, "m"),
-        "radius": Range(0.002, 0.003, "m"),
+        "radius": Range(0.0015, 0.0025, "m"),
         "density": Range(1000.0, 1500.0, "kg/m³"),
-        "bending_length": Range(0.015, 0.025, "m"),
+        "bending_length": Range(0.02, 0.03, "m"),
         "friction": Range(0.2, 0.6),
         **{f"peg_{peg}_x": Range(-0.01, 0.01, "m") for peg in (1, 2, 3)},
         **{f"peg_{peg}_y": Range(-0.02, 0.02, "m") for peg in (1, 2, 3)},
