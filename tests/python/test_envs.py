@@ -19,7 +19,7 @@ from rodlab.demonstrations import demonstrations, main  # noqa: E402
 from rodlab.envs import cable  # noqa: E402
 from rodlab.envs.gripper import Gripper, rotation, rotation_vector  # noqa: E402
 
-SINGLES = [
+SINGLES: list[type[envs.RodEnv]] = [
     envs.CantileverReach,
     envs.CableShape,
     envs.PegPlacement,
@@ -32,7 +32,7 @@ BATCHED = [single for single in SINGLES if single.batched]
 
 def actions(env: envs.RodEnv, count: int, seed: int = 0) -> Any:
     """Return random actions, count × actions."""
-    return np.random.default_rng(seed).uniform(-1.0, 1.0, (count, *env.action_space.shape)).astype(np.float32)
+    return np.random.default_rng(seed).uniform(-1.0, 1.0, (count, *(env.action_space.shape or ()))).astype(np.float32)
 
 
 def roll(env: envs.RodEnv, seed: int, count: int) -> list[bytes]:
@@ -126,6 +126,14 @@ def test_an_error_of_the_engine_ends_the_episode(monkeypatch: pytest.MonkeyPatch
     assert info == {"success": False, "failure": "no convergence"}
 
 
+def test_too_strong_a_pull_ends_the_episode() -> None:
+    env = envs.KnotState()
+    env.reset(seed=0, options={"parameters": {"force": 0.01}})
+    _, reward, terminated, _, info = env.step(np.ones(2, np.float32))
+    assert terminated and reward == -env.failure_penalty
+    assert info["failure"] == "the task can no longer be solved" and not info["success"]
+
+
 @pytest.mark.parametrize("single", BATCHED)
 def test_vectors_give_the_bytes_of_single_environments(single: type[envs.RodEnv]) -> None:
     count, horizon = 3, 2
@@ -171,7 +179,7 @@ def test_environments_with_reactions_are_vectorised_one_by_one() -> None:
     vector = envs.make_vec("rodlab/FlagellumSpeed-v0", 2, fluid="resistive")
     vector.reset(seed=0)
     observations, *_ = vector.step(np.zeros((2, 3), np.float32))
-    assert observations.shape == (2, *envs.FlagellumSpeed().observation_space.shape)
+    assert observations.shape == (2, *(envs.FlagellumSpeed().observation_space.shape or ()))
     registered = gymnasium.make_vec("rodlab/CantileverReach-v0", num_envs=2)
     assert isinstance(registered, envs.RodVectorEnv)
 

@@ -283,7 +283,9 @@ def _frame(w: float, x: float, y: float, z: float) -> NDArray[np.float64]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write demonstrations as the command line asks, and return the exit code."""
-    parser = argparse.ArgumentParser(prog="python -m rodlab.demonstrations", description="Write demonstrations of the planners.")
+    parser = argparse.ArgumentParser(
+        prog="python -m rodlab.demonstrations", description="Write demonstrations of the planners."
+    )
     parser.add_argument("task", choices=sorted(_TASKS), help="the environment")
     parser.add_argument("--count", type=int, default=10, help="number of episodes (default: 10)")
     parser.add_argument("--out", type=Path, required=True, help="directory to write to")

@@ -14,6 +14,8 @@ rodlab/Folding-v0                fold a strip of a sheet without sliding it
 rodlab/FlagellumSpeed-v0         swim by turning a helical flagellum
 ===============================  ==================================================================
 
+`gymnasium.make("rodlab.envs:rodlab/CableShape-v0")` imports the package itself.
+
 Examples
 --------
 >>> import gymnasium, rodlab.envs

@@ -61,20 +61,23 @@ class RodEnv(gymnasium.Env[Observation, Action]):
     accepted_options: ClassVar[frozenset[str]] = frozenset({"parameters"})
     """Keys of the options of `reset`."""
 
-    def __init__(self, *, actions: int, observations: int, render_mode: str | None = None, horizon: int | None = None) -> None:
+    def __init__(self, render_mode: str | None = None, horizon: int | None = None) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ValueError(f'render_mode is {render_mode!r}; it can be None or "rgb_array"')
         self.render_mode = render_mode
         self.horizon = self.default_horizon if horizon is None else int(horizon)
         if self.horizon < 1:
             raise ValueError(f"horizon is {self.horizon}; it must be at least 1")
-        self.action_space = spaces.Box(-1.0, 1.0, (actions,), np.float32)
-        self.observation_space = spaces.Box(-OBSERVATION_BOUND, OBSERVATION_BOUND, (observations,), np.float32)
         self.parameters: dict[str, float] = {}
         self.positions: Array = np.zeros((0, 3))
         self.velocities: Array = np.zeros((0, 3))
         self.steps = 0
         self._simulation: _rodlab.Simulation | None = None
+
+    def _set_spaces(self, actions: int, observations: int) -> None:
+        """Set the spaces by the numbers of values; a subclass calls this once."""
+        self.action_space = spaces.Box(-1.0, 1.0, (actions,), np.float32)
+        self.observation_space = spaces.Box(-OBSERVATION_BOUND, OBSERVATION_BOUND, (observations,), np.float32)
 
     # What a subclass states.
 
@@ -194,7 +197,8 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         options = options or {}
         unknown = sorted(set(options) - self.accepted_options)
         if unknown:
-            raise ValueError(f"no such option: {', '.join(unknown)}; there are {', '.join(sorted(self.accepted_options))}")
+            known = ", ".join(sorted(self.accepted_options))
+            raise ValueError(f"no such option: {', '.join(unknown)}; there are {known}")
         self.parameters = draw_parameters(self.ranges, self.np_random, options.get("parameters", {}))
         self._options(options)
         scenario = _rodlab.Scenario.from_dict(self._scenario(), name=type(self).__name__)

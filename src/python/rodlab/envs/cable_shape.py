@@ -97,7 +97,8 @@ class CableShape(RodEnv):
         if control not in ("plane", "pose"):
             raise ValueError(f'control is {control!r}; it can be "plane" or "pose"')
         actions = 4 if control == "plane" else 6
-        super().__init__(actions=actions, observations=8 * SEEN + 15, render_mode=render_mode, horizon=horizon)
+        super().__init__(render_mode, horizon)
+        self._set_spaces(actions, 8 * SEEN + 15)
         self.control = control
         self._seen = spread(EDGES + 1, SEEN)
         self.target = np.zeros((EDGES + 1, 2))

@@ -77,7 +77,8 @@ class CantileverReach(RodEnv):
     default_horizon = 100
 
     def __init__(self, render_mode: str | None = None, horizon: int | None = None) -> None:
-        super().__init__(actions=6, observations=6 * SEEN + 12, render_mode=render_mode, horizon=horizon)
+        super().__init__(render_mode, horizon)
+        self._set_spaces(6, 6 * SEEN + 12)
         self._seen = spread(EDGES + 1, SEEN)
         self.target = np.zeros(3)
         self._held = 0

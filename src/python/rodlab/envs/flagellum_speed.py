@@ -21,21 +21,22 @@ class FlagellumSpeed(RodEnv):
     """Turn the head of a helical flagellum in a viscous fluid so that it swims in a given direction.
 
     The frame of the head is driven, as by a magnet; its position is free, so that no force acts on the swimmer. The helix
-    extends from the head along -z at the start; the axis is the direction from the tail to the head. A control step is 50 ms; an episode has 100 of them.
+    extends from the head along -z at the start; the axis is the direction from the tail to the head. A control step is 50 ms;
+    an episode has 100 of them.
 
     Observation (93)
         Positions of 13 nodes relative to the head, over the length of the helix (39); their velocities over
         U₀ = 0.1 R Ω with the radius R of the helix and Ω = 20 rad/s (39); axis and director d₁ of the head (6); rate of
-        rotation over Ω (1); moment on the head over M₀ = 4π η Ω R² ℓ, with the viscosity η and the length ℓ of the rod (3);
-        direction to swim in (3); cosine between this direction and the axis (1); speed in this direction over U₀ (1).
+        rotation over Ω (1); moment on the head over M₀ = 4π η Ω R² ℓ, with the viscosity η and the length ℓ of the rod
+        (3); direction to swim in (3); cosine between this direction and the axis (1); speed in this direction over U₀ (1).
 
     Action (3), from -1 to 1
         Wanted rate of rotation about the axis, times Ω; the rate follows with at most 100 rad/s² (1). Rates at which the axis
         turns about x and y, times 1 rad/s (2).
 
     Reward
-        U/U₀ - 0.1 |P|/(M₀ Ω) - 0.01 |action|², with the mean speed U of the nodes in the wanted direction and the power P of
-        the head's moment; -10 for a step that fails.
+        U/U₀ - 0.1 |P|/(M₀ Ω) - 0.01 |action|², with the mean speed U of the nodes in the wanted direction and the power P
+        of the head's moment; -10 for a step that fails.
 
     Termination
         Failure only: the engine raises. Success is never reported; the episode is truncated at its horizon.
@@ -88,7 +89,8 @@ class FlagellumSpeed(RodEnv):
     ) -> None:
         if fluid not in ("rss", "resistive"):
             raise ValueError(f'fluid is {fluid!r}; it can be "rss" or "resistive"')
-        super().__init__(actions=3, observations=6 * SEEN + 15, render_mode=render_mode, horizon=horizon)
+        super().__init__(render_mode, horizon)
+        self._set_spaces(3, 6 * SEEN + 15)
         self.fluid = fluid
         self._seen = spread(EDGES + 1, SEEN)
         self.target = np.array([0.0, 0.0, 1.0])

@@ -74,7 +74,8 @@ class Folding(RodEnv):
     default_horizon = 120
 
     def __init__(self, render_mode: str | None = None, horizon: int | None = None) -> None:
-        super().__init__(actions=3, observations=4 * SEEN + 10, render_mode=render_mode, horizon=horizon)
+        super().__init__(render_mode, horizon)
+        self._set_spaces(3, 4 * SEEN + 10)
         self._seen = spread(EDGES + 1, SEEN)
         self.target = np.zeros(2)
         self._start = 0.0

@@ -14,7 +14,7 @@ NODES = 81
 SEEN = 21
 LENGTH = 0.6
 SPEED = 0.02
-SETTLING_STEPS = 50
+SETTLING_STEPS = 30
 
 
 class KnotState(RodEnv):
@@ -79,7 +79,8 @@ class KnotState(RodEnv):
     batched = False
 
     def __init__(self, render_mode: str | None = None, horizon: int | None = None) -> None:
-        super().__init__(actions=2, observations=3 * SEEN + 7, render_mode=render_mode, horizon=horizon)
+        super().__init__(render_mode, horizon)
+        self._set_spaces(2, 3 * SEEN + 7)
         self._seen = spread(NODES, SEEN)
         self.target = 0.0
         self.allowed_force = np.inf

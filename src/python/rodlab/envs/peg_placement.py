@@ -31,8 +31,8 @@ class PegPlacement(RodEnv):
     Observation (101)
         Positions of 12 nodes over the length L (36); their velocities over 0.2 m/s (36); x, y of the pegs over L (6); their
         sides (3), 1 where the cable is to pass at larger y, -1 at smaller y; whether they are passed (3); place of the end's
-        goal over L (2); the frame of the gripper: d₁, tangent (6), position over L (3); end less goal over L (3); place of the
-        gap beside the first peg that is not passed, less the end, over L (3).
+        goal over L (2); the frame of the gripper: d₁, tangent (6), position over L (3); end less goal over L (3); place of
+        the gap beside the first peg that is not passed, less the end, over L (3).
 
     Action (6), from -1 to 1
         Velocity of the gripper in x, y, z, times 0.2 m/s (3); its angular velocity about x, y, z, times 2 rad/s (3).
@@ -85,7 +85,8 @@ class PegPlacement(RodEnv):
     default_horizon = 150
 
     def __init__(self, render_mode: str | None = None, horizon: int | None = None) -> None:
-        super().__init__(actions=6, observations=6 * SEEN + 29, render_mode=render_mode, horizon=horizon)
+        super().__init__(render_mode, horizon)
+        self._set_spaces(6, 6 * SEEN + 29)
         self._seen = spread(EDGES + 1, SEEN)
         self.pegs = np.zeros((PEGS, 2))
         self.sides = np.ones(PEGS)

@@ -82,8 +82,8 @@ class RodVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         count = self.num_envs
         if seed is None:
             seeds: list[int | None] = [None] * count
-        elif isinstance(seed, int):
-            seeds = [seed + case for case in range(count)]
+        elif isinstance(seed, int | np.integer):
+            seeds = [int(seed) + case for case in range(count)]
         else:
             seeds = list(seed)
         if len(seeds) != count:
@@ -95,7 +95,9 @@ class RodVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         infos = self._restart(np.flatnonzero(mask).tolist(), seeds, options)
         return self._observations.copy(), infos
 
-    def step(self, actions: NDArray[np.float32]) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+    def step(
+        self, actions: NDArray[np.float32]
+    ) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """Advance all cases by a control period.
 
         Parameters
