@@ -1,0 +1,5 @@
+"""The command line: ``python -m rodlab``."""
+
+from . import main
+
+main()

@@ -1,0 +1,470 @@
+"""Simulations: steps, arrays, grasps, states."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _rodlab
+from ._command import File
+from ._rodlab import Contacts, Scenario, ScenarioError, State, StepReport
+from .scene import Part, Place, Scene, scene_of
+
+Array = NDArray[np.float64]
+
+
+class Simulation:
+    """A scene in motion, with n nodes in all, rod after rod.
+
+    Arrays that are read are those after the last step. `forces`, `torques` and `natural_curvature`
+    are arrays to write to; they hold from the next step on, until they are changed again.
+
+    A step that fails raises an exception, and the state stays that before it. Only one thread may
+    use a simulation at a time; steps of several simulations run in parallel.
+
+    Parameters
+    ----------
+    scene
+        A `Scene`, a resolved `Scenario`, a scenario file, or the name of a preset.
+    """
+
+    __slots__ = ("_core", "clamps", "rods")
+
+    def __init__(self, scene: Scene | Scenario | File) -> None:
+        scenario = scene if isinstance(scene, Scenario) else scene_of(scene).scenario
+        self._core = _rodlab.Simulation(scenario)
+        self.rods = Rods(self._core)
+        """The rods by name."""
+        self.clamps = Clamps(self._core)
+        """The clamps by number or by place, such as ``"beam.end"``."""
+
+    # Motion.
+    def step(self, duration: float | None = None) -> StepReport:
+        """Advance by `duration` (s), by default by one step of the scenario."""
+        return self._core.step(duration)
+
+    def run(self, until: float) -> StepReport:
+        """Advance to the time `until` (s), with steps of the scenario's size."""
+        return self._core.run(until)
+
+    def find_equilibrium(self) -> StepReport:
+        """Move to the static equilibrium under the present loads and clamps."""
+        return self._core.find_equilibrium()
+
+    def follow(self, to: float, step: float | None = None) -> dict[str, Array]:
+        """Follow the equilibria along the scenario's parameter from its present value to `to`.
+
+        Returns
+        -------
+        dict
+            The parameter and what is measured at each point of the path, by name.
+        """
+        return self._core.follow(to, step)
+
+    @property
+    def time(self) -> float:
+        """Time, s."""
+        return self._core.time
+
+    @property
+    def end(self) -> float | None:
+        """End of the motion in the scenario, s."""
+        return self._core.end
+
+    @property
+    def ended(self) -> str | None:
+        """Why the scenario's own condition ended the motion, if it did."""
+        return self._core.ended
+
+    @property
+    def step_size(self) -> float:
+        """Time step of the scenario, s."""
+        return self._core.step_size
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario that is simulated."""
+        return self._core.scenario
+
+    # Configuration.
+    @property
+    def positions(self) -> Array:
+        """Positions of the nodes, n × 3, m."""
+        return self._core.positions
+
+    @property
+    def velocities(self) -> Array:
+        """Velocities of the nodes, n × 3, m/s."""
+        return self._core.velocities
+
+    @property
+    def directors(self) -> Array:
+        """First material directors of the edges that start at the nodes, n × 3."""
+        return self._core.directors
+
+    @property
+    def edge_angles(self) -> Array:
+        """Angles of these edges about their tangents, n, rad."""
+        return self._core.edge_angles
+
+    @property
+    def twists(self) -> Array:
+        """Twist per length at the nodes, n, rad/m."""
+        return self._core.twists
+
+    @property
+    def curvatures(self) -> Array:
+        """Curvatures κ₁ and κ₂ at the nodes, n × 2, 1/m; not a number at free ends."""
+        return self._core.curvatures
+
+    @property
+    def moments(self) -> Array:
+        """Bending moments M₁, M₂ and the twisting moment, n × 3, N m; not a number at free ends."""
+        return self._core.moments
+
+    @property
+    def tensions(self) -> Array:
+        """Tensions of the edges that start at the nodes, n, N; not a number where none starts."""
+        return self._core.tensions
+
+    def read_positions(self, out: Array) -> None:
+        """Write the positions into an array n × 3 that exists."""
+        self._core.read_positions(out)
+
+    # Actions.
+    @property
+    def forces(self) -> Array:
+        """Forces on the nodes in addition to the scenario's loads, n × 3, N: an array to write to."""
+        return self._core.forces
+
+    @forces.setter
+    def forces(self, forces: ArrayLike) -> None:
+        self._core.forces = forces
+
+    @property
+    def torques(self) -> Array:
+        """Moments about the tangents of the edges that start at the nodes, n, N m: to write to."""
+        return self._core.torques
+
+    @torques.setter
+    def torques(self, torques: ArrayLike) -> None:
+        self._core.torques = torques
+
+    @property
+    def natural_curvature(self) -> Array:
+        """Natural curvatures κ₁ and κ₂ at the nodes, n × 2, 1/m: an array to write to."""
+        return self._core.natural_curvature
+
+    @natural_curvature.setter
+    def natural_curvature(self, curvature: ArrayLike) -> None:
+        self._core.natural_curvature = curvature
+
+    def grasp(
+        self, rod: Part | str, at: Place = "end", *, position: bool = True, frame: bool = True
+    ) -> Clamp:
+        """Grasp a node where it is.
+
+        Parameters
+        ----------
+        rod, at
+            The rod, and its node: ``"start"``, ``"end"`` or a number from zero.
+        position, frame
+            Whether the position and the material frame are held.
+
+        Returns
+        -------
+        Clamp
+            A clamp that can be moved and released.
+        """
+        node = self.rods[rod].node(at)
+        return Clamp(self._core, self._core.grasp(node, position=position, frame=frame))
+
+    def set_load_factor(self, load: int, factor: float) -> None:
+        """Multiply a load of the scenario, counted from zero, by a factor."""
+        self._core.set_load_factor(load, factor)
+
+    # Measurements.
+    @property
+    def contacts(self) -> Contacts:
+        """Pairs in contact at the last step."""
+        return self._core.contacts
+
+    @property
+    def contact_forces(self) -> Array:
+        """Contact force on each node, n × 3, N."""
+        return self._core.contact_forces
+
+    @property
+    def fluid_forces(self) -> Array:
+        """Force of the fluid on each node, n × 3, N."""
+        return self._core.fluid_forces
+
+    @property
+    def energies(self) -> dict[str, float]:
+        """Kinetic, stretching, bending, twisting, contact and gravitational energy, J."""
+        return self._core.energies
+
+    def probes(self) -> dict[str, float]:
+        """Return the scenario's probes and the columns of its experiment, by name with unit."""
+        return self._core.probes()
+
+    @property
+    def remarks(self) -> list[str]:
+        """Remarks on the run, such as strains beyond the theory."""
+        return self._core.remarks
+
+    # States.
+    def save(self) -> State:
+        """Return all that influences the future of the simulation."""
+        return self._core.save()
+
+    def restore(self, state: State) -> None:
+        """Put the simulation into a state that it, or another of the same scenario, has saved."""
+        self._core.restore(state)
+
+    @contextlib.contextmanager
+    def trial(self) -> Iterator[State]:
+        """Restore the present state at the end of a block: ``with simulation.trial(): ...``."""
+        state = self.save()
+        try:
+            yield state
+        finally:
+            self.restore(state)
+
+    def __copy__(self) -> Simulation:
+        other = Simulation(self.scenario)
+        other.restore(self.save())
+        return other
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Simulation:
+        return self.__copy__()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _simulation_in, (self.scenario.name, self.scenario.to_toml(), self.save())
+
+    def __repr__(self) -> str:
+        rods = len(self._core.rod_names)
+        return f"<Simulation of {self.scenario.name!r}: {rods} rods, t = {self.time:.6g} s>"
+
+
+def _simulation_in(name: str, text: str, state: State) -> Simulation:
+    simulation = Simulation(Scenario.loads(text, name=name))
+    simulation.restore(state)
+    return simulation
+
+
+class RodView:
+    """A rod of a simulation, with k nodes. Its arrays are rows of those of the simulation."""
+
+    __slots__ = ("_core", "name", "nodes")
+
+    def __init__(self, core: _rodlab.Simulation, name: str, nodes: slice) -> None:
+        self._core = core
+        self.name = name
+        """Name of the rod."""
+        self.nodes = nodes
+        """Rows of the rod in the arrays of the simulation."""
+
+    def __len__(self) -> int:
+        return int(self.nodes.stop) - int(self.nodes.start)
+
+    def node(self, at: Place) -> int:
+        """Return the number in the simulation of a node of the rod."""
+        if at == "start":
+            return int(self.nodes.start)
+        if at == "end":
+            return int(self.nodes.stop) - 1
+        # Numbers of numpy have __index__, too; True is not a node.
+        if isinstance(at, (str, bool)) or not hasattr(at, "__index__"):
+            raise ScenarioError(f"at: {at!r}; allowed: 'start', 'end', or the number of a node")
+        if not 0 <= at < len(self):
+            raise ScenarioError(f"at: {at} is out of range; {self.name} has {len(self)} nodes")
+        return int(self.nodes.start) + at.__index__()
+
+    @property
+    def positions(self) -> Array:
+        """Positions of the nodes, k × 3, m."""
+        return self._core.positions[self.nodes]
+
+    @property
+    def tip(self) -> Array:
+        """Position of the last node, 3, m."""
+        tip: Array = self.positions[-1]
+        return tip
+
+    @property
+    def velocities(self) -> Array:
+        """Velocities of the nodes, k × 3, m/s."""
+        return self._core.velocities[self.nodes]
+
+    @property
+    def directors(self) -> Array:
+        """First material directors of the edges that start at the nodes, k × 3."""
+        return self._core.directors[self.nodes]
+
+    @property
+    def twists(self) -> Array:
+        """Twist per length at the nodes, k, rad/m."""
+        return self._core.twists[self.nodes]
+
+    @property
+    def curvatures(self) -> Array:
+        """Curvatures κ₁ and κ₂ at the nodes, k × 2, 1/m."""
+        return self._core.curvatures[self.nodes]
+
+    @property
+    def moments(self) -> Array:
+        """Bending moments M₁, M₂ and the twisting moment at the nodes, k × 3, N m."""
+        return self._core.moments[self.nodes]
+
+    @property
+    def tensions(self) -> Array:
+        """Tensions of the edges that start at the nodes, k, N."""
+        return self._core.tensions[self.nodes]
+
+    @property
+    def forces(self) -> Array:
+        """Forces on the nodes in addition to the scenario's loads, k × 3, N: an array to write to."""
+        return self._core.forces[self.nodes]
+
+    @forces.setter
+    def forces(self, forces: ArrayLike) -> None:
+        self._core.forces[self.nodes] = forces
+
+    @property
+    def torques(self) -> Array:
+        """Moments about the tangents of the edges that start at the nodes, k, N m: to write to."""
+        return self._core.torques[self.nodes]
+
+    @torques.setter
+    def torques(self, torques: ArrayLike) -> None:
+        self._core.torques[self.nodes] = torques
+
+    @property
+    def natural_curvature(self) -> Array:
+        """Natural curvatures κ₁ and κ₂ at the nodes, k × 2, 1/m: an array to write to."""
+        return self._core.natural_curvature[self.nodes]
+
+    @natural_curvature.setter
+    def natural_curvature(self, curvature: ArrayLike) -> None:
+        self._core.natural_curvature[self.nodes] = curvature
+
+    def __repr__(self) -> str:
+        return f"<RodView {self.name!r}: {len(self)} nodes>"
+
+
+class Rods(Mapping[str, RodView]):
+    """The rods of a simulation by name; handles of a `Scene` stand for names."""
+
+    __slots__ = ("_rods",)
+
+    def __init__(self, core: _rodlab.Simulation) -> None:
+        names_and_nodes = zip(core.rod_names, core.rod_slices, strict=True)
+        self._rods = {name: RodView(core, name, slice(*nodes)) for name, nodes in names_and_nodes}
+
+    def __getitem__(self, rod: str | Part) -> RodView:
+        name = rod.name if isinstance(rod, Part) else rod
+        try:
+            return self._rods[name]  # type: ignore[index]
+        except KeyError:
+            present = ", ".join(self._rods)
+            raise KeyError(f"no rod is called {name!r}; there are {present}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._rods)
+
+    def __len__(self) -> int:
+        return len(self._rods)
+
+
+class Clamp:
+    """A clamp of a simulation.
+
+    A pose is a matrix 4 × 4 whose columns are the directors d₁ and d₂, the tangent, and the
+    position in m.
+    """
+
+    __slots__ = ("_core", "number")
+
+    def __init__(self, core: _rodlab.Simulation, number: int) -> None:
+        self._core = core
+        self.number = number
+        """Number of the clamp in the simulation, from zero."""
+
+    @property
+    def name(self) -> str:
+        """Name of the clamp."""
+        return self._core.clamp_names[self.number]
+
+    @property
+    def node(self) -> int:
+        """Number of the node that it holds."""
+        return self._core.clamp_nodes[self.number]
+
+    @property
+    def pose(self) -> Array:
+        """Pose, 4 × 4. A pose that is assigned is reached during the next `step` or `run`."""
+        return self._core.clamp_pose(self.number)
+
+    @pose.setter
+    def pose(self, pose: ArrayLike) -> None:
+        self._core.move_clamp(self.number, pose)
+
+    @property
+    def position(self) -> Array:
+        """Position, 3, m. One that is assigned is reached during the next `step` or `run`."""
+        return self._core.clamp_pose(self.number)[:3, 3]
+
+    @position.setter
+    def position(self, position: ArrayLike) -> None:
+        self._core.move_clamp(self.number, position)
+
+    @property
+    def force(self) -> Array:
+        """Force that the clamp exerts, 3, N."""
+        return self._core.reaction(self.number)[:3]
+
+    @property
+    def moment(self) -> Array:
+        """Moment that the clamp exerts, 3, N m."""
+        return self._core.reaction(self.number)[3:]
+
+    def release(self) -> None:
+        """Let go of the node."""
+        self._core.release(self.number)
+
+    def __repr__(self) -> str:
+        return f"<Clamp {self.name!r}>"
+
+
+class Clamps:
+    """The clamps of a simulation by number, by place (``"beam.end"``), or by handle of a `Scene`."""
+
+    __slots__ = ("_core",)
+
+    def __init__(self, core: _rodlab.Simulation) -> None:
+        self._core = core
+
+    def __getitem__(self, clamp: int | str | Part) -> Clamp:
+        names = self._core.clamp_names
+        name = clamp.name if isinstance(clamp, Part) else clamp
+        if isinstance(name, str):
+            if name not in names:
+                raise KeyError(f"no clamp is called {name!r}; there are {', '.join(names)}")
+            return Clamp(self._core, names.index(name))
+        if name is None or isinstance(name, bool) or not hasattr(name, "__index__"):
+            raise TypeError(f"a clamp is a number or a name, not {clamp!r}")
+        number = name.__index__()
+        if not 0 <= number < len(names):
+            raise IndexError(f"clamp {number} is out of range; there are {len(names)}")
+        return Clamp(self._core, number)
+
+    def __iter__(self) -> Iterator[Clamp]:
+        return (Clamp(self._core, number) for number in range(len(self)))
+
+    def __len__(self) -> int:
+        return len(self._core.clamp_names)
