@@ -69,6 +69,7 @@ pages! {
     theory
     accuracy
     performance
+    python
     library
 }
 

@@ -195,6 +195,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab reproduce cost --quick",
     ],
     [
+        "python",
+        "y_junction.svg",
+        "Three rods meet in a joint",
+        "pip install rodlab",
+    ],
+    [
         "library",
         "net.svg",
         "A net of joined threads",

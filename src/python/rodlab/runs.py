@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from . import _rodlab
 from ._command import File, flags, needed, text
 from ._rodlab import ScenarioError
-from .scene import Scene, scene_of
+from .scene import Scene
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import-untyped, import-not-found, unused-ignore]
@@ -253,7 +253,11 @@ class Results:
 
     def _read(self, name: str) -> pandas.DataFrame:
         path = self._file(name)
-        frame: pandas.DataFrame = needed("pandas", "data").read_csv(path, float_precision="round_trip")
+        module = needed("pandas", "data")
+        # From version 3 on, numbers are read exactly by default.
+        is_exact = int(module.__version__.split(".")[0]) >= 3
+        options = {} if is_exact else {"float_precision": "round_trip"}
+        frame: pandas.DataFrame = module.read_csv(path, **options)
         return frame
 
 
@@ -263,6 +267,6 @@ def _number(cell: str) -> float:
 
 def _with_keys(scene: Scene | File, keys: Mapping[str, Any]) -> Scene:
     """Return the scene with other values of keys; the one that is given stays as it is."""
-    if not isinstance(scene, Scene):
-        return Scene.load(scene, **keys) if keys else scene_of(scene)
-    return scene.with_keys(**keys) if keys else scene
+    if isinstance(scene, Scene):
+        return scene.with_keys(**keys) if keys else scene
+    return Scene.load(scene, **keys)

@@ -85,6 +85,7 @@ class Scene:
         self._directory = Path(directory)
         self._table: Table = table({"experiment": experiment, **tables}, "")
         # A scene from a file stays bound to it until a part is added; until then only keys change.
+        # Of such a scene `_table` is what the file becomes with these keys, empty until it is needed.
         self._file: str | None = None
         self._overrides: dict[str, Any] = {}
         self._scenario: Scenario | None = None
@@ -99,24 +100,32 @@ class Scene:
         path
             The file, or the name of a preset (``rodlab presets scenario``).
         **keys
-            Values of dotted keys: ``load("beam.toml", **{"rods.beam.radius": "5 mm"})``.
+            Values of dotted keys: ``load("beam.toml", **{"rods.beam.radius": "5 mm"})``. None
+            removes a key.
         """
         path = fspath(path)
         scene = cls(name=Path(path).stem, directory=Path(path).parent)
-        scene._file = path
+        # A preset is not a file.
+        scene._file = str(Path(path).absolute()) if Path(path).is_file() else path
         scene._overrides = table(keys, "")
-        scene._scenario = Scenario.load(path, overrides(scene._overrides))
+        # Faults of the file are reported here.
+        scene._table = scene._expanded()
+        for key, value in keys.items():
+            if value is None:
+                scene[key] = None
         return scene
 
     @classmethod
     def loads(cls, text: str, *, name: str = "scene", directory: File = ".", **keys: Any) -> Scene:
         """Read a scenario from TOML text; names of files in it begin from `directory`."""
-        scene = cls(name=name, directory=directory)
         written = overrides(table(keys, ""))
-        scene._scenario = Scenario.loads(text, written, name=name, directory=fspath(directory))
+        # Faults of the text are reported here, with their lines.
+        scenario = Scenario.loads(text, written, name=name, directory=fspath(directory))
+        scene = cls(name=name, directory=directory)
         scene._table = read_toml(text)
         for key, value in keys.items():
-            scene._set(key, value)
+            scene[key] = value
+        scene._scenario = scenario
         return scene
 
     @classmethod
@@ -306,8 +315,24 @@ class Scene:
         return copy.deepcopy(value)
 
     def __setitem__(self, key: str, value: Any) -> None:
+        if value is None:
+            if key in self:
+                del self[key]
+            return
         self._set(key, value)
         self._scenario = None
+
+    def __delitem__(self, key: str) -> None:
+        self[key]
+        if self._file is None and key in self._overrides:
+            del self._overrides[key]
+            self._scenario = None
+            return
+        *parents, last = _steps(key)
+        place: Any = self._own()
+        for number, step in enumerate(parents):
+            place = _element(place, step, ".".join(parents[: number + 1]))
+        del place[_number(place, last, key) if isinstance(place, list) else last]
 
     def __contains__(self, key: object) -> bool:
         try:
@@ -317,7 +342,7 @@ class Scene:
         return True
 
     def with_keys(self, **keys: Any) -> Scene:
-        """Return a copy of the scene with other values of dotted keys."""
+        """Return a copy of the scene with other values of dotted keys; None removes a key."""
         other = copy.copy(self)
         other._table = copy.deepcopy(self._table)
         other._overrides = dict(self._overrides)
@@ -329,6 +354,7 @@ class Scene:
         value = plain(value, key)
         if self._file is not None:
             self._overrides[key] = value
+            self._table = {}
             return
         *parents, last = _steps(key)
         if {"extends", "include"} & self._table.keys() and key not in self:
@@ -361,11 +387,14 @@ class Scene:
                 )
         return self._scenario
 
-    def simulate(self) -> Simulation:
-        """Return a simulation of the scene, at its start."""
+    def simulate(self, *, natural_curvature: bool = False) -> Simulation:
+        """Return a simulation of the scene, at its start.
+
+        With `natural_curvature`, the array of that name is available.
+        """
         from .simulation import Simulation
 
-        return Simulation(self)
+        return Simulation(self, natural_curvature=natural_curvature)
 
     def check(self) -> dict[str, Any]:
         """Check the scene, and return derived numbers: stiffnesses, periods, an advised time step.
@@ -417,19 +446,22 @@ class Scene:
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"_scenario": None}
 
-    def _tables(self) -> Table:
-        """Return the tables, of a file with what it extends and includes."""
-        if self._file is None:
-            return self._table
+    def _expanded(self) -> Table:
+        """Return the tables of a file, with those of the files that it extends and includes."""
         with self.file() as (path, settings):
-            return read_toml(_rodlab.command(["expand", path, *settings]))
+            return read_toml(_rodlab.command(["expand", path, *settings, "--quiet"]))
+
+    def _tables(self) -> Table:
+        """Return the tables."""
+        if self._file is not None and not self._table:
+            self._table = self._expanded()
+        return self._table
 
     def _own(self) -> Table:
         """Return the tables to change them: from now on they are not those of a file."""
-        if self._file is not None:
-            self._table = self._tables()
-            self._file = None
-            self._overrides = {}
+        self._tables()
+        self._file = None
+        self._overrides = {}
         self._scenario = None
         return self._table
 

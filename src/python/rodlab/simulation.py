@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -30,17 +31,22 @@ class Simulation:
     ----------
     scene
         A `Scene`, a resolved `Scenario`, a scenario file, or the name of a preset.
+    natural_curvature
+        Whether the array `natural_curvature` is available.
     """
 
-    __slots__ = ("_core", "clamps", "rods")
+    __slots__ = ("_clamps", "_core", "_rods")
 
-    def __init__(self, scene: Scene | Scenario | File) -> None:
+    def __init__(
+        self, scene: Scene | Scenario | File, *, natural_curvature: bool = False
+    ) -> None:
         scenario = scene if isinstance(scene, Scenario) else scene_of(scene).scenario
-        self._core = _rodlab.Simulation(scenario)
-        self.rods = Rods(self._core)
-        """The rods by name."""
-        self.clamps = Clamps(self._core)
-        """The clamps by number or by place, such as ``"beam.end"``."""
+        self._wrap(_rodlab.Simulation(scenario, natural_curvature))
+
+    def _wrap(self, core: _rodlab.Simulation) -> None:
+        self._core = core
+        self._rods = Rods(core)
+        self._clamps = Clamps(core, self._rods)
 
     # Motion.
     def step(self, duration: float | None = None) -> StepReport:
@@ -55,13 +61,21 @@ class Simulation:
         """Move to the static equilibrium under the present loads and clamps."""
         return self._core.find_equilibrium()
 
-    def follow(self, to: float, step: float | None = None) -> dict[str, Array]:
-        """Follow the equilibria along the scenario's parameter from its present value to `to`.
+    def follow(self, to: float | None = None, step: float | None = None) -> dict[str, Any]:
+        """Follow the equilibria along the path of the scenario's ``[continuation]``, p points.
+
+        Parameters
+        ----------
+        to
+            Parameter at which the path ends; by default that of the scenario.
+        step
+            Size of the first step.
 
         Returns
         -------
         dict
-            The parameter and what is measured at each point of the path, by name.
+            ``parameter`` (p), ``positions`` (p × n × 3, m), ``unstable_modes`` (p), and ``kind``: a
+            list of words such as ``"regular"`` or ``"fold"``.
         """
         return self._core.follow(to, step)
 
@@ -81,8 +95,8 @@ class Simulation:
         return self._core.ended
 
     @property
-    def step_size(self) -> float:
-        """Time step of the scenario, s."""
+    def step_size(self) -> float | None:
+        """Time step of the scenario, s; None if it is automatic."""
         return self._core.step_size
 
     @property
@@ -91,6 +105,16 @@ class Simulation:
         return self._core.scenario
 
     # Configuration.
+    @property
+    def rods(self) -> Rods:
+        """The rods by name, or by handle of a `Scene`."""
+        return self._rods
+
+    @property
+    def clamps(self) -> Clamps:
+        """The clamps by number, by place such as ``"beam.end"``, or by handle of a `Scene`."""
+        return self._clamps
+
     @property
     def positions(self) -> Array:
         """Positions of the nodes, n × 3, m."""
@@ -118,12 +142,12 @@ class Simulation:
 
     @property
     def curvatures(self) -> Array:
-        """Curvatures κ₁ and κ₂ at the nodes, n × 2, 1/m; not a number at free ends."""
+        """Curvature of the centreline at the nodes, n, 1/m; not a number at free ends."""
         return self._core.curvatures
 
     @property
     def moments(self) -> Array:
-        """Bending moments M₁, M₂ and the twisting moment, n × 3, N m; not a number at free ends."""
+        """Size of the bending moment and the twisting moment, n × 2, N m; not a number at free ends."""
         return self._core.moments
 
     @property
@@ -156,7 +180,7 @@ class Simulation:
 
     @property
     def natural_curvature(self) -> Array:
-        """Natural curvatures κ₁ and κ₂ at the nodes, n × 2, 1/m: an array to write to."""
+        """Natural curvatures κ₁ and κ₂ in addition to those of the rods, n × 2, 1/m: to write to."""
         return self._core.natural_curvature
 
     @natural_curvature.setter
@@ -180,8 +204,11 @@ class Simulation:
         Clamp
             A clamp that can be moved and released.
         """
+        if not position and not frame:
+            raise ScenarioError("grasp: hold the position, the frame, or both")
         node = self.rods[rod].node(at)
-        return Clamp(self._core, self._core.grasp(node, position=position, frame=frame))
+        number = self._core.grasp(node, position=position, frame=frame)
+        return Clamp(self._core, self._rods, number)
 
     def set_load_factor(self, load: int, factor: float) -> None:
         """Multiply a load of the scenario, counted from zero, by a factor."""
@@ -236,24 +263,22 @@ class Simulation:
             self.restore(state)
 
     def __copy__(self) -> Simulation:
-        other = Simulation(self.scenario)
-        other.restore(self.save())
-        return other
+        return _simulation_around(copy.copy(self._core))
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Simulation:
         return self.__copy__()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _simulation_in, (self.scenario.name, self.scenario.to_toml(), self.save())
+        return _simulation_around, (self._core,)
 
     def __repr__(self) -> str:
         rods = len(self._core.rod_names)
         return f"<Simulation of {self.scenario.name!r}: {rods} rods, t = {self.time:.6g} s>"
 
 
-def _simulation_in(name: str, text: str, state: State) -> Simulation:
-    simulation = Simulation(Scenario.loads(text, name=name))
-    simulation.restore(state)
+def _simulation_around(core: _rodlab.Simulation) -> Simulation:
+    simulation = Simulation.__new__(Simulation)
+    simulation._wrap(core)
     return simulation
 
 
@@ -313,12 +338,12 @@ class RodView:
 
     @property
     def curvatures(self) -> Array:
-        """Curvatures κ₁ and κ₂ at the nodes, k × 2, 1/m."""
+        """Curvature of the centreline at the nodes, k, 1/m."""
         return self._core.curvatures[self.nodes]
 
     @property
     def moments(self) -> Array:
-        """Bending moments M₁, M₂ and the twisting moment at the nodes, k × 3, N m."""
+        """Size of the bending moment and the twisting moment at the nodes, k × 2, N m."""
         return self._core.moments[self.nodes]
 
     @property
@@ -346,7 +371,7 @@ class RodView:
 
     @property
     def natural_curvature(self) -> Array:
-        """Natural curvatures κ₁ and κ₂ at the nodes, k × 2, 1/m: an array to write to."""
+        """Natural curvatures κ₁ and κ₂ in addition to those of the rod, k × 2, 1/m: to write to."""
         return self._core.natural_curvature[self.nodes]
 
     @natural_curvature.setter
@@ -374,6 +399,15 @@ class Rods(Mapping[str, RodView]):
             present = ", ".join(self._rods)
             raise KeyError(f"no rod is called {name!r}; there are {present}") from None
 
+    def place(self, node: int | None) -> str | None:
+        """Return the rod of a node and its number there: ``"beam.3"`` or ``"beam.end"``."""
+        for name, rod in self._rods.items():
+            if node is not None and rod.nodes.start <= node < rod.nodes.stop:
+                number = node - rod.nodes.start
+                ends = {len(rod) - 1: "end", 0: "start"}
+                return f"{name}.{ends.get(number, number)}"
+        return None
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._rods)
 
@@ -388,21 +422,22 @@ class Clamp:
     position in m.
     """
 
-    __slots__ = ("_core", "number")
+    __slots__ = ("_core", "_rods", "number")
 
-    def __init__(self, core: _rodlab.Simulation, number: int) -> None:
+    def __init__(self, core: _rodlab.Simulation, rods: Rods, number: int) -> None:
         self._core = core
+        self._rods = rods
         self.number = number
         """Number of the clamp in the simulation, from zero."""
 
     @property
-    def name(self) -> str:
-        """Name of the clamp."""
-        return self._core.clamp_names[self.number]
+    def name(self) -> str | None:
+        """Place of the clamp, such as ``"beam.end"``; None if it was released."""
+        return self._rods.place(self.node)
 
     @property
-    def node(self) -> int:
-        """Number of the node that it holds."""
+    def node(self) -> int | None:
+        """Number of the node that it holds; None if it was released."""
         return self._core.clamp_nodes[self.number]
 
     @property
@@ -438,33 +473,44 @@ class Clamp:
         self._core.release(self.number)
 
     def __repr__(self) -> str:
-        return f"<Clamp {self.name!r}>"
+        return f"<Clamp {self.number}: {self.name or 'released'}>"
 
 
 class Clamps:
     """The clamps of a simulation by number, by place (``"beam.end"``), or by handle of a `Scene`."""
 
-    __slots__ = ("_core",)
+    __slots__ = ("_core", "_rods")
 
-    def __init__(self, core: _rodlab.Simulation) -> None:
+    def __init__(self, core: _rodlab.Simulation, rods: Rods) -> None:
         self._core = core
+        self._rods = rods
 
     def __getitem__(self, clamp: int | str | Part) -> Clamp:
-        names = self._core.clamp_names
         name = clamp.name if isinstance(clamp, Part) else clamp
         if isinstance(name, str):
-            if name not in names:
-                raise KeyError(f"no clamp is called {name!r}; there are {', '.join(names)}")
-            return Clamp(self._core, names.index(name))
+            return Clamp(self._core, self._rods, self._number(name))
         if name is None or isinstance(name, bool) or not hasattr(name, "__index__"):
             raise TypeError(f"a clamp is a number or a name, not {clamp!r}")
         number = name.__index__()
-        if not 0 <= number < len(names):
-            raise IndexError(f"clamp {number} is out of range; there are {len(names)}")
-        return Clamp(self._core, number)
+        if not 0 <= number < len(self):
+            raise IndexError(f"clamp {number} is out of range; there are {len(self)}")
+        return Clamp(self._core, self._rods, number)
+
+    def _number(self, name: str) -> int:
+        rod, _, place = name.rpartition(".")
+        nodes = self._core.clamp_nodes
+        try:
+            return nodes.index(self._rods[rod].node(int(place) if place.isdecimal() else place))
+        except (KeyError, ValueError):
+            present = ", ".join(filter(None, self.names())) or "none"
+            raise KeyError(f"no clamp is called {name!r}; there are {present}") from None
+
+    def names(self) -> list[str | None]:
+        """Return the places of the clamps, such as ``"beam.end"``; None for those released."""
+        return [self._rods.place(node) for node in self._core.clamp_nodes]
 
     def __iter__(self) -> Iterator[Clamp]:
-        return (Clamp(self._core, number) for number in range(len(self)))
+        return (Clamp(self._core, self._rods, number) for number in range(len(self)))
 
     def __len__(self) -> int:
-        return len(self._core.clamp_names)
+        return len(self._core.clamp_nodes)
