@@ -100,7 +100,9 @@ mod watchdog;
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, FromArgMatches};
 use clap_complete::CompleteEnv;
+use exit_code::ExitCode;
 use failure::Failure;
+use rodlab_lab::run::RunError;
 use std::ffi::OsString;
 use std::process;
 
@@ -131,6 +133,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             failure.exit_code()
         }
     })
+}
+
+/// The exit code for a run that ended early.
+pub fn exit_code_of_run(error: &RunError) -> u8 {
+    error.exit_code()
 }
 
 /// Result of a command that a program has called.

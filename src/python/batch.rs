@@ -178,11 +178,9 @@ impl Batch {
             }
             let now = case.core.run.simulation.time();
             let step = first - now;
-            let end = |k: usize| match k {
-                1 => first,
-                k => now + k as f64 * step,
-            };
-            Ok((1..=count).map(|k| Some(end(k))).collect())
+            // As a simulation that is stepped as often.
+            let ends = std::iter::successors(Some(first), |end| Some(end + step));
+            Ok(ends.take(count).map(Some).collect())
         })
     }
 

@@ -53,17 +53,5 @@ pub fn of_simulation(error: &SimulationError) -> PyErr {
 
 /// The exception for an error of a run.
 pub fn of_run(error: &RunError) -> PyErr {
-    match error {
-        RunError::Scene(source) | RunError::Simulation { source, .. } => {
-            let exit_code = match source {
-                SimulationError::BadScene(_) => 2,
-                SimulationError::Unphysical(_) => 4,
-                _ => 3,
-            };
-            of_exit_code(exit_code, &error.to_string())
-        }
-        RunError::Interrupted { .. } => of_exit_code(INTERRUPTED, &error.to_string()),
-        RunError::TimeLimit { .. } => of_exit_code(5, &error.to_string()),
-        RunError::Results(_) => of_exit_code(1, &error.to_string()),
-    }
+    of_exit_code(rodlab::cli::exit_code_of_run(error), &error.to_string())
 }

@@ -40,8 +40,8 @@ impl Scenario {
 #[pymethods]
 impl Scenario {
     #[staticmethod]
-    #[pyo3(signature = (path, overrides = Vec::new()))]
-    fn load(path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
+    #[pyo3(signature = (path, overrides = None))]
+    fn load(path: PathBuf, overrides: Option<Vec<String>>) -> PyResult<Self> {
         let kind = PresetKind::Scenario;
         let path = match path.exists() {
             true => path,
@@ -52,25 +52,40 @@ impl Scenario {
                 None => path,
             },
         };
-        Self::of(experiment::load(&path, &overrides))
+        Self::of(experiment::load(&path, &overrides.unwrap_or_default()))
     }
 
     #[staticmethod]
-    #[pyo3(signature = (text, overrides = Vec::new(), name = "scenario", directory = PathBuf::from(".")))]
-    fn loads(text: &str, overrides: Vec<String>, name: &str, directory: PathBuf) -> PyResult<Self> {
-        Self::of(experiment::from_text(name, text, &directory, &overrides))
+    #[pyo3(signature = (text, overrides = None, name = "scenario", directory = None))]
+    fn loads(
+        text: &str,
+        overrides: Option<Vec<String>>,
+        name: &str,
+        directory: Option<PathBuf>,
+    ) -> PyResult<Self> {
+        Self::of(experiment::from_text(
+            name,
+            text,
+            &folder(directory),
+            &overrides.unwrap_or_default(),
+        ))
     }
 
     #[staticmethod]
-    #[pyo3(signature = (table, overrides = Vec::new(), name = "scenario", directory = PathBuf::from(".")))]
+    #[pyo3(signature = (table, overrides = None, name = "scenario", directory = None))]
     fn from_dict(
         table: &Bound<'_, PyMapping>,
-        overrides: Vec<String>,
+        overrides: Option<Vec<String>>,
         name: &str,
-        directory: PathBuf,
+        directory: Option<PathBuf>,
     ) -> PyResult<Self> {
         let table = self::table(table)?;
-        Self::of(experiment::from_table(name, table, &directory, &overrides))
+        Self::of(experiment::from_table(
+            name,
+            table,
+            &folder(directory),
+            &overrides.unwrap_or_default(),
+        ))
     }
 
     #[getter]
@@ -107,4 +122,9 @@ impl Scenario {
             self.experiment()
         )
     }
+}
+
+/// The folder relative to which a scenario names files.
+fn folder(given: Option<PathBuf>) -> PathBuf {
+    given.unwrap_or_else(|| PathBuf::from("."))
 }

@@ -104,7 +104,7 @@ class Caller:
     def use(self, name: str, member: Callable[..., Any]) -> None:
         count = self.random.choices([0, 1, 2, 3], weights=[3, 4, 2, 1])[0]
         arguments = [argument(self.random) for _ in range(count)]
-        if name == "run" and arguments and isinstance(arguments[0], (int, float)):
+        if name in ("run", "step") and arguments and isinstance(arguments[0], (int, float)):
             # A run to a distant time is long, not wrong.
             arguments[0] = min(arguments[0], 0.02)
         if name == "step" and count > 1:

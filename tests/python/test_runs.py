@@ -109,8 +109,7 @@ def test_a_run_equals_the_steps_of_a_simulation(tmp_path) -> None:
     scene.set_output(interval="20 ms")
     nodes = rodlab.run(scene, tmp_path / "out").nodes()
     simulation = scene.simulate()
-    for _ in range(20):
-        simulation.step()
+    simulation.run(0.02)
     assert np.array_equal(simulation.positions, nodes.positions[-1])
 
 

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any, final
 
+from typing_extensions import Self
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -11,6 +13,23 @@ from .errors import ConvergenceError as ConvergenceError
 from .errors import PhysicsError as PhysicsError
 from .errors import RodlabError as RodlabError
 from .errors import ScenarioError as ScenarioError
+
+__all__ = [
+    "Batch",
+    "Contacts",
+    "Scenario",
+    "Simulation",
+    "State",
+    "StepReport",
+    "command",
+    "main",
+    "run",
+    "trace",
+    "RodlabError",
+    "ScenarioError",
+    "ConvergenceError",
+    "PhysicsError",
+]
 
 _Array = NDArray[np.float64]
 
@@ -25,11 +44,12 @@ class Scenario:
     """A scenario: everything that a file describes, with defaults filled in."""
 
     @staticmethod
-    def load(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Scenario: ...
+    def load(path: str | PathLike[str], overrides: Sequence[str] | None = None) -> Scenario: ...
     @staticmethod
-    def loads(text: str, overrides: Sequence[str] = (), name: str = "scenario", directory: str | PathLike[str] = ".") -> Scenario: ...
+    def loads(text: str, overrides: Sequence[str] | None = None, name: str = "scenario", directory: str | PathLike[str] | None = None) -> Scenario: ...
     @staticmethod
-    def from_dict(table: Mapping[str, Any], overrides: Sequence[str] = (), name: str = "scenario", directory: str | PathLike[str] = ".") -> Scenario: ...
+    def from_dict(table: Mapping[str, Any], overrides: Sequence[str] | None = None, name: str = "scenario", directory: str | PathLike[str] | None = None) -> Scenario: ...
+    def __deepcopy__(self, _memo: object, /) -> Scenario: ...
     @property
     def name(self) -> str: ...
     @property
@@ -69,6 +89,8 @@ class Contacts:
 class State:
     """All that influences the future of a simulation. It can be pickled."""
 
+    def __copy__(self, /) -> State: ...
+    def __deepcopy__(self, _memo: object, /) -> State: ...
     @property
     def time(self) -> float: ...
 
@@ -76,7 +98,7 @@ class State:
 class Simulation:
     """A scene in motion, with n nodes in all: rod after rod."""
 
-    def __init__(self, scenario: Scenario, natural_curvature: bool = False) -> None:
+    def __new__(cls, scenario: Scenario, natural_curvature: bool = False) -> Self:
         """Set up the scene at time zero; `natural_curvature` makes the array of that name available."""
     # Motion.
     def step(self, duration: float | None = None) -> StepReport:
@@ -187,7 +209,7 @@ class Simulation:
 class Batch:
     """Simulations that are stepped together on all cores: c cases with n nodes each."""
 
-    def __init__(self, scenarios: Sequence[Scenario] | Scenario, count: int | None = None) -> None: ...
+    def __new__(cls, scenarios: Sequence[Scenario] | Scenario, count: int | None = None) -> Self: ...
     def __len__(self) -> int: ...
     def step(self, duration: float | None = None, count: int = 1) -> None:
         """Advance all cases by `count` times `duration` (s). A case that fails stays at its last step; see `failures`."""

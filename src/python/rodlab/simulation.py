@@ -24,8 +24,8 @@ class Simulation:
     Arrays that are read are those after the last step. `forces`, `torques` and `natural_curvature`
     are arrays to write to; they hold from the next step on, until they are changed again.
 
-    A step that fails raises an exception, and the state stays that before it. Only one thread may
-    use a simulation at a time; steps of several simulations run in parallel.
+    A step that fails raises an exception, and the state is that of the last accepted step. Only one
+    thread may use a simulation at a time; steps of several simulations run in parallel.
 
     Parameters
     ----------

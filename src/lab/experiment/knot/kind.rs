@@ -196,8 +196,8 @@ mod tests {
         let run = prepare(&loaded.scenario).unwrap();
         let monitor = run.observer::<KnotMonitor>().unwrap();
         let knot = derived_knot(&monitor.observer, &run).unwrap();
-        assert_eq!((knot.determinant, knot.pull_speed), (9, 5e-3));
-        // (0.6 − 0.36)/0.001, and less by 2 · 5 mm/s · 18 s.
+        assert_eq!((knot.determinant, knot.pull_speed), (9, 4e-3));
+        // (0.6 − 0.36)/0.001, and less by 2 · 4 mm/s · 22.5 s.
         assert!((knot.length_normalized[0] - 240.0).abs() < 1e-9);
         assert!((knot.length_normalized[1] - 60.0).abs() < 1e-9);
     }
