@@ -5,8 +5,8 @@ use crate::attention::Attention;
 use crate::errors::{bad_argument, of_simulation};
 use crate::pose::Target;
 use crate::scenario::Scenario;
-use crate::simulation::{Core, Stopped};
 use crate::state::{Saved, State};
+use crate::stepper::{Stepper, Stopped};
 use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
 use rayon::prelude::*;
@@ -23,14 +23,14 @@ pub struct Batch {
 }
 
 struct Case {
-    core: Core,
+    stepper: Stepper,
     failure: Option<String>,
 }
 
 impl Case {
     fn new(scenario: &Scenario) -> PyResult<Self> {
         Ok(Self {
-            core: Core::new(scenario, false)?,
+            stepper: Stepper::new(scenario, false)?,
             failure: None,
         })
     }
@@ -41,7 +41,7 @@ impl Case {
             if self.failure.is_some() {
                 return;
             }
-            match self.core.advance(*until, goes_on) {
+            match self.stepper.advance(*until, goes_on) {
                 Ok(_) => {}
                 Err(Stopped::Signal) => return,
                 Err(Stopped::Failed(error)) => self.failure = Some(error.to_string()),
@@ -58,7 +58,7 @@ impl Batch {
         };
         let none = vec![0.0; self.nodes];
         for (case, forces) in self.cases.iter_mut().zip(forces.chunks_exact(size)) {
-            let simulation = &mut case.core.run.simulation;
+            let simulation = &mut case.stepper.run.simulation;
             simulation.set_external_forces(&vectors(forces), &none);
         }
         Ok(())
@@ -105,7 +105,7 @@ impl Batch {
     ) -> Bound<'py, PyArray3<f64>> {
         let mut flat = Vec::with_capacity(3 * self.nodes * self.cases.len());
         for case in &self.cases {
-            for vector in of(&case.core.run.simulation) {
+            for vector in of(&case.stepper.run.simulation) {
                 flat.extend_from_slice(vector.as_slice());
             }
         }
@@ -148,11 +148,11 @@ impl Batch {
             let cases = scenarios.par_iter().map(Case::new);
             cases.collect::<PyResult<_>>()
         })?;
-        let nodes = cases[0].core.nodes();
-        if let Some(other) = cases.iter().position(|case| case.core.nodes() != nodes) {
+        let nodes = cases[0].stepper.nodes();
+        if let Some(other) = cases.iter().position(|case| case.stepper.nodes() != nodes) {
             return Err(bad_argument(format!(
                 "scenarios: number {other} has {} nodes, the first has {nodes}; allowed: equal numbers",
-                cases[other].core.nodes()
+                cases[other].stepper.nodes()
             )));
         }
         let forces = Written::new("forces", &[cases.len(), nodes, 3]);
@@ -170,13 +170,13 @@ impl Batch {
     #[pyo3(signature = (duration = None, count = 1))]
     fn step(&mut self, py: Python<'_>, duration: Option<f64>, count: usize) -> PyResult<()> {
         self.advance(py, |case| {
-            let Some(first) = case.core.end_of_step(duration)? else {
+            let Some(first) = case.stepper.end_of_step(duration)? else {
                 return Ok(vec![None; count]);
             };
             if count > 0 && case.failure.is_none() {
-                case.core.carry(first)?;
+                case.stepper.carry(first)?;
             }
-            let now = case.core.run.simulation.time();
+            let now = case.stepper.run.simulation.time();
             let step = first - now;
             // As a simulation that is stepped as often.
             let ends = std::iter::successors(Some(first), |end| Some(end + step));
@@ -189,8 +189,8 @@ impl Batch {
             return Err(bad_argument(format!("until: {until}; allowed: finite")));
         }
         self.advance(py, |case| {
-            if case.failure.is_none() && until >= case.core.run.simulation.time() {
-                case.core.carry(until)?;
+            if case.failure.is_none() && until >= case.stepper.run.simulation.time() {
+                case.stepper.carry(until)?;
             }
             Ok(vec![Some(until)])
         })
@@ -206,7 +206,7 @@ impl Batch {
         let times = self
             .cases
             .iter()
-            .map(|case| case.core.run.simulation.time());
+            .map(|case| case.stepper.run.simulation.time());
         column(py, times.collect())
     }
 
@@ -240,7 +240,7 @@ impl Batch {
         let (which, flat) = elements(py, "poses", poses, &[&[count, 4, 4], &[count, 3]])?;
         let size = [16, 3][which];
         for (case, pose) in self.cases.iter_mut().zip(flat.chunks_exact(size)) {
-            case.core.aim(Target::new(clamp, pose)?)?;
+            case.stepper.aim(Target::new(clamp, pose)?)?;
         }
         Ok(())
     }
@@ -249,7 +249,7 @@ impl Batch {
         let nodes = self.nodes;
         let forces = self.forces.last_read().chunks_exact(3 * nodes).nth(case);
         let forces = forces.map_or_else(|| vec![0.0; 3 * nodes], <[f64]>::to_vec);
-        let run = self.case(case)?.core.run.save();
+        let run = self.case(case)?.stepper.run.save();
         Ok(State {
             saved: Saved {
                 run,
@@ -262,7 +262,7 @@ impl Batch {
     fn restore(&mut self, py: Python<'_>, case: usize, state: &State) -> PyResult<()> {
         let nodes = self.nodes;
         let own = self.case(case)?;
-        let restored = own.core.run.restore(state.saved.run.clone());
+        let restored = own.stepper.run.restore(state.saved.run.clone());
         restored.map_err(|error| of_simulation(&error))?;
         own.failure = None;
         let mut forces = self.forces.last_read().to_vec();
@@ -277,7 +277,7 @@ impl Batch {
         let mut forces = self.forces.last_read().to_vec();
         for case in cases {
             let own = self.case(case)?;
-            let scenario = own.core.scenario.clone();
+            let scenario = own.stepper.scenario.clone();
             *own = Case::new(&scenario)?;
             forces[3 * nodes * case..3 * nodes * (case + 1)].fill(0.0);
         }

@@ -6,7 +6,8 @@
 //! |---|---|
 //! | `table` | values of Python as a table of a scenario |
 //! | `scenario` | scenarios from files, texts and dictionaries |
-//! | `simulation` | a simulation: its steps, its actions |
+//! | `stepper` | a simulation: its steps, poses of its clamps |
+//! | `simulation` | the same as a class: actions, state, measurements |
 //! | `arrays` | its state as arrays; arrays of Python with checked shapes |
 //! | `pose` | clamps that move to a pose during a step |
 //! | `actuation` | natural curvature as an array |
@@ -28,6 +29,7 @@ mod pose;
 mod scenario;
 mod simulation;
 mod state;
+mod stepper;
 mod table;
 
 #[pyo3::pymodule]
@@ -41,9 +43,11 @@ mod _rodlab {
     #[pymodule_export]
     use super::scenario::Scenario;
     #[pymodule_export]
-    use super::simulation::{Simulation, StepReport};
+    use super::simulation::Simulation;
     #[pymodule_export]
     use super::state::State;
+    #[pymodule_export]
+    use super::stepper::StepReport;
 
     /// Names the exceptions here, too.
     #[pymodule_init]

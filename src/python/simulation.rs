@@ -1,6 +1,5 @@
 //! A simulation: its steps, its actions, its state.
 
-use crate::actuation::CurvedRods;
 use crate::arrays::{Written, column, copy_rows, cube, rows, table, vectors};
 use crate::attention::Attention;
 use crate::contacts::Contacts;
@@ -8,181 +7,22 @@ use crate::errors::{bad_argument, of_simulation};
 use crate::pose::{Target, held, matrix};
 use crate::scenario::Scenario;
 use crate::state::{Saved, State};
+use crate::stepper::{StepReport, Stepper, Stopped};
 use crate::table::dictionary;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::dynamics::{self, SimulationError, StepSize};
+use rodlab_engine::mechanics::dynamics::{self, SimulationError};
 use rodlab_engine::mechanics::statics::PointKind;
 use rodlab_engine::mechanics::system::Grasp;
 use rodlab_files::results::Value;
-use rodlab_lab::run::{LiveRun, Mode, PreparedRun};
-use std::sync::Arc;
-
-/// What a call of `step` or `run` did.
-#[pyclass(frozen, get_all, module = "rodlab._rodlab")]
-#[derive(Clone, Default)]
-pub struct StepReport {
-    /// Time at its end, s.
-    time: f64,
-    /// Size of the last step, s.
-    step: f64,
-    /// Number of steps.
-    steps: usize,
-    /// Newton iterations.
-    newton_iterations: usize,
-    /// Contacts with a force at the end.
-    contacts: usize,
-    /// Steps that were repeated.
-    retries: usize,
-    /// Why the scenario's own condition ended the motion, if it did.
-    ended: Option<String>,
-}
-
-#[pymethods]
-impl StepReport {
-    fn __repr__(&self) -> String {
-        format!(
-            "<rodlab.StepReport: time {} s, {} steps, {} Newton iterations, {} contacts>",
-            self.time, self.steps, self.newton_iterations, self.contacts
-        )
-    }
-}
-
-impl StepReport {
-    fn add(&mut self, step: &dynamics::StepReport) {
-        (self.time, self.step) = (step.time, step.step);
-        self.steps += 1;
-        self.newton_iterations += step.newton_iterations;
-        self.contacts = step.contacts;
-        self.retries += step.retries;
-    }
-}
-
-/// A simulation and the actions on it, without Python.
-pub struct Core {
-    pub scenario: Scenario,
-    pub prepared: Arc<PreparedRun>,
-    pub run: LiveRun,
-    pub curved: CurvedRods,
-    /// Poses that clamps are to have at the end of the next step.
-    targets: Vec<Target>,
-}
-
-/// Why a core stopped.
-pub enum Stopped {
-    /// A signal came.
-    Signal,
-    /// A step failed.
-    Failed(SimulationError),
-}
-
-impl Core {
-    pub fn new(scenario: &Scenario, natural_curvature: bool) -> PyResult<Self> {
-        let mut prepared = scenario.prepare()?;
-        if prepared.table.is_some() {
-            return Err(bad_argument(format!(
-                "experiment = {:?} fills a table and has no motion; use rodlab.run",
-                prepared.experiment
-            )));
-        }
-        let curved = match natural_curvature {
-            true => CurvedRods::add_to(&mut prepared.scene),
-            false => CurvedRods::default(),
-        };
-        let run = LiveRun::new(&prepared).map_err(|error| of_simulation(&error))?;
-        Ok(Self {
-            scenario: scenario.clone(),
-            prepared: Arc::new(prepared),
-            run,
-            curved,
-            targets: Vec::new(),
-        })
-    }
-
-    pub fn nodes(&self) -> usize {
-        self.run.simulation.positions().len()
-    }
-
-    /// Sets a pose for the end of the next step.
-    pub fn aim(&mut self, target: Target) -> PyResult<()> {
-        held(&self.run.simulation, target.clamp())?;
-        self.targets.retain(|other| other.clamp() != target.clamp());
-        self.targets.push(target);
-        Ok(())
-    }
-
-    /// Size of the scenario's steps, if they have a fixed one, s.
-    pub fn fixed_step(&self) -> Option<f64> {
-        match self.prepared.integration.step {
-            StepSize::Fixed(step) => Some(step),
-            StepSize::Auto { .. } => None,
-        }
-    }
-
-    /// Time at which a call of `step` ends; `None`: after one step, wherever it ends.
-    pub fn end_of_step(&self, duration: Option<f64>) -> PyResult<Option<f64>> {
-        let now = self.run.simulation.time();
-        match duration {
-            Some(duration) if duration > 0.0 && duration.is_finite() => Ok(Some(now + duration)),
-            Some(duration) => Err(bad_argument(format!(
-                "duration: {duration}; allowed: finite and greater than 0 s"
-            ))),
-            None => match self.fixed_step() {
-                Some(step) => Ok(Some(now + step)),
-                None if self.targets.is_empty() => Ok(None),
-                None => Err(bad_argument(
-                    "duration: needed where clamps move and the scenario's steps are automatic",
-                )),
-            },
-        }
-    }
-
-    /// Sets the clamps in motion that are to move.
-    pub fn carry(&mut self, until: f64) -> PyResult<()> {
-        for target in std::mem::take(&mut self.targets) {
-            target.carry(&mut self.run.simulation, until)?;
-        }
-        Ok(())
-    }
-
-    /// Takes steps up to `until`, or one.
-    pub fn advance(
-        &mut self,
-        until: Option<f64>,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<StepReport, Stopped> {
-        let mut report = StepReport::default();
-        let mut step = |run: &mut LiveRun, until: f64| match run.advance(until, goes_on) {
-            Ok(Some(step)) => {
-                report.add(&step);
-                Ok(())
-            }
-            Ok(None) => Err(Stopped::Signal),
-            Err(error) => Err(Stopped::Failed(error)),
-        };
-        match until {
-            None => step(&mut self.run, f64::INFINITY)?,
-            Some(until) => {
-                while self.run.simulation.time() < until {
-                    if !goes_on() {
-                        return Err(Stopped::Signal);
-                    }
-                    step(&mut self.run, until)?;
-                }
-            }
-        }
-        report.time = self.run.simulation.time();
-        report.ended = self.run.ending().map(str::to_owned);
-        Ok(report)
-    }
-}
+use rodlab_lab::run::Mode;
 
 /// A scene in motion, with n nodes in all: rod after rod.
 #[pyclass(module = "rodlab._rodlab")]
 pub struct Simulation {
-    core: Core,
+    stepper: Stepper,
     forces: Written,
     torques: Written,
     curvature: Written,
@@ -194,24 +34,24 @@ impl Simulation {
         let forces = self.forces.changed(py)?.is_some();
         if self.torques.changed(py)?.is_some() || forces {
             let forces = vectors(self.forces.last_read());
-            let simulation = &mut self.core.run.simulation;
+            let simulation = &mut self.stepper.run.simulation;
             simulation.set_external_forces(&forces, self.torques.last_read());
         }
         if let Some(curvature) = self.curvature.changed(py)? {
-            let set = (self.core.curved).set(&mut self.core.run.simulation, curvature);
+            let set = (self.stepper.curved).set(&mut self.stepper.run.simulation, curvature);
             set.map_err(|error| of_simulation(&error))?;
         }
         Ok(())
     }
 
     fn advance(&mut self, py: Python<'_>, until: Option<f64>) -> PyResult<StepReport> {
-        let core = &mut self.core;
+        let stepper = &mut self.stepper;
         if let Some(until) = until {
-            core.carry(until)?;
+            stepper.carry(until)?;
         }
         let (result, attention) = py.detach(|| {
             let attention = Attention::new();
-            (core.advance(until, &|| attention.continues()), attention)
+            (stepper.advance(until, &|| attention.continues()), attention)
         });
         attention.finish()?;
         result.map_err(|stopped| match stopped {
@@ -221,7 +61,7 @@ impl Simulation {
     }
 
     fn simulation(&self) -> &dynamics::Simulation {
-        &self.core.run.simulation
+        &self.stepper.run.simulation
     }
 }
 
@@ -230,10 +70,10 @@ impl Simulation {
     #[new]
     #[pyo3(signature = (scenario, natural_curvature = false))]
     fn new(scenario: &Scenario, natural_curvature: bool) -> PyResult<Self> {
-        let core = Core::new(scenario, natural_curvature)?;
-        let nodes = core.nodes();
+        let stepper = Stepper::new(scenario, natural_curvature)?;
+        let nodes = stepper.nodes();
         Ok(Self {
-            core,
+            stepper,
             forces: Written::new("forces", &[nodes, 3]),
             torques: Written::new("torques", &[nodes]),
             curvature: Written::new("natural_curvature", &[nodes, 2]),
@@ -242,7 +82,7 @@ impl Simulation {
 
     #[pyo3(signature = (duration = None))]
     fn step(&mut self, py: Python<'_>, duration: Option<f64>) -> PyResult<StepReport> {
-        let until = self.core.end_of_step(duration)?;
+        let until = self.stepper.end_of_step(duration)?;
         self.act(py)?;
         self.advance(py, until)
     }
@@ -261,12 +101,12 @@ impl Simulation {
     fn find_equilibrium(&mut self, py: Python<'_>) -> PyResult<StepReport> {
         self.act(py)?;
         let now = self.simulation().time();
-        self.core.carry(now)?;
-        let core = &mut self.core;
+        self.stepper.carry(now)?;
+        let stepper = &mut self.stepper;
         let (found, attention) = py.detach(|| {
             let attention = Attention::new();
             (
-                core.run.find_equilibrium(&|| attention.continues()),
+                stepper.run.find_equilibrium(&|| attention.continues()),
                 attention,
             )
         });
@@ -287,7 +127,7 @@ impl Simulation {
         to: Option<f64>,
         step: Option<f64>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let Mode::Continuation(mut plan) = self.core.run.mode() else {
+        let Mode::Continuation(mut plan) = self.stepper.run.mode() else {
             return Err(bad_argument(
                 "the scenario follows no path: time.mode = \"continuation\" is needed",
             ));
@@ -302,7 +142,7 @@ impl Simulation {
                 plan.to, plan.step, plan.from
             )));
         }
-        let run = &mut self.core.run;
+        let run = &mut self.stepper.run;
         let nodes = run.simulation.positions().len();
         let followed = py.detach(|| {
             let attention = Attention::new();
@@ -343,7 +183,7 @@ impl Simulation {
 
     #[getter]
     fn scenario(&self) -> Scenario {
-        self.core.scenario.clone()
+        self.stepper.scenario.clone()
     }
 
     #[getter]
@@ -353,7 +193,7 @@ impl Simulation {
 
     #[getter]
     fn end(&self) -> Option<f64> {
-        match self.core.run.mode() {
+        match self.stepper.run.mode() {
             Mode::Dynamic { end } => Some(end),
             Mode::Static | Mode::Continuation(_) => None,
         }
@@ -361,17 +201,17 @@ impl Simulation {
 
     #[getter]
     fn ended(&self) -> Option<&str> {
-        self.core.run.ending()
+        self.stepper.run.ending()
     }
 
     #[getter]
     fn step_size(&self) -> Option<f64> {
-        self.core.fixed_step()
+        self.stepper.fixed_step()
     }
 
     #[getter]
     fn rod_names(&self) -> Vec<&str> {
-        let rods = self.core.prepared.scene.rods.iter();
+        let rods = self.stepper.prepared.scene.rods.iter();
         rods.map(|rod| rod.name.as_str()).collect()
     }
 
@@ -385,7 +225,7 @@ impl Simulation {
 
     #[getter]
     fn clamp_names(&self) -> Vec<String> {
-        let scene = &self.core.prepared.scene;
+        let scene = &self.stepper.prepared.scene;
         let names = scene.clamps.iter().map(|clamp| {
             let rod = &scene.rods[clamp.rod];
             match clamp.node {
@@ -451,7 +291,7 @@ impl Simulation {
     #[getter]
     fn tensions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let simulation = self.simulation();
-        let edges = 0..self.core.nodes();
+        let edges = 0..self.stepper.nodes();
         let tensions = edges.map(|edge| simulation.tension(edge).unwrap_or(f64::NAN));
         column(py, tensions.collect())
     }
@@ -482,7 +322,7 @@ impl Simulation {
 
     #[getter]
     fn get_natural_curvature(&mut self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        if self.core.curved.is_empty() {
+        if self.stepper.curved.is_empty() {
             return Err(bad_argument(
                 "natural_curvature: set up the simulation with natural_curvature=True",
             ));
@@ -515,18 +355,18 @@ impl Simulation {
         pose: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
         let target = Target::read(py, clamp, pose)?;
-        self.core.aim(target)
+        self.stepper.aim(target)
     }
 
     #[pyo3(signature = (node, position = true, frame = true))]
     fn grasp(&mut self, node: usize, position: bool, frame: bool) -> PyResult<usize> {
         let grasp = Grasp { position, frame };
-        let grasped = self.core.run.simulation.grasp(node, grasp);
+        let grasped = self.stepper.run.simulation.grasp(node, grasp);
         grasped.map_err(|error| of_simulation(&error))
     }
 
     fn release(&mut self, clamp: usize) -> PyResult<()> {
-        let released = self.core.run.simulation.release(clamp);
+        let released = self.stepper.run.simulation.release(clamp);
         released.map_err(|error| of_simulation(&error))
     }
 
@@ -534,7 +374,7 @@ impl Simulation {
         if !factor.is_finite() {
             return Err(bad_argument(format!("factor: {factor}; allowed: finite")));
         }
-        let set = self.core.run.simulation.set_load_factor(load, factor);
+        let set = self.stepper.run.simulation.set_load_factor(load, factor);
         set.map_err(|error| of_simulation(&error))
     }
 
@@ -557,7 +397,7 @@ impl Simulation {
     fn contact_forces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         rows(
             py,
-            &or_zeros(self.simulation().contact_forces(), self.core.nodes()),
+            &or_zeros(self.simulation().contact_forces(), self.stepper.nodes()),
         )
     }
 
@@ -565,7 +405,7 @@ impl Simulation {
     fn fluid_forces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         rows(
             py,
-            &or_zeros(self.simulation().fluid_forces(), self.core.nodes()),
+            &or_zeros(self.simulation().fluid_forces(), self.stepper.nodes()),
         )
     }
 
@@ -586,7 +426,7 @@ impl Simulation {
     }
 
     fn probes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let measured = self.core.run.measure();
+        let measured = self.stepper.run.measure();
         let measured = measured.map_err(|error| of_simulation(&error))?;
         let answer = PyDict::new(py);
         for (name, value) in measured {
@@ -603,13 +443,13 @@ impl Simulation {
 
     #[getter]
     fn remarks(&self) -> Vec<String> {
-        self.core.run.remarks()
+        self.stepper.run.remarks()
     }
 
     fn save(&self) -> State {
         State {
             saved: Saved {
-                run: self.core.run.save(),
+                run: self.stepper.run.save(),
                 actions: [self.forces.last_read(), self.torques.last_read()].map(<[f64]>::to_vec),
                 curvature: self.curvature.last_read().to_vec(),
             },
@@ -618,12 +458,12 @@ impl Simulation {
 
     fn restore(&mut self, py: Python<'_>, state: &State) -> PyResult<()> {
         let saved = state.saved.clone();
-        if saved.actions[1].len() != self.core.nodes() {
+        if saved.actions[1].len() != self.stepper.nodes() {
             return Err(bad_argument("state: it belongs to another scenario"));
         }
-        let restored = self.core.run.restore(saved.run);
+        let restored = self.stepper.run.restore(saved.run);
         restored.map_err(|error| of_simulation(&error))?;
-        self.core.targets.clear();
+        self.stepper.targets.clear();
         let [forces, torques] = &saved.actions;
         self.forces.put_back(py, forces)?;
         self.torques.put_back(py, torques)?;
@@ -634,7 +474,7 @@ impl Simulation {
         let py = slf.py();
         let this = slf.borrow();
         let made = py.get_type::<Self>().getattr("_resumed")?;
-        let with_curvature = !this.core.curved.is_empty();
+        let with_curvature = !this.stepper.curved.is_empty();
         let arguments = (
             this.scenario(),
             with_curvature,
@@ -658,9 +498,9 @@ impl Simulation {
     fn __repr__(&self) -> String {
         format!(
             "<rodlab.Simulation of {:?}: {} rods, {} nodes, at {} s>",
-            self.core.prepared.name,
-            self.core.prepared.scene.rods.len(),
-            self.core.nodes(),
+            self.stepper.prepared.name,
+            self.stepper.prepared.scene.rods.len(),
+            self.stepper.nodes(),
             self.time()
         )
     }

@@ -1,0 +1,169 @@
+//! A simulation and the actions on it.
+
+use crate::actuation::CurvedRods;
+use crate::errors::{bad_argument, of_simulation};
+use crate::pose::{Target, held};
+use crate::scenario::Scenario;
+use pyo3::prelude::*;
+use rodlab_engine::mechanics::dynamics::{self, SimulationError, StepSize};
+use rodlab_lab::run::{LiveRun, PreparedRun};
+use std::sync::Arc;
+
+/// What a call of `step` or `run` did.
+#[pyclass(frozen, get_all, module = "rodlab._rodlab")]
+#[derive(Clone, Default)]
+pub struct StepReport {
+    /// Time at its end, s.
+    pub time: f64,
+    /// Size of the last step, s.
+    step: f64,
+    /// Number of steps.
+    steps: usize,
+    /// Newton iterations.
+    newton_iterations: usize,
+    /// Contacts with a force at the end.
+    contacts: usize,
+    /// Steps that were repeated.
+    retries: usize,
+    /// Why the scenario's own condition ended the motion, if it did.
+    ended: Option<String>,
+}
+
+#[pymethods]
+impl StepReport {
+    fn __repr__(&self) -> String {
+        format!(
+            "<rodlab.StepReport: time {} s, {} steps, {} Newton iterations, {} contacts>",
+            self.time, self.steps, self.newton_iterations, self.contacts
+        )
+    }
+}
+
+impl StepReport {
+    pub fn add(&mut self, step: &dynamics::StepReport) {
+        (self.time, self.step) = (step.time, step.step);
+        self.steps += 1;
+        self.newton_iterations += step.newton_iterations;
+        self.contacts = step.contacts;
+        self.retries += step.retries;
+    }
+}
+
+/// A simulation, and the poses that its clamps are to have.
+pub struct Stepper {
+    pub scenario: Scenario,
+    pub prepared: Arc<PreparedRun>,
+    pub run: LiveRun,
+    pub curved: CurvedRods,
+    /// Poses that clamps are to have at the end of the next step.
+    pub targets: Vec<Target>,
+}
+
+/// Why a stepper stopped.
+pub enum Stopped {
+    /// A signal came.
+    Signal,
+    /// A step failed.
+    Failed(SimulationError),
+}
+
+impl Stepper {
+    pub fn new(scenario: &Scenario, natural_curvature: bool) -> PyResult<Self> {
+        let mut prepared = scenario.prepare()?;
+        if prepared.table.is_some() {
+            return Err(bad_argument(format!(
+                "experiment = {:?} fills a table and has no motion; use rodlab.run",
+                prepared.experiment
+            )));
+        }
+        let curved = match natural_curvature {
+            true => CurvedRods::add_to(&mut prepared.scene),
+            false => CurvedRods::default(),
+        };
+        let run = LiveRun::new(&prepared).map_err(|error| of_simulation(&error))?;
+        Ok(Self {
+            scenario: scenario.clone(),
+            prepared: Arc::new(prepared),
+            run,
+            curved,
+            targets: Vec::new(),
+        })
+    }
+
+    pub fn nodes(&self) -> usize {
+        self.run.simulation.positions().len()
+    }
+
+    /// Sets a pose for the end of the next step.
+    pub fn aim(&mut self, target: Target) -> PyResult<()> {
+        held(&self.run.simulation, target.clamp())?;
+        self.targets.retain(|other| other.clamp() != target.clamp());
+        self.targets.push(target);
+        Ok(())
+    }
+
+    /// Size of the scenario's steps, if they have a fixed one, s.
+    pub fn fixed_step(&self) -> Option<f64> {
+        match self.prepared.integration.step {
+            StepSize::Fixed(step) => Some(step),
+            StepSize::Auto { .. } => None,
+        }
+    }
+
+    /// Time at which a call of `step` ends; `None`: after one step, wherever it ends.
+    pub fn end_of_step(&self, duration: Option<f64>) -> PyResult<Option<f64>> {
+        let now = self.run.simulation.time();
+        match duration {
+            Some(duration) if duration > 0.0 && duration.is_finite() => Ok(Some(now + duration)),
+            Some(duration) => Err(bad_argument(format!(
+                "duration: {duration}; allowed: finite and greater than 0 s"
+            ))),
+            None => match self.fixed_step() {
+                Some(step) => Ok(Some(now + step)),
+                None if self.targets.is_empty() => Ok(None),
+                None => Err(bad_argument(
+                    "duration: needed where clamps move and the scenario's steps are automatic",
+                )),
+            },
+        }
+    }
+
+    /// Sets the clamps in motion that are to move.
+    pub fn carry(&mut self, until: f64) -> PyResult<()> {
+        for target in std::mem::take(&mut self.targets) {
+            target.carry(&mut self.run.simulation, until)?;
+        }
+        Ok(())
+    }
+
+    /// Takes steps up to `until`, or one.
+    pub fn advance(
+        &mut self,
+        until: Option<f64>,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<StepReport, Stopped> {
+        let mut report = StepReport::default();
+        let mut step = |run: &mut LiveRun, until: f64| match run.advance(until, goes_on) {
+            Ok(Some(step)) => {
+                report.add(&step);
+                Ok(())
+            }
+            Ok(None) => Err(Stopped::Signal),
+            Err(error) => Err(Stopped::Failed(error)),
+        };
+        match until {
+            None => step(&mut self.run, f64::INFINITY)?,
+            Some(until) => {
+                while self.run.simulation.time() < until {
+                    if !goes_on() {
+                        return Err(Stopped::Signal);
+                    }
+                    step(&mut self.run, until)?;
+                }
+            }
+        }
+        report.time = self.run.simulation.time();
+        report.ended = self.run.ending().map(str::to_owned);
+        Ok(report)
+    }
+}
