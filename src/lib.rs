@@ -28,6 +28,7 @@
 //! may import, too):
 //!
 //! ```text
+//! python         ──> cli
 //! cli            ──> sweep, verify, reproduce, task, virtual_cell, guide, presets, site, cluster
 //! task           ──> virtual_cell, report
 //! sweep, verify  ──> experiment

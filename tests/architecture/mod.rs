@@ -13,6 +13,7 @@ type Table = &'static [(&'static str, &'static [&'static str])];
 
 /// Rooms; the documentation of the program shows the same table.
 const ROOMS: Table = &[
+    ("python", &["cli"]),
     (
         "cli",
         &[

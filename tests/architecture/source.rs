@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 pub type ItemPath = Vec<String>;
 
 /// Crates of one room, which has the name of the crate.
-const ROOM_CRATES: [&str; 2] = ["robot", "vision"];
+const ROOM_CRATES: [&str; 3] = ["python", "robot", "vision"];
 
 /// The path of the root of a crate.
 fn root_of(name: &str) -> ItemPath {
