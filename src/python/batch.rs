@@ -2,7 +2,7 @@
 
 use crate::arrays::{Written, column, cube, elements, vectors};
 use crate::attention::Attention;
-use crate::errors::{bad_argument, of_simulation};
+use crate::errors::bad_argument;
 use crate::pose::Target;
 use crate::scenario::Scenario;
 use crate::state::{Saved, State};
@@ -245,7 +245,8 @@ impl Batch {
         Ok(())
     }
 
-    fn save(&mut self, case: usize) -> PyResult<State> {
+    fn save(&mut self, py: Python<'_>, case: usize) -> PyResult<State> {
+        self.act(py)?;
         let nodes = self.nodes;
         let forces = self.forces.last_read().chunks_exact(3 * nodes).nth(case);
         let forces = forces.map_or_else(|| vec![0.0; 3 * nodes], <[f64]>::to_vec);
@@ -262,8 +263,7 @@ impl Batch {
     fn restore(&mut self, py: Python<'_>, case: usize, state: &State) -> PyResult<()> {
         let nodes = self.nodes;
         let own = self.case(case)?;
-        let restored = own.stepper.run.restore(state.saved.run.clone());
-        restored.map_err(|error| of_simulation(&error))?;
+        own.stepper.restore(state.saved.run.clone())?;
         own.failure = None;
         let mut forces = self.forces.last_read().to_vec();
         forces[3 * nodes * case..3 * nodes * (case + 1)].copy_from_slice(&state.saved.actions[0]);

@@ -366,8 +366,7 @@ impl Simulation {
     }
 
     fn release(&mut self, clamp: usize) -> PyResult<()> {
-        let released = self.stepper.run.simulation.release(clamp);
-        released.map_err(|error| of_simulation(&error))
+        self.stepper.release(clamp)
     }
 
     fn set_load_factor(&mut self, load: usize, factor: f64) -> PyResult<()> {
@@ -446,14 +445,15 @@ impl Simulation {
         self.stepper.run.remarks()
     }
 
-    fn save(&self) -> State {
-        State {
+    fn save(&mut self, py: Python<'_>) -> PyResult<State> {
+        self.act(py)?;
+        Ok(State {
             saved: Saved {
                 run: self.stepper.run.save(),
                 actions: [self.forces.last_read(), self.torques.last_read()].map(<[f64]>::to_vec),
                 curvature: self.curvature.last_read().to_vec(),
             },
-        }
+        })
     }
 
     fn restore(&mut self, py: Python<'_>, state: &State) -> PyResult<()> {
@@ -461,9 +461,7 @@ impl Simulation {
         if saved.actions[1].len() != self.stepper.nodes() {
             return Err(bad_argument("state: it belongs to another scenario"));
         }
-        let restored = self.stepper.run.restore(saved.run);
-        restored.map_err(|error| of_simulation(&error))?;
-        self.stepper.targets.clear();
+        self.stepper.restore(saved.run)?;
         let [forces, torques] = &saved.actions;
         self.forces.put_back(py, forces)?;
         self.torques.put_back(py, torques)?;
@@ -472,13 +470,13 @@ impl Simulation {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
-        let this = slf.borrow();
+        let mut this = slf.borrow_mut();
         let made = py.get_type::<Self>().getattr("_resumed")?;
         let with_curvature = !this.stepper.curved.is_empty();
         let arguments = (
             this.scenario(),
             with_curvature,
-            Bound::new(py, this.save())?,
+            Bound::new(py, this.save(py)?)?,
         );
         (made, arguments).into_pyobject(py).map(Bound::into_any)
     }

@@ -6,7 +6,7 @@ use crate::pose::{Target, held};
 use crate::scenario::Scenario;
 use pyo3::prelude::*;
 use rodlab_engine::mechanics::dynamics::{self, SimulationError, StepSize};
-use rodlab_lab::run::{LiveRun, PreparedRun};
+use rodlab_lab::run::{LiveRun, LiveState, PreparedRun};
 use std::sync::Arc;
 
 /// What a call of `step` or `run` did.
@@ -56,7 +56,7 @@ pub struct Stepper {
     pub run: LiveRun,
     pub curved: CurvedRods,
     /// Poses that clamps are to have at the end of the next step.
-    pub targets: Vec<Target>,
+    targets: Vec<Target>,
 }
 
 /// Why a stepper stopped.
@@ -88,6 +88,26 @@ impl Stepper {
             curved,
             targets: Vec::new(),
         })
+    }
+
+    /// Continues from a state, bit for bit; where that fails, nothing changes.
+    pub fn restore(&mut self, state: LiveState) -> PyResult<()> {
+        // Nodes may have been grasped and released since the state was saved.
+        let restored = LiveRun::new(&self.prepared).and_then(|mut run| {
+            run.restore(state)?;
+            Ok(run)
+        });
+        self.run = restored.map_err(|error| of_simulation(&error))?;
+        self.targets.clear();
+        Ok(())
+    }
+
+    /// Releases a clamp.
+    pub fn release(&mut self, clamp: usize) -> PyResult<()> {
+        let released = self.run.simulation.release(clamp);
+        released.map_err(|error| of_simulation(&error))?;
+        self.targets.retain(|target| target.clamp() != clamp);
+        Ok(())
     }
 
     pub fn nodes(&self) -> usize {

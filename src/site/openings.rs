@@ -198,7 +198,7 @@ const OPENINGS: &[[&str; 4]] = &[
         "python",
         "y_junction.svg",
         "Three rods meet in a joint",
-        "pip install rodlab",
+        "rodlab guide python",
     ],
     [
         "library",

@@ -78,7 +78,7 @@ def test_a_finished_run_is_not_repeated(tmp_path) -> None:
     scene = cantilever(8, mode="static")
     first = rodlab.run(scene, tmp_path / "out").manifest
     assert rodlab.run(scene, tmp_path / "out").manifest == first
-    with pytest.raises(rodlab.ScenarioError):
+    with pytest.raises(rodlab.RodlabError, match="rods.beam.radius: 0.004, now 0.003"):
         rodlab.run(scene, tmp_path / "out", **{"rods.beam.radius": 3e-3})
     again = rodlab.run(scene, tmp_path / "out", force=True, **{"rods.beam.radius": 3e-3})
     assert again.manifest != first
@@ -109,7 +109,7 @@ def test_a_run_equals_the_steps_of_a_simulation(tmp_path) -> None:
     scene.set_output(interval="20 ms")
     nodes = rodlab.run(scene, tmp_path / "out").nodes()
     simulation = scene.simulate()
-    simulation.run(0.02)
+    simulation.run(simulation.end)
     assert np.array_equal(simulation.positions, nodes.positions[-1])
 
 

@@ -13,11 +13,8 @@ from conftest import SCENARIOS, cantilever
 import rodlab
 from rodlab._values import read_toml, write_toml
 
-def is_sweep(path: Path) -> bool:
-    return "[sweep" in path.read_text()
-
-
-FILES = sorted(path.stem for path in SCENARIOS.glob("*.toml") if not is_sweep(path))
+# A sweep is not one scenario.
+FILES = sorted(path.stem for path in SCENARIOS.glob("*.toml") if "[sweep" not in path.read_text())
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -103,6 +100,13 @@ def test_a_key_is_removed_by_none() -> None:
     assert "time.end" not in file
     with pytest.raises(KeyError, match="time.end: not set"):
         del file["time.end"]
+
+
+def test_a_sweep_is_read_but_not_simulated() -> None:
+    scene = rodlab.load(SCENARIOS / "cantilever_sweep.toml")
+    assert scene["rods.beam.radius"] == "3 mm"
+    with pytest.raises(rodlab.ScenarioError, match="this is a sweep"):
+        scene.simulate()
 
 
 def test_keys_of_a_file_are_those_that_it_extends() -> None:

@@ -263,7 +263,7 @@ class Scene:
 
         The other methods ``add_...`` do this for one list each.
         """
-        elements = self._own().get(list_name, [])
+        elements = self._own().get(_text(list_name), [])
         if not isinstance(elements, list):
             raise ScenarioError(f"{list_name}: a {type(elements).__name__}, not a list of tables")
         element = table(keys, f"{list_name}.{len(elements)}")
@@ -298,7 +298,7 @@ class Scene:
 
     def set(self, table_name: str, **keys: Any) -> None:
         """Set keys of a table; others stay. The methods ``set_...`` do this for one table each."""
-        present = self._own().get(table_name, {})
+        present = self._own().get(_text(table_name), {})
         if not isinstance(present, dict):
             raise ScenarioError(f"{table_name}: a {type(present).__name__}, not a table")
         self._table[table_name] = present | table(keys, table_name)
@@ -459,9 +459,10 @@ class Scene:
 
     def _own(self) -> Table:
         """Return the tables to change them: from now on they are not those of a file."""
-        self._tables()
-        self._file = None
-        self._overrides = {}
+        if self._file is not None:
+            self._tables()
+            self._file = None
+            self._overrides = {}
         self._scenario = None
         return self._table
 
@@ -477,6 +478,12 @@ def scene_of(scene: Scene | File) -> Scene:
 
 def _polyline(points: Any, key: str) -> Table:
     return {"kind": "points", "points": vector_rows(points, key, columns=3).tolist()}
+
+
+def _text(name: str) -> str:
+    if not isinstance(name, str):
+        raise TypeError(f"the name of a table is text, not {name!r}")
+    return name
 
 
 def _steps(key: str) -> list[str]:
