@@ -15,6 +15,9 @@ use tungstenite::{Message, WebSocket};
 /// Longest that the browser may take to start or to answer.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// Time after which an answer is lost if other messages came meanwhile: that of a page that was reloaded.
+const LOST: Duration = Duration::from_secs(15);
+
 /// The browser with one page.
 pub struct Browser {
     process: Child,
@@ -165,10 +168,14 @@ impl Browser {
     }
 
     /// Calls a method of the protocol and returns its result; notes what the page complains of meanwhile. A page that reloads just
-    /// then is asked again.
+    /// then is asked again: it reports so, or never answers.
     fn call(&mut self, method: &str, parameters: Value) -> Value {
+        let start = Instant::now();
         loop {
-            let mut answer = self.answer(method, &parameters);
+            assert!(start.elapsed() < PATIENCE, "{method}: no answer in time");
+            let Some(mut answer) = self.answer(method, &parameters) else {
+                continue;
+            };
             let error = answer["error"]["message"].as_str().unwrap_or_default();
             if error.contains("navigated") {
                 continue;
@@ -178,23 +185,26 @@ impl Browser {
         }
     }
 
-    fn answer(&mut self, method: &str, parameters: &Value) -> Value {
+    /// The answer to a message; `None` where the page only reports events for long.
+    fn answer(&mut self, method: &str, parameters: &Value) -> Option<Value> {
         self.calls += 1;
         let message = json!({ "id": self.calls, "method": method, "params": parameters });
         self.socket
             .send(Message::text(message.to_string()))
             .expect("the browser listens");
-        loop {
+        let start = Instant::now();
+        while start.elapsed() < LOST {
             let message = self.socket.read().expect("the browser answers in time");
             let Message::Text(text) = message else {
                 continue;
             };
             let answer: Value = serde_json::from_str(&text).expect("JSON");
             if answer["id"] == self.calls {
-                return answer;
+                return Some(answer);
             }
             self.note(&answer);
         }
+        None
     }
 
     fn note(&mut self, event: &Value) {
