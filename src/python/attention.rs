@@ -5,7 +5,7 @@ use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
 /// Time between two looks at the signals.
-const BETWEEN: Duration = Duration::from_millis(20);
+pub const BETWEEN: Duration = Duration::from_millis(20);
 
 /// Looks at the signals of the program from time to time.
 pub struct Attention {

@@ -1,7 +1,7 @@
 //! Many simulations on all cores.
 
 use crate::arrays::{Written, column, cube, elements, vectors};
-use crate::attention::Attention;
+use crate::attention::{Attention, BETWEEN};
 use crate::errors::bad_argument;
 use crate::pose::Target;
 use crate::scenario::Scenario;
@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::dynamics::Simulation;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::{self, RecvTimeoutError};
 
 /// Simulations that are stepped together on all cores: c cases with n nodes each.
 #[pyclass(module = "rodlab._rodlab")]
@@ -35,8 +36,16 @@ impl Case {
         })
     }
 
-    /// Takes steps up to the times that `next` gives; a failure stops this case alone.
+    /// Takes steps up to each of some times, or single ones; clamps move until the first. A failure stops this case alone.
     fn advance(&mut self, until: &[Option<f64>], goes_on: &dyn Fn() -> bool) {
+        let now = self.stepper.run.simulation.time();
+        if let Some(&Some(first)) = until.first()
+            && self.failure.is_none()
+            && first >= now
+            && let Err(error) = self.stepper.carry(first)
+        {
+            self.failure = Some(error.to_string());
+        }
         for until in until {
             if self.failure.is_some() {
                 return;
@@ -67,34 +76,32 @@ impl Batch {
     fn advance(
         &mut self,
         py: Python<'_>,
-        plan: impl Fn(&mut Case) -> PyResult<Vec<Option<f64>>>,
+        plan: impl Fn(&Case) -> PyResult<Vec<Option<f64>>>,
     ) -> PyResult<()> {
         self.act(py)?;
-        let plans: Vec<_> = self.cases.iter_mut().map(plan).collect::<PyResult<_>>()?;
+        let plans: Vec<_> = self.cases.iter().map(plan).collect::<PyResult<_>>()?;
         let cases = &mut self.cases;
         let interrupted = AtomicBool::new(false);
-        let finished = AtomicBool::new(false);
         let goes_on = || !interrupted.load(Relaxed);
         py.detach(|| {
-            let mut raised = Ok(());
             std::thread::scope(|scope| {
-                let worker = scope.spawn(|| {
+                let (finish, finished) = mpsc::channel();
+                scope.spawn(move || {
                     let pairs = cases.par_iter_mut().zip(&plans);
                     pairs.for_each(|(case, plan)| case.advance(plan, &goes_on));
-                    finished.store(true, Relaxed);
+                    // The other side waits for it.
+                    let _ = finish.send(());
                 });
                 // Signals are looked at by the thread that called.
                 let attention = Attention::new();
-                while !finished.load(Relaxed) && !worker.is_finished() {
+                while let Err(RecvTimeoutError::Timeout) = finished.recv_timeout(BETWEEN) {
                     if !attention.continues() {
                         interrupted.store(true, Relaxed);
                         break;
                     }
-                    std::thread::park_timeout(std::time::Duration::from_micros(50));
                 }
-                raised = attention.finish();
-            });
-            raised
+                attention.finish()
+            })
         })
     }
 
@@ -173,9 +180,6 @@ impl Batch {
             let Some(first) = case.stepper.end_of_step(duration)? else {
                 return Ok(vec![None; count]);
             };
-            if count > 0 && case.failure.is_none() {
-                case.stepper.carry(first)?;
-            }
             let now = case.stepper.run.simulation.time();
             let step = first - now;
             // As a simulation that is stepped as often.
@@ -188,12 +192,7 @@ impl Batch {
         if !until.is_finite() {
             return Err(bad_argument(format!("until: {until}; allowed: finite")));
         }
-        self.advance(py, |case| {
-            if case.failure.is_none() && until >= case.stepper.run.simulation.time() {
-                case.stepper.carry(until)?;
-            }
-            Ok(vec![Some(until)])
-        })
+        self.advance(py, |_| Ok(vec![Some(until)]))
     }
 
     #[getter]
