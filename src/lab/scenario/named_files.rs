@@ -11,7 +11,7 @@ use std::path::{Component, Path};
 pub const INPUTS: &str = "inputs";
 
 /// Keys that name files in any table.
-const FILE_KEYS: [&str; 2] = ["file", "follow"];
+const FILE_KEYS: [&str; 4] = ["file", "follow", "points_file", "rods_file"];
 
 /// The name of a file in ids and tables, and of its copy in [`INPUTS`].
 pub fn label(name: &str) -> String {
@@ -83,6 +83,23 @@ mod tests {
         assert_eq!(label("/data/c1.csv"), "data/c1.csv");
         assert_eq!(label("inputs/c1.csv"), "c1.csv");
         assert_eq!(label("inputs"), "inputs");
+    }
+
+    #[test]
+    fn every_key_of_the_schema_that_names_a_file_is_known() {
+        let schema = crate::experiment::json_schema().to_string();
+        for key in ["points_file", "rods_file", "file", "follow"] {
+            assert!(schema.contains(&format!("\"{key}\":")), "{key}");
+        }
+        let mut keys: Vec<&str> = schema
+            .split('"')
+            .filter(|word| word.ends_with("_file"))
+            .collect();
+        keys.dedup();
+        for key in keys {
+            let path = ["networks", "0", key].map(str::to_owned);
+            assert!(names_a_file(&path, &|_| None), "{key}");
+        }
     }
 
     proptest! {
