@@ -102,6 +102,7 @@ use clap::{CommandFactory, FromArgMatches};
 use clap_complete::CompleteEnv;
 use exit_code::ExitCode;
 use failure::Failure;
+use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_lab::run::RunError;
 use std::ffi::OsString;
 use std::process;
@@ -137,6 +138,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 
 /// The exit code for a run that ended early.
 pub fn exit_code_of_run(error: &RunError) -> u8 {
+    error.exit_code()
+}
+
+/// The exit code for an error of a simulation.
+pub fn exit_code_of_simulation(error: &SimulationError) -> u8 {
     error.exit_code()
 }
 

@@ -43,12 +43,10 @@ pub fn bad_argument(message: impl Into<String>) -> PyErr {
 
 /// The exception for an error of a simulation.
 pub fn of_simulation(error: &SimulationError) -> PyErr {
-    let exit_code = match error {
-        SimulationError::BadScene(_) => 2,
-        SimulationError::Unphysical(_) => 4,
-        _ => 3,
-    };
-    of_exit_code(exit_code, &error.to_string())
+    of_exit_code(
+        rodlab::cli::exit_code_of_simulation(error),
+        &error.to_string(),
+    )
 }
 
 /// The exception for an error of a run.

@@ -1,7 +1,9 @@
 //! Counters of the steps of a run.
 
+use super::observer::Finding;
 use rodlab_engine::mechanics::contact::Proximity;
-use rodlab_engine::mechanics::dynamics::{Energies, Exchange, StepReport};
+use rodlab_engine::mechanics::dynamics::{Energies, Exchange, SimulationError, StepReport};
+use rodlab_engine::mechanics::statics::{PathPoint, PointKind};
 use rodlab_files::results::{CaseOutcome, SeriesRow};
 use serde::{Deserialize, Serialize};
 
@@ -39,11 +41,32 @@ impl Counters {
     }
 
     /// Counts a point of a path of equilibria; its time is the path parameter.
-    pub fn add_point(&mut self, report: &StepReport, critical: bool) {
-        self.add(report);
-        if critical {
-            self.outcome.critical_parameter.get_or_insert(report.time);
+    pub fn add_point(&mut self, point: &PathPoint) {
+        self.add(&StepReport {
+            time: point.parameter,
+            newton_iterations: point.iterations,
+            ..StepReport::default()
+        });
+        if point.kind != PointKind::Regular {
+            self.outcome
+                .critical_parameter
+                .get_or_insert(point.parameter);
         }
+    }
+
+    /// Records the end that an observer found.
+    ///
+    /// # Errors
+    /// [`SimulationError::Unphysical`] where an observer found a fault.
+    pub fn conclude_from(&mut self, findings: Vec<Finding>) -> Result<(), SimulationError> {
+        for finding in findings {
+            match finding {
+                Finding::GoOn => {}
+                Finding::End(ending) => self.outcome.ending = Some(ending),
+                Finding::Fail(reason) => return Err(SimulationError::Unphysical(reason)),
+            }
+        }
+        Ok(())
     }
 
     /// Records the energies at an output; those of the last are an outcome of the run.

@@ -96,7 +96,7 @@ impl LiveRun {
         let time = self.simulation.time();
         let (sample, participants) = self.sample();
         let findings = participants.sample_if_due(&sample, time);
-        self.take(findings)?;
+        self.counters.conclude_from(findings)?;
         Ok(Some(report))
     }
 
@@ -120,12 +120,7 @@ impl LiveRun {
 
     /// Counts a point of a path of equilibria.
     pub fn count_point(&mut self, point: &PathPoint) {
-        let report = StepReport {
-            time: point.parameter,
-            newton_iterations: point.iterations,
-            ..StepReport::default()
-        };
-        self.counters.add_point(&report, false);
+        self.counters.add_point(point);
     }
 
     /// The columns that the observers add to the series, with their values now; observers do not remember the call.
@@ -199,17 +194,5 @@ impl LiveRun {
             exchange: self.counters.exchange,
         };
         (sample, &mut self.participants)
-    }
-
-    /// Records an end that an observer found.
-    fn take(&mut self, findings: Vec<Finding>) -> Result<(), SimulationError> {
-        for finding in findings {
-            match finding {
-                Finding::GoOn => {}
-                Finding::End(ending) => self.counters.outcome.ending = Some(ending),
-                Finding::Fail(reason) => return Err(SimulationError::Unphysical(reason)),
-            }
-        }
-        Ok(())
     }
 }

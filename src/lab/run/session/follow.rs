@@ -5,8 +5,7 @@ use crate::run::advance::Advance;
 use crate::run::path::PathAtWork;
 use crate::run::stop::{Stop, StopRequests};
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::dynamics::StepReport;
-use rodlab_engine::mechanics::statics::{PathPlan, PointKind};
+use rodlab_engine::mechanics::statics::PathPlan;
 use std::time::Instant;
 
 impl Session {
@@ -27,15 +26,9 @@ impl Session {
             self.last_step = start.elapsed();
             let moved = root_mean_square(&self.placed, &simulation.frame(false).positions);
             path.add(&point, moved, &simulation.energies())?;
-            let report = StepReport {
-                time: point.parameter,
-                newton_iterations: point.iterations,
-                ..StepReport::default()
-            };
             self.progress.update_path(&point, path.parameters.len());
             self.path = Some(path);
-            let critical = point.kind != PointKind::Regular;
-            self.run_state.counters.add_point(&report, critical);
+            self.run_state.counters.add_point(&point);
             self.record(simulation)?;
             self.ask_to_stop(stop_requested)?;
             self.write_checkpoint_if_due(simulation)?;

@@ -80,6 +80,6 @@ impl Session {
         };
         let time = simulation.time();
         let findings = self.participants.sample_if_due(&sample, time);
-        self.conclude_from(findings)
+        Ok(self.run_state.counters.conclude_from(findings)?)
     }
 }

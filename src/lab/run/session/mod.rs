@@ -8,7 +8,7 @@ mod integrate;
 use super::advance::Advance;
 use super::counters::Counters;
 use super::end_state::rows_of;
-use super::observer::{Finding, Sample};
+use super::observer::Sample;
 use super::output_times::OutputTimes;
 use super::participants::{self, Participants, SavedStates};
 use super::path::{PathAtWork, PathCheckpoint};
@@ -18,7 +18,6 @@ use super::stop::{Stop, StopRequests};
 use super::{Mode, PreparedRun, Reached, RunError, RunOptions, RunOutcome, RunStatus};
 use nalgebra::Isometry3;
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_engine::mechanics::scene::{Obstacle, Start};
 use rodlab_engine::mechanics::system::obstacle_poses;
 use rodlab_files::results::{
@@ -246,20 +245,6 @@ impl Session {
         })
     }
 
-    /// Ends or fails the run where an observer found reason to.
-    fn conclude_from(&mut self, findings: Vec<Finding>) -> Result<(), Stop> {
-        for finding in findings {
-            match finding {
-                Finding::GoOn => {}
-                Finding::End(ending) => self.run_state.counters.outcome.ending = Some(ending),
-                Finding::Fail(reason) => {
-                    return Err(Stop::Simulation(SimulationError::Unphysical(reason)));
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Stops where that is requested.
     fn ask_to_stop(&self, stop_requested: StopRequests<'_>) -> Result<(), Stop> {
         if let Some(request) = stop_requested() {
@@ -312,7 +297,7 @@ impl Session {
         self.recorder.record(output, &row, &values, &frame)?;
         self.run_state.outputs += 1;
         self.tell_progress(simulation);
-        self.conclude_from(findings)
+        Ok(self.run_state.counters.conclude_from(findings)?)
     }
 
     /// Poses of the obstacles, if the frames need them.
