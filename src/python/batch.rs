@@ -6,12 +6,14 @@ use crate::errors::bad_argument;
 use crate::pose::Target;
 use crate::scenario::Scenario;
 use crate::state::{Saved, State};
-use crate::stepper::{Stepper, Stopped};
+use crate::stepper::Stepper;
 use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::dynamics::Simulation;
+use rodlab_engine::mechanics::dynamics::{Lockstep, Simulation};
+use rodlab_lab::run::LiveRun;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{self, RecvTimeoutError};
 
@@ -21,6 +23,8 @@ pub struct Batch {
     cases: Vec<Case>,
     nodes: usize,
     forces: Written,
+    /// Scratch of the threads.
+    spare: Mutex<Vec<Lockstep>>,
 }
 
 struct Case {
@@ -36,8 +40,8 @@ impl Case {
         })
     }
 
-    /// Takes steps up to each of some times, or single ones; clamps move until the first. A failure stops this case alone.
-    fn advance(&mut self, until: &[Option<f64>], goes_on: &dyn Fn() -> bool) {
+    /// Sets clamps in motion that are to move until the first of some times.
+    fn carry(&mut self, until: &[Option<f64>]) {
         let now = self.stepper.run.simulation.time();
         if let Some(&Some(first)) = until.first()
             && self.failure.is_none()
@@ -46,14 +50,44 @@ impl Case {
         {
             self.failure = Some(error.to_string());
         }
-        for until in until {
-            if self.failure.is_some() {
-                return;
+    }
+}
+
+/// Advances a group of cases through the times of their plans, or by single steps. A failure stops its case alone.
+fn advance_group(
+    group: &mut [(&mut Case, Vec<Option<f64>>)],
+    lockstep: &mut Lockstep,
+    goes_on: &dyn Fn() -> bool,
+) {
+    for (case, plan) in group.iter_mut() {
+        case.carry(plan);
+    }
+    let rounds = group.iter().map(|(_, plan)| plan.len()).max().unwrap_or(0);
+    for round in 0..rounds {
+        let mut rests = vec![false; group.len()];
+        while goes_on() {
+            let members = group.iter_mut().zip(&mut rests);
+            let mut moving: Vec<_> = members
+                .filter_map(|((case, plan), rests)| {
+                    let until = *plan.get(round)?;
+                    let now = case.stepper.run.simulation.time();
+                    let done = *rests || until.is_some_and(|until| now >= until);
+                    let moves = case.failure.is_none() && !done;
+                    *rests = until.is_none();
+                    moves.then_some((case, until.unwrap_or(f64::INFINITY)))
+                })
+                .collect();
+            if moving.is_empty() {
+                break;
             }
-            match self.stepper.advance(*until, goes_on) {
-                Ok(_) => {}
-                Err(Stopped::Signal) => return,
-                Err(Stopped::Failed(error)) => self.failure = Some(error.to_string()),
+            let mut runs: Vec<_> = (moving.iter_mut())
+                .map(|(case, until)| (&mut case.stepper.run, *until))
+                .collect();
+            let results = LiveRun::advance_together(&mut runs, lockstep, goes_on);
+            for ((case, _), result) in moving.iter_mut().zip(results) {
+                if let Err(error) = result {
+                    case.failure = Some(error.to_string());
+                }
             }
         }
     }
@@ -80,15 +114,19 @@ impl Batch {
     ) -> PyResult<()> {
         self.act(py)?;
         let plans: Vec<_> = self.cases.iter().map(plan).collect::<PyResult<_>>()?;
-        let cases = &mut self.cases;
+        let mut cases: Vec<_> = self.cases.iter_mut().zip(plans).collect();
+        let spare = &self.spare;
         let interrupted = AtomicBool::new(false);
         let goes_on = || !interrupted.load(Relaxed);
         py.detach(|| {
             std::thread::scope(|scope| {
                 let (finish, finished) = mpsc::channel();
                 scope.spawn(move || {
-                    let pairs = cases.par_iter_mut().zip(&plans);
-                    pairs.for_each(|(case, plan)| case.advance(plan, &goes_on));
+                    cases.par_chunks_mut(Lockstep::LANES).for_each(|group| {
+                        let mut lockstep = spare.lock().unwrap().pop().unwrap_or_default();
+                        advance_group(group, &mut lockstep, &goes_on);
+                        spare.lock().unwrap().push(lockstep);
+                    });
                     // The other side waits for it.
                     let _ = finish.send(());
                 });
@@ -167,6 +205,7 @@ impl Batch {
             cases,
             nodes,
             forces,
+            spare: Mutex::default(),
         })
     }
 

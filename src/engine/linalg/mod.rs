@@ -12,6 +12,7 @@
 //! `instruction_set` compiles kernels, here and in the mechanics, for the registers of the machine at hand.
 
 mod banded;
+mod banded_lanes;
 mod block_factor;
 mod branches;
 mod coupled;
@@ -30,6 +31,7 @@ mod supernodes;
 mod symbolic;
 
 pub use banded::{BandedFactor, BandedSymmetric, HALF_BANDWIDTH};
+pub(crate) use banded_lanes::BandedLanes;
 pub use coupled::CoupledSystem;
 pub use element::{Element, ElementMatrix, SharedUnknown, UNUSED};
 pub(crate) use error::{Inertia, SingularMatrix};

@@ -5,7 +5,7 @@ use super::observer::{Finding, Sample};
 use super::participants::{self, Participants, SavedStates};
 use super::prepared::{Mode, PreparedRun};
 use rodlab_engine::mechanics::dynamics::{
-    Simulation, SimulationError, SimulationState, StepReport,
+    Lockstep, Simulation, SimulationError, SimulationState, StepReport,
 };
 use rodlab_engine::mechanics::statics::PathPoint;
 use rodlab_files::results::Value;
@@ -92,12 +92,53 @@ impl LiveRun {
             self.simulation.advance(until)?
         };
         self.last_step = start.elapsed();
-        self.counters.add_step(&report);
+        self.conclude(&report)?;
+        Ok(Some(report))
+    }
+
+    /// Takes one step in each of some runs, which ends no later than the time beside it, s: see [`Self::advance`], whose result each
+    /// gets. Runs of one kind of scene are solved together (see [`Lockstep`]).
+    pub fn advance_together(
+        runs: &mut [(&mut Self, f64)],
+        lockstep: &mut Lockstep,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Vec<Result<Option<StepReport>, SimulationError>> {
+        if runs.iter().any(|(run, _)| run.last_step >= SHORT_STEP) {
+            let alone = runs.iter_mut();
+            return alone
+                .map(|(run, until)| run.advance(*until, goes_on))
+                .collect();
+        }
+        let start = Instant::now();
+        let mut ends = Vec::with_capacity(runs.len());
+        for (run, until) in runs.iter_mut() {
+            let end = run.participants.control(&mut run.simulation);
+            ends.push(end.map(|end| end.min(*until)));
+        }
+        let mut simulations: Vec<_> = (runs.iter_mut().zip(&ends))
+            .filter_map(|((run, _), end)| Some((&mut run.simulation, *end.as_ref().ok()?)))
+            .collect();
+        let mut steps = lockstep.advance(&mut simulations, &|| true).into_iter();
+        let took = start.elapsed() / runs.len().max(1) as u32;
+        let results = runs.iter_mut().zip(ends).map(|((run, _), end)| {
+            end?;
+            run.last_step = took;
+            let step = steps.next().expect("each was stepped")?;
+            if let Some(report) = &step {
+                run.conclude(report)?;
+            }
+            Ok(step)
+        });
+        results.collect()
+    }
+
+    /// Counts a step, and lets observers look.
+    fn conclude(&mut self, report: &StepReport) -> Result<(), SimulationError> {
+        self.counters.add_step(report);
         let time = self.simulation.time();
         let (sample, participants) = self.sample();
         let findings = participants.sample_if_due(&sample, time);
-        self.counters.conclude_from(findings)?;
-        Ok(Some(report))
+        self.counters.conclude_from(findings)
     }
 
     /// Finds the equilibrium, while `goes_on` returns true; `None` where it returned false, and the state is then that before.

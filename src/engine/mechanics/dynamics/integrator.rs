@@ -12,7 +12,7 @@ use super::state::State;
 use super::step_control::{Decision, StepControl};
 use super::validity_memory::SmallSteps;
 use crate::mechanics::SceneError;
-use crate::mechanics::fluid::{FluidError, FluidModel};
+use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::Scene;
 use crate::mechanics::system::System;
 use tracing::{debug, trace_span};
@@ -38,12 +38,22 @@ struct LastFailure {
     advice: String,
 }
 
+/// A step whose stage is set up.
+pub(super) struct Begun {
+    /// Its end, s.
+    pub goal: f64,
+    /// Contact stiffness at its start.
+    stiffness: f64,
+    /// Krylov iterations of the drag.
+    fluid_iterations: usize,
+}
+
 /// Advances a state in time.
 pub(super) struct Integrator {
     pub setting: Setting,
     pub control: StepControl,
     pub fluid: FluidDrag,
-    workspace: Workspace,
+    pub workspace: Workspace,
     /// Number of steps far smaller than requested since the last whole one.
     small_steps: usize,
     /// The last failure of a step, with advice.
@@ -122,40 +132,79 @@ impl Integrator {
         (one - other).abs() <= same_time(&self.setting.parameters.step)
     }
 
-    /// Takes one step that ends no later than `until` (hit exactly when it is within the step), as long as `goes_on`; `None`
-    /// where that returned false.
+    /// Begins one step that ends no later than `until` (hit exactly when it is within the step): sets up its stage and predicts its
+    /// solution.
     ///
     /// # Errors
-    /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
-    /// the last accepted step.
-    pub(crate) fn step(
+    /// [`SimulationError::Unphysical`] without drag.
+    pub(crate) fn begin(
         &mut self,
         system: &mut System,
-        state: &mut State,
+        state: &State,
         until: f64,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<Option<StepReport>, SimulationError> {
-        let _span = trace_span!("step", time = state.time).entered();
-        let mut report = StepReport::default();
-        let without_drag = |error: FluidError, time: f64| {
-            SimulationError::Unphysical(format!("at t = {time:.6e} s {error}"))
-        };
+    ) -> Result<Begun, SimulationError> {
         system.begin_damping(&state.unknowns);
         system.update_candidates(&state.unknowns);
         let extrapolates = self.setting.parameters.scheme.rules().extrapolates();
         system.note_start(&state.unknowns, extrapolates);
         let stiffness = system.contact_stiffness();
-        let mut setting = self.setting;
-        let sizes = self.setting.parameters.step;
+        let (setting, sizes) = (self.setting, self.setting.parameters.step);
         let until = earlier_event(system, &sizes, state.time, until);
-        let mut goal = self.control.goal(&sizes, state.time, until);
+        let goal = self.control.goal(&sizes, state.time, until);
+        let fluid_iterations = self.prepare(&setting, system, state, goal)?;
+        Ok(Begun {
+            goal,
+            stiffness,
+            fluid_iterations,
+        })
+    }
+
+    /// Sets up the stage of a step to `goal`.
+    fn prepare(
+        &mut self,
+        setting: &Setting,
+        system: &mut System,
+        state: &State,
+        goal: f64,
+    ) -> Result<usize, SimulationError> {
+        self.workspace
+            .prepare(setting, system, &mut self.fluid, state, goal)
+            .map_err(|error| {
+                SimulationError::Unphysical(format!("at t = {:.6e} s {error}", state.time))
+            })
+    }
+
+    /// Takes the step that was begun, as long as `goes_on`; `None` where that returned false.
+    ///
+    /// # Errors
+    /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
+    /// the last accepted step.
+    pub(crate) fn complete(
+        &mut self,
+        system: &mut System,
+        state: &mut State,
+        begun: Begun,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
+        let _span = trace_span!("step", time = state.time).entered();
+        let Begun {
+            mut goal,
+            stiffness,
+            fluid_iterations,
+        } = begun;
+        let mut report = StepReport {
+            fluid_iterations,
+            ..StepReport::default()
+        };
+        let (mut setting, sizes) = (self.setting, self.setting.parameters.step);
+        let mut is_prepared = true;
         let (mut deepenings, mut stiffenings, mut crosses) = (0, 0, false);
         loop {
             let step = goal - state.time;
-            report.fluid_iterations += self
-                .workspace
-                .prepare(&setting, system, &mut self.fluid, state, goal)
-                .map_err(|error| without_drag(error, state.time))?;
+            if !is_prepared {
+                report.fluid_iterations += self.prepare(&setting, system, state, goal)?;
+            }
+            is_prepared = false;
             let (workspace, fluid) = (&mut self.workspace, &mut self.fluid);
             let attempt = workspace.attempt(&setting, system, fluid, state, goal, goes_on);
             if !goes_on() {

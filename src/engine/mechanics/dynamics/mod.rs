@@ -32,6 +32,7 @@ mod impact;
 mod impact_tests;
 mod integrator;
 mod intervene;
+mod lockstep;
 mod measure;
 mod newton;
 mod observe;
@@ -47,6 +48,7 @@ mod validity;
 mod validity_memory;
 
 pub use crate::mechanics::system::{Break, Grasp, Resultants};
+pub use lockstep::Lockstep;
 pub use measure::HeldPose;
 pub use parameters::{IntegrationParameters, Scheme, StepSize};
 pub use report::{Energies, Exchange, SimulationError, SimulationState, StepReport};
@@ -83,6 +85,8 @@ mod inertia_tests;
 mod intervene_tests;
 #[cfg(test)]
 mod joint_tests;
+#[cfg(test)]
+mod lockstep_tests;
 #[cfg(test)]
 mod node_force_tests;
 #[cfg(test)]

@@ -24,6 +24,17 @@ pub(crate) struct Stopping {
     pub gives_up: bool,
 }
 
+/// Whole corrections that were made elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Corrected {
+    /// Their number.
+    pub iterations: usize,
+    /// Largest move of a position by the last one, m.
+    pub last_move: f64,
+    /// Whether the last one was of only the last digits of the unknowns.
+    pub changes_nothing: bool,
+}
+
 /// Scratch of Newton's method.
 #[derive(Clone, Debug)]
 pub(crate) struct Newton {
@@ -47,11 +58,11 @@ const TRIAL_ITERATIONS: usize = 5;
 const TRIAL_REDUCTION: f64 = 0.2;
 /// A correction of so many last digits of the unknowns is none: where contact is stiff they leave more of the residual than
 /// is requested.
-const LAST_DIGITS: f64 = 4.0;
+pub(super) const LAST_DIGITS: f64 = 4.0;
 /// Reductions of the step along one direction before it is accepted.
 const LINE_SEARCH_STEPS: usize = 12;
 /// A step is accepted when the force along the direction has fallen below this fraction.
-const SUFFICIENT_REDUCTION: f64 = 0.9;
+pub(super) const SUFFICIENT_REDUCTION: f64 = 0.9;
 
 impl Newton {
     /// Scratch for so many unknowns.
@@ -62,7 +73,7 @@ impl Newton {
         }
     }
 
-    /// Solves R(q) = 0, starting from `unknowns` and leaving the solution there; returns the number of
+    /// Solves R(q) = 0, starting from `unknowns`, which may have been `corrected`, and leaving the solution there; returns the number of
     /// linear solves, without those of a prediction of contact forces, which solves for no contacts. The frames and the
     /// residual of `system` are those of the solution.
     ///
@@ -73,16 +84,28 @@ impl Newton {
         system: &mut System,
         stage: &Stage,
         unknowns: &mut [f64],
+        corrected: Option<Corrected>,
         stopping: &Stopping,
         goes_on: &dyn Fn() -> bool,
     ) -> Result<usize, Divergence> {
         let carries = system.uses_multipliers();
         let mut course = Course::new(carries, stopping);
+        let mut first = 0;
+        if let Some(corrected) = corrected {
+            first = corrected.iterations;
+            course.last_move = corrected.last_move;
+            course.is_corrected = true;
+            system.evaluate(unknowns, Some(stage));
+            let at = (&*unknowns, stage);
+            if course.ends(system, at, stopping, corrected.changes_nothing) {
+                return Ok(first);
+            }
+        }
         system.linearize(unknowns, Some(stage));
         if carries && system.predict_contacts(unknowns, stage, stopping.radius) {
             system.linearize(unknowns, Some(stage));
         }
-        for iteration in 0..=course.limit {
+        for iteration in first..=course.limit {
             let imbalance = system.imbalance();
             course.trace(iteration, &imbalance);
             if course.is_settled(&imbalance, stopping)
@@ -111,11 +134,8 @@ impl Newton {
             let changes_nothing = stopping.ends_at_last_digits
                 && part == 1.0
                 && are_last_digits(&self.direction, unknowns);
-            let imbalance = system.imbalance();
-            let is_balanced = course.is_corrected && course.is_settled(&imbalance, stopping);
-            course.refine(|| is_balanced && system.residual_does_work(unknowns, stage));
-            if changes_nothing || is_balanced && course.refinement != Refinement::Due {
-                course.trace(iteration + 1, &imbalance);
+            if course.ends(system, (unknowns, stage), stopping, changes_nothing) {
+                course.trace(iteration + 1, &system.imbalance());
                 return Ok(iteration + 1);
             }
             let after = Progress::of(system, &self.direction);
@@ -281,6 +301,20 @@ impl Course {
     /// Whether forces are balanced and the last correction was small.
     fn is_settled(&self, imbalance: &Imbalance, stopping: &Stopping) -> bool {
         imbalance.is_balanced() && self.last_move <= stopping.displacement
+    }
+
+    /// Whether the iteration ends at unknowns of the last evaluation: where the last correction changed nothing, or forces are
+    /// balanced after a whole one and do not want the refinement.
+    fn ends(
+        &mut self,
+        system: &System,
+        (unknowns, stage): (&[f64], &Stage),
+        stopping: &Stopping,
+        changes_nothing: bool,
+    ) -> bool {
+        let is_balanced = self.is_corrected && self.is_settled(&system.imbalance(), stopping);
+        self.refine(|| is_balanced && system.residual_does_work(unknowns, stage));
+        changes_nothing || is_balanced && self.refinement != Refinement::Due
     }
 
     /// Requests the one refinement where `does_work` returns true.

@@ -1,6 +1,6 @@
 //! A scene in motion or at rest: the entry point of dynamics and statics.
 
-use super::integrator::Integrator;
+use super::integrator::{Begun, Integrator};
 use super::parameters::{IntegrationParameters, Scheme};
 use super::report::{SimulationError, StepReport};
 use super::state::State;
@@ -89,9 +89,25 @@ impl Simulation {
                 ..StepReport::default()
             }));
         }
-        let result = self
-            .integrator
-            .step(&mut self.system, &mut self.state, until, goes_on);
+        let begun = self.begin(until);
+        self.complete(begun, goes_on)
+    }
+
+    /// Begins the next step, to end no later than `until`.
+    pub(super) fn begin(&mut self, until: f64) -> Result<Begun, SimulationError> {
+        self.integrator.begin(&mut self.system, &self.state, until)
+    }
+
+    /// Takes the step that was begun.
+    pub(super) fn complete(
+        &mut self,
+        begun: Result<Begun, SimulationError>,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Option<StepReport>, SimulationError> {
+        let result = begun.and_then(|begun| {
+            let (system, state) = (&mut self.system, &mut self.state);
+            self.integrator.complete(system, state, begun, goes_on)
+        });
         self.publish();
         if let Ok(Some(report)) = &result {
             let mut validity = std::mem::take(&mut self.validity);

@@ -4,7 +4,7 @@ use super::certificate::{Step, check_penetration};
 use super::contact_passes::{NoForces, Pass, Passes};
 use super::drag::FluidDrag;
 use super::failure::{Crossing, Failure, Forces};
-use super::newton::{Newton, Stopping};
+use super::newton::{Corrected, Newton, Stopping};
 use super::parameters::{IntegrationParameters, StepSize};
 use super::scheme::{Prediction, SolvedStep};
 use super::state::State;
@@ -55,6 +55,8 @@ pub(super) struct Workspace {
     /// Velocity at the end of the step.
     pub next_velocity: Vec<f64>,
     newton: Newton,
+    /// Corrections that the prediction has had; taken by the next attempt.
+    pub corrected: Option<Corrected>,
     /// The prediction; scratch.
     prediction: Vec<f64>,
 }
@@ -81,6 +83,7 @@ impl Workspace {
             next_velocity: velocity.clone(),
             prediction: unknowns.clone(),
             newton: Newton::new(unknowns.len()),
+            corrected: None,
         }
     }
 
@@ -100,6 +103,7 @@ impl Workspace {
         let scheme = setting.parameters.scheme.rules();
         let turning = system.assembly.steady_turning();
         let step = goal - state.time;
+        self.corrected = None;
         scheme.begin(step, state, turning, &mut self.stage, &mut self.trial);
         let time = scheme.stage_time(state.time, goal);
         let is_middle = scheme.extrapolates();
@@ -129,10 +133,10 @@ impl Workspace {
         goes_on: &dyn Fn() -> bool,
     ) -> Result<Attempt, Failure> {
         let step = goal - state.time;
-        self.adapt_contact_stiffness(setting, system, state);
-        let tolerance = setting.parameters.force_tolerance;
-        system.set_tolerances(tolerance, &state.unknowns, Some(&self.stage));
-        let stopping = stopping(setting, system, step);
+        let stopping = match self.corrected {
+            Some(_) => stopping(setting, system, step),
+            None => self.set_tolerances(setting, system, state, goal),
+        };
         let scheme = setting.parameters.scheme.rules();
         let is_coupled = fluid.must_be_coupled(&self.stage, scheme);
         let (iterations, fluid_iterations) = if is_coupled {
@@ -169,6 +173,20 @@ impl Workspace {
             error,
             is_deep,
         })
+    }
+
+    /// Adapts contact stiffness and tolerances to the stage of a step to `goal`; returns the stopping criteria.
+    pub(crate) fn set_tolerances(
+        &mut self,
+        setting: &Setting,
+        system: &mut System,
+        state: &State,
+        goal: f64,
+    ) -> Stopping {
+        self.adapt_contact_stiffness(setting, system, state);
+        let tolerance = setting.parameters.force_tolerance;
+        system.set_tolerances(tolerance, &state.unknowns, Some(&self.stage));
+        stopping(setting, system, goal - state.time)
     }
 
     /// Solves the stage in turn with the drag of its motion until both agree; returns the Newton and the Krylov iterations.
@@ -279,9 +297,10 @@ impl Workspace {
                 Pass::Balanced
             };
             if pass != Pass::Corrected {
+                let corrected = self.corrected.take();
                 iterations += self
                     .newton
-                    .solve(system, &self.stage, trial, stopping, goes_on)
+                    .solve(system, &self.stage, trial, corrected, stopping, goes_on)
                     .map_err(Failure::Newton)?;
             }
             // A contact may be missing where rods have moved far; then continue with new candidates.

@@ -19,6 +19,20 @@ pub struct GhostEdge {
     pub spin: f64,
 }
 
+impl GhostEdge {
+    /// Its frame; no move of a node turns it.
+    pub(super) fn frame(&self) -> EdgeFrame {
+        EdgeFrame {
+            tangent: self.tangent,
+            length: f64::INFINITY,
+            inverse_length: 0.0,
+            director_1: self.director,
+            director_2: self.tangent.cross(&self.director),
+            holonomy: Vector3::zeros(),
+        }
+    }
+}
+
 /// A real edge.
 #[derive(Clone, Copy, Debug)]
 pub struct Edge {

@@ -38,9 +38,14 @@ impl EdgeLanes {
     /// Takes over the natural lengths and stiffnesses of `edges`.
     pub(crate) fn take_natural_strains(&mut self, edges: &[Edge]) {
         for (lane, edge) in edges.iter().enumerate() {
-            self.natural_length[lane] = edge.natural_length;
-            self.stiffness[lane] = edge.stretching;
+            self.take_natural_length(lane, edge);
         }
+    }
+
+    /// Takes over the natural length and the stiffness of an edge in a lane.
+    pub(crate) fn take_natural_length(&mut self, lane: usize, edge: &Edge) {
+        self.natural_length[lane] = edge.natural_length;
+        self.stiffness[lane] = edge.stretching;
     }
 }
 

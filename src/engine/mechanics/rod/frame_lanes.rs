@@ -137,9 +137,21 @@ impl TransportLanes {
         angle: f64,
     ) {
         set_vector(&mut self.edge, lane, edge);
+        self.set_source(lane, source, director);
+        self.angle[lane] = within_reach(angle);
+    }
+
+    /// Sets the tangent and the reference director from which the edge in a lane is transported.
+    #[inline(always)]
+    pub(crate) fn set_source(&mut self, lane: usize, source: &Vector3, director: &Vector3) {
         set_vector(&mut self.source, lane, source);
         set_vector(&mut self.director, lane, director);
-        self.angle[lane] = within_reach(angle);
+    }
+
+    /// Sets all edge vectors, and the angles from reference to material directors, rad.
+    pub(crate) fn set_edges(&mut self, edges: &VectorLanes, angles: &Lanes) {
+        self.edge = *edges;
+        self.angle = angles.map(within_reach);
     }
 
     /// The tangent from which the edge in a lane is transported.

@@ -97,15 +97,7 @@ impl RodGeometry {
             let k = rods.nodes + index;
             self.ghost_spin[index] = ghost.spin;
             self.reference_director[k] = ghost.director;
-            self.edges[k] = EdgeFrame {
-                tangent: ghost.tangent,
-                // No move of a node turns it.
-                length: f64::INFINITY,
-                inverse_length: 0.0,
-                director_1: ghost.director,
-                director_2: ghost.tangent.cross(&ghost.director),
-                holonomy: Vector3::zeros(),
-            };
+            self.edges[k] = ghost.frame();
         }
         for ghost in &rods.turning_ghosts {
             // A unit vector, over which forces are derivatives of the energy.

@@ -11,6 +11,7 @@
 //! Hessian).
 
 mod clamped_end;
+mod copies;
 mod discretization;
 pub mod edge;
 mod edge_lanes;
@@ -28,6 +29,7 @@ pub mod vertex;
 mod vertex_hessian;
 mod vertex_lanes;
 
+pub(crate) use copies::RodCopies;
 pub use discretization::{Edge, ElasticRods, GhostEdge, Vertex, VertexUnknowns, VertexWeights};
 pub(crate) use elastic::ElasticEnergy;
 pub use geometry::{ReferenceFrames, RodGeometry};

@@ -93,11 +93,38 @@ impl VertexLanes {
     /// Takes over the natural strains and stiffnesses of `vertices`.
     pub(crate) fn take_natural_strains(&mut self, vertices: &[Vertex]) {
         for (lane, vertex) in vertices.iter().enumerate() {
-            self.natural.set(lane, &vertex.natural);
-            self.bending[0][lane] = vertex.stiffness.bending[0];
-            self.bending[1][lane] = vertex.stiffness.bending[1];
-            self.twisting[lane] = vertex.stiffness.twisting;
+            self.take_natural_strain(lane, vertex);
         }
+    }
+
+    fn take_natural_strain(&mut self, lane: usize, vertex: &Vertex) {
+        self.natural.set(lane, &vertex.natural);
+        self.bending[0][lane] = vertex.stiffness.bending[0];
+        self.bending[1][lane] = vertex.stiffness.bending[1];
+        self.twisting[lane] = vertex.stiffness.twisting;
+    }
+
+    /// Puts a vertex into a lane. With `has_angles` the derivatives are those of angles of turning in every lane.
+    pub(crate) fn set_vertex(&mut self, lane: usize, vertex: &Vertex, has_angles: bool) {
+        self.take_natural_strain(lane, vertex);
+        self.angle[lane] = vertex.strain.share();
+        self.has_angles = has_angles;
+    }
+
+    /// Puts edges before and after the vertices of all lanes, with their reference directors.
+    pub(crate) fn set_edges(
+        &mut self,
+        [before, after]: [&FrameLanes; 2],
+        [first, second]: [&VectorLanes; 2],
+    ) {
+        self.before.clone_from(before);
+        self.after.clone_from(after);
+        self.reference = [*first, *second];
+    }
+
+    /// Sets the twists of all lanes, rad.
+    pub(crate) fn set_twists(&mut self, twists: &Lanes) {
+        self.strains.twist = *twists;
     }
 
     /// Puts the frame and the reference director of the edge before a vertex into a lane.

@@ -247,6 +247,10 @@ impl Term for Actuators {
         Kind::Elastic
     }
 
+    fn has_copies(&self) -> bool {
+        true
+    }
+
     /// Gives the rods the natural strains of the time.
     fn drive(&mut self, time: f64, rods: &mut ElasticRods, geometry: &mut RodGeometry) {
         if !self.is_empty() {

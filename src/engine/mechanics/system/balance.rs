@@ -175,6 +175,12 @@ impl System {
         self.tolerances.rods = tolerances;
     }
 
+    /// The tolerance of a rod, N, and its weight among those of all rods.
+    pub(super) fn allowance(&self, rod: usize) -> (f64, f64) {
+        let tolerance = &self.tolerances.rods[rod];
+        (tolerance.force, tolerance.weight)
+    }
+
     /// The least tolerance of all rods, N; 0 where all rods are held.
     pub(super) fn least_tolerance(&self) -> f64 {
         let forces = self.tolerances.rods.iter().map(|rod| rod.force);

@@ -125,6 +125,10 @@ impl Term for Contact {
         Kind::Contact
     }
 
+    fn has_copies(&self) -> bool {
+        self.model.is_none()
+    }
+
     fn drive(&mut self, time: f64, _: &mut ElasticRods, _: &mut RodGeometry) {
         self.place_obstacles(time);
     }

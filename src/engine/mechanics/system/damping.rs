@@ -366,6 +366,10 @@ impl Term for Damping {
         Kind::Motion
     }
 
+    fn has_copies(&self) -> bool {
+        true
+    }
+
     /// Energy of the viscous parts.
     fn energy(&self, assembly: &Assembly, _: &RodGeometry) -> ElasticEnergy {
         self.relaxing_energy(assembly, None)

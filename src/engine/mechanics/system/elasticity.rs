@@ -20,6 +20,10 @@ impl Term for Elasticity {
         Kind::Elastic
     }
 
+    fn has_copies(&self) -> bool {
+        true
+    }
+
     /// Closing vertices of rings and half vertices at joints.
     fn elements(&self, assembly: &Assembly) -> Vec<Element> {
         assembly.joints.elements(&assembly.rods.elements)

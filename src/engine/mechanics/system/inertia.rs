@@ -19,6 +19,10 @@ impl Term for Inertia {
         Kind::Motion
     }
 
+    fn has_copies(&self) -> bool {
+        true
+    }
+
     fn add_forces(&self, at: &Configuration, residual: &mut [f64]) {
         let (Some(stage), assembly) = (at.stage, at.assembly) else {
             return;

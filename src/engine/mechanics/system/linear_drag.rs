@@ -82,6 +82,10 @@ impl Term for LinearDrag {
         Kind::Motion
     }
 
+    fn has_copies(&self) -> bool {
+        true
+    }
+
     fn drive(&mut self, time: f64, _: &mut ElasticRods, _: &mut RodGeometry) {
         self.at(time);
     }

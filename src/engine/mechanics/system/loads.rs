@@ -230,6 +230,10 @@ impl Term for Loads {
         Kind::Load
     }
 
+    fn has_copies(&self) -> bool {
+        self.moments.is_empty() && self.followers.is_empty()
+    }
+
     fn elements(&self, _: &Assembly) -> Vec<Element> {
         let moments = self.moments.iter().map(EdgeMoment::unknowns);
         let followers = self.followers.iter().map(FollowerForce::unknowns);

@@ -21,6 +21,11 @@ impl Term for LocalDrag {
         Kind::Motion
     }
 
+    /// A stage without fluid has none.
+    fn has_copies(&self) -> bool {
+        true
+    }
+
     fn add_forces(&self, at: &Configuration, residual: &mut [f64]) {
         let Some(stage) = at.stage else { return };
         let per_step = 1.0 / stage.step;

@@ -79,6 +79,10 @@ impl Term for NodeForces {
         Kind::Elastic
     }
 
+    fn has_copies(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// The unknowns of those of several nodes.
     fn elements(&self, _: &Assembly) -> Vec<Element> {
         let coupled = self.0.iter().filter(|force| force.is_coupled());

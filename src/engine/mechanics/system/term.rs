@@ -79,6 +79,11 @@ pub(crate) trait Term {
         Vec::new()
     }
 
+    /// Whether it is part of the equations of many systems at once ([`super::copies`]), or zero in this scene.
+    fn has_copies(&self) -> bool {
+        false
+    }
+
     /// Whether it couples nodes of different rods, or distant ones of the same.
     fn couples_nodes(&self) -> bool {
         false

@@ -194,6 +194,12 @@ impl Term for Springs {
         Kind::Elastic
     }
 
+    fn has_copies(&self) -> bool {
+        self.between_nodes.is_empty()
+            && self.between_frames.is_empty()
+            && self.about_hinges.is_empty()
+    }
+
     /// The unknowns of the springs between nodes, then of those between frames.
     fn elements(&self, assembly: &Assembly) -> Vec<Element> {
         let between_nodes = self.between_nodes.iter().map(|spring| {

@@ -1,0 +1,389 @@
+//! Many simulations of one kind, stepped together: Newton's method of up to [`LANES`] stages at once, one in each lane.
+//!
+//! Wires that are moved at their ends spend their time in kernels too short to fill vector registers, and each waits for its own
+//! factorisation. Copies of one scene that differ in numbers only do the same operations, so that a register holds one number of
+//! each ([`crate::mechanics::system`], `copies`). A step is begun and completed by every simulation itself, with its own step control and
+//! all its checks; in between the predictions of all are corrected together.
+//!
+//! The corrections are those of [`super::newton`] in the same order, and every lane stops where it would stop alone: a simulation gets
+//! the bytes that it gets alone. One whose correction needs a line search, leaves the trust region, or does not converge is left at
+//! its prediction, and finds its own way.
+
+use super::newton::{Corrected, LAST_DIGITS, SUFFICIENT_REDUCTION, Stopping};
+use super::report::{SimulationError, StepReport};
+use super::simulation::Simulation;
+use crate::linalg::instruction_set::{LANES, Lanes, kernel};
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::system::{Allowance, Copies};
+
+const NONE: Lanes = [0.0; LANES];
+/// Fewest simulations that are faster together than one by one.
+const FEWEST: usize = 3;
+
+/// Scratch of steps together.
+#[derive(Default)]
+pub struct Lockstep {
+    group: Option<Group>,
+    /// Steps of simulations that were solved together.
+    pub solved: usize,
+}
+
+/// Scratch of one kind of scene.
+struct Group {
+    copies: Copies,
+    unknowns: Vec<Lanes>,
+    direction: Vec<Lanes>,
+}
+
+impl Lockstep {
+    /// Simulations that a group holds at most.
+    pub const LANES: usize = LANES;
+
+    /// Takes one step in each of some simulations, which ends no later than the time beside it, as long as `goes_on` returns true: see
+    /// [`Simulation::advance_while`], whose result each gets.
+    ///
+    /// Simulations of the same scene with other numbers are solved together, [`Self::LANES`] at a time: scenes of separate open rods
+    /// with clamps, dead loads, linear drag and material damping. All others are stepped one by one. The results do not depend on
+    /// which simulations are stepped together.
+    pub fn advance(
+        &mut self,
+        simulations: &mut [(&mut Simulation, f64)],
+        goes_on: &dyn Fn() -> bool,
+    ) -> Vec<Result<Option<StepReport>, SimulationError>> {
+        let mut results = Vec::with_capacity(simulations.len());
+        for group in simulations.chunks_mut(LANES) {
+            let begun: Vec<_> = group
+                .iter_mut()
+                .map(|(simulation, until)| {
+                    let rests = simulation
+                        .integrator
+                        .is_same_time(simulation.state.time, *until);
+                    (!rests).then(|| simulation.begin(*until))
+                })
+                .collect();
+            let mut together: Vec<(&mut Simulation, f64)> = (group.iter_mut().zip(&begun))
+                .filter_map(|((simulation, _), begun)| {
+                    let begun = begun.as_ref()?.as_ref().ok()?;
+                    Some((&mut **simulation, begun.goal))
+                })
+                .collect();
+            if together.len() >= FEWEST {
+                self.correct(&mut together, goes_on);
+            }
+            results.extend(
+                group
+                    .iter_mut()
+                    .zip(begun)
+                    .map(|((simulation, until), begun)| match begun {
+                        Some(begun) => simulation.complete(begun, goes_on),
+                        None => simulation.advance_while(*until, goes_on),
+                    }),
+            );
+        }
+        results
+    }
+
+    /// Corrects the predictions of up to [`LANES`] simulations whose steps are begun, each with its end, s.
+    fn correct(&mut self, simulations: &mut [(&mut Simulation, f64)], goes_on: &dyn Fn() -> bool) {
+        let fits = |copies: &Copies, simulation: &Simulation| {
+            copies.are_of(&simulation.system, &simulation.integrator.workspace.stage)
+        };
+        let (first, _) = &simulations[0];
+        if !(self.group.as_ref()).is_some_and(|group| fits(&group.copies, first)) {
+            self.group = Group::of(first);
+        }
+        let Some(group) = &mut self.group else { return };
+        let mut members: Vec<_> = (simulations.iter_mut())
+            .filter(|(simulation, _)| fits(&group.copies, simulation))
+            .collect();
+        if members.len() < FEWEST {
+            return;
+        }
+        let mut stopping = Vec::with_capacity(members.len());
+        for (lane, (simulation, goal)) in members.iter_mut().enumerate() {
+            stopping.push(group.set(lane, simulation, *goal));
+        }
+        let (last, _) = &members[members.len() - 1];
+        for lane in members.len()..LANES {
+            group.copy(lane, last);
+        }
+        let found = group.solve(&stopping, goes_on);
+        for (lane, ((simulation, _), found)) in members.iter_mut().zip(found).enumerate() {
+            let workspace = &mut simulation.integrator.workspace;
+            workspace.corrected = found;
+            if found.is_some() {
+                self.solved += 1;
+                let unknowns = workspace.trial.unknowns.iter_mut().zip(&group.unknowns);
+                unknowns.for_each(|(own, lanes)| *own = lanes[lane]);
+            }
+        }
+    }
+}
+
+impl Group {
+    /// For simulations like this; `None` where its scene has no copies.
+    fn of(simulation: &Simulation) -> Option<Self> {
+        let copies = Copies::new(&simulation.system)?;
+        let unknowns = vec![NONE; copies.residual.len()];
+        Some(Self {
+            copies,
+            direction: unknowns.clone(),
+            unknowns,
+        })
+    }
+
+    /// Puts a simulation whose step to `goal` is begun into a lane.
+    fn set(&mut self, lane: usize, simulation: &mut Simulation, goal: f64) -> Stopping {
+        let Simulation {
+            system,
+            state,
+            integrator,
+            ..
+        } = simulation;
+        let setting = integrator.setting;
+        let workspace = &mut integrator.workspace;
+        let stopping = workspace.set_tolerances(&setting, system, state, goal);
+        self.copy(lane, simulation);
+        stopping
+    }
+
+    /// Puts the numbers of a simulation with its tolerances into a lane.
+    fn copy(&mut self, lane: usize, simulation: &Simulation) {
+        let workspace = &simulation.integrator.workspace;
+        self.copies.set(lane, &simulation.system, &workspace.stage);
+        let unknowns = self.unknowns.iter_mut().zip(&workspace.trial.unknowns);
+        unknowns.for_each(|(lanes, own)| lanes[lane] = *own);
+    }
+
+    /// Corrects the unknowns of the lanes by Newton's method; returns the corrections of those that have converged.
+    fn solve(
+        &mut self,
+        stopping: &[Stopping],
+        goes_on: &dyn Fn() -> bool,
+    ) -> [Option<Corrected>; LANES] {
+        let mut found = [None; LANES];
+        let mut works = std::array::from_fn(|lane| lane < stopping.len());
+        let copies = &mut self.copies;
+        let set = copies.set;
+        copies.update_geometry(&self.unknowns);
+        copies.linearize(&self.unknowns);
+        // What is balanced as predicted is the exception, and asks for more.
+        let imbalance = copies.imbalance();
+        for lane in 0..LANES {
+            works[lane] &= imbalance[lane] > 1.0 && imbalance[lane].is_finite();
+        }
+        for iteration in 0.. {
+            for (lane, stopping) in stopping.iter().enumerate() {
+                works[lane] &= iteration < stopping.iterations;
+            }
+            if !works.contains(&true) || !goes_on() {
+                break;
+            }
+            copies.band.factor(set);
+            find_right_hand_side(&copies.residual, &copies.held, &mut self.direction);
+            copies.band.solve(set, &mut self.direction);
+            let moves = largest_moves(set, &self.direction);
+            for (lane, stopping) in stopping.iter().enumerate() {
+                // A comparison with what is not a number is false.
+                works[lane] &= moves[lane] <= stopping.trust_radius;
+            }
+            let before = copies.progress(&self.direction);
+            let moving = works.map(f64::from);
+            move_lanes(set, &moving, &mut self.direction, &mut self.unknowns);
+            copies.update_geometry(&self.unknowns);
+            copies.evaluate(&self.unknowns);
+            let imbalance = copies.imbalance();
+            let after = copies.progress(&self.direction);
+            let changes = exceed_last_digits(set, &self.direction, &self.unknowns);
+            for (lane, stopping) in stopping.iter().enumerate() {
+                if !works[lane] {
+                    continue;
+                }
+                let changes_nothing = stopping.ends_at_last_digits && changes[lane] == 0.0;
+                let is_balanced = imbalance[lane] <= 1.0 && moves[lane] <= stopping.displacement;
+                if is_balanced || changes_nothing {
+                    found[lane] = Some(Corrected {
+                        iterations: iteration + 1,
+                        last_move: moves[lane],
+                        changes_nothing,
+                    });
+                    works[lane] = false;
+                } else {
+                    works[lane] = imbalance[lane].is_finite() && after.suffices(&before, lane);
+                }
+            }
+            if !works.contains(&true) {
+                break;
+            }
+            copies.linearize(&self.unknowns);
+        }
+        found
+    }
+}
+
+/// Progress of a step in every lane: as of one alone.
+struct Progress {
+    squared_residual: Lanes,
+    slope: Lanes,
+}
+
+impl Progress {
+    fn suffices(&self, before: &Self, lane: usize) -> bool {
+        self.squared_residual[lane] <= before.squared_residual[lane]
+            || self.slope[lane].abs() <= SUFFICIENT_REDUCTION * before.slope[lane].abs()
+    }
+}
+
+impl Copies {
+    /// Largest residual of a free unknown over its tolerance; infinite or no number where one is.
+    fn imbalance(&self) -> Lanes {
+        let mut largest = NONE;
+        for allowance in self.rods_that_move() {
+            let own = &self.residual[allowance.unknowns.clone()];
+            let held = &self.held[allowance.unknowns.clone()];
+            worst_of(self.set, own, held, allowance, &mut largest);
+        }
+        largest
+    }
+
+    /// Progress along a direction.
+    fn progress(&self, direction: &[Lanes]) -> Progress {
+        let mut sums = [NONE; STRIDE];
+        for allowance in self.rods_that_move() {
+            let own = &self.residual[allowance.unknowns.clone()];
+            let held = &self.held[allowance.unknowns.clone()];
+            add_squares(self.set, own, held, allowance, &mut sums);
+        }
+        let mut progress = Progress {
+            squared_residual: NONE,
+            slope: NONE,
+        };
+        for sum in sums {
+            for lane in 0..LANES {
+                progress.squared_residual[lane] += sum[lane];
+            }
+        }
+        add_products(self.set, direction, &self.residual, &mut progress.slope);
+        progress
+    }
+
+    /// Rods that are not held.
+    fn rods_that_move(&self) -> impl Iterator<Item = &Allowance> {
+        let allowances = self.allowances.iter();
+        allowances.filter(|allowance| allowance.force[0].is_finite())
+    }
+}
+
+/// −R at free unknowns, 0 at held ones.
+fn find_right_hand_side(residual: &[Lanes], held: &[bool], direction: &mut [Lanes]) {
+    for ((direction, residual), held) in direction.iter_mut().zip(residual).zip(held) {
+        *direction = match held {
+            true => NONE,
+            false => residual.map(|value| -value),
+        };
+    }
+}
+
+kernel! {
+    /// Moves the unknowns of the lanes at work along the direction, which becomes zero in the others.
+    fn move_lanes(works: &Lanes, direction: &mut [Lanes], unknowns: &mut [Lanes]) {
+        for (direction, unknown) in direction.iter_mut().zip(unknowns) {
+            for lane in 0..LANES {
+                let own = if works[lane] == 0.0 { 0.0 } else { direction[lane] };
+                direction[lane] = own;
+                unknown[lane] += own;
+            }
+        }
+    }
+}
+
+kernel! {
+    /// Largest move of a position along a direction, m; no number where one is none.
+    fn largest_moves(direction: &[Lanes]) -> Lanes {
+        let (mut largest, mut broken) = ([0.0; LANES], [0.0; LANES]);
+        for (k, own) in direction.iter().enumerate() {
+            for lane in 0..LANES {
+                broken[lane] += own[lane] - own[lane];
+                if k % STRIDE != 3 {
+                    largest[lane] = f64::max(largest[lane], own[lane].abs());
+                }
+            }
+        }
+        for lane in 0..LANES {
+            largest[lane] += broken[lane];
+        }
+        largest
+    }
+}
+
+kernel! {
+    /// Takes over the largest residual over the force that counts as none; no number where one is none.
+    fn worst_of(residual: &[Lanes], held: &[bool], allowance: &Allowance, largest: &mut Lanes) {
+        let (mut worst, mut broken) = ([0.0; LANES], [0.0; LANES]);
+        for (k, own) in residual.iter().enumerate() {
+            if held[k] {
+                continue;
+            }
+            for lane in 0..LANES {
+                let scale = if k % STRIDE == 3 { allowance.per_length[lane] } else { 1.0 };
+                broken[lane] += own[lane] - own[lane];
+                worst[lane] = f64::max(worst[lane], own[lane].abs() * scale);
+            }
+        }
+        for lane in 0..LANES {
+            let ratio = worst[lane] / allowance.force[lane];
+            largest[lane] = f64::max(largest[lane], ratio) + broken[lane];
+        }
+    }
+}
+
+kernel! {
+    /// Adds the squares of the weighted residuals, by the places of unknowns at their nodes.
+    fn add_squares(residual: &[Lanes], held: &[bool], allowance: &Allowance, sums: &mut [Lanes; STRIDE]) {
+        for (k, own) in residual.iter().enumerate() {
+            if held[k] {
+                continue;
+            }
+            for lane in 0..LANES {
+                let scale = if k % STRIDE == 3 { allowance.per_length[lane] } else { 1.0 };
+                let value = allowance.weight[lane] * scale * own[lane];
+                sums[k % STRIDE][lane] += value * value;
+            }
+        }
+    }
+}
+
+kernel! {
+    /// Adds d·R.
+    fn add_products(direction: &[Lanes], residual: &[Lanes], sum: &mut Lanes) {
+        for (direction, residual) in direction.iter().zip(residual) {
+            for lane in 0..LANES {
+                sum[lane] += direction[lane] * residual[lane];
+            }
+        }
+    }
+}
+
+kernel! {
+    /// Number of corrections that are more than the last digits of positions and angles, the farthest of which count for all.
+    fn exceed_last_digits(direction: &[Lanes], unknowns: &[Lanes]) -> Lanes {
+        let mut farthest = [0.0; LANES];
+        for (k, own) in unknowns.iter().enumerate() {
+            for lane in 0..LANES {
+                if k % STRIDE != 3 {
+                    farthest[lane] = f64::max(farthest[lane], own[lane].abs());
+                }
+            }
+        }
+        let mut count = [0.0; LANES];
+        for (k, (direction, unknown)) in direction.iter().zip(unknowns).enumerate() {
+            for lane in 0..LANES {
+                let angle = f64::max(unknown[lane].abs(), 1.0);
+                let size = if k % STRIDE == 3 { angle } else { farthest[lane] };
+                let is_less = direction[lane].abs() <= LAST_DIGITS * f64::EPSILON * size;
+                count[lane] += if is_less { 0.0 } else { 1.0 };
+            }
+        }
+        count
+    }
+}
