@@ -303,7 +303,7 @@ kernel! {
         let (mut largest, mut broken) = ([0.0; LANES], [0.0; LANES]);
         for (k, own) in direction.iter().enumerate() {
             for lane in 0..LANES {
-                broken[lane] += own[lane] - own[lane];
+                broken[lane] += 0.0 * own[lane];
                 if k % STRIDE != 3 {
                     largest[lane] = f64::max(largest[lane], own[lane].abs());
                 }
@@ -326,7 +326,7 @@ kernel! {
             }
             for lane in 0..LANES {
                 let scale = if k % STRIDE == 3 { allowance.per_length[lane] } else { 1.0 };
-                broken[lane] += own[lane] - own[lane];
+                broken[lane] += 0.0 * own[lane];
                 worst[lane] = f64::max(worst[lane], own[lane].abs() * scale);
             }
         }
