@@ -9,7 +9,7 @@ use super::frame_lanes::{FrameLanes, VectorLanes, every_lane, set_vector, transp
 use super::geometry::ReferenceFrames;
 use super::topology::STRIDE;
 use super::transport::unwrapped;
-use super::vertex_lanes::{self, HessianLanes, VERTEX_UNKNOWNS, VertexLanes};
+use super::vertex_lanes::{HessianLanes, SectionLanes, VERTEX_UNKNOWNS};
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::linalg::{BandedLanes, HALF_BANDWIDTH};
 use crate::mechanics::Vector3;
@@ -18,13 +18,35 @@ use std::f64::consts::PI;
 /// Rods without rings and without clamps that turn with joints, in all lanes.
 pub(crate) struct RodCopies {
     set: InstructionSet,
-    edges: Vec<EdgeCopies>,
+    framed: FramedEdges,
     vertices: Vec<VertexCopies>,
-    ghosts: Vec<Framed>,
-    /// Place in `edges` of the edge that starts at each node; none at the last node of a rod.
-    places: Vec<Option<usize>>,
     /// Scratch: moments ∂E/∂φ on the spins of edges, ghosts included.
     spin_moments: Vec<Lanes>,
+}
+
+/// All edges.
+struct FramedEdges {
+    real: Vec<EdgeCopies>,
+    ghosts: Vec<GhostCopies>,
+    /// Place among the real ones of the edge that starts at each node; none at the last node of a rod.
+    places: Vec<Option<usize>>,
+}
+
+impl FramedEdges {
+    fn nodes(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Frames and reference directors of an edge by its number; those of ghosts follow those of the nodes.
+    fn of(&self, edge: usize) -> (&FrameLanes, &VectorLanes) {
+        match edge.checked_sub(self.nodes()) {
+            Some(ghost) => (&self.ghosts[ghost].frames, &self.ghosts[ghost].director),
+            None => {
+                let edge = &self.real[self.places[edge].expect("a vertex is between edges")];
+                (&edge.lanes.frames, &edge.director)
+            }
+        }
+    }
 }
 
 struct EdgeCopies {
@@ -39,14 +61,14 @@ struct VertexCopies {
     edges: [usize; 2],
     /// Number of the first unknown in the band, and which of the local ones are.
     unknowns: (usize, usize, usize),
-    lanes: VertexLanes,
+    sections: SectionLanes,
     /// Reference twist at the start of the step, with what the ghosts have turned since, rad.
     expected: Lanes,
     joint_twist: Lanes,
 }
 
 /// A ghost edge in all lanes.
-struct Framed {
+struct GhostCopies {
     frames: FrameLanes,
     director: VectorLanes,
     spin: Lanes,
@@ -66,12 +88,12 @@ impl RodCopies {
             Some(VertexCopies {
                 edges: [vertex.before, vertex.after],
                 unknowns: (first, from, to),
-                lanes: VertexLanes::new(&[]),
+                sections: SectionLanes::new(),
                 expected: [0.0; LANES],
                 joint_twist: [0.0; LANES],
             })
         });
-        let ghost = || Framed {
+        let ghost = || GhostCopies {
             frames: FrameLanes::new(),
             director: every_lane(Vector3::y()),
             spin: [0.0; LANES],
@@ -79,26 +101,28 @@ impl RodCopies {
         Some(Self {
             set: InstructionSet::best(),
             vertices: vertices.collect::<Option<_>>()?,
-            edges: (rods.edges.iter())
-                .map(|edge| EdgeCopies {
-                    nodes: [edge.start, edge.end],
-                    lanes: EdgeLanes::new(&[]),
-                    director: every_lane(Vector3::y()),
-                })
-                .collect(),
-            ghosts: (0..rods.ghosts).map(|_| ghost()).collect(),
-            places,
+            framed: FramedEdges {
+                real: (rods.edges.iter())
+                    .map(|edge| EdgeCopies {
+                        nodes: [edge.start, edge.end],
+                        lanes: EdgeLanes::new(&[]),
+                        director: every_lane(Vector3::y()),
+                    })
+                    .collect(),
+                ghosts: (0..rods.ghosts).map(|_| ghost()).collect(),
+                places,
+            },
             spin_moments: vec![[0.0; LANES]; rods.nodes + rods.ghosts],
         })
     }
 
     /// Whether `rods` have the edges and vertices of these.
     pub(crate) fn are_of(&self, rods: &ElasticRods) -> bool {
-        self.places.len() == rods.nodes
-            && self.ghosts.len() == rods.ghosts
-            && self.edges.len() == rods.edges.len()
+        self.framed.nodes() == rods.nodes
+            && self.framed.ghosts.len() == rods.ghosts
+            && self.framed.real.len() == rods.edges.len()
             && self.vertices.len() == rods.vertices.len()
-            && (self.edges.iter().zip(&rods.edges))
+            && (self.framed.real.iter().zip(&rods.edges))
                 .all(|(own, edge)| own.nodes == [edge.start, edge.end])
             && (self.vertices.iter().zip(&rods.vertices)).all(|(own, vertex)| {
                 let (first, from, to) = own.unknowns;
@@ -115,7 +139,7 @@ impl RodCopies {
         reference: &ReferenceFrames,
         ghosts: &[GhostEdge],
     ) {
-        for (own, edge) in self.edges.iter_mut().zip(&rods.edges) {
+        for (own, edge) in self.framed.real.iter_mut().zip(&rods.edges) {
             own.lanes.take_natural_length(lane, edge);
             let (source, director) = (
                 &reference.tangent[edge.start],
@@ -123,12 +147,12 @@ impl RodCopies {
             );
             own.lanes.from.set_source(lane, source, director);
         }
-        for (own, ghost) in self.ghosts.iter_mut().zip(ghosts) {
+        for (own, ghost) in self.framed.ghosts.iter_mut().zip(ghosts) {
             own.frames.set(lane, &ghost.frame());
             set_vector(&mut own.director, lane, &ghost.director);
             own.spin[lane] = ghost.spin;
         }
-        let nodes = self.places.len();
+        let nodes = self.framed.nodes();
         let spin = |edge: usize| {
             let ghost = edge.checked_sub(nodes);
             ghost.map_or(0.0, |ghost| ghosts[ghost].spin)
@@ -138,7 +162,7 @@ impl RodCopies {
         let has_angles = has_angles.flat_map(|has| [has; LANES]);
         let vertices = self.vertices.iter_mut().zip(&rods.vertices);
         for (((own, vertex), has_angles), twist) in vertices.zip(has_angles).zip(&reference.twist) {
-            own.lanes.set_vertex(lane, vertex, has_angles);
+            own.sections.set(lane, vertex, has_angles);
             own.expected[lane] = twist + spin(vertex.after) - spin(vertex.before);
             own.joint_twist[lane] = vertex.joint_twist;
         }
@@ -146,7 +170,7 @@ impl RodCopies {
 
     /// Computes edges, frames and strains at `unknowns`, 4 per node.
     pub(crate) fn update(&mut self, unknowns: &[Lanes]) {
-        for edge in &mut self.edges {
+        for edge in &mut self.framed.real {
             let [start, end] = edge.nodes.map(|node| STRIDE * node);
             let mut vectors = every_lane(Vector3::zeros());
             for axis in 0..3 {
@@ -158,19 +182,11 @@ impl RodCopies {
             from.set_edges(&vectors, &unknowns[start + 3]);
             transport(self.set, from, frames, &mut edge.director);
         }
-        let nodes = self.places.len();
+        let (framed, nodes) = (&self.framed, self.framed.nodes());
         for vertex in &mut self.vertices {
-            let [before, after] = vertex.edges.map(|edge| match edge.checked_sub(nodes) {
-                Some(ghost) => (&self.ghosts[ghost].frames, &self.ghosts[ghost].director),
-                None => {
-                    let edge = &self.edges[self.places[edge].expect("a vertex is between edges")];
-                    (&edge.lanes.frames, &edge.director)
-                }
-            });
-            vertex
-                .lanes
-                .set_edges([before.0, after.0], [before.1, after.1]);
-            let angles = vertex.lanes.bend(self.set);
+            let [before, after] = vertex.edges.map(|edge| framed.of(edge));
+            let beside = [before.0, after.0];
+            let angles = (vertex.sections).bend(self.set, beside, [before.1, after.1]);
             let angle = |edge: usize| match edge < nodes {
                 true => &unknowns[STRIDE * edge + 3],
                 false => &[0.0; LANES],
@@ -187,7 +203,7 @@ impl RodCopies {
                 let turn = turned[1][lane] - turned[0][lane];
                 twists[lane] = turn + between - vertex.joint_twist[lane];
             }
-            vertex.lanes.set_twists(&twists);
+            vertex.sections.set_twists(&twists);
         }
     }
 
@@ -195,13 +211,14 @@ impl RodCopies {
     pub(crate) fn add_gradient(&self, gradient: &mut [Lanes]) {
         let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
         for vertex in &self.vertices {
-            vertex_lanes::gradients(self.set, &vertex.lanes, &mut local);
+            let beside = vertex.edges.map(|edge| self.framed.of(edge).0);
+            vertex.sections.gradients(self.set, beside, &mut local);
             let (first, from, to) = vertex.unknowns;
             let own = &mut gradient[first..first + to - from];
             add_all(self.set, &local[from..to], own);
         }
         let mut force = every_lane(Vector3::zeros());
-        for edge in &self.edges {
+        for edge in &self.framed.real {
             edge_lanes::forces(self.set, &edge.lanes, &mut force);
             edge.add_force(self.set, &force, gradient);
         }
@@ -214,7 +231,8 @@ impl RodCopies {
         let mut hessians = [[[0.0; LANES]; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
         self.spin_moments.fill([0.0; LANES]);
         for vertex in &self.vertices {
-            vertex_lanes::derivatives(self.set, &vertex.lanes, &mut local, &mut hessians);
+            let beside = vertex.edges.map(|edge| self.framed.of(edge).0);
+            (vertex.sections).derivatives(self.set, beside, &mut local, &mut hessians);
             let (first, from, to) = vertex.unknowns;
             let unknowns = first..first + to - from;
             add_all(self.set, &local[from..to], &mut gradient[unknowns.clone()]);
@@ -228,7 +246,7 @@ impl RodCopies {
             add_hessian(self.set, &hessians, from, &mut columns[unknowns]);
         }
         let (mut force, mut hessian) = (every_lane(Vector3::zeros()), [[0.0; LANES]; 6]);
-        for edge in &self.edges {
+        for edge in &self.framed.real {
             let [start, _] = edge.nodes;
             let moments = &self.spin_moments[start];
             edge_lanes::derivatives(self.set, &edge.lanes, moments, &mut force, &mut hessian);

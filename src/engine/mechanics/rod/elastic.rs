@@ -7,7 +7,7 @@ use super::frame_lanes::{VectorLanes, every_lane, vector};
 use super::geometry::RodGeometry;
 use super::topology::{STRIDE, add_to_node};
 use super::turning_ghost::TurningGhost;
-use super::vertex_lanes::{self, GradientLanes, HessianLanes, VERTEX_UNKNOWNS, VertexLanes};
+use super::vertex_lanes::{GradientLanes, HessianLanes, VERTEX_UNKNOWNS, VertexLanes};
 use crate::linalg::BandedSymmetric;
 use crate::linalg::instruction_set::LANES;
 use crate::mechanics::Vector3;
@@ -91,7 +91,7 @@ impl ElasticRods {
     pub(crate) fn add_gradient(&self, geometry: &RodGeometry, gradient: &mut [f64]) {
         let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
         for (vertices, lanes) in self.vertex_batches(geometry) {
-            vertex_lanes::gradients(geometry.set, lanes, &mut local);
+            lanes.gradients(geometry.set, &mut local);
             for (lane, vertex) in vertices.iter().enumerate() {
                 self.scatter_gradient(vertex, geometry, &local, lane, gradient);
             }
@@ -117,7 +117,7 @@ impl ElasticRods {
         let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
         let mut hessians = [[[0.0; LANES]; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
         for (vertices, lanes) in self.vertex_batches(geometry) {
-            vertex_lanes::derivatives(geometry.set, lanes, &mut local, &mut hessians);
+            lanes.derivatives(geometry.set, &mut local, &mut hessians);
             for (lane, vertex) in vertices.iter().enumerate() {
                 self.scatter_gradient(vertex, geometry, &local, lane, gradient);
                 spin_moment[vertex.before] += local[3][lane];

@@ -47,14 +47,10 @@ impl StrainLanes {
     }
 }
 
-/// Up to [`LANES`] vertices with their edges, structure of arrays.
+/// Strains, natural strains and stiffness of up to [`LANES`] vertices, structure of arrays.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(super) struct VertexLanes {
-    before: FrameLanes,
-    after: FrameLanes,
-    /// Reference directors of the edges.
-    reference: [VectorLanes; 2],
+pub(super) struct SectionLanes {
     strains: StrainLanes,
     natural: StrainLanes,
     bending: [Lanes; 2],
@@ -62,69 +58,148 @@ pub(super) struct VertexLanes {
     /// 1 where the angle of turning is the strain, 0 where the curvature binormal is.
     angle: Lanes,
     has_angles: bool,
+}
+
+/// The frames of the edges before and after the vertices.
+pub(super) type Beside<'a> = [&'a FrameLanes; 2];
+
+impl SectionLanes {
+    /// Straight rods without stiffness.
+    pub(crate) fn new() -> Self {
+        Self {
+            strains: StrainLanes::new(),
+            natural: StrainLanes::new(),
+            bending: [[0.0; LANES]; 2],
+            twisting: [0.0; LANES],
+            angle: [0.0; LANES],
+            has_angles: false,
+        }
+    }
+
+    /// Takes over the natural strains and stiffnesses of `vertices`, one in each lane.
+    fn take_natural_strains(&mut self, vertices: &[Vertex]) {
+        for (lane, vertex) in vertices.iter().enumerate() {
+            self.natural.set(lane, &vertex.natural);
+            self.bending[0][lane] = vertex.stiffness.bending[0];
+            self.bending[1][lane] = vertex.stiffness.bending[1];
+            self.twisting[lane] = vertex.stiffness.twisting;
+        }
+    }
+
+    /// Puts a vertex into a lane. With `has_angles` the derivatives are those of angles of turning in every lane.
+    pub(crate) fn set(&mut self, lane: usize, vertex: &Vertex, has_angles: bool) {
+        self.natural.set(lane, &vertex.natural);
+        self.bending[0][lane] = vertex.stiffness.bending[0];
+        self.bending[1][lane] = vertex.stiffness.bending[1];
+        self.twisting[lane] = vertex.stiffness.twisting;
+        self.angle[lane] = vertex.strain.share();
+        self.has_angles = has_angles;
+    }
+
+    /// Computes the curvatures of every lane between edges with their reference directors, and the angle between these.
+    pub(crate) fn bend(
+        &mut self,
+        set: InstructionSet,
+        beside: Beside,
+        reference: [&VectorLanes; 2],
+    ) -> Lanes {
+        let (mut curvature, mut angle) = ([[0.0; LANES]; 4], [0.0; LANES]);
+        bend(set, beside, reference, &mut curvature, &mut angle);
+        self.strains.curvature = curvature;
+        angle
+    }
+
+    /// Sets the twists of all lanes, rad.
+    pub(crate) fn set_twists(&mut self, twists: &Lanes) {
+        self.strains.twist = *twists;
+    }
+
+    /// Gradient and Hessian of every lane.
+    pub(crate) fn derivatives(
+        &self,
+        set: InstructionSet,
+        beside: Beside,
+        gradients: &mut GradientLanes,
+        hessians: &mut HessianLanes,
+    ) {
+        if self.has_angles {
+            derivatives_of_angles(set, self, beside, gradients, hessians);
+        } else {
+            derivatives_of_tangents(set, self, beside, gradients, hessians);
+        }
+    }
+
+    /// Gradient of every lane.
+    pub(crate) fn gradients(
+        &self,
+        set: InstructionSet,
+        beside: Beside,
+        gradients: &mut GradientLanes,
+    ) {
+        if self.has_angles {
+            gradients_of_angles(set, self, beside, gradients);
+        } else {
+            gradients_of_tangents(set, self, beside, gradients);
+        }
+    }
+
+    /// Factor of the curvatures in a lane, and the moments on the resulting strains.
+    #[inline(always)]
+    fn angle_moments(&self, beside: &Beside, lane: usize) -> (AngleRatio, Moments) {
+        let chi = 1.0 + beside[0].tangent(lane).dot(&beside[1].tangent(lane));
+        let ratio = AngleRatio::of(0.5 * chi, self.angle[lane]);
+        let turning = ratio.turning(&self.strains.get(lane));
+        let natural = self.natural.get(lane);
+        (
+            ratio,
+            Moments::new(&turning, &natural, &self.stiffness(lane)),
+        )
+    }
+
+    #[inline(always)]
+    fn stiffness(&self, lane: usize) -> VertexStiffness {
+        VertexStiffness {
+            bending: [self.bending[0][lane], self.bending[1][lane]],
+            twisting: self.twisting[lane],
+        }
+    }
+}
+
+/// Up to [`LANES`] vertices of rods with their edges, structure of arrays.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct VertexLanes {
+    before: FrameLanes,
+    after: FrameLanes,
+    /// Reference directors of the edges.
+    reference: [VectorLanes; 2],
+    sections: SectionLanes,
     is_chain: bool,
 }
 
 impl VertexLanes {
     /// Natural strains and stiffness of `vertices`; lanes out of use hold a straight rod without stiffness.
     pub(crate) fn new(vertices: &[Vertex]) -> Self {
-        let mut lanes = Self {
+        let mut sections = SectionLanes::new();
+        let has_angles = vertices.iter().any(|vertex| vertex.strain.share() > 0.0);
+        for (lane, vertex) in vertices.iter().enumerate() {
+            sections.set(lane, vertex, has_angles);
+        }
+        Self {
             before: FrameLanes::new(),
             after: FrameLanes::new(),
             reference: [every_lane(Vector3::y()); 2],
-            strains: StrainLanes::new(),
-            natural: StrainLanes::new(),
-            bending: [[0.0; LANES]; 2],
-            twisting: [0.0; LANES],
-            angle: [0.0; LANES],
-            has_angles: vertices.iter().any(|vertex| vertex.strain.share() > 0.0),
+            sections,
             is_chain: vertices.len() == LANES
                 && vertices
                     .windows(2)
                     .all(|pair| pair[0].after == pair[1].before),
-        };
-        lanes.take_natural_strains(vertices);
-        for (lane, vertex) in vertices.iter().enumerate() {
-            lanes.angle[lane] = vertex.strain.share();
         }
-        lanes
     }
 
     /// Takes over the natural strains and stiffnesses of `vertices`.
     pub(crate) fn take_natural_strains(&mut self, vertices: &[Vertex]) {
-        for (lane, vertex) in vertices.iter().enumerate() {
-            self.take_natural_strain(lane, vertex);
-        }
-    }
-
-    fn take_natural_strain(&mut self, lane: usize, vertex: &Vertex) {
-        self.natural.set(lane, &vertex.natural);
-        self.bending[0][lane] = vertex.stiffness.bending[0];
-        self.bending[1][lane] = vertex.stiffness.bending[1];
-        self.twisting[lane] = vertex.stiffness.twisting;
-    }
-
-    /// Puts a vertex into a lane. With `has_angles` the derivatives are those of angles of turning in every lane.
-    pub(crate) fn set_vertex(&mut self, lane: usize, vertex: &Vertex, has_angles: bool) {
-        self.take_natural_strain(lane, vertex);
-        self.angle[lane] = vertex.strain.share();
-        self.has_angles = has_angles;
-    }
-
-    /// Puts edges before and after the vertices of all lanes, with their reference directors.
-    pub(crate) fn set_edges(
-        &mut self,
-        [before, after]: [&FrameLanes; 2],
-        [first, second]: [&VectorLanes; 2],
-    ) {
-        self.before.clone_from(before);
-        self.after.clone_from(after);
-        self.reference = [*first, *second];
-    }
-
-    /// Sets the twists of all lanes, rad.
-    pub(crate) fn set_twists(&mut self, twists: &Lanes) {
-        self.strains.twist = *twists;
+        self.sections.take_natural_strains(vertices);
     }
 
     /// Puts the frame and the reference director of the edge before a vertex into a lane.
@@ -153,93 +228,66 @@ impl VertexLanes {
 
     /// Computes the curvatures of every lane, and the angle between the reference directors.
     pub(crate) fn bend(&mut self, set: InstructionSet) -> Lanes {
-        let (mut curvature, mut angle) = ([[0.0; LANES]; 4], [0.0; LANES]);
-        bend(set, self, &mut curvature, &mut angle);
-        self.strains.curvature = curvature;
-        angle
+        let [before, after] = &self.reference;
+        let beside = [&self.before, &self.after];
+        self.sections.bend(set, beside, [before, after])
     }
 
     /// Sets the twist of a lane, rad.
     pub(crate) fn set_twist(&mut self, lane: usize, twist: f64) {
-        self.strains.twist[lane] = twist;
+        self.sections.strains.twist[lane] = twist;
     }
 
     /// The twist of a lane, rad.
     pub(crate) fn twist(&self, lane: usize) -> f64 {
-        self.strains.twist[lane]
+        self.sections.strains.twist[lane]
     }
 
     /// Strains of a lane.
     pub(crate) fn strains(&self, lane: usize) -> VertexStrains {
-        self.strains.get(lane)
+        self.sections.strains.get(lane)
     }
 
-    /// Factor of the curvatures in a lane, and the moments on the resulting strains.
-    #[inline(always)]
-    fn angle_moments(&self, lane: usize) -> (AngleRatio, Moments) {
-        let chi = 1.0 + self.before.tangent(lane).dot(&self.after.tangent(lane));
-        let ratio = AngleRatio::of(0.5 * chi, self.angle[lane]);
-        let turning = ratio.turning(&self.strains.get(lane));
-        let natural = self.natural.get(lane);
-        (
-            ratio,
-            Moments::new(&turning, &natural, &self.stiffness(lane)),
-        )
+    /// Gradient and Hessian of every lane.
+    pub(crate) fn derivatives(
+        &self,
+        set: InstructionSet,
+        gradients: &mut GradientLanes,
+        hessians: &mut HessianLanes,
+    ) {
+        let beside = [&self.before, &self.after];
+        self.sections.derivatives(set, beside, gradients, hessians);
     }
 
-    #[inline(always)]
-    fn stiffness(&self, lane: usize) -> VertexStiffness {
-        VertexStiffness {
-            bending: [self.bending[0][lane], self.bending[1][lane]],
-            twisting: self.twisting[lane],
-        }
+    /// Gradient of every lane.
+    pub(crate) fn gradients(&self, set: InstructionSet, gradients: &mut GradientLanes) {
+        let beside = [&self.before, &self.after];
+        self.sections.gradients(set, beside, gradients);
     }
 }
 
 kernel! {
     /// [`vertex::curvatures`] of every lane, and the angle from the reference director before, transported, to that
     /// after.
-    fn bend(vertices: &VertexLanes, curvature: &mut [Lanes; 4], angle: &mut Lanes) {
+    fn bend(
+        beside: Beside,
+        reference: [&VectorLanes; 2],
+        curvature: &mut [Lanes; 4],
+        angle: &mut Lanes,
+    ) {
         for lane in 0..LANES {
-            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
-            let reference = vector(&vertices.reference[0], lane);
-            let carried = parallel_transport(&reference, &before.tangent, &after.tangent);
-            let reference = vector(&vertices.reference[1], lane);
-            let sine = carried.cross(&reference).dot(&after.tangent);
-            angle[lane] = angle_of(sine, carried.dot(&reference));
+            let (before, after) = (beside[0].get(lane), beside[1].get(lane));
+            let from = vector(reference[0], lane);
+            let carried = parallel_transport(&from, &before.tangent, &after.tangent);
+            let to = vector(reference[1], lane);
+            let sine = carried.cross(&to).dot(&after.tangent);
+            angle[lane] = angle_of(sine, carried.dot(&to));
             let [c0, c1, c2, c3] = vertex::curvatures(&before, &after);
             curvature[0][lane] = c0;
             curvature[1][lane] = c1;
             curvature[2][lane] = c2;
             curvature[3][lane] = c3;
         }
-    }
-}
-
-/// Gradient and Hessian of every lane.
-pub(super) fn derivatives(
-    set: InstructionSet,
-    vertices: &VertexLanes,
-    gradients: &mut GradientLanes,
-    hessians: &mut HessianLanes,
-) {
-    if vertices.has_angles {
-        derivatives_of_angles(set, vertices, gradients, hessians);
-    } else {
-        derivatives_of_tangents(set, vertices, gradients, hessians);
-    }
-}
-
-/// Gradient of every lane.
-pub(super) fn gradients(
-    set: InstructionSet,
-    vertices: &VertexLanes,
-    gradients: &mut GradientLanes,
-) {
-    if vertices.has_angles {
-        gradients_of_angles(set, vertices, gradients);
-    } else {
-        gradients_of_tangents(set, vertices, gradients);
     }
 }
 
@@ -251,9 +299,9 @@ pub(super) type HessianLanes = [[Lanes; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
 
 kernel! {
     /// [`vertex::gradient`] and [`vertex_hessian::hessian`] of every lane.
-    fn derivatives_of_tangents(vertices: &VertexLanes, gradients: &mut GradientLanes, hessians: &mut HessianLanes) {
+    fn derivatives_of_tangents(vertices: &SectionLanes, beside: Beside, gradients: &mut GradientLanes, hessians: &mut HessianLanes) {
         for lane in 0..LANES {
-            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
+            let (before, after) = (beside[0].get(lane), beside[1].get(lane));
             let (strains, natural) = (vertices.strains.get(lane), vertices.natural.get(lane));
             let stiffness = vertices.stiffness(lane);
             let gradient = vertex::gradient(&before, &after, &strains, &natural, &stiffness);
@@ -266,9 +314,9 @@ kernel! {
 
 kernel! {
     /// [`vertex::gradient`] of every lane.
-    fn gradients_of_tangents(vertices: &VertexLanes, gradients: &mut GradientLanes) {
+    fn gradients_of_tangents(vertices: &SectionLanes, beside: Beside, gradients: &mut GradientLanes) {
         for lane in 0..LANES {
-            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
+            let (before, after) = (beside[0].get(lane), beside[1].get(lane));
             let (strains, natural) = (vertices.strains.get(lane), vertices.natural.get(lane));
             let stiffness = vertices.stiffness(lane);
             let gradient = vertex::gradient(&before, &after, &strains, &natural, &stiffness);
@@ -279,11 +327,11 @@ kernel! {
 
 kernel! {
     /// The same with the angle of turning as the strain of some lanes.
-    fn derivatives_of_angles(vertices: &VertexLanes, gradients: &mut GradientLanes, hessians: &mut HessianLanes) {
+    fn derivatives_of_angles(vertices: &SectionLanes, beside: Beside, gradients: &mut GradientLanes, hessians: &mut HessianLanes) {
         for lane in 0..LANES {
-            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
+            let (before, after) = (beside[0].get(lane), beside[1].get(lane));
             let kappa = vertices.strains.get(lane).curvature;
-            let (ratio, moments) = vertices.angle_moments(lane);
+            let (ratio, moments) = vertices.angle_moments(&beside, lane);
             let gradient = ratio.over_components(&moments, &kappa).gradient(&before, &after);
             let stiffness = vertices.stiffness(lane);
             let h = vertex_hessian::hessian_of_angle(&before, &after, &kappa, &moments, &ratio, &stiffness);
@@ -295,11 +343,11 @@ kernel! {
 
 kernel! {
     /// The gradients alone.
-    fn gradients_of_angles(vertices: &VertexLanes, gradients: &mut GradientLanes) {
+    fn gradients_of_angles(vertices: &SectionLanes, beside: Beside, gradients: &mut GradientLanes) {
         for lane in 0..LANES {
-            let (before, after) = (vertices.before.get(lane), vertices.after.get(lane));
+            let (before, after) = (beside[0].get(lane), beside[1].get(lane));
             let kappa = vertices.strains.get(lane).curvature;
-            let (ratio, moments) = vertices.angle_moments(lane);
+            let (ratio, moments) = vertices.angle_moments(&beside, lane);
             let gradient = ratio.over_components(&moments, &kappa).gradient(&before, &after);
             store_gradient(&gradient, lane, gradients);
         }

@@ -129,12 +129,16 @@ impl Drive {
                 (from, start - self.position),
                 (until, position - self.position),
             ],
-            orientation: vec![(from, turned), (until, target)],
             ..Motion::default()
         };
+        // What keeps the orientation of the start needs no schedule for it.
+        let identity = UnitQuaternion::identity();
+        if turned != identity || target != identity {
+            motion.orientation = vec![(from, turned), (until, target)];
+        }
         if until == from {
             motion.translation.remove(0);
-            motion.orientation.remove(0);
+            motion.orientation.drain(..motion.orientation.len().min(1));
         }
         motion
     }
@@ -144,8 +148,8 @@ impl Drive {
         let GhostEdge {
             tangent, director, ..
         } = self.frame;
-        let axes = nalgebra::Matrix3::from_columns(&[director, tangent.cross(&director), tangent]);
-        UnitQuaternion::from_matrix(&axes)
+        let axes = [director, tangent.cross(&director), tangent];
+        UnitQuaternion::from_basis_unchecked(&axes)
     }
 
     /// The frame at a time, s, as [`Self::placed`].
