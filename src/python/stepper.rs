@@ -116,7 +116,9 @@ impl Stepper {
 
     /// Sets a pose for the end of the next step.
     pub fn aim(&mut self, target: Target) -> PyResult<()> {
-        held(&self.run.simulation, target.clamp())?;
+        if !self.run.simulation.is_held(target.clamp()) {
+            held(&self.run.simulation, target.clamp())?;
+        }
         self.targets.retain(|other| other.clamp() != target.clamp());
         self.targets.push(target);
         Ok(())

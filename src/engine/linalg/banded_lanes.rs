@@ -180,7 +180,7 @@ mod tests {
         matrix.solve(set, &mut x);
         for lane in 0..LANES {
             assert_eq!(x[5][lane].is_finite(), lane != 3);
-            assert_eq!(x[11][lane], 2.0);
+            assert!(lane == 3 || x.iter().all(|entries| entries[lane] == 2.0));
         }
     }
 }

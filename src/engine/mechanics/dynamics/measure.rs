@@ -29,10 +29,18 @@ impl Simulation {
         self.system.assembly.drives.len()
     }
 
+    /// Whether a clamp exists and was not released.
+    pub fn is_held(&self, clamp: usize) -> bool {
+        let drives = &self.system.assembly.drives;
+        drives.get(clamp).is_some_and(|drive| !drive.released)
+    }
+
     /// Pose of a clamp; `None` if it does not exist or was released.
     pub fn clamp_pose(&self, clamp: usize) -> Option<HeldPose> {
-        let drives = &self.system.assembly.drives;
-        let drive = drives.get(clamp).filter(|drive| !drive.released)?;
+        if !self.is_held(clamp) {
+            return None;
+        }
+        let drive = &self.system.assembly.drives[clamp];
         Some(HeldPose {
             node: drive.node,
             position: self.published.positions[drive.node],
