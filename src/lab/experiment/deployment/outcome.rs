@@ -174,16 +174,14 @@ impl DeploymentOutcome {
         ])
     }
 
-    /// Returns a warning where the table has less `friction` than the pattern demands.
+    /// Returns a warning where the table has less `friction` than the pattern demands. Pegs hold a rod where the table does not, and
+    /// knots are tied of rods that slide.
     pub fn remark(&self, friction: f64) -> Option<String> {
-        let what = match self.pegs {
-            Some(_) => "only pegs hold the rod in its bends",
-            None => "the rod slides out of its bends",
-        };
-        (self.share_above_friction > 0.0).then(|| {
+        let friction_alone = self.pegs.is_none() && self.knot.is_none();
+        (friction_alone && self.share_above_friction > 0.0).then(|| {
             format!(
                 "{:.0} % of the pattern asks for more friction than the table has, {:.2} at most against {friction}: there \
-                 {what} (thesis Eq. 5.2)",
+                 the rod slides out of its bends (thesis Eq. 5.2)",
                 (1e2 * self.share_above_friction).max(1.0),
                 self.largest_friction_demand
             )
@@ -199,6 +197,14 @@ impl DeploymentOutcome {
         }
         let slid = format!("{:.2} cm at most", 1e2 * self.largest_sliding_m);
         lines.push(("slid".to_owned(), slid));
+        if self.share_above_friction > 0.0 && (self.pegs.is_some() || self.knot.is_some()) {
+            let (share, most) = (self.share_above_friction, self.largest_friction_demand);
+            let text = format!(
+                "{most:.2} at most, above the table's on {:.0} %",
+                1e2 * share
+            );
+            lines.push(("friction it asks for".to_owned(), text));
+        }
         if let Some(pegs) = self.pegs {
             let verdict = if pegs.are_all() {
                 "placed"
@@ -268,10 +274,16 @@ mod tests {
         };
         assert_eq!(DeploymentOutcome::of(&case), Some(outcome));
         assert_eq!(DeploymentOutcome::of(&CaseOutcome::default()), None);
-        assert!(outcome.remark(0.4).unwrap().contains("25 %"));
+        assert_eq!(outcome.remark(0.4), None, "pegs hold it");
+        let lying = DeploymentOutcome {
+            pegs: None,
+            knot: None,
+            ..outcome
+        };
+        assert!(lying.remark(0.4).unwrap().contains("25 %"));
         let held = DeploymentOutcome {
             share_above_friction: 0.0,
-            ..outcome
+            ..lying
         };
         assert_eq!(held.remark(0.4), None);
     }
