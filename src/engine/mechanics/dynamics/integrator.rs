@@ -387,7 +387,7 @@ impl Integrator {
         decision
     }
 
-    fn accepted<'a>(
+    pub(super) fn accepted<'a>(
         &'a self,
         system: &'a System,
         state: &'a State,
@@ -404,7 +404,8 @@ impl Integrator {
         }
     }
 
-    fn accept(&mut self, system: &mut System, state: &mut State, goal: f64) {
+    /// Takes over the step to `goal` that the workspace holds.
+    pub(super) fn accept(&mut self, system: &mut System, state: &mut State, goal: f64) {
         let Workspace {
             stage,
             trial,

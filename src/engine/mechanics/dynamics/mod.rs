@@ -13,6 +13,7 @@
 //! | `integrator` | the step |
 //! | `flow_scene`, `drag`, `exchange` | rods in the fluid; its forces; work and losses of a step |
 //! | `equilibrium`, `path` | statics of the same scene |
+//! | `sensitivity/` | derivatives of motions and equilibria over parameters of the scene |
 //! | `validity`, `validity_memory` | remarks on strains beyond the theory, on spurious energy, on steps far smaller than requested |
 //! | `report`, `failure`, `observe` | reports, failures of steps, observations |
 //! | `advice` | advice on failed steps |
@@ -40,6 +41,7 @@ mod parameters;
 mod path;
 mod report;
 mod scheme;
+pub mod sensitivity;
 mod simulation;
 mod stage;
 mod state;

@@ -326,7 +326,7 @@ impl Workspace {
     }
 
     /// Extrapolates from the solution of the stage, the middle of the step, to its end.
-    fn extrapolate(
+    pub(super) fn extrapolate(
         &mut self,
         system: &mut System,
         state: &State,
@@ -355,7 +355,12 @@ impl Workspace {
     /// When rods stick or slip velocities jump within one step, however small it is. Inertia, which is among the forces
     /// that set the stiffness (Eq. 2.19), would grow as 1/h, contact get harder, and the next event need a
     /// smaller step still, down to the smallest.
-    fn adapt_contact_stiffness(&mut self, setting: &Setting, system: &mut System, state: &State) {
+    pub(super) fn adapt_contact_stiffness(
+        &mut self,
+        setting: &Setting,
+        system: &mut System,
+        state: &State,
+    ) {
         let last = state.history.steps[0].size;
         let lengthening = match setting.parameters.step {
             StepSize::Fixed(whole) if system.has_friction() && last > 0.0 => {

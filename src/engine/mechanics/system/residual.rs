@@ -35,4 +35,14 @@ impl System {
         let largest = sizes.iter().max_by(|(a, _), (b, _)| a.total_cmp(b));
         broken.or(largest).map_or("", |(_, name)| name)
     }
+
+    /// Adds the forces of inertia and drag alone, which are linear in the unknowns, in the start of a stage and in the velocity there.
+    pub(crate) fn add_motion_forces(&self, unknowns: &[f64], stage: &Stage, forces: &mut [f64]) {
+        let at = self.at(unknowns, Some(stage));
+        for term in self.terms.all() {
+            if term.kind() == Kind::Motion {
+                term.add_forces(&at, forces);
+            }
+        }
+    }
 }

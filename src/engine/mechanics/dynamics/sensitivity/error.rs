@@ -1,0 +1,75 @@
+//! What is refused, and what can fail.
+
+use crate::mechanics::SceneError;
+use crate::mechanics::dynamics::SimulationError;
+use crate::mechanics::fluid::FluidModel;
+use crate::mechanics::scene::Scene;
+
+/// Reason why there are no derivatives.
+#[derive(Debug, thiserror::Error)]
+pub enum SensitivityError {
+    /// The simulation itself failed.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The scene has something without derivatives.
+    #[error("{0}")]
+    Unsuitable(&'static str),
+    /// The neighbours of a parameter cannot take the step, so that its derivative is not defined.
+    #[error(
+        "at t = {time:.6e} s the step has no derivative: {reason}; shorten time.end or reduce time.step"
+    )]
+    NotRepeated {
+        /// Time at the end of the step, s.
+        time: f64,
+        /// Why.
+        reason: &'static str,
+    },
+    /// The Newton matrix is singular: the solution is about to be lost, or is not unique.
+    #[error(
+        "at t = {time:.6e} s the equations are singular, so that the solution has no derivative"
+    )]
+    Singular {
+        /// Time, s.
+        time: f64,
+    },
+}
+
+impl From<SceneError> for SensitivityError {
+    fn from(error: SceneError) -> Self {
+        Self::Simulation(error.into())
+    }
+}
+
+/// Checks that the derivatives of a scene are supported.
+///
+/// # Errors
+/// [`SensitivityError::Unsuitable`].
+pub(super) fn check(scene: &Scene) -> Result<(), SensitivityError> {
+    let is_rigid = (scene.contact).is_some_and(|contact| contact.is_complementarity());
+    let flows = matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. }));
+    let breaks = (scene.springs.iter().map(|spring| spring.strength))
+        .any(|strength| strength.force.is_finite() || strength.moment.is_finite());
+    let refusals = [
+        (
+            !scene.joints.is_empty(),
+            "derivatives support no [[joints]]",
+        ),
+        (
+            !scene.bodies.is_empty(),
+            "derivatives support no [[bodies]]",
+        ),
+        (breaks, "derivatives support no springs that break"),
+        (
+            is_rigid,
+            "derivatives need contact.model = \"imc\" or \"ipc\"",
+        ),
+        (
+            flows,
+            "derivatives need fluid.model = \"resistive\" or \"none\"",
+        ),
+    ];
+    match refusals.into_iter().find(|(refused, _)| *refused) {
+        Some((_, reason)) => Err(SensitivityError::Unsuitable(reason)),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,186 @@
+//! Derivatives of motions and equilibria over parameters of the scene: forward mode.
+//!
+//! A step solves R(q; s, p) = 0 for the unknowns q at the end of its stage, where s is all that it begins with: unknowns and
+//! velocities at present and at the last steps, frames that were transported in time, strains of dashpots, contact stiffness. By
+//! the implicit function theorem
+//!
+//! ```text
+//! J dq/dp = −(∂R/∂s ds/dp + ∂R/∂p),     J = ∂R/∂q
+//! ```
+//!
+//! with the Newton matrix J of the step at its solution, which is factored once for all parameters; an equilibrium is the same
+//! without s. The right-hand side is a derivative along one direction, (ds/dp, 1), at fixed q:
+//!
+//! - Inertia and drag are linear in the start q̂ of the stage and the velocity v̂ there: their part is their own formula for
+//!   (dq̂/dp, dv̂/dp), which follow from the derivatives of the last steps by the formulas of the scheme. It is exact, and is where
+//!   rounding errors over the square of the step would be.
+//! - For all else there are two neighbours for each parameter, the scenes with p ± ε, in the states s ± ε ds/dp: (R₊ − R₋)/2ε at
+//!   the q of the step. They take the same steps as the scene itself by the code of the step, but take over q ± ε dq/dp
+//!   instead of solving for their own: so their frames, strains and contacts are those of a motion along the derivative.
+//!
+//! **Frames.** The spin of a material frame about its tangent t depends on old and new tangents by the holonomy of parallel transport
+//! ([`crate::mechanics::rod`], `holonomy`). The angle in q counts from the frame that was transported in time; each neighbour transports its own
+//! along its own tangents, which gives the change of the transported frame without a formula for it.
+//!
+//! **Accuracy.** A difference over ±ε errs by ε² ∂³R/6 and by rounding errors over ε. The relative ε of 3e-5 that
+//! [`Variation`] recommends leaves 1e-9 to 1e-8 of both; [`Sensitivity::amplitude`] reports how far the neighbours have moved
+//! away. The sizes of steps are those of the scene itself, as if they did not depend on p, and so is what depends on switches: a force with a
+//! corner just there has the mean of its two derivatives.
+//!
+//! **Observables.** Everything that can be measured of a simulation can be measured of [`Sensitivity::neighbours`]: its derivative is the
+//! difference over 2ε ([`Sensitivity::derivative`]).
+//!
+//! **Cost.** For each parameter and step one back-substitution, two evaluations of the residual at q and two where the neighbours end.
+//!
+//! **Not supported**, and refused: joints and bodies, links that break, contact by complementarity, the flow of regularized
+//! Stokeslets (its iterations end with errors above those allowed here), controllers and other interventions. A step that the neighbours cannot repeat, such as one
+//! of the midpoint rule that an impact ended, is an error.
+//!
+//! | file | what |
+//! |---|---|
+//! | `error` | what is refused, and what can fail |
+//! | `replay` | a simulation takes the step of another one |
+//! | `parameter` | one parameter: its neighbours and the derivative of the state |
+
+mod error;
+mod parameter;
+mod replay;
+
+pub use error::SensitivityError;
+
+use super::parameters::IntegrationParameters;
+use super::report::{Exchange, StepReport};
+use super::simulation::Simulation;
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::Scene;
+use parameter::Parameter;
+use replay::Replayed;
+
+/// A parameter of a scene, as the two scenes in which it is changed a little.
+#[derive(Clone, Debug)]
+pub struct Variation {
+    /// The scene with p + ε and the one with p − ε. They differ from that of p in numbers alone: the same rods, nodes, clamps and loads.
+    pub scenes: [Scene; 2],
+    /// ε, in the unit of the parameter; about 3e-5 of its size.
+    pub step: f64,
+}
+
+/// A simulation with the derivatives of its state over parameters.
+pub struct Sensitivity {
+    /// The simulation itself.
+    base: Simulation,
+    /// The same once more: it repeats each step for its Newton matrix.
+    centre: Simulation,
+    parameters: Vec<Parameter>,
+}
+
+impl Sensitivity {
+    /// Sets up a scene at time zero with the derivatives of its initial state.
+    ///
+    /// # Errors
+    /// [`SensitivityError::Unsuitable`] for a scene whose derivatives are not supported, and for neighbours that differ in more than numbers;
+    /// [`SensitivityError::Simulation`] for an invalid scene.
+    pub fn new(
+        scene: &Scene,
+        parameters: &IntegrationParameters,
+        variations: &[Variation],
+    ) -> Result<Self, SensitivityError> {
+        error::check(scene)?;
+        let base = Simulation::new(scene, parameters)?;
+        let of = |variation: &Variation| Parameter::new(variation, parameters, &base);
+        let parameters_of = variations.iter().map(of).collect::<Result<_, _>>()?;
+        Ok(Self {
+            centre: Simulation::new(scene, parameters)?,
+            base,
+            parameters: parameters_of,
+        })
+    }
+
+    /// The simulation itself.
+    pub fn base(&self) -> &Simulation {
+        &self.base
+    }
+
+    /// The simulations with p + ε and p − ε of a parameter, along its derivative.
+    pub fn neighbours(&self, parameter: usize) -> [&Simulation; 2] {
+        let [plus, minus] = &self.parameters[parameter].neighbours;
+        [plus, minus]
+    }
+
+    /// Work and losses of the two neighbours in the last step.
+    pub fn exchanges(&self, parameter: usize) -> [Exchange; 2] {
+        self.parameters[parameter].exchanges
+    }
+
+    /// ε of a parameter, in its unit.
+    pub fn step(&self, parameter: usize) -> f64 {
+        self.parameters[parameter].step
+    }
+
+    /// Derivative of a measurement over a parameter.
+    pub fn derivative(&self, parameter: usize, of: impl Fn(&Simulation) -> f64) -> f64 {
+        let [plus, minus] = self.neighbours(parameter).map(of);
+        (plus - minus) / (2.0 * self.step(parameter))
+    }
+
+    /// Derivatives of the positions of all nodes over a parameter, m per its unit.
+    pub fn positions(&self, parameter: usize) -> Vec<Vector3> {
+        self.parameters[parameter].positions()
+    }
+
+    /// Derivatives of the velocities of all nodes over a parameter, m/s per its unit.
+    pub fn velocities(&self, parameter: usize) -> Vec<Vector3> {
+        self.parameters[parameter].velocities()
+    }
+
+    /// Largest turn (rad) or stretch of an edge by which the neighbours of a parameter have differed from the simulation so far. Its square is about the
+    /// relative error of the derivatives; below 1e-8 rounding errors count.
+    pub fn amplitude(&self, parameter: usize) -> f64 {
+        self.parameters[parameter].amplitude
+    }
+
+    /// Finds the equilibrium at the present time, with its derivatives.
+    ///
+    /// # Errors
+    /// The errors of [`Simulation::find_equilibrium`], and [`SensitivityError::Singular`] where it is about to be lost.
+    pub fn find_equilibrium(&mut self) -> Result<StepReport, SensitivityError> {
+        let report = self.base.find_equilibrium()?;
+        self.centre.settle_like(&self.base);
+        if self.centre.system.factor().is_err() {
+            return Err(SensitivityError::Singular {
+                time: self.base.time(),
+            });
+        }
+        for parameter in &mut self.parameters {
+            parameter.settle(&self.base, &mut self.centre)?;
+        }
+        self.centre.rest_like(&self.base);
+        Ok(report)
+    }
+
+    /// Takes one step that ends no later than `until`, with its derivatives.
+    ///
+    /// # Errors
+    /// The errors of [`Simulation::advance`], and [`SensitivityError::NotRepeated`] where the derivative of the step is not defined.
+    pub fn advance(&mut self, until: f64) -> Result<StepReport, SensitivityError> {
+        let report = self.base.advance(until)?;
+        let goal = self.base.time();
+        if report.step == 0.0 {
+            // Only rounding errors of the time.
+            let neighbours = self.parameters.iter_mut().flat_map(|p| &mut p.neighbours);
+            for simulation in neighbours.chain([&mut self.centre]) {
+                simulation.state.time = goal;
+            }
+            return Ok(report);
+        }
+        let replayed = Replayed::new(&self.base, &mut self.centre)?;
+        for parameter in &mut self.parameters {
+            parameter.step(&replayed, &self.base, &mut self.centre)?;
+        }
+        self.centre.finish_like(&self.base, &replayed)?;
+        Ok(report)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,313 @@
+//! One parameter: its neighbours, and the derivative of the state of motion.
+
+use super::replay::Replayed;
+use super::{SensitivityError, Variation};
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::Simulation;
+use crate::mechanics::dynamics::parameters::IntegrationParameters;
+use crate::mechanics::dynamics::report::Exchange;
+use crate::mechanics::dynamics::scheme::{Prediction, SolvedStep};
+use crate::mechanics::dynamics::state::State;
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::system::{Stage, copy_positions};
+
+const OTHER_SHAPE: SensitivityError = SensitivityError::Unsuitable(
+    "a parameter of derivatives must leave the numbers of rods, nodes and clamps as they are",
+);
+
+/// A parameter.
+pub(super) struct Parameter {
+    /// ε.
+    pub step: f64,
+    /// The simulations with p + ε and p − ε.
+    pub neighbours: [Simulation; 2],
+    /// Work and losses of their last step.
+    pub exchanges: [Exchange; 2],
+    /// See [`super::Sensitivity::amplitude`].
+    pub amplitude: f64,
+    /// Derivatives of unknowns and velocities, now and at the starts of the last steps.
+    state: State,
+}
+
+/// Signs of ε of the neighbours.
+const SIGNS: [f64; 2] = [1.0, -1.0];
+
+impl Parameter {
+    /// The neighbours at their start.
+    ///
+    /// # Errors
+    /// [`SensitivityError`] for neighbours of another shape or impossible ones.
+    pub(super) fn new(
+        variation: &Variation,
+        parameters: &IntegrationParameters,
+        base: &Simulation,
+    ) -> Result<Self, SensitivityError> {
+        let [plus, minus] = &variation.scenes;
+        super::error::check(plus)?;
+        super::error::check(minus)?;
+        let neighbours = [
+            Simulation::new(plus, parameters)?,
+            Simulation::new(minus, parameters)?,
+        ];
+        let is_like = |one: &Simulation| {
+            one.state.unknowns.len() == base.state.unknowns.len()
+                && one.system.assembly.held == base.system.assembly.held
+                && one.system.ghosts.len() == base.system.ghosts.len()
+                && one.system.assembly.drives.len() == base.system.assembly.drives.len()
+        };
+        if !neighbours.iter().all(is_like) {
+            return Err(OTHER_SHAPE);
+        }
+        let difference = |of: fn(&Simulation) -> &[f64]| {
+            let [plus, minus] = [of(&neighbours[0]), of(&neighbours[1])];
+            let pairs = plus.iter().zip(minus);
+            let rates = pairs.map(|(plus, minus)| (plus - minus) / (2.0 * variation.step));
+            rates.collect::<Vec<f64>>()
+        };
+        let unknowns = difference(|one| &one.state.unknowns);
+        let velocity = difference(|one| &one.state.velocity);
+        let mut parameter = Self {
+            step: variation.step,
+            state: State::new(&unknowns, &velocity),
+            exchanges: [Exchange::default(); 2],
+            amplitude: 0.0,
+            neighbours,
+        };
+        parameter.measure_amplitude(base);
+        Ok(parameter)
+    }
+
+    /// Takes the step of the simulation that `centre` has repeated.
+    ///
+    /// # Errors
+    /// [`SensitivityError::NotRepeated`], and a drag that is not defined.
+    pub(super) fn step(
+        &mut self,
+        replayed: &Replayed,
+        base: &Simulation,
+        centre: &mut Simulation,
+    ) -> Result<(), SensitivityError> {
+        let (step, goal) = (replayed.step, replayed.goal);
+        let rules = centre.rules();
+        let turning = centre.system.assembly.steady_turning();
+        // The stage of the derivatives: schemes are linear.
+        let mut stage = centre.integrator.workspace.stage.clone();
+        let mut prediction = Prediction {
+            unknowns: self.state.unknowns.clone(),
+            velocity: self.state.velocity.clone(),
+        };
+        rules.begin(step, &self.state, turning, &mut stage, &mut prediction);
+        let mut right_hand_side = Self::motion_forces(&stage, centre);
+        let mut velocity = vec![0.0; right_hand_side.len()];
+        for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
+            let weight = sign / (2.0 * self.step);
+            let before = neighbour.system.contact_stiffness();
+            neighbour.begin_like(goal)?;
+            replayed.stiffen(neighbour, before);
+            let from = neighbour.stage_from(centre, step);
+            let mut at = replayed.solution.clone();
+            let held = &neighbour.system.assembly.held;
+            let prescribed = &neighbour.integrator.workspace.trial.unknowns;
+            for k in (0..at.len()).filter(|&k| held[k]) {
+                at[k] = prescribed[k];
+            }
+            if !neighbour.system.candidates_are_complete(&at) {
+                neighbour.system.update_candidates(&at);
+            }
+            neighbour.system.evaluate(&at, Some(&from));
+            for (sum, residual) in right_hand_side.iter_mut().zip(&neighbour.system.residual) {
+                *sum += weight * residual;
+            }
+            neighbour.add_velocity(weight, centre, base, &from, step, &mut velocity);
+        }
+        let mut change = self.solve(right_hand_side, centre, goal)?;
+        for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
+            let trial = neighbour.along(&replayed.solution, &change, sign * self.step);
+            neighbour.end_like(goal, &trial)?;
+        }
+        if rules.extrapolates() {
+            let ends = self.state.unknowns.iter();
+            let ends = change
+                .iter()
+                .zip(ends)
+                .map(|(middle, start)| 2.0 * middle - start);
+            change = ends.collect();
+            self.take_prescribed(&mut change);
+        }
+        let solved = SolvedStep {
+            step,
+            state: &self.state,
+            stage: &stage,
+            end: &change,
+            predicted_velocity: &prediction.velocity,
+            held: &centre.system.assembly.held,
+        };
+        let mut own = vec![0.0; velocity.len()];
+        rules.finish(&solved, &mut own);
+        for (own, explicit) in own.iter_mut().zip(&velocity) {
+            *own += explicit;
+        }
+        for (index, sign) in SIGNS.into_iter().enumerate() {
+            let neighbour = &mut self.neighbours[index];
+            let away = sign * self.step;
+            let next = |k: usize| base.state.velocity[k] + away * own[k];
+            self.exchanges[index] = neighbour.accept_like(goal, next);
+        }
+        self.state.advance_to(goal, &change, &own);
+        self.measure_amplitude(base);
+        Ok(())
+    }
+
+    /// Takes over the equilibrium of `base`; the matrix of `centre` there is factored.
+    ///
+    /// # Errors
+    /// [`SensitivityError::Singular`].
+    pub(super) fn settle(
+        &mut self,
+        base: &Simulation,
+        centre: &mut Simulation,
+    ) -> Result<(), SensitivityError> {
+        let mut right_hand_side = vec![0.0; base.state.unknowns.len()];
+        for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
+            neighbour.settle_like(base);
+            let weight = sign / (2.0 * self.step);
+            for (sum, residual) in right_hand_side.iter_mut().zip(&neighbour.system.residual) {
+                *sum += weight * residual;
+            }
+            let held = &neighbour.state.unknowns;
+            neighbour
+                .integrator
+                .workspace
+                .trial
+                .unknowns
+                .copy_from_slice(held);
+        }
+        let change = self.solve(right_hand_side, centre, base.state.time)?;
+        for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
+            let rest = neighbour.along(&base.state.unknowns, &change, sign * self.step);
+            neighbour.state.unknowns.copy_from_slice(&rest);
+            neighbour.rest_here();
+        }
+        self.state.rest_at(&change);
+        self.state.time = base.state.time;
+        self.measure_amplitude(base);
+        Ok(())
+    }
+
+    /// Solves for the derivatives of the unknowns, those of the prescribed ones from the neighbours.
+    fn solve(
+        &self,
+        mut right_hand_side: Vec<f64>,
+        centre: &mut Simulation,
+        time: f64,
+    ) -> Result<Vec<f64>, SensitivityError> {
+        right_hand_side
+            .iter_mut()
+            .for_each(|entry| *entry = -*entry);
+        let solved = centre.system.solve(&mut right_hand_side);
+        let is_finite = right_hand_side.iter().all(|entry| entry.is_finite());
+        if solved.is_err() || !is_finite {
+            return Err(SensitivityError::Singular { time });
+        }
+        self.take_prescribed(&mut right_hand_side);
+        Ok(right_hand_side)
+    }
+
+    /// Takes over the derivatives of prescribed unknowns from those in the workspaces of the neighbours.
+    fn take_prescribed(&self, change: &mut [f64]) {
+        let [plus, minus] = &self.neighbours;
+        let held = &plus.system.assembly.held;
+        let [plus, minus] =
+            [plus, minus].map(|neighbour| &neighbour.integrator.workspace.trial.unknowns);
+        for k in (0..change.len()).filter(|&k| held[k]) {
+            change[k] = (plus[k] - minus[k]) / (2.0 * self.step);
+        }
+    }
+
+    /// Change of inertia and drag with the start of the stage and the velocity there.
+    fn motion_forces(stage: &Stage, centre: &Simulation) -> Vec<f64> {
+        let mut stage = stage.clone();
+        // What drag the fluid has where the step starts is different for the neighbours.
+        stage.drag.fill(Vector3::zeros());
+        stage.drag_velocity.fill(Vector3::zeros());
+        let at_rest = vec![0.0; stage.start.len()];
+        let mut forces = at_rest.clone();
+        let system = &centre.system;
+        system.add_motion_forces(&at_rest, &stage, &mut forces);
+        forces
+    }
+
+    /// Keeps the largest amplitude.
+    fn measure_amplitude(&mut self, base: &Simulation) {
+        let rods = &base.system.assembly.rods;
+        for edge in &rods.edges {
+            let unknowns = &self.state.unknowns;
+            let moved = position(unknowns, edge.end) - position(unknowns, edge.start);
+            let turn = moved.norm() / edge.natural_length;
+            self.amplitude = self.amplitude.max(turn * self.step);
+        }
+    }
+
+    /// Derivatives of the positions.
+    pub(super) fn positions(&self) -> Vec<Vector3> {
+        self.vectors(&self.state.unknowns)
+    }
+
+    /// Derivatives of the velocities.
+    pub(super) fn velocities(&self) -> Vec<Vector3> {
+        self.vectors(&self.state.velocity)
+    }
+
+    fn vectors(&self, unknowns: &[f64]) -> Vec<Vector3> {
+        let nodes = self.neighbours[0].published.positions.len();
+        let mut vectors = vec![Vector3::zeros(); nodes.min(unknowns.len() / STRIDE)];
+        copy_positions(unknowns, &mut vectors);
+        vectors
+    }
+}
+
+impl Simulation {
+    /// The given unknowns, moved along a derivative; the prescribed ones are those in the workspace.
+    fn along(&self, from: &[f64], change: &[f64], step: f64) -> Vec<f64> {
+        let held = &self.system.assembly.held;
+        let prescribed = &self.integrator.workspace.trial.unknowns;
+        let moved = from.iter().zip(change).enumerate();
+        moved
+            .map(|(k, (from, change))| match held[k] {
+                true => prescribed[k],
+                false => from + step * change,
+            })
+            .collect()
+    }
+
+    /// Adds the velocity, times a weight, that the scheme of this simulation makes of the step of `base`: clamps that turn with another speed have other
+    /// differences.
+    fn add_velocity(
+        &self,
+        weight: f64,
+        centre: &Self,
+        base: &Self,
+        stage: &Stage,
+        step: f64,
+        velocity: &mut [f64],
+    ) {
+        let turning = |one: &Self| one.system.assembly.steady_turning();
+        if turning(self) == turning(centre) {
+            return;
+        }
+        let solved = SolvedStep {
+            step,
+            state: &centre.state,
+            stage,
+            end: &base.state.unknowns,
+            predicted_velocity: &base.state.velocity,
+            held: &self.system.assembly.held,
+        };
+        let mut own = vec![0.0; velocity.len()];
+        self.rules().finish(&solved, &mut own);
+        for (sum, own) in velocity.iter_mut().zip(own) {
+            *sum += weight * own;
+        }
+    }
+}

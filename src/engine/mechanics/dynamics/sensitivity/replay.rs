@@ -1,0 +1,223 @@
+//! A simulation takes the step of another one: the same stage, but the solution is given.
+
+use super::SensitivityError;
+use crate::mechanics::dynamics::Simulation;
+use crate::mechanics::dynamics::report::{Exchange, SimulationError};
+use crate::mechanics::dynamics::scheme::{Prediction, TimeScheme};
+use crate::mechanics::system::Stage;
+
+/// Residual over its tolerance up to which a repeated step counts as the same: Newton's method may end with last digits alone.
+const SAME: f64 = 1e3;
+
+/// A step of the simulation that the centre has repeated: its Newton matrix is factored.
+pub(super) struct Replayed {
+    /// Time at the end of the step, s.
+    pub goal: f64,
+    /// Size, s.
+    pub step: f64,
+    /// Unknowns at the end of the stage.
+    pub solution: Vec<f64>,
+    /// Contact stiffness k over that from the forces at the prediction, and whether these changed it.
+    stiffening: f64,
+    adapts: bool,
+}
+
+impl Replayed {
+    /// Repeats the last step of `base` by `centre`, which is still where that began.
+    ///
+    /// # Errors
+    /// [`SensitivityError`] where the residual is another one, or the matrix singular.
+    pub(super) fn new(
+        base: &Simulation,
+        centre: &mut Simulation,
+    ) -> Result<Self, SensitivityError> {
+        let goal = base.state.time;
+        let step = goal - centre.state.time;
+        let before = centre.system.contact_stiffness();
+        centre.begin_like(goal)?;
+        let adapted = centre.system.contact_stiffness();
+        let used = base.system.contact_stiffness();
+        let setting = centre.integrator.setting;
+        let extrapolates = centre.rules().extrapolates();
+        let workspace = &mut centre.integrator.workspace;
+        let solution = &mut workspace.trial.unknowns;
+        for (k, own) in solution.iter_mut().enumerate() {
+            if !centre.system.assembly.held[k] {
+                let end = base.state.unknowns[k];
+                *own = match extrapolates {
+                    true => 0.5 * (end + centre.state.unknowns[k]),
+                    false => end,
+                };
+            }
+        }
+        let replayed = Self {
+            goal,
+            step,
+            solution: solution.clone(),
+            stiffening: if adapted > 0.0 { used / adapted } else { 1.0 },
+            adapts: adapted != before,
+        };
+        let system = &mut centre.system;
+        system.restore_contact_stiffness(used);
+        if !system.candidates_are_complete(&replayed.solution) {
+            system.update_candidates(&replayed.solution);
+        }
+        let tolerance = setting.parameters.force_tolerance;
+        system.set_tolerances(tolerance, &centre.state.unknowns, Some(&workspace.stage));
+        system.linearize(&replayed.solution, Some(&workspace.stage));
+        // Written so that a number that is none does not pass.
+        let is_same = system.imbalance().ratio <= SAME;
+        if !is_same {
+            return Err(SensitivityError::NotRepeated {
+                time: goal,
+                reason: "it depends on how it was found",
+            });
+        }
+        let factored = system.factor();
+        factored.map_err(|_| SensitivityError::Singular { time: goal })?;
+        Ok(replayed)
+    }
+
+    /// Gives a neighbour, whose stiffness was `before` its step, that of the same rule.
+    pub(super) fn stiffen(&self, neighbour: &mut Simulation, before: f64) {
+        let system = &mut neighbour.system;
+        let adapted = match self.adapts {
+            true => system.contact_stiffness(),
+            false => before,
+        };
+        system.restore_contact_stiffness(self.stiffening * adapted);
+    }
+}
+
+impl Simulation {
+    /// The rules of the scheme.
+    pub(super) fn rules(&self) -> &'static dyn TimeScheme {
+        self.integrator.setting.parameters.scheme.rules()
+    }
+
+    /// Begins a step to `goal` up to its prediction, with the contact stiffness for it.
+    ///
+    /// # Errors
+    /// Where a rod comes to where the drag is not defined.
+    pub(super) fn begin_like(&mut self, goal: f64) -> Result<(), SimulationError> {
+        let extrapolates = self.rules().extrapolates();
+        let Self {
+            system,
+            state,
+            integrator,
+            ..
+        } = self;
+        let (setting, workspace) = (integrator.setting, &mut integrator.workspace);
+        system.begin_damping(&state.unknowns);
+        system.update_candidates(&state.unknowns);
+        system.note_start(&state.unknowns, extrapolates);
+        let prepared = workspace.prepare(&setting, system, &mut integrator.fluid, state, goal);
+        prepared.map_err(|error| {
+            SimulationError::Unphysical(format!("at t = {:.6e} s {error}", state.time))
+        })?;
+        workspace.adapt_contact_stiffness(&setting, system, state);
+        system.abandon_multipliers();
+        Ok(())
+    }
+
+    /// Start and velocity of the stage that this simulation would have from the state of `other`.
+    pub(super) fn stage_from(&self, other: &Self, step: f64) -> Stage {
+        let mut stage = self.integrator.workspace.stage.clone();
+        let mut prediction = Prediction {
+            unknowns: stage.start.clone(),
+            velocity: stage.velocity.clone(),
+        };
+        let turning = self.system.assembly.steady_turning();
+        let positions = std::mem::take(&mut stage.positions);
+        stage.positions = positions.clone();
+        self.rules()
+            .begin(step, &other.state, turning, &mut stage, &mut prediction);
+        // Contact rubs against where the nodes of this simulation were.
+        stage.positions = positions;
+        stage
+    }
+
+    /// Moves to the end of the stage at `trial`, then to the end of the step, with the unknowns of both in the workspace.
+    ///
+    /// # Errors
+    /// [`SensitivityError::NotRepeated`] where the end of a step lies behind a contact.
+    pub(super) fn end_like(&mut self, goal: f64, trial: &[f64]) -> Result<(), SensitivityError> {
+        let extrapolates = self.rules().extrapolates();
+        let (system, workspace) = (&mut self.system, &mut self.integrator.workspace);
+        if !system.candidates_are_complete(trial) {
+            system.update_candidates(trial);
+        }
+        workspace.trial.unknowns.copy_from_slice(trial);
+        system.evaluate(trial, Some(&workspace.stage));
+        if extrapolates {
+            let ended = workspace.extrapolate(system, &self.state, goal, 0);
+            ended.map_err(|_| SensitivityError::NotRepeated {
+                time: goal,
+                reason: "a contact is crossed",
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Accepts the step that ends in the workspace, with a velocity; returns its work and losses.
+    pub(super) fn accept_like(&mut self, goal: f64, velocity: impl Fn(usize) -> f64) -> Exchange {
+        let scheme = self.integrator.setting.parameters.scheme;
+        let Self {
+            system,
+            state,
+            integrator,
+            ..
+        } = self;
+        let next = integrator.workspace.next_velocity.iter_mut();
+        next.enumerate().for_each(|(k, next)| *next = velocity(k));
+        let exchange = integrator.accepted(system, state, goal, scheme).exchange();
+        integrator.accept(system, state, goal);
+        self.publish();
+        exchange
+    }
+
+    /// Ends the step of `base` where that did.
+    ///
+    /// # Errors
+    /// The errors of [`Self::end_like`].
+    pub(super) fn finish_like(
+        &mut self,
+        base: &Self,
+        replayed: &Replayed,
+    ) -> Result<(), SensitivityError> {
+        self.end_like(replayed.goal, &replayed.solution)?;
+        let end = &mut self.integrator.workspace.trial.unknowns;
+        end.copy_from_slice(&base.state.unknowns);
+        self.system.update_geometry(end);
+        self.accept_like(replayed.goal, |k| base.state.velocity[k]);
+        Ok(())
+    }
+
+    /// Takes over the frames of `base` in its equilibrium and evaluates the residual there: where clamps hold it, by its own.
+    pub(super) fn settle_like(&mut self, base: &Self) {
+        let (system, unknowns) = (&mut self.system, &mut self.state.unknowns);
+        unknowns.copy_from_slice(&base.state.unknowns);
+        self.state.time = base.state.time;
+        system.resume(base.state.time, unknowns, &base.system.reference);
+        system.drive(base.state.time, unknowns);
+        system.update_candidates(unknowns);
+        system.restore_contact_stiffness(base.system.contact_stiffness());
+        system.abandon_multipliers();
+        system.linearize(unknowns, None);
+    }
+
+    /// Rests at the present unknowns as in an equilibrium.
+    pub(super) fn rest_here(&mut self) {
+        let unknowns = self.state.unknowns.clone();
+        self.system.evaluate(&unknowns, None);
+        self.system.commit_frames();
+        self.state.rest_at(&unknowns);
+        self.publish();
+    }
+
+    /// Rests where `base` does.
+    pub(super) fn rest_like(&mut self, base: &Self) {
+        self.state.unknowns.copy_from_slice(&base.state.unknowns);
+        self.rest_here();
+    }
+}

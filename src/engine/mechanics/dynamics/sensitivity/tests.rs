@@ -1,0 +1,367 @@
+//! Derivatives against extrapolated differences of whole runs.
+
+use super::{Sensitivity, SensitivityError, Variation};
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::{ContactModel, ContactParameters};
+use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
+use crate::mechanics::fluid::FluidModel;
+use crate::mechanics::scene::{Clamp, Inertia, Motion, Relaxation, RodDescription, Scene};
+use crate::mechanics::test_support::{
+    SCHEMES, SOFT_MODELS, advance_to, at, clamp, contact, curved, drag, fixed_steps, gravity,
+    ground, point_force, section, spring, straight_rod,
+};
+
+/// A scene as a function of a factor of one of its parameters.
+type OfFactor<'a> = &'a dyn Fn(f64) -> Scene;
+
+/// What happens: an equilibrium, steps of a size (s), or both.
+#[derive(Clone, Copy, Debug)]
+struct Course {
+    settles: bool,
+    scheme: Scheme,
+    step: f64,
+    steps: usize,
+}
+
+const REST: Course = Course {
+    settles: true,
+    scheme: Scheme::ImplicitEuler,
+    step: 1e-3,
+    steps: 0,
+};
+
+impl Course {
+    fn moves(scheme: Scheme, step: f64, steps: usize) -> Self {
+        Self {
+            settles: false,
+            scheme,
+            step,
+            steps,
+        }
+    }
+
+    fn parameters(&self) -> IntegrationParameters {
+        IntegrationParameters {
+            force_tolerance: 1e-13,
+            displacement_tolerance: 1e-11,
+            ..fixed_steps(self.scheme, self.step)
+        }
+    }
+
+    fn end(&self) -> f64 {
+        self.step * self.steps as f64
+    }
+
+    fn run(&self, scene: &Scene) -> Simulation {
+        let mut simulation = Simulation::new(scene, &self.parameters()).unwrap();
+        if self.settles {
+            simulation.find_equilibrium().unwrap();
+        }
+        advance_to(&mut simulation, self.end());
+        simulation
+    }
+
+    fn differentiate(&self, scene: OfFactor, step: f64) -> Sensitivity {
+        let variation = Variation {
+            scenes: [scene(1.0 + step), scene(1.0 - step)],
+            step,
+        };
+        let mut found = Sensitivity::new(&scene(1.0), &self.parameters(), &[variation]).unwrap();
+        if self.settles {
+            found.find_equilibrium().unwrap();
+        }
+        while found.base().time() < self.end() {
+            found.advance(self.end()).unwrap();
+        }
+        found
+    }
+}
+
+/// What is compared: positions, velocities, frames, and the forces and moments of the clamp at the first node.
+fn observed(simulation: &Simulation) -> [Vec<Vector3>; 4] {
+    [
+        simulation.positions().to_vec(),
+        simulation.velocities().to_vec(),
+        simulation.material_directors(),
+        vec![simulation.reaction(0), simulation.reaction_moment(0)],
+    ]
+}
+
+/// Difference of two observations over a number.
+fn rate(plus: &Simulation, minus: &Simulation, over: f64) -> [Vec<Vector3>; 4] {
+    let [plus, minus] = [plus, minus].map(observed);
+    std::array::from_fn(|of| {
+        let pairs = plus[of].iter().zip(&minus[of]);
+        pairs.map(|(plus, minus)| (plus - minus) / over).collect()
+    })
+}
+
+/// Largest error of each observation over the largest derivative of it.
+fn errors(course: &Course, scene: OfFactor, difference: f64) -> [f64; 4] {
+    let found = course.differentiate(scene, 3e-5);
+    let [plus, minus] = found.neighbours(0);
+    let mut derivatives = rate(plus, minus, 2.0 * found.step(0));
+    derivatives[0] = found.positions(0);
+    derivatives[1] = found.velocities(0);
+    let central = |h: f64| {
+        let [plus, minus] = [1.0 + h, 1.0 - h].map(|factor| course.run(&scene(factor)));
+        rate(&plus, &minus, 2.0 * h)
+    };
+    let levels = [1.0, 2.0, 4.0].map(|times| central(times * difference));
+    let extrapolated = |of: usize, k: usize| {
+        let [fine, middle, coarse] = [0, 1, 2].map(|level: usize| levels[level][of][k]);
+        let [first, second] = [(fine * 4.0 - middle) / 3.0, (middle * 4.0 - coarse) / 3.0];
+        (first * 16.0 - second) / 15.0
+    };
+    std::array::from_fn(|of| {
+        let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+        for (k, own) in derivatives[of].iter().enumerate() {
+            let expected = extrapolated(of, k);
+            worst = worst.max((own - expected).norm());
+            largest = largest.max(expected.norm());
+        }
+        if largest > 0.0 {
+            worst / largest
+        } else {
+            worst
+        }
+    })
+}
+
+#[track_caller]
+fn check(name: &str, course: &Course, scene: OfFactor, tolerance: f64) {
+    let errors = errors(course, scene, 2e-3);
+    println!("{name:28} {:?} {errors:.1?}", course.scheme);
+    for (of, error) in errors.into_iter().enumerate() {
+        assert!(error < tolerance, "{name} {course:?} {of}: {error:.2e}");
+    }
+}
+
+/// Changes of single parameters by a factor.
+type Change = (&'static str, fn(&mut Scene, f64));
+
+const OF_RODS: [Change; 6] = [
+    ("EI1", |scene, factor| {
+        scene.rods[0].stiffness.bending[0] *= factor;
+    }),
+    ("EI2", |scene, factor| {
+        scene.rods[0].stiffness.bending[1] *= factor;
+    }),
+    ("GJ", |scene, factor| {
+        scene.rods[0].stiffness.twisting *= factor;
+    }),
+    ("mass", |scene, factor| {
+        scene.rods[0].mass_per_length *= factor;
+        scene.rods[0].rotational_inertia_per_length *= factor;
+    }),
+    ("natural curvature", |scene, factor| {
+        scene.rods[0].natural_shape = curved([2.0 * factor, 1.0], 1.5);
+    }),
+    ("initial length", |scene, factor| {
+        for node in &mut scene.rods[0].centreline {
+            *node *= factor;
+        }
+    }),
+];
+
+/// A bent and twisted cantilever with unequal stiffnesses under weight.
+fn cantilever() -> Scene {
+    let mut rod = straight_rod(10, 0.3);
+    rod.stiffness = section(200.0, [1e-3, 2.5e-3], 1.2e-3);
+    rod.natural_shape = curved([2.0, 1.0], 1.5);
+    Scene {
+        rods: vec![rod],
+        clamps: vec![clamp(0, 0)],
+        loads: vec![
+            gravity(2.0),
+            point_force(0, 10, Vector3::new(0.0, 2e-3, 0.0)),
+        ],
+        ..Scene::default()
+    }
+}
+
+fn changed(scene: &Scene, change: fn(&mut Scene, f64), factor: f64) -> Scene {
+    let mut scene = scene.clone();
+    change(&mut scene, factor);
+    scene
+}
+
+#[track_caller]
+fn check_all(course: &Course, scene: &Scene, changes: &[Change], tolerance: f64) {
+    for (name, change) in changes {
+        let of = |factor: f64| changed(scene, *change, factor);
+        check(name, course, &of, tolerance);
+    }
+}
+
+#[test]
+fn equilibria_of_a_cantilever() {
+    check_all(&REST, &cantilever(), &OF_RODS, 1e-7);
+}
+
+#[test]
+fn swings_of_a_cantilever_by_every_scheme() {
+    for scheme in SCHEMES {
+        let course = Course::moves(scheme, 2e-3, 30);
+        check_all(&course, &cantilever(), &OF_RODS, 1e-7);
+    }
+}
+
+#[test]
+fn consistent_inertia_and_a_motion_from_equilibrium() {
+    let mut scene = cantilever();
+    scene.rods[0].inertia = Inertia::Consistent;
+    scene.clamps[0].motion.translation = vec![(0.0, Vector3::zeros()), (0.1, Vector3::y() * 0.05)];
+    for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
+        let course = Course {
+            settles: true,
+            ..Course::moves(scheme, 2e-3, 30)
+        };
+        check_all(&course, &scene, &OF_RODS, 1e-7);
+    }
+}
+
+/// A rod with both ends clamped, one of which turns about two axes while it moves.
+fn twisted() -> Scene {
+    let mut scene = cantilever();
+    scene.rods[0].twist = 0.4;
+    scene.clamps.push(driven(1.0));
+    scene
+}
+
+fn driven(factor: f64) -> Clamp {
+    let axis = Vector3::new(1.0, 0.5, 0.2).normalize();
+    let way = Vector3::new(-0.08, 0.03, 0.05);
+    Clamp {
+        motion: Motion {
+            translation: vec![(0.0, Vector3::zeros()), (0.1, way * factor)],
+            axis: Some(axis),
+            angle: vec![(0.0, 0.0), (0.1, 4.0 * factor)],
+            ..Motion::default()
+        },
+        ..clamp(0, 10)
+    }
+}
+
+#[test]
+fn frames_of_a_twisted_rod_with_a_moving_clamp() {
+    let motions: [Change; 2] = [
+        ("motion of a clamp", |scene, factor| {
+            scene.clamps[1] = driven(factor);
+        }),
+        ("turning of a clamp", |scene, factor| {
+            scene.clamps[1].motion.angular_velocity = 20.0 * factor;
+        }),
+    ];
+    for scheme in SCHEMES {
+        let course = Course::moves(scheme, 2e-3, 30);
+        check_all(&course, &twisted(), &motions, 1e-7);
+        check_all(&course, &twisted(), &OF_RODS[..5], 1e-7);
+    }
+}
+
+#[test]
+fn drag_viscosity_and_relaxation() {
+    let mut scene = cantilever();
+    scene.loads.push(drag(None, 0.05, 1e-5));
+    scene.rods[0].retardation_time = 0.02;
+    scene.rods[0].relaxation = Some(Relaxation {
+        ratio: 0.5,
+        time: 0.03,
+    });
+    let changes: [Change; 4] = [
+        ("drag", |scene, factor| {
+            scene.loads[2] = drag(None, 0.05 * factor, 1e-5 * factor);
+        }),
+        ("retardation", |scene, factor| {
+            scene.rods[0].retardation_time = 0.02 * factor;
+        }),
+        ("relaxation", |scene, factor| {
+            let relaxation = scene.rods[0].relaxation.as_mut().unwrap();
+            relaxation.time *= factor;
+            relaxation.ratio *= factor;
+        }),
+        ("EI", |scene, factor| {
+            scene.rods[0].stiffness.bending = [1e-3 * factor, 2.5e-3 * factor];
+        }),
+    ];
+    for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
+        let course = Course::moves(scheme, 2e-3, 30);
+        check_all(&course, &scene, &changes, 1e-7);
+    }
+}
+
+#[test]
+fn springs_and_local_drag_of_a_fluid() {
+    let mut scene = cantilever();
+    scene.fluid = Some(FluidModel::Resistive { viscosity: 0.05 });
+    scene.springs = vec![spring("spring", [at(0, 3), at(0, 9)], 0.5)];
+    let changes: [Change; 2] = [
+        ("viscosity", |scene, factor| {
+            scene.fluid = Some(FluidModel::Resistive {
+                viscosity: 0.05 * factor,
+            });
+        }),
+        ("stiffness of a spring", |scene, factor| {
+            scene.springs[0].stiffness *= factor;
+        }),
+    ];
+    for scheme in SCHEMES {
+        let course = Course::moves(scheme, 2e-3, 30);
+        check_all(&course, &scene, &changes, 1e-7);
+    }
+}
+
+/// A rod that is pulled over the ground, on which it lies already, by one end.
+fn pulled(model: ContactModel) -> Scene {
+    let lowered = |rod: RodDescription| RodDescription {
+        centreline: (rod.centreline.iter())
+            .map(|node| node + Vector3::z() * 5e-3)
+            .collect(),
+        natural_shape: crate::mechanics::scene::NaturalShape::Straight,
+        ..rod
+    };
+    let mut scene = cantilever();
+    scene.rods[0] = lowered(scene.rods[0].clone());
+    scene.clamps[0].motion.translation =
+        vec![(0.0, Vector3::zeros()), (1.0, Vector3::new(0.0, 0.4, 0.0))];
+    scene.planes = vec![ground()];
+    scene.contact = Some(ContactParameters {
+        friction: 0.3,
+        slip_tolerance: 1e-2,
+        ..contact(model, 1e-4)
+    });
+    scene
+}
+
+#[test]
+fn friction_on_the_ground() {
+    let changes: [Change; 2] = [
+        ("friction", |scene, factor| {
+            scene.contact.as_mut().unwrap().friction *= factor;
+        }),
+        ("EI", |scene, factor| {
+            scene.rods[0].stiffness.bending = [1e-3 * factor, 2.5e-3 * factor];
+        }),
+    ];
+    for model in SOFT_MODELS {
+        let course = Course::moves(Scheme::ImplicitEuler, 2e-3, 30);
+        check_all(&course, &pulled(model), &changes, 1e-5);
+    }
+}
+
+#[test]
+fn what_has_no_derivatives_is_refused() {
+    let scene = pulled(ContactModel::Complementarity);
+    let course = Course::moves(Scheme::ImplicitEuler, 2e-3, 1);
+    let refused = Sensitivity::new(&scene, &course.parameters(), &[]);
+    assert!(matches!(refused, Err(SensitivityError::Unsuitable(_))));
+    let mut longer = cantilever();
+    longer.clamps.push(clamp(0, 10));
+    let variation = Variation {
+        scenes: [longer.clone(), longer],
+        step: 1e-5,
+    };
+    let refused = Sensitivity::new(&cantilever(), &course.parameters(), &[variation]);
+    assert!(matches!(refused, Err(SensitivityError::Unsuitable(_))));
+}
