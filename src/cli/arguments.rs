@@ -5,7 +5,8 @@ use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, evaluate, expand, explain, explore,
     fold_arguments, gather, guide, init, man, measure, movie, place, plan, plot, presets,
-    reproduce, run, score, site, solve, status, stream, submit, tie, trace, train, verify, view,
+    reproduce, run, score, sensitivity, site, solve, status, stream, submit, tie, trace, train,
+    verify, view,
 };
 use clap::Parser;
 use std::sync::OnceLock;
@@ -63,6 +64,8 @@ pub enum Command {
     Solve(solve::SolveArguments),
     /// Measure the gravito-bending length, or identify the knot of a curve
     Measure(measure::MeasureArguments),
+    /// Differentiate probes of a scenario over its keys, exactly
+    Sensitivity(sensitivity::SensitivityArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
     /// Reproduce a table or figure of the thesis

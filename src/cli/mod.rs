@@ -76,6 +76,7 @@ mod run_watch;
 mod samples;
 mod schema;
 mod score;
+mod sensitivity;
 mod site;
 mod solve;
 mod solve_arm;
@@ -224,6 +225,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Guide(command) => guide::guide(command, &arguments.common),
         Command::Solve(command) => solve::solve(command),
         Command::Measure(command) => measure::measure(command),
+        Command::Sensitivity(command) => sensitivity::sensitivity(command),
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
         Command::Plan(command) => plan::plan(command),

@@ -7,6 +7,7 @@
 //! | [`run`] | the run loop on a results directory |
 //! | [`sweep`] | many cases |
 //! | [`report`] | figures and pages of a results directory |
+//! | [`sensitivity`] | derivatives of what a scenario measures over its keys |
 //! | [`cluster`] | Slurm job arrays |
 
 // Tests compare with a tolerance, and may ask any mathematical library.
@@ -17,6 +18,7 @@ pub mod experiment;
 pub mod report;
 pub mod run;
 pub mod scenario;
+pub mod sensitivity;
 pub mod sweep;
 #[cfg(test)]
 mod test_support;

@@ -37,6 +37,7 @@ pub use interruption::{Interruption, is_attended};
 pub use linking::LinkingGuard;
 pub use live::{LiveRun, LiveState};
 pub use observer::{Finding, Observer, ObserverObject, Sample};
+pub use output_times::OutputTimes;
 pub use prepared::{Mode, OutputPlan, PreparedRun, TableRun};
 pub use progress::AmongBars;
 pub use records::rod_records;

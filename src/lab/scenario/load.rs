@@ -1,16 +1,18 @@
 //! Reading scenarios: from files, texts and tables to the scenario as resolved.
 
-use super::document::{Node, Value};
+use super::document::{self, Node, Value};
 use super::document_values;
 use super::error::{Located, ScenarioError};
-use super::expansion::{self, Copied, Expanded, Origins};
+use super::expansion::{self, Copied, Expanded, Origins, PARAMETERS};
 use super::experiments::{Experiments, TypedFile};
 use super::issue::{Issue, Issues, KeyPath};
 use super::merged::{merged, merged_table, merged_text};
 use super::named_files;
+use super::overrides::numbered_steps;
 use super::resolve::{Context, resolve};
 use super::resolved::Scenario;
 use super::source::{Sources, Span};
+use super::units;
 use std::collections::HashSet;
 use std::convert::Infallible;
 use std::path::Path;
@@ -24,6 +26,8 @@ pub struct Loaded {
     /// After expansion.
     document: Node,
     origins: Origins,
+    /// The table `[parameters]` as typed.
+    parameters: Option<Node>,
 }
 
 /// Reads, merges, overrides and resolves a scenario file. Each override is `key=value` with a dotted key,
@@ -97,6 +101,7 @@ pub(super) fn finish(
         };
         return Err(located(&sources, &document, issue.into()));
     }
+    let parameters = document.entry(PARAMETERS).map(|entry| entry.node.clone());
     let Expanded { document, origins } = expansion::expand(experiments, &sources, document)?;
     let resolved = TypedFile::decode(&document, experiments).and_then(|file| {
         let directory_of = |path: &KeyPath| {
@@ -117,6 +122,7 @@ pub(super) fn finish(
             sources,
             document,
             origins,
+            parameters,
         }),
         Err(issues) => Err(located_as_written(&sources, &document, &origins, issues)),
     }
@@ -161,6 +167,18 @@ impl Loaded {
         names
     }
 
+    /// The number at a dotted key in SI units: as typed, of a parameter, or its default; `None` where there is none.
+    pub fn number(&self, key: &str) -> Option<f64> {
+        let resolved = document::parse(0, &self.scenario.to_toml()).ok();
+        let of_parameter = || {
+            let name = key.strip_prefix(PARAMETERS)?.strip_prefix('.')?;
+            number_at(self.parameters.as_ref()?, name)
+        };
+        number_at(&self.document, key)
+            .or_else(of_parameter)
+            .or_else(|| number_at(&resolved?, key))
+    }
+
     /// Number of tables of each array with copies, before expansion and after.
     pub fn copied(&self) -> Vec<Copied> {
         self.origins.copied()
@@ -169,6 +187,24 @@ impl Loaded {
     /// Finds the places of faults that were found later, when the scene was built.
     pub fn locate(&self, issues: Issues) -> ScenarioError {
         located_as_written(&self.sources, &self.document, &self.origins, issues)
+    }
+}
+
+/// The number at a dotted key of a document, in SI units.
+fn number_at(document: &Node, key: &str) -> Option<f64> {
+    let mut node = document;
+    for step in numbered_steps(document, key) {
+        node = match &node.value {
+            Value::Table(_) => &node.entry(&step)?.node,
+            Value::Array(elements) => elements.get(step.parse::<usize>().ok()?)?,
+            _ => return None,
+        };
+    }
+    match &node.value {
+        Value::Integer(integer) => Some(*integer as f64),
+        Value::Float(number) => Some(*number),
+        Value::String(text) => units::parse_any(text),
+        _ => None,
     }
 }
 

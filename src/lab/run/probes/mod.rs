@@ -100,6 +100,29 @@ impl Probes {
         }
     }
 
+    /// Names of the probes.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.probes.iter().map(|probe| probe.name.as_str())
+    }
+
+    /// Columns of each probe, in their order.
+    pub fn columns_of_each(&self) -> impl Iterator<Item = Vec<String>> {
+        self.probes.iter().map(Probe::columns)
+    }
+
+    /// Whether a condition on a column may end the run.
+    pub fn may_stop(&self) -> bool {
+        self.stop_when.is_some()
+    }
+
+    /// The values of all columns now.
+    pub fn values(&self, sample: &Sample<'_>) -> Vec<Option<f64>> {
+        let probes = self.probes.iter();
+        probes
+            .flat_map(|probe| probe.quantity.measure(sample))
+            .collect()
+    }
+
     fn stop(&mut self, values: &[Option<f64>]) -> Finding {
         let Some(condition) = &self.stop_when else {
             return Finding::GoOn;
@@ -130,10 +153,7 @@ impl Observer for Probes {
     }
 
     fn measure(&mut self, sample: &Sample<'_>, _: &SeriesRow) -> (Vec<Value>, Finding) {
-        let probes = self.probes.iter();
-        let values: Vec<Option<f64>> = probes
-            .flat_map(|probe| probe.quantity.measure(sample))
-            .collect();
+        let values = self.values(sample);
         for (statistic, value) in self.statistics.iter_mut().zip(&values) {
             statistic.add(*value);
         }

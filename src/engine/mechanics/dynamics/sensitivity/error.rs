@@ -1,7 +1,7 @@
 //! What is refused, and what can fail.
 
 use crate::mechanics::SceneError;
-use crate::mechanics::dynamics::SimulationError;
+use crate::mechanics::dynamics::report::SimulationError;
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::Scene;
 
@@ -52,7 +52,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), SensitivityError> {
     let refusals = [
         (
             !scene.joints.is_empty(),
-            "derivatives support no [[joints]]",
+            "derivatives support no [[joints]] except springs",
         ),
         (
             !scene.bodies.is_empty(),

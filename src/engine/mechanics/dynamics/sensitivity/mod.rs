@@ -22,8 +22,8 @@
 //! ([`crate::mechanics::rod`], `holonomy`). The angle in q counts from the frame that was transported in time; each neighbour transports its own
 //! along its own tangents, which gives the change of the transported frame without a formula for it.
 //!
-//! **Accuracy.** A difference over ±ε errs by ε² ∂³R/6 and by rounding errors over ε. The relative ε of 3e-5 that
-//! [`Variation`] recommends leaves 1e-9 to 1e-8 of both; [`Sensitivity::amplitude`] reports how far the neighbours have moved
+//! **Accuracy.** A difference over ±ε errs by ε² ∂³R/6 and by rounding errors over ε. The relative ε of 2e-5 that
+//! [`Variation`] recommends leaves 1e-10 to 3e-8 of both in positions and velocities; [`Sensitivity::amplitude`] reports how far the neighbours have moved
 //! away. The sizes of steps are those of the scene itself, as if they did not depend on p, and so is what depends on switches: a force with a
 //! corner just there has the mean of its two derivatives.
 //!
@@ -40,13 +40,16 @@
 //! |---|---|
 //! | `error` | what is refused, and what can fail |
 //! | `replay` | a simulation takes the step of another one |
+//! | `variation` | a parameter as two scenes |
 //! | `parameter` | one parameter: its neighbours and the derivative of the state |
 
 mod error;
 mod parameter;
 mod replay;
+mod variation;
 
 pub use error::SensitivityError;
+pub use variation::Variation;
 
 use super::parameters::IntegrationParameters;
 use super::report::{Exchange, StepReport};
@@ -55,15 +58,6 @@ use crate::mechanics::Vector3;
 use crate::mechanics::scene::Scene;
 use parameter::Parameter;
 use replay::Replayed;
-
-/// A parameter of a scene, as the two scenes in which it is changed a little.
-#[derive(Clone, Debug)]
-pub struct Variation {
-    /// The scene with p + ε and the one with p − ε. They differ from that of p in numbers alone: the same rods, nodes, clamps and loads.
-    pub scenes: [Scene; 2],
-    /// ε, in the unit of the parameter; about 3e-5 of its size.
-    pub step: f64,
-}
 
 /// A simulation with the derivatives of its state over parameters.
 pub struct Sensitivity {

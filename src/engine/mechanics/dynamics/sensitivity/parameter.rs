@@ -1,12 +1,13 @@
 //! One parameter: its neighbours, and the derivative of the state of motion.
 
+use super::error::{self, SensitivityError};
 use super::replay::Replayed;
-use super::{SensitivityError, Variation};
+use super::variation::Variation;
 use crate::mechanics::Vector3;
-use crate::mechanics::dynamics::Simulation;
 use crate::mechanics::dynamics::parameters::IntegrationParameters;
 use crate::mechanics::dynamics::report::Exchange;
 use crate::mechanics::dynamics::scheme::{Prediction, SolvedStep};
+use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::dynamics::state::State;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
@@ -44,8 +45,8 @@ impl Parameter {
         base: &Simulation,
     ) -> Result<Self, SensitivityError> {
         let [plus, minus] = &variation.scenes;
-        super::error::check(plus)?;
-        super::error::check(minus)?;
+        error::check(plus)?;
+        error::check(minus)?;
         let neighbours = [
             Simulation::new(plus, parameters)?,
             Simulation::new(minus, parameters)?,

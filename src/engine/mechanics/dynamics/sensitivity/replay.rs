@@ -1,9 +1,9 @@
 //! A simulation takes the step of another one: the same stage, but the solution is given.
 
-use super::SensitivityError;
-use crate::mechanics::dynamics::Simulation;
+use super::error::SensitivityError;
 use crate::mechanics::dynamics::report::{Exchange, SimulationError};
 use crate::mechanics::dynamics::scheme::{Prediction, TimeScheme};
+use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::system::Stage;
 
 /// Residual over its tolerance up to which a repeated step counts as the same: Newton's method may end with last digits alone.

@@ -1,0 +1,96 @@
+//! The columns of probes that are differentiated.
+
+use super::error::SensitivityError;
+use crate::run::probes::Probes;
+use crate::run::{Observer, PreparedRun, Sample};
+use crate::scenario::did_you_mean;
+use rodlab_engine::mechanics::dynamics::{Exchange, Simulation};
+
+/// The columns that are asked for.
+pub(super) struct Chosen {
+    /// Numbers of the columns among those of all probes.
+    numbers: Vec<usize>,
+    /// Their names.
+    pub(super) columns: Vec<String>,
+}
+
+impl Chosen {
+    /// The columns of the probes with these names, or with these columns.
+    ///
+    /// # Errors
+    /// [`SensitivityError::Probe`], and [`SensitivityError::Unsuitable`] where the scenario has no probes.
+    pub(super) fn new(run: &PreparedRun, names: &[String]) -> Result<Self, SensitivityError> {
+        let probes = probes_of(run)?;
+        if probes.may_stop() {
+            return Err(SensitivityError::Unsuitable(
+                "derivatives support no stop_when: remove it, or set time.end to where it stops",
+            ));
+        }
+        let all = probes.columns();
+        let mut numbers: Vec<usize> = Vec::new();
+        for name in names {
+            let before = numbers.len();
+            let mut first = 0;
+            for (probe, columns) in probes.names().zip(probes.columns_of_each()) {
+                let own = first..first + columns.len();
+                first = own.end;
+                numbers.extend(own.filter(|&index| probe == name || all[index] == *name));
+            }
+            if numbers.len() == before {
+                let known = probes.names().chain(all.iter().map(String::as_str));
+                let known = did_you_mean(name, known).unwrap_or_else(|| {
+                    let list: Vec<&str> = probes.names().collect();
+                    format!("the probes are: {}", list.join(", "))
+                });
+                return Err(SensitivityError::Probe {
+                    name: name.clone(),
+                    known,
+                });
+            }
+        }
+        if names.is_empty() {
+            numbers.extend(0..all.len());
+        }
+        let mut seen = std::collections::BTreeSet::new();
+        numbers.retain(|&index| seen.insert(index));
+        Ok(Self {
+            columns: numbers.iter().map(|&index| all[index].clone()).collect(),
+            numbers,
+        })
+    }
+
+    /// The values in a simulation of `run`, which may have other places to measure from than others.
+    pub(super) fn values(
+        &self,
+        run: &PreparedRun,
+        simulation: &Simulation,
+        steps: u64,
+    ) -> Vec<Option<f64>> {
+        let sample = Sample {
+            simulation,
+            steps,
+            exchange: Exchange::default(),
+        };
+        let all = run
+            .observer::<Probes>()
+            .map(|probes| probes.values(&sample));
+        let all = all.unwrap_or_default();
+        self.numbers.iter().map(|&index| all[index]).collect()
+    }
+}
+
+fn probes_of(run: &PreparedRun) -> Result<&Probes, SensitivityError> {
+    let probes = run.observer::<Probes>();
+    let probes = probes.filter(|probes| probes.names().next().is_some());
+    probes.ok_or(SensitivityError::Unsuitable(
+        "the scenario has no [[probes]], whose derivatives these would be; add one, as in `rodlab guide probes`",
+    ))
+}
+
+/// Differences of values over a number.
+pub(super) fn rates(plus: &[Option<f64>], minus: &[Option<f64>], over: f64) -> Vec<Option<f64>> {
+    let pairs = plus.iter().zip(minus);
+    pairs
+        .map(|(plus, minus)| Some(((*plus)? - (*minus)?) / over))
+        .collect()
+}

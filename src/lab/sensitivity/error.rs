@@ -1,0 +1,40 @@
+//! What cannot be differentiated.
+
+use crate::scenario::ScenarioError;
+use rodlab_engine::mechanics::dynamics::{SimulationError, sensitivity};
+
+/// Reason why there are no derivatives.
+#[derive(Debug, thiserror::Error)]
+pub enum SensitivityError {
+    /// The scenario is wrong, or one with a key changed a little.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A key that does not suit.
+    #[error("`{key}`: {reason}")]
+    Key {
+        /// The key.
+        key: String,
+        /// Why.
+        reason: String,
+    },
+    /// A probe or column that the scenario does not have.
+    #[error("there is no probe or column `{name}`; {known}")]
+    Probe {
+        /// Its name.
+        name: String,
+        /// Those that exist.
+        known: String,
+    },
+    /// A kind of run without derivatives.
+    #[error("{0}")]
+    Unsuitable(&'static str),
+    /// The mechanics.
+    #[error(transparent)]
+    Engine(#[from] sensitivity::SensitivityError),
+}
+
+impl From<SimulationError> for SensitivityError {
+    fn from(error: SimulationError) -> Self {
+        Self::Engine(error.into())
+    }
+}

@@ -1,0 +1,266 @@
+//! A scenario, its keys, and the run with derivatives.
+
+use super::error::SensitivityError;
+use crate::experiment::{self, prepare};
+use crate::run::{Mode, OutputTimes, PreparedRun};
+use crate::scenario::{Loaded, ScenarioError};
+use rodlab_engine::mechanics::dynamics::IntegrationParameters;
+use rodlab_engine::mechanics::dynamics::sensitivity::{Sensitivity, Variation};
+
+/// Reads a scenario with further overrides, `key=value` each.
+pub type Source<'a> = &'a dyn Fn(&[String]) -> Result<Loaded, ScenarioError>;
+
+/// ε over the size of a value. Of a larger one the truncation errors would show, of a smaller one the rounding errors.
+const RELATIVE_STEP: f64 = 2e-5;
+/// The same at most, where a value has little effect.
+const LARGEST_STEP: f64 = 1e-4;
+/// ε of a value that is 0, in its SI unit, before its effect is known.
+const FIRST_STEP: f64 = 1e-6;
+/// Differences of neighbours (rad) outside of which another ε is better, and those that it is chosen for.
+const AMPLITUDES: [f64; 2] = [1e-7, 2e-4];
+const BEST_AMPLITUDE: f64 = 1e-5;
+/// Tolerances of Newton's method at most: derivatives have the relative error of the motion itself.
+const FORCE_TOLERANCE: f64 = 1e-10;
+const DISPLACEMENT_TOLERANCE: f64 = 1e-8;
+
+/// A key over which is differentiated.
+#[derive(Clone, Debug)]
+pub struct Key {
+    /// The dotted key.
+    pub key: String,
+    /// Its value, in the SI unit.
+    pub value: f64,
+    /// The SI unit, where it has one.
+    pub unit: Option<String>,
+    /// ε: the neighbours have the value plus and minus this.
+    pub step: f64,
+    /// The runs with these values.
+    neighbours: [PreparedRun; 2],
+}
+
+/// A scenario with the keys over which is differentiated.
+pub struct Problem<'a> {
+    source: Source<'a>,
+    base: PreparedRun,
+    keys: Vec<Key>,
+}
+
+/// A moment of a run with derivatives.
+pub struct Moment<'a> {
+    /// The simulation, with its neighbours.
+    pub sensitivity: &'a Sensitivity,
+    /// Accepted steps or equilibria so far.
+    pub steps: u64,
+    /// Time, s.
+    pub time: f64,
+}
+
+impl<'a> Problem<'a> {
+    /// Reads a scenario with each of the keys changed a little.
+    ///
+    /// # Errors
+    /// [`SensitivityError`] for a scenario without derivatives, and for a key that is no number, or changes more than numbers.
+    pub fn new(source: Source<'a>, keys: &[String]) -> Result<Self, SensitivityError> {
+        let loaded = source(&[])?;
+        let base = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+        refuse(&base)?;
+        let mut problem = Self {
+            source,
+            base,
+            keys: Vec::new(),
+        };
+        for key in keys {
+            let key = key.trim();
+            let value = loaded.number(key).ok_or_else(|| no_number(key))?;
+            let step = match value {
+                0.0 => FIRST_STEP,
+                _ => RELATIVE_STEP * value.abs(),
+            };
+            problem.keys.push(Key {
+                key: key.to_owned(),
+                value,
+                unit: experiment::unit(key),
+                step,
+                neighbours: problem.neighbours(key, value, step)?,
+            });
+        }
+        Ok(problem)
+    }
+
+    /// The run itself.
+    pub fn base(&self) -> &PreparedRun {
+        &self.base
+    }
+
+    /// The keys.
+    pub fn keys(&self) -> &[Key] {
+        &self.keys
+    }
+
+    /// The two runs with one key changed by ±ε.
+    pub fn neighbours_of(&self, key: usize) -> &[PreparedRun; 2] {
+        &self.keys[key].neighbours
+    }
+
+    /// Times of the outputs of the run, s; of an equilibrium the start.
+    pub fn output_times(&self) -> Vec<f64> {
+        let times = match self.base.mode {
+            Mode::Dynamic { end } => OutputTimes::new(self.base.output.interval, end),
+            Mode::Static | Mode::Continuation(_) => OutputTimes::only_start(),
+        };
+        (0..=times.last()).map(|index| times.time(index)).collect()
+    }
+
+    /// The run with a key set to a value.
+    ///
+    /// # Errors
+    /// [`SensitivityError`] where that is not allowed, or changes the steps.
+    pub fn run_with(&self, key: &str, value: f64) -> Result<PreparedRun, SensitivityError> {
+        let loaded = (self.source)(&[format!("{key}={value:?}")])?;
+        let run = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+        if run.mode != self.base.mode
+            || run.integration != self.base.integration
+            || run.output != self.base.output
+        {
+            return Err(SensitivityError::Key {
+                key: key.to_owned(),
+                reason: "it changes the steps, the tolerances or the outputs of the run, over which there are no derivatives"
+                    .to_owned(),
+            });
+        }
+        Ok(run)
+    }
+
+    fn neighbours(
+        &self,
+        key: &str,
+        value: f64,
+        step: f64,
+    ) -> Result<[PreparedRun; 2], SensitivityError> {
+        Ok([
+            self.run_with(key, value + step)?,
+            self.run_with(key, value - step)?,
+        ])
+    }
+
+    /// Parameters of the steps: those of the run with tolerances that leave no trace in derivatives.
+    pub fn integration(&self) -> IntegrationParameters {
+        let own = self.base.integration;
+        IntegrationParameters {
+            force_tolerance: own.force_tolerance.min(FORCE_TOLERANCE),
+            displacement_tolerance: own.displacement_tolerance.min(DISPLACEMENT_TOLERANCE),
+            ..own
+        }
+    }
+
+    /// Runs to the given times, s, in their order, and shows each moment to `observe`; an equilibrium is one moment. Returns the
+    /// largest difference of the neighbours of each key from the run, rad.
+    ///
+    /// # Errors
+    /// The errors of the run, and steps that have no derivative.
+    pub fn follow(
+        &self,
+        times: &[f64],
+        observe: &mut dyn FnMut(&Moment<'_>),
+    ) -> Result<Vec<f64>, SensitivityError> {
+        let variation = |key: &Key| {
+            let [plus, minus] = &key.neighbours;
+            Variation {
+                scenes: [plus.scene.clone(), minus.scene.clone()],
+                step: key.step,
+            }
+        };
+        let variations: Vec<Variation> = self.keys.iter().map(variation).collect();
+        let mut sensitivity = Sensitivity::new(&self.base.scene, &self.integration(), &variations)?;
+        let mut steps = 0;
+        match self.base.mode {
+            Mode::Dynamic { .. } => {
+                for &time in times {
+                    while sensitivity.base().time() < time {
+                        sensitivity.advance(time)?;
+                        steps += 1;
+                    }
+                    observe(&Moment {
+                        sensitivity: &sensitivity,
+                        steps,
+                        time,
+                    });
+                }
+            }
+            Mode::Static | Mode::Continuation(_) => {
+                sensitivity.find_equilibrium()?;
+                observe(&Moment {
+                    sensitivity: &sensitivity,
+                    steps: 1,
+                    time: 0.0,
+                });
+            }
+        }
+        Ok((0..self.keys.len())
+            .map(|key| sensitivity.amplitude(key))
+            .collect())
+    }
+
+    /// Chooses another ε for keys whose neighbours were too far away or too near, given [`Self::follow`]'s differences; returns
+    /// whether there are any.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn adapt(&mut self, amplitudes: &[f64]) -> Result<bool, SensitivityError> {
+        let mut has_changed = false;
+        let [least, largest] = AMPLITUDES;
+        for (index, &amplitude) in amplitudes.iter().enumerate() {
+            let Key { value, step, .. } = self.keys[index];
+            if amplitude == 0.0 || (least..=largest).contains(&amplitude) {
+                continue;
+            }
+            let bound = match value {
+                0.0 => f64::INFINITY,
+                _ => LARGEST_STEP * value.abs(),
+            };
+            let better = (step * BEST_AMPLITUDE / amplitude).min(bound);
+            if better == step {
+                continue;
+            }
+            let name = self.keys[index].key.clone();
+            let neighbours = self.neighbours(&name, value, better)?;
+            let key = &mut self.keys[index];
+            (key.step, key.neighbours) = (better, neighbours);
+            has_changed = true;
+        }
+        Ok(has_changed)
+    }
+}
+
+fn no_number(key: &str) -> SensitivityError {
+    let reason = match experiment::explain(key) {
+        Err(message) if !key.starts_with("parameters.") => message,
+        _ => "it is not set to a number, and has none by default; set it by --set".to_owned(),
+    };
+    SensitivityError::Key {
+        key: key.to_owned(),
+        reason,
+    }
+}
+
+/// Checks that a run has derivatives.
+fn refuse(run: &PreparedRun) -> Result<(), SensitivityError> {
+    let refusals = [
+        (
+            matches!(run.mode, Mode::Continuation(_)),
+            "derivatives need time.mode = \"static\" or \"dynamic\", not a path of equilibria",
+        ),
+        (
+            !run.controllers.is_empty(),
+            "derivatives support no experiment in which a controller acts on the scene",
+        ),
+        (
+            run.table.is_some(),
+            "derivatives support no experiment that fills a table",
+        ),
+    ];
+    match refusals.into_iter().find(|(refused, _)| *refused) {
+        Some((_, reason)) => Err(SensitivityError::Unsuitable(reason)),
+        None => Ok(()),
+    }
+}
