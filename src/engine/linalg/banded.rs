@@ -75,7 +75,6 @@ impl BandedSymmetric {
     }
 
     /// y = A x.
-    #[cfg(test)]
     pub(crate) fn multiply(&self, x: &[f64], y: &mut [f64]) {
         let n = self.dimension();
         assert!(x.len() == n && y.len() == n);

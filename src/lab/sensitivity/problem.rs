@@ -17,7 +17,7 @@ const LARGEST_STEP: f64 = 1e-4;
 /// ε of a value that is 0, in its SI unit, before its effect is known.
 const FIRST_STEP: f64 = 1e-6;
 /// Differences of neighbours (rad) outside of which another ε is better, and those that it is chosen for.
-const AMPLITUDES: [f64; 2] = [1e-7, 2e-4];
+const AMPLITUDES: [f64; 2] = [5e-7, 2e-4];
 const BEST_AMPLITUDE: f64 = 1e-5;
 /// Tolerances of Newton's method at most: derivatives have the relative error of the motion itself.
 const FORCE_TOLERANCE: f64 = 1e-10;

@@ -73,6 +73,7 @@ pub use grasp::{Grasp, Interventions};
 use joints::Border;
 pub use joints::{check_joints, joint_unknowns};
 use newton_matrix::NewtonMatrix;
+pub(crate) use newton_matrix::WholeMatrix;
 pub use obstacles::obstacle_poses;
 pub use resultants::Resultants;
 pub(crate) use rigid_contact::ForceSearch;
@@ -309,6 +310,23 @@ impl System {
 
     /// Evaluates residual and Jacobian at `unknowns`.
     pub fn linearize(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
+        self.linearize_all(unknowns, stage);
+        self.matrix.hold(&self.assembly.held);
+    }
+
+    /// The same; returns the Jacobian with the rows of held unknowns.
+    pub(crate) fn linearize_whole(
+        &mut self,
+        unknowns: &[f64],
+        stage: Option<&Stage>,
+    ) -> WholeMatrix {
+        self.linearize_all(unknowns, stage);
+        let whole = self.matrix.whole();
+        self.matrix.hold(&self.assembly.held);
+        whole
+    }
+
+    fn linearize_all(&mut self, unknowns: &[f64], stage: Option<&Stage>) {
         self.begin_evaluation(unknowns, stage);
         self.matrix.clear();
         let parts = self.parts(unknowns, stage);
@@ -318,7 +336,6 @@ impl System {
         }
         self.gather_at_joints(unknowns);
         self.matrix.turn_frames(&self.assembly, unknowns, stage);
-        self.matrix.hold(&self.assembly.held);
     }
 
     fn begin_evaluation(&mut self, unknowns: &[f64], stage: Option<&Stage>) {

@@ -52,6 +52,28 @@ pub(crate) struct NewtonMatrix {
     spin_moment: Vec<f64>,
 }
 
+/// A Jacobian with the rows of held unknowns: the change of what holds them.
+pub(crate) struct WholeMatrix {
+    band: BandedSymmetric,
+    elements: Vec<(Element, ElementMatrix)>,
+}
+
+impl WholeMatrix {
+    /// Its product with changes of all unknowns.
+    pub(crate) fn multiply(&self, changes: &[f64]) -> Vec<f64> {
+        let mut product = vec![0.0; changes.len()];
+        self.band.multiply(changes, &mut product);
+        for (element, matrix) in &self.elements {
+            for (row, &k) in matrix.iter().zip(element).filter(|(_, k)| **k != UNUSED) {
+                let entries = row.iter().zip(element).filter(|(_, k)| **k != UNUSED);
+                let sum: f64 = entries.map(|(entry, &k)| entry * changes[k]).sum();
+                product[k] += sum;
+            }
+        }
+        product
+    }
+}
+
 /// Where a term adds its part of the Jacobian.
 pub(crate) struct Entries<'a> {
     matrix: &'a mut NewtonMatrix,
@@ -312,6 +334,20 @@ impl NewtonMatrix {
                     }
                 }
             }
+        }
+    }
+
+    /// The whole Jacobian, before held unknowns are eliminated.
+    pub(crate) fn whole(&self) -> WholeMatrix {
+        let first = self.permanent.len();
+        let contacts = (self.active.iter())
+            .map(|(index, matrix)| (self.contact_elements[index - first], *matrix));
+        let permanent = self.permanent.iter().copied();
+        WholeMatrix {
+            band: self.band.clone(),
+            elements: (permanent.zip(self.permanent_matrices.iter().copied()))
+                .chain(contacts)
+                .collect(),
         }
     }
 

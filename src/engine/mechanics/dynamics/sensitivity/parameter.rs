@@ -11,7 +11,7 @@ use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::dynamics::state::State;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::rod::topology::position;
-use crate::mechanics::system::{Stage, copy_positions};
+use crate::mechanics::system::{Stage, WholeMatrix, copy_positions};
 
 const OTHER_SHAPE: SensitivityError = SensitivityError::Unsuitable(
     "a parameter of derivatives must leave the numbers of rods, nodes and clamps as they are",
@@ -122,10 +122,13 @@ impl Parameter {
             }
             neighbour.add_velocity(weight, centre, base, &from, step, &mut velocity);
         }
-        let mut change = self.solve(right_hand_side, centre, goal)?;
+        let mut change = self.solve(&right_hand_side, centre, goal)?;
+        let reactions = sum(right_hand_side, &replayed.jacobian.multiply(&change));
         for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
-            let trial = neighbour.along(&replayed.solution, &change, sign * self.step);
+            let away = sign * self.step;
+            let trial = neighbour.along(&replayed.solution, &change, away);
             neighbour.end_like(goal, &trial)?;
+            neighbour.take_reactions(&replayed.residual, &reactions, away);
         }
         if rules.extrapolates() {
             let ends = self.state.unknowns.iter();
@@ -168,6 +171,7 @@ impl Parameter {
         &mut self,
         base: &Simulation,
         centre: &mut Simulation,
+        jacobian: &WholeMatrix,
     ) -> Result<(), SensitivityError> {
         let mut right_hand_side = vec![0.0; base.state.unknowns.len()];
         for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
@@ -184,11 +188,14 @@ impl Parameter {
                 .unknowns
                 .copy_from_slice(held);
         }
-        let change = self.solve(right_hand_side, centre, base.state.time)?;
+        let change = self.solve(&right_hand_side, centre, base.state.time)?;
+        let reactions = sum(right_hand_side, &jacobian.multiply(&change));
         for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
-            let rest = neighbour.along(&base.state.unknowns, &change, sign * self.step);
+            let away = sign * self.step;
+            let rest = neighbour.along(&base.state.unknowns, &change, away);
             neighbour.state.unknowns.copy_from_slice(&rest);
             neighbour.rest_here();
+            neighbour.take_reactions(&centre.system.residual, &reactions, away);
         }
         self.state.rest_at(&change);
         self.state.time = base.state.time;
@@ -199,20 +206,17 @@ impl Parameter {
     /// Solves for the derivatives of the unknowns, those of the prescribed ones from the neighbours.
     fn solve(
         &self,
-        mut right_hand_side: Vec<f64>,
+        right_hand_side: &[f64],
         centre: &mut Simulation,
         time: f64,
     ) -> Result<Vec<f64>, SensitivityError> {
-        right_hand_side
-            .iter_mut()
-            .for_each(|entry| *entry = -*entry);
-        let solved = centre.system.solve(&mut right_hand_side);
-        let is_finite = right_hand_side.iter().all(|entry| entry.is_finite());
-        if solved.is_err() || !is_finite {
+        let mut change: Vec<f64> = right_hand_side.iter().map(|entry| -entry).collect();
+        let solved = centre.system.solve(&mut change);
+        if solved.is_err() || !change.iter().all(|entry| entry.is_finite()) {
             return Err(SensitivityError::Singular { time });
         }
-        self.take_prescribed(&mut right_hand_side);
-        Ok(right_hand_side)
+        self.take_prescribed(&mut change);
+        Ok(change)
     }
 
     /// Takes over the derivatives of prescribed unknowns from those in the workspaces of the neighbours.
@@ -266,6 +270,14 @@ impl Parameter {
         copy_positions(unknowns, &mut vectors);
         vectors
     }
+}
+
+/// Sum of two vectors.
+fn sum(mut one: Vec<f64>, other: &[f64]) -> Vec<f64> {
+    one.iter_mut()
+        .zip(other)
+        .for_each(|(one, other)| *one += other);
+    one
 }
 
 impl Simulation {

@@ -4,7 +4,7 @@ use super::error::SensitivityError;
 use crate::mechanics::dynamics::report::{Exchange, SimulationError};
 use crate::mechanics::dynamics::scheme::{Prediction, TimeScheme};
 use crate::mechanics::dynamics::simulation::Simulation;
-use crate::mechanics::system::Stage;
+use crate::mechanics::system::{Stage, WholeMatrix};
 
 /// Residual over its tolerance up to which a repeated step counts as the same: Newton's method may end with last digits alone.
 const SAME: f64 = 1e3;
@@ -17,6 +17,10 @@ pub(super) struct Replayed {
     pub step: f64,
     /// Unknowns at the end of the stage.
     pub solution: Vec<f64>,
+    /// Its Jacobian.
+    pub jacobian: WholeMatrix,
+    /// The residual there: where unknowns are held, what holds them.
+    pub residual: Vec<f64>,
     /// Contact stiffness k over that from the forces at the prediction, and whether these changed it.
     stiffening: f64,
     adapts: bool,
@@ -50,21 +54,15 @@ impl Replayed {
                 };
             }
         }
-        let replayed = Self {
-            goal,
-            step,
-            solution: solution.clone(),
-            stiffening: if adapted > 0.0 { used / adapted } else { 1.0 },
-            adapts: adapted != before,
-        };
+        let solution = solution.clone();
         let system = &mut centre.system;
         system.restore_contact_stiffness(used);
-        if !system.candidates_are_complete(&replayed.solution) {
-            system.update_candidates(&replayed.solution);
+        if !system.candidates_are_complete(&solution) {
+            system.update_candidates(&solution);
         }
         let tolerance = setting.parameters.force_tolerance;
         system.set_tolerances(tolerance, &centre.state.unknowns, Some(&workspace.stage));
-        system.linearize(&replayed.solution, Some(&workspace.stage));
+        let jacobian = system.linearize_whole(&solution, Some(&workspace.stage));
         // Written so that a number that is none does not pass.
         let is_same = system.imbalance().ratio <= SAME;
         if !is_same {
@@ -75,7 +73,15 @@ impl Replayed {
         }
         let factored = system.factor();
         factored.map_err(|_| SensitivityError::Singular { time: goal })?;
-        Ok(replayed)
+        Ok(Self {
+            goal,
+            step,
+            solution,
+            jacobian,
+            residual: system.residual.clone(),
+            stiffening: if adapted > 0.0 { used / adapted } else { 1.0 },
+            adapts: adapted != before,
+        })
     }
 
     /// Gives a neighbour, whose stiffness was `before` its step, that of the same rule.
@@ -193,8 +199,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Takes over the frames of `base` in its equilibrium and evaluates the residual there: where clamps hold it, by its own.
-    pub(super) fn settle_like(&mut self, base: &Self) {
+    /// Takes over the frames of `base` in its equilibrium and evaluates residual and Jacobian there: where clamps hold it, by its
+    /// own.
+    pub(super) fn settle_like(&mut self, base: &Self) -> WholeMatrix {
         let (system, unknowns) = (&mut self.system, &mut self.state.unknowns);
         unknowns.copy_from_slice(&base.state.unknowns);
         self.state.time = base.state.time;
@@ -203,7 +210,7 @@ impl Simulation {
         system.update_candidates(unknowns);
         system.restore_contact_stiffness(base.system.contact_stiffness());
         system.abandon_multipliers();
-        system.linearize(unknowns, None);
+        system.linearize_whole(unknowns, None)
     }
 
     /// Rests at the present unknowns as in an equilibrium.
@@ -213,6 +220,14 @@ impl Simulation {
         self.system.commit_frames();
         self.state.rest_at(&unknowns);
         self.publish();
+    }
+
+    /// Takes over what holds the unknowns that are held, from the simulation itself and its derivative times a step.
+    pub(super) fn take_reactions(&mut self, of: &[f64], change: &[f64], step: f64) {
+        let own = self.system.residual.iter_mut();
+        for ((own, of), change) in own.zip(of).zip(change) {
+            *own = of + step * change;
+        }
     }
 
     /// Rests where `base` does.

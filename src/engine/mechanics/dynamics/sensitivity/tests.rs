@@ -100,8 +100,8 @@ fn rate(plus: &Simulation, minus: &Simulation, over: f64) -> [Vec<Vector3>; 4] {
 const UNIMPORTANT: f64 = 0.01;
 
 /// Largest error of each observation over the largest derivative of it, or [`UNIMPORTANT`] of its largest value.
-fn errors(course: &Course, scene: OfFactor, difference: f64) -> [f64; 4] {
-    let found = course.differentiate(scene, 2e-5);
+fn errors(course: &Course, scene: OfFactor, bounds: &Bounds) -> [f64; 4] {
+    let found = course.differentiate(scene, bounds.step);
     let [plus, minus] = found.neighbours(0);
     let mut derivatives = rate(plus, minus, 2.0 * found.step(0));
     derivatives[0] = found.positions(0);
@@ -110,7 +110,7 @@ fn errors(course: &Course, scene: OfFactor, difference: f64) -> [f64; 4] {
         let [plus, minus] = [1.0 + h, 1.0 - h].map(|factor| course.run(&scene(factor)));
         rate(&plus, &minus, 2.0 * h)
     };
-    let levels = [1.0, 2.0, 4.0].map(|times| central(times * difference));
+    let levels = [1.0, 2.0, 4.0].map(|times| central(times * bounds.difference));
     let extrapolated = |of: usize, k: usize| {
         let [fine, middle, coarse] = [0, 1, 2].map(|level: usize| levels[level][of][k]);
         let [first, second] = [(fine * 4.0 - middle) / 3.0, (middle * 4.0 - coarse) / 3.0];
@@ -129,15 +129,52 @@ fn errors(course: &Course, scene: OfFactor, difference: f64) -> [f64; 4] {
     })
 }
 
+/// How a derivative is compared.
+struct Bounds {
+    /// ε of the derivative, and the part of the parameter over which whole runs differ.
+    step: f64,
+    difference: f64,
+    /// Largest errors of positions, velocities and frames, and of reactions.
+    motion: f64,
+    reactions: f64,
+}
+
+const EXACT: Bounds = Bounds {
+    step: 2e-5,
+    difference: 2e-3,
+    motion: 1e-7,
+    reactions: 1e-7,
+};
+
+/// Compares with differences over a part of the parameter; errors may be as large as the tolerance.
 #[track_caller]
-fn check(name: &str, course: &Course, scene: OfFactor, tolerance: f64) {
-    let errors = errors(course, scene, 4e-3);
+fn check(name: &str, course: &Course, scene: OfFactor, bounds: &Bounds) {
+    let errors = errors(course, scene, bounds);
     let words = errors.map(|error| format!("{error:.1e}")).join(" ");
     println!("{name:24} {:?} {words}", course.scheme);
-    for (of, error) in errors.into_iter().enumerate() {
-        assert!(error < tolerance, "{name} {course:?} {of}: {error:.2e}");
-    }
+    let of_motion = errors[..3].iter().copied().fold(0.0, f64::max);
+    assert!(of_motion < bounds.motion, "{name} {course:?}: {words}");
+    assert!(errors[3] < bounds.reactions, "{name} {course:?}: {words}");
 }
+
+/// For parameters that matter less.
+const WEAK: Bounds = Bounds {
+    difference: 1e-2,
+    ..EXACT
+};
+
+/// For dashpots: a rounding error of the length of an edge at the start of a step is one of EA T/H in the force.
+const DAMPED: Bounds = Bounds {
+    step: 1e-4,
+    reactions: 2e-5,
+    ..WEAK
+};
+
+/// For contacts, whose stiffness has switches at some distance.
+const RUBBING: Bounds = Bounds {
+    difference: 5e-4,
+    ..EXACT
+};
 
 /// Changes of single parameters by a factor.
 type Change = (&'static str, fn(&mut Scene, f64));
@@ -189,23 +226,23 @@ fn changed(scene: &Scene, change: fn(&mut Scene, f64), factor: f64) -> Scene {
 }
 
 #[track_caller]
-fn check_all(course: &Course, scene: &Scene, changes: &[Change], tolerance: f64) {
+fn check_all(course: &Course, scene: &Scene, changes: &[Change], bounds: &Bounds) {
     for (name, change) in changes {
         let of = |factor: f64| changed(scene, *change, factor);
-        check(name, course, &of, tolerance);
+        check(name, course, &of, bounds);
     }
 }
 
 #[test]
 fn equilibria_of_a_cantilever() {
-    check_all(&REST, &cantilever(), &OF_RODS, 1e-7);
+    check_all(&REST, &cantilever(), &OF_RODS, &EXACT);
 }
 
 #[test]
 fn swings_of_a_cantilever_by_every_scheme() {
     for scheme in SCHEMES {
         let course = Course::moves(scheme, 2e-3, 30);
-        check_all(&course, &cantilever(), &OF_RODS, 1e-7);
+        check_all(&course, &cantilever(), &OF_RODS, &EXACT);
     }
 }
 
@@ -219,7 +256,7 @@ fn consistent_inertia_and_a_motion_from_equilibrium() {
             settles: true,
             ..Course::moves(scheme, 2e-3, 30)
         };
-        check_all(&course, &scene, &OF_RODS, 1e-7);
+        check_all(&course, &scene, &OF_RODS, &EXACT);
     }
 }
 
@@ -257,8 +294,8 @@ fn frames_of_a_twisted_rod_with_a_moving_clamp() {
     ];
     for scheme in SCHEMES {
         let course = Course::moves(scheme, 2e-3, 30);
-        check_all(&course, &twisted(), &motions, 1e-7);
-        check_all(&course, &twisted(), &OF_RODS[..5], 1e-7);
+        check_all(&course, &twisted(), &motions, &EXACT);
+        check_all(&course, &twisted(), &OF_RODS[..5], &EXACT);
     }
 }
 
@@ -289,7 +326,7 @@ fn drag_viscosity_and_relaxation() {
     ];
     for scheme in [Scheme::ImplicitEuler, Scheme::BackwardDifferences] {
         let course = Course::moves(scheme, 2e-3, 30);
-        check_all(&course, &scene, &changes, 1e-7);
+        check_all(&course, &scene, &changes, &DAMPED);
     }
 }
 
@@ -310,7 +347,7 @@ fn springs_and_local_drag_of_a_fluid() {
     ];
     for scheme in SCHEMES {
         let course = Course::moves(scheme, 2e-3, 30);
-        check_all(&course, &scene, &changes, 1e-7);
+        check_all(&course, &scene, &changes, &WEAK);
     }
 }
 
@@ -348,7 +385,7 @@ fn friction_on_the_ground() {
     ];
     for model in SOFT_MODELS {
         let course = Course::moves(Scheme::ImplicitEuler, 2e-3, 30);
-        check_all(&course, &pulled(model), &changes, 1e-5);
+        check_all(&course, &pulled(model), &changes, &RUBBING);
     }
 }
 
