@@ -49,6 +49,7 @@ pages! {
     time
     exit_codes
     sweeps
+    sensitivity
     cluster
     equilibria
     knots

@@ -11,7 +11,7 @@ use rodlab_engine::mechanics::dynamics::Simulation;
 /// h over the size of a value.
 const RELATIVE_STEP: f64 = 1e-3;
 /// The same over ε, for values that are 0.
-const STEPS: f64 = 50.0;
+const STEPS: f64 = 1e3;
 
 /// Derivatives of the probes at the end of a run, by differences of four runs for each key: a list for each key.
 ///

@@ -71,7 +71,7 @@ impl<'a> Problem<'a> {
         };
         for key in keys {
             let key = key.trim();
-            let value = loaded.number(key).ok_or_else(|| no_number(key))?;
+            let value = loaded.number(key).ok_or_else(|| no_number(source, key))?;
             let step = match value {
                 0.0 => FIRST_STEP,
                 _ => RELATIVE_STEP * value.abs(),
@@ -232,14 +232,15 @@ impl<'a> Problem<'a> {
     }
 }
 
-fn no_number(key: &str) -> SensitivityError {
-    let reason = match experiment::explain(key) {
-        Err(message) if !key.starts_with("parameters.") => message,
-        _ => "it is not set to a number, and has none by default; set it by --set".to_owned(),
-    };
-    SensitivityError::Key {
-        key: key.to_owned(),
-        reason,
+/// The fault of a key at which there is no number: those of unknown keys are found by setting them.
+fn no_number(source: Source<'_>, key: &str) -> SensitivityError {
+    match source(&[format!("{key}=1.0")]) {
+        Err(error) => error.into(),
+        Ok(_) => SensitivityError::Key {
+            key: key.to_owned(),
+            reason: "it is not set to a number, and none is its default; set it by --set"
+                .to_owned(),
+        },
     }
 }
 
