@@ -16,7 +16,7 @@ const WIDEST_HELP: usize = 100;
 const LONGEST_SHORT_HELP: usize = 40;
 
 /// Lines of the overview, which has a line for each of 35 commands.
-const LONGEST_OVERVIEW: usize = 45;
+const LONGEST_OVERVIEW: usize = 46;
 
 /// A text and where it stands.
 struct Text {

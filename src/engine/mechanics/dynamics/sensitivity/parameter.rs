@@ -105,7 +105,7 @@ impl Parameter {
             let weight = sign / (2.0 * self.step);
             let before = neighbour.system.contact_stiffness();
             neighbour.begin_like(goal)?;
-            replayed.stiffen(neighbour, before);
+            replayed.stiffen(neighbour, before)?;
             let from = neighbour.stage_from(centre, step);
             let mut at = replayed.solution.clone();
             let held = &neighbour.system.assembly.held;

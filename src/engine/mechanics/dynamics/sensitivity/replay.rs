@@ -8,6 +8,8 @@ use crate::mechanics::system::{Stage, WholeMatrix};
 
 /// Residual over its tolerance up to which a repeated step counts as the same: Newton's method may end with last digits alone.
 const SAME: f64 = 1e3;
+/// Change of the contact stiffness, over itself, between neighbours from which on it is a switch: it doubles or halves.
+const SWITCH: f64 = 0.1;
 
 /// A step of the simulation that the centre has repeated: its Newton matrix is factored.
 pub(super) struct Replayed {
@@ -21,7 +23,8 @@ pub(super) struct Replayed {
     pub jacobian: WholeMatrix,
     /// The residual there: where unknowns are held, what holds them.
     pub residual: Vec<f64>,
-    /// Contact stiffness k over that from the forces at the prediction, and whether these changed it.
+    /// Contact stiffness k, its ratio to that from the forces at the prediction, and whether these changed it.
+    stiffness: f64,
     stiffening: f64,
     adapts: bool,
 }
@@ -79,19 +82,35 @@ impl Replayed {
             solution,
             jacobian,
             residual: system.residual.clone(),
+            stiffness: used,
             stiffening: if adapted > 0.0 { used / adapted } else { 1.0 },
             adapts: adapted != before,
         })
     }
 
     /// Gives a neighbour, whose stiffness was `before` its step, that of the same rule.
-    pub(super) fn stiffen(&self, neighbour: &mut Simulation, before: f64) {
+    ///
+    /// # Errors
+    /// [`SensitivityError::NotRepeated`] where its forces switch to another stiffness than those of the simulation.
+    pub(super) fn stiffen(
+        &self,
+        neighbour: &mut Simulation,
+        before: f64,
+    ) -> Result<(), SensitivityError> {
         let system = &mut neighbour.system;
         let adapted = match self.adapts {
             true => system.contact_stiffness(),
             false => before,
         };
-        system.restore_contact_stiffness(self.stiffening * adapted);
+        let stiffness = self.stiffening * adapted;
+        if (stiffness - self.stiffness).abs() > SWITCH * self.stiffness {
+            return Err(SensitivityError::NotRepeated {
+                time: self.goal,
+                reason: "the contact stiffness switches there",
+            });
+        }
+        system.restore_contact_stiffness(stiffness);
+        Ok(())
     }
 }
 
@@ -134,10 +153,9 @@ impl Simulation {
             velocity: stage.velocity.clone(),
         };
         let turning = self.system.assembly.steady_turning();
-        let positions = std::mem::take(&mut stage.positions);
-        stage.positions = positions.clone();
-        self.rules()
-            .begin(step, &other.state, turning, &mut stage, &mut prediction);
+        let positions = stage.positions.clone();
+        let rules = self.rules();
+        rules.begin(step, &other.state, turning, &mut stage, &mut prediction);
         // Contact rubs against where the nodes of this simulation were.
         stage.positions = positions;
         stage
