@@ -166,3 +166,37 @@ fn the_examples_of_the_guide_run() {
         assert_eq!(printed.contains("ended early"), name == "moving");
     }
 }
+
+#[test]
+fn sensitivities_are_printed_checked_and_written() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    fs::write(path.join("beam.toml"), BEAM).unwrap();
+    let to = "material.youngs_modulus,material.density";
+    let common = ["sensitivity", "beam.toml", "--of", "tip_z_m", "--to", to];
+    let text = rodlab(path, &[&common[..], &["--check", "--out", "out"]].concat());
+    for word in [
+        "in equilibrium",
+        "tip_z_m = ",
+        "material.density",
+        "kg/m",
+        "by differences",
+    ] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    // The shape depends on the ratio of density and modulus alone.
+    let table = path.join("out/sensitivity.csv");
+    let by_modulus = column(&table, "d_tip_z_m_d_material.youngs_modulus");
+    let by_density = column(&table, "d_tip_z_m_d_material.density");
+    let sum = 1e7 * by_modulus[0] + 1000.0 * by_density[0];
+    assert!(sum.abs() < 1e-7 * (1000.0 * by_density[0]).abs(), "{sum}");
+    let json = rodlab(path, &[&common[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let first = &json["columns"][0]["derivatives"][0];
+    assert_eq!(first["derivative"], by_modulus[0]);
+    let mut wrong = Command::cargo_bin("rodlab").unwrap();
+    let wrong = wrong.current_dir(path);
+    let wrong = wrong.args(["sensitivity", "beam.toml", "--of", "top", "--to", to]);
+    let fault = String::from_utf8(wrong.assert().code(2).get_output().stderr.clone()).unwrap();
+    assert!(fault.contains("`top`") && fault.contains("tip"), "{fault}");
+}
