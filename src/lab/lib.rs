@@ -6,6 +6,7 @@
 //! | [`experiment`] | one folder per kind of experiment: its keys, scene, observers, figures; the list of kinds |
 //! | [`run`] | the run loop on a results directory |
 //! | [`sweep`] | many cases |
+//! | [`identify`] | keys of scenarios from measurements, with error bars |
 //! | [`report`] | figures and pages of a results directory |
 //! | [`sensitivity`] | derivatives of what a scenario measures over its keys |
 //! | [`cluster`] | Slurm job arrays |
@@ -15,6 +16,7 @@
 
 pub mod cluster;
 pub mod experiment;
+pub mod identify;
 pub mod report;
 pub mod run;
 pub mod scenario;

@@ -179,6 +179,11 @@ impl Loaded {
             .or_else(|| number_at(&resolved?, key))
     }
 
+    /// The document after expansion.
+    pub(super) fn document(&self) -> &Node {
+        &self.document
+    }
+
     /// Number of tables of each array with copies, before expansion and after.
     pub fn copied(&self) -> Vec<Copied> {
         self.origins.copied()

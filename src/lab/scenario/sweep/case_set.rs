@@ -360,6 +360,34 @@ impl CaseSet {
         self.resolved(index, Some(number))
     }
 
+    /// The number of a dotted key, in SI units, as the scenario states it or its expression gives it; `None` where it states none.
+    ///
+    /// # Errors
+    /// Faults of the first case.
+    pub fn number(&self, key: &str) -> Result<Option<f64>, ScenarioError> {
+        let steps = self.steps_of(key).join(".");
+        let stated = number_at(&self.document, &steps);
+        if stated.is_some() || steps.starts_with("parameters.") {
+            return Ok(stated);
+        }
+        let loaded = self.scenario_of(0)?;
+        Ok(number_at(loaded.document(), &steps))
+    }
+
+    /// The scenario of the first case with other numbers, in SI units, at dotted keys.
+    ///
+    /// # Errors
+    /// All its faults.
+    pub fn scenario_with(&self, numbers: &[(&str, f64)]) -> Result<Loaded, ScenarioError> {
+        let mut document = self.document.clone();
+        let mut sources = self.sources.clone();
+        for (key, number) in numbers {
+            let text = format!("{key}={number:?}");
+            overrides::apply(&mut sources, &mut document, &text)?;
+        }
+        load::finish(self.experiments, &self.name, sources, document)
+    }
+
     fn resolved(&self, index: usize, searched: Option<f64>) -> Result<Loaded, ScenarioError> {
         let mut document = self.document.clone();
         for (axis, point) in self.axes.iter().zip(self.position(index)) {
@@ -388,6 +416,18 @@ impl CaseSet {
             Located::new(&self.sources, issue, Some(swept.span.clone())).into()
         })
     }
+}
+
+/// The number at a dotted key of a document, in SI units.
+fn number_at(document: &Node, key: &str) -> Option<f64> {
+    let mut node = document;
+    for step in key.split('.') {
+        node = match &node.value {
+            Value::Array(elements) => elements.get(step.parse::<usize>().ok()?)?,
+            _ => &node.entry(step)?.node,
+        };
+    }
+    Parameter::new(key, &node.value).number
 }
 
 /// The fault of varying the key at `steps` beside another, if any.

@@ -1,0 +1,164 @@
+//! The files of an identification.
+
+use super::error::IdentifyError;
+use super::figure::residuals_figure;
+use super::identified::Identified;
+use super::problem::Experiment;
+use crate::experiment;
+use crate::run::PreparedRun;
+use libm::cbrt;
+use rodlab_files::figure::Paper;
+use rodlab_files::results::{ResultsError, write_whole};
+use serde::Serialize;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The result with correlations and remarks.
+pub const IDENTIFIED: &str = "identified.json";
+/// A row for each key.
+pub const PARAMETERS: &str = "parameters.csv";
+/// A row for each measured number.
+pub const RESIDUALS: &str = "residuals.csv";
+/// The residuals as a figure.
+pub const RESIDUALS_FIGURE: &str = "residuals.svg";
+/// The first scenario with the estimates.
+pub const FITTED: &str = "fitted.toml";
+/// Its rod, for `--rod`.
+pub const ROD: &str = "rod.toml";
+/// Acceleration of free fall in the gravito-bending length, m/s².
+const GRAVITY: f64 = 9.81;
+
+#[derive(Serialize)]
+struct Row<'a> {
+    key: &'a str,
+    value: f64,
+    unit: &'a str,
+    standard_error: Option<f64>,
+    low_95: Option<f64>,
+    high_95: Option<f64>,
+    start: f64,
+}
+
+#[derive(Serialize)]
+struct RodTable {
+    title: String,
+    deployment: DeploymentTable,
+}
+
+#[derive(Serialize)]
+struct DeploymentTable {
+    rod: LaidRodTable,
+}
+
+#[derive(Serialize)]
+struct LaidRodTable {
+    gravito_bending_length: f64,
+    radius: f64,
+    length: f64,
+    density: f64,
+}
+
+/// Writes all files into a directory, which is made if it is missing, each whole or not at all. Returns their paths.
+///
+/// # Errors
+/// A file that cannot be written, and faults of the first scenario at the estimates.
+pub fn write(
+    directory: &Path,
+    identified: &Identified,
+    experiments: &[Experiment],
+) -> Result<Vec<PathBuf>, IdentifyError> {
+    let io = |path: &Path, source: io::Error| ResultsError::Io {
+        action: "write",
+        path: path.to_owned(),
+        source,
+    };
+    std::fs::create_dir_all(directory).map_err(|error| io(directory, error))?;
+    let json = serde_json::to_vec_pretty(identified);
+    let json = json.map_err(|error| io(&directory.join(IDENTIFIED), error.into()))?;
+    let rows = identified.parameters.iter().map(|one| Row {
+        key: &one.key,
+        value: one.value,
+        unit: &one.unit,
+        standard_error: one.standard_error,
+        low_95: one.interval_95.map(|interval| interval[0]),
+        high_95: one.interval_95.map(|interval| interval[1]),
+        start: one.start,
+    });
+    let mut files = vec![
+        (IDENTIFIED, json),
+        (
+            PARAMETERS,
+            table(rows).map_err(|error| io(&directory.join(PARAMETERS), error))?,
+        ),
+        (
+            RESIDUALS,
+            table(identified.residuals.iter())
+                .map_err(|error| io(&directory.join(RESIDUALS), error))?,
+        ),
+        (
+            RESIDUALS_FIGURE,
+            residuals_figure(identified)
+                .svg(&Paper::default())
+                .into_bytes(),
+        ),
+    ];
+    if let Some(first) = experiments.first() {
+        let fitted = fitted(first, identified)?;
+        files.push((FITTED, fitted.scenario_toml.clone().into_bytes()));
+        if let Some(rod) = rod_file(&fitted) {
+            files.push((ROD, rod.into_bytes()));
+        }
+    }
+    let mut paths = Vec::new();
+    for (name, bytes) in files {
+        let path = directory.join(name);
+        write_whole(&path, &bytes)?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+fn table(rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, io::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row).map_err(io::Error::other)?;
+    }
+    writer.into_inner().map_err(|error| error.into_error())
+}
+
+/// The run of an experiment with the estimates.
+fn fitted(experiment: &Experiment, identified: &Identified) -> Result<PreparedRun, IdentifyError> {
+    let parameters = identified.parameters.iter();
+    let numbers: Vec<(&str, f64)> = parameters
+        .map(|one| (one.key.as_str(), one.value))
+        .collect();
+    let loaded = experiment.scenario.scenario_with(&numbers)?;
+    Ok(experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?)
+}
+
+/// The file of the only rod of a scene, with its gravito-bending length L_gb = (EI/(2 ρ g A))^(1/3), for `--rod`.
+fn rod_file(prepared: &PreparedRun) -> Option<String> {
+    let [rod] = prepared.scene.rods.as_slice() else {
+        return None;
+    };
+    let area = std::f64::consts::PI * rod.radius * rod.radius;
+    let length: f64 = rod
+        .centreline
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).norm())
+        .sum();
+    let [one, other] = rod.stiffness.bending;
+    let softer = one.min(other);
+    let table = RodTable {
+        title: prepared.title.clone(),
+        deployment: DeploymentTable {
+            rod: LaidRodTable {
+                gravito_bending_length: cbrt(softer / (2.0 * rod.mass_per_length * GRAVITY)),
+                radius: rod.radius,
+                length,
+                density: rod.mass_per_length / area,
+            },
+        },
+    };
+    toml::to_string(&table).ok()
+}

@@ -1,0 +1,508 @@
+//! What a simulation predicts for measured numbers.
+//!
+//! A point of a rod at an arc length between nodes is interpolated by the cubic polynomial through the four nearest nodes,
+//! whose error is of fourth order in the edge length. The arc length counts along the placed rod.
+//!
+//! Derived columns: `critical_parameter` is the first fold or bifurcation of a path of equilibria (`time.mode =
+//! "continuation"`). `frequency_1_hz`, `frequency_2_hz`, ... are the natural frequencies of small vibrations about an
+//! equilibrium, f = ω/2π with K v = ω² M v, from the lowest.
+
+use super::data::{At, DataFile, Datum, Measured, Place};
+use super::error::IdentifyError;
+use crate::run::{LiveRun, Mode, PreparedRun};
+use nalgebra::SymmetricEigen;
+use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_engine::mechanics::scene::RodDescription;
+use rodlab_engine::mechanics::statics::PointKind;
+use std::f64::consts::TAU;
+
+/// The column of the first critical point of a path.
+pub const CRITICAL: &str = "critical_parameter";
+/// Most natural frequencies that are compared.
+const MOST_FREQUENCIES: usize = 20;
+/// Most free unknowns of a scene whose natural frequencies are computed, by dense matrices.
+const MOST_UNKNOWNS: usize = 1500;
+/// Times that differ by less than this part are equal.
+const SAME_TIME: f64 = 1e-9;
+
+/// How the number of a datum follows from a simulation.
+enum Reading {
+    /// A weighted sum of a coordinate of nodes.
+    Coordinate {
+        weights: Vec<(usize, f64)>,
+        axis: usize,
+    },
+    /// A column of the observers, by its number.
+    Column(usize),
+    /// The critical parameter.
+    Critical,
+    /// A natural frequency, from 0.
+    Frequency(usize),
+}
+
+/// Why a simulation gave no prediction.
+pub enum Unpredicted {
+    /// It failed.
+    Failed(SimulationError),
+    /// The caller asked to stop.
+    Stopped,
+    /// It has no value for a measured number: the number of the file and of the datum in it, and why.
+    NoValue(usize, usize, String),
+}
+
+impl From<SimulationError> for Unpredicted {
+    fn from(error: SimulationError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// All data of an experiment, matched with its scene.
+pub struct Observation {
+    readings: Vec<Reading>,
+    times: Vec<Option<f64>>,
+    /// The file of each datum, and its number in the file.
+    origins: Vec<(usize, usize)>,
+}
+
+impl Observation {
+    /// Matches files with the scene of a run.
+    ///
+    /// # Errors
+    /// The first datum that does not fit, with its line and what is allowed.
+    pub fn new(prepared: &PreparedRun, files: &[DataFile]) -> Result<Self, IdentifyError> {
+        let mut observation = Self {
+            readings: Vec::new(),
+            times: Vec::new(),
+            origins: Vec::new(),
+        };
+        for (number, file) in files.iter().enumerate() {
+            for (index, datum) in file.data.iter().enumerate() {
+                let fault = |message: String| IdentifyError::Row {
+                    file: file.path.clone(),
+                    line: datum.line,
+                    message,
+                };
+                observation
+                    .readings
+                    .push(reading(prepared, datum).map_err(fault)?);
+                observation
+                    .times
+                    .push(time_of(prepared, file, datum).map_err(fault)?);
+                observation.origins.push((number, index));
+            }
+        }
+        Ok(observation)
+    }
+
+    /// Runs the simulation and returns the predicted numbers, in the order of the files.
+    pub fn predict(
+        &self,
+        prepared: &PreparedRun,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Result<Vec<f64>, Unpredicted> {
+        let mut run = LiveRun::new(prepared)?;
+        let mut values = vec![f64::NAN; self.readings.len()];
+        match prepared.mode {
+            Mode::Static => {
+                if run.find_equilibrium(goes_on)?.is_none() {
+                    return Err(Unpredicted::Stopped);
+                }
+                let all: Vec<usize> = (0..values.len()).collect();
+                self.read(&mut run, &all, &mut values)?;
+            }
+            Mode::Continuation(plan) => {
+                let critical = critical_parameter(&mut run, plan, goes_on)?;
+                let missing = || {
+                    let reason =
+                        "the path has no fold and no bifurcation; extend it by continuation.to";
+                    Unpredicted::NoValue(0, 0, reason.to_owned())
+                };
+                values.fill(critical.ok_or_else(missing)?);
+            }
+            Mode::Dynamic { .. } => {
+                let mut order: Vec<usize> = (0..values.len()).collect();
+                let time = |index: usize| self.times[index].unwrap_or(0.0);
+                order.sort_by(|one, other| time(*one).total_cmp(&time(*other)));
+                for together in order.chunk_by(|one, other| is_same(time(*one), time(*other))) {
+                    let until = time(together[0]);
+                    while run.simulation.time() < until && !is_same(run.simulation.time(), until) {
+                        if !goes_on() || run.advance(until, goes_on)?.is_none() {
+                            return Err(Unpredicted::Stopped);
+                        }
+                    }
+                    self.read(&mut run, together, &mut values)?;
+                }
+            }
+        }
+        Ok(values)
+    }
+
+    /// Reads the data of the given numbers at the present state.
+    fn read(
+        &self,
+        run: &mut LiveRun,
+        which: &[usize],
+        values: &mut [f64],
+    ) -> Result<(), Unpredicted> {
+        let is_column = |index: &&usize| matches!(self.readings[**index], Reading::Column(_));
+        let columns = match which.iter().find(is_column) {
+            Some(_) => run.measure()?,
+            None => Vec::new(),
+        };
+        let is_frequency = |index: &&usize| matches!(self.readings[**index], Reading::Frequency(_));
+        let frequencies = match which.iter().find(is_frequency) {
+            Some(_) => natural_frequencies(run),
+            None => Vec::new(),
+        };
+        for &index in which {
+            let value = match &self.readings[index] {
+                Reading::Coordinate { weights, axis } => {
+                    let positions = run.simulation.positions();
+                    let parts = weights
+                        .iter()
+                        .map(|(node, weight)| weight * positions[*node][*axis]);
+                    Some(parts.sum())
+                }
+                Reading::Column(number) => columns[*number].1.number(),
+                Reading::Frequency(number) => frequencies.get(*number).copied(),
+                Reading::Critical => None,
+            };
+            let (file, datum) = self.origins[index];
+            values[index] = value.filter(|value| value.is_finite()).ok_or_else(|| {
+                let reason = "the simulation has no value for this row; forces have none at time 0 of a motion, moments none at free ends, frequencies none where an equilibrium is unstable";
+                Unpredicted::NoValue(file, datum, reason.to_owned())
+            })?;
+        }
+        Ok(())
+    }
+}
+
+fn is_same(one: f64, other: f64) -> bool {
+    (one - other).abs() <= SAME_TIME * one.abs().max(other.abs())
+}
+
+/// The time of a datum, checked against the run.
+fn time_of(prepared: &PreparedRun, file: &DataFile, datum: &Datum) -> Result<Option<f64>, String> {
+    match (prepared.mode, datum.time) {
+        (Mode::Dynamic { end }, Some(time)) => {
+            let inside = (0.0..=end).contains(&time) || is_same(time, end);
+            inside.then_some(Some(time.min(end))).ok_or_else(|| {
+                format!("the time {time} s is outside of the run; allowed: 0 to {end} s (time.end)")
+            })
+        }
+        (Mode::Dynamic { .. }, None) => {
+            Err("the time is missing; a motion needs a column `time_s`".to_owned())
+        }
+        (_, Some(time)) => match file.data[0].time == Some(time) {
+            true => Ok(None),
+            false => Err(format!(
+                "the time {time} s differs from that of the first row; an equilibrium has one time, or no column `time_s`"
+            )),
+        },
+        (_, None) => Ok(None),
+    }
+}
+
+/// How the number of a datum follows from the scene.
+fn reading(prepared: &PreparedRun, datum: &Datum) -> Result<Reading, String> {
+    let is_path = matches!(prepared.mode, Mode::Continuation(_));
+    match &datum.measured {
+        Measured::Column(name) if name == CRITICAL => match is_path {
+            true => Ok(Reading::Critical),
+            false => Err(format!(
+                "`{CRITICAL}` needs a path of equilibria: time.mode = \"continuation\""
+            )),
+        },
+        _ if is_path => Err(format!(
+            "along a path of equilibria (time.mode = \"continuation\") only `{CRITICAL}` is compared"
+        )),
+        Measured::Coordinate { place, axis } => Ok(Reading::Coordinate {
+            weights: weights(prepared, place)?,
+            axis: *axis,
+        }),
+        Measured::Column(name) => match frequency_of(name) {
+            Some(number) => frequency(prepared, number),
+            None => column(prepared, name),
+        },
+    }
+}
+
+fn column(prepared: &PreparedRun, name: &str) -> Result<Reading, String> {
+    let columns: Vec<String> = prepared
+        .observers
+        .iter()
+        .flat_map(|one| one.columns())
+        .collect();
+    let number = columns.iter().position(|column| column == name);
+    number.map(Reading::Column).ok_or_else(|| {
+        let known = match columns.is_empty() {
+            true => "the scenario has no [[probes]]".to_owned(),
+            false => format!("the probes have: {}", columns.join(", ")),
+        };
+        format!(
+            "no probe has the column `{name}`; {known}; allowed, too: {CRITICAL}, frequency_1_hz, frequency_2_hz, ..."
+        )
+    })
+}
+
+/// The number of a natural frequency, from 0, if a column names one.
+fn frequency_of(name: &str) -> Option<usize> {
+    let number = name.strip_prefix("frequency_")?.strip_suffix("_hz")?;
+    number
+        .parse()
+        .ok()
+        .and_then(|number: usize| number.checked_sub(1))
+}
+
+fn frequency(prepared: &PreparedRun, number: usize) -> Result<Reading, String> {
+    if prepared.mode != Mode::Static {
+        return Err("natural frequencies need an equilibrium: time.mode = \"static\"".to_owned());
+    }
+    let nodes: usize = prepared
+        .scene
+        .rods
+        .iter()
+        .map(|rod| rod.centreline.len())
+        .sum();
+    if 4 * nodes > MOST_UNKNOWNS {
+        return Err(format!(
+            "natural frequencies of {nodes} nodes take too long; allowed: at most {}",
+            MOST_UNKNOWNS / 4
+        ));
+    }
+    match number < MOST_FREQUENCIES {
+        true => Ok(Reading::Frequency(number)),
+        false => Err(format!(
+            "natural frequencies are counted from 1; allowed: 1 to {MOST_FREQUENCIES}"
+        )),
+    }
+}
+
+/// The nodes, counted over the scene, whose weighted positions give a place.
+fn weights(prepared: &PreparedRun, place: &Place) -> Result<Vec<(usize, f64)>, String> {
+    let rods = &prepared.scene.rods;
+    let names = || {
+        rods.iter()
+            .map(|rod| rod.name.as_str())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let index = match &place.rod {
+        Some(name) => {
+            let found = rods.iter().position(|rod| rod.name == *name);
+            found.ok_or_else(|| format!("no rod is called `{name}`; the rods are: {}", names()))?
+        }
+        None if rods.len() == 1 => 0,
+        None => {
+            return Err(format!(
+                "the column `rod` is missing; the rods are: {}",
+                names()
+            ));
+        }
+    };
+    let first: usize = rods[..index].iter().map(|rod| rod.centreline.len()).sum();
+    let rod = &rods[index];
+    let count = rod.centreline.len();
+    let own = match place.at {
+        At::Node(node) if node < count => vec![(node, 1.0)],
+        At::Node(node) => {
+            return Err(format!(
+                "there is no node {node}; `{}` has nodes 0 to {}",
+                rod.name,
+                count - 1
+            ));
+        }
+        At::ArcLength(length) => interpolated(rod, length)?,
+        At::Part(part) => {
+            let lengths = arc_lengths(rod);
+            interpolated(rod, part * lengths[lengths.len() - 1])?
+        }
+    };
+    Ok(own
+        .into_iter()
+        .map(|(node, weight)| (first + node % count, weight))
+        .collect())
+}
+
+/// Arc lengths of the nodes of a placed rod, m; a closed one ends with its first node again.
+fn arc_lengths(rod: &RodDescription) -> Vec<f64> {
+    let points = &rod.centreline;
+    let edges = points.len() - usize::from(!rod.closed);
+    let mut lengths = vec![0.0];
+    for edge in 0..edges {
+        let last = lengths[lengths.len() - 1];
+        lengths.push(last + (points[(edge + 1) % points.len()] - points[edge]).norm());
+    }
+    lengths
+}
+
+/// Weights of Lagrange's polynomial through the four nodes about an arc length, m.
+fn interpolated(rod: &RodDescription, length: f64) -> Result<Vec<(usize, f64)>, String> {
+    let lengths = arc_lengths(rod);
+    let whole = lengths[lengths.len() - 1];
+    // Measured lengths may exceed the end by round-off.
+    if !(-1e-6 * whole..=(1.0 + 1e-6) * whole).contains(&length) {
+        return Err(format!(
+            "the arc length {length} m is beyond `{}`; allowed: 0 to {whole} m",
+            rod.name
+        ));
+    }
+    let order = lengths.len().min(4);
+    let after = lengths.partition_point(|node| *node <= length);
+    let start = after.saturating_sub(2).min(lengths.len() - order);
+    let nodes = start..start + order;
+    let weight = |node: usize| {
+        let others = nodes.clone().filter(|other| *other != node);
+        let factor = |other: usize| (length - lengths[other]) / (lengths[node] - lengths[other]);
+        others.map(factor).product()
+    };
+    Ok(nodes.clone().map(|node| (node, weight(node))).collect())
+}
+
+/// Parameter of the first point of a path at which stability changes.
+fn critical_parameter(
+    run: &mut LiveRun,
+    plan: rodlab_engine::mechanics::statics::PathPlan,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<Option<f64>, Unpredicted> {
+    let mut path = run.simulation.path(plan)?;
+    while let Some(point) = run.simulation.next_point(&mut path)? {
+        if point.kind != PointKind::Regular {
+            return Ok(Some(point.parameter));
+        }
+        if !goes_on() {
+            return Err(Unpredicted::Stopped);
+        }
+    }
+    Ok(None)
+}
+
+/// Natural frequencies of small vibrations, Hz, from the lowest; none where the equilibrium is unstable.
+fn natural_frequencies(run: &mut LiveRun) -> Vec<f64> {
+    let mass = run.simulation.mass_matrix();
+    let stiffness = run.simulation.stiffness_matrix();
+    let Some(root) = mass.cholesky() else {
+        return Vec::new();
+    };
+    let Some(half) = root.l().solve_lower_triangular(&stiffness) else {
+        return Vec::new();
+    };
+    let Some(reduced) = root.l().solve_lower_triangular(&half.transpose()) else {
+        return Vec::new();
+    };
+    let symmetric = 0.5 * (&reduced + reduced.transpose());
+    let mut squares: Vec<f64> = SymmetricEigen::new(symmetric)
+        .eigenvalues
+        .iter()
+        .copied()
+        .collect();
+    squares.sort_by(f64::total_cmp);
+    if squares.first().is_none_or(|lowest| *lowest < 0.0) {
+        return Vec::new();
+    }
+    squares.iter().map(|square| square.sqrt() / TAU).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_support::prepared;
+
+    const BEAM: &str = include_str!("../../../scenarios/heavy_cantilever.toml");
+
+    fn observed(scenario: &str, data: &str) -> Result<Vec<f64>, String> {
+        let prepared = prepared("beam", scenario)?;
+        let file = DataFile::from_text("beam.csv".as_ref(), data, &Default::default());
+        let files = [file.map_err(|error| error.to_string())?];
+        let observation = Observation::new(&prepared, &files).map_err(|error| error.to_string())?;
+        observation
+            .predict(&prepared, &|| true)
+            .map_err(|error| match error {
+                Unpredicted::Failed(error) => error.to_string(),
+                Unpredicted::Stopped => "stopped".into(),
+                Unpredicted::NoValue(_, _, reason) => reason,
+            })
+    }
+
+    #[test]
+    fn arc_lengths_between_nodes_are_interpolated_with_fourth_order() {
+        let error = |edges: usize| {
+            let text = BEAM.replace("edges = 50", &format!("edges = {edges}"));
+            let at = observed(&text, "arc_length_m,x_m\n0.45,0\n").unwrap()[0];
+            let finer = observed(
+                &text.replace(
+                    &format!("edges = {edges}"),
+                    &format!("edges = {}", 20 * edges / 10),
+                ),
+                "arc_length_m,x_m\n0.45,0\n",
+            )
+            .unwrap()[0];
+            (at - finer).abs()
+        };
+        // 0.45 m is between nodes of 10 edges, and a node of 20: the error of the discrete rod itself is of second order.
+        assert!(
+            error(10) < 2e-3 && error(20) < 0.3 * error(10),
+            "{} {}",
+            error(10),
+            error(20)
+        );
+    }
+
+    #[test]
+    fn the_lowest_frequency_of_a_light_cantilever_is_that_of_theory() {
+        let text = BEAM.replace("acceleration = [0, 0, -9.81]", "acceleration = [0, 0, 0]");
+        let frequency = observed(&text, "frequency_1_hz\n0\n").unwrap()[0];
+        // f = 1.8751² / 2π · √(EI/ρA) / L², with EI/ρA = E r²/4ρ.
+        let theory = 1.875_104_068_7_f64.powi(2) / TAU * (1e8 * 25e-6 / 4e3_f64).sqrt();
+        assert!(
+            (frequency / theory - 1.0).abs() < 1e-3,
+            "{frequency} {theory}"
+        );
+    }
+
+    #[test]
+    fn data_that_do_not_fit_name_the_line_and_what_is_allowed() {
+        let moving = BEAM.replace("mode = \"static\"", "step = 1e-2\nend = 1.0");
+        for (scenario, data, expected) in [
+            (
+                BEAM,
+                "rod,node,x_m\nbar,0,1\n",
+                "beam.csv, line 2: no rod is called `bar`; the rods are: beam",
+            ),
+            (
+                BEAM,
+                "node,x_m\n51,1\n",
+                "line 2: there is no node 51; `beam` has nodes 0 to 50",
+            ),
+            (
+                BEAM,
+                "arc_length_m,x_m\n1.5,1\n",
+                "line 2: the arc length 1.5 m is beyond `beam`; allowed: 0 to 1 m",
+            ),
+            (
+                BEAM,
+                "tip_z_m\n1\n",
+                "line 2: no probe has the column `tip_z_m`; the scenario has no [[probes]]",
+            ),
+            (BEAM, "critical_parameter\n1\n", "continuation"),
+            (
+                BEAM,
+                "time_s,node,x_m\n0,1,1\n1,1,1\n",
+                "line 3: the time 1 s differs",
+            ),
+            (
+                moving.as_str(),
+                "time_s,node,x_m\n2,1,1\n",
+                "line 2: the time 2 s is outside of the run; allowed: 0 to 1 s (time.end)",
+            ),
+            (
+                moving.as_str(),
+                "node,x_m\n1,1\n",
+                "line 2: the time is missing",
+            ),
+        ] {
+            let error = observed(scenario, data).unwrap_err();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Keys that are fitted.
+//!
+//! A key that cannot be negative is fitted in its logarithm, so that it stays positive and its error is relative; any other in
+//! units of a scale. Both are the coordinate u of the fit, which is 0 at the start.
+
+use super::error::IdentifyError;
+use crate::experiment;
+use crate::scenario::CaseSet;
+use libm::{exp, log};
+
+/// What is stated about a key before the fit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Request {
+    /// The dotted key, as for `--set`.
+    pub key: String,
+    /// Least and greatest value, SI units.
+    pub bounds: Option<[f64; 2]>,
+    /// Expected value and standard deviation, SI units.
+    pub prior: Option<[f64; 2]>,
+}
+
+/// A key with its coordinate.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// The dotted key.
+    pub key: String,
+    /// Its SI unit; empty where it has none.
+    pub unit: String,
+    /// Value at the start.
+    pub start: f64,
+    /// Least and greatest value.
+    pub bounds: [f64; 2],
+    /// Expected value and standard deviation.
+    pub prior: Option<[f64; 2]>,
+    /// Whether the coordinate is the logarithm.
+    pub is_logarithmic: bool,
+    /// The value of a unit of the coordinate, where it is no logarithm.
+    pub scale: f64,
+}
+
+impl Parameter {
+    /// The parameter of a key of all scenarios, which state its value at the start.
+    ///
+    /// # Errors
+    /// The key has no number, values that differ, or a start outside of its bounds.
+    pub fn new(request: &Request, scenarios: &[CaseSet]) -> Result<Self, IdentifyError> {
+        let key = request.key.as_str();
+        let fault = |message: String| IdentifyError::Input(format!("--fit {key}: {message}"));
+        let mut starts = Vec::new();
+        for scenario in scenarios {
+            let start = scenario.number(key)?.ok_or_else(|| {
+                fault(format!(
+                    "`{}` states no number there; give its start by --set {key}=VALUE",
+                    scenario.name()
+                ))
+            })?;
+            starts.push(start);
+        }
+        let start = starts[0];
+        if let Some(other) = starts.iter().find(|other| **other != start) {
+            return Err(fault(format!(
+                "the scenarios start at different values, {start} and {other}; give one start by --set {key}=VALUE"
+            )));
+        }
+        let bounds = request.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        if bounds[0] >= bounds[1] || !(bounds[0]..=bounds[1]).contains(&start) {
+            return Err(fault(format!(
+                "the start {start} is outside of the bounds {} to {}",
+                bounds[0], bounds[1]
+            )));
+        }
+        let is_positive = bounds[0] > 0.0 || refuses_negative(scenarios, key, start);
+        if is_positive && start <= 0.0 {
+            return Err(fault(format!(
+                "it cannot be negative and starts at {start}; give a start above 0 by --set {key}=VALUE"
+            )));
+        }
+        let deviation = request.prior.map(|prior| prior[1]);
+        let width = (bounds[1] - bounds[0])
+            .is_finite()
+            .then(|| 0.5 * (bounds[1] - bounds[0]));
+        let size = (start != 0.0).then_some(start.abs());
+        Ok(Self {
+            key: key.to_owned(),
+            unit: experiment::unit(key).unwrap_or_default(),
+            start,
+            bounds,
+            prior: request.prior,
+            is_logarithmic: is_positive,
+            scale: size.or(deviation).or(width).unwrap_or(1.0),
+        })
+    }
+
+    /// The value at a coordinate.
+    pub fn value(&self, coordinate: f64) -> f64 {
+        match self.is_logarithmic {
+            true => self.start * exp(coordinate),
+            false => self.start + self.scale * coordinate,
+        }
+    }
+
+    /// The coordinate of a value.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        match self.is_logarithmic {
+            true if value <= 0.0 => f64::NEG_INFINITY,
+            true => log(value / self.start),
+            false => (value - self.start) / self.scale,
+        }
+    }
+
+    /// Derivative of the value with respect to the coordinate.
+    pub fn slope(&self, coordinate: f64) -> f64 {
+        match self.is_logarithmic {
+            true => self.value(coordinate),
+            false => self.scale,
+        }
+    }
+
+    /// Least and greatest coordinate.
+    pub fn range(&self) -> [f64; 2] {
+        self.bounds.map(|bound| self.coordinate(bound))
+    }
+}
+
+/// Whether the first scenario refuses the negative of a value.
+fn refuses_negative(scenarios: &[CaseSet], key: &str, start: f64) -> bool {
+    let negative = if start == 0.0 { -1.0 } else { -start.abs() };
+    let positive = start.abs().max(f64::MIN_POSITIVE);
+    let is_refused = |value: f64| match scenarios[0].scenario_with(&[(key, value)]) {
+        Ok(loaded) => experiment::prepare(&loaded.scenario).is_err(),
+        Err(_) => true,
+    };
+    start.is_finite() && is_refused(negative) && (start == 0.0 || !is_refused(positive))
+}

@@ -1,0 +1,86 @@
+//! Predictions of all experiments at values of the fitted keys.
+
+use super::data::{DataFile, Datum};
+use super::error::IdentifyError;
+use super::observe::{Observation, Unpredicted};
+use super::parameter::Parameter;
+use crate::experiment;
+use crate::scenario::CaseSet;
+use rayon::prelude::*;
+
+/// A scenario with the files that were measured on it.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// The scenario, of one case.
+    pub scenario: CaseSet,
+    /// The files.
+    pub files: Vec<DataFile>,
+}
+
+/// All experiments with the keys that they share.
+pub struct Problem<'a> {
+    /// The experiments.
+    pub experiments: &'a [Experiment],
+    /// The keys.
+    pub parameters: &'a [Parameter],
+    /// Returns false where the work is to stop.
+    pub goes_on: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Problem<'_> {
+    /// The data of all experiments, in the order of predictions.
+    pub fn data(&self) -> impl Iterator<Item = (&DataFile, &Datum)> {
+        let files = self.experiments.iter().flat_map(|one| &one.files);
+        files.flat_map(|file| file.data.iter().map(move |datum| (file, datum)))
+    }
+
+    /// The values of the keys at coordinates.
+    pub fn values(&self, coordinates: &[f64]) -> Vec<f64> {
+        let pairs = self.parameters.iter().zip(coordinates);
+        pairs
+            .map(|(parameter, coordinate)| parameter.value(*coordinate))
+            .collect()
+    }
+
+    /// The predicted numbers at each point, which are coordinates of all keys. All runs are independent and use all threads.
+    pub fn predict(&self, points: &[Vec<f64>]) -> Vec<Result<Vec<f64>, IdentifyError>> {
+        let count = self.experiments.len();
+        let runs: Vec<Result<Vec<f64>, IdentifyError>> = (0..points.len() * count)
+            .into_par_iter()
+            .map(|run| self.run(&self.experiments[run % count], &points[run / count]))
+            .collect();
+        let mut runs = runs.into_iter();
+        let joined = points.iter().map(|_| {
+            let own: Vec<_> = runs.by_ref().take(count).collect();
+            let own: Result<Vec<Vec<f64>>, IdentifyError> = own.into_iter().collect();
+            own.map(|values| values.concat())
+        });
+        joined.collect()
+    }
+
+    fn run(&self, one: &Experiment, coordinates: &[f64]) -> Result<Vec<f64>, IdentifyError> {
+        let keys = self
+            .parameters
+            .iter()
+            .map(|parameter| parameter.key.as_str());
+        let numbers: Vec<(&str, f64)> = keys.zip(self.values(coordinates)).collect();
+        let loaded = one.scenario.scenario_with(&numbers)?;
+        let prepared =
+            experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+        let observation = Observation::new(&prepared, &one.files)?;
+        observation
+            .predict(&prepared, self.goes_on)
+            .map_err(|why| match why {
+                Unpredicted::Stopped => IdentifyError::Interrupted,
+                Unpredicted::Failed(source) => IdentifyError::Simulation {
+                    scenario: one.scenario.name().to_owned(),
+                    source,
+                },
+                Unpredicted::NoValue(file, datum, message) => IdentifyError::Row {
+                    file: one.files[file].path.clone(),
+                    line: one.files[file].data[datum].line,
+                    message,
+                },
+            })
+    }
+}
