@@ -4,7 +4,7 @@ use super::in_cell::InCell;
 use super::prelude::*;
 use super::{
     calibrate, cell, check, completions, dataset, deploy, evaluate, expand, explain, explore,
-    fold_arguments, gather, guide, init, man, measure, movie, place, plan, plot, presets,
+    fold_arguments, gather, guide, identify, init, man, measure, movie, place, plan, plot, presets,
     reproduce, run, score, sensitivity, site, solve, status, stream, submit, tie, trace, train,
     verify, view,
 };
@@ -66,6 +66,8 @@ pub enum Command {
     Measure(measure::MeasureArguments),
     /// Differentiate probes of a scenario over its keys, exactly
     Sensitivity(sensitivity::SensitivityArguments),
+    /// Fit keys of scenarios to measurements, with error bars
+    Identify(identify::IdentifyArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
     /// Reproduce a table or figure of the thesis

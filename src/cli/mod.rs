@@ -43,6 +43,7 @@ mod gather;
 mod guide;
 mod helix_file;
 mod help;
+mod identify;
 mod in_cell;
 mod init;
 mod interruption;
@@ -226,6 +227,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Solve(command) => solve::solve(command),
         Command::Measure(command) => measure::measure(command),
         Command::Sensitivity(command) => sensitivity::sensitivity(command),
+        Command::Identify(command) => identify::identify(command, &arguments.common),
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),
         Command::Plan(command) => plan::plan(command),

@@ -8,7 +8,10 @@ const GROUPS: [(&str, &[&str]); 8] = [
     ("Simulate", &["run", "check", "init", "presets", "expand"]),
     ("Look", &["plot", "view", "movie"]),
     ("Sweep", &["submit", "status", "gather"]),
-    ("Solve, plan", &["solve", "measure", "sensitivity", "plan"]),
+    (
+        "Solve, plan",
+        &["solve", "measure", "sensitivity", "identify", "plan"],
+    ),
     (
         "Robot cell",
         &[

@@ -18,6 +18,7 @@ const ROOMS: Table = &[
         "cli",
         &[
             "sweep",
+            "identify",
             "verify",
             "reproduce",
             "task",
@@ -29,6 +30,7 @@ const ROOMS: Table = &[
         ],
     ),
     ("sweep", &["experiment"]),
+    ("identify", &["experiment"]),
     ("verify", &["experiment"]),
     ("reproduce", &["report", "task", "virtual_cell"]),
     ("report", &["experiment"]),

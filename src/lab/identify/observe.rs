@@ -1,7 +1,7 @@
 //! What a simulation predicts for measured numbers.
 //!
 //! A point of a rod at an arc length between nodes is interpolated by the cubic polynomial through the four nearest nodes,
-//! whose error is of fourth order in the edge length. The arc length counts along the placed rod.
+//! whose error is of fourth order in the edge length. The arc length counts along the rod without stress.
 //!
 //! Derived columns: `critical_parameter` is the first fold or bifurcation of a path of equilibria (`time.mode =
 //! "continuation"`). `frequency_1_hz`, `frequency_2_hz`, ... are the natural frequencies of small vibrations about an
@@ -12,7 +12,7 @@ use super::error::IdentifyError;
 use crate::run::{LiveRun, Mode, PreparedRun};
 use nalgebra::SymmetricEigen;
 use rodlab_engine::mechanics::dynamics::SimulationError;
-use rodlab_engine::mechanics::scene::RodDescription;
+use rodlab_engine::mechanics::scene::{NaturalShape, RodDescription};
 use rodlab_engine::mechanics::statics::PointKind;
 use std::f64::consts::TAU;
 
@@ -324,9 +324,12 @@ fn weights(prepared: &PreparedRun, place: &Place) -> Result<Vec<(usize, f64)>, S
         .collect())
 }
 
-/// Arc lengths of the nodes of a placed rod, m; a closed one ends with its first node again.
+/// Arc lengths of the nodes of a rod without stress, m; a closed one ends with its first node again.
 fn arc_lengths(rod: &RodDescription) -> Vec<f64> {
-    let points = &rod.centreline;
+    let points = match &rod.natural_shape {
+        NaturalShape::Centreline(points) => points,
+        _ => &rod.centreline,
+    };
     let edges = points.len() - usize::from(!rod.closed);
     let mut lengths = vec![0.0];
     for edge in 0..edges {

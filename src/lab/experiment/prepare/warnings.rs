@@ -44,7 +44,10 @@ fn cut_corners(scenario: &Scenario, scene: &Scene) -> Vec<String> {
                 ));
             }
         };
-        compare("shape", &rod.shape, &description.centreline);
+        // Beside the curve of another shape the placed one is only where the rod starts.
+        if !matches!(rod.natural_shape, NaturalShape::Curve(_)) {
+            compare("shape", &rod.shape, &description.centreline);
+        }
         if let (NaturalShape::Curve(shape), mechanics::NaturalShape::Centreline(nodes)) =
             (&rod.natural_shape, &description.natural_shape)
         {
