@@ -9,6 +9,8 @@
 //!
 //! and λ follows the ratio of the actual to the predicted decrease (Nielsen 1999). ρ is r²/2, or with the loss of Huber linear
 //! beyond 1.345 σ; then rows have the weights min(1, 1.345/|r|). Coordinates at a bound that the step would leave are held.
+//! Combinations that the data do not determine would follow their noise to anywhere: a term Σ (u/5)²/2 keeps them within some
+//! powers of e of the start. A coordinate with the standard error s and its estimate at u is moved by it by s u/25 of s.
 //!
 //! The crate `levenberg-marquardt` has no bounds, ends at the first point at which a residual cannot be computed, as where a
 //! simulation does not converge, and is built on another version of nalgebra; so the method is here. A failed simulation only
@@ -31,6 +33,8 @@ pub enum Loss {
 
 /// Residual at which the loss of Huber becomes linear, in standard deviations: 95 % efficient for normal noise.
 const HUBER: f64 = 1.345;
+/// Distance from the start, in coordinates, over which the data must determine a combination.
+const RANGE: f64 = 5.0;
 /// Most Jacobians.
 const MOST_ITERATIONS: usize = 60;
 /// Most trials of a step.
@@ -102,10 +106,13 @@ impl Weighting<'_> {
             .map(|residual| self.loss.value(*residual))
             .sum();
         let priors = prior_rows(problem, coordinates);
-        data + priors
-            .iter()
-            .map(|(_, residual, _)| 0.5 * residual * residual)
-            .sum::<f64>()
+        let distance: f64 = coordinates.iter().map(|at| (at / RANGE).powi(2)).sum();
+        0.5 * distance
+            + data
+            + priors
+                .iter()
+                .map(|(_, residual, _)| 0.5 * residual * residual)
+                .sum::<f64>()
     }
 
     /// JᵀJ and Jᵀr, with the rows of the priors.
@@ -168,7 +175,11 @@ pub fn minimise(
         estimate.columns = columns;
         estimate.iterations += 1;
         report(&estimate, root_mean_square(cost, weighting.measured.len()));
-        let (matrix, gradient) = weighting.normal_equations(problem, &estimate);
+        let (mut matrix, mut gradient) = weighting.normal_equations(problem, &estimate);
+        for (key, at) in estimate.coordinates.iter().enumerate() {
+            matrix[(key, key)] += RANGE.powi(-2);
+            gradient[key] += at * RANGE.powi(-2);
+        }
         let mut has_moved = false;
         for _ in 0..MOST_TRIALS {
             let step = step(&matrix, &gradient, damping, &estimate.coordinates, &ranges);

@@ -210,7 +210,7 @@ fn identified_key(
         at_bound: parameter
             .bounds
             .iter()
-            .any(|bound| (value - bound).abs() <= 1e-9 * bound.abs()),
+            .any(|bound| bound.is_finite() && (value - bound).abs() <= 1e-9 * bound.abs()),
     }
 }
 

@@ -335,7 +335,7 @@ mod tests {
             (1e9, 1.95996),
         ] {
             let found = student_95(freedom);
-            assert!((found - expected).abs() < 2e-3, "{freedom}: {found}");
+            assert!((found - expected).abs() < 4e-3, "{freedom}: {found}");
         }
     }
 
