@@ -29,9 +29,9 @@
 //!
 //! ```text
 //! python         ──> cli
-//! cli            ──> sweep, verify, reproduce, task, virtual_cell, guide, presets, site, cluster
+//! cli            ──> sweep, identify, verify, reproduce, task, virtual_cell, guide, presets, site, cluster
 //! task           ──> virtual_cell, report
-//! sweep, verify  ──> experiment
+//! sweep, identify, verify ──> experiment
 //! reproduce      ──> report, task, virtual_cell
 //! report         ──> experiment
 //! experiment     ──> run, knot, plan, scenario, figure
@@ -56,7 +56,7 @@
 //! ```text
 //! rodlab            cli, guide, presets, site, verify, reproduce
 //! rodlab-workcell   cell, virtual_cell, task
-//! rodlab-lab        scenario, experiment, run, sweep, report, cluster
+//! rodlab-lab        scenario, experiment, run, sweep, identify, report, cluster
 //! rodlab-planning   knot, learn, plan
 //! rodlab-engine     random, linalg, mechanics: a library of its own, without files and command line
 //! rodlab-robot, rodlab-vision    a room each
@@ -76,6 +76,7 @@
 //! | [`experiment`] | one folder per kind of experiment: its keys, scene, observers, figures; the list of kinds |
 //! | [`run`] | the run loop on a results directory |
 //! | [`sweep`], [`verify`], [`reproduce`] | many cases; physics checks; tables and figures of the thesis |
+//! | [`identify`] | keys of scenarios from measurements, with error bars |
 //! | [`report`] | figures and pages of a results directory |
 //! | [`knot`] | knots from parameters, the knot determinant, theory of tightening |
 //! | [`learn`] | samples, networks, training, models in files |
@@ -109,7 +110,7 @@
 
 pub use rodlab_engine::{linalg, mechanics, random};
 pub use rodlab_files::{figure, finite, input, mesh, origin, results};
-pub use rodlab_lab::{cluster, experiment, report, run, scenario, sweep};
+pub use rodlab_lab::{cluster, experiment, identify, report, run, scenario, sweep};
 pub use rodlab_planning::{knot, learn, plan};
 pub use rodlab_robot as robot;
 pub use rodlab_vision as vision;

@@ -184,7 +184,8 @@ fn refuse_other_files(directory: &Path) -> Result<(), Failure> {
     }
 }
 
-fn failure(error: IdentifyError) -> Failure {
+/// The failure of an identification.
+pub(super) fn failure(error: IdentifyError) -> Failure {
     match error {
         IdentifyError::Scenario(error) => error.into(),
         IdentifyError::Results(error) => error.into(),

@@ -3,6 +3,7 @@
 
 use super::measure_knot::{KnotArguments, measure_knot};
 use super::measure_markers::{MarkerArguments, measure_markers};
+use super::measure_rod::{RodArguments, measure_rod};
 use super::measure_sheet::{SheetArguments, measure_sheet};
 use super::prelude::*;
 use rodlab_engine::mechanics::kirchhoff::{HangingStrip, HeavyLoop};
@@ -14,6 +15,7 @@ Examples:
   rodlab measure loop-height --height \"34 mm\" --uncertainty \"0.5 mm\"
   rodlab measure hanging-plate --length \"20 cm\" --drop \"7 cm\" --uncertainty \"1 mm\"
   rodlab measure knot curve.csv
+  rodlab measure rod photo.png --pixel \"0.2 mm\"
   rodlab measure sheet before.png after.png --cell camera.toml
   rodlab measure markers frames/ --cell camera.toml --helix helix.toml
 
@@ -52,6 +54,8 @@ enum Shape {
     Knot(KnotArguments),
     /// Corners and edges of a sheet of paper in a photograph, and its slide up to a second one
     Sheet(SheetArguments),
+    /// Gravito-bending length, radius and natural curvature of a rod in a photograph, held at one end
+    Rod(RodArguments),
     /// Distance of the markers of a rod in photographs from those of a helix
     Markers(MarkerArguments),
 }
@@ -68,6 +72,7 @@ pub fn measure(arguments: &MeasureArguments) -> Result<(), Failure> {
         Shape::Knot(arguments) => measure_knot(arguments),
         Shape::Sheet(arguments) => measure_sheet(arguments),
         Shape::Markers(arguments) => measure_markers(arguments),
+        Shape::Rod(arguments) => measure_rod(arguments),
         &Shape::LoopHeight {
             height,
             uncertainty,

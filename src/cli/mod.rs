@@ -55,6 +55,7 @@ mod markdown;
 mod measure;
 mod measure_knot;
 mod measure_markers;
+mod measure_rod;
 mod measure_sheet;
 mod middle_line;
 mod movie;

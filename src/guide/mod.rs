@@ -61,6 +61,7 @@ pages! {
     fluid
     results
     probes
+    identification
     figures
     robots
     cell

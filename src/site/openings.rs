@@ -141,6 +141,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab explain probes",
     ],
     [
+        "identification",
+        "wire_loop.svg",
+        "Points of a photograph less the fitted loop of a wire",
+        "rodlab identify wire_loop --data black_0.csv --fit parameters.ei",
+    ],
+    [
         "figures",
         "reef.svg",
         "A reef knot, drawn by `rodlab plot`",

@@ -13,6 +13,7 @@
 //! | `jacobian` | their derivatives: a trait, and central differences |
 //! | `fit` | least squares with a trust region, bounds, priors and robust loss |
 //! | `statistics`, `advice` | noise, error bars, what the data do not determine |
+//! | `hanging` | a rod in a photograph that is held at one end |
 //! | `identified`, `files`, `figure` | the result, its files, its figure |
 
 mod advice;
@@ -22,6 +23,7 @@ mod figure;
 mod files;
 mod fit;
 mod frame;
+mod hanging;
 mod identified;
 mod jacobian;
 mod observe;
@@ -30,11 +32,14 @@ mod problem;
 mod statistics;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod wires;
 
 pub use data::{At, DataFile, Datum, Measured, POSITION, Place, read_markers};
 pub use error::IdentifyError;
 pub use files::{FITTED, IDENTIFIED, PARAMETERS, RESIDUALS, RESIDUALS_FIGURE, ROD, write};
 pub use fit::Loss;
+pub use hanging::{CURVATURE_KEY, HangingRod, LENGTH_KEY, measure_hanging};
 pub use identified::{Identified, IdentifiedKey, Noise, Residual, Undetermined};
 pub use jacobian::{CentralDifferences, Jacobian};
 pub use observe::CRITICAL;
