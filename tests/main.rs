@@ -19,6 +19,7 @@ mod folding;
 mod fuzz;
 mod guide;
 mod helix_boundary;
+mod identify;
 mod incremental_potential;
 mod knots;
 mod language;

@@ -3,9 +3,14 @@
 //! The shape depends on the weight over the stiffness only, w/EI = 1/(2 L_gb³). The place and the direction at the clamp are
 //! fitted, too.
 
+use super::data::{At, DataFile, Datum, Measured, Place};
 use super::error::IdentifyError;
+use super::fit::Loss;
+use super::identified::Identified;
 use super::jacobian::CentralDifferences;
-use super::{At, DataFile, Datum, Experiment, Identified, Loss, Measured, Place, Request, Task};
+use super::parameter::Request;
+use super::problem::Experiment;
+use super::task::{Task, identify};
 use crate::experiment::case_set_from_text;
 use libm::{atan2, cbrt};
 use std::collections::BTreeMap;
@@ -47,7 +52,7 @@ pub struct HangingRod<'a> {
 /// Fits gravito-bending length, natural curvature, and place and direction of the clamp.
 ///
 /// # Errors
-/// As [`identify`](super::identify).
+/// As [`identify`].
 pub fn measure_hanging(
     rod: &HangingRod<'_>,
     goes_on: &(dyn Fn() -> bool + Sync),
@@ -92,7 +97,7 @@ pub fn measure_hanging(
         loss: Loss::Huber,
         noise: BTreeMap::new(),
     };
-    super::identify(&task, &CentralDifferences::default(), goes_on, &mut |_| {})
+    identify(&task, &CentralDifferences::default(), goes_on, &mut |_| {})
 }
 
 /// Coordinates of points at equal distances, relative to the first.
@@ -194,6 +199,7 @@ mode = "static"
 mod tests {
     use super::*;
     use crate::experiment::prepare;
+    use crate::identify::IdentifiedKey;
     use rodlab_engine::mechanics::dynamics::Simulation;
 
     /// A centreline with a gravito-bending length and a natural curvature, with waves of the size of a pixel on it.
@@ -247,7 +253,7 @@ mod tests {
                 "{}",
                 length.value
             );
-            let off = |one: &super::super::IdentifiedKey, truth: f64| {
+            let off = |one: &IdentifiedKey, truth: f64| {
                 (one.value - truth).abs() / one.standard_error.unwrap()
             };
             assert!(off(length, gravito_bending_length) < 4.0 && off(bend, curvature) < 4.0);

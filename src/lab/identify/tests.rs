@@ -3,8 +3,10 @@
 use super::observe::{Observation, Unpredicted};
 use super::*;
 use crate::experiment::{case_set_from_text, prepare};
+use crate::scenario::CaseSet;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 

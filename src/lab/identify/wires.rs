@@ -3,6 +3,8 @@
 use super::observe::Observation;
 use super::*;
 use crate::experiment::{case_set, prepare};
+use crate::scenario::CaseSet;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Mean distance of the points of a shape, over the length of the wire: the measure of the authors of the photographs.
