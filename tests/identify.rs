@@ -4,7 +4,7 @@ use assert_cmd::Command;
 use std::fs;
 use std::path::Path;
 
-/// EI = E π r⁴/4 = 2.0106e-3 N m², weight 0.49308 N/m.
+/// EI = E π r⁴/4 = 2.0106e-3 N m², weight 0.49310 N/m.
 const BEAM: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = 1e7, poissons_ratio = 0.5, density = 1000.0 }
@@ -56,7 +56,7 @@ fn folder() -> tempfile::TempDir {
         }
     }
     fs::write(path.join("shape.csv"), data).unwrap();
-    fs::write(path.join("weight.csv"), "root_force_z_n\n0.147924\n").unwrap();
+    fs::write(path.join("weight.csv"), "root_force_z_n\n0.147931\n").unwrap();
     folder
 }
 

@@ -128,10 +128,12 @@ fn table(rows: impl Iterator<Item = impl Serialize>) -> Result<Vec<u8>, io::Erro
 
 /// The run of an experiment with the estimates.
 fn fitted(experiment: &Experiment, identified: &Identified) -> Result<PreparedRun, IdentifyError> {
-    let parameters = identified.parameters.iter();
-    let numbers: Vec<(&str, f64)> = parameters
-        .map(|one| (one.key.as_str(), one.value))
-        .collect();
+    let mut numbers = Vec::new();
+    for one in &identified.parameters {
+        if experiment.scenario.number(&one.key)?.is_some() {
+            numbers.push((one.key.as_str(), one.value));
+        }
+    }
     let loaded = experiment.scenario.scenario_with(&numbers)?;
     Ok(experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?)
 }

@@ -36,28 +36,32 @@ pub struct Parameter {
     pub is_logarithmic: bool,
     /// The value of a unit of the coordinate, where it is no logarithm.
     pub scale: f64,
+    /// Whether each scenario states the key; those that do not are independent of it.
+    pub concerns: Vec<bool>,
 }
 
 impl Parameter {
-    /// The parameter of a key of all scenarios, which state its value at the start.
+    /// The parameter of a key of some of the scenarios, which state its value at the start.
     ///
     /// # Errors
-    /// The key has no number, values that differ, or a start outside of its bounds.
+    /// The key has no number anywhere, values that differ, or a start outside of its bounds.
     pub fn new(request: &Request, scenarios: &[CaseSet]) -> Result<Self, IdentifyError> {
         let key = request.key.as_str();
         let fault = |message: String| IdentifyError::Input(format!("--fit {key}: {message}"));
         let mut starts = Vec::new();
         for scenario in scenarios {
-            let start = scenario.number(key)?.ok_or_else(|| {
-                fault(format!(
-                    "`{}` states no number there; give its start by --set {key}=VALUE",
-                    scenario.name()
-                ))
-            })?;
-            starts.push(start);
+            starts.push(scenario.number(key)?);
         }
-        let start = starts[0];
-        if let Some(other) = starts.iter().find(|other| **other != start) {
+        let concerns: Vec<bool> = starts.iter().map(Option::is_some).collect();
+        let mut stated = starts.into_iter().flatten();
+        let start = stated.next().ok_or_else(|| {
+            let names: Vec<&str> = scenarios.iter().map(CaseSet::name).collect();
+            fault(format!(
+                "`{}` states no number there; give its start by --set {key}=VALUE",
+                names.join("`, `")
+            ))
+        })?;
+        if let Some(other) = stated.find(|other| *other != start) {
             return Err(fault(format!(
                 "the scenarios start at different values, {start} and {other}; give one start by --set {key}=VALUE"
             )));
@@ -69,7 +73,12 @@ impl Parameter {
                 bounds[0], bounds[1]
             )));
         }
-        let is_positive = bounds[0] > 0.0 || refuses_negative(scenarios, key, start);
+        let first = scenarios
+            .iter()
+            .zip(&concerns)
+            .find(|(_, concerns)| **concerns);
+        let is_positive = bounds[0] > 0.0
+            || first.is_some_and(|(scenario, _)| refuses_negative(scenario, key, start));
         if is_positive && start <= 0.0 {
             return Err(fault(format!(
                 "it cannot be negative and starts at {start}; give a start above 0 by --set {key}=VALUE"
@@ -88,6 +97,7 @@ impl Parameter {
             prior: request.prior,
             is_logarithmic: is_positive,
             scale: size.or(deviation).or(width).unwrap_or(1.0),
+            concerns,
         })
     }
 
@@ -122,11 +132,11 @@ impl Parameter {
     }
 }
 
-/// Whether the first scenario refuses the negative of a value.
-fn refuses_negative(scenarios: &[CaseSet], key: &str, start: f64) -> bool {
+/// Whether a scenario refuses the negative of a value.
+fn refuses_negative(scenario: &CaseSet, key: &str, start: f64) -> bool {
     let negative = if start == 0.0 { -1.0 } else { -start.abs() };
     let positive = start.abs().max(f64::MIN_POSITIVE);
-    let is_refused = |value: f64| match scenarios[0].scenario_with(&[(key, value)]) {
+    let is_refused = |value: f64| match scenario.scenario_with(&[(key, value)]) {
         Ok(loaded) => experiment::prepare(&loaded.scenario).is_err(),
         Err(_) => true,
     };

@@ -47,7 +47,7 @@ impl Problem<'_> {
         let count = self.experiments.len();
         let runs: Vec<Result<Vec<f64>, IdentifyError>> = (0..points.len() * count)
             .into_par_iter()
-            .map(|run| self.run(&self.experiments[run % count], &points[run / count]))
+            .map(|run| self.run(run % count, &points[run / count]))
             .collect();
         let mut runs = runs.into_iter();
         let joined = points.iter().map(|_| {
@@ -58,12 +58,13 @@ impl Problem<'_> {
         joined.collect()
     }
 
-    fn run(&self, one: &Experiment, coordinates: &[f64]) -> Result<Vec<f64>, IdentifyError> {
-        let keys = self
-            .parameters
-            .iter()
-            .map(|parameter| parameter.key.as_str());
-        let numbers: Vec<(&str, f64)> = keys.zip(self.values(coordinates)).collect();
+    fn run(&self, experiment: usize, coordinates: &[f64]) -> Result<Vec<f64>, IdentifyError> {
+        let one = &self.experiments[experiment];
+        let pairs = self.parameters.iter().zip(coordinates);
+        let numbers: Vec<(&str, f64)> = pairs
+            .filter(|(parameter, _)| parameter.concerns[experiment])
+            .map(|(parameter, at)| (parameter.key.as_str(), parameter.value(*at)))
+            .collect();
         let loaded = one.scenario.scenario_with(&numbers)?;
         let prepared =
             experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
