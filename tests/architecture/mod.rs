@@ -19,6 +19,7 @@ const ROOMS: Table = &[
         &[
             "sweep",
             "identify",
+            "sensitivity",
             "verify",
             "reproduce",
             "task",
@@ -31,6 +32,7 @@ const ROOMS: Table = &[
     ),
     ("sweep", &["experiment"]),
     ("identify", &["experiment"]),
+    ("sensitivity", &["experiment"]),
     ("verify", &["experiment"]),
     ("reproduce", &["report", "task", "virtual_cell"]),
     ("report", &["experiment"]),

@@ -34,7 +34,7 @@ pub struct Parameter {
     pub prior: Option<[f64; 2]>,
     /// Whether the coordinate is the logarithm.
     pub is_logarithmic: bool,
-    /// The value of a unit of the coordinate, where it is no logarithm.
+    /// The value of a unit of the coordinate, unless that is a logarithm.
     pub scale: f64,
     /// Whether each scenario states the key; those that do not are independent of it.
     pub concerns: Vec<bool>,
