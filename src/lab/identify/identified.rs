@@ -121,10 +121,11 @@ impl Identified {
         estimate: &Estimate,
         weighting: &Weighting<'_>,
         groups: &[Group],
+        widening: &[(f64, f64)],
         statistics: &Statistics,
     ) -> Self {
-        let residuals = residuals(problem, estimate, weighting, groups);
-        let noise = noise(&residuals, weighting, groups, statistics);
+        let residuals = residuals(problem, estimate, weighting, groups, widening);
+        let noise = noise(&residuals, weighting, groups, widening);
         let keys = 0..problem.parameters.len();
         let parameters: Vec<IdentifiedKey> = keys
             .clone()
@@ -219,11 +220,12 @@ fn residuals(
     estimate: &Estimate,
     weighting: &Weighting<'_>,
     groups: &[Group],
+    widening: &[(f64, f64)],
 ) -> Vec<Residual> {
-    let mut names = vec![""; weighting.measured.len()];
-    for group in groups {
+    let mut names = vec![("", 1.0); weighting.measured.len()];
+    for (group, (_, widened)) in groups.iter().zip(widening) {
         for member in &group.members {
-            names[*member] = &group.name;
+            names[*member] = (&group.name, *widened);
         }
     }
     let scenarios = problem.experiments.iter().flat_map(|one| {
@@ -249,8 +251,8 @@ fn residuals(
             measured: *value,
             predicted: estimate.predicted[index],
             residual,
-            standardised: residual / weighting.deviations[index],
-            group: names[index].to_owned(),
+            standardised: residual / weighting.deviations[index] * names[index].1,
+            group: names[index].0.to_owned(),
         }
     })
     .collect()
@@ -260,9 +262,10 @@ fn noise(
     residuals: &[Residual],
     weighting: &Weighting<'_>,
     groups: &[Group],
-    statistics: &Statistics,
+    widening: &[(f64, f64)],
 ) -> Vec<Noise> {
     let of = |(index, group): (usize, &Group)| {
+        let (correlation, widened_by) = widening[index];
         let count = group.members.len();
         let mean = |square: &dyn Fn(usize) -> f64| {
             let sum: f64 = group.members.iter().map(|member| square(*member)).sum();
@@ -271,11 +274,11 @@ fn noise(
         Noise {
             group: group.name.clone(),
             measurements: count,
-            standard_deviation: mean(&|member| weighting.deviations[member].powi(2)),
+            standard_deviation: mean(&|member| (weighting.deviations[member] / widened_by).powi(2)),
             given: group.given.is_some(),
             root_mean_square: mean(&|member| residuals[member].residual.powi(2)),
-            correlation: statistics.correlations[index],
-            widened_by: statistics.widening[index],
+            correlation,
+            widened_by,
         }
     };
     groups.iter().enumerate().map(of).collect()

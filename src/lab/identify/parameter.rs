@@ -84,7 +84,8 @@ impl Parameter {
                 "it cannot be negative and starts at {start}; give a start above 0 by --set {key}=VALUE"
             )));
         }
-        let deviation = request.prior.map(|prior| prior[1]);
+        // A prior determines its key; its coordinate is small within it.
+        let deviation = request.prior.map(|prior| 10.0 * prior[1]);
         let width = (bounds[1] - bounds[0])
             .is_finite()
             .then(|| 0.5 * (bounds[1] - bounds[0]));
@@ -96,7 +97,7 @@ impl Parameter {
             bounds,
             prior: request.prior,
             is_logarithmic: is_positive,
-            scale: size.or(deviation).or(width).unwrap_or(1.0),
+            scale: deviation.or(size).or(width).unwrap_or(1.0),
             concerns,
         })
     }

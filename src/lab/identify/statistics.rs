@@ -5,7 +5,7 @@
 //! leverages hᵢ = Jᵢ C Jᵢᵀ that the fit has used up.
 //!
 //! Residuals that follow each other in a series with correlation ϱ carry less information than independent ones, as where
-//! the model does not fit: their part of the covariance grows by (1 + ϱ)/(1 − ϱ), where ϱ is above its chance value.
+//! the model does not fit: σ² counts (1 + ϱ)/(1 − ϱ) times, where ϱ is above its chance value.
 //!
 //! Eigenvectors v of JᵀJ with eigenvalue μ are combinations of coordinates with the standard error 1/√μ. Where that exceeds 1,
 //! a factor of e, the data do not determine the combination.
@@ -56,10 +56,6 @@ pub struct Statistics {
     pub covariance: DMatrix<f64>,
     /// Combinations that are not determined, the worst first.
     pub undetermined: Vec<Direction>,
-    /// Correlation of residuals that follow each other, for each group.
-    pub correlations: Vec<f64>,
-    /// Factors by which correlated residuals widen error bars, for each group.
-    pub widening: Vec<f64>,
     /// Numbers less the leverages of all groups: degrees of freedom.
     pub freedom: f64,
 }
@@ -214,27 +210,10 @@ pub fn statistics(
     let (matrix, _) = plain.normal_equations(problem, estimate);
     let directions = directions(&matrix);
     let inverse = inverse(&directions);
-    let correlations: Vec<f64> = groups
-        .iter()
-        .map(|group| correlation(group, &residuals))
-        .collect();
-    let widening: Vec<f64> = groups
-        .iter()
-        .zip(&correlations)
-        .map(|(group, correlation)| {
-            let chance = CHANCE / (group.pairs.len().max(1) as f64).sqrt();
-            let counted = if *correlation > chance {
-                correlation.min(LARGEST_CORRELATION)
-            } else {
-                0.0
-            };
-            ((1.0 + counted) / (1.0 - counted)).sqrt()
-        })
-        .collect();
     let mut middle = DMatrix::zeros(count, count);
     let mut freedom = 0.0;
-    for (group, widening) in groups.iter().zip(&widening) {
-        let factor = widening * widening * robust_factor(weighting.loss, group, &residuals);
+    for group in groups {
+        let factor = robust_factor(weighting.loss, group, &residuals);
         for member in &group.members {
             let row = row(estimate, weighting, *member);
             freedom += 1.0 - leverage(&inverse, &row);
@@ -263,8 +242,6 @@ pub fn statistics(
     Statistics {
         undetermined: undetermined.collect(),
         covariance,
-        correlations,
-        widening,
         freedom: freedom.max(1.0),
     }
 }
@@ -274,6 +251,17 @@ fn product(one: &DMatrix<f64>, other: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(one.nrows(), other.ncols(), |i, j| {
         (0..one.ncols()).map(|k| one[(i, k)] * other[(k, j)]).sum()
     })
+}
+
+/// Correlation of the residuals of a group that follow each other, and the factor by which it widens error bars.
+pub fn widening(group: &Group, residuals: &[f64]) -> (f64, f64) {
+    let correlation = correlation(group, residuals);
+    let chance = CHANCE / (group.pairs.len().max(1) as f64).sqrt();
+    let counted = match correlation > chance {
+        true => correlation.min(LARGEST_CORRELATION),
+        false => 0.0,
+    };
+    (correlation, ((1.0 + counted) / (1.0 - counted)).sqrt())
 }
 
 /// Correlation of residuals that follow each other in a series.

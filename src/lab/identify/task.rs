@@ -8,7 +8,7 @@ use super::jacobian::Jacobian;
 use super::observe::Observation;
 use super::parameter::{Parameter, Request};
 use super::problem::{Experiment, Problem};
-use super::statistics::{Group, noise, statistics};
+use super::statistics::{self, Group, noise, statistics};
 use crate::experiment;
 use crate::scenario::CaseSet;
 use std::collections::BTreeMap;
@@ -82,11 +82,11 @@ pub fn identify(
         has_converged: false,
     };
     let stated: Vec<Option<f64>> = problem.data().map(|(_, datum)| datum.deviation).collect();
-    let spread = |deviations: &[f64]| {
+    let spread = |deviations: &[f64], widening: &[(f64, f64)]| {
         let mut all = vec![1.0; measured.len()];
-        for (group, deviation) in groups.iter().zip(deviations) {
+        for ((group, deviation), (_, widened)) in groups.iter().zip(deviations).zip(widening) {
             for member in &group.members {
-                all[*member] = stated[*member].unwrap_or(*deviation);
+                all[*member] = widened * stated[*member].unwrap_or(*deviation);
             }
         }
         all
@@ -98,8 +98,9 @@ pub fn identify(
         &weighting(task, &measured, &unit),
         &groups,
     );
+    let mut widening = vec![(0.0, 1.0); groups.len()];
     for _ in 0..ROUNDS {
-        let all = spread(&deviations);
+        let all = spread(&deviations, &widening);
         let current = weighting(task, &measured, &all);
         let mut told = |estimate: &Estimate, root_mean_square: f64| {
             report(&Progress {
@@ -111,12 +112,19 @@ pub fn identify(
         estimate.has_converged = false;
         estimate = minimise(&problem, jacobian, &current, estimate, &mut told)?;
         let found = noise(&problem, &estimate, &current, &groups);
-        let change = |(new, old): (&f64, &f64)| (new / old - 1.0).abs();
+        let residuals = current.residuals(&estimate.predicted);
+        let of = |group: &Group| statistics::widening(group, &residuals);
+        let widened: Vec<(f64, f64)> = groups.iter().map(of).collect();
+        let is_same = |new: f64, old: f64| (new / old - 1.0).abs() < SAME_NOISE;
         let is_final = found
             .iter()
             .zip(&deviations)
-            .map(change)
-            .all(|change| change < SAME_NOISE);
+            .all(|(new, old)| is_same(*new, *old))
+            && widened
+                .iter()
+                .zip(&widening)
+                .all(|(new, old)| is_same(new.1, old.1));
+        widening = widened;
         deviations = found;
         // The weights of a single group without priors and robust loss do not matter.
         let matters = groups.len() > 1
@@ -126,11 +134,11 @@ pub fn identify(
             break;
         }
     }
-    let all = spread(&deviations);
+    let all = spread(&deviations, &widening);
     let weighting = weighting(task, &measured, &all);
     let found = statistics(&problem, &estimate, &weighting, &groups);
     Ok(Identified::new(
-        &problem, &estimate, &weighting, &groups, &found,
+        &problem, &estimate, &weighting, &groups, &widening, &found,
     ))
 }
 
