@@ -128,6 +128,16 @@ impl<'a> Problem<'a> {
                     .to_owned(),
             });
         }
+        let inertia = |run: &PreparedRun| -> Vec<_> {
+            let rods = run.scene.rods.iter();
+            rods.map(|rod| rod.inertia).collect()
+        };
+        if inertia(&run) != inertia(&self.base) {
+            return Err(SensitivityError::Key {
+                key: key.to_owned(),
+                reason: "the default of rods.inertia changes with it: set rods.inertia".to_owned(),
+            });
+        }
         Ok(run)
     }
 

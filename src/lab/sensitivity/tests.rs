@@ -14,6 +14,7 @@ const BEAM: &str = r#"
     name = "beam"
     radius = "3 mm"
     edges = 12
+    inertia = "lumped"
     shape = { kind = "straight", start = [0, 0, 0], end = ["length", 0, 0] }
     natural_shape = { kind = "curved", curvature = [0, 0], twist = 0 }
     [[clamps]]
