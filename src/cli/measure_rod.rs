@@ -137,7 +137,7 @@ pub fn measure_rod(arguments: &RodArguments) -> Result<(), Failure> {
     };
     let is_reversed = match arguments.held {
         Some(held) => {
-            let far = |end: &Point| (end.x - held[0]).hypot(end.y - held[1]);
+            let far = |end: &Point| libm::hypot(end.x - held[0], end.y - held[1]);
             far(&strand.points[strand.points.len() - 1]) < far(&strand.points[0])
         }
         None => height(last, arguments.down) > height(first, arguments.down),
@@ -148,7 +148,7 @@ pub fn measure_rod(arguments: &RodArguments) -> Result<(), Failure> {
     }
     let length: f64 = points
         .windows(2)
-        .map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]))
+        .map(|pair| libm::hypot(pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]))
         .sum();
     let mut widths = strand.widths.clone();
     widths.sort_by(f64::total_cmp);

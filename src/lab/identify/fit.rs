@@ -191,7 +191,7 @@ pub fn minimise(
             let point: Vec<f64> = (estimate.coordinates.iter().zip(step.iter()))
                 .map(|(coordinate, step)| coordinate + step)
                 .collect();
-            let trial = problem.predict(&[point.clone()]).remove(0);
+            let trial = problem.predict(std::slice::from_ref(&point)).remove(0);
             let trial = match trial {
                 Err(IdentifyError::Interrupted) => return Err(IdentifyError::Interrupted),
                 Err(_) => None,

@@ -72,7 +72,9 @@ pub fn identify(
     let measured: Vec<f64> = problem.data().map(|(_, datum)| datum.value).collect();
     let groups = groups(&problem, &task.noise)?;
     let coordinates = vec![0.0; parameters.len()];
-    let predicted = problem.predict(&[coordinates.clone()]).remove(0)?;
+    let predicted = problem
+        .predict(std::slice::from_ref(&coordinates))
+        .remove(0)?;
     frame::check(&problem, &predicted)?;
     let mut estimate = Estimate {
         coordinates,
