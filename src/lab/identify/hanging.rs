@@ -18,6 +18,8 @@ use std::path::Path;
 
 /// Points of the curve that are compared.
 const POINTS: usize = 60;
+/// Fewest points of a traced rod.
+const FEWEST: usize = 20;
 /// Edges of the simulated rod.
 const EDGES: usize = 50;
 /// Part of the length at the clamp from which its direction is first estimated.
@@ -61,7 +63,7 @@ pub fn measure_hanging(
         |message: &str| IdentifyError::Input(format!("{}: {message}", rod.picture.display()));
     let lengths = arc_lengths(rod.points);
     let length = lengths[lengths.len() - 1];
-    if rod.points.len() < POINTS || length <= 0.0 {
+    if rod.points.len() < FEWEST || length <= 0.0 {
         return Err(fault("the traced rod is too short to be fitted"));
     }
     let scenario = case_set_from_text("rod", &scenario(rod, &lengths), Path::new(""))?;
