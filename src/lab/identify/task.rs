@@ -104,7 +104,7 @@ pub fn identify(
     for _ in 0..ROUNDS {
         let all = spread(&deviations, &widening);
         let current = weighting(task, &measured, &all);
-        let mut told = |estimate: &Estimate, root_mean_square: f64| {
+        let mut forward = |estimate: &Estimate, root_mean_square: f64| {
             report(&Progress {
                 iterations: estimate.iterations,
                 root_mean_square,
@@ -112,7 +112,7 @@ pub fn identify(
             });
         };
         estimate.has_converged = false;
-        estimate = minimise(&problem, jacobian, &current, estimate, &mut told)?;
+        estimate = minimise(&problem, jacobian, &current, estimate, &mut forward)?;
         let found = noise(&problem, &estimate, &current, &groups);
         let residuals = current.residuals(&estimate.predicted);
         let of = |group: &Group| statistics::widening(group, &residuals);
