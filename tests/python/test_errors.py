@@ -164,9 +164,17 @@ def test_several_simulations_step_in_parallel() -> None:
     assert all(np.array_equal(each.positions, alone.positions) for each in simulations)
 
 
+@pytest.fixture
+def ctrl_c():
+    """Interrupts raise exceptions, also where the tests run in the background of a shell, which ignores them."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.mark.skipif(os.name != "posix", reason="signals are those of POSIX")
 @pytest.mark.parametrize("kind", ["simulation", "batch", "run"])
-def test_an_interrupt_ends_a_long_call(kind, tmp_path) -> None:
+def test_an_interrupt_ends_a_long_call(kind, tmp_path, ctrl_c) -> None:
     scene = cantilever(200, step="0.1 ms", end="1000 s")
     sent: list[float] = []
 
@@ -186,4 +194,4 @@ def test_an_interrupt_ends_a_long_call(kind, tmp_path) -> None:
     ended = time.perf_counter()
     timer.join()
     # A tenth of a second on a machine that does nothing else.
-    assert ended - sent[0] < 1.0
+    assert ended - sent[0] < 5.0
