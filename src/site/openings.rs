@@ -87,6 +87,18 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab run euler_column",
     ],
     [
+        "sensitivity",
+        "deployment-errors/deployment-errors_length.svg",
+        "Error of a laid rod over an error of its stiffness",
+        "rodlab sensitivity spring_board.toml --to material.density",
+    ],
+    [
+        "identification",
+        "wire_loop.svg",
+        "A wire hangs between two holders",
+        "rodlab measure rod photo.png --pixel \"0.2 mm\"",
+    ],
+    [
         "knots",
         "trefoil.svg",
         "A trefoil is pulled tight",
