@@ -217,8 +217,12 @@ fn in_words(progress: &Progress, keys: &[String]) -> String {
 
 /// The table of the keys, and what limits it.
 fn summary(found: &Identified, directory: &Path) -> String {
-    let width = found.parameters.iter().map(|one| one.key.len()).max();
-    let width = width.unwrap_or(0).max(22) + 2;
+    let noises = found.groups.iter();
+    let noises: Vec<String> = noises
+        .map(|one| format!("noise of {}", one.group))
+        .collect();
+    let names = found.parameters.iter().map(|one| &one.key).chain(&noises);
+    let width = names.map(|name| name.chars().count()).max().unwrap_or(0) + 2;
     let mut text = format!(
         "{} measurements, {} iterations\n",
         found.measurements, found.iterations
@@ -227,14 +231,12 @@ fn summary(found: &Identified, directory: &Path) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{:<width$}{}", key.key, value_in_words(key));
     }
-    for noise in &found.groups {
+    for (noise, name) in found.groups.iter().zip(&noises) {
         let given = if noise.given { " (given)" } else { "" };
         let _ = writeln!(
             text,
-            "{:<width$}{:.3e}{given}, residual {:.3e}",
-            format!("noise of {}", noise.group),
-            noise.standard_deviation,
-            noise.root_mean_square
+            "{name:<width$}{:.3e}{given}, residual {:.3e}",
+            noise.standard_deviation, noise.root_mean_square
         );
     }
     for (one, row) in found.correlations.iter().enumerate() {

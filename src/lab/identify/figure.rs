@@ -38,7 +38,11 @@ pub fn residuals_figure(identified: &Identified) -> Figure {
                 .collect(),
             false => vec![Curve::new("all series", points(&|_| true)).looking(Look::Marks)],
         };
-        let quantity = noise.group.rsplit(' ').next().unwrap_or_default();
+        // Columns have their unit in their name.
+        let quantity = match noise.group.rsplit(' ').next().unwrap_or_default() {
+            "position" => "position in m",
+            column => column,
+        };
         LinePlot::new(format!("{quantity}: measured − predicted"), curves)
     });
     let label = if has_times {
