@@ -163,6 +163,7 @@ fn tests_are_full() -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rayon::prelude::*;
     use std::fs;
     use std::sync::Mutex;
 
@@ -216,8 +217,9 @@ mod tests {
     #[test]
     fn every_artefact_has_its_page_its_table_and_its_figures() {
         let directory = tempfile::tempdir().unwrap();
-        for artifact in ARTIFACTS {
-            let options = options(directory.path(), 2);
+        // Each by itself, so that none waits for the longest case of another.
+        ARTIFACTS.par_iter().for_each(|artifact| {
+            let options = options(directory.path(), 1);
             let written = artifact
                 .recipe
                 .make_shortened(artifact, runs_of_page(artifact.name()), &options, &|_| {})
@@ -244,7 +246,7 @@ mod tests {
             }
             let table = fs::read_to_string(page.join(format!("{}.csv", artifact.name()))).unwrap();
             assert!(table.lines().count() > 1);
-        }
+        });
     }
 
     #[test]
