@@ -96,8 +96,10 @@ impl Newton {
             course.last_move = corrected.last_move;
             course.is_corrected = true;
             system.evaluate(unknowns, Some(stage));
-            let at = (&*unknowns, stage);
-            if course.ends(system, at, stopping, corrected.changes_nothing) {
+            let imbalance = system.imbalance();
+            let does_work = || system.residual_does_work(unknowns, stage);
+            if course.ends(&imbalance, stopping, corrected.changes_nothing, does_work) {
+                course.trace(first, &imbalance);
                 return Ok(first);
             }
         }
@@ -134,8 +136,10 @@ impl Newton {
             let changes_nothing = stopping.ends_at_last_digits
                 && part == 1.0
                 && are_last_digits(&self.direction, unknowns);
-            if course.ends(system, (unknowns, stage), stopping, changes_nothing) {
-                course.trace(iteration + 1, &system.imbalance());
+            let imbalance = system.imbalance();
+            let does_work = || system.residual_does_work(unknowns, stage);
+            if course.ends(&imbalance, stopping, changes_nothing, does_work) {
+                course.trace(iteration + 1, &imbalance);
                 return Ok(iteration + 1);
             }
             let after = Progress::of(system, &self.direction);
@@ -303,17 +307,17 @@ impl Course {
         imbalance.is_balanced() && self.last_move <= stopping.displacement
     }
 
-    /// Whether the iteration ends at unknowns of the last evaluation: where the last correction changed nothing, or forces are
-    /// balanced after a whole one and do not want the refinement.
+    /// Whether the iteration ends after a correction: where it changed nothing, or forces are balanced after a whole one and do not
+    /// want the refinement, which is due where their residual `does_work`.
     fn ends(
         &mut self,
-        system: &System,
-        (unknowns, stage): (&[f64], &Stage),
+        imbalance: &Imbalance,
         stopping: &Stopping,
         changes_nothing: bool,
+        does_work: impl FnOnce() -> bool,
     ) -> bool {
-        let is_balanced = self.is_corrected && self.is_settled(&system.imbalance(), stopping);
-        self.refine(|| is_balanced && system.residual_does_work(unknowns, stage));
+        let is_balanced = self.is_corrected && self.is_settled(imbalance, stopping);
+        self.refine(|| is_balanced && does_work());
         changes_nothing || is_balanced && self.refinement != Refinement::Due
     }
 
