@@ -125,20 +125,16 @@ impl Drive {
         let turned = self.rotation(from);
         let target = frame.map_or(turned, |frame| frame * self.placed().inverse());
         let mut motion = Motion {
-            translation: vec![
-                (from, start - self.position),
-                (until, position - self.position),
-            ],
+            translation: way(
+                [from, until],
+                [start, position].map(|at| at - self.position),
+            ),
             ..Motion::default()
         };
         // What keeps the orientation of the start needs no schedule for it.
         let identity = UnitQuaternion::identity();
         if turned != identity || target != identity {
-            motion.orientation = vec![(from, turned), (until, target)];
-        }
-        if until == from {
-            motion.translation.remove(0);
-            motion.orientation.drain(..motion.orientation.len().min(1));
+            motion.orientation = way([from, until], [turned, target]);
         }
         motion
     }
@@ -307,6 +303,15 @@ impl Drive {
             before = after;
         }
         spin
+    }
+}
+
+/// A way between two times, s, or its end alone where they are the same.
+fn way<T>([from, until]: [f64; 2], [start, end]: [T; 2]) -> Vec<(f64, T)> {
+    if until == from {
+        vec![(until, end)]
+    } else {
+        vec![(from, start), (until, end)]
     }
 }
 
