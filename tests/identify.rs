@@ -1,31 +1,9 @@
 //! `rodlab identify` on the command line: a stiffness from a force and a shape, and bad data.
 
+use super::probes::BEAM;
 use assert_cmd::Command;
 use std::fs;
 use std::path::Path;
-
-/// EI = E π r⁴/4 = 2.0106e-3 N m², weight 0.49310 N/m.
-const BEAM: &str = r#"
-experiment = "scene"
-material = { youngs_modulus = 1e7, poissons_ratio = 0.5, density = 1000.0 }
-time = { mode = "static" }
-[[rods]]
-name = "beam"
-radius = 0.004
-edges = 20
-shape = { kind = "straight", start = [0, 0, 0], end = [0.3, 0, 0] }
-[[clamps]]
-rod = "beam"
-at = "start"
-[[loads]]
-kind = "gravity"
-acceleration = [0, 0, -9.81]
-[[probes]]
-name = "root"
-kind = "reaction"
-at = "start"
-summary = "last"
-"#;
 
 fn rodlab(directory: &Path, arguments: &[&str]) -> (i32, String, String) {
     let mut command = Command::cargo_bin("rodlab").unwrap();

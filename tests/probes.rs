@@ -4,7 +4,8 @@ use assert_cmd::Command;
 use std::fs;
 use std::path::Path;
 
-const BEAM: &str = r#"
+/// EI = E π r⁴/4 = 2.0106e-3 N m², weight 0.49310 N/m.
+pub const BEAM: &str = r#"
 experiment = "scene"
 material = { youngs_modulus = 1e7, poissons_ratio = 0.5, density = 1000.0 }
 time = { mode = "static" }
