@@ -95,7 +95,7 @@ const OPENINGS: &[[&str; 4]] = &[
     [
         "identification",
         "wire_loop.svg",
-        "A wire hangs between two holders",
+        "Points of a photograph less the fitted loop of a wire",
         "rodlab measure rod photo.png --pixel \"0.2 mm\"",
     ],
     [
