@@ -13,9 +13,9 @@ use tempfile::TempDir;
 use tungstenite::{Message, WebSocket};
 
 /// Longest that the browser may take to start or to answer.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(180);
 
-/// Time after which an answer is lost if other messages came meanwhile: that of a page that was reloaded.
+/// Time after which a question is asked again: a page that was reloaded meanwhile may never answer.
 const LOST: Duration = Duration::from_secs(15);
 
 /// The browser with one page.
@@ -62,6 +62,8 @@ impl Browser {
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         let page = page_target(port);
         let (socket, _) = tungstenite::client(page, stream).expect("the browser talks");
+        let stream = socket.get_ref();
+        stream.set_read_timeout(Some(LOST)).unwrap();
         let mut browser = Self {
             process,
             socket,
@@ -73,6 +75,14 @@ impl Browser {
             browser.call(&format!("{domain}.enable"), json!({}));
         }
         Some(browser)
+    }
+
+    /// Runs a script in every page before the page's own.
+    pub fn prepare(&mut self, script: &str) {
+        self.call(
+            "Page.addScriptToEvaluateOnNewDocument",
+            json!({ "source": script }),
+        );
     }
 
     /// Opens a file and waits until it has drawn.
@@ -168,12 +178,14 @@ impl Browser {
     }
 
     /// Calls a method of the protocol and returns its result; notes what the page complains of meanwhile. A page that reloads just
-    /// then is asked again: it reports so, or never answers.
+    /// then is asked again: it reports so, or never answers. A late answer to an earlier question counts.
     fn call(&mut self, method: &str, parameters: Value) -> Value {
         let start = Instant::now();
+        let first = self.calls + 1;
         loop {
             assert!(start.elapsed() < PATIENCE, "{method}: no answer in time");
-            let Some(mut answer) = self.answer(method, &parameters) else {
+            self.ask(method, &parameters);
+            let Some(mut answer) = self.answer(first) else {
                 continue;
             };
             let error = answer["error"]["message"].as_str().unwrap_or_default();
@@ -185,21 +197,26 @@ impl Browser {
         }
     }
 
-    /// The answer to a message; `None` where the page only reports events for long.
-    fn answer(&mut self, method: &str, parameters: &Value) -> Option<Value> {
+    fn ask(&mut self, method: &str, parameters: &Value) {
         self.calls += 1;
         let message = json!({ "id": self.calls, "method": method, "params": parameters });
         self.socket
             .send(Message::text(message.to_string()))
             .expect("the browser listens");
+    }
+
+    /// The next answer to the question `first` or a later one; `None` where none comes for long.
+    fn answer(&mut self, first: u64) -> Option<Value> {
         let start = Instant::now();
         while start.elapsed() < LOST {
-            let message = self.socket.read().expect("the browser answers in time");
-            let Message::Text(text) = message else {
-                continue;
+            let text = match self.socket.read() {
+                Ok(Message::Text(text)) => text,
+                Ok(_) => continue,
+                Err(tungstenite::Error::Io(error)) if is_timeout(&error) => continue,
+                Err(error) => panic!("the browser talks: {error}"),
             };
             let answer: Value = serde_json::from_str(&text).expect("JSON");
-            if answer["id"] == self.calls {
+            if answer["id"].as_u64().is_some_and(|id| id >= first) {
                 return Some(answer);
             }
             self.note(&answer);
@@ -229,6 +246,11 @@ impl Drop for Browser {
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
+}
+
+fn is_timeout(error: &std::io::Error) -> bool {
+    use std::io::ErrorKind::{TimedOut, WouldBlock};
+    matches!(error.kind(), TimedOut | WouldBlock)
 }
 
 fn installed() -> Option<PathBuf> {
