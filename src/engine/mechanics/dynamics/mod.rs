@@ -13,11 +13,13 @@
 //! | `integrator` | the step |
 //! | `flow_scene`, `drag`, `exchange` | rods in the fluid; its forces; work and losses of a step |
 //! | `equilibrium`, `path` | statics of the same scene |
+//! | `adjoint/` | derivatives of results over fields along rods |
 //! | `sensitivity/` | derivatives of motions and equilibria over parameters of the scene |
 //! | `validity`, `validity_memory` | remarks on strains beyond the theory, on spurious energy, on steps far smaller than requested |
 //! | `report`, `failure`, `observe` | reports, failures of steps, observations |
 //! | `advice` | advice on failed steps |
 
+pub mod adjoint;
 mod advice;
 mod certificate;
 mod contact_passes;

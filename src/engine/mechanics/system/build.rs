@@ -496,7 +496,7 @@ impl Assembly {
     }
 
     /// Node of a vertex.
-    pub(super) fn node_of(&self, vertex: &Vertex) -> usize {
+    pub(crate) fn node_of(&self, vertex: &Vertex) -> usize {
         if vertex.after < self.rods.nodes {
             return vertex.after;
         }

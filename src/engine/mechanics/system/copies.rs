@@ -51,12 +51,19 @@ pub(crate) struct Allowance {
     pub per_length: Lanes,
 }
 
+impl System {
+    /// Whether all of its forces are of the kinds above.
+    pub(crate) fn has_copies(&self) -> bool {
+        let terms = self.terms.all();
+        self.assembly.joints.is_empty() && terms.iter().all(|term| term.has_copies())
+    }
+}
+
 impl Copies {
     /// Storage for systems like this; `None` where one of its forces has no copies.
     pub(crate) fn new(system: &System) -> Option<Self> {
         let assembly = &system.assembly;
-        let terms = system.terms.all();
-        if !assembly.joints.is_empty() || !terms.iter().all(|term| term.has_copies()) {
+        if !system.has_copies() {
             return None;
         }
         let unknowns = assembly.unknowns.len();
@@ -104,9 +111,8 @@ impl Copies {
             && (self.chains.iter().zip(chains)).all(|(own, chain)| {
                 own.first_node == chain.first_node && own.shared.len() == chain.shared.len()
             })
-            && assembly.joints.is_empty()
             && stage.drag.is_empty()
-            && system.terms.all().iter().all(|term| term.has_copies())
+            && system.has_copies()
     }
 
     /// Puts a system in its stage into a lane; its tolerances must be set.

@@ -35,12 +35,11 @@ use super::System;
 use super::build::Assembly;
 use super::demand::Demand;
 use super::term::{Configuration, Kind, Term};
+use super::virtual_work::OF_VERTEX;
 use crate::mechanics::SceneError;
 use crate::mechanics::rod::{ElasticEnergy, ElasticRods, RodGeometry, Vertex};
 use crate::mechanics::scene::{Relaxation, Scene};
 
-/// Strains that are kept of a vertex.
-const OF_VERTEX: usize = 5;
 /// A step over the relaxation time below which (1 − γ)/x is ½ − x/6 to all digits that matter.
 const SHORT: f64 = 1e-6;
 
@@ -123,7 +122,7 @@ impl Damping {
     }
 
     /// Whether a spring and a dashpot in a row lie in any rod.
-    fn relaxes(&self) -> bool {
+    pub(crate) fn relaxes(&self) -> bool {
         self.rods.iter().any(|rod| rod.1.is_some())
     }
 
@@ -157,6 +156,23 @@ impl Damping {
             ratio,
             steps,
         }
+    }
+
+    /// K T/H of each strain in the present stage; `None` where no rod is damped.
+    pub(super) fn dashpots(&self, assembly: &Assembly) -> Option<Vec<f64>> {
+        self.stage?;
+        let strains = all_strains(assembly);
+        Some(
+            strains
+                .map(|(_, rod, stiffness)| stiffness * self.beside(rod).dashpot)
+                .collect(),
+        )
+    }
+
+    /// Weights of the strains at the starts of the present step and of the two before it in ε̂.
+    pub(super) fn start_weights(&self) -> [f64; 3] {
+        let [last, earlier] = self.stage.map_or([0.0; 2], |stage| stage.weights);
+        [1.0 - last - earlier, last, earlier]
     }
 
     /// ε̂ of one of the strains.
@@ -334,7 +350,7 @@ impl Damping {
 }
 
 /// Strains of the vertices and lengths of the edges.
-fn write_strains(assembly: &Assembly, geometry: &RodGeometry, strains: &mut Vec<f64>) {
+pub(super) fn write_strains(assembly: &Assembly, geometry: &RodGeometry, strains: &mut Vec<f64>) {
     strains.clear();
     let rods = &assembly.rods;
     for (index, vertex) in rods.vertices.iter().enumerate() {

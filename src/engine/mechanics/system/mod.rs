@@ -58,6 +58,7 @@ mod term;
 mod terms;
 mod touching;
 mod turning;
+mod virtual_work;
 mod work;
 
 pub(crate) use balance::Imbalance;
@@ -85,6 +86,7 @@ use term::Configuration;
 use terms::Terms;
 pub(crate) use touching::name_overlap;
 pub(crate) use turning::Turn;
+pub(crate) use virtual_work::{OfStrains, StrainLaws};
 
 use super::SceneError;
 use super::rod::{ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry};

@@ -44,7 +44,7 @@ impl From<SceneError> for SensitivityError {
 ///
 /// # Errors
 /// [`SensitivityError::Unsuitable`].
-pub(super) fn check(scene: &Scene) -> Result<(), SensitivityError> {
+pub(in crate::mechanics::dynamics) fn check(scene: &Scene) -> Result<(), SensitivityError> {
     let is_rigid = (scene.contact).is_some_and(|contact| contact.is_complementarity());
     let flows = matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. }));
     let breaks = (scene.springs.iter().map(|spring| spring.strength))

@@ -52,6 +52,7 @@ mod replay;
 mod variation;
 
 pub use error::SensitivityError;
+pub(super) use error::check;
 pub use variation::Variation;
 
 use super::parameters::IntegrationParameters;
@@ -60,7 +61,7 @@ use super::simulation::Simulation;
 use crate::mechanics::Vector3;
 use crate::mechanics::scene::Scene;
 use parameter::Parameter;
-use replay::Replayed;
+pub(super) use replay::{Replayed, Taken};
 
 /// A simulation with the derivatives of its state over parameters.
 pub struct Sensitivity {
@@ -170,7 +171,7 @@ impl Sensitivity {
             }
             return Ok(report);
         }
-        let replayed = Replayed::new(&self.base, &mut self.centre)?;
+        let replayed = Replayed::new(&Taken::last_of(&self.base), &mut self.centre)?;
         for parameter in &mut self.parameters {
             parameter.step(&replayed, &self.base, &mut self.centre)?;
         }

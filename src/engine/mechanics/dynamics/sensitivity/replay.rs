@@ -12,7 +12,7 @@ const SAME: f64 = 1e3;
 const SWITCH: f64 = 0.1;
 
 /// A step of the simulation that the centre has repeated: its Newton matrix is factored.
-pub(super) struct Replayed {
+pub(in crate::mechanics::dynamics) struct Replayed {
     /// Time at the end of the step, s.
     pub goal: f64,
     /// Size, s.
@@ -29,28 +29,49 @@ pub(super) struct Replayed {
     adapts: bool,
 }
 
+/// A step that was taken: where it ended.
+pub(in crate::mechanics::dynamics) struct Taken<'a> {
+    /// s.
+    pub time: f64,
+    /// Unknowns.
+    pub unknowns: &'a [f64],
+    /// Contact stiffness k.
+    pub contact_stiffness: f64,
+}
+
+impl<'a> Taken<'a> {
+    /// The last step of a simulation.
+    pub(super) fn last_of(simulation: &'a Simulation) -> Self {
+        Self {
+            time: simulation.state.time,
+            unknowns: &simulation.state.unknowns,
+            contact_stiffness: simulation.system.contact_stiffness(),
+        }
+    }
+}
+
 impl Replayed {
-    /// Repeats the last step of `base` by `centre`, which is still where that began.
+    /// Repeats a step by `centre`, which is where that began.
     ///
     /// # Errors
     /// [`SensitivityError`] where the residual is another one, or the matrix singular.
-    pub(super) fn new(
-        base: &Simulation,
+    pub(in crate::mechanics::dynamics) fn new(
+        taken: &Taken<'_>,
         centre: &mut Simulation,
     ) -> Result<Self, SensitivityError> {
-        let goal = base.state.time;
+        let goal = taken.time;
         let step = goal - centre.state.time;
         let before = centre.system.contact_stiffness();
         centre.begin_like(goal)?;
         let adapted = centre.system.contact_stiffness();
-        let used = base.system.contact_stiffness();
+        let used = taken.contact_stiffness;
         let setting = centre.integrator.setting;
         let extrapolates = centre.rules().extrapolates();
         let workspace = &mut centre.integrator.workspace;
         let solution = &mut workspace.trial.unknowns;
         for (k, own) in solution.iter_mut().enumerate() {
             if !centre.system.assembly.held[k] {
-                let end = base.state.unknowns[k];
+                let end = taken.unknowns[k];
                 *own = match extrapolates {
                     true => 0.5 * (end + centre.state.unknowns[k]),
                     false => end,
@@ -116,7 +137,7 @@ impl Replayed {
 
 impl Simulation {
     /// The rules of the scheme.
-    pub(super) fn rules(&self) -> &'static dyn TimeScheme {
+    pub(in crate::mechanics::dynamics) fn rules(&self) -> &'static dyn TimeScheme {
         self.integrator.setting.parameters.scheme.rules()
     }
 
@@ -219,7 +240,7 @@ impl Simulation {
 
     /// Takes over the frames of `base` in its equilibrium and evaluates residual and Jacobian there: where clamps hold it, by its
     /// own.
-    pub(super) fn settle_like(&mut self, base: &Self) -> WholeMatrix {
+    pub(in crate::mechanics::dynamics) fn settle_like(&mut self, base: &Self) -> WholeMatrix {
         let (system, unknowns) = (&mut self.system, &mut self.state.unknowns);
         unknowns.copy_from_slice(&base.state.unknowns);
         self.state.time = base.state.time;

@@ -1,0 +1,119 @@
+//! Derivatives of a result over fields along the rods.
+
+use super::covector::{Covector, VirtualMotion};
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::simulation::Simulation;
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::{STRIDE, Vertex};
+use crate::mechanics::system::{Assembly, OfStrains, StrainLaws};
+
+/// Derivatives of a result I over fields along all rods, an entry for each node, or for the edge that starts there.
+///
+/// Those over natural strains are per node, not per length: over a field κ̄(s) that changes by δκ̄(s), the change of I is
+/// Σᵢ (dI/dκ̄ᵢ) δκ̄(sᵢ). Their sum over a rod is the derivative over a value that is the same along it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gradient {
+    /// Over the natural curvatures about m₁ and m₂ at the node, per 1/m.
+    pub natural_curvature: Vec<[f64; 2]>,
+    /// Over the natural twist at the node, per rad/m.
+    pub natural_twist: Vec<f64>,
+    /// EI dI/dEI at the node, about m₁ and m₂.
+    pub bending: Vec<[f64; 2]>,
+    /// GJ dI/dGJ at the node.
+    pub twisting: Vec<f64>,
+    /// EA dI/dEA of the edge.
+    pub stretching: Vec<f64>,
+    /// Over a dead force on the node during the whole motion, per N.
+    pub force: Vec<Vector3>,
+    /// Over the velocity of the node at the start, per m/s; zero after an equilibrium, which starts at rest.
+    pub velocity: Vec<Vector3>,
+}
+
+/// Sums over the steps.
+#[derive(Clone, Debug)]
+pub(super) struct Sums {
+    /// Over natural strains.
+    natural: OfStrains,
+    /// Over relative changes of stiffness.
+    stiffness: OfStrains,
+    /// Over forces on the unknowns.
+    force: Vec<f64>,
+    /// Over velocities at the start.
+    velocity: Vec<f64>,
+}
+
+impl Sums {
+    pub(super) fn zero(simulation: &Simulation) -> Self {
+        let system = &simulation.system;
+        let of_strains = OfStrains::zero(&system.assembly.rods);
+        let of_unknowns = vec![0.0; system.residual.len()];
+        Self {
+            natural: of_strains.clone(),
+            stiffness: of_strains,
+            force: of_unknowns.clone(),
+            velocity: of_unknowns,
+        }
+    }
+
+    /// Adds the part of a step: −(∂R/∂p)ᵀ λ.
+    pub(super) fn add(&mut self, along: &VirtualMotion, laws: &StrainLaws) {
+        self.natural
+            .add_products(1.0, &laws.stiffness, &along.strains);
+        self.stiffness
+            .add_products(-1.0, &laws.moment, &along.strains);
+        let pairs = self.force.iter_mut().zip(&along.motion);
+        pairs.for_each(|(sum, motion)| *sum += motion);
+    }
+
+    /// Takes over the derivatives over the velocities of a motion that starts, and of the steps before, which have the same.
+    pub(super) fn start(&mut self, covector: &Covector) {
+        for velocities in &covector.velocities {
+            let pairs = self.velocity.iter_mut().zip(velocities);
+            pairs.for_each(|(sum, velocity)| *sum += velocity);
+        }
+    }
+
+    /// The fields.
+    pub(super) fn fields(&self, assembly: &Assembly) -> Gradient {
+        let nodes = assembly.rods.nodes;
+        let vectors = |of: &[f64]| (0..nodes).map(|node| position(of, node)).collect();
+        let mut gradient = Gradient {
+            natural_curvature: vec![[0.0; 2]; nodes],
+            natural_twist: vec![0.0; nodes],
+            bending: vec![[0.0; 2]; nodes],
+            twisting: vec![0.0; nodes],
+            stretching: vec![0.0; nodes],
+            force: vectors(&self.force),
+            velocity: vectors(&self.velocity),
+        };
+        for node in 0..nodes {
+            for axis in (0..3).filter(|axis| assembly.held[STRIDE * node + axis]) {
+                gradient.velocity[node][axis] = 0.0;
+            }
+        }
+        let natural_length = |edge: usize| {
+            let edges = assembly.rods.edges.iter();
+            let own = edges.filter(|own| own.start == edge);
+            own.map(|own| own.natural_length).sum::<f64>()
+        };
+        let voronoi =
+            |vertex: &Vertex| 0.5 * (natural_length(vertex.before) + natural_length(vertex.after));
+        let both = self.natural.vertices.iter().zip(&self.stiffness.vertices);
+        for (vertex, (natural, stiffness)) in assembly.rods.vertices.iter().zip(both) {
+            let (node, length) = (assembly.node_of(vertex), voronoi(vertex));
+            let [k0, k1, k2, k3, twist] = *natural;
+            // κ¹ is the curvature about m₂, κ² that about −m₁.
+            gradient.natural_curvature[node][0] -= length * (k1 + k3);
+            gradient.natural_curvature[node][1] += length * (k0 + k2);
+            gradient.natural_twist[node] += length * twist;
+            let [k0, k1, k2, k3, twist] = *stiffness;
+            gradient.bending[node][0] += k1 + k3;
+            gradient.bending[node][1] += k0 + k2;
+            gradient.twisting[node] += twist;
+        }
+        for (edge, stiffness) in assembly.rods.edges.iter().zip(&self.stiffness.edges) {
+            gradient.stretching[edge.start] = *stiffness;
+        }
+        gradient
+    }
+}

@@ -1,0 +1,265 @@
+//! Derivatives of one result over everything along the rods: adjoint mode.
+//!
+//! [`super::sensitivity`] carries the derivative of the whole state over one parameter forwards, a solve for each parameter and step.
+//! Here the derivative q̄ of one result over the state is carried backwards, a solve for each result and step, whatever the number of
+//! parameters. A step solves R(q; s, p) = 0 for its end q, from the state s at its start (see there). With the derivative q̄ of the
+//! result over q,
+//!
+//! ```text
+//! J λ = q̄,     s̄ = −(∂R/∂s)ᵀ λ,     dI/dp += −(∂R/∂p)ᵀ λ,     J = ∂R/∂q = Jᵀ
+//! ```
+//!
+//! at the solution of the step, from the last step to the first. J is symmetric where forces have a potential, which is asked for.
+//!
+//! **State.** s consists of unknowns and velocities at present and at the last steps, the strains of dashpots there, and the frames that
+//! the step transports in time. With the tangents s and t of an edge at the start and at the end of a step, the spin of its frame
+//! about t changes with both,
+//!
+//! ```text
+//! δψ = δθ + δρ + a·δs + c·δt,     a = −(s×t)/((1+s·t) lₛ),     c = −(s×t)/((1+s·t) lₜ)
+//! ```
+//!
+//! per change of the edge vectors of the lengths lₛ and lₜ, with the spin ρ of the frame that is transported. (a is c with
+//! both ends exchanged: the transport from t to s is the inverse one.) The elastic energy depends on θ, ρ and a·δs by ψ
+//! alone, so that all three have the same derivative of R, the column of J at θ without inertia and drag; the force
+//! (∂E/∂ψ) c on the edge depends on s by c as well. Where a clamp holds both nodes of an edge it prescribes ψ.
+//!
+//! **Inertia and drag** are linear in the start of the stage and in the velocity there, with symmetric matrices: their transpose is their own
+//! formula for λ. How both follow from the last steps is linear, too, and the same for all unknowns; the weights are read off the
+//! scheme (`weights`).
+//!
+//! **Strains.** λ·R = Σ M dε\[λ\] for elastic forces and dashpots, with the derivatives of the strains along λ
+//! (`system/virtual_work`): these hold dI/dp for stiffness and natural strains of every vertex, at the cost of two evaluations
+//! of the strains.
+//!
+//! **Cost.** The steps are stored as they are taken; where they fill [`LARGEST_TRACE`], only the states at which parts of the motion
+//! began are kept, and a part is taken once more, bit for bit, when its derivatives are due. A step back costs one linearisation
+//! and factorisation, where the step itself took two or three, and a solve for each result.
+//!
+//! **Not supported**, and refused: what [`super::sensitivity`] refuses, and contact, springs, moments and forces that turn with rods, fluids, the
+//! midpoint rule, relaxation (the standard linear solid), and rods that lengthen by themselves.
+//!
+//! | file | what |
+//! |---|---|
+//! | `gradient` | the derivatives over fields |
+//! | `measured` | derivatives of the results over the last state |
+//! | `covector` | a step back |
+//! | `weights` | the scheme as a linear map |
+//! | `trace` | the states of the steps |
+
+mod covector;
+mod gradient;
+mod measured;
+mod trace;
+mod weights;
+
+pub use gradient::Gradient;
+
+use super::parameters::{IntegrationParameters, Scheme};
+use super::report::{SimulationError, SimulationState, StepReport};
+use super::sensitivity::{Replayed, SensitivityError, Taken, check};
+use super::simulation::Simulation;
+use crate::mechanics::SceneError;
+use crate::mechanics::scene::{ActuatedStrain, Scene};
+use covector::StepBack;
+use gradient::Sums;
+use trace::Trace;
+
+/// Size up to which the states of steps are kept, bytes.
+pub const LARGEST_TRACE: usize = 256 << 20;
+
+/// A motion that is recorded for derivatives of results at its end.
+pub struct Recording {
+    simulation: Simulation,
+    /// The same once more: it repeats steps.
+    centre: Simulation,
+    trace: Trace,
+    settled: bool,
+}
+
+impl Recording {
+    /// Sets up a scene at time zero.
+    ///
+    /// # Errors
+    /// [`SensitivityError::Unsuitable`] for a scene that is not supported, [`SensitivityError::Simulation`] for an invalid one.
+    pub fn new(
+        scene: &Scene,
+        parameters: &IntegrationParameters,
+    ) -> Result<Self, SensitivityError> {
+        check(scene)?;
+        let simulation = Simulation::new(scene, parameters)?;
+        refuse(scene, &simulation, parameters)?;
+        Ok(Self {
+            centre: Simulation::new(scene, parameters)?,
+            trace: Trace::new(&simulation, LARGEST_TRACE),
+            simulation,
+            settled: false,
+        })
+    }
+
+    /// The simulation.
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// Finds the equilibrium at the start of the motion.
+    ///
+    /// # Errors
+    /// The errors of [`Simulation::find_equilibrium`].
+    pub fn find_equilibrium(&mut self) -> Result<StepReport, SensitivityError> {
+        let report = self.simulation.find_equilibrium()?;
+        let largest = self.trace.largest();
+        self.trace = Trace::new(&self.simulation, largest);
+        self.settled = true;
+        Ok(report)
+    }
+
+    /// Takes one step that ends no later than `until`, s.
+    ///
+    /// # Errors
+    /// The errors of [`Simulation::advance`].
+    pub fn advance(&mut self, until: f64) -> Result<StepReport, SensitivityError> {
+        let report = self.simulation.advance(until)?;
+        self.trace.add(&self.simulation, &report, until);
+        Ok(report)
+    }
+
+    /// Derivatives of results at the end of the motion so far. `results` returns them, always as many, from the positions, velocities and
+    /// strains of a simulation; forces that hold clamps are those of the last step, and not differentiated.
+    ///
+    /// # Errors
+    /// [`SensitivityError::NotRepeated`] and [`SensitivityError::Singular`] where a step has no derivative.
+    pub fn gradients(
+        &mut self,
+        results: &dyn Fn(&Simulation) -> Vec<f64>,
+    ) -> Result<Vec<Gradient>, SensitivityError> {
+        let over_all = self.gradients_over(&[f64::INFINITY], results)?;
+        Ok(over_all.into_iter().flatten().collect())
+    }
+
+    /// The same over fields that change during a part of the motion only, for controls: a list for each result, with an entry for each
+    /// part. Parts are given by the times at which they end, s, in ascending order; a step is in the part in which it ends, an
+    /// equilibrium in the first, and what comes after the last one is in none.
+    ///
+    /// # Errors
+    /// The errors of [`Self::gradients`].
+    pub fn gradients_over(
+        &mut self,
+        ends: &[f64],
+        results: &dyn Fn(&Simulation) -> Vec<f64>,
+    ) -> Result<Vec<Vec<Gradient>>, SensitivityError> {
+        let centre = &mut self.centre;
+        centre.take_up(self.trace.last())?;
+        let mut covectors = measured::derivatives(centre, results);
+        let zero = vec![Sums::zero(centre); ends.len()];
+        let mut sums = vec![zero; covectors.len()];
+        let mut scratch = centre.system.geometry.clone();
+        self.trace
+            .visit_backwards(centre, &mut |centre, [start, end]| {
+                centre.take_up(start)?;
+                let taken = Taken {
+                    time: end.time,
+                    unknowns: &end.unknowns,
+                    contact_stiffness: 0.0,
+                };
+                let replayed = Replayed::new(&taken, centre)?;
+                let step = StepBack::new(centre, &replayed);
+                let part = ends.partition_point(|of_part| *of_part < end.time);
+                for (covector, sums) in covectors.iter_mut().zip(&mut sums) {
+                    let along = step.pull_back(covector, centre, &mut scratch)?;
+                    if let Some(sums) = sums.get_mut(part) {
+                        sums.add(&along, &step.laws);
+                    }
+                }
+                Ok(())
+            })?;
+        centre.take_up(self.trace.first())?;
+        let firsts = sums.iter_mut().filter_map(|sums| sums.first_mut());
+        if self.settled {
+            let unknowns = centre.state.unknowns.clone();
+            centre.system.linearize(&unknowns, None);
+            let singular = SensitivityError::Singular {
+                time: centre.state.time,
+            };
+            centre.system.factor().map_err(|_| singular)?;
+            let laws = centre.system.strain_laws();
+            for (covector, sums) in covectors.iter().zip(firsts) {
+                let along = covector.settle(centre, &mut scratch)?;
+                sums.add(&along, &laws);
+            }
+        } else {
+            for (covector, sums) in covectors.iter().zip(firsts) {
+                sums.start(covector);
+            }
+        }
+        let assembly = &centre.system.assembly;
+        let fields = |sums: &Vec<Sums>| sums.iter().map(|sums| sums.fields(assembly)).collect();
+        Ok(sums.iter().map(fields).collect())
+    }
+}
+
+/// Checks what is supported beyond the scene itself.
+fn refuse(
+    scene: &Scene,
+    simulation: &Simulation,
+    parameters: &IntegrationParameters,
+) -> Result<(), SensitivityError> {
+    let system = &simulation.system;
+    let lengthens =
+        (scene.actuations.iter()).any(|actuation| actuation.strain == ActuatedStrain::Length);
+    let refusals = [
+        (
+            parameters.scheme == Scheme::ImplicitMidpoint,
+            "derivatives over fields need time.scheme = \"implicit-euler\" or \"backward-differences\"",
+        ),
+        (
+            scene.contact.is_some(),
+            "derivatives over fields support no contact",
+        ),
+        (
+            scene.fluid.is_some(),
+            "derivatives over fields support no fluid; use [[loads]] of kind \"drag\"",
+        ),
+        (
+            system.terms.damping.relaxes(),
+            "derivatives over fields support no relaxation of the material",
+        ),
+        (
+            lengthens,
+            "derivatives over fields support no rods that lengthen by themselves",
+        ),
+        (
+            !system.has_copies(),
+            "derivatives over fields support no springs, moments and forces that turn with rods",
+        ),
+    ];
+    match refusals.into_iter().find(|(refused, _)| *refused) {
+        Some((_, reason)) => Err(SensitivityError::Unsuitable(reason)),
+        None => Ok(()),
+    }
+}
+
+impl Simulation {
+    /// Is where a step began, or ended.
+    ///
+    /// # Errors
+    /// [`SensitivityError::Simulation`] if it is that of another scene.
+    fn take_up(&mut self, at: &SimulationState) -> Result<(), SensitivityError> {
+        let restored = self.system.terms.restore(at.strains.clone());
+        let foreign =
+            |what: &str| SimulationError::BadScene(SceneError::Checkpoint(what.to_owned()));
+        restored.map_err(foreign)?;
+        self.state.time = at.time;
+        self.state.unknowns.clone_from(&at.unknowns);
+        self.state.velocity.clone_from(&at.velocity);
+        self.state.history.clone_from(&at.history);
+        self.system.resume(at.time, &at.unknowns, &at.reference);
+        self.system.drive(at.time, &mut self.state.unknowns);
+        self.system.update_geometry(&self.state.unknowns);
+        self.publish();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,455 @@
+//! Derivatives over fields against extrapolated differences of whole runs in which one number of a rod differs.
+
+use super::{Gradient, LARGEST_TRACE, Recording, SensitivityError, Trace};
+use crate::mechanics::Vector3;
+use crate::mechanics::contact::ContactModel;
+use crate::mechanics::dynamics::state::State;
+use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
+use crate::mechanics::rod::STRIDE;
+use crate::mechanics::scene::{Clamp, Inertia, Motion, Relaxation, Scene};
+use crate::mechanics::test_support::{
+    advance_to, clamp, contact, curved, drag, fixed_steps, gravity, moment_on, point_force,
+    section, straight_rod,
+};
+
+const STEPS: usize = 30;
+const STEP: f64 = 2e-3;
+const SCHEMES: [Scheme; 2] = [Scheme::ImplicitEuler, Scheme::BackwardDifferences];
+
+/// What happens: steps, after an equilibrium or not, or the equilibrium alone.
+#[derive(Clone, Copy, Debug)]
+struct Course {
+    settles: bool,
+    steps: usize,
+    scheme: Scheme,
+}
+
+impl Course {
+    fn parameters(&self) -> IntegrationParameters {
+        IntegrationParameters {
+            force_tolerance: 1e-13,
+            displacement_tolerance: 1e-11,
+            ..fixed_steps(self.scheme, STEP)
+        }
+    }
+
+    fn end(&self) -> f64 {
+        STEP * self.steps as f64
+    }
+
+    /// The results of a run in which something is changed by an amount.
+    fn run(&self, scene: &Scene, change: Change, node: usize, amount: f64) -> Vec<f64> {
+        let mut simulation = Simulation::new(scene, &self.parameters()).unwrap();
+        change(&mut simulation, node, amount);
+        let rods = &simulation.system.assembly.rods;
+        simulation.system.geometry.take_natural_strains(rods);
+        if self.settles {
+            simulation.find_equilibrium().unwrap();
+        }
+        advance_to(&mut simulation, self.end());
+        results(&simulation)
+    }
+
+    fn gradients(&self, scene: &Scene, largest: usize) -> Vec<Gradient> {
+        let mut recording = Recording::new(scene, &self.parameters()).unwrap();
+        recording.trace = Trace::new(&recording.simulation, largest);
+        if self.settles {
+            recording.find_equilibrium().unwrap();
+        }
+        while recording.simulation().time() < self.end() {
+            recording.advance(self.end()).unwrap();
+        }
+        recording.gradients(&results).unwrap()
+    }
+}
+
+/// Place and velocity of two nodes, and a director.
+fn results(simulation: &Simulation) -> Vec<f64> {
+    let vectors = [
+        simulation.positions()[10] * 10.0,
+        simulation.positions()[6] * 10.0,
+        simulation.velocities()[5],
+        simulation.material_directors()[5],
+    ];
+    vectors
+        .iter()
+        .flat_map(|vector| [vector.x, vector.y, vector.z])
+        .collect()
+}
+
+/// Adds an amount to a number that belongs to a node.
+type Change = fn(&mut Simulation, usize, f64);
+
+/// Adds to the natural strains of the vertices at a node: to κ about m₁, κ about m₂, or the twist.
+fn strain(simulation: &mut Simulation, node: usize, [first, second, twist]: [f64; 3]) {
+    let assembly = &mut simulation.system.assembly;
+    let edges = assembly.rods.edges.clone();
+    let length = |edge: usize| edges.get(edge).map_or(0.0, |edge| edge.natural_length);
+    let at: Vec<bool> = assembly
+        .rods
+        .vertices
+        .iter()
+        .map(|vertex| assembly.node_of(vertex) == node)
+        .collect();
+    for (vertex, _) in assembly
+        .rods
+        .vertices
+        .iter_mut()
+        .zip(at)
+        .filter(|(_, at)| *at)
+    {
+        let voronoi = 0.5 * (length(vertex.before) + length(vertex.after));
+        for frame in 0..2 {
+            vertex.natural.curvature[2 * frame] += second * voronoi;
+            vertex.natural.curvature[2 * frame + 1] -= first * voronoi;
+        }
+        vertex.natural.twist += twist * voronoi;
+    }
+}
+
+/// Multiplies stiffnesses of the vertices at a node.
+fn stiffen(simulation: &mut Simulation, node: usize, [first, second, twisting]: [f64; 3]) {
+    let assembly = &mut simulation.system.assembly;
+    let at: Vec<bool> = assembly
+        .rods
+        .vertices
+        .iter()
+        .map(|vertex| assembly.node_of(vertex) == node)
+        .collect();
+    for (vertex, _) in assembly
+        .rods
+        .vertices
+        .iter_mut()
+        .zip(at)
+        .filter(|(_, at)| *at)
+    {
+        vertex.stiffness.bending[1] *= 1.0 + first;
+        vertex.stiffness.bending[0] *= 1.0 + second;
+        vertex.stiffness.twisting *= 1.0 + twisting;
+    }
+}
+
+fn throw(simulation: &mut Simulation, node: usize, velocity: Vector3) {
+    let State {
+        unknowns,
+        velocity: own,
+        ..
+    } = &simulation.state;
+    let mut own = own.clone();
+    for axis in 0..3 {
+        own[STRIDE * node + axis] += velocity[axis];
+    }
+    simulation.state = State::new(&unknowns.clone(), &own);
+}
+
+/// A field with how to change it at a node, an amount that matters little, and its derivative there.
+type Field = (&'static str, Change, f64, fn(&Gradient, usize) -> f64);
+
+const FIELDS: [Field; 8] = [
+    (
+        "curvature about m1",
+        |s, k, by| strain(s, k, [by, 0.0, 0.0]),
+        0.01,
+        |g, k| g.natural_curvature[k][0],
+    ),
+    (
+        "curvature about m2",
+        |s, k, by| strain(s, k, [0.0, by, 0.0]),
+        0.01,
+        |g, k| g.natural_curvature[k][1],
+    ),
+    (
+        "twist",
+        |s, k, by| strain(s, k, [0.0, 0.0, by]),
+        0.01,
+        |g, k| g.natural_twist[k],
+    ),
+    (
+        "EI1",
+        |s, k, by| stiffen(s, k, [by, 0.0, 0.0]),
+        0.01,
+        |g, k| g.bending[k][0],
+    ),
+    (
+        "EI2",
+        |s, k, by| stiffen(s, k, [0.0, by, 0.0]),
+        0.01,
+        |g, k| g.bending[k][1],
+    ),
+    (
+        "GJ",
+        |s, k, by| stiffen(s, k, [0.0, 0.0, by]),
+        0.01,
+        |g, k| g.twisting[k],
+    ),
+    (
+        "EA",
+        |s, k, by| s.system.assembly.rods.edges[k].stretching *= 1.0 + by,
+        0.01,
+        |g, k| g.stretching[k],
+    ),
+    (
+        "velocity",
+        |s, k, by| throw(s, k, Vector3::y() * by),
+        0.01,
+        |g, k| g.velocity[k].y,
+    ),
+];
+
+/// Derivatives of all results over one number.
+fn differences(
+    course: &Course,
+    scene: &Scene,
+    change: Change,
+    node: usize,
+    amount: f64,
+) -> Vec<f64> {
+    let central = |amount: f64| -> Vec<f64> {
+        let [plus, minus] = [amount, -amount].map(|by| course.run(scene, change, node, by));
+        let pairs = plus.iter().zip(&minus);
+        pairs
+            .map(|(plus, minus)| (plus - minus) / (2.0 * amount))
+            .collect()
+    };
+    let [fine, middle, coarse] = [1.0, 2.0, 4.0].map(|times| central(times * amount));
+    (0..fine.len())
+        .map(|of| {
+            let first = (4.0 * fine[of] - middle[of]) / 3.0;
+            let second = (4.0 * middle[of] - coarse[of]) / 3.0;
+            (16.0 * first - second) / 15.0
+        })
+        .collect()
+}
+
+/// Derivatives, of results of the size 1, below which others count as small.
+const UNIMPORTANT: f64 = 1e-3;
+/// Largest error over the largest derivative of the same field.
+const EXACT: f64 = 1e-7;
+
+/// Compares the derivatives over the numbers of some nodes with differences, over the amounts of the fields times `share`.
+#[track_caller]
+fn check(name: &str, course: &Course, scene: &Scene, share: f64) {
+    let gradients = course.gradients(scene, LARGEST_TRACE);
+    let fields = FIELDS
+        .iter()
+        .filter(|field| !(course.settles && field.0 == "velocity"));
+    for (field, change, amount, of) in fields {
+        let (mut worst, mut largest) = (0.0_f64, UNIMPORTANT);
+        for node in [0, 3, 7] {
+            let expected = differences(course, scene, *change, node, share * amount);
+            for (gradient, expected) in gradients.iter().zip(expected) {
+                if *field == "velocity" && scene.clamps.iter().any(|clamp| clamp.node == node) {
+                    assert_eq!(of(gradient, node), 0.0);
+                    continue;
+                }
+                worst = worst.max((of(gradient, node) - expected).abs());
+                largest = largest.max(expected.abs());
+            }
+        }
+        println!(
+            "{name:12} {field:20} {:?} {:.1e} of {largest:.1e}",
+            course.scheme,
+            worst / largest
+        );
+        assert!(
+            worst / largest < EXACT,
+            "{name} {field} {course:?}: {:e}",
+            worst / largest
+        );
+    }
+}
+
+/// A bent and twisted cantilever with unequal stiffnesses under weight.
+fn cantilever() -> Scene {
+    let mut rod = straight_rod(10, 0.3);
+    rod.stiffness = section(200.0, [1e-3, 2.5e-3], 1.2e-3);
+    rod.natural_shape = curved([2.0, 1.0], 1.5);
+    Scene {
+        rods: vec![rod],
+        clamps: vec![clamp(0, 0)],
+        loads: vec![
+            gravity(2.0),
+            point_force(0, 10, Vector3::new(0.0, 2e-3, 0.0)),
+        ],
+        ..Scene::default()
+    }
+}
+
+/// The same with a clamp at its end, too, which turns about two axes while it moves.
+fn driven() -> Scene {
+    let mut scene = cantilever();
+    let way = Vector3::new(-0.08, 0.03, 0.05);
+    scene.clamps.push(Clamp {
+        motion: Motion {
+            translation: vec![(0.0, Vector3::zeros()), (0.1, way)],
+            axis: Some(Vector3::new(1.0, 0.5, 0.2).normalize()),
+            angle: vec![(0.0, 0.0), (0.1, 4.0)],
+            ..Motion::default()
+        },
+        ..clamp(0, 10)
+    });
+    scene
+}
+
+fn course(scheme: Scheme) -> Course {
+    Course {
+        settles: false,
+        steps: STEPS,
+        scheme,
+    }
+}
+
+#[test]
+fn an_equilibrium() {
+    let course = Course {
+        settles: true,
+        steps: 0,
+        scheme: Scheme::ImplicitEuler,
+    };
+    check("equilibrium", &course, &cantilever(), 1.0);
+}
+
+#[test]
+fn swings_with_drag() {
+    let mut scene = cantilever();
+    scene.loads.push(drag(None, 0.05, 1e-5));
+    for scheme in SCHEMES {
+        check("swing", &course(scheme), &scene, 1.0);
+    }
+}
+
+#[test]
+fn consistent_inertia_and_dashpots() {
+    let mut scene = cantilever();
+    scene.rods[0].inertia = Inertia::Consistent;
+    scene.rods[0].retardation_time = 0.02;
+    for scheme in SCHEMES {
+        check("dashpots", &course(scheme), &scene, 1.0);
+    }
+}
+
+#[test]
+fn clamps_that_move_after_an_equilibrium() {
+    for scheme in SCHEMES {
+        let course = Course {
+            settles: true,
+            ..course(scheme)
+        };
+        check("driven", &course, &driven(), 0.3);
+    }
+}
+
+#[test]
+fn forces_on_nodes() {
+    let scene = cantilever();
+    let course = course(Scheme::BackwardDifferences);
+    let gradients = course.gradients(&scene, LARGEST_TRACE);
+    let run = |force: f64| {
+        let mut scene = scene.clone();
+        scene.loads.push(point_force(0, 4, Vector3::z() * force));
+        course.run(&scene, |_, _, _| {}, 0, 0.0)
+    };
+    let central = |by: f64| -> Vec<f64> {
+        let [plus, minus] = [by, -by].map(run);
+        plus.iter()
+            .zip(&minus)
+            .map(|(plus, minus)| (plus - minus) / (2.0 * by))
+            .collect()
+    };
+    let (fine, coarse) = (central(1e-5), central(2e-5));
+    let largest = fine.iter().fold(0.0_f64, |sum, one| sum.max(one.abs()));
+    for (of, gradient) in gradients.iter().enumerate() {
+        let expected = (4.0 * fine[of] - coarse[of]) / 3.0;
+        assert!((gradient.force[4].z - expected).abs() < 1e-7 * largest);
+    }
+}
+
+#[test]
+fn rings_whose_last_vertex_closes_them() {
+    let mut rod = straight_rod(11, 0.3);
+    let angle = |node: usize| node as f64 * std::f64::consts::TAU / 12.0;
+    rod.centreline = (0..12)
+        .map(|node| Vector3::new(angle(node).cos(), angle(node).sin(), 0.0) * 0.05)
+        .collect();
+    rod.closed = true;
+    rod.first_director = None;
+    rod.stiffness = section(200.0, [1e-3, 2.5e-3], 1.2e-3);
+    rod.natural_shape = curved([12.0, 5.0], 1.5);
+    let scene = Scene {
+        rods: vec![rod],
+        clamps: vec![clamp(0, 0)],
+        loads: vec![gravity(2.0)],
+        ..Scene::default()
+    };
+    check("ring", &course(Scheme::BackwardDifferences), &scene, 0.3);
+}
+
+#[test]
+fn parts_of_a_motion_add_up_to_the_whole() {
+    let course = course(Scheme::ImplicitEuler);
+    let mut recording = Recording::new(&driven(), &course.parameters()).unwrap();
+    while recording.simulation().time() < course.end() {
+        recording.advance(course.end()).unwrap();
+    }
+    let whole = recording.gradients(&results).unwrap();
+    let ends = [0.5 * course.end() + 1e-9, f64::INFINITY];
+    let parts = recording.gradients_over(&ends, &results).unwrap();
+    for (whole, parts) in whole.iter().zip(&parts) {
+        for node in 0..11 {
+            let [first, second] = [&parts[0], &parts[1]].map(|part| part.natural_twist[node]);
+            let error = first + second - whole.natural_twist[node];
+            assert!(error.abs() < 1e-14, "{error:e}");
+        }
+        assert_eq!(whole.velocity, parts[0].velocity);
+    }
+    assert!(
+        parts
+            .iter()
+            .any(|parts| parts[0].force[5] != parts[1].force[5])
+    );
+}
+
+#[test]
+fn parts_that_are_taken_once_more_give_the_same_bytes() {
+    let course = course(Scheme::BackwardDifferences);
+    // Some states of eleven nodes each.
+    let apart = course.gradients(&driven(), 20_000);
+    assert_eq!(apart, course.gradients(&driven(), LARGEST_TRACE));
+}
+
+#[test]
+fn scenes_without_these_derivatives_are_refused() {
+    type Spoil = fn(&mut Scene, &mut IntegrationParameters);
+    let spoils: [(Spoil, &str); 4] = [
+        (
+            |_, parameters| parameters.scheme = Scheme::ImplicitMidpoint,
+            "time.scheme",
+        ),
+        (
+            |scene, _| scene.contact = Some(contact(ContactModel::ImplicitContact, 1e-3)),
+            "contact",
+        ),
+        (
+            |scene, _| {
+                scene.rods[0].relaxation = Some(Relaxation {
+                    ratio: 0.5,
+                    time: 0.03,
+                });
+            },
+            "relaxation",
+        ),
+        (
+            |scene, _| scene.loads.push(moment_on(0, 5, Vector3::z())),
+            "moments",
+        ),
+    ];
+    for (spoil, word) in spoils {
+        let (mut scene, mut parameters) = (cantilever(), fixed_steps(Scheme::ImplicitEuler, 1e-3));
+        spoil(&mut scene, &mut parameters);
+        match Recording::new(&scene, &parameters) {
+            Err(SensitivityError::Unsuitable(reason)) => assert!(reason.contains(word), "{reason}"),
+            Err(error) => panic!("{word}: {error}"),
+            Ok(_) => panic!("{word} is not refused"),
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! The states at the ends of steps: those of the last part of a motion, and those at which its earlier parts began.
+
+use super::SensitivityError;
+use crate::mechanics::dynamics::report::{SimulationState, StepReport};
+use crate::mechanics::dynamics::simulation::Simulation;
+
+/// States of a motion, from which its steps can be visited backwards.
+pub(super) struct Trace {
+    /// Size up to which states are kept, bytes.
+    largest: usize,
+    /// Earlier parts, whose steps are to be taken once more.
+    parts: Vec<Part>,
+    /// The last part.
+    last: Part,
+    /// Ends of the steps of the last part.
+    ends: Vec<SimulationState>,
+}
+
+/// A part of a motion.
+struct Part {
+    /// Where it begins.
+    start: SimulationState,
+    /// The times up to which its steps were to go, s.
+    untils: Vec<f64>,
+}
+
+/// What is done with a step, given by the states at which it starts and ends.
+pub(super) type Visit<'a> =
+    &'a mut dyn FnMut(&mut Simulation, [&SimulationState; 2]) -> Result<(), SensitivityError>;
+
+impl Trace {
+    /// A motion that starts where a simulation is; up to `largest` bytes are kept.
+    pub(super) fn new(simulation: &Simulation, largest: usize) -> Self {
+        Self {
+            largest,
+            parts: Vec::new(),
+            last: Part {
+                start: simulation.state(),
+                untils: Vec::new(),
+            },
+            ends: Vec::new(),
+        }
+    }
+
+    /// Size up to which states are kept, bytes.
+    pub(super) fn largest(&self) -> usize {
+        self.largest
+    }
+
+    /// Adds the step that a simulation has just taken.
+    pub(super) fn add(&mut self, simulation: &Simulation, report: &StepReport, until: f64) {
+        self.last.untils.push(until);
+        let state = simulation.state();
+        let each = size(&state);
+        append(&mut self.ends, report, state);
+        if each * self.ends.len() > self.largest
+            && let Some(end) = self.ends.pop()
+        {
+            let next = Part {
+                start: end,
+                untils: Vec::new(),
+            };
+            self.parts.push(std::mem::replace(&mut self.last, next));
+            self.ends.clear();
+        }
+    }
+
+    /// Where the motion starts.
+    pub(super) fn first(&self) -> &SimulationState {
+        &self.parts.first().unwrap_or(&self.last).start
+    }
+
+    /// Where it ends.
+    pub(super) fn last(&self) -> &SimulationState {
+        self.ends.last().unwrap_or(&self.last.start)
+    }
+
+    /// Visits all steps, the last first, with a simulation that may be anywhere.
+    pub(super) fn visit_backwards(
+        &self,
+        simulation: &mut Simulation,
+        visit: Visit<'_>,
+    ) -> Result<(), SensitivityError> {
+        self.last.visit(&self.ends, simulation, visit)?;
+        for part in self.parts.iter().rev() {
+            let ends = part.repeat(simulation)?;
+            part.visit(&ends, simulation, visit)?;
+        }
+        Ok(())
+    }
+}
+
+impl Part {
+    /// Takes its steps once more.
+    fn repeat(
+        &self,
+        simulation: &mut Simulation,
+    ) -> Result<Vec<SimulationState>, SensitivityError> {
+        let mut ends = Vec::new();
+        simulation.restore(self.start.clone())?;
+        for &until in &self.untils {
+            let report = simulation.advance(until)?;
+            append(&mut ends, &report, simulation.state());
+        }
+        Ok(ends)
+    }
+
+    fn visit(
+        &self,
+        ends: &[SimulationState],
+        simulation: &mut Simulation,
+        visit: Visit<'_>,
+    ) -> Result<(), SensitivityError> {
+        for index in (0..ends.len()).rev() {
+            let start = match index {
+                0 => &self.start,
+                _ => &ends[index - 1],
+            };
+            visit(simulation, [start, &ends[index]])?;
+        }
+        Ok(())
+    }
+}
+
+/// Adds the end of a step; where only the time was set, that of the last one.
+fn append(ends: &mut Vec<SimulationState>, report: &StepReport, state: SimulationState) {
+    if report.step > 0.0 {
+        ends.push(state);
+    } else if let Some(last) = ends.last_mut() {
+        last.time = state.time;
+    }
+}
+
+/// Approximate size of a state, bytes.
+fn size(state: &SimulationState) -> usize {
+    let motions = 2 * (1 + crate::mechanics::dynamics::history::LENGTH) * state.unknowns.len();
+    let frames = 6 * state.reference.tangent.len() + state.reference.twist.len();
+    let strains: usize = state.strains.iter().map(Vec::len).sum();
+    size_of::<f64>() * (motions + frames + strains)
+}

@@ -1,0 +1,193 @@
+//! Strains along a virtual motion, and the forces that do the virtual work of given moments: what adjoints of motions are made of.
+//!
+//! Elastic forces R = Σ M ∂ε/∂q do the work λ·R = Σ M dε[λ] in a virtual motion λ, with the derivatives dε[λ] of the strains along
+//! it, so that these hold all that a change of stiffness or of natural strains does to λ·R.
+//!
+//! Strains are in the order of the vertices, [`OF_VERTEX`] each (κ¹⁰, κ²⁰, κ¹¹, κ²¹, τ; see [`crate::mechanics::rod::vertex`]), then the
+//! lengths of the edges in m.
+
+use super::System;
+use super::damping::write_strains;
+use crate::mechanics::rod::topology::position;
+use crate::mechanics::rod::{Edge, ElasticRods, RodGeometry, STRIDE, Vertex};
+
+/// Strains of a vertex.
+pub(crate) const OF_VERTEX: usize = 5;
+
+/// Largest turn (rad) by which strains are differenced: truncation and rounding errors are both about 1e-10 of the strain.
+const TURN: f64 = 1e-5;
+
+/// A number for each strain.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct OfStrains {
+    /// Of the vertices.
+    pub vertices: Vec<[f64; OF_VERTEX]>,
+    /// Of the edges.
+    pub edges: Vec<f64>,
+}
+
+impl OfStrains {
+    /// Zero for each strain of some rods.
+    pub(crate) fn zero(rods: &ElasticRods) -> Self {
+        Self {
+            vertices: vec![[0.0; OF_VERTEX]; rods.vertices.len()],
+            edges: vec![0.0; rods.edges.len()],
+        }
+    }
+
+    /// All numbers.
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut f64> {
+        self.vertices.iter_mut().flatten().chain(&mut self.edges)
+    }
+
+    /// All numbers.
+    fn all(&self) -> impl Iterator<Item = &f64> {
+        self.vertices.iter().flatten().chain(&self.edges)
+    }
+
+    /// Adds products of two others, times a factor.
+    pub(crate) fn add_products(&mut self, factor: f64, one: &Self, other: &Self) {
+        let products = one.all().zip(other.all());
+        for (sum, (one, other)) in self.all_mut().zip(products) {
+            *sum += factor * one * other;
+        }
+    }
+
+    fn of(strains: &[f64], rods: &ElasticRods) -> Self {
+        let mut own = Self::zero(rods);
+        let pairs = own.all_mut().zip(strains);
+        pairs.for_each(|(own, strain)| *own = *strain);
+        own
+    }
+}
+
+/// What the strains of the last evaluation are multiplied with, N m and N.
+#[derive(Debug)]
+pub(crate) struct StrainLaws {
+    /// Stiffness K of the springs.
+    pub stiffness: OfStrains,
+    /// Derivative of the energy of the stage over the strain: that of the springs and of the dashpots.
+    pub moment: OfStrains,
+    /// Stiffness K T/H of the dashpots; `None` without any.
+    pub dashpot: Option<OfStrains>,
+    /// Weights of the strains at the start of the step and of the two before it in those from which the dashpots count.
+    pub start_weights: [f64; 3],
+}
+
+impl System {
+    /// Laws of the strains of the last evaluation.
+    pub(crate) fn strain_laws(&self) -> StrainLaws {
+        let acting = self.acting_rods();
+        let mut stiffness = OfStrains::zero(acting);
+        let mut moment = OfStrains::zero(acting);
+        for (index, (vertex, own)) in acting
+            .vertices
+            .iter()
+            .zip(&self.assembly.rods.vertices)
+            .enumerate()
+        {
+            let strains = vertex.elastic_strains(&self.geometry.strains(index, vertex));
+            let of = |vertex: &Vertex| {
+                let [first, second] = vertex.stiffness.bending;
+                [first, second, first, second, vertex.stiffness.twisting]
+            };
+            stiffness.vertices[index] = of(own);
+            let [k0, k1, k2, k3] = strains.curvature;
+            let strains = [k0, k1, k2, k3, strains.twist];
+            let acting = of(vertex);
+            moment.vertices[index] = std::array::from_fn(|k| acting[k] * strains[k]);
+        }
+        for (index, (edge, own)) in acting
+            .edges
+            .iter()
+            .zip(&self.assembly.rods.edges)
+            .enumerate()
+        {
+            let length = self.geometry.edges[edge.start].length;
+            stiffness.edges[index] = own.stretching / own.natural_length;
+            moment.edges[index] = edge.stretching * (length / edge.natural_length - 1.0);
+        }
+        let damping = &self.terms.damping;
+        let dashpots = damping.dashpots(&self.assembly);
+        StrainLaws {
+            stiffness,
+            moment,
+            dashpot: dashpots.map(|all| OfStrains::of(&all, acting)),
+            start_weights: damping.start_weights(),
+        }
+    }
+
+    /// Derivatives of the strains along a virtual motion λ of the unknowns at which the last evaluation was. `scratch` has the storage
+    /// of the geometry of this system.
+    pub(crate) fn strains_along(
+        &self,
+        unknowns: &[f64],
+        motion: &[f64],
+        scratch: &mut RodGeometry,
+    ) -> OfStrains {
+        let rods = &self.assembly.rods;
+        let stretch = |edge: &Edge| position(motion, edge.end) - position(motion, edge.start);
+        let turn = |edge: &Edge| {
+            let turn = stretch(edge).norm() / edge.natural_length;
+            turn.max(motion[STRIDE * edge.start + 3].abs())
+        };
+        let largest = rods.edges.iter().map(turn).fold(0.0, f64::max);
+        let mut along = OfStrains::zero(rods);
+        if largest == 0.0 {
+            return along;
+        }
+        let step = TURN / largest;
+        let mut strains = Vec::new();
+        for sign in [1.0, -1.0] {
+            let moved = unknowns.iter().zip(motion);
+            let moved: Vec<f64> = moved
+                .map(|(at, motion)| at + sign * step * motion)
+                .collect();
+            scratch.update(rods, &moved, &self.reference, &self.ghosts);
+            write_strains(&self.assembly, scratch, &mut strains);
+            for (sum, strain) in along.all_mut().zip(&strains) {
+                *sum += sign / (2.0 * step) * strain;
+            }
+        }
+        // Lengths change little beside the turns of their edges: a difference would leave rounding errors.
+        for (along, edge) in along.edges.iter_mut().zip(&rods.edges) {
+            *along = self.geometry.edges[edge.start].tangent.dot(&stretch(edge));
+        }
+        along
+    }
+
+    /// Σ cₖ ∂εₖ/∂q at the last evaluation: the forces of given moments c. The entry of the angle of an edge is the derivative over the
+    /// spin of its frame.
+    pub(crate) fn forces_of_moments(&self, moments: &OfStrains) -> Vec<f64> {
+        let mut forces = vec![0.0; self.residual.len()];
+        let largest =
+            |of: &mut dyn Iterator<Item = &f64>| of.fold(0.0_f64, |sum, one| sum.max(one.abs()));
+        let bending = largest(&mut moments.vertices.iter().flatten());
+        // So that no edge is endlessly long by nature.
+        let stretching = 2.0 * largest(&mut moments.edges.iter());
+        // The rods that have these moments.
+        let mut rods = self.assembly.rods.clone();
+        let share = |moment: f64, scale: f64| if scale > 0.0 { moment / scale } else { 0.0 };
+        for (index, (vertex, moments)) in
+            rods.vertices.iter_mut().zip(&moments.vertices).enumerate()
+        {
+            let strains = vertex.strain.of(&self.geometry.strains(index, vertex));
+            let natural = &mut vertex.natural;
+            for k in 0..4 {
+                natural.curvature[k] = strains.curvature[k] - share(moments[k], bending);
+            }
+            natural.twist = strains.twist - share(moments[4], bending);
+            vertex.stiffness.bending = [bending; 2];
+            vertex.stiffness.twisting = bending;
+        }
+        for (edge, moment) in rods.edges.iter_mut().zip(&moments.edges) {
+            let length = self.geometry.edges[edge.start].length;
+            edge.natural_length = length / (1.0 + share(*moment, stretching));
+            edge.stretching = stretching;
+        }
+        let mut geometry = self.geometry.clone();
+        geometry.take_natural_strains(&rods);
+        rods.add_gradient(&geometry, &mut forces);
+        forces
+    }
+}
