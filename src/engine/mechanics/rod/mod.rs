@@ -28,6 +28,7 @@ mod turning_ghost;
 pub mod vertex;
 mod vertex_hessian;
 mod vertex_lanes;
+mod virtual_strain;
 
 pub(crate) use copies::RodCopies;
 pub use discretization::{Edge, ElasticRods, GhostEdge, Vertex, VertexUnknowns, VertexWeights};
@@ -38,3 +39,4 @@ pub(crate) use placement::{Placement, PlacementError};
 pub use topology::{RodRange, STRIDE};
 pub use turning_angle::BendingStrain;
 pub(crate) use turning_ghost::TURNING_ROTATION;
+pub(crate) use virtual_strain::EdgeMotion;

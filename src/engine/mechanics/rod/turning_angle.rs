@@ -64,6 +64,12 @@ impl AngleRatio {
         }
     }
 
+    /// Change of λκ with κ.
+    pub(super) fn turning_along(&self, kappa: &[f64; 4], change: &[f64; 4]) -> [f64; 4] {
+        let of_square = 2.0 * (kappa[0] * change[0] + kappa[1] * change[1]);
+        std::array::from_fn(|k| self.value * change[k] + self.first * of_square * kappa[k])
+    }
+
     /// Moments on κ, from those on λκ.
     #[inline(always)]
     pub(super) fn over_components(&self, moments: &Moments, kappa: &[f64; 4]) -> Moments {

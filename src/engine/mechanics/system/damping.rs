@@ -350,7 +350,7 @@ impl Damping {
 }
 
 /// Strains of the vertices and lengths of the edges.
-pub(super) fn write_strains(assembly: &Assembly, geometry: &RodGeometry, strains: &mut Vec<f64>) {
+fn write_strains(assembly: &Assembly, geometry: &RodGeometry, strains: &mut Vec<f64>) {
     strains.clear();
     let rods = &assembly.rods;
     for (index, vertex) in rods.vertices.iter().enumerate() {

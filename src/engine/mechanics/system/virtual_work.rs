@@ -7,15 +7,11 @@
 //! lengths of the edges in m.
 
 use super::System;
-use super::damping::write_strains;
 use crate::mechanics::rod::topology::position;
-use crate::mechanics::rod::{Edge, ElasticRods, RodGeometry, STRIDE, Vertex};
+use crate::mechanics::rod::{EdgeMotion, ElasticRods, STRIDE, Vertex};
 
 /// Strains of a vertex.
 pub(crate) const OF_VERTEX: usize = 5;
-
-/// Largest turn (rad) by which strains are differenced: truncation and rounding errors are both about 1e-10 of the strain.
-const TURN: f64 = 1e-5;
 
 /// A number for each strain.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -117,41 +113,26 @@ impl System {
         }
     }
 
-    /// Derivatives of the strains along a virtual motion λ of the unknowns at which the last evaluation was. `scratch` has the storage
-    /// of the geometry of this system.
-    pub(crate) fn strains_along(
-        &self,
-        unknowns: &[f64],
-        motion: &[f64],
-        scratch: &mut RodGeometry,
-    ) -> OfStrains {
+    /// Derivatives of the strains along a virtual motion λ of the unknowns, at the last evaluation.
+    pub(crate) fn strains_along(&self, motion: &[f64]) -> OfStrains {
         let rods = &self.assembly.rods;
-        let stretch = |edge: &Edge| position(motion, edge.end) - position(motion, edge.start);
-        let turn = |edge: &Edge| {
-            let turn = stretch(edge).norm() / edge.natural_length;
-            turn.max(motion[STRIDE * edge.start + 3].abs())
-        };
-        let largest = rods.edges.iter().map(turn).fold(0.0, f64::max);
+        let frames = &self.geometry.edges;
         let mut along = OfStrains::zero(rods);
-        if largest == 0.0 {
-            return along;
+        let mut motions = vec![EdgeMotion::NONE; frames.len()];
+        for (own, edge) in along.edges.iter_mut().zip(&rods.edges) {
+            let change = position(motion, edge.end) - position(motion, edge.start);
+            let frame = &frames[edge.start];
+            motions[edge.start] = EdgeMotion::new(frame, &change, motion[STRIDE * edge.start + 3]);
+            *own = frame.tangent.dot(&change);
         }
-        let step = TURN / largest;
-        let mut strains = Vec::new();
-        for sign in [1.0, -1.0] {
-            let moved = unknowns.iter().zip(motion);
-            let moved: Vec<f64> = moved
-                .map(|(at, motion)| at + sign * step * motion)
-                .collect();
-            scratch.update(rods, &moved, &self.reference, &self.ghosts);
-            write_strains(&self.assembly, scratch, &mut strains);
-            for (sum, strain) in along.all_mut().zip(&strains) {
-                *sum += sign / (2.0 * step) * strain;
-            }
-        }
-        // Lengths change little beside the turns of their edges: a difference would leave rounding errors.
-        for (along, edge) in along.edges.iter_mut().zip(&rods.edges) {
-            *along = self.geometry.edges[edge.start].tangent.dot(&stretch(edge));
+        for (index, (own, vertex)) in along.vertices.iter_mut().zip(&rods.vertices).enumerate() {
+            let strains = self.geometry.strains(index, vertex);
+            let [before, after] = [vertex.before, vertex.after];
+            *own = vertex.strains_along(
+                [&frames[before], &frames[after]],
+                &strains,
+                [&motions[before], &motions[after]],
+            );
         }
         along
     }
@@ -165,6 +146,9 @@ impl System {
         let bending = largest(&mut moments.vertices.iter().flatten());
         // So that no edge is endlessly long by nature.
         let stretching = 2.0 * largest(&mut moments.edges.iter());
+        if bending == 0.0 && stretching == 0.0 {
+            return forces;
+        }
         // The rods that have these moments.
         let mut rods = self.assembly.rods.clone();
         let share = |moment: f64, scale: f64| if scale > 0.0 { moment / scale } else { 0.0 };

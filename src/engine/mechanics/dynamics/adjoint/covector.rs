@@ -6,8 +6,8 @@ use crate::mechanics::Vector3;
 use crate::mechanics::dynamics::sensitivity::Replayed;
 use crate::mechanics::dynamics::simulation::Simulation;
 use crate::mechanics::rod::topology::position;
-use crate::mechanics::rod::{Edge, RodGeometry, STRIDE};
-use crate::mechanics::system::{OfStrains, StrainLaws};
+use crate::mechanics::rod::{Edge, STRIDE};
+use crate::mechanics::system::{OfStrains, Stage, StrainLaws};
 
 /// Starts of steps whose strains count in the rates of dashpots.
 const STRAINS: usize = 3;
@@ -51,22 +51,19 @@ impl Covector {
     pub(super) fn settle(
         &self,
         simulation: &mut Simulation,
-        scratch: &mut RodGeometry,
     ) -> Result<VirtualMotion, SensitivityError> {
         let mut force = simulation.system.forces_of_moments(&self.strains[0]);
         for unknowns in &self.unknowns {
             add(&mut force, unknowns);
         }
         let motion = solve(simulation, force)?;
-        let unknowns = simulation.state.unknowns.clone();
-        let strains = simulation.system.strains_along(&unknowns, &motion, scratch);
+        let strains = simulation.system.strains_along(&motion);
         Ok(VirtualMotion { motion, strains })
     }
 }
 
 /// A step that is repeated, to be pulled back through.
-pub(super) struct StepBack<'a> {
-    replayed: &'a Replayed,
+pub(super) struct StepBack {
     weights: HistoryWeights,
     /// Laws of the strains at its end.
     pub laws: StrainLaws,
@@ -74,11 +71,14 @@ pub(super) struct StepBack<'a> {
     moments: Vec<f64>,
     /// Lengths of the edges at its start, m, one for each node.
     lengths: Vec<f64>,
+    /// Its stage, for motions other than its own.
+    stage: Stage,
+    at_rest: Vec<f64>,
 }
 
-impl<'a> StepBack<'a> {
+impl StepBack {
     /// For the step that a simulation has repeated.
-    pub(super) fn new(simulation: &Simulation, replayed: &'a Replayed) -> Self {
+    pub(super) fn new(simulation: &Simulation, replayed: &Replayed) -> Self {
         let system = &simulation.system;
         let stage = &simulation.integrator.workspace.stage;
         let mut motion = vec![0.0; replayed.solution.len()];
@@ -90,13 +90,14 @@ impl<'a> StepBack<'a> {
             lengths[edge.start] = along(&simulation.state.unknowns, edge).norm();
         }
         Self {
-            replayed,
             weights: HistoryWeights::of(simulation, replayed.step),
             laws: system.strain_laws(),
             moments: (0..nodes)
                 .map(|node| system.residual[angle(node)] - motion[angle(node)])
                 .collect(),
             lengths,
+            stage: stage.clone(),
+            at_rest: vec![0.0; replayed.solution.len()],
         }
     }
 
@@ -105,10 +106,9 @@ impl<'a> StepBack<'a> {
     /// # Errors
     /// [`SensitivityError::Singular`].
     pub(super) fn pull_back(
-        &self,
+        &mut self,
         covector: &mut Covector,
         simulation: &mut Simulation,
-        scratch: &mut RodGeometry,
     ) -> Result<VirtualMotion, SensitivityError> {
         let step = simulation.integrator.workspace.stage.step;
         // What the end of the step has an effect on: itself, the velocity there, dashpots, and the transport of frames.
@@ -123,15 +123,13 @@ impl<'a> StepBack<'a> {
             let holonomy = system.geometry.edges[edge.start].holonomy;
             add_to_edge(&mut force, edge, &(holonomy * covector.spins[edge.start]));
         }
-        let motion = solve(simulation, force)?;
+        let motion = solve(simulation, force.clone())?;
         let system = &simulation.system;
-        let solution = &self.replayed.solution;
-        let strains = system.strains_along(solution, &motion, scratch);
+        let strains = system.strains_along(&motion);
 
         // −(∂R/∂s)ᵀ λ of inertia and drag, where s is the start of the stage and the velocity there.
         let over_start = self.motion_forces(simulation, &motion, true);
         let over_velocity = self.motion_forces(simulation, &motion, false);
-        let elastic = self.replayed.jacobian.multiply(&motion);
         let mut start: Vec<f64> = over_start.iter().map(|entry| -entry).collect();
         for (start, velocity) in start.iter_mut().zip(&covector.velocities[0]) {
             *start -= velocity / step;
@@ -149,16 +147,17 @@ impl<'a> StepBack<'a> {
             // A clamp that holds the edge prescribes the spin of its material frame.
             let spin = match system.assembly.held[angle] {
                 true => 0.0,
+                // J λ = q̄ without inertia and drag.
                 false => {
-                    covector.spins[node] + of_strains[angle] - (elastic[angle] + over_start[angle])
+                    covector.spins[node] + of_strains[angle] - (force[angle] + over_start[angle])
                 }
             };
             let moved = along(&motion, edge);
             let change = (tangent * moved.dot(&normal) - tangent.cross(&moved)) / cosine;
             let change = change * (self.moments[node] / frame.length);
             let change = change - source * source.dot(&change);
-            let force = (normal * spin + change) * (-1.0 / self.lengths[node]);
-            add_to_edge(&mut covector.unknowns[0], edge, &force);
+            let over_edge = (normal * spin + change) * (-1.0 / self.lengths[node]);
+            add_to_edge(&mut covector.unknowns[0], edge, &over_edge);
             covector.spins[node] = spin;
         }
 
@@ -174,18 +173,22 @@ impl<'a> StepBack<'a> {
     }
 
     /// Forces of inertia and drag that belong to λ as the start of the stage, or as the velocity there: −(∂R/∂s)ᵀ λ with the opposite sign.
-    fn motion_forces(&self, simulation: &Simulation, motion: &[f64], as_start: bool) -> Vec<f64> {
-        let mut stage = simulation.integrator.workspace.stage.clone();
-        let at_rest = vec![0.0; motion.len()];
+    fn motion_forces(
+        &mut self,
+        simulation: &Simulation,
+        motion: &[f64],
+        as_start: bool,
+    ) -> Vec<f64> {
+        let stage = &mut self.stage;
         let (own, other) = match as_start {
             true => (&mut stage.start, &mut stage.velocity),
             false => (&mut stage.velocity, &mut stage.start),
         };
         own.copy_from_slice(motion);
         other.fill(0.0);
-        let mut forces = at_rest.clone();
+        let mut forces = vec![0.0; motion.len()];
         let system = &simulation.system;
-        system.add_motion_forces(&at_rest, &stage, &mut forces);
+        system.add_motion_forces(&self.at_rest, stage, &mut forces);
         forces
     }
 }

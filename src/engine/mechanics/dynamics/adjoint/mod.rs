@@ -29,8 +29,7 @@
 //! scheme (`weights`).
 //!
 //! **Strains.** λ·R = Σ M dε\[λ\] for elastic forces and dashpots, with the derivatives of the strains along λ
-//! (`system/virtual_work`): these hold dI/dp for stiffness and natural strains of every vertex, at the cost of two evaluations
-//! of the strains.
+//! (`system/virtual_work`): these hold dI/dp for stiffness and natural strains of every vertex.
 //!
 //! **Cost.** The steps are stored as they are taken; where they fill [`LARGEST_TRACE`], only the states at which parts of the motion
 //! began are kept, and a part is taken once more, bit for bit, when its derivatives are due. A step back costs one linearisation
@@ -153,7 +152,6 @@ impl Recording {
         let mut covectors = measured::derivatives(centre, results);
         let zero = vec![Sums::zero(centre); ends.len()];
         let mut sums = vec![zero; covectors.len()];
-        let mut scratch = centre.system.geometry.clone();
         self.trace
             .visit_backwards(centre, &mut |centre, [start, end]| {
                 centre.take_up(start)?;
@@ -163,10 +161,10 @@ impl Recording {
                     contact_stiffness: 0.0,
                 };
                 let replayed = Replayed::new(&taken, centre)?;
-                let step = StepBack::new(centre, &replayed);
+                let mut step = StepBack::new(centre, &replayed);
                 let part = ends.partition_point(|of_part| *of_part < end.time);
                 for (covector, sums) in covectors.iter_mut().zip(&mut sums) {
-                    let along = step.pull_back(covector, centre, &mut scratch)?;
+                    let along = step.pull_back(covector, centre)?;
                     if let Some(sums) = sums.get_mut(part) {
                         sums.add(&along, &step.laws);
                     }
@@ -184,7 +182,7 @@ impl Recording {
             centre.system.factor().map_err(|_| singular)?;
             let laws = centre.system.strain_laws();
             for (covector, sums) in covectors.iter().zip(firsts) {
-                let along = covector.settle(centre, &mut scratch)?;
+                let along = covector.settle(centre)?;
                 sums.add(&along, &laws);
             }
         } else {

@@ -6,7 +6,7 @@ use crate::mechanics::contact::ContactModel;
 use crate::mechanics::dynamics::state::State;
 use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::scene::{Clamp, Inertia, Motion, Relaxation, Scene};
+use crate::mechanics::scene::{Clamp, Inertia, Motion, NaturalShape, Relaxation, Scene};
 use crate::mechanics::test_support::{
     advance_to, clamp, contact, curved, drag, fixed_steps, gravity, moment_on, point_force,
     section, straight_rod,
@@ -323,8 +323,11 @@ fn consistent_inertia_and_dashpots() {
     let mut scene = cantilever();
     scene.rods[0].inertia = Inertia::Consistent;
     scene.rods[0].retardation_time = 0.02;
+    let mut straight = scene.clone();
+    straight.rods[0].natural_shape = NaturalShape::Straight;
     for scheme in SCHEMES {
         check("dashpots", &course(scheme), &scene, 1.0);
+        check("straight", &course(scheme), &straight, 1.0);
     }
 }
 
