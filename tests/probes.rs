@@ -195,6 +195,29 @@ fn sensitivities_are_printed_checked_and_written() {
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let first = &json["columns"][0]["derivatives"][0];
     assert_eq!(first["derivative"], by_modulus[0]);
+    let along = [
+        "--field",
+        "natural_curvature,bending_stiffness",
+        "--out",
+        "out",
+    ];
+    let text = rodlab(path, &[&common[..4], &along].concat());
+    for word in [
+        "bending_stiffness_1 (relative)",
+        "node ",
+        "fields.csv",
+        "fields.svg",
+    ] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    let along = path.join("out/fields.csv");
+    let stiffness = |axis: u8| -> f64 {
+        let own = column(&along, &format!("d_tip_z_m_d_bending_stiffness_{axis}"));
+        own.iter().sum()
+    };
+    // Bending alone carries the weight.
+    let share = (stiffness(1) + stiffness(2)) / (1e7 * by_modulus[0]);
+    assert!((share - 1.0).abs() < 1e-3, "{share}");
     let mut wrong = Command::cargo_bin("rodlab").unwrap();
     let wrong = wrong.current_dir(path);
     let wrong = wrong.args(["sensitivity", "beam.toml", "--of", "top", "--to", to]);

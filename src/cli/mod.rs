@@ -79,6 +79,7 @@ mod samples;
 mod schema;
 mod score;
 mod sensitivity;
+mod sensitivity_fields;
 mod site;
 mod solve;
 mod solve_arm;

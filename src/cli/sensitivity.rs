@@ -1,8 +1,9 @@
-//! `rodlab sensitivity`: derivatives of probes over keys.
+//! `rodlab sensitivity`: derivatives of probes over keys and over fields along rods.
 
 use super::candidates::keys;
 use super::exit_code::ExitCode;
 use super::prelude::*;
+use super::sensitivity_fields::FieldArguments;
 use rodlab_engine::mechanics::dynamics::sensitivity as engine;
 use rodlab_lab::experiment;
 use rodlab_lab::scenario::{Loaded, ScenarioError};
@@ -18,6 +19,7 @@ Examples:
   rodlab sensitivity beam.toml --of tip --to rods.beam.radius,material.density
   rodlab sensitivity beam.toml --of tip_z_m --to loads.0.acceleration.2 --check
   rodlab sensitivity beam.toml --to contact.friction --out results/beam_sensitivity
+  rodlab sensitivity beam.toml --of tip --field natural_curvature,force --out results/tip
 
 A derivative is that of the motion as it is computed, by the Newton matrices of its steps. The
 elasticity (p/y) dy/dp is the percentage by which y changes where p changes by one percent.")]
@@ -26,8 +28,10 @@ pub struct SensitivityArguments {
     #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
     pub scenario: PathBuf,
     /// Keys over which is differentiated, as in `rodlab run --vary`; repeatable
-    #[arg(long = "to", value_name = "KEY", value_delimiter = ',', required = true, add = keys(""))]
+    #[arg(long = "to", value_name = "KEY", value_delimiter = ',', required_unless_present = "fields", add = keys(""))]
     pub keys: Vec<String>,
+    #[command(flatten)]
+    pub fields: FieldArguments,
     /// Probes to differentiate, or columns of them; repeatable [default: all probes]
     #[arg(long = "of", value_name = "PROBE", value_delimiter = ',')]
     pub probes: Vec<String>,
@@ -37,7 +41,7 @@ pub struct SensitivityArguments {
     /// Compare with differences of four runs for each key
     #[arg(long)]
     pub check: bool,
-    /// Directory for sensitivity.csv, with a row for each output of the run
+    /// Directory for sensitivity.csv, with a row for each output of the run, or fields.csv and fields.svg
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the results as JSON
@@ -51,6 +55,10 @@ pub fn sensitivity(arguments: &SensitivityArguments) -> Result<(), Failure> {
         let overrides = [arguments.overrides.as_slice(), more].concat();
         experiment::load(&arguments.scenario, &overrides)
     };
+    if !arguments.fields.are_empty() {
+        let out = arguments.out.as_deref();
+        return (arguments.fields).differentiate(&source, &arguments.probes, out, arguments.json);
+    }
     let (of, to) = (&arguments.probes, &arguments.keys);
     let found = derivatives(&source, of, to)?;
     let checked = match arguments.check {

@@ -59,6 +59,28 @@ impl Chosen {
         })
     }
 
+    /// Checks that all columns depend on shapes and velocities alone.
+    ///
+    /// # Errors
+    /// [`SensitivityError::Key`] with the first that does not.
+    pub(super) fn check_shape(&self, run: &PreparedRun) -> Result<(), SensitivityError> {
+        let probes = probes_of(run)?;
+        let of_columns = probes.quantities().zip(probes.columns_of_each());
+        let of_columns = of_columns
+            .flat_map(|(quantity, columns)| columns.into_iter().map(|_| quantity.is_of_shape()));
+        let of_columns: Vec<bool> = of_columns.collect();
+        for (number, column) in self.numbers.iter().zip(&self.columns) {
+            if !of_columns[*number] {
+                return Err(SensitivityError::Key {
+                    key: column.clone(),
+                    reason: "derivatives over fields support probes of shapes and velocities; use --to KEY for forces, moments and energies"
+                        .to_owned(),
+                });
+            }
+        }
+        Ok(())
+    }
+
     /// The values in a simulation of `run`, which may have other places to measure from than others.
     pub(super) fn values(
         &self,

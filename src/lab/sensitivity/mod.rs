@@ -12,15 +12,18 @@
 //! | `chosen` | the columns of its probes that are asked for |
 //! | `probed` | derivatives of probes |
 //! | `check` | differences of whole runs |
+//! | `fields` | derivatives of probes over fields along rods |
 
 mod check;
 mod chosen;
 mod error;
+mod fields;
 mod probed;
 mod problem;
 
 pub use check::differences;
 pub use error::SensitivityError;
+pub use fields::{Field, FieldDerivatives, FieldRow, field_derivatives};
 pub use probed::{Derivatives, Row, derivatives};
 pub use problem::{Key, Moment, Problem, Source};
 

@@ -152,3 +152,89 @@ fn what_has_no_derivative_is_named() {
     let message = refused(&[flow], "tip", density);
     assert!(message.contains("fluid.model"), "{message}");
 }
+
+#[test]
+fn fields_that_change_everywhere_alike_are_keys() {
+    // A round section, at rest and in motion: curvature about one director, and all stiffnesses together.
+    let still = ["time={mode=\"static\"}", "output={}"];
+    for overrides in [&still[..], &[]] {
+        let source = |more: &[String]| beam(overrides, more);
+        let (of, keys) = (
+            owned(&["tip"]),
+            owned(&[
+                "rods.beam.natural_shape.curvature.0",
+                "material.youngs_modulus",
+            ]),
+        );
+        let expected = derivatives(&source, &of, &keys).unwrap();
+        let expected = &expected.rows.last().unwrap().derivatives;
+        let fields = [
+            Field::NaturalCurvature,
+            Field::BendingStiffness,
+            Field::TwistingStiffness,
+            Field::StretchingStiffness,
+        ];
+        let found = field_derivatives(&source, &of, &fields, 1).unwrap();
+        assert_eq!(found.columns, ["tip_x_m", "tip_y_m", "tip_z_m"]);
+        assert_eq!(found.rows.len(), 13);
+        for column in 0..3 {
+            let curvature = found.sum(0, column);
+            let stiffness: f64 = (2..6).map(|of| found.sum(of, column)).sum();
+            for (own, key) in [(curvature, 0), (stiffness / 1e7, 1)] {
+                let other = expected[key][column].unwrap();
+                let error = (own - other).abs();
+                assert!(error <= 2e-7 * other.abs() + 1e-15, "{own:e} {other:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn fields_of_parts_of_a_motion_have_rows_of_their_own() {
+    let source = |more: &[String]| beam(&[], more);
+    let fields = [Field::Force, Field::InitialVelocity];
+    let found = field_derivatives(&source, &owned(&["tip_z_m"]), &fields, 4).unwrap();
+    let ends = found.ends.iter().zip([0.025, 0.05, 0.075, 0.1]);
+    assert!(
+        ends.into_iter()
+            .all(|(end, expected)| (end - expected).abs() < 1e-15)
+    );
+    let csv = found.to_csv();
+    let lines: Vec<&str> = csv.lines().collect();
+    assert!(
+        lines[0].starts_with("until_s,rod,node,arc_length_m,d_tip_z_m_d_force_x,d_tip_z_m_d_"),
+        "{}",
+        lines[0]
+    );
+    assert_eq!(lines.len(), 1 + 4 * 13);
+    assert!(lines[1].starts_with("0.025,beam,0,0.0,"), "{}", lines[1]);
+    // The last node is where it is after a quarter of the motion.
+    let whole = field_derivatives(&source, &owned(&["tip_z_m"]), &fields, 1).unwrap();
+    assert!((found.sum(2, 0) / whole.sum(2, 0) - 1.0).abs() < 1e-12);
+    // A push early on has had more time.
+    let of_tip = |part: usize| found.rows[13 * part + 12].derivatives[2][0];
+    assert!(of_tip(0) > of_tip(3) && of_tip(3) > 0.0);
+}
+
+#[test]
+fn fields_without_derivatives_are_named() {
+    let refused = |overrides: &[&str], of: &str, field: Field, parts: usize| {
+        let source = |more: &[String]| beam(overrides, more);
+        let found = field_derivatives(&source, &owned(&[of]), &[field], parts);
+        found.expect_err("it has no derivative").to_string()
+    };
+    let message = refused(&[], "wall", Field::Force, 1);
+    assert!(message.contains("`wall_force_x_n`"), "{message}");
+    let message = refused(
+        &["time.scheme=\"implicit-midpoint\""],
+        "tip",
+        Field::Force,
+        1,
+    );
+    assert!(message.contains("time.scheme"), "{message}");
+    let still = ["time={mode=\"static\"}", "output={}"];
+    for (field, parts) in [(Field::InitialVelocity, 1), (Field::Force, 2)] {
+        let message = refused(&still, "tip", field, parts);
+        assert!(message.contains("time.mode"), "{message}");
+    }
+}

@@ -105,6 +105,11 @@ impl Probes {
         self.probes.iter().map(|probe| probe.name.as_str())
     }
 
+    /// What the probes measure, in their order.
+    pub fn quantities(&self) -> impl Iterator<Item = &Quantity> {
+        self.probes.iter().map(|probe| &probe.quantity)
+    }
+
     /// Columns of each probe, in their order.
     pub fn columns_of_each(&self) -> impl Iterator<Item = Vec<String>> {
         self.probes.iter().map(Probe::columns)

@@ -171,6 +171,31 @@ const ENERGIES: [Part; 5] = [
 const STRAIGHT: f64 = 1e-9;
 
 impl Quantity {
+    /// Whether it depends on the places and velocities of nodes and frames alone, not on stiffness or forces.
+    pub fn is_of_shape(&self) -> bool {
+        match self {
+            Self::Position { .. }
+            | Self::Displacement { .. }
+            | Self::Velocity { .. }
+            | Self::NodeDistance { .. }
+            | Self::RodDistance { .. }
+            | Self::Curvature { .. }
+            | Self::Torsion { .. }
+            | Self::Twist { .. }
+            | Self::Writhe { .. }
+            | Self::LinkingNumber { .. }
+            | Self::ArcLength { .. } => true,
+            Self::Reaction { .. }
+            | Self::Tension { .. }
+            | Self::BendingMoment { .. }
+            | Self::TwistingMoment { .. }
+            | Self::ContactForce { .. }
+            | Self::Energy { .. }
+            | Self::SpringForce { .. }
+            | Self::NodeForce { .. } => false,
+        }
+    }
+
     /// Components and units of its columns.
     pub fn columns(&self) -> &'static [Part] {
         match self {
