@@ -224,3 +224,58 @@ fn sensitivities_are_printed_checked_and_written() {
     let fault = String::from_utf8(wrong.assert().code(2).get_output().stderr.clone()).unwrap();
     assert!(fault.contains("`top`") && fault.contains("tip"), "{fault}");
 }
+
+#[test]
+fn motions_may_begin_in_the_equilibrium() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    fs::write(path.join("still.toml"), BEAM).unwrap();
+    let time = r#"{ step = "2 ms", end = "0.1 s", begin = "equilibrium" }"#;
+    let moving = BEAM.replace(r#"{ mode = "static" }"#, time);
+    fs::write(path.join("rests.toml"), &moving).unwrap();
+    for name in ["still", "rests"] {
+        let file = format!("{name}.toml");
+        rodlab(path, &["run", &file, "--out", name, "--quiet"]);
+    }
+    let height = |name: &str| column(&path.join(name).join("series.csv"), "tip_z_m");
+    let (still, rests) = (height("still")[0], height("rests"));
+    assert!(still < -0.1 && rests.len() > 10);
+    for height in &rests {
+        assert!((height - still).abs() < 1e-7, "{height} {still}");
+    }
+    // Derivatives take the equilibrium along; so does what resumes.
+    let to = "material.youngs_modulus,material.density";
+    let derivatives = |name: &str| {
+        let file = format!("{name}.toml");
+        rodlab(
+            path,
+            &[
+                "sensitivity",
+                &file,
+                "--of",
+                "tip_z_m",
+                "--to",
+                to,
+                "--out",
+                name,
+            ],
+        );
+        let table = path.join(name).join("sensitivity.csv");
+        let own = column(&table, "d_tip_z_m_d_material.density");
+        own[own.len() - 1]
+    };
+    let (of_still, of_rests) = (derivatives("still"), derivatives("rests"));
+    assert!(
+        (of_rests / of_still - 1.0).abs() < 1e-5,
+        "{of_rests} {of_still}"
+    );
+    let thrown = moving.replace("edges = 20", "edges = 20\nvelocity = [0, 1, 0]");
+    fs::write(path.join("thrown.toml"), thrown).unwrap();
+    let mut wrong = Command::cargo_bin("rodlab").unwrap();
+    let wrong = wrong.current_dir(path).args(["check", "thrown.toml"]);
+    let fault = String::from_utf8(wrong.assert().code(2).get_output().stderr.clone()).unwrap();
+    assert!(
+        fault.contains("thrown.toml:4:") && fault.contains("`time.begin`"),
+        "{fault}"
+    );
+}

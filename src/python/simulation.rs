@@ -194,7 +194,7 @@ impl Simulation {
     #[getter]
     fn end(&self) -> Option<f64> {
         match self.stepper.run.mode() {
-            Mode::Dynamic { end } => Some(end),
+            Mode::Dynamic { end, .. } => Some(end),
             Mode::Static | Mode::Continuation(_) => None,
         }
     }

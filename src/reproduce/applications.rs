@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn trials_take_the_time_of_their_scenarios() {
         for run in Application::of_table_5_4(true) {
-            let Mode::Dynamic { end } = run.prepare().mode else {
+            let Mode::Dynamic { end, .. } = run.prepare().mode else {
                 panic!("rods are laid in time");
             };
             assert_eq!(end, run.end());

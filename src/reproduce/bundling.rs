@@ -340,7 +340,13 @@ mod tests {
         assert_eq!(bundling.id(), "m3_ipc_mu0.7_20s");
         let plain = bundling.prepare();
         assert_eq!(plain.name, bundling.id());
-        assert_eq!(plain.mode, Mode::Dynamic { end: 20.0 });
+        assert_eq!(
+            plain.mode,
+            Mode::Dynamic {
+                end: 20.0,
+                settles: false
+            }
+        );
         assert_eq!(plain.scene.contact.unwrap().friction, 0.7);
         let changed = |change: fn(&mut Bundling), behind: &str| {
             let mut run = bundling;

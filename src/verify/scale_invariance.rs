@@ -88,7 +88,7 @@ impl Motion {
                     motion.record(&simulation);
                 }
             }
-            Mode::Dynamic { end } => {
+            Mode::Dynamic { end, .. } => {
                 for output in 1..=OUTPUTS {
                     let until = end * output as f64 / OUTPUTS as f64;
                     while simulation.time() < until {

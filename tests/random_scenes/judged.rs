@@ -195,7 +195,7 @@ fn run_within(case: &Case, overrides: &[String], finer: f64) -> Result<Run, Fail
         .map_err(|error| clearly(&error))?;
     let prepared =
         experiment::prepare(&loaded.scenario).map_err(|issues| clearly(&loaded.locate(issues)))?;
-    let Mode::Dynamic { end } = prepared.mode else {
+    let Mode::Dynamic { end, .. } = prepared.mode else {
         return Err(Failed::Without("not a dynamic scene".into()));
     };
     let mut simulation =

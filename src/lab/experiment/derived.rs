@@ -123,7 +123,7 @@ pub fn derived_numbers(prepared: &PreparedRun) -> DerivedNumbers {
         .collect();
     let speed = driven_speed(scene);
     let steps = match (prepared.mode, prepared.integration.step) {
-        (Mode::Dynamic { end }, StepSize::Fixed(step)) => Some((end / step).ceil()),
+        (Mode::Dynamic { end, .. }, StepSize::Fixed(step)) => Some((end / step).ceil()),
         _ => None,
     };
     let swing = slowest_swing(prepared, &rods);
@@ -230,7 +230,7 @@ const BORNE: f64 = 0.9;
 
 /// Creep of sticking contacts in a run: the smoothed law μ tanh(7.5 v/ν) bears a part of μ only in motion.
 fn creep(prepared: &PreparedRun) -> Option<Creep> {
-    let (scene, Mode::Dynamic { end }) = (&prepared.scene, prepared.mode) else {
+    let (scene, Mode::Dynamic { end, .. }) = (&prepared.scene, prepared.mode) else {
         return None;
     };
     let contact = scene

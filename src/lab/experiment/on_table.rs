@@ -1,7 +1,7 @@
 //! Common parts of experiments in which a gripper handles a rod or a sheet on a table.
 
 use crate::scenario::keys::{Dimensionless, FINITE, Quantity, Request, Section};
-use crate::scenario::{Contact, Material, Scheme, Step, Time};
+use crate::scenario::{Begin, Contact, Material, Scheme, Step, Time};
 use rodlab_engine::mechanics::Vector3;
 use rodlab_engine::mechanics::scene::{Load, LoadKind, Plane, Scene};
 use rodlab_planning::plan::deployment::DeployedRod;
@@ -25,6 +25,7 @@ pub fn usual_time(end: f64) -> Time {
         scheme: Scheme::ImplicitEuler,
         step: Step::Fixed(STEP),
         end,
+        begin: Begin::Placed,
     }
 }
 

@@ -184,7 +184,7 @@ fn is_same(one: f64, other: f64) -> bool {
 /// The time of a datum, checked against the run.
 fn time_of(prepared: &PreparedRun, file: &DataFile, datum: &Datum) -> Result<Option<f64>, String> {
     match (prepared.mode, datum.time) {
-        (Mode::Dynamic { end }, Some(time)) => {
+        (Mode::Dynamic { end, .. }, Some(time)) => {
             let inside = (0.0..=end).contains(&time) || is_same(time, end);
             inside.then_some(Some(time.min(end))).ok_or_else(|| {
                 format!("the time {time} s is outside of the run; allowed: 0 to {end} s (time.end)")

@@ -44,10 +44,15 @@ impl LiveRun {
     /// # Errors
     /// [`SimulationError::BadScene`] for an invalid scene.
     pub fn new(prepared: &PreparedRun) -> Result<Self, SimulationError> {
+        let mut simulation = Simulation::new(&prepared.scene, &prepared.integration)?;
+        let mut counters = Counters::default();
+        if matches!(prepared.mode, Mode::Dynamic { settles: true, .. }) {
+            counters.add_equilibrium(&simulation.find_equilibrium()?);
+        }
         Ok(Self {
-            simulation: Simulation::new(&prepared.scene, &prepared.integration)?,
+            simulation,
             participants: Participants::of(prepared),
-            counters: Counters::default(),
+            counters,
             mode: prepared.mode,
             last_step: Duration::ZERO,
         })

@@ -189,7 +189,15 @@ fn cantilever(integration: IntegrationParameters) -> PreparedRun {
             clamp: None,
             released: false,
         })],
-        ..run_of_scene("cantilever", scene, Mode::Dynamic { end: 0.5 }, 0.05)
+        ..run_of_scene(
+            "cantilever",
+            scene,
+            Mode::Dynamic {
+                end: 0.5,
+                settles: false,
+            },
+            0.05,
+        )
     }
 }
 

@@ -72,6 +72,8 @@ pub enum Mode {
     Dynamic {
         /// End of the simulated time, s.
         end: f64,
+        /// Whether the scene comes to rest at time zero first.
+        settles: bool,
     },
     /// Newton's method without inertia.
     Static,

@@ -152,7 +152,7 @@ fn part_of(prepared: &PreparedRun, reached: Reached) -> f64 {
             let all = prepared.table.as_ref().map_or(0, |table| table.rows());
             rows as f64 / all.max(1) as f64
         }
-        (Reached::Time(time), Mode::Dynamic { end }) => time / end,
+        (Reached::Time(time), Mode::Dynamic { end, .. }) => time / end,
         (Reached::Parameter(parameter), Mode::Continuation(plan)) => {
             (parameter - plan.from) / (plan.to - plan.from)
         }

@@ -73,10 +73,10 @@ pub use named_files::INPUTS;
 pub use rescale::{Scales, rescaled};
 pub use resolve::{END_STATE, read_polyline};
 pub use resolved::{
-    Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment, Fluid,
-    Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame, LoadKind, Material, Movement,
-    NaturalShape, Obstacle, ObstacleShape, Output, Parts, PathMethod, Place, Plane, Pose, Rod,
-    Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
+    Begin, Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment,
+    Fluid, Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame, LoadKind, Material,
+    Movement, NaturalShape, Obstacle, ObstacleShape, Output, Parts, PathMethod, Place, Plane, Pose,
+    Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
 };
 pub use resolved::{Probe, ProbeKind, StopWhen, Summary};
 pub use sweep::{Case, CaseSet, InputFile, Parameter, Portable, Search, earlier_id};

@@ -55,7 +55,10 @@ fn at_end(
     let mut simulation = Simulation::new(&run.scene, &problem.integration())?;
     let mut steps = 0;
     match run.mode {
-        Mode::Dynamic { .. } => {
+        Mode::Dynamic { settles, .. } => {
+            if settles {
+                simulation.find_equilibrium()?;
+            }
             for time in problem.output_times() {
                 while simulation.time() < time {
                     simulation.advance(time)?;

@@ -146,17 +146,20 @@ pub fn field_derivatives(
     let chosen = Chosen::new(run, of)?;
     chosen.check_shape(run)?;
     let is_static = matches!(run.mode, Mode::Static);
-    if is_static && (parts > 1 || fields.contains(&Field::InitialVelocity)) {
+    let settles = is_static || matches!(run.mode, Mode::Dynamic { settles: true, .. });
+    if is_static && parts > 1 || settles && fields.contains(&Field::InitialVelocity) {
         return Err(SensitivityError::Unsuitable(
-            "an equilibrium has neither parts of a motion nor an initial velocity; set time.mode = \"dynamic\"",
+            "what begins in an equilibrium has no initial velocity, and an equilibrium no parts; set time.mode = \"dynamic\" and time.begin = \"placed\"",
         ));
     }
     let mut recording = Recording::new(&run.scene, &problem.integration())?;
     let mut steps = 0;
     let times = problem.output_times();
     let end = times.last().copied().unwrap_or_default();
-    if is_static {
+    if settles {
         recording.find_equilibrium()?;
+    }
+    if is_static {
         steps = 1;
     } else {
         for time in times {

@@ -105,7 +105,7 @@ impl<'a> Problem<'a> {
     /// Times of the outputs of the run, s; of an equilibrium the start.
     pub fn output_times(&self) -> Vec<f64> {
         let times = match self.base.mode {
-            Mode::Dynamic { end } => OutputTimes::new(self.base.output.interval, end),
+            Mode::Dynamic { end, .. } => OutputTimes::new(self.base.output.interval, end),
             Mode::Static | Mode::Continuation(_) => OutputTimes::only_start(),
         };
         (0..=times.last()).map(|index| times.time(index)).collect()
@@ -184,7 +184,10 @@ impl<'a> Problem<'a> {
         let mut sensitivity = Sensitivity::new(&self.base.scene, &self.integration(), &variations)?;
         let mut steps = 0;
         match self.base.mode {
-            Mode::Dynamic { .. } => {
+            Mode::Dynamic { settles, .. } => {
+                if settles {
+                    sensitivity.find_equilibrium()?;
+                }
                 for &time in times {
                     while sensitivity.base().time() < time {
                         sensitivity.advance(time)?;

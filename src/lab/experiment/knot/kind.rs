@@ -169,7 +169,7 @@ fn observer(tables: &KnotTables, scene: &Scene, until_inverted: bool) -> Option<
 }
 
 fn derived_knot(knot: &KnotObserver, run: &PreparedRun) -> Option<DerivedKnot> {
-    let Mode::Dynamic { end } = run.mode else {
+    let Mode::Dynamic { end, .. } = run.mode else {
         return None;
     };
     let rods = run.scene.rods.iter().take(knot.rods);

@@ -22,7 +22,7 @@ use super::{KINDS, kind_named, parts, probes};
 use crate::run::{
     LinkingGuard, Mode, Observer, OutputPlan, PreparedRun, RunError, rod_records, start_from,
 };
-use crate::scenario::{self, Continuation, Issue, Issues, KeyPath, Scenario, Time};
+use crate::scenario::{self, Begin, Continuation, Issue, Issues, KeyPath, Scenario, Time};
 use joint::{judge_joints, place_body, place_joint};
 use obstacle::place_obstacle;
 use place::{place_clamp, place_load, place_plane, place_rod, same_node};
@@ -126,7 +126,10 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         scenario_toml: scenario.to_toml(),
         scene,
         mode: match (scenario.time, scenario.continuation) {
-            (Time::Dynamic { end, .. }, _) => Mode::Dynamic { end },
+            (Time::Dynamic { end, begin, .. }, _) => Mode::Dynamic {
+                end,
+                settles: begin == Begin::Equilibrium,
+            },
             (_, Some(path)) => Mode::Continuation(path_plan(&path)),
             _ => Mode::Static,
         },

@@ -142,7 +142,7 @@ impl Session {
             }
         };
         let times = match prepared.mode {
-            Mode::Dynamic { end } => OutputTimes::new(prepared.output.interval, end),
+            Mode::Dynamic { end, .. } => OutputTimes::new(prepared.output.interval, end),
             Mode::Static | Mode::Continuation(_) => OutputTimes::only_start(),
         };
         let visible = options.progress && !matches!(prepared.mode, Mode::Static);
@@ -219,15 +219,30 @@ impl Session {
     ) -> Result<(), Stop> {
         match mode {
             Mode::Static => {
-                let goes_on = || self.ask_to_stop(stop_requested).is_ok();
-                let found = simulation.find_equilibrium(&goes_on)?;
-                let report = found.ok_or_else(|| self.reason_to_stop(stop_requested))?;
-                self.run_state.counters.add_equilibrium(&report);
+                self.settle(simulation, stop_requested)?;
                 self.record(simulation)
             }
             Mode::Continuation(plan) => self.follow(simulation, plan, stop_requested),
-            Mode::Dynamic { .. } => self.integrate(simulation, stop_requested),
+            Mode::Dynamic { settles, .. } => {
+                if settles && self.run_state.outputs == 0 {
+                    self.settle(simulation, stop_requested)?;
+                }
+                self.integrate(simulation, stop_requested)
+            }
         }
+    }
+
+    /// Finds the equilibrium.
+    fn settle(
+        &mut self,
+        simulation: &mut impl Advance,
+        stop_requested: StopRequests<'_>,
+    ) -> Result<(), Stop> {
+        let goes_on = || self.ask_to_stop(stop_requested).is_ok();
+        let found = simulation.find_equilibrium(&goes_on)?;
+        let report = found.ok_or_else(|| self.reason_to_stop(stop_requested))?;
+        self.run_state.counters.add_equilibrium(&report);
+        Ok(())
     }
 
     /// Whether an observer has completed the purpose of the run.

@@ -2,7 +2,8 @@
 
 use super::movement::refuse_motion;
 use crate::scenario::resolved::{
-    Body, Clamp, Contact, Fluid, Joint, Load, Obstacle, Output, Rod, Scheme, Solver, Step, Time,
+    Begin, Body, Clamp, Contact, Fluid, Joint, Load, Obstacle, Output, Rod, Scheme, Solver, Step,
+    Time,
 };
 use crate::scenario::section::Section;
 use crate::scenario::tables::{OutputKeys, SolverKeys};
@@ -137,6 +138,7 @@ pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
             ("tolerance", typed.tolerance.is_some()),
             ("maximum_step", typed.maximum_step.is_some()),
             ("end", typed.end.is_some()),
+            ("begin", typed.begin.is_some()),
         ];
         section.refuse(&keys, message);
     };
@@ -157,9 +159,38 @@ pub fn time(top: &Section<'_>, file: &ScenarioFile) -> Time {
                 scheme: scheme(file, typed.scheme(&section)),
                 step: step(&section, typed, interval(top, &file.output, end), end),
                 end,
+                begin: begin(&section, typed, file),
             }
         }
     }
+}
+
+/// Where the motion begins. In an equilibrium nothing moves.
+fn begin(section: &Section<'_>, typed: &typed::Time, file: &ScenarioFile) -> Begin {
+    let chosen = typed.begin(section);
+    if chosen == typed::Begin::Placed {
+        return Begin::Placed;
+    }
+    let moves = |rod: &typed::Rod| rod.velocity.is_some() || rod.angular_velocity.is_some();
+    let contact = file.contact.as_ref().and_then(|contact| contact.model);
+    let refusals = [
+        (
+            file.start.is_some(),
+            "with [start] the motion begins where another run ended; leave one of the two out",
+        ),
+        (
+            file.rods.iter().any(moves),
+            "an equilibrium has no velocity; leave out the key, or velocity and angular_velocity of the rods",
+        ),
+        (
+            contact == Some(typed::ContactModel::Complementarity),
+            "equilibria need contact.model = \"imc\" or \"ipc\"",
+        ),
+    ];
+    if let Some((_, message)) = refusals.into_iter().find(|(refused, _)| *refused) {
+        section.fault("begin", message);
+    }
+    Begin::Equilibrium
 }
 
 /// Whether the scene has contact.

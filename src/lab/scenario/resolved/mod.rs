@@ -28,7 +28,7 @@ pub use network::{HeldEnds, NetworkJoint};
 pub use obstacle::{Obstacle, ObstacleShape};
 pub use parts::Parts;
 pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape};
-pub use run::{Scheme, Step, Time};
+pub use run::{Begin, Scheme, Step, Time};
 pub use start::Start;
 
 use serde::Serialize;

@@ -21,7 +21,31 @@ pub enum Time {
         step: Step,
         /// End of the simulated time, s.
         end: f64,
+        /// Where the motion begins.
+        #[serde(skip_serializing_if = "Begin::is_placed")]
+        begin: Begin,
     },
+}
+
+/// Where a motion begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Begin {
+    /// With everything as placed.
+    Placed,
+    /// In the equilibrium at time zero.
+    Equilibrium,
+}
+
+impl Begin {
+    // The signature that serialisation asks for.
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "serde passes a reference"
+    )]
+    fn is_placed(&self) -> bool {
+        *self == Self::Placed
+    }
 }
 
 impl Time {

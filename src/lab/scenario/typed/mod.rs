@@ -16,7 +16,9 @@ mod sweep;
 
 pub use super::quantity::{Quantity, Vector};
 pub use clamp::Clamp;
-pub use model::{BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, SchemeChoice, Time};
+pub use model::{
+    Begin, BuilderRod, Contact, ContactModel, Fluid, FluidModel, Mode, SchemeChoice, Time,
+};
 pub use movement::{Pose, TypedMovement};
 pub use network::{Boundary, Network, NetworkShape};
 pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};

@@ -118,7 +118,22 @@ keys! {
         maximum_step: number(units::Time, POSITIVE) derived,
         /// End of the simulated time.
         end: number(units::Time, POSITIVE) required,
+        /// "placed" (the default: the motion begins with the rods as placed), or "equilibrium" (they come to rest at time
+        /// zero first, without friction, and the motion begins there).
+        begin: word(Begin) default(Begin::Placed),
     }
+}
+
+/// Shapes at which motions begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(inline)]
+pub enum Begin {
+    /// As placed.
+    #[default]
+    Placed,
+    /// The equilibrium at time zero.
+    Equilibrium,
 }
 
 /// Time integration schemes, and the choice between them.
