@@ -1,8 +1,19 @@
 //! Gentle folds all over the workspace, as initial guesses for Newton's method.
+//!
+//! They are the same for every sheet, and take longer to find than all that is asked of them afterwards, so that the program contains
+//! them as a table, `atlas.npy`: an array of NumPy with a row for each fold. [`FoldAtlas::search`] finds them; a test compares both.
 
 use super::FoldError;
 use super::equilibrium::{Fold, between};
 use super::search_all::{differ, folds_at};
+use rodlab_engine::mechanics::kirchhoff::elastica::Forces;
+
+/// The table.
+const TABLE: &[u8] = include_bytes!("atlas.npy");
+/// Length of its header, bytes.
+const HEADER: usize = 128;
+/// Numbers in a row: x̄, z̄, α, l̄_s, H, V and the moment.
+const COLUMNS: usize = 7;
 
 /// Suspended lengths of the folds, L_gb: the first, the last, and how they grow.
 const LENGTHS: [f64; 2] = [0.1, Fold::LONGEST];
@@ -27,9 +38,32 @@ pub struct FoldAtlas {
 }
 
 impl FoldAtlas {
-    /// For each suspended length the fold without a push along the table, and from it to smaller angles, where it is pulled
-    /// taut, and to larger ones, until the edge is back on the table.
+    /// The folds of the table.
     pub fn new() -> Self {
+        let (numbers, _) = TABLE[HEADER..].as_chunks();
+        let numbers: Vec<f64> = numbers.iter().copied().map(f64::from_le_bytes).collect();
+        let (rows, _) = numbers.as_chunks::<COLUMNS>();
+        let fold =
+            |&[x, z, angle, suspended_length, horizontal, vertical, moment]: &[f64; COLUMNS]| {
+                Fold {
+                    gripper: [x, z],
+                    angle,
+                    suspended_length,
+                    forces: Forces {
+                        horizontal,
+                        vertical,
+                    },
+                    moment,
+                }
+            };
+        Self {
+            folds: rows.iter().map(fold).collect(),
+        }
+    }
+
+    /// Finds the folds of the table. For each suspended length the fold without a push along the table, and from it to smaller angles, where it is pulled
+    /// taut, and to larger ones, until the edge is back on the table.
+    pub fn search() -> Self {
         let mut folds = vec![];
         let mut length = LENGTHS[0];
         let mut freely = Fold::just_lifted(length);
@@ -231,6 +265,62 @@ pub(super) fn is_near(fold: &Fold, last: &Fold) -> bool {
 mod tests {
     use super::*;
     use crate::reference;
+
+    /// The table, of folds that were found.
+    fn table(folds: &[Fold]) -> Vec<u8> {
+        let shape = format!("({}, {COLUMNS})", folds.len());
+        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+        let magic = b"\x93NUMPY\x01\x00";
+        let length = HEADER - magic.len() - 2;
+        let mut table = magic.to_vec();
+        table.extend((length as u16).to_le_bytes());
+        table.extend(format!("{header:<width$}\n", width = length - 1).into_bytes());
+        for fold in folds {
+            let [x, z] = fold.gripper;
+            let Forces {
+                horizontal,
+                vertical,
+            } = fold.forces;
+            let row = [
+                x,
+                z,
+                fold.angle,
+                fold.suspended_length,
+                horizontal,
+                vertical,
+                fold.moment,
+            ];
+            table.extend(row.iter().flat_map(|number| number.to_le_bytes()));
+        }
+        table
+    }
+
+    /// `RODLAB_WRITE_TABLES=1` writes the table.
+    #[test]
+    fn the_table_holds_the_folds_that_are_found() {
+        let found = table(FoldAtlas::search().folds());
+        if std::env::var_os("RODLAB_WRITE_TABLES").is_some() {
+            let place = concat!(env!("CARGO_MANIFEST_DIR"), "/plan/fold/atlas.npy");
+            std::fs::write(place, &found).unwrap();
+            return;
+        }
+        assert_eq!(found[..HEADER], TABLE[..HEADER]);
+        let numbers = |table: &[u8]| {
+            let (numbers, rest) = table[HEADER..].as_chunks();
+            assert!(rest.is_empty());
+            numbers
+                .iter()
+                .copied()
+                .map(f64::from_le_bytes)
+                .collect::<Vec<f64>>()
+        };
+        for (found, kept) in numbers(&found).iter().zip(numbers(TABLE)) {
+            assert!(
+                (found - kept).abs() <= 1e-9 * kept.abs().max(1.0),
+                "{found} {kept}"
+            );
+        }
+    }
 
     fn off(fold: &Fold, row: &[f64]) -> f64 {
         let found = [fold.force_ratio(), fold.angle, fold.suspended_length];
