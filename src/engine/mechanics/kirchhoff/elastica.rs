@@ -103,19 +103,32 @@ impl Piece {
             sine_by[0] = cosine[0] * by.angle;
             cosine_by[0] = -sine[0] * by.angle;
         }
+        // j θ_j.
+        let mut weighted = [0.0; TERMS + 2];
         for k in 0..TERMS {
             if k > 0 {
-                let product = |factor: &Series| -> f64 {
-                    let terms = (1..=k).map(|j| j as f64 * angle[j] * factor[k - j]);
-                    terms.sum::<f64>() / k as f64
-                };
-                (sine[k], cosine[k]) = (product(&cosine), -product(&sine));
-                for [angle_by, sine_by, cosine_by] in &mut tangents {
-                    let product = |factor: &Series| -> f64 {
-                        (0..=k).map(|j| angle_by[j] * factor[k - j]).sum()
-                    };
-                    (sine_by[k], cosine_by[k]) = (product(&cosine), -product(&sine));
+                // Sums beside each other: one alone waits for its last addition.
+                weighted[k] = k as f64 * angle[k];
+                let [mut of_sine, mut of_cosine] = [0.0; 2];
+                for j in 1..=k {
+                    of_sine += weighted[j] * cosine[k - j];
+                    of_cosine += weighted[j] * sine[k - j];
                 }
+                (sine[k], cosine[k]) = (of_sine / k as f64, -(of_cosine / k as f64));
+                let [
+                    [by_h, sine_by_h, cosine_by_h],
+                    [by_v, sine_by_v, cosine_by_v],
+                ] = &mut tangents;
+                let mut sums = [0.0; 4];
+                for j in 0..=k {
+                    let (sine, cosine) = (sine[k - j], cosine[k - j]);
+                    sums[0] += by_h[j] * cosine;
+                    sums[1] += by_h[j] * sine;
+                    sums[2] += by_v[j] * cosine;
+                    sums[3] += by_v[j] * sine;
+                }
+                (sine_by_h[k], cosine_by_h[k]) = (sums[0], -sums[1]);
+                (sine_by_v[k], cosine_by_v[k]) = (sums[2], -sums[3]);
             }
             let before = |series: &Series| {
                 if k > 0 {
