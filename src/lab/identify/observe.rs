@@ -40,6 +40,14 @@ enum Reading {
     Frequency(usize),
 }
 
+/// What a simulation predicts.
+pub struct Prediction {
+    /// The numbers, in the order of the files.
+    pub values: Vec<f64>,
+    /// What the simulation remarks on, a sentence each.
+    pub remarks: Vec<String>,
+}
+
 /// Why a simulation gave no prediction.
 pub enum Unpredicted {
     /// It failed.
@@ -94,12 +102,12 @@ impl Observation {
         Ok(observation)
     }
 
-    /// Runs the simulation and returns the predicted numbers, in the order of the files.
+    /// Runs the simulation.
     pub fn predict(
         &self,
         prepared: &PreparedRun,
         goes_on: &dyn Fn() -> bool,
-    ) -> Result<Vec<f64>, Unpredicted> {
+    ) -> Result<Prediction, Unpredicted> {
         let mut run = LiveRun::new(prepared)?;
         let mut values = vec![f64::NAN; self.readings.len()];
         match prepared.mode {
@@ -134,7 +142,10 @@ impl Observation {
                 }
             }
         }
-        Ok(values)
+        Ok(Prediction {
+            values,
+            remarks: run.simulation.remarks(),
+        })
     }
 
     /// Reads the data of the given numbers at the present state.
@@ -420,6 +431,7 @@ mod tests {
         let observation = Observation::new(&prepared, &files).map_err(|error| error.to_string())?;
         observation
             .predict(&prepared, &|| true)
+            .map(|prediction| prediction.values)
             .map_err(|error| match error {
                 Unpredicted::Failed(error) => error.to_string(),
                 Unpredicted::Stopped => "stopped".into(),

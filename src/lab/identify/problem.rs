@@ -2,11 +2,12 @@
 
 use super::data::{DataFile, Datum};
 use super::error::IdentifyError;
-use super::observe::{Observation, Unpredicted};
+use super::observe::{Observation, Prediction, Unpredicted};
 use super::parameter::Parameter;
 use crate::experiment;
 use crate::scenario::CaseSet;
 use rayon::prelude::*;
+use tracing::subscriber::NoSubscriber;
 
 /// A scenario with the files that were measured on it.
 #[derive(Clone, Debug)]
@@ -47,7 +48,7 @@ impl Problem<'_> {
         let count = self.experiments.len();
         let runs: Vec<Result<Vec<f64>, IdentifyError>> = (0..points.len() * count)
             .into_par_iter()
-            .map(|run| self.run(run % count, &points[run / count]))
+            .map(|run| Ok(self.run(run % count, &points[run / count])?.values))
             .collect();
         let mut runs = runs.into_iter();
         let joined = points.iter().map(|_| {
@@ -58,7 +59,22 @@ impl Problem<'_> {
         joined.collect()
     }
 
-    fn run(&self, experiment: usize, coordinates: &[f64]) -> Result<Vec<f64>, IdentifyError> {
+    /// What the simulations remark on at a point, with the names of their scenarios.
+    ///
+    /// # Errors
+    /// A simulation fails there, or the caller asked to stop.
+    pub fn remarks(&self, point: &[f64]) -> Result<Vec<String>, IdentifyError> {
+        let mut remarks = Vec::new();
+        for (index, experiment) in self.experiments.iter().enumerate() {
+            let own = self.run(index, point)?.remarks;
+            let name = experiment.scenario.name();
+            remarks.extend(own.iter().map(|remark| format!("`{name}`: {remark}")));
+        }
+        Ok(remarks)
+    }
+
+    /// Runs an experiment. It logs nothing: hundreds of runs remark on the same.
+    fn run(&self, experiment: usize, coordinates: &[f64]) -> Result<Prediction, IdentifyError> {
         let one = &self.experiments[experiment];
         let pairs = self.parameters.iter().zip(coordinates);
         let numbers: Vec<(&str, f64)> = pairs
@@ -69,19 +85,18 @@ impl Problem<'_> {
         let prepared =
             experiment::prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
         let observation = Observation::new(&prepared, &one.files)?;
-        observation
-            .predict(&prepared, self.goes_on)
-            .map_err(|why| match why {
-                Unpredicted::Stopped => IdentifyError::Interrupted,
-                Unpredicted::Failed(source) => IdentifyError::Simulation {
-                    scenario: one.scenario.name().to_owned(),
-                    source,
-                },
-                Unpredicted::NoValue(file, datum, message) => IdentifyError::Row {
-                    file: one.files[file].path.clone(),
-                    line: one.files[file].data[datum].line,
-                    message,
-                },
-            })
+        let predict = || observation.predict(&prepared, self.goes_on);
+        tracing::subscriber::with_default(NoSubscriber::new(), predict).map_err(|why| match why {
+            Unpredicted::Stopped => IdentifyError::Interrupted,
+            Unpredicted::Failed(source) => IdentifyError::Simulation {
+                scenario: one.scenario.name().to_owned(),
+                source,
+            },
+            Unpredicted::NoValue(file, datum, message) => IdentifyError::Row {
+                file: one.files[file].path.clone(),
+                line: one.files[file].data[datum].line,
+                message,
+            },
+        })
     }
 }

@@ -139,9 +139,10 @@ pub fn identify(
     let all = spread(&deviations, &widening);
     let weighting = weighting(task, &measured, &all);
     let found = statistics(&problem, &estimate, &weighting, &groups);
-    Ok(Identified::new(
-        &problem, &estimate, &weighting, &groups, &widening, &found,
-    ))
+    let mut identified =
+        Identified::new(&problem, &estimate, &weighting, &groups, &widening, &found);
+    (identified.remarks).extend(problem.remarks(&estimate.coordinates)?);
+    Ok(identified)
 }
 
 fn weighting<'a>(task: &Task, measured: &'a [f64], deviations: &'a [f64]) -> Weighting<'a> {

@@ -94,7 +94,7 @@ fn predicted(scenario: &CaseSet, file: &DataFile) -> Vec<f64> {
     let files = [file.clone()];
     let observation = Observation::new(&prepared, &files).unwrap();
     match observation.predict(&prepared, &|| true) {
-        Ok(values) => values,
+        Ok(prediction) => prediction.values,
         Err(Unpredicted::Failed(error)) => panic!("{error}"),
         Err(Unpredicted::NoValue(_, _, reason)) => panic!("{reason}"),
         Err(Unpredicted::Stopped) => panic!("stopped"),

@@ -18,7 +18,8 @@ fn shape_error(scenario: &CaseSet, found: &Identified, shape: &DataFile) -> f64 
     let prepared = prepare(&loaded.scenario).unwrap();
     let files = [shape.clone()];
     let observation = Observation::new(&prepared, &files).unwrap();
-    let predicted = observation.predict(&prepared, &|| true).unwrap_or_default();
+    let predicted = observation.predict(&prepared, &|| true);
+    let predicted = predicted.map_or_else(|_| Vec::new(), |prediction| prediction.values);
     let mut sum = 0.0;
     for (points, at) in shape.data.chunks(2).zip(predicted.chunks(2)) {
         sum += (points[0].value - at[0]).hypot(points[1].value - at[1]);

@@ -49,7 +49,13 @@ fn fault(from: &str, to: &str) -> String {
 fn names_and_numbers_become_indices() {
     let run = prepare(&loaded(TWO_RODS).scenario).unwrap();
     assert_eq!(run.name, "two");
-    assert_eq!(run.mode, Mode::Dynamic { end: 1.0 });
+    assert_eq!(
+        run.mode,
+        Mode::Dynamic {
+            end: 1.0,
+            settles: false
+        }
+    );
     assert_eq!(run.scene.rods[0].centreline.len(), 11);
     assert_eq!(run.scene.rods[1].centreline.len(), 12);
     assert_eq!((run.scene.clamps[0].rod, run.scene.clamps[0].node), (0, 10));

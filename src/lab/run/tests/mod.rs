@@ -50,7 +50,10 @@ fn prepared(mode: Mode) -> PreparedRun {
     }
 }
 
-const DYNAMIC: Mode = Mode::Dynamic { end: 1.0 };
+const DYNAMIC: Mode = Mode::Dynamic {
+    end: 1.0,
+    settles: false,
+};
 
 fn go_on(directory: &Path) -> Result<RunOutcome, RunError> {
     run_simulation(
