@@ -31,6 +31,7 @@ mod page;
 mod rods;
 mod scale_invariance;
 mod scenario;
+mod sensitivities;
 mod sleeve;
 mod slides;
 mod spatial_rods;
@@ -57,8 +58,9 @@ type CheckGroup = fn(full: bool) -> Result<Vec<Check>, GroupError>;
 type GroupError = Box<dyn Error + Send + Sync>;
 
 /// All groups, in the order of the table.
-const GROUPS: [(&str, CheckGroup); 23] = [
+const GROUPS: [(&str, CheckGroup); 24] = [
     ("derivatives", derivatives::checks),
+    ("sensitivities", sensitivities::checks),
     ("statics", statics::checks),
     ("spatial rods", spatial_rods::checks),
     ("vibration", vibration::checks),
