@@ -72,6 +72,22 @@ pub(crate) fn straight_rod(edges: usize, length: f64) -> RodDescription {
     }
 }
 
+/// A bent and twisted cantilever with unequal stiffnesses under weight.
+pub(crate) fn cantilever() -> Scene {
+    let mut rod = straight_rod(10, 0.3);
+    rod.stiffness = section(200.0, [1e-3, 2.5e-3], 1.2e-3);
+    rod.natural_shape = curved([2.0, 1.0], 1.5);
+    Scene {
+        rods: vec![rod],
+        clamps: vec![clamp(0, 0)],
+        loads: vec![
+            gravity(2.0),
+            point_force(0, 10, Vector3::new(0.0, 2e-3, 0.0)),
+        ],
+        ..Scene::default()
+    }
+}
+
 /// Rods without supports or loads.
 pub(crate) fn free_rods(rods: Vec<RodDescription>) -> Scene {
     Scene {

@@ -8,8 +8,8 @@ use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::scene::{Clamp, Inertia, Motion, NaturalShape, Relaxation, Scene};
 use crate::mechanics::test_support::{
-    advance_to, clamp, contact, curved, drag, fixed_steps, gravity, moment_on, point_force,
-    section, straight_rod,
+    advance_to, cantilever, clamp, contact, curved, drag, fixed_steps, gravity, moment_on,
+    point_force, section, straight_rod,
 };
 
 const STEPS: usize = 30;
@@ -259,23 +259,7 @@ fn check(name: &str, course: &Course, scene: &Scene, share: f64) {
     }
 }
 
-/// A bent and twisted cantilever with unequal stiffnesses under weight.
-fn cantilever() -> Scene {
-    let mut rod = straight_rod(10, 0.3);
-    rod.stiffness = section(200.0, [1e-3, 2.5e-3], 1.2e-3);
-    rod.natural_shape = curved([2.0, 1.0], 1.5);
-    Scene {
-        rods: vec![rod],
-        clamps: vec![clamp(0, 0)],
-        loads: vec![
-            gravity(2.0),
-            point_force(0, 10, Vector3::new(0.0, 2e-3, 0.0)),
-        ],
-        ..Scene::default()
-    }
-}
-
-/// The same with a clamp at its end, too, which turns about two axes while it moves.
+/// The cantilever with a clamp at its end, too, which turns about two axes while it moves.
 fn driven() -> Scene {
     let mut scene = cantilever();
     let way = Vector3::new(-0.08, 0.03, 0.05);

@@ -7,8 +7,8 @@ use crate::mechanics::dynamics::{IntegrationParameters, Scheme, Simulation};
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{Clamp, Inertia, Motion, Relaxation, RodDescription, Scene};
 use crate::mechanics::test_support::{
-    SCHEMES, SOFT_MODELS, advance_to, at, clamp, contact, curved, drag, fixed_steps, gravity,
-    ground, point_force, section, spring, straight_rod,
+    SCHEMES, SOFT_MODELS, advance_to, at, cantilever, clamp, contact, curved, drag, fixed_steps,
+    ground, spring,
 };
 
 /// A scene as a function of a factor of one of its parameters.
@@ -202,22 +202,6 @@ const OF_RODS: [Change; 6] = [
         }
     }),
 ];
-
-/// A bent and twisted cantilever with unequal stiffnesses under weight.
-fn cantilever() -> Scene {
-    let mut rod = straight_rod(10, 0.3);
-    rod.stiffness = section(200.0, [1e-3, 2.5e-3], 1.2e-3);
-    rod.natural_shape = curved([2.0, 1.0], 1.5);
-    Scene {
-        rods: vec![rod],
-        clamps: vec![clamp(0, 0)],
-        loads: vec![
-            gravity(2.0),
-            point_force(0, 10, Vector3::new(0.0, 2e-3, 0.0)),
-        ],
-        ..Scene::default()
-    }
-}
 
 fn changed(scene: &Scene, change: fn(&mut Scene, f64), factor: f64) -> Scene {
     let mut scene = scene.clone();
