@@ -110,9 +110,10 @@ impl Piece {
                 // Sums beside each other: one alone waits for its last addition.
                 weighted[k] = k as f64 * angle[k];
                 let [mut of_sine, mut of_cosine] = [0.0; 2];
-                for j in 1..=k {
-                    of_sine += weighted[j] * cosine[k - j];
-                    of_cosine += weighted[j] * sine[k - j];
+                let factors = sine[..k].iter().zip(&cosine[..k]).rev();
+                for (weighted, (sine, cosine)) in weighted[1..=k].iter().zip(factors) {
+                    of_sine += weighted * cosine;
+                    of_cosine += weighted * sine;
                 }
                 (sine[k], cosine[k]) = (of_sine / k as f64, -(of_cosine / k as f64));
                 let [
@@ -120,12 +121,12 @@ impl Piece {
                     [by_v, sine_by_v, cosine_by_v],
                 ] = &mut tangents;
                 let mut sums = [0.0; 4];
-                for j in 0..=k {
-                    let (sine, cosine) = (sine[k - j], cosine[k - j]);
-                    sums[0] += by_h[j] * cosine;
-                    sums[1] += by_h[j] * sine;
-                    sums[2] += by_v[j] * cosine;
-                    sums[3] += by_v[j] * sine;
+                let factors = sine[..=k].iter().zip(&cosine[..=k]).rev();
+                for ((by_h, by_v), (sine, cosine)) in by_h.iter().zip(&*by_v).zip(factors) {
+                    sums[0] += by_h * cosine;
+                    sums[1] += by_h * sine;
+                    sums[2] += by_v * cosine;
+                    sums[3] += by_v * sine;
                 }
                 (sine_by_h[k], cosine_by_h[k]) = (sums[0], -sums[1]);
                 (sine_by_v[k], cosine_by_v[k]) = (sums[2], -sums[3]);
