@@ -1,5 +1,6 @@
 //! `rodlab dataset`.
 
+use super::demonstrations::{DemonstrationArguments, Demonstrations, scenario_or_task};
 use super::prelude::*;
 use super::run::{RunArguments, run};
 use super::samples::kinds_with_samples;
@@ -13,17 +14,39 @@ Examples:
   rodlab dataset deployment_dataset --set grasp_samples.points.count=50000 --out results/many
   rodlab train results/deployment_dataset --out results/network
   rodlab dataset scenarios/folding_dataset.toml
+  rodlab dataset CableShape --format lerobot --count 100 --out results/laying
 
 The samples are the results of a run: it resumes after an interruption, can be swept, and can be
-submitted to a cluster.")]
+submitted to a cluster. With --format the planners demonstrate a task in an environment instead.")]
+#[command(mut_arg("scenario", |scenario| scenario
+    .value_parser(scenario_or_task())
+    .help("The scenario file, or with --format an environment: CableShape or Folding")))]
 pub struct DatasetArguments {
     /// Scenario, and options of the run
     #[command(flatten)]
     pub run: RunArguments,
+    /// Demonstrations of the planners
+    #[command(flatten)]
+    pub demonstrations: DemonstrationArguments,
+}
+
+impl DatasetArguments {
+    /// The demonstrations that are asked for, if any.
+    pub(super) fn demonstrations(
+        &self,
+        common: &Common,
+    ) -> Result<Option<Demonstrations>, Failure> {
+        (self.demonstrations).of(&self.run.scenario, self.run.out.as_deref(), common)
+    }
 }
 
 /// Makes a data set.
 pub fn dataset(arguments: &DatasetArguments, common: &Common) -> Result<(), Failure> {
+    if arguments.demonstrations(common)?.is_some() {
+        return Err(Failure::Input(
+            "--format: demonstrations are part of the Python package: pip install rodlab".into(),
+        ));
+    }
     let cases = case_set(
         &arguments.run.scenario,
         &arguments.run.overrides,

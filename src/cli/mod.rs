@@ -25,6 +25,7 @@ mod common;
 mod completions;
 mod crash;
 mod dataset;
+mod demonstrations;
 mod deploy;
 mod drawn_pattern;
 mod evaluate;
@@ -104,6 +105,7 @@ mod watchdog;
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, FromArgMatches};
 use clap_complete::CompleteEnv;
+pub use demonstrations::Demonstrations;
 use exit_code::ExitCode;
 use failure::Failure;
 use rodlab_engine::mechanics::dynamics::SimulationError;
@@ -141,6 +143,16 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 }
 
 /// The exit code for a run that ended early.
+/// The demonstrations that arguments ask for, of which the first is the name of the program; `None` for any other command, and for
+/// arguments that [`run`] refuses.
+pub fn demonstrations(arguments: impl IntoIterator<Item = OsString>) -> Option<Demonstrations> {
+    let arguments = parse(arguments).ok()?;
+    match &arguments.command {
+        Command::Dataset(command) => command.demonstrations(&arguments.common).ok()?,
+        _ => None,
+    }
+}
+
 pub fn exit_code_of_run(error: &RunError) -> u8 {
     error.exit_code()
 }
@@ -252,5 +264,41 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Completions(command) => completions::completions(command),
         Command::Site(command) => site::site(command, Arguments::command()),
         Command::Man(command) => man::man(command, Arguments::command()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    fn of(words: &str) -> Option<Demonstrations> {
+        demonstrations(words.split(' ').map(OsString::from))
+    }
+
+    #[test]
+    fn demonstrations_are_asked_for_with_a_format_and_an_environment() {
+        let found = of("rodlab -q dataset Folding --format lerobot --count 3 --out here");
+        let wanted = Demonstrations {
+            task: "Folding",
+            count: 3,
+            out: PathBuf::from("here"),
+            format: "lerobot",
+            seed: 0,
+            pictures: true,
+            quiet: true,
+        };
+        assert_eq!(found, Some(wanted));
+        for words in [
+            "rodlab dataset Folding",
+            "rodlab dataset folding_dataset",
+            "rodlab dataset folding_dataset --format npz",
+            "rodlab dataset Folding --format csv",
+            "rodlab dataset Folding --format npz --dry-run",
+            "rodlab dataset Folding --count 3",
+            "rodlab presets",
+        ] {
+            assert_eq!(of(words), None, "{words}");
+        }
     }
 }

@@ -60,7 +60,8 @@ pub fn log_substitutes() {
     }
 }
 
-fn resolve(kind: PresetKind, path: PathBuf) -> Result<PathBuf, Box<dyn Error + Send + Sync>> {
+/// The file at a path, or of the preset of this name.
+pub fn resolve(kind: PresetKind, path: PathBuf) -> Result<PathBuf, Box<dyn Error + Send + Sync>> {
     if path.exists() {
         return Ok(path);
     }

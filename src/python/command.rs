@@ -7,6 +7,7 @@ use crate::scenario::Scenario;
 use image::RgbImage;
 use numpy::{PyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use rodlab::cli;
 use rodlab_lab::run::{RunOptions, StopRequest, run_until};
 use rodlab_vision::{ColourRule, TraceOptions};
@@ -28,6 +29,26 @@ pub fn command(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<String> {
         0 => Ok(answer.output),
         exit_code => Err(of_exit_code(exit_code, &answer.error)),
     }
+}
+
+/// Return the demonstrations that arguments of the command line ask for; None for any other command.
+#[pyfunction]
+pub fn demonstrations<'py>(
+    py: Python<'py>,
+    arguments: Vec<OsString>,
+) -> PyResult<Option<Bound<'py, PyDict>>> {
+    let Some(wanted) = cli::demonstrations(arguments) else {
+        return Ok(None);
+    };
+    let answer = PyDict::new(py);
+    answer.set_item("task", wanted.task)?;
+    answer.set_item("count", wanted.count)?;
+    answer.set_item("out", wanted.out)?;
+    answer.set_item("format", wanted.format)?;
+    answer.set_item("seed", wanted.seed)?;
+    answer.set_item("pictures", wanted.pictures)?;
+    answer.set_item("quiet", wanted.quiet)?;
+    Ok(Some(answer))
 }
 
 /// Run a scenario as `rodlab run` does, and return its outcome as JSON.

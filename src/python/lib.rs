@@ -37,7 +37,7 @@ mod _rodlab {
     #[pymodule_export]
     use super::batch::Batch;
     #[pymodule_export]
-    use super::command::{command, main, run, trace};
+    use super::command::{command, demonstrations, main, run, trace};
     #[pymodule_export]
     use super::contacts::Contacts;
     #[pymodule_export]

@@ -15,7 +15,7 @@ from gymnasium.vector import AutoresetMode  # noqa: E402
 
 from rodlab import _rodlab, envs  # noqa: E402
 from rodlab._demonstration_files import WRITERS, Episode, encode_png  # noqa: E402
-from rodlab.demonstrations import demonstrations, main  # noqa: E402
+from rodlab.demonstrations import demonstrations  # noqa: E402
 from rodlab.envs import cable  # noqa: E402
 from rodlab.envs.gripper import Gripper, rotation, rotation_vector  # noqa: E402
 
@@ -282,9 +282,7 @@ def test_episodes_in_the_format_of_lerobot(tmp_path: Path) -> None:
     assert lengths == [2, 3]
 
 
-def test_formats_without_their_package_name_the_extra(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_formats_without_their_package_name_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import importlib
 
     def missing(name: str) -> Any:
@@ -297,9 +295,8 @@ def test_formats_without_their_package_name_the_extra(
         demonstrations("Folding", 1, tmp_path, "csv")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="no demonstrations of KnotState"):
         demonstrations("KnotState", 1, tmp_path)
-    with pytest.raises(SystemExit):
-        main(["Folding", "--count", "0", "--out", str(tmp_path)])
-    assert "count is 0" in capsys.readouterr().err
+    with pytest.raises(ValueError, match="count is 0"):
+        demonstrations("Folding", 0, tmp_path)
 
 
 def test_pictures_are_encoded_as_png() -> None:

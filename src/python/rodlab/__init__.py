@@ -16,7 +16,7 @@ Quantities are numbers in SI units, or text with a unit such as ``"5 mm"``. Arra
 from __future__ import annotations
 
 import sys
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from . import _rodlab, plan, solve
 from ._rodlab import (
@@ -71,4 +71,28 @@ loads = Scene.loads
 
 def main() -> NoReturn:
     """Run the command line with the arguments of this process, and exit with its code."""
-    sys.exit(_rodlab.main(["rodlab", *sys.argv[1:]]))
+    words = ["rodlab", *sys.argv[1:]]
+    wanted = _rodlab.demonstrations(words)
+    if wanted is None:
+        sys.exit(_rodlab.main(words))
+    sys.exit(_write_demonstrations(**wanted))
+
+
+def _write_demonstrations(*, quiet: bool, **wanted: Any) -> int:
+    """Carry out ``rodlab dataset --format``, and return the exit code."""
+    try:
+        from .demonstrations import demonstrations
+
+        summaries = demonstrations(**wanted, progress=not quiet)
+    except (ValueError, ModuleNotFoundError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print(f"interrupted; {wanted['out']} is not complete", file=sys.stderr)
+        return 130
+    solved = sum(bool(summary["success"]) for summary in summaries)
+    print(f"{len(summaries)} episodes, {solved} with success, in {wanted['out']}")
+    return 0

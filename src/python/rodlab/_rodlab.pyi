@@ -22,6 +22,7 @@ __all__ = [
     "State",
     "StepReport",
     "command",
+    "demonstrations",
     "main",
     "run",
     "trace",
@@ -38,6 +39,9 @@ def main(arguments: Sequence[str]) -> int:
 
 def command(arguments: Sequence[str]) -> str:
     """Run the command line, and return its standard output; a failure raises its error."""
+
+def demonstrations(arguments: Sequence[str]) -> dict[str, Any] | None:
+    """Return the demonstrations that arguments of the command line ask for; None for any other command."""
 
 @final
 class Scenario:

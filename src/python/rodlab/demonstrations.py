@@ -11,7 +11,7 @@ Folding       `rodlab plan fold`: the edge of a strip is brought to its target w
 
 On the command line::
 
-    python -m rodlab.demonstrations CableShape --count 100 --out demonstrations --format lerobot
+    rodlab dataset CableShape --format lerobot --count 100 --out demonstrations
 
 Formats
 -------
@@ -29,10 +29,10 @@ lerobot
     `episode_index`, `index` and `task_index`. Not written are videos, and anything of version 3.
 """
 
-import argparse
 import csv
+import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -77,6 +77,7 @@ def demonstrations(
     *,
     seed: int = 0,
     pictures: bool = True,
+    progress: bool = False,
 ) -> list[dict[str, Any]]:
     """Write demonstrations of a planner.
 
@@ -94,6 +95,8 @@ def demonstrations(
         Seed of the first episode, from which the others count up. A seed whose target cannot be planned is left out.
     pictures : bool
         Record a picture of the scene at each step.
+    progress : bool
+        Print a line for each episode on standard error.
 
     Returns
     -------
@@ -128,7 +131,12 @@ def demonstrations(
         if episode is None:
             continue
         writer.write(episode)
-        summaries.append(episode.summary())
+        summary = episode.summary()
+        summaries.append(summary)
+        if progress:
+            outcome = "success" if summary["success"] else "no success"
+            about = f"seed {summary['seed']}, {summary['steps']} steps, {outcome}"
+            print(f"episode {len(summaries)} of {count}: {about}", file=sys.stderr)
     writer.close()
     return summaries
 
@@ -279,35 +287,3 @@ def _frame(w: float, x: float, y: float, z: float) -> NDArray[np.float64]:
             [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
         ]
     )
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Write demonstrations as the command line asks, and return the exit code."""
-    parser = argparse.ArgumentParser(
-        prog="python -m rodlab.demonstrations", description="Write demonstrations of the planners."
-    )
-    parser.add_argument("task", choices=sorted(_TASKS), help="the environment")
-    parser.add_argument("--count", type=int, default=10, help="number of episodes (default: 10)")
-    parser.add_argument("--out", type=Path, required=True, help="directory to write to")
-    parser.add_argument("--format", choices=sorted(WRITERS), default="npz", help="format of the files (default: npz)")
-    parser.add_argument("--seed", type=int, default=0, help="seed of the first episode (default: 0)")
-    parser.add_argument("--no-pictures", action="store_true", help="record no pictures")
-    options = parser.parse_args(arguments)
-    try:
-        summaries = demonstrations(
-            options.task,
-            options.count,
-            options.out,
-            options.format,
-            seed=options.seed,
-            pictures=not options.no_pictures,
-        )
-    except (ValueError, ModuleNotFoundError) as error:
-        parser.error(str(error))
-    solved = sum(bool(summary["success"]) for summary in summaries)
-    print(f"{len(summaries)} episodes, {solved} with success, in {options.out}")
-    return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
