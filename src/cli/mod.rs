@@ -110,6 +110,7 @@ use exit_code::ExitCode;
 use failure::Failure;
 use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_lab::run::RunError;
+use rodlab_lab::sensitivity::SensitivityError;
 use std::ffi::OsString;
 use std::process;
 
@@ -142,7 +143,6 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     })
 }
 
-/// The exit code for a run that ended early.
 /// The demonstrations that arguments ask for, of which the first is the name of the program; `None` for any other command, and for
 /// arguments that [`run`] refuses.
 pub fn demonstrations(arguments: impl IntoIterator<Item = OsString>) -> Option<Demonstrations> {
@@ -153,6 +153,7 @@ pub fn demonstrations(arguments: impl IntoIterator<Item = OsString>) -> Option<D
     }
 }
 
+/// The exit code for a run that ended early.
 pub fn exit_code_of_run(error: &RunError) -> u8 {
     error.exit_code()
 }
@@ -160,6 +161,12 @@ pub fn exit_code_of_run(error: &RunError) -> u8 {
 /// The exit code for an error of a simulation.
 pub fn exit_code_of_simulation(error: &SimulationError) -> u8 {
     error.exit_code()
+}
+
+/// The exit code and the message for derivatives that do not exist.
+pub fn failure_of_sensitivity(error: SensitivityError) -> (u8, String) {
+    let failure = Failure::from(error);
+    (failure.exit_code(), failure.in_words(false))
 }
 
 /// Result of a command that a program has called.

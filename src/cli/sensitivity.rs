@@ -186,6 +186,7 @@ impl From<SensitivityError> for Failure {
             SensitivityError::Key { .. }
             | SensitivityError::Probe { .. }
             | SensitivityError::Unsuitable(_) => Self::input(error),
+            SensitivityError::Interrupted => Self::interrupted(error.to_string()),
             SensitivityError::Engine(error) => error.into(),
         }
     }

@@ -294,6 +294,7 @@ impl Batch {
                 run,
                 actions: [forces, vec![0.0; nodes]],
                 curvature: vec![0.0; 2 * nodes],
+                intervened: true,
             },
         })
     }

@@ -4,6 +4,7 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_lab::run::RunError;
+use rodlab_lab::sensitivity::SensitivityError;
 
 /// Names of the exceptions.
 pub const NAMES: [&str; 4] = [
@@ -52,4 +53,10 @@ pub fn of_simulation(error: &SimulationError) -> PyErr {
 /// The exception for an error of a run.
 pub fn of_run(error: &RunError) -> PyErr {
     of_exit_code(rodlab::cli::exit_code_of_run(error), &error.to_string())
+}
+
+/// The exception for derivatives that do not exist.
+pub fn of_sensitivity(error: SensitivityError) -> PyErr {
+    let (exit_code, message) = rodlab::cli::failure_of_sensitivity(error);
+    of_exit_code(exit_code, &message)
 }

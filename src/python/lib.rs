@@ -13,6 +13,7 @@
 //! | `actuation` | natural curvature as an array |
 //! | `contacts` | contacts as arrays |
 //! | `state` | states that are saved and restored |
+//! | `gradient` | derivatives of probes over keys |
 //! | `batch` | many simulations on all cores |
 //! | `attention` | Ctrl-C during long calls |
 //! | `command` | the command line, runs with files, traces of pictures |
@@ -25,6 +26,7 @@ mod batch;
 mod command;
 mod contacts;
 mod errors;
+mod gradient;
 mod pose;
 mod scenario;
 mod simulation;

@@ -1,9 +1,10 @@
 //! Scenarios from files, texts and dictionaries.
 
 use crate::errors::bad_argument;
+use crate::gradient::derivatives;
 use crate::table::table;
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
+use pyo3::types::{PyDict, PyMapping};
 use rodlab::presets::{Preset, PresetKind};
 use rodlab_lab::experiment::{self, prepare};
 use rodlab_lab::run::PreparedRun;
@@ -16,13 +17,30 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct Scenario {
     loaded: Arc<Loaded>,
+    reader: Arc<Reader>,
 }
 
+/// Reads a scenario from where it comes from, with further overrides.
+type Reader = dyn Fn(&[String]) -> Result<Loaded, ScenarioError> + Send + Sync;
+
 impl Scenario {
-    fn of(loaded: Result<Loaded, ScenarioError>) -> PyResult<Self> {
-        let loaded = loaded.map_err(|error| bad_argument(error.to_string()))?;
-        let loaded = Arc::new(loaded);
-        Ok(Self { loaded })
+    fn of(
+        overrides: Option<Vec<String>>,
+        read: impl Fn(&[String]) -> Result<Loaded, ScenarioError> + Send + Sync + 'static,
+    ) -> PyResult<Self> {
+        let overrides = overrides.unwrap_or_default();
+        let reader = move |more: &[String]| read(&[overrides.as_slice(), more].concat());
+        let loaded = reader(&[]).map_err(|error| bad_argument(error.to_string()))?;
+        Ok(Self {
+            loaded: Arc::new(loaded),
+            reader: Arc::new(reader),
+        })
+    }
+
+    /// The scenario with further overrides, `key=value` each.
+    pub fn source(&self) -> impl Fn(&[String]) -> Result<Loaded, ScenarioError> + use<> {
+        let reader = Arc::clone(&self.reader);
+        move |more| reader(more)
     }
 
     /// The resolved scenario.
@@ -52,7 +70,7 @@ impl Scenario {
                 None => path,
             },
         };
-        Self::of(experiment::load(&path, &overrides.unwrap_or_default()))
+        Self::of(overrides, move |all| experiment::load(&path, all))
     }
 
     #[staticmethod]
@@ -63,12 +81,10 @@ impl Scenario {
         name: &str,
         directory: Option<PathBuf>,
     ) -> PyResult<Self> {
-        Self::of(experiment::from_text(
-            name,
-            text,
-            &folder(directory),
-            &overrides.unwrap_or_default(),
-        ))
+        let (name, text, folder) = (name.to_owned(), text.to_owned(), folder(directory));
+        Self::of(overrides, move |all| {
+            experiment::from_text(&name, &text, &folder, all)
+        })
     }
 
     #[staticmethod]
@@ -79,13 +95,10 @@ impl Scenario {
         name: &str,
         directory: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let table = self::table(table)?;
-        Self::of(experiment::from_table(
-            name,
-            table,
-            &folder(directory),
-            &overrides.unwrap_or_default(),
-        ))
+        let (name, table, folder) = (name.to_owned(), self::table(table)?, folder(directory));
+        Self::of(overrides, move |all| {
+            experiment::from_table(&name, table.clone(), &folder, all)
+        })
     }
 
     #[getter]
@@ -96,6 +109,16 @@ impl Scenario {
     #[getter]
     fn experiment(&self) -> &str {
         self.loaded.scenario.experiment.name()
+    }
+
+    /// Differentiate probes over keys at the outputs: a dictionary of arrays.
+    fn sensitivity<'py>(
+        &self,
+        py: Python<'py>,
+        to: Vec<String>,
+        of: Vec<String>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        derivatives(py, self.source(), &to, &of, None)
     }
 
     /// Return the resolved scenario as TOML.

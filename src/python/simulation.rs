@@ -4,6 +4,7 @@ use crate::arrays::{Written, column, copy_rows, cube, rows, table, vectors};
 use crate::attention::Attention;
 use crate::contacts::Contacts;
 use crate::errors::{bad_argument, of_simulation};
+use crate::gradient::derivatives;
 use crate::pose::{Target, held, matrix};
 use crate::scenario::Scenario;
 use crate::state::{Saved, State};
@@ -26,6 +27,8 @@ pub struct Simulation {
     forces: Written,
     torques: Written,
     curvature: Written,
+    /// Whether the program has changed what the scenario does by itself.
+    intervened: bool,
 }
 
 impl Simulation {
@@ -33,11 +36,13 @@ impl Simulation {
     fn act(&mut self, py: Python<'_>) -> PyResult<()> {
         let forces = self.forces.changed(py)?.is_some();
         if self.torques.changed(py)?.is_some() || forces {
+            self.intervened = true;
             let forces = vectors(self.forces.last_read());
             let simulation = &mut self.stepper.run.simulation;
             simulation.set_external_forces(&forces, self.torques.last_read());
         }
         if let Some(curvature) = self.curvature.changed(py)? {
+            self.intervened = true;
             let set = (self.stepper.curved).set(&mut self.stepper.run.simulation, curvature);
             set.map_err(|error| of_simulation(&error))?;
         }
@@ -77,6 +82,7 @@ impl Simulation {
             forces: Written::new("forces", &[nodes, 3]),
             torques: Written::new("torques", &[nodes]),
             curvature: Written::new("natural_curvature", &[nodes, 2]),
+            intervened: false,
         })
     }
 
@@ -101,6 +107,7 @@ impl Simulation {
     fn find_equilibrium(&mut self, py: Python<'_>) -> PyResult<StepReport> {
         self.act(py)?;
         let now = self.simulation().time();
+        self.intervened |= self.stepper.run.mode() != Mode::Static;
         self.stepper.carry(now)?;
         let stepper = &mut self.stepper;
         let (found, attention) = py.detach(|| {
@@ -355,18 +362,24 @@ impl Simulation {
         pose: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
         let target = Target::read(py, clamp, pose)?;
-        self.stepper.aim(target)
+        self.stepper.aim(target)?;
+        self.intervened = true;
+        Ok(())
     }
 
     #[pyo3(signature = (node, position = true, frame = true))]
     fn grasp(&mut self, node: usize, position: bool, frame: bool) -> PyResult<usize> {
         let grasp = Grasp { position, frame };
         let grasped = self.stepper.run.simulation.grasp(node, grasp);
-        grasped.map_err(|error| of_simulation(&error))
+        let clamp = grasped.map_err(|error| of_simulation(&error))?;
+        self.intervened = true;
+        Ok(clamp)
     }
 
     fn release(&mut self, clamp: usize) -> PyResult<()> {
-        self.stepper.release(clamp)
+        self.stepper.release(clamp)?;
+        self.intervened = true;
+        Ok(())
     }
 
     fn set_load_factor(&mut self, load: usize, factor: f64) -> PyResult<()> {
@@ -374,7 +387,9 @@ impl Simulation {
             return Err(bad_argument(format!("factor: {factor}; allowed: finite")));
         }
         let set = self.stepper.run.simulation.set_load_factor(load, factor);
-        set.map_err(|error| of_simulation(&error))
+        set.map_err(|error| of_simulation(&error))?;
+        self.intervened = true;
+        Ok(())
     }
 
     fn reaction<'py>(&self, py: Python<'py>, clamp: usize) -> PyResult<Bound<'py, PyArray1<f64>>> {
@@ -440,6 +455,23 @@ impl Simulation {
         Ok(answer)
     }
 
+    fn gradient<'py>(
+        &mut self,
+        py: Python<'py>,
+        to: Vec<String>,
+        of: Vec<String>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        self.act(py)?;
+        if self.intervened {
+            return Err(bad_argument(
+                "gradient: the program has changed the motion, by an action or a call of find_equilibrium; there are derivatives only \
+                 of what the scenario does by itself",
+            ));
+        }
+        let time = self.simulation().time();
+        derivatives(py, self.stepper.scenario.source(), &to, &of, Some(&[time]))
+    }
+
     #[getter]
     fn remarks(&self) -> Vec<String> {
         self.stepper.run.remarks()
@@ -452,6 +484,7 @@ impl Simulation {
                 run: self.stepper.run.save(),
                 actions: [self.forces.last_read(), self.torques.last_read()].map(<[f64]>::to_vec),
                 curvature: self.curvature.last_read().to_vec(),
+                intervened: self.intervened,
             },
         })
     }
@@ -462,6 +495,7 @@ impl Simulation {
             return Err(bad_argument("state: it belongs to another scenario"));
         }
         self.stepper.restore(saved.run)?;
+        self.intervened = saved.intervened;
         let [forces, torques] = &saved.actions;
         self.forces.put_back(py, forces)?;
         self.torques.put_back(py, torques)?;

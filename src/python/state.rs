@@ -15,6 +15,8 @@ pub struct Saved {
     pub actions: [Vec<f64>; 2],
     /// Natural curvature that it sets.
     pub curvature: Vec<f64>,
+    /// Whether it has left the course of the scenario.
+    pub intervened: bool,
 }
 
 /// All that influences the future of a simulation. It can be pickled.

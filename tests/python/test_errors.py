@@ -173,9 +173,10 @@ def ctrl_c():
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are those of POSIX")
-@pytest.mark.parametrize("kind", ["simulation", "batch", "run"])
+@pytest.mark.parametrize("kind", ["simulation", "batch", "run", "sensitivity"])
 def test_an_interrupt_ends_a_long_call(kind, tmp_path, ctrl_c) -> None:
     scene = cantilever(200, step="0.1 ms", end="1000 s")
+    scene.add_probe("position", "tip", rod="beam", at="end")
     sent: list[float] = []
 
     def interrupt() -> None:
@@ -186,6 +187,7 @@ def test_an_interrupt_ends_a_long_call(kind, tmp_path, ctrl_c) -> None:
         "simulation": lambda: scene.simulate().run(1000),
         "batch": lambda: rodlab.Batch(scene, 2).run(1000),
         "run": lambda: rodlab.run(scene, tmp_path / "out"),
+        "sensitivity": lambda: rodlab.sensitivity(scene, "material.youngs_modulus"),
     }
     timer = threading.Timer(0.5, interrupt)
     timer.start()

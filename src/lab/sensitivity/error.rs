@@ -28,6 +28,9 @@ pub enum SensitivityError {
     /// A kind of run without derivatives.
     #[error("{0}")]
     Unsuitable(&'static str),
+    /// A request to stop.
+    #[error("interrupted")]
+    Interrupted,
     /// The mechanics.
     #[error(transparent)]
     Engine(#[from] sensitivity::SensitivityError),

@@ -32,7 +32,7 @@ pub struct Row {
     pub derivatives: Vec<Vec<Option<f64>>>,
 }
 
-/// Differentiates probes of a scenario over its keys. `of` names probes or their columns; all of them where it is empty.
+/// Differentiates probes of a scenario over its keys at its outputs. `of` names probes or their columns; all of them where it is empty.
 ///
 /// # Errors
 /// See [`SensitivityError`].
@@ -41,13 +41,27 @@ pub fn derivatives(
     of: &[String],
     keys: &[String],
 ) -> Result<Derivatives, SensitivityError> {
+    derivatives_at(source, of, keys, None, &|| true)
+}
+
+/// The same at given times, s, in their order, by default at the outputs, while `goes_on`; an equilibrium has one row whatever they are.
+///
+/// # Errors
+/// See [`SensitivityError`].
+pub fn derivatives_at(
+    source: Source<'_>,
+    of: &[String],
+    keys: &[String],
+    times: Option<&[f64]>,
+    goes_on: &dyn Fn() -> bool,
+) -> Result<Derivatives, SensitivityError> {
     let mut problem = Problem::new(source, keys)?;
     let chosen = Chosen::new(problem.base(), of)?;
-    let times = problem.output_times();
+    let times = times.map_or_else(|| problem.output_times(), <[f64]>::to_vec);
     let mut found = None;
     for _ in 0..PASSES {
         let (mut rows, mut steps) = (Vec::new(), 0);
-        let amplitudes = problem.follow(&times, &mut |moment| {
+        let amplitudes = problem.follow(&times, goes_on, &mut |moment| {
             rows.push(row(&chosen, &problem, moment));
             steps = moment.steps;
         })?;

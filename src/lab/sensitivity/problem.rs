@@ -163,14 +163,15 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Runs to the given times, s, in their order, and shows each moment to `observe`; an equilibrium is one moment. Returns the
-    /// largest difference of the neighbours of each key from the run, rad.
+    /// Runs to the given times, s, in their order, while `goes_on`, and shows each moment to `observe`; an equilibrium is one moment.
+    /// Returns the largest difference of the neighbours of each key from the run, rad.
     ///
     /// # Errors
-    /// The errors of the run, and steps that have no derivative.
+    /// The errors of the run, steps that have no derivative, and [`SensitivityError::Interrupted`].
     pub fn follow(
         &self,
         times: &[f64],
+        goes_on: &dyn Fn() -> bool,
         observe: &mut dyn FnMut(&Moment<'_>),
     ) -> Result<Vec<f64>, SensitivityError> {
         let variation = |key: &Key| {
@@ -190,6 +191,9 @@ impl<'a> Problem<'a> {
                 }
                 for &time in times {
                     while sensitivity.base().time() < time {
+                        if !goes_on() {
+                            return Err(SensitivityError::Interrupted);
+                        }
                         sensitivity.advance(time)?;
                         steps += 1;
                     }

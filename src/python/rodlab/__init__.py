@@ -30,6 +30,7 @@ from ._rodlab import (
     StepReport,
 )
 from .batch import Batch
+from .identification import Derivatives, Identified, identify, sensitivity
 from .runs import Nodes, Results, results, run, sweep
 from .scene import Part, Rod, Scene
 from .simulation import Clamp, RodView, Simulation
@@ -40,6 +41,8 @@ __all__ = [
     "Clamp",
     "Contacts",
     "ConvergenceError",
+    "Derivatives",
+    "Identified",
     "Nodes",
     "Part",
     "PhysicsError",
@@ -53,6 +56,7 @@ __all__ = [
     "Simulation",
     "State",
     "StepReport",
+    "identify",
     "load",
     "loads",
     "main",
@@ -60,6 +64,7 @@ __all__ = [
     "results",
     "run",
     "score",
+    "sensitivity",
     "solve",
     "sweep",
     "trace",

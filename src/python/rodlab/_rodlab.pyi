@@ -58,6 +58,11 @@ class Scenario:
     def name(self) -> str: ...
     @property
     def experiment(self) -> str: ...
+    def sensitivity(self, to: Sequence[str], of: Sequence[str]) -> dict[str, Any]:
+        """Differentiate the c columns of probes over k keys at the t outputs.
+
+        Returns `times` (t, s), `columns`, `keys`, `units`, `key_values` (k), `values` (t × c) and `derivatives` (t × k × c).
+        """
     def to_toml(self) -> str:
         """Return the resolved scenario as TOML."""
 
@@ -203,6 +208,8 @@ class Simulation:
         """Kinetic, stretching, bending, twisting, contact and gravitational energy, J."""
     def probes(self) -> dict[str, float]:
         """The scenario's probes and the columns of its experiment now; names end with their units."""
+    def gradient(self, to: Sequence[str], of: Sequence[str]) -> dict[str, Any]:
+        """Differentiate probes over keys at the present time; the answer is that of `Scenario.sensitivity`."""
     @property
     def remarks(self) -> list[str]: ...
     # States.

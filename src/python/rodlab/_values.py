@@ -93,6 +93,11 @@ def vector_rows(points: Any, key: str, columns: int, least: int = 2) -> np.ndarr
     return array
 
 
+def names(given: str | Sequence[str]) -> list[str]:
+    """Return one name or several as a list."""
+    return [given] if isinstance(given, str) else list(given)
+
+
 def overrides(keys: Mapping[str, Any]) -> list[str]:
     """Write keys and values as `--set` reads them: `key=value` in TOML."""
     return [f"{key}={inline(plain(value, key))}" for key, value in keys.items()]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _rodlab
 from ._command import File
 from ._rodlab import Contacts, Scenario, ScenarioError, State, StepReport
+from ._values import names
 from .scene import Part, Place, Scene, scene_of
 
 Array = NDArray[np.float64]
@@ -238,6 +239,40 @@ class Simulation:
     def probes(self) -> dict[str, float]:
         """Return the scenario's probes and the columns of its experiment, by name with unit."""
         return self._core.probes()
+
+    def gradient(
+        self, to: str | Sequence[str], of: str | Sequence[str] = ()
+    ) -> dict[str, dict[str, float]]:
+        """Differentiate probes at the present time over keys of the scenario.
+
+        The motion is repeated with its derivatives, by the Newton matrices of its steps, from the
+        start to the present time, in steps of the scenario's size. See also `rodlab.sensitivity`.
+
+        Parameters
+        ----------
+        to
+            Keys over which is differentiated, such as ``"rods.beam.radius"``.
+        of
+            Probes, or columns of them; by default all.
+
+        Returns
+        -------
+        dict
+            For each column of the probes a dict with the derivative over each key, in the unit of
+            the column over that of the key; not a number where the probe has no value.
+
+        Raises
+        ------
+        ScenarioError
+            For a key that is not a number or changes the steps, for a scenario without derivatives,
+            and after an action: derivatives are those of what the scenario does by itself.
+        """
+        found = self._core.gradient(names(to), names(of))
+        rows = found["derivatives"][-1]
+        return {
+            column: dict(zip(found["keys"], rows[:, index].tolist(), strict=True))
+            for index, column in enumerate(found["columns"])
+        }
 
     @property
     def remarks(self) -> list[str]:
