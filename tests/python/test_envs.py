@@ -184,6 +184,43 @@ def test_environments_with_reactions_are_vectorised_one_by_one() -> None:
     assert isinstance(registered, envs.RodVectorEnv)
 
 
+def test_a_flagellum_swims_by_its_curvature() -> None:
+    env = envs.FlagellumSpeed(fluid="resistive", control="curvature")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env, skip_render_check=True)
+    assert roll(env, 3, 4) == roll(envs.FlagellumSpeed(fluid="resistive", control="curvature"), 3, 4)
+    middle = {"target_polar": 0.0, "helix_radius": 0.008, "youngs_modulus": 5e6}
+
+    # A wave of curvature runs along the filament, while the head does not turn.
+    env.reset(seed=1, options={"parameters": middle})
+    start = env.positions.mean(axis=0)
+    for step in range(40):
+        phases = 2.0 * np.pi * step / 20.0 + 0.5 * np.pi * np.arange(4)
+        bends = 0.9 * np.stack([np.cos(phases), np.sin(phases)], axis=1)
+        observation, *_ = env.step(np.append(np.zeros(3), bends).astype(np.float32))
+    assert np.array_equal(observation[-8:], (env.curvatures / 20.0).ravel().astype(np.float32))
+    assert np.linalg.norm(env.positions.mean(axis=0) - start) > 1e-3
+    env.reset(seed=1)
+    env.step(np.ones(11, np.float32))
+    assert np.allclose(env.curvatures, 5.0)
+    env.reset(seed=1)
+    assert not env.curvatures.any()
+    with pytest.raises(ValueError, match="control"):
+        envs.FlagellumSpeed(control="tail")  # type: ignore[arg-type]
+
+
+def test_a_flagellum_whose_curvature_rests_moves_as_one_without() -> None:
+    ends = []
+    for control in ("head", "curvature"):
+        env = envs.FlagellumSpeed(fluid="resistive", control=control)  # type: ignore[arg-type]
+        env.reset(seed=2)
+        for action in actions(envs.FlagellumSpeed(fluid="resistive"), 4):
+            env.step(np.pad(action, (0, env.action_space.shape[0] - 3)))
+        ends.append(env.positions)
+    assert np.allclose(*ends, rtol=0.0, atol=1e-12)
+
+
 def test_rotations_and_grippers() -> None:
     vector = np.array([0.3, -0.5, 0.8])
     assert np.allclose(rotation_vector(rotation(vector)), vector)

@@ -317,6 +317,34 @@ def test_states_are_restored_across_grasps_and_releases(simulation: rodlab.Simul
     assert advance(simulation, 10) == later
 
 
+def test_a_state_of_a_grasp_is_restored_in_other_simulations(simulation: rodlab.Simulation) -> None:
+    advance(simulation, 5)
+    before = simulation.save()
+    hand = simulation.grasp("beam", "end")
+    hand.position = hand.position + [0, 0, 1e-3]
+    advance(simulation, 1)
+    held = simulation.save()
+    hand.position = hand.position + [0, 0, 1e-3]
+    expected = advance(simulation, 5)
+    other = cantilever(12).simulate(natural_curvature=True)
+    other.grasp("beam", 5)
+    other.restore(pickle.loads(pickle.dumps(held)))
+    hand = other.clamps["beam.end"]
+    hand.position = hand.position + [0, 0, 1e-3]
+    assert advance(other, 5) == expected
+    batch = rodlab.Batch(cantilever(12), 2)
+    batch.restore(1, held)
+    simulation.restore(held)
+    simulation.step()
+    batch.step()
+    assert np.array_equal(batch.positions[1], simulation.positions)
+    other.restore(before)
+    assert other.clamps.names() == ["beam.start"]
+    assert advance(other, 5) == advance(cantilever(12).simulate(), 10)
+    with pytest.raises(rodlab.ScenarioError, match="other actuations"):
+        cantilever(12).simulate().restore(other.save())
+
+
 def test_forces_that_were_written_are_part_of_a_state(simulation: rodlab.Simulation) -> None:
     simulation.forces[-1] = [0, 0.01, 0]
     state = simulation.save()

@@ -285,7 +285,16 @@ class Simulation:
         return self._core.save()
 
     def restore(self, state: State) -> None:
-        """Put the simulation into a state that it, or another of the same scenario, has saved."""
+        """Put the simulation into a state that it, or another of the same scenario, has saved.
+
+        Nodes may have been grasped and released before or since: clamps are those of the state.
+
+        Raises
+        ------
+        ScenarioError
+            For a state of another scenario, and for one that was saved with the array
+            `natural_curvature` where this simulation has none.
+        """
         self._core.restore(state)
 
     @contextlib.contextmanager

@@ -58,6 +58,8 @@ class RodEnv(gymnasium.Env[Observation, Action]):
     """Reward of the step that solves the task, in addition to that of the step."""
     batched: ClassVar[bool] = True
     """Whether positions and velocities are all that the task measures, so that `rodlab.Batch` can step it."""
+    bends: bool = False
+    """Whether the task sets the natural curvature of the rods."""
     accepted_options: ClassVar[frozenset[str]] = frozenset({"parameters"})
     """Keys of the options of `reset`."""
 
@@ -104,6 +106,9 @@ class RodEnv(gymnasium.Env[Observation, Action]):
     def _draw(self) -> Canvas:
         """Return the picture of the present state."""
         raise NotImplementedError
+
+    def _actuate(self, simulation: _rodlab.Simulation) -> None:
+        """Set what drives the scene other than clamps, before the steps of the engine."""
 
     def _options(self, options: Mapping[str, Any]) -> None:
         """Use the options of `reset` other than the parameters."""
@@ -165,6 +170,7 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         try:
             for clamp, pose in poses.items():
                 simulation.move_clamp(clamp, pose)
+            self._actuate(simulation)
             simulation.step(self.period)
         except _rodlab.RodlabError as error:
             failure = str(error)
@@ -202,7 +208,7 @@ class RodEnv(gymnasium.Env[Observation, Action]):
         self.parameters = draw_parameters(self.ranges, self.np_random, options.get("parameters", {}))
         self._options(options)
         scenario = _rodlab.Scenario.from_dict(self._scenario(), name=type(self).__name__)
-        simulation = _rodlab.Simulation(scenario)
+        simulation = _rodlab.Simulation(scenario, natural_curvature=self.bends)
         self.steps = 0
         self._begin(simulation)
         self._measure(simulation)

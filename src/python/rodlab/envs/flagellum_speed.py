@@ -1,4 +1,4 @@
-"""Swim by turning the head of a helical flagellum."""
+"""Swim by turning the head of a helical flagellum, or by bending it."""
 
 from typing import Any, Literal
 
@@ -15,6 +15,9 @@ SEEN = 13
 SPIN = 20.0
 ACCELERATION = 100.0
 STEERING = 1.0
+BENDS = 4
+CURVATURE = 20.0
+BENDING_RATE = 100.0
 
 
 class FlagellumSpeed(RodEnv):
@@ -24,15 +27,18 @@ class FlagellumSpeed(RodEnv):
     extends from the head along -z at the start; the axis is the direction from the tail to the head. A control step is 50 ms;
     an episode has 100 of them.
 
-    Observation (93)
+    Observation (93, and 101 with `control="curvature"`)
         Positions of 13 nodes relative to the head, over the length of the helix (39); their velocities over
         U₀ = 0.1 R Ω with the radius R of the helix and Ω = 20 rad/s (39); axis and director d₁ of the head (6); rate of
         rotation over Ω (1); moment on the head over M₀ = 4π η Ω R² ℓ, with the viscosity η and the length ℓ of the rod
         (3); direction to swim in (3); cosine between this direction and the axis (1); speed in this direction over U₀ (1).
+        With `control="curvature"` also the natural curvatures that are added, over 20 1/m (8).
 
-    Action (3), from -1 to 1
+    Action (3, and 11 with `control="curvature"`), from -1 to 1
         Wanted rate of rotation about the axis, times Ω; the rate follows with at most 100 rad/s² (1). Rates at which the axis
-        turns about x and y, times 1 rad/s (2).
+        turns about x and y, times 1 rad/s (2). With `control="curvature"` also the natural curvatures κ₁ and κ₂ about the
+        material directors that are wanted in addition to those of the helix, times 20 1/m, at 4 places evenly spread from
+        head to tail (8); between the places they are linear, and they follow with at most 100 1/m each second.
 
     Reward
         U/U₀ - 0.1 |P|/(M₀ Ω) - 0.01 |action|², with the mean speed U of the nodes in the wanted direction and the power P
@@ -61,6 +67,8 @@ class FlagellumSpeed(RodEnv):
         Control steps in an episode, by default 100.
     fluid : {"rss", "resistive"}
         Regularised Stokeslet segments, or resistive force theory, which takes a tenth of the time.
+    control : {"head", "curvature"}
+        What the action drives: the head, or the head and the curvature of an active filament.
 
     Notes
     -----
@@ -86,12 +94,19 @@ class FlagellumSpeed(RodEnv):
         render_mode: str | None = None,
         horizon: int | None = None,
         fluid: Literal["rss", "resistive"] = "rss",
+        control: Literal["head", "curvature"] = "head",
     ) -> None:
         if fluid not in ("rss", "resistive"):
             raise ValueError(f'fluid is {fluid!r}; it can be "rss" or "resistive"')
+        if control not in ("head", "curvature"):
+            raise ValueError(f'control is {control!r}; it can be "head" or "curvature"')
         super().__init__(render_mode, horizon)
-        self._set_spaces(3, 6 * SEEN + 15)
+        self.bends = control == "curvature"
+        added = 2 * BENDS if self.bends else 0
+        self._set_spaces(3 + added, 6 * SEEN + 15 + added)
         self.fluid = fluid
+        self.control = control
+        self.curvatures = np.zeros((BENDS if self.bends else 0, 2))
         self._seen = spread(EDGES + 1, SEEN)
         self.target = np.array([0.0, 0.0, 1.0])
         self.moment = np.zeros(3)
@@ -133,6 +148,7 @@ class FlagellumSpeed(RodEnv):
         self._axis = pose[:3, :3].T @ np.array([0.0, 0.0, 1.0])
         self.spin = 0.0
         self.speed = 0.0
+        self.curvatures = np.zeros_like(self.curvatures)
         self._centre = np.array(simulation.positions).mean(axis=0)
         values = self.parameters
         turn = np.hypot(2.0 * np.pi * values["helix_radius"], values["pitch"])
@@ -152,7 +168,18 @@ class FlagellumSpeed(RodEnv):
         steering = STEERING * np.array([action[1], action[2], 0.0])
         steering -= axis * (axis @ steering)
         rate = self.spin * axis + steering
+        change = CURVATURE * action[3:].reshape(self.curvatures.shape) - self.curvatures
+        largest = BENDING_RATE * self.period
+        self.curvatures = self.curvatures + np.clip(change, -largest, largest)
         return {0: self.gripper.move(np.zeros(3), rate, self.period)}
+
+    def _actuate(self, simulation: _rodlab.Simulation) -> None:
+        if not self.bends:
+            return
+        places = np.linspace(0.0, EDGES, BENDS)
+        nodes = np.arange(EDGES + 1)
+        bent = [np.interp(nodes, places, column) for column in self.curvatures.T]
+        simulation.natural_curvature[:] = np.stack(bent, axis=1)
 
     def _measure(self, simulation: _rodlab.Simulation) -> None:
         self.moment = np.array(simulation.reaction(0)[3:])
@@ -169,6 +196,7 @@ class FlagellumSpeed(RodEnv):
                 self.moment / self._moment,
                 self.target,
                 [axis @ self.target, self.speed / self._speed],
+                self.curvatures.ravel() / CURVATURE,
             ]
         )
 
