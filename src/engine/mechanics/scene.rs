@@ -197,6 +197,19 @@ pub enum NaturalShape {
     },
     /// Curvature, twist and lengths of another polyline with the same number of nodes.
     Centreline(Vec<Vector3>),
+    /// Lengths, curvatures and twists of their own for each edge and each node.
+    Strains(NaturalStrains),
+}
+
+/// Natural strains node by node.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NaturalStrains {
+    /// Natural lengths of the edges, m.
+    pub lengths: Vec<f64>,
+    /// Natural curvatures about the two material directors at the nodes, 1/m; at the ends those of the half vertices at clamps.
+    pub curvature: Vec<[f64; 2]>,
+    /// Natural twist at the nodes, rad/m.
+    pub twist: Vec<f64>,
 }
 
 /// Stiffness of a cross-section.

@@ -186,12 +186,26 @@ impl Assembly {
             NaturalShape::Centreline(points) => Some(place(points, 0.0, [None, None])?),
             _ => None,
         };
-        let natural_lengths = rod.relaxed(
-            natural_placement
-                .as_ref()
-                .map_or(&placed.lengths, |p| &p.lengths)
-                .clone(),
-        );
+        let natural_lengths = match (&rod.natural_shape, &natural_placement) {
+            (NaturalShape::Strains(natural), _) => {
+                let counts = [natural.curvature.len(), natural.twist.len()];
+                for count in counts
+                    .into_iter()
+                    .chain([natural.lengths.len() + range.nodes - range.edges()])
+                {
+                    if count != range.nodes {
+                        return Err(RodError::NaturalShape {
+                            natural: count,
+                            nodes: range.nodes,
+                        });
+                    }
+                }
+                &natural.lengths
+            }
+            (_, Some(natural)) => &natural.lengths,
+            (_, None) => &placed.lengths,
+        };
+        let natural_lengths = rod.relaxed(natural_lengths.clone());
         self.place_nodes(rod, &range, &placed);
         self.add_edges_and_masses(rod, &range, &natural_lengths);
         let first_vertex = self.rods.vertices.len();
@@ -303,7 +317,8 @@ impl Assembly {
             self.drives
                 .push(Drive::new(clamp, node, rod.centreline[clamp.node], frame));
         }
-        let natural = |placed_strains: VertexStrains,
+        let natural = |node: usize,
+                       placed_strains: VertexStrains,
                        of_shape: &dyn Fn(&Placement) -> VertexStrains,
                        voronoi: f64| {
             match &rod.natural_shape {
@@ -312,6 +327,10 @@ impl Assembly {
                 NaturalShape::Curved { curvature, twist } => {
                     let integrated = curvature.map(|curvature| curvature * voronoi);
                     VertexStrains::about_directors(integrated, twist * voronoi)
+                }
+                NaturalShape::Strains(natural) => {
+                    let integrated = natural.curvature[node].map(|one| one * voronoi);
+                    VertexStrains::about_directors(integrated, natural.twist[node] * voronoi)
                 }
                 NaturalShape::Centreline(_) => of_shape(natural_placement.expect("placed above")),
             }
@@ -382,7 +401,7 @@ impl Assembly {
                     self.rods.vertices.push(Vertex {
                         before,
                         after,
-                        natural: natural(placed_strains, &of_shape, voronoi),
+                        natural: natural(k, placed_strains, &of_shape, voronoi),
                         stiffness: stiffness(rod, voronoi),
                         strain: BendingStrain::default(),
                         weights: VertexWeights::default(),
@@ -408,7 +427,7 @@ impl Assembly {
                 self.rods.vertices.push(Vertex {
                     before: range.first_node + before,
                     after: range.first_node + after,
-                    natural: natural(placed_strains, &of_shape, voronoi),
+                    natural: natural(k, placed_strains, &of_shape, voronoi),
                     stiffness: stiffness(rod, voronoi),
                     strain: BendingStrain::default(),
                     weights: VertexWeights::default(),
