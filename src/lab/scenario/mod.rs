@@ -76,7 +76,7 @@ pub use resolved::{
     Begin, Body, BodyShape, BuilderRod, Clamp, Contact, Continuation, CrossSection, Experiment,
     Fluid, Handedness, Hold, Inertia, Joint, JointKind, Load, LoadFrame, LoadKind, Material,
     Movement, NaturalShape, Obstacle, ObstacleShape, Output, Parts, PathMethod, Place, Plane, Pose,
-    Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Time,
+    Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Strains, Time,
 };
 pub use resolved::{Probe, ProbeKind, StopWhen, Summary};
 pub use sweep::{Case, CaseSet, InputFile, Parameter, Portable, Search, earlier_id};

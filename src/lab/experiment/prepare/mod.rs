@@ -8,6 +8,7 @@ mod flow;
 mod gripper_motion;
 mod jitter;
 mod joint;
+mod natural_strains;
 mod obstacle;
 mod place;
 mod round_rod;

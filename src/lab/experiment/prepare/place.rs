@@ -2,6 +2,7 @@
 
 use super::curve::{SampledCurve, sample};
 use super::gripper_motion::gripper_motion;
+use super::natural_strains;
 use super::round_rod::relaxation;
 use crate::experiment::places::{find_place, find_rod};
 use crate::scenario::{
@@ -28,6 +29,9 @@ pub(super) fn place_rod(rod: &Rod, path: &KeyPath) -> Result<mechanics::RodDescr
             let nodes = sample(shape, rod.edges, rod.closed).nodes;
             refuse_short_edges(&nodes, rod.closed, &path.key("natural_shape"))?;
             mechanics::NaturalShape::Centreline(nodes)
+        }
+        NaturalShape::Strains(strains) => {
+            mechanics::NaturalShape::Strains(natural_strains::at_nodes(strains, rod.edges))
         }
     };
     let area = rod.cross_section.area(rod.radius);

@@ -6,6 +6,7 @@ mod continuation;
 mod experiment;
 mod model;
 mod movement;
+mod natural_strains;
 mod network;
 mod obstacle;
 mod polyline;

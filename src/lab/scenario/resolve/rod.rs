@@ -76,6 +76,12 @@ fn rod(
             format_args!("greater than the diameter of the rod, {diameter:?} m"),
         );
     }
+    if closed && matches!(rod.natural_shape, NaturalShape::Strains(_)) {
+        section.fault(
+            "natural_shape",
+            "a closed rod has no natural strains over the arc length; allowed: as-placed, straight, curved, helix, arc, ring, points",
+        );
+    }
     let gains = vibrates && is_straight(&rod.natural_shape, &rod.shape);
     Rod {
         closed,
@@ -151,6 +157,7 @@ fn is_straight(natural: &NaturalShape, placed: &Shape) -> bool {
         NaturalShape::AsPlaced => matches!(placed, Shape::Straight { .. }),
         NaturalShape::Curved { curvature, twist } => *curvature == [0.0; 2] && *twist == 0.0,
         NaturalShape::Curve(shape) => matches!(shape, Shape::Straight { .. }),
+        NaturalShape::Strains(_) => false,
     }
 }
 
@@ -165,7 +172,12 @@ fn pretension(
     stretching: f64,
 ) -> f64 {
     let tension = typed.pretension(section);
-    if tension != 0.0 && matches!(natural_shape, NaturalShape::Curve(_)) {
+    if tension != 0.0
+        && matches!(
+            natural_shape,
+            NaturalShape::Curve(_) | NaturalShape::Strains(_)
+        )
+    {
         let message =
             "the natural shape has lengths of its own; give `pretension` or those, not both";
         section.fault("pretension", message);

@@ -1,6 +1,6 @@
 //! Resolving shapes.
 
-use super::{Context, polyline};
+use super::{Context, natural_strains, polyline};
 use crate::scenario::resolved::{NaturalShape, Shape};
 use crate::scenario::section::Section;
 use crate::scenario::typed;
@@ -41,6 +41,9 @@ pub fn natural_shape(
         typed::NaturalShape::Ring(curve) => NaturalShape::Curve(ring(section, curve)),
         typed::NaturalShape::Points(points) => {
             NaturalShape::Curve(polyline::points(context, section, points))
+        }
+        typed::NaturalShape::Strains(strains) => {
+            NaturalShape::Strains(natural_strains::strains(context, section, strains))
         }
     }
 }

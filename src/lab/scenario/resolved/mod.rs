@@ -27,7 +27,7 @@ pub use movement::{Movement, Pose};
 pub use network::{HeldEnds, NetworkJoint};
 pub use obstacle::{Obstacle, ObstacleShape};
 pub use parts::Parts;
-pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape};
+pub use rod::{CrossSection, Handedness, Inertia, Material, NaturalShape, Rod, Shape, Strains};
 pub use run::{Begin, Scheme, Step, Time};
 pub use start::Start;
 

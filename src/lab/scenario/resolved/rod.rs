@@ -238,6 +238,21 @@ pub enum NaturalShape {
     },
     /// Curvature, twist and lengths of another curve.
     Curve(Shape),
+    /// Curvature and twist over the natural arc length.
+    Strains(Strains),
+}
+
+/// Natural curvature and twist over the natural arc length, row by row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Strains {
+    /// Natural arc lengths from 0 on, m.
+    pub arc_length: Vec<f64>,
+    /// Natural curvatures about the first material director, 1/m.
+    pub curvature_1: Vec<f64>,
+    /// Natural curvatures about the second material director, 1/m.
+    pub curvature_2: Vec<f64>,
+    /// Natural twist, rad/m.
+    pub twist: Vec<f64>,
 }
 
 impl Serialize for NaturalShape {
@@ -253,6 +268,15 @@ impl Serialize for NaturalShape {
                 table.end()
             }
             Self::Curve(shape) => shape.serialize(serializer),
+            Self::Strains(strains) => {
+                let mut table = serializer.serialize_map(Some(5))?;
+                table.serialize_entry("kind", "strains")?;
+                table.serialize_entry("arc_length", &strains.arc_length)?;
+                table.serialize_entry("curvature_1", &strains.curvature_1)?;
+                table.serialize_entry("curvature_2", &strains.curvature_2)?;
+                table.serialize_entry("twist", &strains.twist)?;
+                table.end()
+            }
         }
     }
 }

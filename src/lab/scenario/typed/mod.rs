@@ -23,7 +23,9 @@ pub use movement::{Pose, TypedMovement};
 pub use network::{Boundary, Network, NetworkShape};
 pub use obstacle::{Capsule, Cuboid, Heights, Mesh, Obstacle, ObstacleShape};
 pub use rod::{CrossSection, InertiaChoice, Material, Rod};
-pub use shape::{Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, Slack, Straight};
+pub use shape::{
+    Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, Slack, Straight, Strains,
+};
 pub use start::Start;
 pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};
 

@@ -52,6 +52,8 @@ pub enum NaturalShape {
     Ring(Ring),
     /// Curvature, twist and lengths of a polyline.
     Points(Points),
+    /// Curvature and twist over the natural arc length, for open rods.
+    Strains(Strains),
 }
 
 /// Adds the natural shapes that need no further keys, as text.
@@ -194,4 +196,23 @@ pub struct Points {
     pub file: Option<String>,
     /// The corners themselves.
     pub points: Option<Vec<Vector<Length>>>,
+}
+
+/// Natural curvature and twist over the natural arc length; give `file`, or lists of equal lengths. With a row for each node they are
+/// those of the nodes, and natural lengths of edges the distances of the rows; other numbers of rows are interpolated at nodes of equal
+/// distances.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "strains")]
+pub struct Strains {
+    /// CSV file with a header line and columns arc_length (m), curvature_1, curvature_2 (1/m) and twist (rad/m), relative to the
+    /// scenario file; `rodlab design` writes it.
+    pub file: Option<String>,
+    /// Natural arc lengths from 0 on, m.
+    pub arc_length: Option<Vec<f64>>,
+    /// Natural curvatures about the first material director, 1/m.
+    pub curvature_1: Option<Vec<f64>>,
+    /// Natural curvatures about the second material director, 1/m.
+    pub curvature_2: Option<Vec<f64>>,
+    /// Natural twist of the material frame, rad/m.
+    pub twist: Option<Vec<f64>>,
 }
