@@ -7,6 +7,7 @@
 //! | [`run`] | the run loop on a results directory |
 //! | [`sweep`] | many cases |
 //! | [`identify`] | keys of scenarios from measurements, with error bars |
+//! | [`design`] | the natural shape of a rod for a wanted equilibrium |
 //! | [`report`] | figures and pages of a results directory |
 //! | [`sensitivity`] | derivatives of what a scenario measures over its keys |
 //! | [`cluster`] | Slurm job arrays |
@@ -15,6 +16,7 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod cluster;
+pub mod design;
 pub mod experiment;
 pub mod identify;
 pub mod report;

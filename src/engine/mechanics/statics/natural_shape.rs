@@ -20,6 +20,7 @@
 //! Weights and stiffnesses depend on natural lengths. The residual of the scene with the natural strains found so far is
 //! corrected in the same way until rounding is left; each correction multiplies it by about the largest strain of stretching.
 
+use crate::mechanics::rod::vertex::VertexStrains;
 use crate::mechanics::rod::{RodRange, STRIDE, Vertex};
 use crate::mechanics::scene::{NaturalShape, NaturalStrains, Scene};
 use crate::mechanics::system::System;
@@ -28,6 +29,9 @@ use nalgebra::{DMatrix, DVector, RowSVector, SMatrix, SVector};
 
 /// Most corrections.
 const CORRECTIONS: usize = 30;
+/// Corrections that do not halve the residual, after which rounding is left. The shape of least energy changes with natural lengths, so
+/// that one such correction may be followed by better ones.
+const STALLED: usize = 3;
 /// Residual over the largest force in the rod that rounding may leave.
 const TOLERANCE: f64 = 1e-9;
 /// Columns: what is known, the reaction and the moment at the last node.
@@ -116,6 +120,7 @@ pub fn natural_strains(scene: &Scene, rod: usize) -> Result<Designed, DesignErro
     }
     let mut scene = scene.clone();
     let mut best: Option<Designed> = None;
+    let mut stalled = 0;
     for _ in 0..CORRECTIONS {
         let mut system = System::new(&scene)?;
         let mut unknowns = system.assembly.unknowns.clone();
@@ -131,10 +136,13 @@ pub fn natural_strains(scene: &Scene, rod: usize) -> Result<Designed, DesignErro
             .is_none_or(|best: &Designed| residual < 0.5 * best.residual);
         let is_exact = matches!(&scene.rods[rod].natural_shape, NaturalShape::Strains(_));
         if !is_better && is_exact {
+            stalled += 1;
+        }
+        if stalled == STALLED {
             break;
         }
         let corrected = design.corrected(&natural)?;
-        if is_exact {
+        if is_exact && is_better {
             best = Some(Designed {
                 natural,
                 residual,
@@ -279,7 +287,7 @@ impl<'a> Design<'a> {
         ];
         let strains = geometry.strains(index, vertex);
         let mut without = *vertex;
-        without.natural = Default::default();
+        without.natural = VertexStrains::default();
         let zero = without.gradient(edges, &strains);
         let (mut forces, mut moments) = ([Matrix3::zeros(); 2], [Vector3::zeros(); 2]);
         for strain in 0..3 {

@@ -1,0 +1,26 @@
+//! What cannot be designed.
+
+use crate::scenario::ScenarioError;
+use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_engine::mechanics::statics;
+use rodlab_files::results::ResultsError;
+
+/// Reason why there is no design.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignError {
+    /// The scenario is wrong.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A curve or a key that does not suit.
+    #[error("{0}")]
+    Input(String),
+    /// No natural shape holds the curve.
+    #[error(transparent)]
+    Engine(#[from] statics::DesignError),
+    /// The equilibrium of the designed rod was not found.
+    #[error("equilibrium of the designed rod: {0}")]
+    Simulation(#[from] SimulationError),
+    /// A result could not be written.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+}

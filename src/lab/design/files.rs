@@ -1,0 +1,78 @@
+//! The files of a design.
+
+use super::error::DesignError;
+use super::figure::design_figure;
+use super::task::Designed;
+use rodlab_files::figure::Paper;
+use rodlab_files::results::{ResultsError, write_whole};
+use std::fmt::Write;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The result in numbers.
+pub const RESULT: &str = "design.json";
+/// The scenario with the natural shape.
+pub const DESIGNED: &str = "designed.toml";
+/// Natural strains of the nodes, for the key `natural_shape` of a rod.
+pub const NATURAL: &str = "natural.csv";
+/// Nodes as wanted, in equilibrium, and without stress.
+pub const NODES: &str = "nodes.csv";
+/// The three curves as a figure.
+pub const FIGURE: &str = "design.svg";
+
+/// Writes all files into a directory, which is made if it is missing, each whole or not at all. Returns their paths.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(directory: &Path, designed: &Designed) -> Result<Vec<PathBuf>, DesignError> {
+    let io = |path: &Path, source: io::Error| ResultsError::Io {
+        action: "write",
+        path: path.to_owned(),
+        source,
+    };
+    std::fs::create_dir_all(directory).map_err(|error| io(directory, error))?;
+    let json = serde_json::to_vec_pretty(designed);
+    let json = json.map_err(|error| io(&directory.join(RESULT), error.into()))?;
+    let files = [
+        (RESULT, json),
+        (DESIGNED, designed.scenario_toml.clone().into_bytes()),
+        (NATURAL, natural(designed).into_bytes()),
+        (NODES, nodes(designed).into_bytes()),
+        (
+            FIGURE,
+            design_figure(designed).svg(&Paper::default()).into_bytes(),
+        ),
+    ];
+    let mut paths = Vec::new();
+    for (name, bytes) in files {
+        let path = directory.join(name);
+        write_whole(&path, &bytes)?;
+        paths.push(path);
+    }
+    Ok(paths)
+}
+
+fn natural(designed: &Designed) -> String {
+    let mut text = "# natural curvatures about both material directors in 1/m, twist in rad/m\narc_length_m,curvature_1,curvature_2,twist\n".to_owned();
+    let natural = &designed.natural;
+    let mut at = 0.0;
+    for (node, [one, other]) in natural.curvature.iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{at:?},{one:?},{other:?},{:?}", natural.twist[node]);
+        at += natural.lengths.get(node).unwrap_or(&0.0);
+    }
+    text
+}
+
+fn nodes(designed: &Designed) -> String {
+    let mut text = "node,wanted_x_m,wanted_y_m,wanted_z_m,x_m,y_m,z_m,unloaded_x_m,unloaded_y_m,unloaded_z_m\n".to_owned();
+    let [wanted, equilibrium, unloaded] = &designed.nodes;
+    for (node, wanted) in wanted.iter().enumerate() {
+        let _ = write!(text, "{node}");
+        for point in [wanted, &equilibrium[node], &unloaded[node]] {
+            let _ = write!(text, ",{:?},{:?},{:?}", point.x, point.y, point.z);
+        }
+        text.push('\n');
+    }
+    text
+}
