@@ -140,7 +140,6 @@ fn the_shipped_curl_hangs_as_wanted() {
     let found = design(&request).unwrap();
     println!("{:.3} s", from.elapsed().as_secs_f64());
     println!("{}", serde_json::to_string_pretty(&found).unwrap());
-    write(Path::new("/tmp/curl_out"), &found).unwrap();
     assert!(found.distance_over_length < 1e-8);
     assert_eq!(found.unstable_directions, Some(0));
 }

@@ -29,9 +29,10 @@ use nalgebra::{DMatrix, DVector, RowSVector, SMatrix, SVector};
 
 /// Most corrections.
 const CORRECTIONS: usize = 30;
-/// Corrections that do not halve the residual, after which rounding is left. The shape of least energy changes with natural lengths, so
-/// that one such correction may be followed by better ones.
+/// Corrections that do not halve the residual, after which rounding is left.
 const STALLED: usize = 3;
+/// Corrections that choose the least elastic energy; later ones choose the least change.
+const CHOSEN: usize = 2;
 /// Residual over the largest force in the rod that rounding may leave.
 const TOLERANCE: f64 = 1e-9;
 /// Columns: what is known, the reaction and the moment at the last node.
@@ -121,7 +122,7 @@ pub fn natural_strains(scene: &Scene, rod: usize) -> Result<Designed, DesignErro
     let mut scene = scene.clone();
     let mut best: Option<Designed> = None;
     let mut stalled = 0;
-    for _ in 0..CORRECTIONS {
+    for correction in 0..CORRECTIONS {
         let mut system = System::new(&scene)?;
         let mut unknowns = system.assembly.unknowns.clone();
         system.drive(0.0, &mut unknowns);
@@ -141,7 +142,7 @@ pub fn natural_strains(scene: &Scene, rod: usize) -> Result<Designed, DesignErro
         if stalled == STALLED {
             break;
         }
-        let corrected = design.corrected(&natural)?;
+        let corrected = design.corrected(&natural, correction < CHOSEN)?;
         if is_exact && is_better {
             best = Some(Designed {
                 natural,
@@ -316,11 +317,13 @@ impl<'a> Design<'a> {
             strains: vec![None; edges + 1],
             tensions: vec![AffineRow::zeros(); edges],
             constraints: Vec::new(),
-            force: 0.0,
+            // At a held node the reaction.
+            force: self.force_on(edges).norm(),
         };
         let mut force = Affine::zeros();
-        force.set_column(0, &-self.force_on(edges));
-        if self.holds[1] {
+        if !self.holds[1] {
+            force.set_column(0, &-self.force_on(edges));
+        } else {
             for axis in 0..3 {
                 force[(axis, 1 + axis)] = softest / (length * length);
             }
@@ -382,9 +385,13 @@ impl<'a> Design<'a> {
         rows
     }
 
-    fn corrected(&self, natural: &NaturalStrains) -> Result<Corrected, DesignError> {
+    fn corrected(
+        &self,
+        natural: &NaturalStrains,
+        is_chosen: bool,
+    ) -> Result<Corrected, DesignError> {
         let recursion = self.recursion()?;
-        let values = self.least_energy(&recursion)?;
+        let values = self.least_energy(&recursion, is_chosen)?;
         let mut force = recursion.force;
         let mut largest_strain = 0.0_f64;
         let mut lengths = Vec::with_capacity(self.lengths.len());
@@ -423,8 +430,13 @@ impl<'a> Design<'a> {
         self.stretching * (self.lengths[edge] / self.natural_lengths[edge] - 1.0)
     }
 
-    /// Values of the columns, of which the first is 1: those without imbalance, and of these those of the least energy.
-    fn least_energy(&self, recursion: &Recursion) -> Result<SVector<f64, COLUMNS>, DesignError> {
+    /// Values of the columns, of which the first is 1: those without imbalance, and of these those of the least energy: `is_total` that
+    /// of the rod, else that of the change.
+    fn least_energy(
+        &self,
+        recursion: &Recursion,
+        is_total: bool,
+    ) -> Result<SVector<f64, COLUMNS>, DesignError> {
         let is_clamped = self.vertex(self.range.edges()).is_some();
         let unknown: Vec<usize> = (1..COLUMNS)
             .filter(|column| {
@@ -454,13 +466,17 @@ impl<'a> Design<'a> {
             let present = mean_strains(&present.curvature, present.twist);
             for (axis, stiffness) in Self::stiffness(vertex).iter().enumerate() {
                 let mut row = -strains.row(axis);
-                row[0] += present[axis];
+                if is_total {
+                    row[0] += present[axis];
+                }
                 add(row, *stiffness);
             }
         }
         for (edge, row) in recursion.tensions.iter().enumerate() {
             let mut row = *row;
-            row[0] += self.tension(edge);
+            if is_total {
+                row[0] += self.tension(edge);
+            }
             add(row, self.lengths[edge] / self.stretching);
         }
         let mut values = SVector::<f64, COLUMNS>::zeros();
