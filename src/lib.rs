@@ -29,9 +29,10 @@
 //!
 //! ```text
 //! python         ──> cli
-//! cli            ──> sweep, identify, sensitivity, verify, reproduce, task, virtual_cell, guide, presets, site, cluster
+//! cli            ──> sweep, identify, sensitivity, design, verify, reproduce, task, virtual_cell, guide, presets, site,
+//!                    cluster
 //! task           ──> virtual_cell, report
-//! sweep, identify, sensitivity, verify ──> experiment
+//! sweep, identify, sensitivity, design, verify ──> experiment
 //! reproduce      ──> report, task, virtual_cell
 //! report         ──> experiment
 //! experiment     ──> run, knot, plan, scenario, figure
@@ -56,7 +57,8 @@
 //! ```text
 //! rodlab            cli, guide, presets, site, verify, reproduce
 //! rodlab-workcell   cell, virtual_cell, task
-//! rodlab-lab        scenario, experiment, run, sweep, identify, sensitivity, report, cluster
+//! rodlab-lab        scenario, experiment, run, sweep, identify, sensitivity, design, report,
+//!                   cluster
 //! rodlab-planning   knot, learn, plan
 //! rodlab-engine     random, linalg, mechanics: a library of its own, without files and command line
 //! rodlab-robot, rodlab-vision    a room each
@@ -77,6 +79,7 @@
 //! | [`run`] | the run loop on a results directory |
 //! | [`sweep`], [`verify`], [`reproduce`] | many cases; physics checks; tables and figures of the thesis |
 //! | [`identify`] | keys of scenarios from measurements, with error bars |
+//! | [`design`] | the natural shape of a rod for a wanted equilibrium |
 //! | [`sensitivity`] | derivatives of what a scenario measures over its keys |
 //! | [`report`] | figures and pages of a results directory |
 //! | [`knot`] | knots from parameters, the knot determinant, theory of tightening |
@@ -111,7 +114,9 @@
 
 pub use rodlab_engine::{linalg, mechanics, random};
 pub use rodlab_files::{figure, finite, input, mesh, origin, results};
-pub use rodlab_lab::{cluster, experiment, identify, report, run, scenario, sensitivity, sweep};
+pub use rodlab_lab::{
+    cluster, design, experiment, identify, report, run, scenario, sensitivity, sweep,
+};
 pub use rodlab_planning::{knot, learn, plan};
 pub use rodlab_robot as robot;
 pub use rodlab_vision as vision;

@@ -15,8 +15,8 @@ const WIDEST_HELP: usize = 100;
 /// Lines of the short help of a command, which fits on a screen.
 const LONGEST_SHORT_HELP: usize = 40;
 
-/// Lines of the overview, which has a line for each of 36 commands.
-const LONGEST_OVERVIEW: usize = 47;
+/// Lines of the overview, which has a line for each of 37 commands.
+const LONGEST_OVERVIEW: usize = 48;
 
 /// A text and where it stands.
 struct Text {

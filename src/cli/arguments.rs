@@ -3,10 +3,10 @@
 use super::in_cell::InCell;
 use super::prelude::*;
 use super::{
-    calibrate, cell, check, completions, dataset, deploy, evaluate, expand, explain, explore,
-    fold_arguments, gather, guide, identify, init, man, measure, movie, place, plan, plot, presets,
-    reproduce, run, score, sensitivity, site, solve, status, stream, submit, tie, trace, train,
-    verify, view,
+    calibrate, cell, check, completions, dataset, deploy, design, evaluate, expand, explain,
+    explore, fold_arguments, gather, guide, identify, init, man, measure, movie, place, plan, plot,
+    presets, reproduce, run, score, sensitivity, site, solve, status, stream, submit, tie, trace,
+    train, verify, view,
 };
 use clap::Parser;
 use std::sync::OnceLock;
@@ -68,6 +68,8 @@ pub enum Command {
     Sensitivity(sensitivity::SensitivityArguments),
     /// Fit keys of scenarios to measurements, with error bars
     Identify(identify::IdentifyArguments),
+    /// Find the natural shape of a rod for a wanted equilibrium
+    Design(design::DesignArguments),
     /// Compare the engine with theory, check by check
     Verify(verify::VerifyArguments),
     /// Reproduce a table or figure of the thesis

@@ -27,6 +27,7 @@ mod crash;
 mod dataset;
 mod demonstrations;
 mod deploy;
+mod design;
 mod drawn_pattern;
 mod evaluate;
 mod exit_code;
@@ -248,6 +249,7 @@ fn run_command(arguments: &Arguments) -> Result<(), Failure> {
         Command::Solve(command) => solve::solve(command),
         Command::Measure(command) => measure::measure(command),
         Command::Sensitivity(command) => sensitivity::sensitivity(command),
+        Command::Design(command) => design::design(command),
         Command::Identify(command) => identify::identify(command, &arguments.common),
         Command::Verify(command) => verify::verify(command),
         Command::Reproduce(command) => reproduce::reproduce(command, &arguments.common),

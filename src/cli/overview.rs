@@ -10,7 +10,14 @@ const GROUPS: [(&str, &[&str]); 8] = [
     ("Sweep", &["submit", "status", "gather"]),
     (
         "Solve, plan",
-        &["solve", "measure", "sensitivity", "identify", "plan"],
+        &[
+            "solve",
+            "measure",
+            "sensitivity",
+            "identify",
+            "design",
+            "plan",
+        ],
     ),
     (
         "Robot cell",

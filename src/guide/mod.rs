@@ -62,6 +62,7 @@ pages! {
     results
     probes
     identification
+    design
     figures
     robots
     cell

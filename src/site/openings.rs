@@ -159,6 +159,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab identify wire_loop --data black_0.csv --fit parameters.ei",
     ],
     [
+        "design",
+        "curl.svg",
+        "A curl in equilibrium, and the same rod without loads",
+        "rodlab design curl --shape curl.csv --vary rods.curl.natural_curvature",
+    ],
+    [
         "figures",
         "reef.svg",
         "A reef knot, drawn by `rodlab plot`",
