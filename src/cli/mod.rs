@@ -145,7 +145,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 }
 
 /// The demonstrations that arguments ask for, of which the first is the name of the program; `None` for any other command, and for
-/// arguments that [`run`] refuses.
+/// arguments that [`run()`] refuses.
 pub fn demonstrations(arguments: impl IntoIterator<Item = OsString>) -> Option<Demonstrations> {
     let arguments = parse(arguments).ok()?;
     match &arguments.command {
