@@ -62,10 +62,12 @@ pub fn log_substitutes() {
 
 /// The file at a path, or of the preset of this name.
 pub fn resolve(kind: PresetKind, path: PathBuf) -> Result<PathBuf, Box<dyn Error + Send + Sync>> {
-    if path.exists() {
+    let preset = Preset::in_place_of(kind, &path);
+    // A folder of that name, such as one with results, is not meant.
+    if path.is_file() || path.exists() && preset.is_none() {
         return Ok(path);
     }
-    let Some(preset) = Preset::in_place_of(kind, &path) else {
+    let Some(preset) = preset else {
         return match nearest(kind, &path) {
             Some(name) => Err(format!(
                 "there is no such file, and no {kind} preset of this name; did you mean `{name}`? \
@@ -112,6 +114,15 @@ mod tests {
         let file = folder.path().join("rope.toml");
         std::fs::write(&file, "").unwrap();
         assert_eq!(resolve(PresetKind::Rod, file.clone()).unwrap(), file);
+    }
+
+    #[test]
+    fn a_folder_does_not_go_before_a_preset() {
+        let folder = tempfile::tempdir().unwrap();
+        let results = folder.path().join("green_vps");
+        std::fs::create_dir(&results).unwrap();
+        let file = resolve(PresetKind::Rod, results.clone()).unwrap();
+        assert!(file != results && file.is_file(), "{file:?}");
     }
 
     #[test]
