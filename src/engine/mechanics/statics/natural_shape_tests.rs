@@ -98,7 +98,7 @@ fn curves_in_space_are_equilibria_with_one_or_two_clamps() {
             "{clamps:?}: distance {distance:.1e} L, unstable {unstable}, residual {:.1e} of {:.2e} N, strain {:.1e}",
             designed.residual, designed.force, designed.largest_strain
         );
-        assert!(designed.residual < 1e-11 * designed.force, "{clamps:?}");
+        assert!(designed.residual < 1e-10 * designed.force, "{clamps:?}");
         assert!(distance < 1e-10, "{clamps:?}: {distance:e}");
         // Clamped at its lower end only, the rod stands, and is too long for that.
         assert_eq!(unstable > 0, clamps == [(EDGES, true, true)]);
