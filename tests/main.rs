@@ -35,6 +35,7 @@ mod probes;
 mod random_scenes;
 mod reference_trajectory;
 mod robots;
+mod rod_photographs;
 mod schema;
 mod sweep;
 mod tie_in_cell;

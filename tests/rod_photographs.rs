@@ -1,0 +1,195 @@
+//! `rodlab measure rod` on rendered photographs of rods of which everything is known.
+
+use assert_cmd::Command;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use rodlab::mechanics::dynamics::{IntegrationParameters, Simulation};
+use rodlab::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
+};
+use rodlab::vision::{Camera, Lens, RenderOptions, RenderedRod, encode_picture, render};
+use serde_json::Value;
+use std::f64::consts::PI;
+use std::fs;
+
+/// A rod in a photograph: gravito-bending length, length, radius (m), natural curvature (1/m), direction at the clamp and turns of
+/// the camera about its axes (rad).
+struct Photograph {
+    gravito_bending_length: f64,
+    length: f64,
+    radius: f64,
+    curvature: f64,
+    angle: f64,
+    camera: [f64; 3],
+}
+
+const fn photograph(
+    [gravito_bending_length, length, radius]: [f64; 3],
+    [curvature, angle]: [f64; 2],
+    camera: [f64; 3],
+) -> Photograph {
+    Photograph {
+        gravito_bending_length,
+        length,
+        radius,
+        curvature,
+        angle,
+        camera,
+    }
+}
+
+const PHOTOGRAPHS: [Photograph; 10] = [
+    photograph([0.10, 0.30, 1.5e-3], [0.0, 0.2], [0.0, 0.0, 0.0]),
+    photograph([0.08, 0.30, 1.5e-3], [2.0, 0.5], [0.1, 0.0, 0.0]),
+    photograph([0.12, 0.32, 2.0e-3], [-2.0, 0.6], [0.0, 0.1, 0.05]),
+    photograph([0.15, 0.30, 2.0e-3], [0.0, 0.0], [-0.1, 0.05, 0.0]),
+    photograph([0.06, 0.25, 1.2e-3], [3.0, 0.0], [0.05, 0.1, -0.05]),
+    photograph([0.09, 0.28, 1.5e-3], [-4.0, 0.9], [0.1, -0.1, 0.1]),
+    photograph([0.20, 0.35, 2.5e-3], [1.0, 0.1], [0.0, 0.15, 0.0]),
+    photograph([0.07, 0.22, 1.2e-3], [0.0, 0.8], [0.15, 0.0, 0.02]),
+    photograph([0.11, 0.26, 1.8e-3], [4.0, -0.2], [-0.05, -0.1, 0.0]),
+    photograph([0.13, 0.34, 2.2e-3], [-1.0, 0.4], [0.1, 0.1, -0.1]),
+];
+
+/// Nodes of the rod in the plane z = 0, under gravity along −y.
+fn hanging(photograph: &Photograph) -> Vec<Vector3<f64>> {
+    const EDGES: usize = 200;
+    let (sine, cosine) = photograph.angle.sin_cos();
+    let along = Vector3::new(cosine, sine, 0.0);
+    let nodes = (0..=EDGES).map(|k| along * (photograph.length * k as f64 / EDGES as f64));
+    let mass = 1100.0 * PI * photograph.radius.powi(2);
+    let bending = 2.0 * mass * 9.81 * photograph.gravito_bending_length.powi(3);
+    let stiffness = Stiffness {
+        stretching: 4.0 * bending / photograph.radius.powi(2),
+        bending: [bending; 2],
+        twisting: bending / 1.5,
+    };
+    let mut rod =
+        RodDescription::uniform("rod", nodes.collect(), stiffness, photograph.radius, mass);
+    rod.first_director = Some(Vector3::new(-sine, cosine, 0.0));
+    rod.natural_shape = NaturalShape::Curved {
+        curvature: [0.0, photograph.curvature],
+        twist: 0.0,
+    };
+    let scene = Scene {
+        rods: vec![rod],
+        clamps: vec![Clamp {
+            rod: 0,
+            node: 0,
+            holds_position: true,
+            holds_frame: true,
+            motion: Motion::default(),
+        }],
+        loads: vec![Load {
+            kind: LoadKind::Gravity {
+                acceleration: Vector3::new(0.0, -9.81, 0.0),
+            },
+            schedule: Vec::new(),
+        }],
+        ..Scene::default()
+    };
+    let mut simulation = Simulation::new(&scene, &IntegrationParameters::default()).unwrap();
+    simulation.find_equilibrium().unwrap();
+    simulation.positions().to_vec()
+}
+
+/// A camera that looks at a point of the plane z = 0 from 0.6 m.
+fn camera(at: Vector3<f64>, [x, y, z]: [f64; 3]) -> Camera {
+    let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
+    let rotation = UnitQuaternion::from_euler_angles(x, y, z) * down;
+    Camera {
+        width: 960,
+        height: 720,
+        lens: Lens {
+            focal: [1000.0, 998.0],
+            centre: [478.0, 362.0],
+            distortion: [0.03, -0.05, 0.0, 0.0, 0.0],
+        },
+        pose: Isometry3::from_parts(
+            Translation3::from(at + rotation * Vector3::new(0.0, 0.0, -0.6)),
+            rotation,
+        ),
+        table_height: 0.0,
+    }
+}
+
+/// Measures one photograph; returns the length less the truth over the truth, and over its standard error.
+fn measure(number: usize, photograph: &Photograph) -> [f64; 2] {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    let nodes = hanging(photograph);
+    let (mut low, mut high) = (nodes[0], nodes[0]);
+    for node in &nodes {
+        (low, high) = (low.inf(node), high.sup(node));
+    }
+    let camera = camera(0.5 * (low + high), photograph.camera);
+    fs::write(place.join("camera.toml"), camera.to_toml()).unwrap();
+    // The wall is behind the rod.
+    let wall = Camera {
+        table_height: -3.0 * photograph.radius,
+        ..camera
+    };
+    // Points finer than the radius.
+    let points = nodes.windows(2).flat_map(|pair| {
+        (0..4).map(|part| pair[0] + (pair[1] - pair[0]) * (f64::from(part) / 4.0))
+    });
+    let rod = RenderedRod {
+        points: points.chain(nodes.last().copied()).collect(),
+        radius: photograph.radius,
+        colour: [190, 40, 35],
+    };
+    let options = RenderOptions {
+        seed: number as u64 + 1,
+        ..RenderOptions::default()
+    };
+    let picture = render(&wall, &[rod], |_| [225.0, 222.0, 215.0], &options);
+    fs::write(place.join("photo.png"), encode_picture(&picture)).unwrap();
+    let output = Command::cargo_bin("rodlab")
+        .unwrap()
+        .current_dir(place)
+        .args([
+            "measure",
+            "rod",
+            "photo.png",
+            "--camera",
+            "camera.toml",
+            "--colour",
+            "red",
+        ])
+        .output()
+        .unwrap();
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{number}: {error}");
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let of = |key: &str| answer[key].as_f64().unwrap_or(f64::NAN);
+    let truth = photograph.gravito_bending_length;
+    let found = of("gravito_bending_length_m");
+    let sigma = of("uncertainty_m");
+    let relative = found / truth - 1.0;
+    let over_error = (found - truth) / sigma;
+    println!(
+        "{number}: L_gb {truth} m: {:+.2} %, error bar {:.2} %, {over_error:+.1} σ; length {:+.2} mm, radius {:+.1} %, curvature {:.2} ± {:.2} of {}, misfit {:.3} mm",
+        100.0 * relative,
+        100.0 * sigma / truth,
+        1e3 * (of("length_m") - photograph.length),
+        100.0 * (of("radius_m") / photograph.radius - 1.0),
+        of("natural_curvature_per_m"),
+        of("natural_curvature_uncertainty_per_m"),
+        photograph.curvature,
+        1e3 * of("misfit_m")
+    );
+    [relative, over_error]
+}
+
+#[test]
+fn the_gravito_bending_length_of_a_rod_is_found_from_its_photograph() {
+    let full = std::env::var("RODLAB_TESTS_FULL").is_ok_and(|value| value == "1");
+    let count = if full { PHOTOGRAPHS.len() } else { 1 };
+    let photographs = PHOTOGRAPHS.iter().enumerate().take(count);
+    let found: Vec<[f64; 2]> = photographs
+        .map(|(number, one)| measure(number, one))
+        .collect();
+    for (number, [relative, over_error]) in found.into_iter().enumerate() {
+        assert!(relative.abs() < 0.01, "{number}: {relative}");
+        assert!(over_error.abs() < 3.0, "{number}: {over_error}");
+    }
+}
