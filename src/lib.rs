@@ -32,7 +32,8 @@
 //! cli            ──> sweep, identify, sensitivity, design, verify, reproduce, task, virtual_cell, guide, presets, site,
 //!                    cluster
 //! task           ──> virtual_cell, report
-//! sweep, identify, sensitivity, design, verify ──> experiment
+//! sweep, identify, verify ──> sensitivity
+//! sensitivity, design ──> experiment
 //! reproduce      ──> report, task, virtual_cell
 //! report         ──> experiment
 //! experiment     ──> run, knot, plan, scenario, figure

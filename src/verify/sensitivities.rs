@@ -1,129 +1,240 @@
-//! Derivatives of motions and equilibria over each kind of parameter.
+//! Exact derivatives over each kind of parameter, against closed forms and extrapolated central differences of whole runs.
 
 use super::{Check, Expectation, GroupError};
-use rodlab_lab::experiment::from_text;
+use rodlab_lab::experiment;
 use rodlab_lab::scenario::{Loaded, ScenarioError};
 use rodlab_lab::sensitivity::{Field, derivatives, differences, field_derivatives};
 use std::path::Path;
 
-const FORWARD: Expectation = Expectation::new(
-    "J dq/dp = −(∂R/∂s ds/dp + ∂R/∂p)",
-    "extrapolated central differences of whole runs",
-);
+const STRAIGHT: &str = include_str!("scenes/straight_rod.toml");
+const MOVED: &str = include_str!("scenes/sensitive_rod.toml");
+const SLIDING: &str = include_str!("scenes/sliding_rod.toml");
+
+/// A small force at the tip; its deflection is a ten thousandth of the length.
+const TIP_FORCE: &str = "loads=[{kind=\"force\",rod=\"rod\",at=\"end\",force=[0,0,\"2.4 mN\"]}]";
+/// The same by weight.
+const WEIGHT: &str = "loads=[{kind=\"gravity\",acceleration=[0,0,-0.02]}]";
+/// A second clamp, against which a natural twist presses.
+const TWISTED: &str = "clamps=[{rod=\"rod\",at=\"start\"},{rod=\"rod\",at=\"end\"}]";
+const NATURAL_TWIST: &str = "rods.rod.natural_shape.twist=0.1";
+
+const DEFLECTION: Expectation = Expectation::new("w = F L³/3EI, I = πr⁴/4", "Euler–Bernoulli");
+const SAG: Expectation = Expectation::new("w = ρ g A L⁴/8EI", "Euler–Bernoulli");
+const ARC: Expectation = Expectation::new("dw/dκ = L²/2 at κ = 0", "geometry of an arc");
+const TORQUE: Expectation = Expectation::new("M = GJ τ, GJ = E πr⁴/4(1+ν)", "Saint-Venant");
 const ADJOINT: Expectation = Expectation::new(
     "J λ = q̄, dI/dp = −Σ (∂R/∂p)ᵀ λ",
-    "the forward mode, over a value that is the same along the rod",
+    "the derivative over a value that is the same along the rod",
 );
+const DIFFERENCES: Expectation = Expectation::new("dx/dp", "extrapolated central differences");
 
-const WIRE: &str = include_str!("scenes/swinging_wire.toml");
-const BRAKING: &str = include_str!("scenes/braking_rod.toml");
-
-/// Keys of the wire: its modulus, shear, density, dashpots, radius, shape without stress, the way and the turn of the clamp, weight, drag,
-/// force.
-const KEYS: [(&str, &str); 12] = [
-    ("Young's modulus", "material.youngs_modulus"),
-    ("Poisson's ratio", "material.poissons_ratio"),
-    ("density", "material.density"),
-    ("viscosity", "material.viscosity"),
-    ("the radius", "rods.wire.radius"),
-    ("natural curvature", "rods.wire.natural_shape.curvature.0"),
-    ("natural twist", "rods.wire.natural_shape.twist"),
-    ("the way of a clamp", "clamps.0.move.1.1.1"),
-    ("the turn of a clamp", "clamps.0.turn.1.1"),
-    ("weight", "loads.0.acceleration.2"),
-    ("drag", "loads.1.translation"),
-    ("a force", "loads.2.force.1"),
+/// Equilibria with closed forms: what is set, the column, the key, and the elasticity (p/y) dy/dp.
+const ELASTICITIES: [(&str, Expectation, &[&str], &str, &str, f64); 9] = [
+    (
+        "deflection over Young's modulus",
+        DEFLECTION,
+        &[TIP_FORCE],
+        "tip_z_m",
+        "material.youngs_modulus",
+        -1.0,
+    ),
+    (
+        "deflection over the radius",
+        DEFLECTION,
+        &[TIP_FORCE],
+        "tip_z_m",
+        "rods.rod.radius",
+        -4.0,
+    ),
+    (
+        "deflection over the length",
+        DEFLECTION,
+        &[TIP_FORCE],
+        "tip_z_m",
+        "parameters.length",
+        3.0,
+    ),
+    (
+        "deflection over the load",
+        DEFLECTION,
+        &[TIP_FORCE],
+        "tip_z_m",
+        "loads.0.force.2",
+        1.0,
+    ),
+    (
+        "sag over the density",
+        SAG,
+        &[WEIGHT],
+        "tip_z_m",
+        "material.density",
+        1.0,
+    ),
+    (
+        "sag over the radius",
+        SAG,
+        &[WEIGHT],
+        "tip_z_m",
+        "rods.rod.radius",
+        -2.0,
+    ),
+    (
+        "torque over the natural twist",
+        TORQUE,
+        &[TWISTED, NATURAL_TWIST],
+        "wall_moment_x_n_m",
+        "rods.rod.natural_shape.twist",
+        1.0,
+    ),
+    (
+        "torque over the radius",
+        TORQUE,
+        &[TWISTED, NATURAL_TWIST],
+        "wall_moment_x_n_m",
+        "rods.rod.radius",
+        4.0,
+    ),
+    (
+        "torque over Poisson's ratio",
+        TORQUE,
+        &[TWISTED, NATURAL_TWIST],
+        "wall_moment_x_n_m",
+        "material.poissons_ratio",
+        -0.2,
+    ),
 ];
 
-/// Each kind of parameter of a wire, friction, and fields along the wire.
+/// Keys of the rod that is moved.
+const OF_MOTION: [(&str, &str); 11] = [
+    ("Young's modulus", "material.youngs_modulus"),
+    ("twisting stiffness", "rods.rod.stiffness.twisting"),
+    ("density", "material.density"),
+    ("radius", "rods.rod.radius"),
+    ("damping", "material.viscosity"),
+    ("drag", "loads.1.translation"),
+    ("natural curvature", "rods.rod.natural_shape.curvature.0"),
+    ("natural twist", "rods.rod.natural_shape.twist"),
+    ("speed of the clamp", "clamps.0.move.1.1.2"),
+    ("turn of the clamp", "clamps.0.turn.1.1"),
+    ("load", "loads.2.force.1"),
+];
+/// Those of the rod that slides.
+const OF_SLIDING: [(&str, &str); 1] = [("friction", "contact.friction")];
+
+/// Fields along the rod that is moved, with the keys of their first components.
+const OF_FIELDS: [(&str, Field, &str); 2] = [
+    (
+        "natural curvature",
+        Field::NaturalCurvature,
+        "rods.rod.natural_shape.curvature.0",
+    ),
+    (
+        "natural twist",
+        Field::NaturalTwist,
+        "rods.rod.natural_shape.twist",
+    ),
+];
+
+/// Equilibria, a damped motion, sliding, and fields along a rod.
 pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
     let mut checks = Vec::new();
-    for (kind, key) in KEYS {
-        let name = format!("swinging wire, tip over {kind}: worst derivative");
-        checks.push(FORWARD.of(name, "").zero(error_of(WIRE, key)?, 1e-6));
-    }
-    let name = "rod that slides and brakes, place over friction: worst derivative";
-    let error = error_of(BRAKING, "contact.friction")?;
-    checks.push(FORWARD.of(name, "").zero(error, 1e-6));
-    for (kind, key, fields) in [
-        (
-            "natural curvature",
-            "rods.wire.natural_shape.curvature.0",
-            &[Field::NaturalCurvature][..],
-        ),
-        (
-            "stiffness",
-            "material.youngs_modulus",
-            &[
-                Field::BendingStiffness,
-                Field::TwistingStiffness,
-                Field::StretchingStiffness,
-            ],
-        ),
-    ] {
-        let name =
-            format!("swinging wire, tip over the {kind} of all nodes: worst sum of derivatives");
+    for (name, expectation, overrides, column, key, expected) in ELASTICITIES {
+        let found = derivatives(
+            &source(STRAIGHT, overrides),
+            &[column.to_owned()],
+            &[key.to_owned()],
+        )?;
+        let row = found.rows.last().ok_or("no equilibrium")?;
+        let elasticity = found.elasticity(row, 0, 0).unwrap_or(f64::NAN);
         checks.push(
-            ADJOINT
-                .of(name, "")
-                .zero(difference_of_modes(key, fields)?, 1e-6),
+            expectation
+                .of(format!("{name}, elasticity"), "")
+                .relative(expected, elasticity, 1e-6),
         );
+    }
+    let key = "rods.rod.natural_shape.curvature.0".to_owned();
+    let found = derivatives(&source(STRAIGHT, &[]), &["tip".to_owned()], &[key])?;
+    let row = found.rows.last().ok_or("no equilibrium")?;
+    let size = largest(&row.derivatives[0]);
+    checks.push(
+        ARC.of("tip over the natural curvature", "m²")
+            .relative(0.5, size, 1e-6),
+    );
+    checks.extend(against_differences("motion", MOVED, &OF_MOTION, 1e-6)?);
+    checks.extend(against_differences("sliding", SLIDING, &OF_SLIDING, 1e-5)?);
+    for (name, field, key) in OF_FIELDS {
+        let error = error_of_field(field, key)?;
+        let name = format!("motion, tip over the {name} of all nodes: worst sum");
+        checks.push(ADJOINT.of(name, "").zero(error, 1e-6));
     }
     Ok(checks)
 }
 
-fn loaded(text: &str, more: &[String]) -> Result<Loaded, ScenarioError> {
-    from_text("scene", text, Path::new(""), more)
-}
-
-/// Largest error of the derivatives over a key at the end, over the largest of them.
-fn error_of(text: &str, key: &str) -> Result<f64, GroupError> {
-    let source = |more: &[String]| loaded(text, more);
-    let keys = [key.to_owned()];
-    let found = derivatives(&source, &[], &keys)?;
-    let expected = differences(&source, &[], &keys)?;
-    let found = found.rows.last().ok_or("no output")?;
-    Ok(worst(numbers(&found.derivatives[0]), numbers(&expected[0])))
-}
-
-/// The same of the sum of derivatives over fields, with the derivative over the key for which they stand. A modulus stands for relative
-/// changes of all stiffnesses, and dashpots are not among them.
-fn difference_of_modes(key: &str, fields: &[Field]) -> Result<f64, GroupError> {
-    let elastic = "material.viscosity=0".to_owned();
-    let source = |more: &[String]| {
-        let all = [std::slice::from_ref(&elastic), more].concat();
-        loaded(WIRE, &all)
+/// Derivatives of the displacement of the tip at the end of a run; errors are fractions of its largest component.
+fn against_differences(
+    scene: &str,
+    text: &'static str,
+    keys: &[(&str, &str)],
+    bound: f64,
+) -> Result<Vec<Check>, GroupError> {
+    let source = source(text, &[]);
+    let of = ["tip".to_owned()];
+    let dotted: Vec<String> = keys.iter().map(|(_, key)| (*key).to_owned()).collect();
+    let found = derivatives(&source, &of, &dotted)?;
+    let row = found.rows.last().ok_or("no outputs")?;
+    let expected = differences(&source, &of, &dotted)?;
+    let of_key = |(index, (name, _)): (usize, &(&str, &str))| {
+        let (own, other) = (&row.derivatives[index], &expected[index]);
+        let errors = own
+            .iter()
+            .zip(other)
+            .map(|(own, other)| Some((*own)? - (*other)?));
+        let errors: Vec<Option<f64>> = errors.collect();
+        let error = largest(&errors) / largest(other);
+        DIFFERENCES
+            .of(format!("{scene}, tip over {name}: worst component"), "")
+            .zero(error, bound)
     };
-    let forward = derivatives(&source, &[], &[key.to_owned()])?;
-    let adjoint = field_derivatives(&source, &[], fields, 1)?;
-    let forward = forward.rows.last().ok_or("no output")?;
-    let expected = numbers(&forward.derivatives[0]);
-    // A relative change is one of the value over itself; of two curvatures, the key is the first.
-    let (components, unit) = match fields {
-        [Field::NaturalCurvature] => (1, 1.0),
-        _ => (adjoint.components.len(), 1e7),
-    };
-    let sum = |column: usize| -> f64 {
-        let components = 0..components;
-        components
-            .map(|component| adjoint.sum(component, column) / unit)
-            .sum()
-    };
-    Ok(worst((0..expected.len()).map(sum).collect(), expected))
+    Ok(keys.iter().enumerate().map(of_key).collect())
 }
 
-fn numbers(values: &[Option<f64>]) -> Vec<f64> {
-    let values = values.iter();
-    values.map(|value| value.unwrap_or(f64::NAN)).collect()
+/// Error of the derivatives over the first component of a field, added up over all nodes.
+fn error_of_field(field: Field, key: &str) -> Result<f64, GroupError> {
+    let source = source(MOVED, &[]);
+    let of = ["tip".to_owned()];
+    let adjoint = field_derivatives(&source, &of, &[field], 1)?;
+    let forward = derivatives(&source, &of, &[key.to_owned()])?;
+    let expected = &forward.rows.last().ok_or("no outputs")?.derivatives[0];
+    let errors = expected.iter().enumerate();
+    let errors = errors.map(|(column, expected)| Some(adjoint.sum(0, column) - (*expected)?));
+    let errors: Vec<Option<f64>> = errors.collect();
+    Ok(largest(&errors) / largest(expected))
 }
 
-fn worst(found: Vec<f64>, expected: Vec<f64>) -> f64 {
-    let largest = expected.iter().fold(0.0_f64, |sum, one| sum.max(one.abs()));
-    let pairs = found.iter().zip(&expected);
-    // Written so that a number that is none is not lost.
-    let worst = pairs.fold(0.0, |worst: f64, (found, expected)| {
-        let error = (found - expected).abs();
-        if error <= worst { worst } else { error }
-    });
-    worst / largest
+/// The largest size; NaN where a number is missing.
+fn largest(numbers: &[Option<f64>]) -> f64 {
+    let sizes = numbers.iter().map(|one| one.map_or(f64::NAN, f64::abs));
+    sizes.fold(0.0, |most, size| {
+        if size > most || size.is_nan() {
+            size
+        } else {
+            most
+        }
+    })
+}
+
+/// A scene with some keys set to other values, and more of them to others.
+fn source(
+    text: &'static str,
+    overrides: &[&str],
+) -> impl Fn(&[String]) -> Result<Loaded, ScenarioError> {
+    let own: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    move |more| {
+        experiment::from_text(
+            "scene",
+            text,
+            Path::new(""),
+            &[own.as_slice(), more].concat(),
+        )
+    }
 }

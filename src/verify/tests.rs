@@ -43,6 +43,7 @@ groups_pass! {
     symmetry_passes: "symmetry",
     drag_passes: "drag",
     derivatives_pass: "derivatives",
+    sensitivities_pass: "sensitivities",
     determinism_pass: "determinism",
     friction_pass: "friction",
     contact_passes: "contact",
