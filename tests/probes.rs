@@ -95,6 +95,53 @@ fn sweeps_and_figures_have_the_columns_of_probes() {
 }
 
 #[test]
+fn a_sweep_has_the_derivatives_that_sensitivity_prints() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let sweep = r#"
+[sweep]
+material.density = [500, 1000]
+[sweep.derivatives]
+of = ["tip_z_m"]
+to = ["rods.beam.radius", "material.density"]
+"#;
+    fs::write(path.join("beam.toml"), BEAM).unwrap();
+    fs::write(path.join("sweep.toml"), format!("{BEAM}{sweep}")).unwrap();
+    let run = ["run", "sweep.toml", "--out", "sweep", "--quiet"];
+    rodlab(path, &run);
+    let summary = path.join("sweep/summary.csv");
+    let keys = ["rods.beam.radius", "material.density"];
+    for (case, density) in ["500", "1000"].into_iter().enumerate() {
+        let set = format!("material.density={density}");
+        let to = keys.join(",");
+        let sensitivity = [
+            "sensitivity",
+            "beam.toml",
+            "--of",
+            "tip_z_m",
+            "--to",
+            &to,
+            "--set",
+            &set,
+            "--json",
+        ];
+        let printed: serde_json::Value = serde_json::from_str(&rodlab(path, &sensitivity)).unwrap();
+        for (index, key) in keys.into_iter().enumerate() {
+            let expected = printed["columns"][0]["derivatives"][index]["derivative"].as_f64();
+            let found = column(&summary, &format!("d_tip_z_m_d_{key}"));
+            let error = found[case] / expected.unwrap() - 1.0;
+            assert!(error.abs() < 1e-12, "{key}: {error:e}");
+        }
+    }
+    let before = fs::read(&summary).unwrap();
+    rodlab(path, &run);
+    assert_eq!(before, fs::read(&summary).unwrap());
+    fs::remove_dir_all(path.join("sweep/cases")).unwrap();
+    rodlab(path, &run);
+    assert_eq!(before, fs::read(&summary).unwrap());
+}
+
+#[test]
 fn a_search_aims_at_a_column_of_a_probe() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();

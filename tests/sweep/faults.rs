@@ -130,6 +130,18 @@ fn bad_sweeps_exit_with_2_and_leave_nothing_behind() {
             "rods.rope.radius = { from = 0.001, to = 0.002, count = 1000000 }\nmaterial.density = { from = 1e3, to = 2e3, count = 1000 }",
             "1000000000 cases",
         ),
+        (
+            "rods.rope.radius = [0.001]\nderivatives = { to = [\"material.density\"] }",
+            "the scenario has no [[probes]]",
+        ),
+        (
+            "derivatives = { to = [\"material.density\"] }",
+            "no key varies",
+        ),
+        (
+            "rods.rope.radius = [0.001]\nderivatives = { to = [\"material.densit\"] }",
+            "unknown key",
+        ),
     ] {
         let before_sweep = SWINGS.split("[sweep]").next().unwrap();
         let directory = directory(&format!("{before_sweep}[sweep]\n{sweep}"));

@@ -79,7 +79,9 @@ pub use resolved::{
     Rod, Scenario, Scheme, Shape, Solver, Start, Step, Stiffness, Strains, Time,
 };
 pub use resolved::{Probe, ProbeKind, StopWhen, Summary};
-pub use sweep::{Case, CaseSet, InputFile, Parameter, Portable, Search, earlier_id};
+pub use sweep::{
+    Case, CaseSet, InputFile, Parameter, Portable, Search, SweptDerivatives, earlier_id,
+};
 pub use typed::{Quantity, SearchMethod, Vector};
 pub use typed_file::TypedFile;
 pub use units::{angle, metres, parse_any as number_with_unit, seconds};

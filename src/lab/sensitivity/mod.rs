@@ -24,7 +24,7 @@ mod problem;
 pub use check::differences;
 pub use error::SensitivityError;
 pub use fields::{Field, FieldDerivatives, FieldRow, field_derivatives};
-pub use probed::{Derivatives, Row, derivatives, derivatives_at};
+pub use probed::{Derivatives, Row, derivatives, derivatives_at, refuse_unsuitable};
 pub use problem::{Key, Moment, Problem, Source};
 
 #[cfg(test)]

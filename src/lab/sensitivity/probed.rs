@@ -79,6 +79,20 @@ pub fn derivatives_at(
     })
 }
 
+/// Checks that a scenario has the derivatives of [`derivatives`], without a step.
+///
+/// # Errors
+/// See [`SensitivityError`].
+pub fn refuse_unsuitable(
+    source: Source<'_>,
+    of: &[String],
+    keys: &[String],
+) -> Result<(), SensitivityError> {
+    let problem = Problem::new(source, keys)?;
+    Chosen::new(problem.base(), of)?;
+    problem.start().map(drop)
+}
+
 /// The values and derivatives at a moment.
 fn row(chosen: &Chosen, problem: &Problem<'_>, moment: &Moment<'_>) -> Row {
     let Moment {

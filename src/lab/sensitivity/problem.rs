@@ -174,15 +174,7 @@ impl<'a> Problem<'a> {
         goes_on: &dyn Fn() -> bool,
         observe: &mut dyn FnMut(&Moment<'_>),
     ) -> Result<Vec<f64>, SensitivityError> {
-        let variation = |key: &Key| {
-            let [plus, minus] = &key.neighbours;
-            Variation {
-                scenes: [plus.scene.clone(), minus.scene.clone()],
-                step: key.step,
-            }
-        };
-        let variations: Vec<Variation> = self.keys.iter().map(variation).collect();
-        let mut sensitivity = Sensitivity::new(&self.base.scene, &self.integration(), &variations)?;
+        let mut sensitivity = self.start()?;
         let mut steps = 0;
         match self.base.mode {
             Mode::Dynamic { settles, .. } => {
@@ -213,9 +205,28 @@ impl<'a> Problem<'a> {
                 });
             }
         }
-        Ok((0..self.keys.len())
-            .map(|key| sensitivity.amplitude(key))
-            .collect())
+        let keys = 0..self.keys.len();
+        Ok(keys.map(|key| sensitivity.amplitude(key)).collect())
+    }
+
+    /// The simulation at the start, with its neighbours.
+    ///
+    /// # Errors
+    /// What has no derivative in its scene.
+    pub(super) fn start(&self) -> Result<Sensitivity, SensitivityError> {
+        let variation = |key: &Key| {
+            let [plus, minus] = &key.neighbours;
+            Variation {
+                scenes: [plus.scene.clone(), minus.scene.clone()],
+                step: key.step,
+            }
+        };
+        let variations: Vec<Variation> = self.keys.iter().map(variation).collect();
+        Ok(Sensitivity::new(
+            &self.base.scene,
+            &self.integration(),
+            &variations,
+        )?)
     }
 
     /// Chooses another ε for keys whose neighbours were too far away or too near, given [`Self::follow`]'s differences; returns

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `workers` | runs one case after the other: leases it, runs it, records its end |
 //! | `case_table` | states of all cases; summary, timings and manifest of the whole |
+//! | `derivatives` | derivatives of probes in the summary |
 //! | `heartbeat` | signs of life of the leases |
 //! | `search` | bisection and golden section over an outcome |
 //! | `objective` | the outcome that a search reads |
@@ -13,6 +14,7 @@
 //! or of many, may work on one directory.
 
 mod case_table;
+mod derivatives;
 mod error;
 mod heartbeat;
 mod objective;
@@ -209,12 +211,17 @@ fn prepared(loaded: &Loaded) -> Result<PreparedRun, ScenarioError> {
 /// # Errors
 /// All faults of the first faulty one of these cases.
 pub fn check_every_value(case_set: &CaseSet) -> Result<PreparedRun, ScenarioError> {
-    let check = |index: usize| match case_set.search() {
-        Some(search) => {
-            prepared(&case_set.searched_scenario(index, search.to)?)?;
-            prepared(&case_set.searched_scenario(index, search.from)?)
-        }
-        None => prepared(&case_set.scenario_of(index)?),
+    let check = |index: usize| {
+        let from = case_set.search().map(|search| search.from);
+        let first = match case_set.search() {
+            Some(search) => {
+                prepared(&case_set.searched_scenario(index, search.to)?)?;
+                prepared(&case_set.searched_scenario(index, search.from)?)?
+            }
+            None => prepared(&case_set.scenario_of(index)?)?,
+        };
+        derivatives::check(case_set, index, from)?;
+        Ok::<_, ScenarioError>(first)
     };
     let first = check(0)?;
     let others: Vec<usize> = case_set.probes().skip(1).collect();

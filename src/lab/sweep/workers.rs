@@ -1,6 +1,7 @@
 //! Runs cases: leases, runs and records one after the other, on each of several workers.
 
 use super::case_table::CaseTable;
+use super::derivatives::CaseDerivatives;
 use super::heartbeat::HeldLeases;
 use super::outcome::SweepOutcome;
 use super::{Shard, SweepError, SweepOptions, prepared, thread_pools};
@@ -240,10 +241,14 @@ impl<'a> Workers<'a> {
     }
 
     fn prepare(&self, job: &Job) -> Result<PreparedRun, ScenarioError> {
-        prepared(&match job.searched {
-            Some(number) => self.case_set.searched_scenario(job.index, number)?,
-            None => self.case_set.scenario_of(job.index)?,
-        })
+        let (index, searched) = (job.index, job.searched);
+        let source = |more: &[String]| self.case_set.changed_scenario(index, searched, more);
+        let mut prepared = prepared(&source(&[])?)?;
+        if let Some(asked) = self.case_set.derivatives() {
+            let found = CaseDerivatives::of_case(asked, &source);
+            prepared.observers.push(Box::new(found));
+        }
+        Ok(prepared)
     }
 
     fn run_prepared(&self, job: &Job, prepared: &PreparedRun, again: bool) -> Result<(), RunError> {

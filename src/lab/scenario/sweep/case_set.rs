@@ -2,6 +2,7 @@
 
 use super::axis::{self, Axis, sweep_path};
 use super::case::{Case, Parameter};
+use super::derivatives::SweptDerivatives;
 use super::ends::Ends;
 use super::search::Search;
 use super::{points, sample, vary};
@@ -28,6 +29,7 @@ pub struct CaseSet {
     pub(super) document: Node,
     pub(super) axes: Vec<Axis>,
     search: Option<Search>,
+    derivatives: Option<SweptDerivatives>,
     seed: Option<u64>,
 }
 
@@ -96,6 +98,7 @@ impl CaseSet {
             document,
             axes: Vec::new(),
             search: None,
+            derivatives: None,
             seed: None,
         };
         if let Some(mut sweep) = sweep {
@@ -117,6 +120,10 @@ impl CaseSet {
         case_set.axes.extend(typed);
         case_set.sources = sources;
         case_set.refuse_impossible_keys()?;
+        if case_set.derivatives.is_some() && !case_set.is_sweep() {
+            let message = "no key varies; `rodlab sensitivity` prints the derivatives of one case";
+            return Err(case_set.refuse_derivatives(message, None));
+        }
         Ok(case_set)
     }
 
@@ -124,6 +131,7 @@ impl CaseSet {
         let mut take = |key: &str| sweep.node.remove(key);
         let (zip, file, samples, search) =
             (take("zip"), take("points"), take("sample"), take("search"));
+        let derivatives = take("derivatives");
         let Value::Table(entries) = &sweep.node.value else {
             issues.push(Issue::new(
                 sweep_path(),
@@ -156,6 +164,12 @@ impl CaseSet {
                 "samples need a range without `count`, such as contact.friction = { from = 0, to = 1 }",
             )),
             (Some(samples), ranges) => self.read_samples(&samples, ranges, issues),
+        }
+        if let Some(derivatives) = derivatives {
+            match SweptDerivatives::read(&derivatives) {
+                Ok(derivatives) => self.derivatives = Some(derivatives),
+                Err(faults) => faults.0.into_iter().for_each(|issue| issues.push(issue)),
+            }
         }
         if let Some(search) = search {
             match Search::read(&search) {
@@ -250,6 +264,19 @@ impl CaseSet {
     /// The search, where there is one; it is then made for each case of the other keys.
     pub fn search(&self) -> Option<&Search> {
         self.search.as_ref()
+    }
+
+    /// The derivatives that are added to the table, where there are any.
+    pub fn derivatives(&self) -> Option<&SweptDerivatives> {
+        self.derivatives.as_ref()
+    }
+
+    /// A fault of `[sweep.derivatives]`, at its place.
+    pub fn refuse_derivatives(&self, message: &str, help: Option<String>) -> ScenarioError {
+        let issue = Issue::new(sweep_path().key("derivatives"), message).with_help(help);
+        let typed = self.derivatives.as_ref().map(|table| &table.typed);
+        let keys = typed.map(|node| node.entry("to").map_or(node, |to| &to.node));
+        Located::new(&self.sources, issue, keys.map(|node| node.span.clone())).into()
     }
 
     /// Seed of the samples, where there are any.
@@ -349,7 +376,7 @@ impl CaseSet {
     /// # Errors
     /// All its faults; faults of varied values point at the values in the sweep.
     pub fn scenario_of(&self, index: usize) -> Result<Loaded, ScenarioError> {
-        self.resolved(index, None)
+        self.changed_scenario(index, None, &[])
     }
 
     /// The scenario of [`CaseSet::searched_case`].
@@ -357,7 +384,7 @@ impl CaseSet {
     /// # Errors
     /// As [`CaseSet::scenario_of`].
     pub fn searched_scenario(&self, index: usize, number: f64) -> Result<Loaded, ScenarioError> {
-        self.resolved(index, Some(number))
+        self.changed_scenario(index, Some(number), &[])
     }
 
     /// The number of a dotted key, in SI units, as the scenario states it or its expression gives it; `None` where it states none.
@@ -379,17 +406,40 @@ impl CaseSet {
     /// # Errors
     /// All its faults.
     pub fn scenario_with(&self, numbers: &[(&str, f64)]) -> Result<Loaded, ScenarioError> {
+        self.changed_with(numbers, &[])
+    }
+
+    /// The same with further changes as `--set` takes them.
+    ///
+    /// # Errors
+    /// All its faults.
+    pub fn changed_with(
+        &self,
+        numbers: &[(&str, f64)],
+        changes: &[String],
+    ) -> Result<Loaded, ScenarioError> {
         let mut document = self.document.clone();
         let mut sources = self.sources.clone();
-        for (key, number) in numbers {
-            let text = format!("{key}={number:?}");
+        let numbers = numbers.iter();
+        let numbers = numbers.map(|(key, number)| format!("{key}={number:?}"));
+        for text in numbers.chain(changes.iter().cloned()) {
             overrides::apply(&mut sources, &mut document, &text)?;
         }
         load::finish(self.experiments, &self.name, sources, document)
     }
 
-    fn resolved(&self, index: usize, searched: Option<f64>) -> Result<Loaded, ScenarioError> {
+    /// The scenario of a case, of a search with its number, with further changes as `--set` takes them.
+    ///
+    /// # Errors
+    /// As [`CaseSet::scenario_of`].
+    pub fn changed_scenario(
+        &self,
+        index: usize,
+        searched: Option<f64>,
+        changes: &[String],
+    ) -> Result<Loaded, ScenarioError> {
         let mut document = self.document.clone();
+        let mut sources = self.sources.clone();
         for (axis, point) in self.axes.iter().zip(self.position(index)) {
             for (swept, value) in axis.keys.iter().zip(&axis.points[point]) {
                 self.assign(&mut document, swept, value.clone())?;
@@ -402,7 +452,10 @@ impl CaseSet {
             };
             self.assign(&mut document, &search.key, value)?;
         }
-        load::finish(self.experiments, &self.name, self.sources.clone(), document)
+        for text in changes {
+            overrides::apply(&mut sources, &mut document, text)?;
+        }
+        load::finish(self.experiments, &self.name, sources, document)
     }
 
     fn assign(

@@ -41,6 +41,7 @@ impl Ends<'_> {
                         self.evaluate_ends(&mut entry.node, &OF_SEARCH, &key, &path)?;
                     }
                 }
+                ("derivatives", _) => {}
                 ("zip", Value::Array(tables)) => {
                     for (index, table) in tables.iter_mut().enumerate() {
                         if let Value::Table(entries) = &mut table.value {

@@ -6,6 +6,7 @@
 //! | `case` | one case: its values and its id |
 //! | `portable` | the scenario with copies of the files that it reads |
 //! | `axis`, `range` | lists, ranges and zipped lists of values |
+//! | `derivatives` | derivatives in the table |
 //! | `ends` | ends of ranges that are expressions |
 //! | `sample` | samples of ranges |
 //! | `points`, `vary` | points from a CSV file and from the command line |
@@ -14,6 +15,7 @@
 mod axis;
 mod case;
 mod case_set;
+mod derivatives;
 mod ends;
 mod points;
 mod portable;
@@ -26,5 +28,6 @@ mod vary;
 
 pub use case::{Case, Parameter, earlier_id};
 pub use case_set::CaseSet;
+pub use derivatives::SweptDerivatives;
 pub use portable::{InputFile, Portable};
 pub use search::Search;

@@ -63,6 +63,9 @@ impl CaseSet {
         if let Some(search) = self.search() {
             sweep.insert("search", search.typed.value.clone());
         }
+        if let Some(derivatives) = self.derivatives() {
+            sweep.insert("derivatives", derivatives.typed.value.clone());
+        }
         if self.is_sweep() {
             root.insert("sweep", sweep.value);
         }

@@ -27,7 +27,7 @@ pub use shape::{
     Arc, Catenary, Coil, Helix, NaturalShape, Points, Ring, Shape, Slack, Straight, Strains,
 };
 pub use start::Start;
-pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep};
+pub use sweep::{End, Sample, SampleMethod, Search, SearchMethod, Sweep, SweptDerivatives};
 
 use super::tables::{
     BodyKeys, ContinuationKeys, JointKeys, LoadKeys, OutputKeys, PlaneKeys, ProbeKeys, SolverKeys,

@@ -23,6 +23,8 @@ pub struct Sweep {
     pub sample: Option<Sample>,
     /// A search for one value of one key, instead of a grid of values.
     pub search: Option<Search>,
+    /// Derivatives of probes at the end of each case: columns `d_COLUMN_d_KEY` of summary.csv.
+    pub derivatives: Option<SweptDerivatives>,
 }
 
 /// The values of a key, or the keys of a table below it: `rod.radius = [...]` is a table `rod`.
@@ -59,6 +61,17 @@ pub enum SampleMethod {
     Sobol,
     /// Independent uniform numbers.
     Random,
+}
+
+/// Derivatives of probes over keys, as `rodlab sensitivity` computes them.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "sweep_derivatives")]
+pub struct SweptDerivatives {
+    /// Dotted keys over which the probes are differentiated, in SI units.
+    pub to: Vec<String>,
+    /// Names of probes, or of columns of them. Default: all probes.
+    #[serde(default)]
+    pub of: Vec<String>,
 }
 
 /// A search for the value of one key at which an outcome reaches a target, or is least.
