@@ -11,6 +11,7 @@
 //! | `parameter` | keys and their coordinates in the fit |
 //! | `problem` | predictions of all experiments, in parallel |
 //! | `jacobian` | their derivatives: a trait, and central differences |
+//! | `exact` | exact derivatives, where the scenes have them |
 //! | `fit` | least squares with a trust region, bounds, priors and robust loss |
 //! | `statistics`, `advice` | noise, error bars, what the data do not determine |
 //! | `task` | the request, and all steps from it to the result |
@@ -20,6 +21,7 @@
 mod advice;
 mod data;
 mod error;
+mod exact;
 mod figure;
 mod files;
 mod fit;
@@ -39,6 +41,7 @@ mod wires;
 
 pub use data::{At, DataFile, Datum, Measured, POSITION, Place, read_markers};
 pub use error::IdentifyError;
+pub use exact::Exact;
 pub use files::{FITTED, IDENTIFIED, PARAMETERS, RESIDUALS, RESIDUALS_FIGURE, ROD, write};
 pub use fit::Loss;
 pub use hanging::{CURVATURE_KEY, HangingRod, LENGTH_KEY, measure_hanging};

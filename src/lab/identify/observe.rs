@@ -9,9 +9,11 @@
 
 use super::data::{At, DataFile, Datum, Measured, Place};
 use super::error::IdentifyError;
-use crate::run::{LiveRun, Mode, PreparedRun};
+use crate::run::probes::Probes;
+use crate::run::{LiveRun, Mode, PreparedRun, Sample};
 use nalgebra::SymmetricEigen;
-use rodlab_engine::mechanics::dynamics::SimulationError;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::{Exchange, Simulation, SimulationError};
 use rodlab_engine::mechanics::scene::{NaturalShape, RodDescription};
 use rodlab_engine::mechanics::statics::PointKind;
 use std::f64::consts::TAU;
@@ -128,17 +130,13 @@ impl Observation {
                 values.fill(critical.ok_or_else(missing)?);
             }
             Mode::Dynamic { .. } => {
-                let mut order: Vec<usize> = (0..values.len()).collect();
-                let time = |index: usize| self.times[index].unwrap_or(0.0);
-                order.sort_by(|one, other| time(*one).total_cmp(&time(*other)));
-                for together in order.chunk_by(|one, other| is_same(time(*one), time(*other))) {
-                    let until = time(together[0]);
+                for (until, together) in self.moments() {
                     while run.simulation.time() < until && !is_same(run.simulation.time(), until) {
                         if !goes_on() || run.advance(until, goes_on)?.is_none() {
                             return Err(Unpredicted::Stopped);
                         }
                     }
-                    self.read(&mut run, together, &mut values)?;
+                    self.read(&mut run, &together, &mut values)?;
                 }
             }
         }
@@ -146,6 +144,59 @@ impl Observation {
             values,
             remarks: run.simulation.remarks(),
         })
+    }
+
+    /// The times of the data, s, each with the numbers of its data, in the order of time; an equilibrium has one.
+    pub fn moments(&self) -> Vec<(f64, Vec<usize>)> {
+        let time = |index: usize| self.times[index].unwrap_or(0.0);
+        let mut order: Vec<usize> = (0..self.readings.len()).collect();
+        order.sort_by(|one, other| time(*one).total_cmp(&time(*other)));
+        order
+            .chunk_by(|one, other| is_same(time(*one), time(*other)))
+            .map(|together| (time(together[0]), together.to_vec()))
+            .collect()
+    }
+
+    /// Whether all data follow from a single state of the simulation, and no observer may end the run.
+    pub fn is_differentiable(&self, run: &PreparedRun) -> bool {
+        let has_column = self
+            .readings
+            .iter()
+            .any(|reading| matches!(reading, Reading::Column(_)));
+        let is_single =
+            |reading: &Reading| matches!(reading, Reading::Coordinate { .. } | Reading::Column(_));
+        self.readings.iter().all(is_single)
+            && !run.observer::<Probes>().is_some_and(Probes::may_stop)
+            && (!has_column
+                || run
+                    .observers
+                    .iter()
+                    .all(|one| (**one).as_any().is::<Probes>()))
+    }
+
+    /// The number of a datum in a state of a simulation of `run`; `None` where it has none.
+    pub fn value(
+        &self,
+        datum: usize,
+        run: &PreparedRun,
+        simulation: &Simulation,
+        steps: u64,
+    ) -> Option<f64> {
+        match &self.readings[datum] {
+            Reading::Coordinate { weights, axis } => {
+                Some(coordinate(simulation.positions(), weights, *axis))
+            }
+            Reading::Column(number) => {
+                let sample = Sample {
+                    simulation,
+                    steps,
+                    exchange: Exchange::default(),
+                };
+                let values = run.observer::<Probes>()?.values(&sample);
+                values.get(*number).copied().flatten()
+            }
+            Reading::Critical | Reading::Frequency(_) => None,
+        }
     }
 
     /// Reads the data of the given numbers at the present state.
@@ -168,11 +219,7 @@ impl Observation {
         for &index in which {
             let value = match &self.readings[index] {
                 Reading::Coordinate { weights, axis } => {
-                    let positions = run.simulation.positions();
-                    let parts = weights
-                        .iter()
-                        .map(|(node, weight)| weight * positions[*node][*axis]);
-                    Some(parts.sum())
+                    Some(coordinate(run.simulation.positions(), weights, *axis))
                 }
                 Reading::Column(number) => columns[*number].1.number(),
                 Reading::Frequency(number) => frequencies.get(*number).copied(),
@@ -186,6 +233,14 @@ impl Observation {
         }
         Ok(())
     }
+}
+
+/// A weighted sum of a coordinate of nodes.
+fn coordinate(positions: &[Vector3], weights: &[(usize, f64)], axis: usize) -> f64 {
+    let parts = weights.iter();
+    parts
+        .map(|(node, weight)| weight * positions[*node][axis])
+        .sum()
 }
 
 fn is_same(one: f64, other: f64) -> bool {

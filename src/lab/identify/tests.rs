@@ -11,7 +11,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// A light cantilever that swings after it is let go horizontally: 1 s of motion with material damping.
-const SWING: &str = r#"
+pub(super) const SWING: &str = r#"
 experiment = "scene"
 [parameters]
 stiffness = 2e-4
@@ -38,7 +38,7 @@ end = 1.0
 "#;
 
 /// A bent and twisted rod between clamps: its shape depends on EI/GJ, its moments on both.
-const TWISTED: &str = r#"
+pub(super) const TWISTED: &str = r#"
 experiment = "scene"
 [parameters]
 ei = 1e-3
@@ -69,7 +69,7 @@ at = "end"
 mode = "static"
 "#;
 
-fn scenario(text: &str) -> CaseSet {
+pub(super) fn scenario(text: &str) -> CaseSet {
     case_set_from_text("scenario", text, Path::new("")).unwrap()
 }
 
@@ -117,7 +117,7 @@ fn measured(
     file
 }
 
-fn swing_rows() -> String {
+pub(super) fn swing_rows() -> String {
     let mut text = "time_s,marker,node,x_m,z_m\n".to_owned();
     for step in 0..50 {
         for (marker, node) in [("middle", 5), ("tip", 10)] {
@@ -170,7 +170,7 @@ fn elsewhere(text: &str, keys: &[(&str, &str)]) -> CaseSet {
     scenario(&text)
 }
 
-const SWING_KEYS: [&str; 2] = ["parameters.stiffness", "material.viscosity"];
+pub(super) const SWING_KEYS: [&str; 2] = ["parameters.stiffness", "material.viscosity"];
 
 /// A fit of noisy positions of the swinging beam.
 fn swing(seed: u64) -> Identified {
