@@ -7,8 +7,8 @@ use super::prelude::*;
 use indicatif::ProgressBar;
 use rodlab_lab::experiment;
 use rodlab_lab::identify::{
-    self, CentralDifferences, DataFile, Experiment, IDENTIFIED, Identified, IdentifiedKey,
-    IdentifyError, Loss, Progress, Request, Task, read_markers,
+    self, DataFile, Exact, Experiment, IDENTIFIED, Identified, IdentifiedKey, IdentifyError, Loss,
+    Progress, Request, Task, read_markers,
 };
 use rodlab_lab::run::Interruption;
 use rodlab_lab::scenario::number_with_unit;
@@ -102,7 +102,7 @@ pub fn identify(arguments: &IdentifyArguments, common: &Common) -> Result<(), Fa
         bar.set_message(in_words(progress, &arguments.fit));
         bar.tick();
     };
-    let found = identify::identify(&task, &CentralDifferences::default(), &goes_on, &mut report);
+    let found = identify::identify(&task, &Exact::default(), &goes_on, &mut report);
     bar.finish_and_clear();
     let found = found.map_err(failure)?;
     identify::write(&directory, &found, &task.experiments).map_err(failure)?;

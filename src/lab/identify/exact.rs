@@ -132,7 +132,7 @@ fn followed(
     for pass in 1..=PASSES {
         let mut columns = vec![vec![f64::NAN; rows]; keys.len()];
         let mut next = moments.iter();
-        let amplitudes = followed.follow_while(&times, problem.goes_on, &mut |moment| {
+        let amplitudes = followed.follow(&times, problem.goes_on, &mut |moment| {
             let Some((_, which)) = next.next() else {
                 return;
             };
@@ -150,7 +150,7 @@ fn followed(
                 }
             }
         });
-        let amplitudes = amplitudes.ok()??;
+        let amplitudes = amplitudes.ok()?;
         if pass == PASSES || !followed.adapt(&amplitudes).ok()? {
             let numbers = columns.iter().flatten();
             let is_whole = numbers.into_iter().all(|number| number.is_finite());
