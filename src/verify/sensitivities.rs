@@ -28,8 +28,18 @@ const ADJOINT: Expectation = Expectation::new(
 );
 const DIFFERENCES: Expectation = Expectation::new("dx/dp", "extrapolated central differences");
 
-/// Equilibria with closed forms: what is set, the column, the key, and the elasticity (p/y) dy/dp.
-const ELASTICITIES: [(&str, Expectation, &[&str], &str, &str, f64); 9] = [
+/// An equilibrium with a closed form: what is set, the column, the key, and the elasticity (p/y) dy/dp.
+type Elasticity = (
+    &'static str,
+    Expectation,
+    &'static [&'static str],
+    &'static str,
+    &'static str,
+    f64,
+);
+
+/// Equilibria with closed forms.
+const ELASTICITIES: [Elasticity; 9] = [
     (
         "deflection over Young's modulus",
         DEFLECTION,

@@ -257,7 +257,7 @@ impl Check {
         let own = first..first + wanted.len();
         let parameters = IntegrationParameters {
             force_tolerance: FORCE_TOLERANCE.min(run.integration.force_tolerance),
-            ..run.integration.clone()
+            ..run.integration
         };
         let distance = |simulation: &Simulation| {
             let pairs = simulation.positions()[own.clone()].iter().zip(wanted);
