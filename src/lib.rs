@@ -29,8 +29,7 @@
 //!
 //! ```text
 //! python         ──> cli
-//! cli            ──> sweep, identify, sensitivity, design, verify, reproduce, task, virtual_cell, guide, presets, site,
-//!                    cluster
+//! cli            ──> sweep, identify, sensitivity, design, verify, reproduce, task, virtual_cell, guide, presets, site, cluster
 //! task           ──> virtual_cell, report
 //! sweep, identify, verify ──> sensitivity
 //! sensitivity, design ──> experiment

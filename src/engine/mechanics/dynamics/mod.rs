@@ -92,6 +92,8 @@ mod joint_tests;
 #[cfg(test)]
 mod lockstep_tests;
 #[cfg(test)]
+mod natural_shape_tests;
+#[cfg(test)]
 mod node_force_tests;
 #[cfg(test)]
 mod overdamped_tests;

@@ -528,7 +528,3 @@ fn mean_strains(curvature: &[f64; 4], twist: f64) -> [f64; 3] {
         twist,
     ]
 }
-
-#[cfg(test)]
-#[path = "natural_shape_tests.rs"]
-mod tests;

@@ -1,6 +1,11 @@
-use super::*;
-use crate::mechanics::dynamics::{IntegrationParameters, Simulation};
-use crate::mechanics::scene::{Clamp, Load, LoadKind, Motion, RodDescription, Stiffness};
+//! Equilibria of rods with designed natural shapes.
+
+use super::{IntegrationParameters, Simulation};
+use crate::mechanics::Vector3;
+use crate::mechanics::scene::{
+    Clamp, Load, LoadKind, Motion, NaturalShape, RodDescription, Scene, Stiffness,
+};
+use crate::mechanics::statics::{DesignError, Designed, natural_strains};
 
 const EDGES: usize = 60;
 const LENGTH: f64 = 0.3;
