@@ -637,6 +637,8 @@ fn presets_stand_for_files_in_an_empty_folder() {
         (output.status.code().unwrap(), stdout, stderr)
     };
     let short = ["--set", "time.end=0.01"];
+    // Results beside it, perhaps.
+    std::fs::create_dir(folder.path().join("flagella_quick")).unwrap();
     // It extends another preset.
     let (code, _, stderr) = outcome(&[&["run", "flagella_quick"], &short[..]].concat());
     assert_eq!((code, stderr.contains("preset")), (0, false), "{stderr}");

@@ -117,15 +117,6 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_does_not_go_before_a_preset() {
-        let folder = tempfile::tempdir().unwrap();
-        let results = folder.path().join("green_vps");
-        std::fs::create_dir(&results).unwrap();
-        let file = resolve(PresetKind::Rod, results.clone()).unwrap();
-        assert!(file != results && file.is_file(), "{file:?}");
-    }
-
-    #[test]
     fn a_name_that_is_nearly_one_of_a_preset_is_refused_with_it() {
         let error = resolve(PresetKind::Rod, "gren_vps".into())
             .unwrap_err()

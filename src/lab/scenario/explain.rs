@@ -341,7 +341,7 @@ loads.acceleration (of kind "gravity")
         insta::assert_snapshot!(explain(*EXPERIMENTS, "time").unwrap(), @r###"
 time
   Dynamic, static or along a path of equilibria, and the time steps.
-  keys: end, maximum_step, mode, scheme, step, tolerance
+  keys: begin, end, maximum_step, mode, scheme, step, tolerance
 "###);
         insta::assert_snapshot!(explain(*EXPERIMENTS, "time.mode").unwrap(), @r###"
 time.mode

@@ -2,7 +2,7 @@
 
 use crate::run::{Finding, Observer, Sample};
 use crate::scenario::{CaseSet, Loaded, ScenarioError, SweptDerivatives};
-use crate::sensitivity::{SensitivityError, derivatives, refuse_unsuitable};
+use crate::sensitivity::{SensitivityError, derivatives_at, refuse_unsuitable};
 use rodlab_files::results::{NamedValues, SeriesRow, Value};
 use serde::{Deserialize, Serialize};
 
@@ -39,9 +39,15 @@ pub(super) struct CaseDerivatives {
 }
 
 impl CaseDerivatives {
-    /// Computes the derivatives that the sweep asks for; a failure becomes a remark.
-    pub fn of_case(asked: &SweptDerivatives, source: &Source<'_>) -> Self {
-        match derivatives(source, &asked.of, &asked.to) {
+    /// Computes the derivatives that the sweep asks for, while `goes_on`; a failure becomes a remark. `None` where it was stopped.
+    pub fn of_case(
+        asked: &SweptDerivatives,
+        source: &Source<'_>,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Option<Self> {
+        let found = derivatives_at(source, &asked.of, &asked.to, None, goes_on);
+        Some(match found {
+            Err(SensitivityError::Interrupted) => return None,
             Err(error) => Self {
                 columns: Vec::new(),
                 failure: Some(error.to_string()),
@@ -60,7 +66,7 @@ impl CaseDerivatives {
                     failure: None,
                 }
             }
-        }
+        })
     }
 }
 

@@ -211,7 +211,8 @@ impl<'a> Workers<'a> {
             self.case_table.forget(id);
         }
         let record = match self.prepare(job) {
-            Ok(prepared) => match self.run_prepared(job, &prepared, again) {
+            Ok(None) => self.case_table.look_up(id)?,
+            Ok(Some(prepared)) => match self.run_prepared(job, &prepared, again) {
                 Err(RunError::Results(ResultsError::Locked { .. })) => return Ok(Attempt::Held),
                 Err(RunError::Results(error)) => return Err(error),
                 Err(RunError::Scene(error)) => self.record_invalid(job, error.to_string())?,
@@ -240,15 +241,25 @@ impl<'a> Workers<'a> {
         Ok(Attempt::Settled(Box::new(record)))
     }
 
-    fn prepare(&self, job: &Job) -> Result<PreparedRun, ScenarioError> {
+    /// A case with its derivatives; `None` where it was stopped before these were found.
+    fn prepare(&self, job: &Job) -> Result<Option<PreparedRun>, ScenarioError> {
         let (index, searched) = (job.index, job.searched);
         let source = |more: &[String]| self.case_set.changed_scenario(index, searched, more);
         let mut prepared = prepared(&source(&[])?)?;
         if let Some(asked) = self.case_set.derivatives() {
-            let found = CaseDerivatives::of_case(asked, &source);
+            let goes_on = || self.stop_of_case().is_none();
+            let Some(found) = CaseDerivatives::of_case(asked, &source, &goes_on) else {
+                return Ok(None);
+            };
             prepared.observers.push(Box::new(found));
         }
-        Ok(prepared)
+        Ok(Some(prepared))
+    }
+
+    /// The request that stops a case at work.
+    fn stop_of_case(&self) -> Option<StopRequest> {
+        let given_up = self.fault.get().map(|_| StopRequest::Interrupt);
+        self.interruption.requested().or(given_up)
     }
 
     fn run_prepared(&self, job: &Job, prepared: &PreparedRun, again: bool) -> Result<(), RunError> {
@@ -261,11 +272,7 @@ impl<'a> Workers<'a> {
             }),
             ..self.options.run.clone()
         };
-        let stop = || {
-            let given_up = self.fault.get().map(|_| StopRequest::Interrupt);
-            self.interruption.requested().or(given_up)
-        };
-        run_until(prepared, &options, &stop).map(drop)
+        run_until(prepared, &options, &|| self.stop_of_case()).map(drop)
     }
 
     /// Writes a manifest with the reason why a case could not be started.
