@@ -7,6 +7,7 @@ use super::parameter::Parameter;
 use super::problem::Problem;
 use crate::sensitivity;
 use rayon::prelude::*;
+use tracing::subscriber::NoSubscriber;
 
 /// Passes at most until the ε of each key suits.
 const PASSES: usize = 3;
@@ -132,7 +133,7 @@ fn followed(
     for pass in 1..=PASSES {
         let mut columns = vec![vec![f64::NAN; rows]; keys.len()];
         let mut next = moments.iter();
-        let amplitudes = followed.follow(&times, problem.goes_on, &mut |moment| {
+        let mut observe = |moment: &sensitivity::Moment<'_>| {
             let Some((_, which)) = next.next() else {
                 return;
             };
@@ -149,8 +150,10 @@ fn followed(
                     }
                 }
             }
-        });
-        let amplitudes = amplitudes.ok()?;
+        };
+        let follow = || followed.follow(&times, problem.goes_on, &mut observe);
+        // Hundreds of runs remark on the same.
+        let amplitudes = tracing::subscriber::with_default(NoSubscriber::new(), follow).ok()?;
         if pass == PASSES || !followed.adapt(&amplitudes).ok()? {
             let numbers = columns.iter().flatten();
             let is_whole = numbers.into_iter().all(|number| number.is_finite());
