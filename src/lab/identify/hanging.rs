@@ -28,6 +28,9 @@ const START: f64 = 0.05;
 const DENSITY: f64 = 1000.0;
 /// Acceleration of free fall, m/s².
 const GRAVITY: f64 = 9.81;
+/// Twisting stiffness over the bending stiffness. The rod is seen in a plane; a soft one that is curved upwards by nature would turn
+/// out of it.
+const TWISTING: f64 = 100.0;
 /// Stretching stiffness over the weight of the rod.
 const STRETCHING: f64 = 1e4;
 
@@ -183,7 +186,7 @@ edges = {EDGES}
 shape = {{ kind = "straight", start = ["x0", "y0", 0], end = ["x0 + {length:?}*cos(angle)", "y0 + {length:?}*sin(angle)", 0] }}
 natural_curvature = [0, "curvature"]
 director = ["-sin(angle)", "cos(angle)", 0]
-stiffness = {{ bending_1 = "ei", bending_2 = "ei", stretching = {stretching:?} }}
+stiffness = {{ bending_1 = "ei", bending_2 = "ei", twisting = "{TWISTING:?}*ei", stretching = {stretching:?} }}
 [[clamps]]
 rod = "rod"
 at = "start"
