@@ -16,8 +16,9 @@ Examples:
     "\
 The rod is held at one end, hangs or stands free, and is seen whole and from the side. The answer is
 JSON: gravito-bending length L_gb, m, radius, m, and natural curvature, 1/m, positive to the left
-seen from the held end, with standard errors from the scatter of the traced points. The bending
-stiffness is 2 L_gb³ times the weight per length."
+seen from the held end, with standard errors from the scatter of the traced points and, of the
+length, from half the radius to which the ends are seen. The bending stiffness is 2 L_gb³ times the
+weight per length."
 );
 
 /// Arguments of `rodlab measure rod`.
@@ -54,6 +55,9 @@ pub struct RodArguments {
     #[arg(long)]
     json: bool,
 }
+
+/// Part of its radius to which the ends of a strand are seen: an error of the length is one of all lengths.
+const ENDS: f64 = 0.5;
 
 #[derive(Serialize)]
 struct Answer {
@@ -177,7 +181,10 @@ fn answer(found: &Identified, radius_m: f64, length_m: f64) -> Answer {
     remarks.extend(found.undetermined.iter().map(|one| one.words.clone()));
     Answer {
         gravito_bending_length_m: length.map_or(f64::NAN, |one| one.value),
-        uncertainty_m: length.and_then(|one| one.standard_error),
+        uncertainty_m: length.and_then(|one| {
+            let of_ends = one.value * ENDS * radius_m / length_m;
+            Some(libm::hypot(one.standard_error?, of_ends))
+        }),
         radius_m,
         length_m,
         natural_curvature_per_m: curvature.map(|one| one.value),
