@@ -91,13 +91,14 @@ impl Sums {
                 gradient.velocity[node][axis] = 0.0;
             }
         }
-        let natural_length = |edge: usize| {
-            let edges = assembly.rods.edges.iter();
-            let own = edges.filter(|own| own.start == edge);
-            own.map(|own| own.natural_length).sum::<f64>()
+        // A ghost edge has none.
+        let mut natural_lengths = vec![0.0; nodes + assembly.rods.ghosts];
+        for edge in &assembly.rods.edges {
+            natural_lengths[edge.start] = edge.natural_length;
+        }
+        let voronoi = |vertex: &Vertex| {
+            0.5 * (natural_lengths[vertex.before] + natural_lengths[vertex.after])
         };
-        let voronoi =
-            |vertex: &Vertex| 0.5 * (natural_length(vertex.before) + natural_length(vertex.after));
         let both = self.natural.vertices.iter().zip(&self.stiffness.vertices);
         for (vertex, (natural, stiffness)) in assembly.rods.vertices.iter().zip(both) {
             let (node, length) = (assembly.node_of(vertex), voronoi(vertex));
