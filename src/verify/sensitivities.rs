@@ -8,6 +8,7 @@ use std::path::Path;
 
 const STRAIGHT: &str = include_str!("scenes/straight_rod.toml");
 const MOVED: &str = include_str!("scenes/sensitive_rod.toml");
+const ARMS: &str = include_str!("scenes/sensitive_arms.toml");
 const SLIDING: &str = include_str!("scenes/sliding_rod.toml");
 
 /// A small force at the tip; its deflection is a ten thousandth of the length.
@@ -128,6 +129,14 @@ const OF_MOTION: [(&str, &str); 11] = [
     ("turn of the clamp", "clamps.0.turn.1.1"),
     ("load", "loads.2.force.1"),
 ];
+/// Those of the arms.
+const OF_ARMS: [(&str, &str); 5] = [
+    ("stiffness of a hinge", "joints.elbow.stiffness"),
+    ("rest angle of a hinge", "joints.elbow.rest_angle"),
+    ("mass of a body", "bodies.hand.mass"),
+    ("inertia of a body", "bodies.hand.inertia.0"),
+    ("offset of a body", "bodies.hand.offset.1"),
+];
 /// Those of the rod that slides.
 const OF_SLIDING: [(&str, &str); 1] = [("friction", "contact.friction")];
 
@@ -171,6 +180,7 @@ pub fn checks(_full: bool) -> Result<Vec<Check>, GroupError> {
             .relative(0.5, size, 1e-6),
     );
     checks.extend(against_differences("motion", MOVED, &OF_MOTION, 1e-6)?);
+    checks.extend(against_differences("arms", ARMS, &OF_ARMS, 1e-6)?);
     checks.extend(against_differences("sliding", SLIDING, &OF_SLIDING, 1e-5)?);
     for (name, field, key) in OF_FIELDS {
         let error = error_of_field(field, key)?;

@@ -12,8 +12,8 @@ use tracing::subscriber::NoSubscriber;
 /// Passes at most until the ε of each key suits.
 const PASSES: usize = 3;
 
-/// Derivatives of the motion as it is computed, see [`crate::sensitivity`]. An experiment without them, such as one with bodies, joints or
-/// natural frequencies, is differentiated by central differences.
+/// Derivatives of the motion as it is computed, see [`crate::sensitivity`]. An experiment without them, such as one with natural frequencies
+/// or critical loads, is differentiated by central differences.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Exact {
     /// For experiments that have no exact derivatives.

@@ -306,6 +306,8 @@ impl Integrator {
         report.stiffening = system.energy_of_stiffening(stiffness);
         self.heed_events(system, state.time, goal);
         self.accept(system, state, goal);
+        let long = system.long_rotations(&state.unknowns);
+        system.begin_rotations_anew(&long, &mut state.motions());
         report.time = state.time;
         report_contacts(system, &mut report);
         self.watch_small_steps(&report);
@@ -415,7 +417,6 @@ impl Integrator {
         self.fluid.accept(stage, next_velocity);
         state.advance_to(goal, &trial.unknowns, next_velocity);
         system.accept();
-        system.begin_rotations_anew(&mut state.motions());
     }
 
     /// Returns to the last accepted state; the error gives the reason of the failure.

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{Joint, JointKind, Load, RodDescription, RodNode, Scene};
+use crate::mechanics::scene::{
+    HingeSpring, Joint, JointKind, Load, RodDescription, RodNode, Scene,
+};
 use crate::mechanics::test_support::{
     advance_to, at, at_rest, body, clamp, fixed_steps, hinge, joint, line, point_force, section,
 };
@@ -14,6 +16,17 @@ fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
 
 fn weld(one: RodNode, other: RodNode) -> Joint {
     joint("weld", [one, other], JointKind::Rigid)
+}
+
+fn sprung(rest_angle: f64) -> JointKind {
+    let spring = HingeSpring {
+        stiffness: 0.02,
+        rest_angle,
+    };
+    JointKind::Hinge {
+        axis: Vector3::z(),
+        spring: Some(spring),
+    }
 }
 
 fn tip_load(rod: usize, node: usize) -> Load {
@@ -51,6 +64,29 @@ fn a_rod_welded_of_two_pieces_bends_and_twists_as_one() {
     assert!(one.norm() > 1e-3);
     // The two half vertices in series turn by the angle, the vertex by its tangent.
     assert!((one - two).norm() < 1e-4 * one.norm(), "{one} {two}");
+}
+
+#[test]
+fn a_sprung_hinge_off_its_rest_angle_starts_with_every_scheme_for_it() {
+    let scene = Scene {
+        rods: vec![
+            rod("upper", Vector3::zeros(), Vector3::x() * 0.2, 4),
+            rod("lower", Vector3::x() * 0.2, Vector3::x() * 0.4, 4),
+        ],
+        clamps: vec![clamp(0, 0)],
+        joints: vec![joint("elbow", [at(0, 4), at(1, 0)], sprung(0.3))],
+        ..Scene::default()
+    };
+    let tip = |scheme, step| {
+        let mut simulation = Simulation::new(&scene, &fixed_steps(scheme, step)).unwrap();
+        // The frames of the hinge have no inertia: they turn at once.
+        advance_to(&mut simulation, 0.02);
+        simulation.positions()[9]
+    };
+    let fine = tip(Scheme::ImplicitEuler, 1e-5);
+    let coarse = tip(Scheme::BackwardDifferences, 2e-4);
+    let moved = (fine - Vector3::x() * 0.4).norm();
+    assert!((fine - coarse).norm() < 0.02 * moved, "{fine} {coarse}");
 }
 
 /// Two rods welded at right angles with a body at the corner, free and turning.

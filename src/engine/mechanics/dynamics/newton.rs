@@ -180,7 +180,9 @@ impl Newton {
                 ..failed
             });
         }
-        if largest_move(&self.direction) > stopping.trust_radius {
+        // Frames of joints without inertia turn at once to where moments balance.
+        let of_nodes = STRIDE * system.assembly.rods.nodes;
+        if largest_move(&self.direction[..of_nodes]) > stopping.trust_radius {
             return Err(failed);
         }
         Ok(())

@@ -199,13 +199,9 @@ impl System {
         self.terms.springs.stretch(unknowns);
         self.assembly.joints.rotate(unknowns);
         (self.terms.springs).turn(&self.assembly.joints, &self.assembly.drives, time);
-        let mut breaking = std::mem::take(&mut self.breaking);
-        let mut any = false;
-        for link in breaking
-            .links
-            .iter_mut()
-            .filter(|link| link.broken.is_none())
-        {
+        let mut broken = Vec::new();
+        let links = self.breaking.links.iter().enumerate();
+        for (number, link) in links.filter(|(_, link)| link.broken.is_none()) {
             let [force, moment] = match link.tie {
                 Tie::Spring(number) => [
                     self.terms.springs.force(number).abs(),
@@ -220,29 +216,63 @@ impl System {
             };
             if force > link.strength.force || moment > link.strength.moment {
                 info!(joint = link.name, time, force, moment, "joint broke");
-                link.broken = Some(Break {
-                    time,
-                    force,
-                    moment,
-                });
-                if let Tie::Point {
-                    turning: Turning::Hinge(frame),
-                    ..
-                } = link.tie
-                {
-                    let joints = &mut self.assembly.joints;
-                    joints.take_over_rotation(frame, unknowns, velocity);
-                }
-                self.part(link.tie);
-                any = true;
+                broken.push((
+                    number,
+                    Break {
+                        time,
+                        force,
+                        moment,
+                    },
+                ));
             }
         }
-        self.breaking = breaking;
-        if any {
-            self.terms.damping.rest();
-            self.recouple();
+        self.break_links(&broken, unknowns, velocity);
+        !broken.is_empty()
+    }
+
+    /// Breaks the joints that are broken in a list as [`Self::breaks`] returns and not yet here; returns whether there are any.
+    pub(crate) fn break_like(
+        &mut self,
+        breaks: &[Option<Break>],
+        unknowns: &mut [f64],
+        velocity: &mut [f64],
+    ) -> bool {
+        let links = self.breaking.links.iter().zip(breaks).enumerate();
+        let here = links.filter_map(|(number, (link, there))| match link.broken {
+            None => there.map(|there| (number, there)),
+            Some(_) => None,
+        });
+        let broken: Vec<_> = here.collect();
+        self.break_links(&broken, unknowns, velocity);
+        !broken.is_empty()
+    }
+
+    /// Breaks joints, given by their numbers, at `unknowns` and `velocity`, which then are those of free bodies.
+    fn break_links(
+        &mut self,
+        broken: &[(usize, Break)],
+        unknowns: &mut [f64],
+        velocity: &mut [f64],
+    ) {
+        if broken.is_empty() {
+            return;
         }
-        any
+        for &(number, own) in broken {
+            let link = &mut self.breaking.links[number];
+            link.broken = Some(own);
+            let tie = link.tie;
+            if let Tie::Point {
+                turning: Turning::Hinge(frame),
+                ..
+            } = tie
+            {
+                let joints = &mut self.assembly.joints;
+                joints.take_over_rotation(frame, unknowns, velocity);
+            }
+            self.part(tie);
+        }
+        self.terms.damping.rest();
+        self.recouple();
     }
 
     /// Breaking of each joint that may break, if it broke: in the order of the joints of the scene, then of its springs.

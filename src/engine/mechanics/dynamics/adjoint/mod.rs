@@ -207,6 +207,10 @@ fn refuse(
         (scene.actuations.iter()).any(|actuation| actuation.strain == ActuatedStrain::Length);
     let refusals = [
         (
+            !scene.joints.is_empty() || !scene.bodies.is_empty(),
+            "derivatives over fields support no [[joints]] and no [[bodies]]",
+        ),
+        (
             parameters.scheme == Scheme::ImplicitMidpoint,
             "derivatives over fields need time.scheme = \"implicit-euler\" or \"backward-differences\"",
         ),

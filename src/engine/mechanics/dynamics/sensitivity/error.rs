@@ -47,18 +47,7 @@ impl From<SceneError> for SensitivityError {
 pub(in crate::mechanics::dynamics) fn check(scene: &Scene) -> Result<(), SensitivityError> {
     let is_rigid = (scene.contact).is_some_and(|contact| contact.is_complementarity());
     let flows = matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. }));
-    let breaks = (scene.springs.iter().map(|spring| spring.strength))
-        .any(|strength| strength.force.is_finite() || strength.moment.is_finite());
     let refusals = [
-        (
-            !scene.joints.is_empty(),
-            "derivatives support no [[joints]] except springs",
-        ),
-        (
-            !scene.bodies.is_empty(),
-            "derivatives support no [[bodies]]",
-        ),
-        (breaks, "derivatives support no springs that break"),
         (
             is_rigid,
             "derivatives need contact.model = \"imc\" or \"ipc\"",

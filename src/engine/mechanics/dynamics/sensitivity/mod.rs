@@ -35,9 +35,13 @@
 //!
 //! **Cost.** For each parameter and step one back-substitution, two evaluations of the residual at q and two where the neighbours end.
 //!
-//! **Not supported**, and refused: joints and bodies, links that break, contact by complementarity, the flow of regularized
-//! Stokeslets (its iterations end with errors above those allowed here), controllers and other interventions. A step that the neighbours cannot repeat, such as one
-//! of the midpoint rule that an impact ended, is an error.
+//! **Joints and bodies.** Positions that follow from others, such as the tips of the axes of bodies, have the differences of the
+//! neighbours at their ends. Rotation vectors are reset, and joints break, in all neighbours where they do in the simulation itself:
+//! the step at whose end a joint breaks does not depend on p, as the sizes of steps do not.
+//!
+//! **Not supported**, and refused: contact by complementarity, the flow of regularized Stokeslets (its iterations end with errors
+//! above those allowed here), controllers and other interventions. A step that the neighbours cannot repeat, such as one of the
+//! midpoint rule that an impact ended, is an error.
 //!
 //! | file | what |
 //! |---|---|
@@ -176,9 +180,15 @@ impl Sensitivity {
             parameter.step(&replayed, &self.base, &mut self.centre)?;
         }
         self.centre.finish_like(&self.base, &replayed)?;
+        if self.centre.break_like(&self.base) {
+            let parameters = self.parameters.iter_mut();
+            parameters.for_each(|parameter| parameter.break_like(&self.base));
+        }
         Ok(report)
     }
 }
 
+#[cfg(test)]
+mod joint_tests;
 #[cfg(test)]
 mod tests;

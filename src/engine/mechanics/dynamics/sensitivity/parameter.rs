@@ -56,6 +56,9 @@ impl Parameter {
                 && one.system.assembly.held == base.system.assembly.held
                 && one.system.ghosts.len() == base.system.ghosts.len()
                 && one.system.assembly.drives.len() == base.system.assembly.drives.len()
+                && one.system.assembly.joints.frames.len()
+                    == base.system.assembly.joints.frames.len()
+                && one.breaks().len() == base.breaks().len()
         };
         if !neighbours.iter().all(is_like) {
             return Err(OTHER_SHAPE);
@@ -99,8 +102,9 @@ impl Parameter {
             velocity: self.state.velocity.clone(),
         };
         rules.begin(step, &self.state, turning, &mut stage, &mut prediction);
-        let mut right_hand_side = Self::motion_forces(&stage, centre);
+        let mut right_hand_side = Self::motion_forces(&stage, &replayed.solution, centre);
         let mut velocity = vec![0.0; right_hand_side.len()];
+        let mut explicit = vec![0.0; right_hand_side.len()];
         for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
             let weight = sign / (2.0 * self.step);
             let before = neighbour.system.contact_stiffness();
@@ -113,6 +117,10 @@ impl Parameter {
             for k in (0..at.len()).filter(|&k| held[k]) {
                 at[k] = prescribed[k];
             }
+            neighbour.system.complete(&mut at);
+            for (explicit, at) in explicit.iter_mut().zip(&at) {
+                *explicit += weight * at;
+            }
             if !neighbour.system.candidates_are_complete(&at) {
                 neighbour.system.update_candidates(&at);
             }
@@ -123,7 +131,10 @@ impl Parameter {
             neighbour.add_velocity(weight, centre, base, &from, step, &mut velocity);
         }
         let mut change = self.solve(&right_hand_side, centre, goal)?;
-        let reactions = sum(right_hand_side, &replayed.jacobian.multiply(&change));
+        (centre.system).spread_change(&replayed.solution, &explicit, &mut change);
+        let mut reactions = replayed.jacobian.multiply(&change);
+        centre.system.gather_product(&change, &mut reactions);
+        let reactions = sum(right_hand_side, &reactions);
         for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
             let away = sign * self.step;
             let trial = neighbour.along(&replayed.solution, &change, away);
@@ -155,12 +166,42 @@ impl Parameter {
         for (index, sign) in SIGNS.into_iter().enumerate() {
             let neighbour = &mut self.neighbours[index];
             let away = sign * self.step;
-            let next = |k: usize| base.state.velocity[k] + away * own[k];
-            self.exchanges[index] = neighbour.accept_like(goal, next);
+            let next = |k: usize| base.integrator.workspace.next_velocity[k] + away * own[k];
+            self.exchanges[index] = neighbour.accept_like(goal, &replayed.long, next);
         }
         self.state.advance_to(goal, &change, &own);
+        if !replayed.long.is_empty() {
+            self.take_rotations();
+        }
         self.measure_amplitude(base);
         Ok(())
+    }
+
+    /// Breaks the joints that broke in `base` at the end of its step.
+    pub(super) fn break_like(&mut self, base: &Simulation) {
+        for neighbour in &mut self.neighbours {
+            neighbour.break_like(base);
+        }
+        self.take_rotations();
+        self.state.begin_anew();
+    }
+
+    /// Takes over the derivatives of the rotation vectors of frames and of their velocities, now and before, from the neighbours.
+    fn take_rotations(&mut self) {
+        let [plus, minus] = &mut self.neighbours;
+        let frames = &plus.system.assembly.joints.frames;
+        let places = frames.iter().map(|frame| frame.first_unknown);
+        let places: Vec<usize> = places.flat_map(|first| first..first + STRIDE).collect();
+        let motions = (self.state.motions().into_iter())
+            .zip(plus.state.motions())
+            .zip(minus.state.motions());
+        for ((own, plus), minus) in motions {
+            for ((own, plus), minus) in own.into_iter().zip(plus).zip(minus) {
+                for &k in &places {
+                    own[k] = (plus[k] - minus[k]) / (2.0 * self.step);
+                }
+            }
+        }
     }
 
     /// Takes over the equilibrium of `base`; the matrix of `centre` there is factored.
@@ -174,22 +215,25 @@ impl Parameter {
         jacobian: &WholeMatrix,
     ) -> Result<(), SensitivityError> {
         let mut right_hand_side = vec![0.0; base.state.unknowns.len()];
+        let mut explicit = right_hand_side.clone();
         for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
             neighbour.settle_like(base);
             let weight = sign / (2.0 * self.step);
             for (sum, residual) in right_hand_side.iter_mut().zip(&neighbour.system.residual) {
                 *sum += weight * residual;
             }
-            let held = &neighbour.state.unknowns;
-            neighbour
-                .integrator
-                .workspace
-                .trial
-                .unknowns
-                .copy_from_slice(held);
+            let at = &neighbour.state.unknowns;
+            for (explicit, at) in explicit.iter_mut().zip(at) {
+                *explicit += weight * at;
+            }
+            let prescribed = &mut neighbour.integrator.workspace.trial.unknowns;
+            prescribed.copy_from_slice(at);
         }
-        let change = self.solve(&right_hand_side, centre, base.state.time)?;
-        let reactions = sum(right_hand_side, &jacobian.multiply(&change));
+        let mut change = self.solve(&right_hand_side, centre, base.state.time)?;
+        (centre.system).spread_change(&base.state.unknowns, &explicit, &mut change);
+        let mut reactions = jacobian.multiply(&change);
+        centre.system.gather_product(&change, &mut reactions);
+        let reactions = sum(right_hand_side, &reactions);
         for (neighbour, sign) in self.neighbours.iter_mut().zip(SIGNS) {
             let away = sign * self.step;
             let rest = neighbour.along(&base.state.unknowns, &change, away);
@@ -230,16 +274,17 @@ impl Parameter {
         }
     }
 
-    /// Change of inertia and drag with the start of the stage and the velocity there.
-    fn motion_forces(stage: &Stage, centre: &Simulation) -> Vec<f64> {
+    /// Change of inertia and drag with the start of the stage and the velocity there, at its solution.
+    fn motion_forces(stage: &Stage, solution: &[f64], centre: &mut Simulation) -> Vec<f64> {
         let mut stage = stage.clone();
         // What drag the fluid has where the step starts is different for the neighbours.
         stage.drag.fill(Vector3::zeros());
         stage.drag_velocity.fill(Vector3::zeros());
         let at_rest = vec![0.0; stage.start.len()];
         let mut forces = at_rest.clone();
-        let system = &centre.system;
+        let system = &mut centre.system;
         system.add_motion_forces(&at_rest, &stage, &mut forces);
+        system.gather_changes(solution, &mut forces);
         forces
     }
 
@@ -282,16 +327,17 @@ fn sum(mut one: Vec<f64>, other: &[f64]) -> Vec<f64> {
 
 impl Simulation {
     /// The given unknowns, moved along a derivative; the prescribed ones are those in the workspace.
-    fn along(&self, from: &[f64], change: &[f64], step: f64) -> Vec<f64> {
+    fn along(&mut self, from: &[f64], change: &[f64], step: f64) -> Vec<f64> {
         let held = &self.system.assembly.held;
         let prescribed = &self.integrator.workspace.trial.unknowns;
         let moved = from.iter().zip(change).enumerate();
+        let moved = moved.map(|(k, (from, change))| match held[k] {
+            true => prescribed[k],
+            false => from + step * change,
+        });
+        let mut moved: Vec<f64> = moved.collect();
+        self.system.complete(&mut moved);
         moved
-            .map(|(k, (from, change))| match held[k] {
-                true => prescribed[k],
-                false => from + step * change,
-            })
-            .collect()
     }
 
     /// Adds the velocity, times a weight, that the scheme of this simulation makes of the step of `base`: clamps that turn with another speed have other

@@ -4,6 +4,7 @@ use super::error::SensitivityError;
 use crate::mechanics::dynamics::report::{Exchange, SimulationError};
 use crate::mechanics::dynamics::scheme::{Prediction, TimeScheme};
 use crate::mechanics::dynamics::simulation::Simulation;
+use crate::mechanics::dynamics::state::State;
 use crate::mechanics::system::{Stage, WholeMatrix};
 
 /// Residual over its tolerance up to which a repeated step counts as the same: Newton's method may end with last digits alone.
@@ -23,6 +24,8 @@ pub(in crate::mechanics::dynamics) struct Replayed {
     pub jacobian: WholeMatrix,
     /// The residual there: where unknowns are held, what holds them.
     pub residual: Vec<f64>,
+    /// Frames whose rotation vectors are reset at the end.
+    pub long: Vec<usize>,
     /// Contact stiffness k, its ratio to that from the forces at the prediction, and whether these changed it.
     stiffness: f64,
     stiffening: f64,
@@ -33,7 +36,7 @@ pub(in crate::mechanics::dynamics) struct Replayed {
 pub(in crate::mechanics::dynamics) struct Taken<'a> {
     /// s.
     pub time: f64,
-    /// Unknowns.
+    /// Unknowns, before rotation vectors were reset and joints broke.
     pub unknowns: &'a [f64],
     /// Contact stiffness k.
     pub contact_stiffness: f64,
@@ -44,7 +47,7 @@ impl<'a> Taken<'a> {
     pub(super) fn last_of(simulation: &'a Simulation) -> Self {
         Self {
             time: simulation.state.time,
-            unknowns: &simulation.state.unknowns,
+            unknowns: &simulation.integrator.workspace.trial.unknowns,
             contact_stiffness: simulation.system.contact_stiffness(),
         }
     }
@@ -78,8 +81,9 @@ impl Replayed {
                 };
             }
         }
-        let solution = solution.clone();
         let system = &mut centre.system;
+        system.complete(solution);
+        let solution = solution.clone();
         system.restore_contact_stiffness(used);
         if !system.candidates_are_complete(&solution) {
             system.update_candidates(&solution);
@@ -103,6 +107,7 @@ impl Replayed {
             solution,
             jacobian,
             residual: system.residual.clone(),
+            long: system.long_rotations(taken.unknowns),
             stiffness: used,
             stiffening: if adapted > 0.0 { used / adapted } else { 1.0 },
             adapts: adapted != before,
@@ -204,8 +209,14 @@ impl Simulation {
         Ok(())
     }
 
-    /// Accepts the step that ends in the workspace, with a velocity; returns its work and losses.
-    pub(super) fn accept_like(&mut self, goal: f64, velocity: impl Fn(usize) -> f64) -> Exchange {
+    /// Accepts the step that ends in the workspace, with a velocity, and resets the rotation vectors of some frames; returns its work and
+    /// losses.
+    pub(super) fn accept_like(
+        &mut self,
+        goal: f64,
+        long: &[usize],
+        velocity: impl Fn(usize) -> f64,
+    ) -> Exchange {
         let scheme = self.integrator.setting.parameters.scheme;
         let Self {
             system,
@@ -217,6 +228,7 @@ impl Simulation {
         next.enumerate().for_each(|(k, next)| *next = velocity(k));
         let exchange = integrator.accepted(system, state, goal, scheme).exchange();
         integrator.accept(system, state, goal);
+        system.begin_rotations_anew(long, &mut state.motions());
         self.publish();
         exchange
     }
@@ -231,11 +243,24 @@ impl Simulation {
         replayed: &Replayed,
     ) -> Result<(), SensitivityError> {
         self.end_like(replayed.goal, &replayed.solution)?;
+        let taken = &base.integrator.workspace;
         let end = &mut self.integrator.workspace.trial.unknowns;
-        end.copy_from_slice(&base.state.unknowns);
+        end.copy_from_slice(&taken.trial.unknowns);
         self.system.update_geometry(end);
-        self.accept_like(replayed.goal, |k| base.state.velocity[k]);
+        self.accept_like(replayed.goal, &replayed.long, |k| taken.next_velocity[k]);
         Ok(())
+    }
+
+    /// Breaks the joints that broke in `base` at the end of its step; returns whether there are any.
+    pub(super) fn break_like(&mut self, base: &Self) -> bool {
+        let State {
+            unknowns, velocity, ..
+        } = &mut self.state;
+        let breaks = self.system.break_like(&base.breaks(), unknowns, velocity);
+        if breaks {
+            self.begin_anew();
+        }
+        breaks
     }
 
     /// Takes over the frames of `base` in its equilibrium and evaluates residual and Jacobian there: where clamps hold it, by its

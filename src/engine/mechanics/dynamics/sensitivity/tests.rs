@@ -16,14 +16,14 @@ type OfFactor<'a> = &'a dyn Fn(f64) -> Scene;
 
 /// What happens: an equilibrium, steps of a size (s), or both.
 #[derive(Clone, Copy, Debug)]
-struct Course {
+pub(super) struct Course {
     settles: bool,
     scheme: Scheme,
     step: f64,
     steps: usize,
 }
 
-const REST: Course = Course {
+pub(super) const REST: Course = Course {
     settles: true,
     scheme: Scheme::ImplicitEuler,
     step: 1e-3,
@@ -31,7 +31,7 @@ const REST: Course = Course {
 };
 
 impl Course {
-    fn moves(scheme: Scheme, step: f64, steps: usize) -> Self {
+    pub(super) fn moves(scheme: Scheme, step: f64, steps: usize) -> Self {
         Self {
             settles: false,
             scheme,
@@ -52,7 +52,7 @@ impl Course {
         self.step * self.steps as f64
     }
 
-    fn run(&self, scene: &Scene) -> Simulation {
+    pub(super) fn run(&self, scene: &Scene) -> Simulation {
         let mut simulation = Simulation::new(scene, &self.parameters()).unwrap();
         if self.settles {
             simulation.find_equilibrium().unwrap();
@@ -130,16 +130,16 @@ fn errors(course: &Course, scene: OfFactor, bounds: &Bounds) -> [f64; 4] {
 }
 
 /// How a derivative is compared.
-struct Bounds {
+pub(super) struct Bounds {
     /// ε of the derivative, and the part of the parameter over which whole runs differ.
-    step: f64,
-    difference: f64,
+    pub(super) step: f64,
+    pub(super) difference: f64,
     /// Largest errors of positions, velocities and frames, and of reactions.
-    motion: f64,
-    reactions: f64,
+    pub(super) motion: f64,
+    pub(super) reactions: f64,
 }
 
-const EXACT: Bounds = Bounds {
+pub(super) const EXACT: Bounds = Bounds {
     step: 2e-5,
     difference: 2e-3,
     motion: 1e-7,
@@ -158,7 +158,7 @@ fn check(name: &str, course: &Course, scene: OfFactor, bounds: &Bounds) {
 }
 
 /// For parameters that matter less.
-const WEAK: Bounds = Bounds {
+pub(super) const WEAK: Bounds = Bounds {
     difference: 1e-2,
     ..EXACT
 };
@@ -170,16 +170,16 @@ const DAMPED: Bounds = Bounds {
     ..WEAK
 };
 
-/// For contacts, whose stiffness has switches at some distance.
-const RUBBING: Bounds = Bounds {
+/// For what switches at some distance, such as the stiffness of contacts and joints that break.
+pub(super) const AT_SWITCHES: Bounds = Bounds {
     difference: 5e-4,
     ..EXACT
 };
 
 /// Changes of single parameters by a factor.
-type Change = (&'static str, fn(&mut Scene, f64));
+pub(super) type Change = (&'static str, fn(&mut Scene, f64));
 
-const OF_RODS: [Change; 6] = [
+pub(super) const OF_RODS: [Change; 6] = [
     ("EI1", |scene, factor| {
         scene.rods[0].stiffness.bending[0] *= factor;
     }),
@@ -210,7 +210,7 @@ fn changed(scene: &Scene, change: fn(&mut Scene, f64), factor: f64) -> Scene {
 }
 
 #[track_caller]
-fn check_all(course: &Course, scene: &Scene, changes: &[Change], bounds: &Bounds) {
+pub(super) fn check_all(course: &Course, scene: &Scene, changes: &[Change], bounds: &Bounds) {
     for (name, change) in changes {
         let of = |factor: f64| changed(scene, *change, factor);
         check(name, course, &of, bounds);
@@ -369,7 +369,7 @@ fn friction_on_the_ground() {
     ];
     for model in SOFT_MODELS {
         let course = Course::moves(Scheme::ImplicitEuler, 2e-3, 30);
-        check_all(&course, &pulled(model), &changes, &RUBBING);
+        check_all(&course, &pulled(model), &changes, &AT_SWITCHES);
     }
 }
 

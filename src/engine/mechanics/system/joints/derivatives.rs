@@ -13,6 +13,7 @@
 use super::super::Stage;
 use super::Joints;
 use crate::linalg::ElementMatrix;
+use crate::mechanics::rod::topology::position;
 use crate::mechanics::rod::{STRIDE, TURNING_ROTATION};
 use crate::mechanics::{Matrix3, Vector3, rotation};
 
@@ -35,6 +36,14 @@ impl Joints {
         let jacobian = rotation::left_jacobian(&base.rotation_vector(unknowns)) / base.length;
         let axis = frame.hinge.map(|(base, axis)| self.rotations[base] * axis);
         (jacobian, axis)
+    }
+
+    /// Turn of a frame, seen from outside, for a change of the unknowns; the last evaluation was at `unknowns`.
+    pub(crate) fn turn_of_frame(&self, number: usize, unknowns: &[f64], change: &[f64]) -> Vector3 {
+        let (jacobian, axis) = self.rates_of_frame(number, unknowns);
+        let (base, hinge) = self.unknowns_of_frame(number);
+        let about_axis = hinge.zip(axis).map(|(hinge, axis)| axis * change[hinge]);
+        jacobian * position(change, base / STRIDE) + about_axis.unwrap_or_else(Vector3::zeros)
     }
 
     /// Makes the elements of half vertices, which hold second derivatives over rotations seen from outside, and those of the

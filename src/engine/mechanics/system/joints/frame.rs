@@ -99,16 +99,18 @@ impl TurningFrame {
         Some((first, axes.map(|axis| rotation * axis * self.length)))
     }
 
-    /// Resets a rotation vector that has become long, with the present rotation as base; the change of chart is
-    /// exact for the present `motion` (unknowns and velocities) and for earlier ones.
+    /// Whether the rotation vector has become long and is free.
+    pub(crate) fn is_long(&self, unknowns: &[f64]) -> bool {
+        self.hinge.is_none() && self.rotation_vector(unknowns).norm() >= LARGEST_TURN
+    }
+
+    /// Resets the rotation vector, with the present rotation as base; the change of chart is exact for the present motion
+    /// (unknowns and velocities), the first one, and for earlier ones.
     pub(crate) fn begin_anew(&mut self, motions: &mut [[&mut [f64]; 2]]) {
         let Some([unknowns, _]) = motions.first() else {
             return;
         };
         let now = self.rotation_vector(unknowns);
-        if now.norm() < LARGEST_TURN {
-            return;
-        }
         let back = rotation::from_vector(now).inverse();
         for [unknowns, velocity] in motions {
             let old = self.rotation_vector(unknowns);

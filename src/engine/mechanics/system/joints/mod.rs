@@ -212,13 +212,9 @@ impl Joints {
         velocity: &mut [f64],
     ) {
         self.rotate(unknowns);
-        let (jacobian, axis) = self.rates_of_frame(number, unknowns);
-        let (of_base, _) = self.unknowns_of_frame(number);
+        let spin = self.turn_of_frame(number, unknowns, velocity);
         let frame = &mut self.frames[number];
         let own = frame.first_unknown;
-        let about_axis = axis.map(|axis| axis * velocity[own + 3]);
-        let spin = jacobian * position(velocity, of_base / STRIDE)
-            + about_axis.unwrap_or_else(Vector3::zeros);
         frame.base = self.rotations[number];
         unknowns[own..own + STRIDE].fill(0.0);
         velocity[own..own + STRIDE].fill(0.0);
@@ -391,6 +387,49 @@ impl System {
         self.assembly.joints.complete(unknowns);
     }
 
+    /// Makes changes of the forces on all nodes, frames and bodies, at the last evaluation, which was at `unknowns`, changes over
+    /// the free unknowns.
+    pub(crate) fn gather_changes(&mut self, unknowns: &[f64], changes: &mut [f64]) {
+        let joints = &mut self.assembly.joints;
+        joints.gather_moments(unknowns, changes);
+        joints.gather(changes);
+    }
+
+    /// Completes a derivative of all unknowns over a parameter, at `unknowns` of the last evaluation: tips of bodies turn with their frames,
+    /// and tips and sliding nodes have the derivative at fixed unknowns in `explicit` in addition.
+    pub(crate) fn spread_change(&self, unknowns: &[f64], explicit: &[f64], change: &mut [f64]) {
+        let joints = &self.assembly.joints;
+        for (number, frame) in joints.frames.iter().enumerate() {
+            let Some((first, tips)) = frame.tips(&joints.rotations[number]) else {
+                continue;
+            };
+            let turn = joints.turn_of_frame(number, unknowns, change);
+            for (k, tip) in tips.iter().enumerate() {
+                let unknown = first + STRIDE * k;
+                let moved = turn.cross(tip) + position(explicit, unknown / STRIDE);
+                change[unknown..unknown + 3].copy_from_slice(moved.as_slice());
+            }
+        }
+        for slide in &joints.slides {
+            let explicit = position(explicit, slide.node);
+            add_to_node(change, slide.node, &explicit);
+        }
+        joints.spread_points(change);
+    }
+
+    /// Makes the product of the whole Jacobian of the last evaluation with `moves` that of the one over the free unknowns.
+    pub(crate) fn gather_product(&self, moves: &[f64], product: &mut [f64]) {
+        let joints = &self.assembly.joints;
+        joints.gather(product);
+        for slide in joints.slides.iter().filter(|slide| !slide.is_stopped) {
+            let weights = &slide.grip.weights;
+            for (node, slope) in weights.nodes.iter().zip(&weights.slopes) {
+                let force = slide.residual * (slope * moves[slide.unknown]);
+                add_to_node(product, *node, &force);
+            }
+        }
+    }
+
     /// Makes a residual over all nodes, frames and bodies one over the free unknowns.
     pub(super) fn gather_at_joints(&mut self, unknowns: &[f64]) {
         self.breaking.note(&self.residual);
@@ -409,12 +448,22 @@ impl System {
         self.assembly.joints.begin_step(start);
     }
 
-    /// Resets rotation vectors that have become long in a motion: its present unknowns and velocities, and earlier ones.
-    pub(crate) fn begin_rotations_anew(&mut self, motions: &mut [[&mut [f64]; 2]]) {
-        for frame in &mut self.assembly.joints.frames {
-            if frame.hinge.is_none() {
-                frame.begin_anew(motions);
-            }
+    /// Frames whose rotation vectors at `unknowns` have become long.
+    pub(crate) fn long_rotations(&self, unknowns: &[f64]) -> Vec<usize> {
+        let frames = self.assembly.joints.frames.iter().enumerate();
+        let long = frames.filter(|(_, frame)| frame.is_long(unknowns));
+        long.map(|(number, _)| number).collect()
+    }
+
+    /// Resets the rotation vectors of some frames, with the present rotations as bases; the change of chart is exact for all
+    /// `motions`, the present unknowns and velocities, and earlier ones.
+    pub(crate) fn begin_rotations_anew(
+        &mut self,
+        frames: &[usize],
+        motions: &mut [[&mut [f64]; 2]],
+    ) {
+        for &number in frames {
+            self.assembly.joints.frames[number].begin_anew(motions);
         }
     }
 

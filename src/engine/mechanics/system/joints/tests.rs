@@ -387,7 +387,8 @@ fn rotations_that_begin_anew_are_the_same() {
     };
     let before = turned(&mut system, &unknowns);
     let soon = turned(&mut system, &later(&unknowns, &velocity));
-    system.begin_rotations_anew(&mut [[&mut unknowns, &mut velocity]]);
+    let long = system.long_rotations(&unknowns);
+    system.begin_rotations_anew(&long, &mut [[&mut unknowns, &mut velocity]]);
     assert!(unknowns[frame.first_unknown].abs() < 1e-15);
     let after = turned(&mut system, &unknowns);
     let soon_after = turned(&mut system, &later(&unknowns, &velocity));

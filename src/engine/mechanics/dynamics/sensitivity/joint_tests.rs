@@ -1,0 +1,214 @@
+//! The same for joined rods and bodies.
+
+use super::tests::{AT_SWITCHES, Bounds, Change, Course, EXACT, OF_RODS, REST, WEAK, check_all};
+use crate::mechanics::Vector3;
+use crate::mechanics::dynamics::Scheme;
+use crate::mechanics::scene::{
+    HingeSpring, JointKind, NaturalShape, RodDescription, Scene, Strength,
+};
+use crate::mechanics::test_support::{
+    at, body, clamp, curved, gravity, hinge, joint, line, point_force, section,
+};
+
+/// Schemes for scenes with frames that turn.
+const FOR_FRAMES: [Scheme; 2] = [Scheme::ImplicitEuler, Scheme::BackwardDifferences];
+
+fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
+    let stiffness = section(200.0, [1e-3, 2.5e-3], 1.2e-3);
+    RodDescription {
+        natural_shape: curved([2.0, 1.0], 1.5),
+        first_director: Some(Vector3::z()),
+        ..RodDescription::uniform(name, line(from, to, edges), stiffness, 2e-3, 0.01)
+    }
+}
+
+fn sprung(axis: Vector3) -> JointKind {
+    let spring = HingeSpring {
+        stiffness: 5e-3,
+        rest_angle: 0.3,
+    };
+    JointKind::Hinge {
+        axis,
+        spring: Some(spring),
+    }
+}
+
+/// Two arms at an angle, the first one clamped, and a body off the end of the second one.
+fn arms(kind: JointKind) -> Scene {
+    let elbow = Vector3::x() * 0.15;
+    let mut hand = body("hand", at(1, 3), 2e-3, Some([2e-7, 3e-7, 4e-7]));
+    hand.offset = Vector3::new(3e-3, -2e-3, 4e-3);
+    Scene {
+        rods: vec![
+            rod("upper", Vector3::zeros(), elbow, 4),
+            rod("lower", elbow, elbow + Vector3::y() * 0.1, 3),
+        ],
+        clamps: vec![clamp(0, 0)],
+        joints: vec![joint("elbow", [at(0, 4), at(1, 0)], kind)],
+        bodies: vec![hand, body("ring", at(0, 2), 1e-3, None)],
+        loads: vec![gravity(2.0), point_force(1, 1, Vector3::z() * 2e-3)],
+        ..Scene::default()
+    }
+}
+
+const OF_BODIES: [Change; 3] = [
+    ("mass of a body", |scene, factor| {
+        scene.bodies[0].mass *= factor;
+        scene.bodies[1].mass *= factor;
+    }),
+    ("offset of a body", |scene, factor| {
+        scene.bodies[0].offset *= factor;
+    }),
+    ("inertia of a body", |scene, factor| {
+        scene.bodies[0].inertia = Some([2e-7 * factor, 3e-7, 4e-7]);
+    }),
+];
+
+const OF_HINGE: [Change; 2] = [
+    ("stiffness of a hinge", |scene, factor| {
+        let spring = spring_of(scene);
+        spring.stiffness *= factor;
+    }),
+    ("rest angle of a hinge", |scene, factor| {
+        let spring = spring_of(scene);
+        spring.rest_angle *= factor;
+    }),
+];
+
+fn spring_of(scene: &mut Scene) -> &mut HingeSpring {
+    match &mut scene.joints[0].kind {
+        JointKind::Hinge {
+            spring: Some(spring),
+            ..
+        } => spring,
+        _ => panic!("the joint is no hinge with a spring"),
+    }
+}
+
+/// Lengthens both arms and turns the second one.
+const PLACED: Change = ("places of the rods", |scene, factor| {
+    let turn = Vector3::new(0.3, -0.2, 0.4) * (factor - 1.0);
+    for rod in &mut scene.rods {
+        for node in &mut rod.centreline {
+            *node = *node * factor + turn.cross(node);
+        }
+    }
+});
+
+/// For changes of places, in which motions are far from linear.
+const NEAR: Bounds = Bounds {
+    step: 2e-6,
+    difference: 5e-4,
+    ..EXACT
+};
+
+#[test]
+fn equilibria_of_joined_rods() {
+    for kind in [JointKind::Rigid, sprung(Vector3::z())] {
+        check_all(&REST, &arms(kind), &OF_RODS[..5], &WEAK);
+        check_all(&REST, &arms(kind), &OF_BODIES[..2], &WEAK);
+        check_all(&REST, &arms(kind), &[PLACED], &WEAK);
+    }
+    check_all(&REST, &arms(sprung(Vector3::z())), &OF_HINGE, &WEAK);
+}
+
+#[test]
+fn swings_of_joined_rods_with_a_body() {
+    for scheme in FOR_FRAMES {
+        let course = Course::moves(scheme, 2e-3, 30);
+        for kind in [JointKind::Ball, JointKind::Rigid, sprung(Vector3::z())] {
+            check_all(&course, &arms(kind), &OF_RODS[..5], &EXACT);
+            check_all(&course, &arms(kind), &OF_BODIES, &EXACT);
+            check_all(&course, &arms(kind), &[PLACED], &NEAR);
+        }
+        check_all(&course, &arms(sprung(Vector3::z())), &OF_HINGE, &EXACT);
+    }
+}
+
+/// Without a clamp that holds the first node.
+const FREE: Bounds = Bounds {
+    reactions: f64::INFINITY,
+    ..EXACT
+};
+
+const FREE_AND_NEAR: Bounds = Bounds {
+    reactions: f64::INFINITY,
+    ..NEAR
+};
+
+/// Two rods welded at right angles with a body at the corner, which turn by more than a radian.
+#[test]
+fn a_body_that_tumbles_and_resets_its_rotation() {
+    let mut scene = arms(JointKind::Rigid);
+    scene.clamps.clear();
+    scene.loads.clear();
+    let spin = Vector3::new(2.0, 30.0, 20.0);
+    for rod in &mut scene.rods {
+        rod.natural_shape = NaturalShape::Straight;
+        rod.angular_velocity = spin;
+        let middle = (rod.centreline[0] + rod.centreline[rod.centreline.len() - 1]) * 0.5;
+        rod.velocity = spin.cross(&middle);
+    }
+    let spinning: Change = ("spin", |scene, factor| {
+        for rod in &mut scene.rods {
+            rod.angular_velocity *= factor;
+            rod.velocity *= factor;
+        }
+    });
+    for scheme in FOR_FRAMES {
+        let course = Course::moves(scheme, 2e-3, 40);
+        check_all(&course, &scene, &[spinning], &FREE);
+        check_all(&course, &scene, &OF_BODIES, &FREE);
+        check_all(&course, &scene, &[PLACED], &FREE_AND_NEAR);
+    }
+}
+
+#[test]
+fn motions_in_which_a_joint_breaks() {
+    for kind in [JointKind::Ball, JointKind::Rigid, hinge(Vector3::z())] {
+        let mut scene = arms(kind);
+        scene.joints[0].strength = Strength::of_force(0.07);
+        let mut pull = point_force(1, 1, Vector3::new(0.2, 1.0, 0.3));
+        pull.schedule = vec![(0.0, 0.0), (0.02, 0.0), (0.021, 1.0), (0.025, 0.0)];
+        scene.loads.push(pull);
+        for scheme in FOR_FRAMES {
+            let course = Course::moves(scheme, 1e-3, 40);
+            let broken = course.run(&scene).breaks();
+            assert!(broken[0].is_some(), "{kind:?}");
+
+            check_all(&course, &scene, &OF_RODS[..2], &AT_SWITCHES);
+            check_all(&course, &scene, &OF_BODIES[..1], &AT_SWITCHES);
+        }
+    }
+}
+
+/// A bead that slides along a rod which is clamped at both ends.
+#[test]
+fn a_bead_that_slides_along_a_rod() {
+    let mut wire = rod("wire", Vector3::zeros(), Vector3::new(0.3, 0.0, -0.1), 8);
+    wire.natural_shape = NaturalShape::Straight;
+    let start = wire.centreline[2];
+    let bead = rod("bead", start, start + Vector3::y() * 0.02, 2);
+    let slide = joint("slide", [at(1, 0), at(0, 2)], JointKind::Slide);
+    let scene = Scene {
+        rods: vec![wire, bead],
+        clamps: vec![clamp(0, 0), clamp(0, 8)],
+        joints: vec![slide],
+        loads: vec![gravity(2.0)],
+        ..Scene::default()
+    };
+    // The velocity of a bead on a straight wire hardly depends on its stiffness.
+    let bounds = Bounds {
+        motion: 1e-6,
+        reactions: 1e-6,
+        ..WEAK
+    };
+    for (scheme, steps) in [
+        (Scheme::ImplicitEuler, 30),
+        (Scheme::BackwardDifferences, 30),
+        (Scheme::ImplicitMidpoint, 5),
+    ] {
+        let course = Course::moves(scheme, 2e-3, steps);
+        check_all(&course, &scene, &OF_RODS[..2], &bounds);
+    }
+}
