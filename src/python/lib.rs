@@ -51,10 +51,11 @@ mod _rodlab {
     #[pymodule_export]
     use super::stepper::StepReport;
 
-    /// Names the exceptions here, too.
+    /// Adds the version, and names the exceptions here, too.
     #[pymodule_init]
-    fn name_exceptions(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+    fn complete(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
         use pyo3::types::{PyAnyMethods, PyModuleMethods};
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         let errors = module.py().import("rodlab.errors")?;
         for name in super::errors::NAMES {
             module.add(name, errors.getattr(name)?)?;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import importlib.metadata
 import pickle
 from pathlib import Path
 
@@ -228,3 +229,7 @@ def test_files_that_are_missing_or_no_scenarios_are_errors(tmp_path: Path) -> No
         rodlab.loads("experiment = 3")
     with pytest.raises(TypeError):
         rodlab.load(3)
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    assert rodlab.__version__ == importlib.metadata.version("rodlab")

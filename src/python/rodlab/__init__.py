@@ -28,6 +28,7 @@ from ._rodlab import (
     ScenarioError,
     State,
     StepReport,
+    __version__,
 )
 from .batch import Batch
 from .identification import Derivatives, Identified, identify, sensitivity
@@ -37,6 +38,7 @@ from .simulation import Clamp, RodView, Simulation
 from .vision import score, trace
 
 __all__ = [
+    "__version__",
     "Batch",
     "Clamp",
     "Contacts",

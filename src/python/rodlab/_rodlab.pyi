@@ -15,6 +15,7 @@ from .errors import RodlabError as RodlabError
 from .errors import ScenarioError as ScenarioError
 
 __all__ = [
+    "__version__",
     "Batch",
     "Contacts",
     "Scenario",
@@ -31,6 +32,8 @@ __all__ = [
     "ConvergenceError",
     "PhysicsError",
 ]
+
+__version__: str
 
 _Array = NDArray[np.float64]
 
