@@ -16,7 +16,7 @@ from conftest import cantilever
 
 import rodlab
 
-CASES = int(os.environ.get("RODLAB_FUZZ_CASES", "2000"))
+CASES = int(os.environ.get("RODLAB_FUZZ_CASES", "100000"))
 CALLS_PER_SCENE = 200
 NODES = 6
 
@@ -118,7 +118,7 @@ class Caller:
 
 def not_distant(time: Any) -> Any:
     """Bring a distant time near: to run so far takes long, and is not wrong."""
-    is_number = isinstance(time, (int, float, np.ndarray)) and np.ndim(time) == 0
+    is_number = isinstance(time, (int, float, np.number, np.ndarray)) and np.ndim(time) == 0
     is_distant = is_number and np.isfinite(float(time)) and time > 0.02
     return 0.02 if is_distant else time
 
