@@ -38,7 +38,7 @@ impl FieldArguments {
     ) -> Result<(), Failure> {
         let names = self.fields.iter();
         let fields: Vec<Field> = names.filter_map(|name| Field::named(name)).collect();
-        let found = field_derivatives(source, probes, &fields, usize::from(self.parts))?;
+        let found = field_derivatives(source, probes, &fields, usize::from(self.parts), &|| true)?;
         let mut paths = Vec::new();
         if let Some(directory) = out {
             let mut files = vec![(TABLE, found.to_csv().into_bytes())];

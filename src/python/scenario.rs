@@ -1,7 +1,7 @@
 //! Scenarios from files, texts and dictionaries.
 
 use crate::errors::bad_argument;
-use crate::gradient::derivatives;
+use crate::gradient::{derivatives, over_fields};
 use crate::table::table;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
@@ -119,6 +119,17 @@ impl Scenario {
         of: Vec<String>,
     ) -> PyResult<Bound<'py, PyDict>> {
         derivatives(py, self.source(), &to, &of, None)
+    }
+
+    /// Differentiate probes at the end over fields along the rods: a dictionary of arrays.
+    fn field_sensitivity<'py>(
+        &self,
+        py: Python<'py>,
+        fields: Vec<String>,
+        of: Vec<String>,
+        parts: usize,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        over_fields(py, self.source(), &fields, &of, parts)
     }
 
     /// Return the resolved scenario as TOML.

@@ -222,7 +222,7 @@ fn against_differences(
 fn error_of_field(field: Field, key: &str) -> Result<f64, GroupError> {
     let source = source(MOVED, &[]);
     let of = ["tip".to_owned()];
-    let adjoint = field_derivatives(&source, &of, &[field], 1)?;
+    let adjoint = field_derivatives(&source, &of, &[field], 1, &|| true)?;
     let forward = derivatives(&source, &of, &[key.to_owned()])?;
     let expected = &forward.rows.last().ok_or("no outputs")?.derivatives[0];
     let errors = expected.iter().enumerate();

@@ -217,3 +217,18 @@ def test_faults_of_an_identification_are_named(tmp_path) -> None:
         rodlab.identify(stiff, complete, MODULUS, others=[(scene, complete)])
     with pytest.raises(rodlab.ScenarioError, match=r"identified\.json is missing"):
         rodlab.Identified(tmp_path)
+
+
+def test_derivatives_over_fields_add_up_to_those_over_a_uniform_value() -> None:
+    scene = probed(step="1 ms", end="0.02 s")
+    found = rodlab.field_sensitivity(scene, ["natural_curvature", "force"], "tip", parts=2)
+    assert found.fields == ["natural_curvature_1", "natural_curvature_2", "force_x", "force_y", "force_z"]
+    assert found.units == ["1/m", "1/m", "N", "N", "N"]
+    assert found.derivatives.shape == (2, 17, 5, 3) and found.ends.tolist() == [0.01, 0.02]
+    assert found.nodes == list(range(17)) and set(found.rods) == {"beam"}
+    at_tip = found.derivatives[:, 16, 4, :].sum(axis=0)
+    scene.add_load("force", rod="beam", at=16, force=[0, 0, 0.0])
+    forward = rodlab.sensitivity(scene, "loads.1.force.2", "tip")
+    assert np.allclose(at_tip, forward.derivatives[-1, 0], rtol=1e-5, atol=1e-6 * abs(at_tip[2]))
+    with pytest.raises(rodlab.ScenarioError, match="fields: unknown field `mass`; allowed: natural"):
+        rodlab.field_sensitivity(scene, "mass")

@@ -131,7 +131,7 @@ pub struct FieldRow {
 }
 
 /// Differentiates probes of a scenario, at its end, over fields along its rods. `of` names probes or their columns; all of them where it is
-/// empty. The motion is divided into `parts` of the same length, and fields are changed in one of them each.
+/// empty. The motion is divided into `parts` of the same length, and fields are changed in one of them each. It runs while `goes_on`.
 ///
 /// # Errors
 /// See [`SensitivityError`].
@@ -140,6 +140,7 @@ pub fn field_derivatives(
     of: &[String],
     fields: &[Field],
     parts: usize,
+    goes_on: &dyn Fn() -> bool,
 ) -> Result<FieldDerivatives, SensitivityError> {
     let problem = Problem::new(source, &[])?;
     let run = problem.base();
@@ -164,6 +165,9 @@ pub fn field_derivatives(
     } else {
         for time in times {
             while recording.simulation().time() < time {
+                if !goes_on() {
+                    return Err(SensitivityError::Interrupted);
+                }
                 recording.advance(time)?;
                 steps += 1;
             }

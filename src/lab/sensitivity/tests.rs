@@ -174,7 +174,7 @@ fn fields_that_change_everywhere_alike_are_keys() {
             Field::TwistingStiffness,
             Field::StretchingStiffness,
         ];
-        let found = field_derivatives(&source, &of, &fields, 1).unwrap();
+        let found = field_derivatives(&source, &of, &fields, 1, &|| true).unwrap();
         assert_eq!(found.columns, ["tip_x_m", "tip_y_m", "tip_z_m"]);
         assert_eq!(found.rows.len(), 13);
         for column in 0..3 {
@@ -193,7 +193,7 @@ fn fields_that_change_everywhere_alike_are_keys() {
 fn fields_of_parts_of_a_motion_have_rows_of_their_own() {
     let source = |more: &[String]| beam(&[], more);
     let fields = [Field::Force, Field::InitialVelocity];
-    let found = field_derivatives(&source, &owned(&["tip_z_m"]), &fields, 4).unwrap();
+    let found = field_derivatives(&source, &owned(&["tip_z_m"]), &fields, 4, &|| true).unwrap();
     let ends = found.ends.iter().zip([0.025, 0.05, 0.075, 0.1]);
     assert!(
         ends.into_iter()
@@ -209,7 +209,7 @@ fn fields_of_parts_of_a_motion_have_rows_of_their_own() {
     assert_eq!(lines.len(), 1 + 4 * 13);
     assert!(lines[1].starts_with("0.025,beam,0,0.0,"), "{}", lines[1]);
     // The last node is where it is after a quarter of the motion.
-    let whole = field_derivatives(&source, &owned(&["tip_z_m"]), &fields, 1).unwrap();
+    let whole = field_derivatives(&source, &owned(&["tip_z_m"]), &fields, 1, &|| true).unwrap();
     assert!((found.sum(2, 0) / whole.sum(2, 0) - 1.0).abs() < 1e-12);
     // A push early on has had more time.
     let of_tip = |part: usize| found.rows[13 * part + 12].derivatives[2][0];
@@ -220,7 +220,7 @@ fn fields_of_parts_of_a_motion_have_rows_of_their_own() {
 fn fields_without_derivatives_are_named() {
     let refused = |overrides: &[&str], of: &str, field: Field, parts: usize| {
         let source = |more: &[String]| beam(overrides, more);
-        let found = field_derivatives(&source, &owned(&[of]), &[field], parts);
+        let found = field_derivatives(&source, &owned(&[of]), &[field], parts, &|| true);
         found.expect_err("it has no derivative").to_string()
     };
     let message = refused(&[], "wall", Field::Force, 1);

@@ -31,7 +31,14 @@ from ._rodlab import (
     __version__,
 )
 from .batch import Batch
-from .identification import Derivatives, Identified, identify, sensitivity
+from .identification import (
+    Derivatives,
+    FieldDerivatives,
+    Identified,
+    field_sensitivity,
+    identify,
+    sensitivity,
+)
 from .runs import Nodes, Results, results, run, sweep
 from .scene import Part, Rod, Scene
 from .simulation import Clamp, RodView, Simulation
@@ -44,6 +51,7 @@ __all__ = [
     "Contacts",
     "ConvergenceError",
     "Derivatives",
+    "FieldDerivatives",
     "Identified",
     "Nodes",
     "Part",
@@ -58,6 +66,7 @@ __all__ = [
     "Simulation",
     "State",
     "StepReport",
+    "field_sensitivity",
     "identify",
     "load",
     "loads",

@@ -66,6 +66,12 @@ class Scenario:
 
         Returns `times` (t, s), `columns`, `keys`, `units`, `key_values` (k), `values` (t × c) and `derivatives` (t × k × c).
         """
+    def field_sensitivity(self, fields: Sequence[str], of: Sequence[str], parts: int) -> dict[str, Any]:
+        """Differentiate the c columns of probes at the end over f components of fields at n nodes, in p parts of the motion.
+
+        Returns `columns`, `values` (c), `fields` (f), `units` (f), `rods` (n), `nodes` (n), `arc_lengths` (n, m), `ends` (p, s) and
+        `derivatives` (p × n × f × c).
+        """
     def to_toml(self) -> str:
         """Return the resolved scenario as TOML."""
 

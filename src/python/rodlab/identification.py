@@ -295,6 +295,74 @@ def sensitivity(
     return Derivatives(**scene.scenario.sensitivity(names(to), names(of)))
 
 
+@dataclass(frozen=True)
+class FieldDerivatives:
+    """Probes at the end of a run and their derivatives over fields along the rods, in SI units.
+
+    There are c columns of probes, f components of fields, n nodes and p parts of the motion.
+    """
+
+    columns: list[str]
+    """Columns of the probes; names end with their units."""
+    values: Array
+    """Values of the columns, c."""
+    fields: list[str]
+    """Components of the fields, f, such as ``"natural_curvature_1"``."""
+    units: list[str | None]
+    """SI unit of each component; relative changes have none."""
+    rods: list[str]
+    """Name of the rod of each node, n."""
+    nodes: list[int]
+    """Number of each node along its rod, n."""
+    arc_lengths: Array
+    """Distance of each node from the start of its rod as placed, n, m."""
+    ends: Array
+    """Ends of the parts of the motion, p, s."""
+    derivatives: Array
+    """Derivatives, p × n × f × c, in the unit of the column over that of the component."""
+
+
+def field_sensitivity(
+    scene: Scene | File,
+    fields: str | Sequence[str],
+    of: str | Sequence[str] = (),
+    parts: int = 1,
+    **keys: Any,
+) -> FieldDerivatives:
+    """Differentiate probes of a scene over fields along its rods, at about the cost of one run.
+
+    This is the adjoint mode of ``rodlab sensitivity --field``. Its derivatives over thousands of
+    numbers serve optimisers of natural shapes and of forces over time.
+
+    Parameters
+    ----------
+    scene
+        A `Scene`, a scenario file, or a preset. It needs probes (`Scene.add_probe`).
+    fields
+        ``"natural_curvature"``, ``"natural_twist"``, ``"bending_stiffness"``,
+        ``"twisting_stiffness"``, ``"stretching_stiffness"``, ``"force"``, ``"initial_velocity"``.
+    of
+        Probes, or columns of them; by default all. They have c columns.
+    parts
+        Parts of the motion, of the same length; the fields change in one of them each.
+    **keys
+        Values of dotted keys, which replace those of the scene.
+
+    Returns
+    -------
+    FieldDerivatives
+        Values c and derivatives p × n × f × c at the end of the run.
+
+    Raises
+    ------
+    ScenarioError
+        For an unknown field, and for a scene without such derivatives.
+    """
+    scene = scene_of(scene).with_keys(**keys) if keys else scene_of(scene)
+    found = scene.scenario.field_sensitivity(names(fields), names(of), parts)
+    return FieldDerivatives(**found)
+
+
 class _Tables:
     """Files of tables that are in memory."""
 
