@@ -6,19 +6,49 @@ use crate::run::{Mode, OutputTimes, PreparedRun};
 use crate::scenario::{Loaded, ScenarioError};
 use rodlab_engine::mechanics::dynamics::IntegrationParameters;
 use rodlab_engine::mechanics::dynamics::sensitivity::{Sensitivity, Variation};
+use rodlab_engine::mechanics::fluid::FluidModel;
 
 /// Reads a scenario with further overrides, `key=value` each.
 pub type Source<'a> = &'a dyn Fn(&[String]) -> Result<Loaded, ScenarioError>;
 
-/// ε over the size of a value. Of a larger one the truncation errors would show, of a smaller one the rounding errors.
-const RELATIVE_STEP: f64 = 2e-5;
-/// The same at most, where a value has little effect.
-const LARGEST_STEP: f64 = 1e-4;
-/// ε of a value that is 0, in its SI unit, before its effect is known.
-const FIRST_STEP: f64 = 1e-6;
-/// Differences of neighbours (rad) outside of which another ε is better, and those that it is chosen for.
-const AMPLITUDES: [f64; 2] = [5e-7, 2e-4];
-const BEST_AMPLITUDE: f64 = 1e-5;
+/// Sizes of ε. With larger ones the truncation errors would show, with smaller ones the rounding errors.
+struct Steps {
+    /// ε over the size of a value.
+    relative: f64,
+    /// The same at most, where a value has little effect.
+    largest: f64,
+    /// ε of a value that is 0, in its SI unit, before its effect is known.
+    first: f64,
+    /// Differences of neighbours (rad) outside of which another ε is better, and those that it is chosen for.
+    amplitudes: [f64; 2],
+    best_amplitude: f64,
+}
+
+const STEPS: Steps = Steps {
+    relative: 2e-5,
+    largest: 1e-4,
+    first: 1e-6,
+    amplitudes: [5e-7, 2e-4],
+    best_amplitude: 1e-5,
+};
+/// Those for the flow of regularized Stokeslets, whose operator is stored in single precision.
+const STEPS_IN_FLOW: Steps = Steps {
+    relative: 2e-3,
+    largest: 5e-3,
+    first: 1e-4,
+    amplitudes: [5e-5, 2e-3],
+    best_amplitude: 5e-4,
+};
+
+impl Steps {
+    fn of(run: &PreparedRun) -> &'static Self {
+        match run.scene.fluid {
+            Some(FluidModel::RegularizedStokeslets { .. }) => &STEPS_IN_FLOW,
+            _ => &STEPS,
+        }
+    }
+}
+
 /// Tolerances of Newton's method at most: derivatives have the relative error of the motion itself.
 const FORCE_TOLERANCE: f64 = 1e-10;
 const DISPLACEMENT_TOLERANCE: f64 = 1e-8;
@@ -64,6 +94,7 @@ impl<'a> Problem<'a> {
         let loaded = source(&[])?;
         let base = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
         refuse(&base)?;
+        let steps = Steps::of(&base);
         let mut problem = Self {
             source,
             base,
@@ -73,8 +104,8 @@ impl<'a> Problem<'a> {
             let key = key.trim();
             let value = loaded.number(key).ok_or_else(|| no_number(source, key))?;
             let step = match value {
-                0.0 => FIRST_STEP,
-                _ => RELATIVE_STEP * value.abs(),
+                0.0 => steps.first,
+                _ => steps.relative * value.abs(),
             };
             problem.keys.push(Key {
                 key: key.to_owned(),
@@ -236,7 +267,8 @@ impl<'a> Problem<'a> {
     /// As [`Self::new`].
     pub fn adapt(&mut self, amplitudes: &[f64]) -> Result<bool, SensitivityError> {
         let mut has_changed = false;
-        let [least, largest] = AMPLITUDES;
+        let steps = Steps::of(&self.base);
+        let [least, largest] = steps.amplitudes;
         for (index, &amplitude) in amplitudes.iter().enumerate() {
             let Key { value, step, .. } = self.keys[index];
             if amplitude == 0.0 || (least..=largest).contains(&amplitude) {
@@ -244,9 +276,9 @@ impl<'a> Problem<'a> {
             }
             let bound = match value {
                 0.0 => f64::INFINITY,
-                _ => LARGEST_STEP * value.abs(),
+                _ => steps.largest * value.abs(),
             };
-            let better = (step * BEST_AMPLITUDE / amplitude).min(bound);
+            let better = (step * steps.best_amplitude / amplitude).min(bound);
             if better == step {
                 continue;
             }

@@ -148,9 +148,9 @@ fn what_has_no_derivative_is_named() {
     assert!(message.contains("whole number"), "{message}");
     let message = refused(&["probes=[]"], "tip", density);
     assert!(message.contains("[[probes]]"), "{message}");
-    let flow = "fluid={viscosity=1e-3}";
-    let message = refused(&[flow], "tip", density);
-    assert!(message.contains("fluid.model"), "{message}");
+    let rigid = "contact={model=\"complementarity\"}";
+    let message = refused(&[rigid], "tip", density);
+    assert!(message.contains("contact.model"), "{message}");
 }
 
 #[test]

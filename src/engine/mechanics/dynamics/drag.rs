@@ -165,6 +165,11 @@ impl FluidDrag {
         Ok(report.iterations)
     }
 
+    /// Solves for the drag to a smaller relative residual from now on; returns whether the fluid is exact enough for that.
+    pub(crate) fn sharpen(&mut self, tolerance: f64) -> bool {
+        (self.fluid.as_mut()).is_none_or(|fluid| fluid.sharpen(tolerance))
+    }
+
     /// Whether the drag that the local resistance omits must be found within the step: the scheme would ring, or
     /// might, with less inertia in comparison to the drag.
     pub(crate) fn must_be_coupled(&self, stage: &Stage, scheme: &dyn TimeScheme) -> bool {

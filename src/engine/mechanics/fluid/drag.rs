@@ -261,6 +261,14 @@ impl Fluid {
         }
     }
 
+    /// Solves for the drag to a smaller relative residual from now on; returns whether the operator of the flow is exact enough for that.
+    pub(crate) fn sharpen(&mut self, tolerance: f64) -> bool {
+        match &mut self.method {
+            Method::Stokeslets(drag) => drag.sharpen(tolerance),
+            Method::Resistive { .. } => true,
+        }
+    }
+
     /// Influence of the motion of other nodes; `None` where there is none, and the local resistance D is the whole one.
     pub(crate) fn coupling(&self) -> Option<Coupling> {
         match &self.method {

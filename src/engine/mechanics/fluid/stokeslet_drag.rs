@@ -223,6 +223,15 @@ impl StokesletDrag {
     }
 
     /// Relative residual at which a solve stops.
+    /// Solves to a smaller relative residual from now on; returns whether the operator is exact enough for that.
+    pub(crate) fn sharpen(&mut self, tolerance: f64) -> bool {
+        let is_exact = self.operator.exact().is_some();
+        if is_exact {
+            self.tolerance = self.tolerance.min(tolerance);
+        }
+        is_exact
+    }
+
     pub(crate) fn tolerance(&self) -> f64 {
         self.tolerance
     }

@@ -2,7 +2,6 @@
 
 use crate::mechanics::SceneError;
 use crate::mechanics::dynamics::report::SimulationError;
-use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::Scene;
 
 /// Reason why there are no derivatives.
@@ -46,19 +45,10 @@ impl From<SceneError> for SensitivityError {
 /// [`SensitivityError::Unsuitable`].
 pub(in crate::mechanics::dynamics) fn check(scene: &Scene) -> Result<(), SensitivityError> {
     let is_rigid = (scene.contact).is_some_and(|contact| contact.is_complementarity());
-    let flows = matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. }));
-    let refusals = [
-        (
-            is_rigid,
+    match is_rigid {
+        true => Err(SensitivityError::Unsuitable(
             "derivatives need contact.model = \"imc\" or \"ipc\"",
-        ),
-        (
-            flows,
-            "derivatives need fluid.model = \"resistive\" or \"none\"",
-        ),
-    ];
-    match refusals.into_iter().find(|(refused, _)| *refused) {
-        Some((_, reason)) => Err(SensitivityError::Unsuitable(reason)),
-        None => Ok(()),
+        )),
+        false => Ok(()),
     }
 }

@@ -48,8 +48,8 @@ impl Parameter {
         error::check(plus)?;
         error::check(minus)?;
         let neighbours = [
-            Simulation::new(plus, parameters)?,
-            Simulation::new(minus, parameters)?,
+            super::sharp(plus, parameters)?,
+            super::sharp(minus, parameters)?,
         ];
         let is_like = |one: &Simulation| {
             one.state.unknowns.len() == base.state.unknowns.len()

@@ -91,6 +91,17 @@ impl Replayed {
         let tolerance = setting.parameters.force_tolerance;
         system.set_tolerances(tolerance, &centre.state.unknowns, Some(&workspace.stage));
         let jacobian = system.linearize_whole(&solution, Some(&workspace.stage));
+        let rules = setting.parameters.scheme.rules();
+        if centre
+            .integrator
+            .fluid
+            .must_be_coupled(&workspace.stage, rules)
+        {
+            return Err(SensitivityError::NotRepeated {
+                time: goal,
+                reason: "the drag of the flow is found within the step, since inertia is small against it",
+            });
+        }
         // Written so that a number that is none does not pass.
         let is_same = system.imbalance().ratio <= SAME;
         if !is_same {
