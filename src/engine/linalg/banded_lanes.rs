@@ -1,6 +1,10 @@
-//! [`LANES`] symmetric band matrices of one size at a time: the factorisation of [`super::banded`] lane by lane, with the same
-//! operations in the same order, so that every lane gets the bytes that it would get alone.
+//! [`LANES`] symmetric band matrices of one size at a time, with a right-hand side each: the factorisation of [`super::banded`] lane
+//! by lane, with the same operations on every entry in the same order, so that every lane gets the bytes that it would get alone.
+//!
+//! A column is eliminated by all before it at once, when it is complete, and before those after it need be: it is then still in
+//! the cache from when it was filled, and read and written once. The columns hold D Lᵀ, of which L follows by one product.
 
+use super::LaneVector;
 use super::banded::HALF_BANDWIDTH;
 use super::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 
@@ -10,13 +14,15 @@ const WIDTH: usize = HALF_BANDWIDTH + 1;
 /// One column of the lower bands: entry r is row j + r of column j.
 type Column = [Lanes; WIDTH];
 
-/// Lower bands, column by column, then their factors L D Lᵀ in the same place: 1/D on the diagonal, L below it.
+/// Lower bands, column by column, then their factors D Lᵀ in the same place with 1/D on the diagonal; and right-hand sides, then
+/// the solutions.
 ///
-/// Ten columns of padding follow the matrices. A pivot that is zero leaves numbers in its lane that are not finite, and no trace in
-/// the others.
-#[derive(Clone, Debug)]
+/// Ten columns of padding precede the matrices, and ten entries the right-hand sides, which are followed by as many. A pivot that
+/// is zero leaves numbers in its lane that are not finite, and no trace in the others.
+#[derive(Debug)]
 pub(crate) struct BandedLanes {
-    columns: Vec<Column>,
+    columns: LaneVector,
+    sides: LaneVector,
     dimension: usize,
 }
 
@@ -24,99 +30,101 @@ impl BandedLanes {
     /// Zero matrices of the given dimension.
     pub(crate) fn new(dimension: usize) -> Self {
         Self {
-            columns: vec![[[0.0; LANES]; WIDTH]; dimension + HALF_BANDWIDTH],
+            columns: LaneVector::new(WIDTH * (HALF_BANDWIDTH + dimension)),
+            sides: LaneVector::new(HALF_BANDWIDTH + dimension + HALF_BANDWIDTH),
             dimension,
         }
     }
 
-    /// Sets every entry to zero.
-    pub(crate) fn clear(&mut self) {
-        self.columns.fill([[0.0; LANES]; WIDTH]);
-    }
-
     /// The columns of the lower bands, to add to. Entries below the last row must stay zero.
     pub(crate) fn columns_mut(&mut self) -> &mut [[Lanes; HALF_BANDWIDTH + 1]] {
-        &mut self.columns[..self.dimension]
+        let (columns, _) = self.columns.as_chunks_mut();
+        &mut columns[HALF_BANDWIDTH..]
     }
 
-    /// Eliminates a held unknown: its row and column become zero, its diagonal one.
-    pub(crate) fn hold(&mut self, i: usize) {
-        self.columns[i] = [[0.0; LANES]; WIDTH];
-        self.columns[i][0] = [1.0; LANES];
-        for j in i.saturating_sub(HALF_BANDWIDTH)..i {
-            self.columns[j][i - j] = [0.0; LANES];
+    /// The right-hand sides, or the solutions.
+    pub(crate) fn sides(&self) -> &[Lanes] {
+        &self.sides[HALF_BANDWIDTH..][..self.dimension]
+    }
+
+    /// The right-hand sides, or the solutions.
+    pub(crate) fn sides_mut(&mut self) -> &mut [Lanes] {
+        &mut self.sides[HALF_BANDWIDTH..][..self.dimension]
+    }
+
+    /// Eliminates `count` columns from `first` on: all before them must have been, and they must be complete.
+    pub(crate) fn eliminate(&mut self, set: InstructionSet, first: usize, count: usize) {
+        let (columns, _) = self.columns.as_chunks_mut();
+        let end = first + HALF_BANDWIDTH + count;
+        eliminate(
+            set,
+            &mut columns[first..end],
+            &mut self.sides[first..end],
+        );
+    }
+
+    /// Finds the solutions when all columns are eliminated.
+    pub(crate) fn substitute_back(&mut self, set: InstructionSet) {
+        let (columns, _) = self.columns.as_chunks();
+        let sides = &mut self.sides[HALF_BANDWIDTH..];
+        substitute_back(set, &columns[HALF_BANDWIDTH..], sides);
+    }
+}
+
+/// Subtracts what the column `$k` before takes from the one at hand.
+macro_rules! subtract {
+    ($before:ident, $known:ident, $own:ident, $side:ident, $lane:ident, $($k:literal)*) => {
+        $({
+            let earlier: &Column = &$before[HALF_BANDWIDTH - $k];
+            let factor = earlier[$k][$lane] * earlier[0][$lane];
+            for r in $k..WIDTH {
+                $own[r - $k] -= factor * earlier[r][$lane];
+            }
+            $side -= factor * $known[HALF_BANDWIDTH - $k][$lane];
+        })*
+    };
+}
+
+kernel! {
+    /// Eliminates all columns but the first ten, which have been, and substitutes forward.
+    fn eliminate(columns: &mut [Column], sides: &mut [Lanes]) {
+        for j in HALF_BANDWIDTH..columns.len().min(sides.len()) {
+            let (before, from) = columns.split_at_mut(j);
+            let before: &[Column; HALF_BANDWIDTH] = before.last_chunk().expect("ten are before");
+            let (known, unknown) = sides.split_at_mut(j);
+            let known: &[Lanes; HALF_BANDWIDTH] = known.last_chunk().expect("ten are before");
+            let (column, unknown) = (&mut from[0], &mut unknown[0]);
+            for lane in 0..LANES {
+                let mut own = [0.0; WIDTH];
+                for r in 0..WIDTH {
+                    own[r] = column[r][lane];
+                }
+                let mut side = unknown[lane];
+                subtract!(before, known, own, side, lane, 10 9 8 7 6 5 4 3 2 1);
+                column[0][lane] = 1.0 / own[0];
+                for r in 1..WIDTH {
+                    column[r][lane] = own[r];
+                }
+                unknown[lane] = side;
+            }
         }
-    }
-
-    /// Factors the matrices in place.
-    pub(crate) fn factor(&mut self, set: InstructionSet) {
-        factor(set, &mut self.columns, self.dimension);
-    }
-
-    /// Solves A x = b in place, lane by lane.
-    pub(crate) fn solve(&self, set: InstructionSet, right_hand_sides: &mut [Lanes]) {
-        assert_eq!(right_hand_sides.len(), self.dimension);
-        solve(set, &self.columns, right_hand_sides);
     }
 }
 
 kernel! {
-    /// L D Lᵀ of every lane.
-    fn factor(columns: &mut [Column], dimension: usize) {
-        for j in 0..dimension {
-            let (column, following) = columns[j..=j + HALF_BANDWIDTH]
-                .split_first_mut()
-                .expect("a column and its padding");
-            let following: &mut [Column; HALF_BANDWIDTH] =
-                following.try_into().expect("ten columns follow");
-            let unscaled = *column;
-            let mut inverse_pivot = [0.0; LANES];
+    /// Backward substitution of every lane; ten zeros follow the right-hand sides.
+    fn substitute_back(columns: &[Column], sides: &mut [Lanes]) {
+        for (j, column) in columns.iter().enumerate().rev() {
+            let (own, found) = sides[j..].split_first_mut().expect("one for each column");
+            let found: &[Lanes; HALF_BANDWIDTH] = found.first_chunk().expect("ten follow");
             for lane in 0..LANES {
-                inverse_pivot[lane] = 1.0 / unscaled[0][lane];
-            }
-            for r in 1..WIDTH {
-                for lane in 0..LANES {
-                    column[r][lane] = unscaled[r][lane] * inverse_pivot[lane];
+                let inverse_pivot = column[0][lane];
+                let mut sum = own[lane] * inverse_pivot;
+                for r in (1..WIDTH).rev() {
+                    sum -= column[r][lane] * inverse_pivot * found[r - 1][lane];
                 }
+                own[lane] = sum;
             }
-            column[0] = inverse_pivot;
-            for k in 1..WIDTH {
-                let factor = column[k];
-                let target = &mut following[k - 1];
-                for r in k..WIDTH {
-                    for lane in 0..LANES {
-                        target[r - k][lane] -= factor[lane] * unscaled[r][lane];
-                    }
-                }
-            }
-        }
-    }
-}
-
-kernel! {
-    /// Forward and backward substitution of every lane.
-    fn solve(columns: &[Column], x: &mut [Lanes]) {
-        let n = x.len();
-        for i in 0..n {
-            let (column, known) = (&columns[i], x[i]);
-            for r in 1..WIDTH.min(n - i) {
-                for lane in 0..LANES {
-                    x[i + r][lane] -= column[r][lane] * known[lane];
-                }
-            }
-        }
-        for j in (0..n).rev() {
-            let column = &columns[j];
-            let mut sum = x[j];
-            for lane in 0..LANES {
-                sum[lane] *= column[0][lane];
-            }
-            for r in (1..WIDTH.min(n - j)).rev() {
-                for lane in 0..LANES {
-                    sum[lane] -= column[r][lane] * x[j + r][lane];
-                }
-            }
-            x[j] = sum;
         }
     }
 }
@@ -129,15 +137,15 @@ mod tests {
     #[test]
     fn every_lane_gets_the_bytes_that_it_gets_alone() {
         for set in InstructionSet::available() {
-            for n in [1, 7, 10, 43] {
+            for (n, at_once) in [(1, 1), (7, 3), (10, 4), (43, 4), (43, 43)] {
                 let entry = |i: usize, j: usize, lane: usize| {
                     let value = ((i * 37 + j * 91 + lane * 13) as f64).sin();
                     if i == j { 25.0 + value } else { value }
                 };
                 let mut together = BandedLanes::new(n);
-                let mut sides: Vec<Lanes> = (0..n)
-                    .map(|k| std::array::from_fn(|lane| ((k + 5 * lane) as f64).cos()))
-                    .collect();
+                for (k, side) in together.sides_mut().iter_mut().enumerate() {
+                    *side = std::array::from_fn(|lane| ((k + 5 * lane) as f64).cos());
+                }
                 let expected: Vec<Vec<f64>> = (0..LANES)
                     .map(|lane| {
                         let mut matrix = BandedSymmetric::new(n);
@@ -147,20 +155,21 @@ mod tests {
                                 together.columns_mut()[j][i - j][lane] = entry(i, j, lane);
                             }
                         }
-                        matrix.hold(n / 2);
                         let mut factor = BandedFactor::new(n);
                         factor.factor(&matrix).unwrap();
-                        let mut x: Vec<f64> = sides.iter().map(|side| side[lane]).collect();
+                        let sides = together.sides().iter();
+                        let mut x: Vec<f64> = sides.map(|side| side[lane]).collect();
                         factor.solve(&mut x);
                         x
                     })
                     .collect();
-                together.hold(n / 2);
-                together.factor(set);
-                together.solve(set, &mut sides);
+                for first in (0..n).step_by(at_once) {
+                    together.eliminate(set, first, at_once.min(n - first));
+                }
+                together.substitute_back(set);
                 for lane in 0..LANES {
-                    for k in 0..n {
-                        assert_eq!(sides[k][lane], expected[lane][k], "{set:?} {n} {lane} {k}");
+                    for (k, side) in together.sides().iter().enumerate() {
+                        assert_eq!(side[lane], expected[lane][k], "{set:?} {n} {lane} {k}");
                     }
                 }
             }
@@ -175,12 +184,13 @@ mod tests {
             column[0] = [4.0; LANES];
         }
         matrix.columns_mut()[5][0][3] = 0.0;
-        matrix.factor(set);
-        let mut x = vec![[8.0; LANES]; n];
-        matrix.solve(set, &mut x);
+        matrix.sides_mut().fill([8.0; LANES]);
+        matrix.eliminate(set, 0, n);
+        matrix.substitute_back(set);
         for lane in 0..LANES {
-            assert_eq!(x[5][lane].is_finite(), lane != 3);
-            assert!(lane == 3 || x.iter().all(|entries| entries[lane] == 2.0));
+            assert_eq!(matrix.sides()[5][lane].is_finite(), lane != 3);
+            let own = matrix.sides().iter().map(|entries| entries[lane]);
+            assert!(lane == 3 || own.into_iter().all(|entry| entry == 2.0));
         }
     }
 }

@@ -12,9 +12,10 @@
 use super::newton::{Corrected, LAST_DIGITS, SUFFICIENT_REDUCTION, Stopping};
 use super::report::{SimulationError, StepReport};
 use super::simulation::Simulation;
+use crate::linalg::LaneVector;
 use crate::linalg::instruction_set::{LANES, Lanes, kernel};
 use crate::mechanics::rod::STRIDE;
-use crate::mechanics::system::{Allowance, Copies};
+use crate::mechanics::system::{Allowance, Copies, Member, set_lanes};
 
 const NONE: Lanes = [0.0; LANES];
 /// Fewest simulations that are faster together than one by one.
@@ -31,8 +32,7 @@ pub struct Lockstep {
 /// Scratch of one kind of scene.
 struct Group {
     copies: Copies,
-    unknowns: Vec<Lanes>,
-    direction: Vec<Lanes>,
+    unknowns: LaneVector,
 }
 
 impl Lockstep {
@@ -99,24 +99,21 @@ impl Lockstep {
         if members.len() < FEWEST {
             return;
         }
-        let mut stopping = Vec::with_capacity(members.len());
-        for (lane, (simulation, goal)) in members.iter_mut().enumerate() {
-            stopping.push(group.set(lane, simulation, *goal));
-        }
-        let (last, _) = &members[members.len() - 1];
-        for lane in members.len()..LANES {
-            group.copy(lane, last);
-        }
+        let stopping = group.set(&mut members);
         let found = group.solve(&stopping, goes_on);
+        let mut solved = Vec::with_capacity(members.len());
         for (lane, ((simulation, _), found)) in members.iter_mut().zip(found).enumerate() {
             let workspace = &mut simulation.integrator.workspace;
             workspace.corrected = found;
             if found.is_some() {
-                self.solved += 1;
-                let unknowns = workspace.trial.unknowns.iter_mut().zip(&group.unknowns);
-                unknowns.for_each(|(own, lanes)| *own = lanes[lane]);
+                let unknowns = workspace.trial.unknowns.iter_mut();
+                let lanes = group.unknowns.iter();
+                unknowns.zip(lanes).for_each(|(own, lanes)| *own = lanes[lane]);
+                solved.push((lane, &mut simulation.system));
             }
         }
+        self.solved += solved.len();
+        group.copies.give(&mut solved);
     }
 }
 
@@ -124,35 +121,35 @@ impl Group {
     /// For simulations like this; `None` where its scene has no copies.
     fn of(simulation: &Simulation) -> Option<Self> {
         let copies = Copies::new(&simulation.system)?;
-        let unknowns = vec![NONE; copies.residual.len()];
         Some(Self {
+            unknowns: LaneVector::new(copies.residual.len()),
             copies,
-            direction: unknowns.clone(),
-            unknowns,
         })
     }
 
-    /// Puts a simulation whose step to `goal` is begun into a lane.
-    fn set(&mut self, lane: usize, simulation: &mut Simulation, goal: f64) -> Stopping {
-        let Simulation {
-            system,
-            state,
-            integrator,
-            ..
-        } = simulation;
-        let setting = integrator.setting;
-        let workspace = &mut integrator.workspace;
-        let stopping = workspace.set_tolerances(&setting, system, state, goal);
-        self.copy(lane, simulation);
+    /// Puts simulations whose steps are begun into the lanes, each with its end, s; those left over get what the last one has.
+    fn set(&mut self, members: &mut [&mut (&mut Simulation, f64)]) -> Vec<Stopping> {
+        let stopping = members.iter_mut().map(|(simulation, goal)| {
+            let Simulation {
+                system,
+                state,
+                integrator,
+                ..
+            } = &mut **simulation;
+            let setting = integrator.setting;
+            let workspace = &mut integrator.workspace;
+            workspace.set_tolerances(&setting, system, state, *goal)
+        });
+        let stopping = stopping.collect();
+        let last = members.len() - 1;
+        let of_lanes: [&Simulation; LANES] = std::array::from_fn(|lane| &*members[lane.min(last)].0);
+        self.copies.set(&of_lanes.map(|simulation| Member {
+            system: &simulation.system,
+            stage: &simulation.integrator.workspace.stage,
+        }));
+        let predictions = of_lanes.map(|own| &own.integrator.workspace.trial.unknowns[..]);
+        set_lanes(&mut self.unknowns, predictions);
         stopping
-    }
-
-    /// Puts the numbers of a simulation with its tolerances into a lane.
-    fn copy(&mut self, lane: usize, simulation: &Simulation) {
-        let workspace = &simulation.integrator.workspace;
-        self.copies.set(lane, &simulation.system, &workspace.stage);
-        let unknowns = self.unknowns.iter_mut().zip(&workspace.trial.unknowns);
-        unknowns.for_each(|(lanes, own)| lanes[lane] = *own);
     }
 
     /// Corrects the unknowns of the lanes by Newton's method; returns the corrections of those that have converged.
@@ -165,8 +162,7 @@ impl Group {
         let mut works = std::array::from_fn(|lane| lane < stopping.len());
         let copies = &mut self.copies;
         let set = copies.set;
-        copies.update_geometry(&self.unknowns);
-        copies.linearize(&self.unknowns);
+        copies.evaluate(&self.unknowns);
         // What is balanced as predicted is the exception, and asks for more.
         let imbalance = copies.imbalance();
         for lane in 0..LANES {
@@ -179,22 +175,19 @@ impl Group {
             if !works.contains(&true) || !goes_on() {
                 break;
             }
-            copies.band.factor(set);
-            find_right_hand_side(&copies.residual, &copies.held, &mut self.direction);
-            copies.band.solve(set, &mut self.direction);
-            let moves = largest_moves(set, &self.direction);
+            copies.solve();
+            let moves = largest_moves(set, copies.direction());
             for (lane, stopping) in stopping.iter().enumerate() {
                 // A comparison with what is not a number is false.
                 works[lane] &= moves[lane] <= stopping.trust_radius;
             }
-            let before = copies.progress(&self.direction);
+            let before = copies.progress();
             let moving = works.map(f64::from);
-            move_lanes(set, &moving, &mut self.direction, &mut self.unknowns);
-            copies.update_geometry(&self.unknowns);
+            move_lanes(set, &moving, copies.direction_mut(), &mut self.unknowns);
             copies.evaluate(&self.unknowns);
             let imbalance = copies.imbalance();
-            let after = copies.progress(&self.direction);
-            let changes = exceed_last_digits(set, &self.direction, &self.unknowns);
+            let after = copies.progress();
+            let changes = exceed_last_digits(set, copies.direction(), &self.unknowns);
             for (lane, stopping) in stopping.iter().enumerate() {
                 if !works[lane] {
                     continue;
@@ -212,10 +205,6 @@ impl Group {
                     works[lane] = imbalance[lane].is_finite() && after.suffices(&before, lane);
                 }
             }
-            if !works.contains(&true) {
-                break;
-            }
-            copies.linearize(&self.unknowns);
         }
         found
     }
@@ -246,8 +235,8 @@ impl Copies {
         largest
     }
 
-    /// Progress along a direction.
-    fn progress(&self, direction: &[Lanes]) -> Progress {
+    /// Progress along the direction.
+    fn progress(&self) -> Progress {
         let mut sums = [NONE; STRIDE];
         for allowance in self.rods_that_move() {
             let own = &self.residual[allowance.unknowns.clone()];
@@ -263,7 +252,7 @@ impl Copies {
                 progress.squared_residual[lane] += sum[lane];
             }
         }
-        add_products(self.set, direction, &self.residual, &mut progress.slope);
+        add_products(self.set, self.direction(), &self.residual, &mut progress.slope);
         progress
     }
 
@@ -274,24 +263,14 @@ impl Copies {
     }
 }
 
-/// −R at free unknowns, 0 at held ones.
-fn find_right_hand_side(residual: &[Lanes], held: &[bool], direction: &mut [Lanes]) {
-    for ((direction, residual), held) in direction.iter_mut().zip(residual).zip(held) {
-        *direction = match held {
-            true => NONE,
-            false => residual.map(|value| -value),
-        };
-    }
-}
-
 kernel! {
     /// Moves the unknowns of the lanes at work along the direction, which becomes zero in the others.
     fn move_lanes(works: &Lanes, direction: &mut [Lanes], unknowns: &mut [Lanes]) {
         for (direction, unknown) in direction.iter_mut().zip(unknowns) {
             for lane in 0..LANES {
-                let own = if works[lane] == 0.0 { 0.0 } else { direction[lane] };
-                direction[lane] = own;
-                unknown[lane] += own;
+                let (rests, moved) = (works[lane] == 0.0, unknown[lane] + direction[lane]);
+                unknown[lane] = if rests { unknown[lane] } else { moved };
+                direction[lane] = if rests { 0.0 } else { direction[lane] };
             }
         }
     }

@@ -73,7 +73,7 @@ impl Newton {
         }
     }
 
-    /// Solves R(q) = 0, starting from `unknowns`, which may have been `corrected`, and leaving the solution there; returns the number of
+    /// Solves R(q) = 0, starting from `unknowns`, which may have been `corrected` and evaluated, and leaving the solution there; returns the number of
     /// linear solves, without those of a prediction of contact forces, which solves for no contacts. The frames and the
     /// residual of `system` are those of the solution.
     ///
@@ -95,7 +95,6 @@ impl Newton {
             first = corrected.iterations;
             course.last_move = corrected.last_move;
             course.is_corrected = true;
-            system.evaluate(unknowns, Some(stage));
             let imbalance = system.imbalance();
             let does_work = || system.residual_does_work(unknowns, stage);
             if course.ends(&imbalance, stopping, corrected.changes_nothing, does_work) {

@@ -75,14 +75,30 @@ kernel! {
             let frame = edges.frames.get(lane);
             let force = stretching_gradient(stiffness, &frame.tangent, frame.length, natural);
             set_vector(forces, lane, &force);
-            let hessian = stretching_hessian(stiffness, &frame.tangent, frame.length, natural)
-                + holonomy_hessian(&edges.from.source(lane), &frame, moments[lane]);
-            hessians[0][lane] = hessian[(0, 0)];
-            hessians[1][lane] = hessian[(1, 0)];
-            hessians[2][lane] = hessian[(2, 0)];
-            hessians[3][lane] = hessian[(1, 1)];
-            hessians[4][lane] = hessian[(2, 1)];
-            hessians[5][lane] = hessian[(2, 2)];
+            set_hessian(edges, moments, lane, hessians);
         }
     }
+}
+
+kernel! {
+    /// The Hessians of [`derivatives`] alone.
+    fn hessians(edges: &EdgeLanes, moments: &Lanes, hessians: &mut SymmetricLanes) {
+        for lane in 0..LANES {
+            set_hessian(edges, moments, lane, hessians);
+        }
+    }
+}
+
+#[inline(always)]
+fn set_hessian(edges: &EdgeLanes, moments: &Lanes, lane: usize, hessians: &mut SymmetricLanes) {
+    let (stiffness, natural) = (edges.stiffness[lane], edges.natural_length[lane]);
+    let frame = edges.frames.get(lane);
+    let hessian = stretching_hessian(stiffness, &frame.tangent, frame.length, natural)
+        + holonomy_hessian(&edges.from.source(lane), &frame, moments[lane]);
+    hessians[0][lane] = hessian[(0, 0)];
+    hessians[1][lane] = hessian[(1, 0)];
+    hessians[2][lane] = hessian[(2, 0)];
+    hessians[3][lane] = hessian[(1, 1)];
+    hessians[4][lane] = hessian[(2, 1)];
+    hessians[5][lane] = hessian[(2, 2)];
 }

@@ -89,6 +89,7 @@ impl ElasticRods {
 
     /// Adds the gradient to `gradient` (4 entries per node).
     pub(crate) fn add_gradient(&self, geometry: &RodGeometry, gradient: &mut [f64]) {
+        let geometry = &*geometry.with_batches(self);
         let mut local = [[0.0; LANES]; VERTEX_UNKNOWNS];
         for (vertices, lanes) in self.vertex_batches(geometry) {
             lanes.gradients(geometry.set, &mut local);

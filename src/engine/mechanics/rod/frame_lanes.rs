@@ -1,9 +1,11 @@
 //! The frames of [`LANES`] edges at a time.
 
 use super::transport::parallel_transport;
-use super::trigonometry::{sine_cosine, within_reach};
+use super::edge_lanes::EdgeLanes;
+use super::topology::STRIDE;
+use super::trigonometry::{is_within_reach, sine_cosine, within_reach};
 use super::vertex::EdgeFrame;
-use crate::linalg::instruction_set::{LANES, Lanes, kernel};
+use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 
 /// Vectors, structure of arrays.
@@ -148,12 +150,6 @@ impl TransportLanes {
         set_vector(&mut self.director, lane, director);
     }
 
-    /// Sets all edge vectors, and the angles from reference to material directors, rad.
-    pub(crate) fn set_edges(&mut self, edges: &VectorLanes, angles: &Lanes) {
-        self.edge = *edges;
-        self.angle = angles.map(within_reach);
-    }
-
     /// The tangent from which the edge in a lane is transported.
     #[inline(always)]
     pub(crate) fn source(&self, lane: usize) -> Vector3 {
@@ -161,28 +157,70 @@ impl TransportLanes {
     }
 }
 
+/// Transports the frames of edges between nodes with the unknowns `start` and `end`, one in each lane: see [`transport`].
+pub(super) fn transport_between(
+    set: InstructionSet,
+    start: &[Lanes; STRIDE],
+    end: &[Lanes; STRIDE],
+    edges: &mut EdgeLanes,
+    directors: &mut VectorLanes,
+) {
+    let EdgeLanes { from, frames, .. } = edges;
+    let [.., angles] = start;
+    from.angle = match angles.iter().all(|angle| is_within_reach(*angle)) {
+        true => *angles,
+        false => angles.map(within_reach),
+    };
+    transport_spans(set, start, end, from, frames, directors);
+}
+
+kernel! {
+    fn transport_spans(
+        start: &[Lanes; STRIDE],
+        end: &[Lanes; STRIDE],
+        from: &mut TransportLanes,
+        frames: &mut FrameLanes,
+        directors: &mut VectorLanes,
+    ) {
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                from.edge[axis][lane] = end[axis][lane] - start[axis][lane];
+            }
+        }
+        transport_lanes(from, frames, directors);
+    }
+}
+
 kernel! {
     /// Transports the reference directors of every lane to the present tangents, and turns the material
     /// frames from them.
     fn transport(from: &TransportLanes, frames: &mut FrameLanes, directors: &mut VectorLanes) {
-        for lane in 0..LANES {
-            let edge = vector(&from.edge, lane);
-            let source = from.source(lane);
-            let (sine, cosine) = sine_cosine(from.angle[lane]);
-            let length = edge.norm();
-            let inverse_length = 1.0 / length;
-            let tangent = edge * inverse_length;
-            let director = parallel_transport(&vector(&from.director, lane), &source, &tangent);
-            let normal = tangent.cross(&director);
-            set_vector(directors, lane, &director);
-            frames.set(lane, &EdgeFrame {
+        transport_lanes(from, frames, directors);
+    }
+}
+
+#[inline(always)]
+fn transport_lanes(from: &TransportLanes, frames: &mut FrameLanes, directors: &mut VectorLanes) {
+    for lane in 0..LANES {
+        let edge = vector(&from.edge, lane);
+        let source = from.source(lane);
+        let (sine, cosine) = sine_cosine(from.angle[lane]);
+        let length = edge.norm();
+        let inverse_length = 1.0 / length;
+        let tangent = edge * inverse_length;
+        let director = parallel_transport(&vector(&from.director, lane), &source, &tangent);
+        let normal = tangent.cross(&director);
+        set_vector(directors, lane, &director);
+        frames.set(
+            lane,
+            &EdgeFrame {
                 tangent,
                 length,
                 inverse_length,
                 director_1: director * cosine + normal * sine,
                 director_2: normal * cosine - director * sine,
                 holonomy: source.cross(&tangent) * (-inverse_length / (1.0 + source.dot(&tangent))),
-            });
-        }
+            },
+        );
     }
 }

@@ -10,6 +10,7 @@ use super::vertex_lanes::VertexLanes;
 use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Frames at the start of a step, from which the step transports them in time.
 ///
@@ -41,6 +42,8 @@ pub struct RodGeometry {
     reference_twist: Vec<f64>,
     /// Turn of each ghost edge since the reference frames were committed, rad.
     ghost_spin: Vec<f64>,
+    /// Whether the batches hold the frames; otherwise these were taken over, and only strains are in the batches.
+    has_batches: bool,
 }
 
 impl RodGeometry {
@@ -63,6 +66,7 @@ impl RodGeometry {
             reference_director: vec![Vector3::zeros(); edges],
             reference_twist: vec![0.0; rods.vertices.len()],
             ghost_spin: vec![0.0; rods.ghosts],
+            has_batches: true,
         }
     }
 
@@ -92,19 +96,64 @@ impl RodGeometry {
         reference: &ReferenceFrames,
         ghosts: &[GhostEdge],
     ) {
+        self.has_batches = true;
         self.update_edges(rods, unknowns, reference);
-        for (index, ghost) in ghosts.iter().enumerate() {
-            let k = rods.nodes + index;
-            self.ghost_spin[index] = ghost.spin;
-            self.reference_director[k] = ghost.director;
-            self.edges[k] = ghost.frame();
-        }
+        self.place_ghosts(rods.nodes, ghosts);
         for ghost in &rods.turning_ghosts {
             // A unit vector, over which forces are derivatives of the energy.
             let edge = &mut self.edges[rods.nodes + ghost];
             (edge.length, edge.inverse_length) = (1.0, 1.0);
         }
         self.update_vertices(rods, unknowns, reference);
+    }
+
+    fn place_ghosts(&mut self, nodes: usize, ghosts: &[GhostEdge]) {
+        for (index, ghost) in ghosts.iter().enumerate() {
+            let k = nodes + index;
+            self.ghost_spin[index] = ghost.spin;
+            self.reference_director[k] = ghost.director;
+            self.edges[k] = ghost.frame();
+        }
+    }
+
+    /// Begins to take over an evaluation of rods with so many `nodes`, edge by edge and vertex by vertex.
+    pub(super) fn begin_taking(&mut self, nodes: usize, ghosts: &[GhostEdge]) {
+        self.has_batches = false;
+        self.place_ghosts(nodes, ghosts);
+    }
+
+    /// Takes over the edge that starts at a node, with its reference director.
+    pub(super) fn take_edge(&mut self, start: usize, edge: &EdgeFrame, director: Vector3) {
+        self.edges[start] = *edge;
+        self.reference_director[start] = director;
+    }
+
+    /// Takes over the strains and the reference twist (rad) of a vertex.
+    pub(super) fn take_vertex(&mut self, vertex: usize, strains: &VertexStrains, twist: f64) {
+        self.vertex_lanes[vertex / LANES].set_strains(vertex % LANES, strains);
+        self.reference_twist[vertex] = twist;
+    }
+
+    /// This geometry with the frames in its batches, except those from which it was transported.
+    pub(super) fn with_batches(&self, rods: &ElasticRods) -> Cow<'_, Self> {
+        if self.has_batches {
+            return Cow::Borrowed(self);
+        }
+        let mut filled = self.clone();
+        let directors = &self.reference_director;
+        for (vertices, lanes) in rods.vertices.chunks(LANES).zip(&mut filled.vertex_lanes) {
+            for (lane, vertex) in vertices.iter().enumerate() {
+                let (before, after) = (vertex.before, vertex.after);
+                lanes.set_before(lane, &self.edges[before], &directors[before]);
+                lanes.set_after(lane, &self.edges[after], &directors[after]);
+            }
+        }
+        for (edges, lanes) in rods.edges.chunks(LANES).zip(&mut filled.edge_lanes) {
+            for (lane, edge) in edges.iter().enumerate() {
+                lanes.frames.set(lane, &self.edges[edge.start]);
+            }
+        }
+        Cow::Owned(filled)
     }
 
     fn update_edges(&mut self, rods: &ElasticRods, unknowns: &[f64], reference: &ReferenceFrames) {

@@ -30,7 +30,7 @@ mod vertex_hessian;
 mod vertex_lanes;
 mod virtual_strain;
 
-pub(crate) use copies::RodCopies;
+pub(crate) use copies::{Original, RodCopies};
 pub use discretization::{Edge, ElasticRods, GhostEdge, Vertex, VertexUnknowns, VertexWeights};
 pub(crate) use elastic::ElasticEnergy;
 pub use geometry::{ReferenceFrames, RodGeometry};

@@ -54,11 +54,17 @@ const TANGENT_OF_EIGHTH: f64 = std::f64::consts::SQRT_2 - 1.0;
 /// An angle (rad) that [`sine_cosine`] takes: itself, or a large one less its whole turns.
 #[inline(always)]
 pub(super) fn within_reach(angle: f64) -> f64 {
-    if angle.abs() < LARGEST_ANGLE {
+    if is_within_reach(angle) {
         angle
     } else {
         angle % TAU
     }
+}
+
+/// Whether [`sine_cosine`] takes an angle (rad) as it is.
+#[inline(always)]
+pub(super) fn is_within_reach(angle: f64) -> bool {
+    angle.abs() < LARGEST_ANGLE
 }
 
 /// Sine and cosine of an angle, rad, of at most 10⁶.

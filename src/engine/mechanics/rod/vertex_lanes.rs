@@ -60,40 +60,39 @@ pub(super) struct SectionLanes {
     has_angles: bool,
 }
 
+/// Whether the angle of turning is the strain of one of the vertices that are in lanes together.
+pub(super) fn have_angles(vertices: &[Vertex]) -> bool {
+    vertices.iter().any(|vertex| vertex.strain.share() > 0.0)
+}
+
 /// The frames of the edges before and after the vertices.
 pub(super) type Beside<'a> = [&'a FrameLanes; 2];
 
 impl SectionLanes {
-    /// Straight rods without stiffness.
-    pub(crate) fn new() -> Self {
+    /// Straight rods without stiffness. With `has_angles` the derivatives are those of angles of turning in every lane.
+    pub(crate) fn new(has_angles: bool) -> Self {
         Self {
             strains: StrainLanes::new(),
             natural: StrainLanes::new(),
             bending: [[0.0; LANES]; 2],
             twisting: [0.0; LANES],
             angle: [0.0; LANES],
-            has_angles: false,
+            has_angles,
         }
     }
 
-    /// Takes over the natural strains and stiffnesses of `vertices`, one in each lane.
-    fn take_natural_strains(&mut self, vertices: &[Vertex]) {
-        for (lane, vertex) in vertices.iter().enumerate() {
-            self.natural.set(lane, &vertex.natural);
-            self.bending[0][lane] = vertex.stiffness.bending[0];
-            self.bending[1][lane] = vertex.stiffness.bending[1];
-            self.twisting[lane] = vertex.stiffness.twisting;
-        }
-    }
-
-    /// Puts a vertex into a lane. With `has_angles` the derivatives are those of angles of turning in every lane.
-    pub(crate) fn set(&mut self, lane: usize, vertex: &Vertex, has_angles: bool) {
+    /// Takes over the natural strains and stiffnesses of a vertex into a lane.
+    fn take_natural_strains(&mut self, lane: usize, vertex: &Vertex) {
         self.natural.set(lane, &vertex.natural);
         self.bending[0][lane] = vertex.stiffness.bending[0];
         self.bending[1][lane] = vertex.stiffness.bending[1];
         self.twisting[lane] = vertex.stiffness.twisting;
+    }
+
+    /// Puts a vertex into a lane.
+    pub(crate) fn set(&mut self, lane: usize, vertex: &Vertex) {
+        self.take_natural_strains(lane, vertex);
         self.angle[lane] = vertex.strain.share();
-        self.has_angles = has_angles;
     }
 
     /// Computes the curvatures of every lane between edges with their reference directors, and the angle between these.
@@ -103,15 +102,19 @@ impl SectionLanes {
         beside: Beside,
         reference: [&VectorLanes; 2],
     ) -> Lanes {
-        let (mut curvature, mut angle) = ([[0.0; LANES]; 4], [0.0; LANES]);
-        bend(set, beside, reference, &mut curvature, &mut angle);
-        self.strains.curvature = curvature;
+        let mut angle = [0.0; LANES];
+        bend(set, beside, reference, &mut self.strains.curvature, &mut angle);
         angle
     }
 
-    /// Sets the twists of all lanes, rad.
-    pub(crate) fn set_twists(&mut self, twists: &Lanes) {
-        self.strains.twist = *twists;
+    /// The twists of all lanes, rad, to be set.
+    pub(crate) fn twists_mut(&mut self) -> &mut Lanes {
+        &mut self.strains.twist
+    }
+
+    /// Strains of a lane.
+    pub(crate) fn strains(&self, lane: usize) -> VertexStrains {
+        self.strains.get(lane)
     }
 
     /// Gradient and Hessian of every lane.
@@ -180,10 +183,9 @@ pub(super) struct VertexLanes {
 impl VertexLanes {
     /// Natural strains and stiffness of `vertices`; lanes out of use hold a straight rod without stiffness.
     pub(crate) fn new(vertices: &[Vertex]) -> Self {
-        let mut sections = SectionLanes::new();
-        let has_angles = vertices.iter().any(|vertex| vertex.strain.share() > 0.0);
+        let mut sections = SectionLanes::new(have_angles(vertices));
         for (lane, vertex) in vertices.iter().enumerate() {
-            sections.set(lane, vertex, has_angles);
+            sections.set(lane, vertex);
         }
         Self {
             before: FrameLanes::new(),
@@ -199,7 +201,9 @@ impl VertexLanes {
 
     /// Takes over the natural strains and stiffnesses of `vertices`.
     pub(crate) fn take_natural_strains(&mut self, vertices: &[Vertex]) {
-        self.sections.take_natural_strains(vertices);
+        for (lane, vertex) in vertices.iter().enumerate() {
+            self.sections.take_natural_strains(lane, vertex);
+        }
     }
 
     /// Puts the frame and the reference director of the edge before a vertex into a lane.
@@ -245,7 +249,12 @@ impl VertexLanes {
 
     /// Strains of a lane.
     pub(crate) fn strains(&self, lane: usize) -> VertexStrains {
-        self.sections.strains.get(lane)
+        self.sections.strains(lane)
+    }
+
+    /// Sets the strains of a lane.
+    pub(crate) fn set_strains(&mut self, lane: usize, strains: &VertexStrains) {
+        self.sections.strains.set(lane, strains);
     }
 
     /// Gradient and Hessian of every lane.

@@ -67,7 +67,7 @@ pub use breaking::Break;
 use breaking::Breaking;
 pub(crate) use build::Assembly;
 pub(crate) use clamps::Drive;
-pub(crate) use copies::{Allowance, Copies};
+pub(crate) use copies::{Allowance, Copies, Member, set_lanes};
 pub(crate) use demand::Demand;
 pub(crate) use events::Event;
 pub use grasp::{Grasp, Interventions};

@@ -1,0 +1,139 @@
+//! The equations of [`LANES`] systems at once, one in each lane: residual and Jacobian of [`super::System`], of the same operations in
+//! the same order.
+//!
+//! The systems have the same rods with the same unknowns held, and differ in numbers: stiffness, masses, loads, natural strains,
+//! clamps that move. Of the forces, those take part whose terms state it ([`super::term::Term::has_copies`]): elasticity with actuators
+//! and dashpots, dead loads, inertia, linear drag. They fill a band, and nothing else.
+
+mod exchange;
+mod forces;
+mod matrix;
+mod sweep;
+
+use super::{Stage, System};
+use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes};
+use crate::linalg::{BandedLanes, LaneVector};
+use crate::mechanics::rod::{RodCopies, STRIDE};
+use std::ops::Range;
+
+pub(crate) use exchange::{Member, set_lanes};
+
+const NONE: Lanes = [0.0; LANES];
+
+/// Copies of a system and its stage; arrays over unknowns.
+pub(crate) struct Copies {
+    pub set: InstructionSet,
+    rods: RodCopies,
+    pub held: Vec<bool>,
+    masses: LaneVector,
+    /// Masses that nodes share with the next.
+    shared: Vec<Shared>,
+    loads: LaneVector,
+    /// Empty without drag.
+    drag: LaneVector,
+    start: LaneVector,
+    velocity: LaneVector,
+    /// 1/h and 1/hₐ.
+    per_step: Lanes,
+    per_acceleration_step: Lanes,
+    pub allowances: Vec<Allowance>,
+    /// Residual of the last evaluation.
+    pub residual: LaneVector,
+    band: BandedLanes,
+    sweep: Vec<sweep::Piece>,
+}
+
+/// Masses that each node of a chain shares with the next.
+struct Shared {
+    first_node: usize,
+    /// In the order of the unknowns from the first node on, one less than nodes.
+    masses: LaneVector,
+}
+
+/// Residual that counts as none on a rod.
+pub(crate) struct Allowance {
+    pub unknowns: Range<usize>,
+    /// N.
+    pub force: Lanes,
+    /// Weight of the residual of the rod.
+    pub weight: Lanes,
+    /// By which moments are multiplied, 1/m.
+    pub per_length: Lanes,
+}
+
+impl System {
+    /// Whether all of its forces are of the kinds above.
+    pub(crate) fn has_copies(&self) -> bool {
+        let terms = self.terms.all();
+        self.assembly.joints.is_empty() && terms.iter().all(|term| term.has_copies())
+    }
+}
+
+impl Copies {
+    /// Storage for systems like this; `None` where one of its forces has no copies.
+    pub(crate) fn new(system: &System) -> Option<Self> {
+        let assembly = &system.assembly;
+        if !system.has_copies() {
+            return None;
+        }
+        let unknowns = assembly.unknowns.len();
+        let rods = RodCopies::new(&assembly.rods)?;
+        let none = || LaneVector::new(unknowns);
+        let chains = assembly.consistent.chains.iter();
+        Some(Self {
+            set: InstructionSet::best(),
+            sweep: sweep::plan(&rods, &assembly.held),
+            rods,
+            held: assembly.held.clone(),
+            masses: none(),
+            shared: chains
+                .map(|chain| Shared {
+                    first_node: chain.first_node,
+                    masses: LaneVector::new(STRIDE * chain.shared.len()),
+                })
+                .collect(),
+            loads: none(),
+            drag: LaneVector::new(system.terms.drag.coefficients.len()),
+            start: none(),
+            velocity: none(),
+            per_step: NONE,
+            per_acceleration_step: NONE,
+            allowances: (assembly.rods.rods.iter())
+                .map(|rod| Allowance {
+                    unknowns: STRIDE * rod.first_node..STRIDE * (rod.first_node + rod.nodes),
+                    force: NONE,
+                    weight: NONE,
+                    per_length: NONE,
+                })
+                .collect(),
+            residual: none(),
+            band: BandedLanes::new(unknowns),
+        })
+    }
+
+    /// Whether a system in a stage has the rods, the held unknowns and the forces of these.
+    pub(crate) fn are_of(&self, system: &System, stage: &Stage) -> bool {
+        let assembly = &system.assembly;
+        let chains = &assembly.consistent.chains;
+        self.held == assembly.held
+            && self.rods.are_of(&assembly.rods)
+            && self.drag.len() == system.terms.drag.coefficients.len()
+            && self.shared.len() == chains.len()
+            && (self.shared.iter().zip(chains)).all(|(own, chain)| {
+                own.first_node == chain.first_node
+                    && own.masses.len() == STRIDE * chain.shared.len()
+            })
+            && stage.drag.is_empty()
+            && system.has_copies()
+    }
+
+    /// Corrections of the last [`Self::solve`].
+    pub(crate) fn direction(&self) -> &[Lanes] {
+        self.band.sides()
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn direction_mut(&mut self) -> &mut [Lanes] {
+        self.band.sides_mut()
+    }
+}
