@@ -56,11 +56,7 @@ impl BandedLanes {
     pub(crate) fn eliminate(&mut self, set: InstructionSet, first: usize, count: usize) {
         let (columns, _) = self.columns.as_chunks_mut();
         let end = first + HALF_BANDWIDTH + count;
-        eliminate(
-            set,
-            &mut columns[first..end],
-            &mut self.sides[first..end],
-        );
+        eliminate(set, &mut columns[first..end], &mut self.sides[first..end]);
     }
 
     /// Finds the solutions when all columns are eliminated.

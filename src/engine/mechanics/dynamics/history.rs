@@ -35,13 +35,14 @@ impl History {
         }
     }
 
-    /// Adds the start of a step of a size, s.
-    pub(crate) fn remember(&mut self, size: f64, unknowns: &[f64], velocity: &[f64]) {
+    /// Adds the start of a step of a size, s, with its unknowns and velocities; leaves in their place those of a step that is no
+    /// longer remembered.
+    pub(crate) fn remember(&mut self, size: f64, [unknowns, velocity]: [&mut Vec<f64>; 2]) {
         self.steps.rotate_right(1);
         let step = &mut self.steps[0];
         step.size = size;
-        step.unknowns.copy_from_slice(unknowns);
-        step.velocity.copy_from_slice(velocity);
+        std::mem::swap(&mut step.unknowns, unknowns);
+        std::mem::swap(&mut step.velocity, velocity);
     }
 
     /// Resets the history after the state was put to rest elsewhere.

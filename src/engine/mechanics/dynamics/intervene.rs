@@ -13,7 +13,8 @@ impl Simulation {
     /// starts at each node, N m.
     pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
         self.validity.stop_counting_energy();
-        let entries = self.system.terms.loads.external.chunks_exact_mut(STRIDE);
+        let entries = self.system.terms.loads.external_mut();
+        let entries = entries.chunks_exact_mut(STRIDE);
         for (entry, (force, moment)) in entries.zip(forces.iter().zip(moments)) {
             entry.copy_from_slice(&[force.x, force.y, force.z, *moment]);
         }

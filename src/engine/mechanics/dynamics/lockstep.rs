@@ -85,16 +85,16 @@ impl Lockstep {
 
     /// Corrects the predictions of up to [`LANES`] simulations whose steps are begun, each with its end, s.
     fn correct(&mut self, simulations: &mut [(&mut Simulation, f64)], goes_on: &dyn Fn() -> bool) {
-        let fits = |copies: &Copies, simulation: &Simulation| {
+        let fits = |copies: &mut Copies, simulation: &Simulation| {
             copies.are_of(&simulation.system, &simulation.integrator.workspace.stage)
         };
         let (first, _) = &simulations[0];
-        if !(self.group.as_ref()).is_some_and(|group| fits(&group.copies, first)) {
+        if !(self.group.as_mut()).is_some_and(|group| fits(&mut group.copies, first)) {
             self.group = Group::of(first);
         }
         let Some(group) = &mut self.group else { return };
         let mut members: Vec<_> = (simulations.iter_mut())
-            .filter(|(simulation, _)| fits(&group.copies, simulation))
+            .filter(|(simulation, _)| fits(&mut group.copies, simulation))
             .collect();
         if members.len() < FEWEST {
             return;
@@ -108,7 +108,9 @@ impl Lockstep {
             if found.is_some() {
                 let unknowns = workspace.trial.unknowns.iter_mut();
                 let lanes = group.unknowns.iter();
-                unknowns.zip(lanes).for_each(|(own, lanes)| *own = lanes[lane]);
+                unknowns
+                    .zip(lanes)
+                    .for_each(|(own, lanes)| *own = lanes[lane]);
                 solved.push((lane, &mut simulation.system));
             }
         }
@@ -142,7 +144,8 @@ impl Group {
         });
         let stopping = stopping.collect();
         let last = members.len() - 1;
-        let of_lanes: [&Simulation; LANES] = std::array::from_fn(|lane| &*members[lane.min(last)].0);
+        let of_lanes: [&Simulation; LANES] =
+            std::array::from_fn(|lane| &*members[lane.min(last)].0);
         self.copies.set(&of_lanes.map(|simulation| Member {
             system: &simulation.system,
             stage: &simulation.integrator.workspace.stage,
@@ -168,6 +171,9 @@ impl Group {
         for lane in 0..LANES {
             works[lane] &= imbalance[lane] > 1.0 && imbalance[lane].is_finite();
         }
+        let mut residual_before = copies.squared_residual();
+        // No unknown of a lane is farther than that.
+        let mut reach = largest_moves(set, &self.unknowns);
         for iteration in 0.. {
             for (lane, stopping) in stopping.iter().enumerate() {
                 works[lane] &= iteration < stopping.iterations;
@@ -180,47 +186,61 @@ impl Group {
             for (lane, stopping) in stopping.iter().enumerate() {
                 // A comparison with what is not a number is false.
                 works[lane] &= moves[lane] <= stopping.trust_radius;
+                reach[lane] += moves[lane];
             }
-            let before = copies.progress();
+            let slope_before = copies.slope();
             let moving = works.map(f64::from);
             move_lanes(set, &moving, copies.direction_mut(), &mut self.unknowns);
             copies.evaluate(&self.unknowns);
             let imbalance = copies.imbalance();
-            let after = copies.progress();
-            let changes = exceed_last_digits(set, copies.direction(), &self.unknowns);
+            let changes =
+                match (0..LANES).any(|lane| works[lane] && is_small(moves[lane], reach[lane])) {
+                    true => exceed_last_digits(set, copies.direction(), &self.unknowns),
+                    false => [1.0; LANES],
+                };
+            let mut is_found = [false; LANES];
             for (lane, stopping) in stopping.iter().enumerate() {
-                if !works[lane] {
-                    continue;
-                }
                 let changes_nothing = stopping.ends_at_last_digits && changes[lane] == 0.0;
-                let is_balanced = imbalance[lane] <= 1.0 && moves[lane] <= stopping.displacement;
-                if is_balanced || changes_nothing {
+                let is_balanced = imbalance[lane] <= 1.0;
+                let is_settled = is_balanced && moves[lane] <= stopping.displacement;
+                is_found[lane] = works[lane] && (is_settled || changes_nothing);
+                if is_found[lane] {
                     found[lane] = Some(Corrected {
                         iterations: iteration + 1,
                         last_move: moves[lane],
                         changes_nothing,
+                        is_balanced,
+                        may_do_work: true,
                     });
-                    works[lane] = false;
-                } else {
-                    works[lane] = imbalance[lane].is_finite() && after.suffices(&before, lane);
                 }
             }
+            if is_found.contains(&true) {
+                let may_do_work = copies.may_do_work(&self.unknowns);
+                for lane in (0..LANES).filter(|lane| is_found[*lane]) {
+                    works[lane] = false;
+                    found[lane]
+                        .iter_mut()
+                        .for_each(|found| found.may_do_work = may_do_work[lane]);
+                }
+            }
+            if !works.contains(&true) {
+                break;
+            }
+            let (residual, slope) = (copies.squared_residual(), copies.slope());
+            for lane in 0..LANES {
+                let falls = residual[lane] <= residual_before[lane]
+                    || slope[lane].abs() <= SUFFICIENT_REDUCTION * slope_before[lane].abs();
+                works[lane] &= imbalance[lane].is_finite() && falls;
+            }
+            residual_before = residual;
         }
         found
     }
 }
 
-/// Progress of a step in every lane: as of one alone.
-struct Progress {
-    squared_residual: Lanes,
-    slope: Lanes,
-}
-
-impl Progress {
-    fn suffices(&self, before: &Self, lane: usize) -> bool {
-        self.squared_residual[lane] <= before.squared_residual[lane]
-            || self.slope[lane].abs() <= SUFFICIENT_REDUCTION * before.slope[lane].abs()
-    }
+/// Whether a correction that moves a position by so much may be one of the last digits, where none is farther than `reach`.
+fn is_small(moves: f64, reach: f64) -> bool {
+    moves <= 2.0 * LAST_DIGITS * f64::EPSILON * reach
 }
 
 impl Copies {
@@ -235,31 +255,28 @@ impl Copies {
         largest
     }
 
-    /// Progress along the direction.
-    fn progress(&self) -> Progress {
+    /// Sum of squares of the weighted residuals of free unknowns, N².
+    fn squared_residual(&self) -> Lanes {
         let mut sums = [NONE; STRIDE];
         for allowance in self.rods_that_move() {
             let own = &self.residual[allowance.unknowns.clone()];
             let held = &self.held[allowance.unknowns.clone()];
             add_squares(self.set, own, held, allowance, &mut sums);
         }
-        let mut progress = Progress {
-            squared_residual: NONE,
-            slope: NONE,
-        };
+        let mut squares = NONE;
         for sum in sums {
             for lane in 0..LANES {
-                progress.squared_residual[lane] += sum[lane];
+                squares[lane] += sum[lane];
             }
         }
-        add_products(self.set, self.direction(), &self.residual, &mut progress.slope);
-        progress
+        squares
     }
 
-    /// Rods that are not held.
-    fn rods_that_move(&self) -> impl Iterator<Item = &Allowance> {
-        let allowances = self.allowances.iter();
-        allowances.filter(|allowance| allowance.force[0].is_finite())
+    /// Force along the direction, d·R, J.
+    fn slope(&self) -> Lanes {
+        let mut slope = NONE;
+        add_products(self.set, self.direction(), &self.residual, &mut slope);
+        slope
     }
 }
 

@@ -9,6 +9,8 @@ use crate::mechanics::test_support::{
 };
 
 const EDGES: usize = 9;
+/// m.
+const SWING: f64 = 0.002;
 
 /// A wire between two clamps, or one, of numbers that depend on the case.
 fn wire(case: usize, curves: bool, ends: usize) -> Scene {
@@ -50,14 +52,19 @@ fn start(scenes: &[Scene], scheme: Scheme) -> Vec<Simulation> {
         .collect()
 }
 
-/// Takes steps with clamps that are carried along, alone or together.
-fn travel(simulations: &mut [Simulation], steps: usize, lockstep: Option<&mut Lockstep>) {
+/// Takes steps with clamps that are carried along, so many metres in a swing, alone or together.
+fn travel(
+    simulations: &mut [Simulation],
+    steps: usize,
+    swing: f64,
+    lockstep: Option<&mut Lockstep>,
+) {
     let mut lockstep = lockstep;
     for step in 1..=steps {
         let until = 5e-3 * step as f64;
         for (case, simulation) in simulations.iter_mut().enumerate() {
             let angle = 0.3 * step as f64 + case as f64;
-            let place = Vector3::new(0.0, 0.002 * angle.sin(), 0.001 * step as f64);
+            let place = Vector3::new(0.0, swing * angle.sin(), 0.001 * step as f64);
             simulation.carry_clamp(0, place, None, until).unwrap();
         }
         match &mut lockstep {
@@ -81,16 +88,26 @@ fn travel(simulations: &mut [Simulation], steps: usize, lockstep: Option<&mut Lo
 
 /// Steps cases alone and together; returns the share of steps that were solved together.
 fn compare(scenes: &[Scene], scheme: Scheme, steps: usize) -> f64 {
+    compare_swings(scenes, scheme, steps, SWING)
+}
+
+fn compare_swings(scenes: &[Scene], scheme: Scheme, steps: usize, swing: f64) -> f64 {
     let [mut alone, mut together] = [0, 1].map(|_| start(scenes, scheme));
     let mut lockstep = Lockstep::default();
-    travel(&mut alone, steps, None);
-    travel(&mut together, steps, Some(&mut lockstep));
+    travel(&mut alone, steps, swing, None);
+    travel(&mut together, steps, swing, Some(&mut lockstep));
     for (case, (alone, together)) in alone.iter().zip(&together).enumerate() {
         // Numbers are printed with all their digits.
         let print = |own: &Simulation| {
             let forces = (0..=EDGES).map(|node| own.reaction(node));
             let forces: Vec<Vector3> = forces.collect();
-            format!("{:?} {:?} {forces:?}", own.state(), own.energies())
+            let frames = (own.material_directors(), own.twist_rates());
+            format!(
+                "{:?} {:?} {forces:?} {frames:?} {:?}",
+                own.state(),
+                own.energies(),
+                own.positions()
+            )
         };
         assert_eq!(print(alone), print(together), "case {case}, {scheme:?}");
     }
@@ -119,4 +136,39 @@ fn scenes_of_other_kinds_are_stepped_beside_each_other() {
     scenes.insert(2, touching);
     let share = compare(&scenes, Scheme::ImplicitEuler, 10);
     assert!((0.3..0.6).contains(&share), "{share}");
+}
+
+#[test]
+fn forces_of_edges_that_turn_far_in_a_step_are_those_of_wires_alone() {
+    let scenes: Vec<Scene> = (0..9).map(|case| wire(case, false, 1)).collect();
+    let share = compare_swings(&scenes, Scheme::ImplicitEuler, 10, 10.0 * SWING);
+    assert!(share > 0.5, "{share}");
+}
+
+#[test]
+fn forces_from_outside_change_between_steps_together() {
+    let scenes: Vec<Scene> = (0..5).map(|case| wire(case, false, 2)).collect();
+    let [mut alone, mut together] = [0, 1].map(|_| start(&scenes, Scheme::ImplicitEuler));
+    let mut lockstep = Lockstep::default();
+    for round in 0..4 {
+        let force = Vector3::z() * (0.01 * f64::from(round % 3));
+        for own in alone.iter_mut().chain(&mut together) {
+            own.set_external_forces(&[force; EDGES + 1], &[0.0; EDGES + 1]);
+            own.set_load_factor(0, 1.0 + 0.1 * f64::from(round / 2))
+                .unwrap();
+        }
+        let until = 5e-3 * f64::from(round + 1);
+        alone.iter_mut().for_each(|own| {
+            own.advance(until).unwrap();
+        });
+        let mut pairs: Vec<_> = together.iter_mut().map(|own| (own, until)).collect();
+        for result in lockstep.advance(&mut pairs, &|| true) {
+            result.unwrap().unwrap();
+        }
+        for (alone, together) in alone.iter().zip(&together) {
+            assert_eq!(alone.positions(), together.positions());
+            assert_eq!(alone.reaction(0), together.reaction(0));
+        }
+    }
+    assert!(lockstep.solved > 0);
 }

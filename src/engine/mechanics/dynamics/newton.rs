@@ -3,7 +3,7 @@
 
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, Imbalance, Stage, System};
-use tracing::trace;
+use tracing::{Level, enabled, trace};
 
 /// Stopping criteria of Newton's method.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,10 @@ pub(crate) struct Corrected {
     pub last_move: f64,
     /// Whether the last one was of only the last digits of the unknowns.
     pub changes_nothing: bool,
+    /// Whether the residual counts as none.
+    pub is_balanced: bool,
+    /// Whether it may do work, so that this must be looked at.
+    pub may_do_work: bool,
 }
 
 /// Scratch of Newton's method.
@@ -95,10 +99,16 @@ impl Newton {
             first = corrected.iterations;
             course.last_move = corrected.last_move;
             course.is_corrected = true;
-            let imbalance = system.imbalance();
-            let does_work = || system.residual_does_work(unknowns, stage);
-            if course.ends(&imbalance, stopping, corrected.changes_nothing, does_work) {
-                course.trace(first, &imbalance);
+            let does_work = || corrected.may_do_work && system.residual_does_work(unknowns, stage);
+            let Corrected {
+                changes_nothing,
+                is_balanced,
+                ..
+            } = corrected;
+            if course.ends(is_balanced, stopping, changes_nothing, does_work) {
+                if enabled!(Level::TRACE) {
+                    course.trace(first, &system.imbalance());
+                }
                 return Ok(first);
             }
         }
@@ -109,7 +119,7 @@ impl Newton {
         for iteration in first..=course.limit {
             let imbalance = system.imbalance();
             course.trace(iteration, &imbalance);
-            if course.is_settled(&imbalance, stopping)
+            if course.is_settled(imbalance.is_balanced(), stopping)
                 && course.refinement != Refinement::Due
                 && (course.is_corrected || system.is_balanced_as_predicted(unknowns, Some(stage)))
             {
@@ -137,7 +147,12 @@ impl Newton {
                 && are_last_digits(&self.direction, unknowns);
             let imbalance = system.imbalance();
             let does_work = || system.residual_does_work(unknowns, stage);
-            if course.ends(&imbalance, stopping, changes_nothing, does_work) {
+            if course.ends(
+                imbalance.is_balanced(),
+                stopping,
+                changes_nothing,
+                does_work,
+            ) {
                 course.trace(iteration + 1, &imbalance);
                 return Ok(iteration + 1);
             }
@@ -304,20 +319,20 @@ impl Course {
     }
 
     /// Whether forces are balanced and the last correction was small.
-    fn is_settled(&self, imbalance: &Imbalance, stopping: &Stopping) -> bool {
-        imbalance.is_balanced() && self.last_move <= stopping.displacement
+    fn is_settled(&self, is_balanced: bool, stopping: &Stopping) -> bool {
+        is_balanced && self.last_move <= stopping.displacement
     }
 
     /// Whether the iteration ends after a correction: where it changed nothing, or forces are balanced after a whole one and do not
     /// want the refinement, which is due where their residual `does_work`.
     fn ends(
         &mut self,
-        imbalance: &Imbalance,
+        is_balanced: bool,
         stopping: &Stopping,
         changes_nothing: bool,
         does_work: impl FnOnce() -> bool,
     ) -> bool {
-        let is_balanced = self.is_corrected && self.is_settled(imbalance, stopping);
+        let is_balanced = self.is_corrected && self.is_settled(is_balanced, stopping);
         self.refine(|| is_balanced && does_work());
         changes_nothing || is_balanced && self.refinement != Refinement::Due
     }

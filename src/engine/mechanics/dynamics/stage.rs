@@ -361,6 +361,9 @@ impl Workspace {
         system: &mut System,
         state: &State,
     ) {
+        if system.contact().is_none() {
+            return;
+        }
         let last = state.history.steps[0].size;
         let lengthening = match setting.parameters.step {
             StepSize::Fixed(whole) if system.has_friction() && last > 0.0 => {

@@ -28,8 +28,8 @@ impl State {
 
     /// The end of a step: the state becomes that at `time`, the one before goes to the history.
     pub(crate) fn advance_to(&mut self, time: f64, unknowns: &[f64], velocity: &[f64]) {
-        self.history
-            .remember(time - self.time, &self.unknowns, &self.velocity);
+        let now = [&mut self.unknowns, &mut self.velocity];
+        self.history.remember(time - self.time, now);
         self.time = time;
         self.unknowns.copy_from_slice(unknowns);
         self.velocity.copy_from_slice(velocity);

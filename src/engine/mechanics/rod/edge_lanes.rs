@@ -38,14 +38,15 @@ impl EdgeLanes {
     /// Takes over the natural lengths and stiffnesses of `edges`.
     pub(crate) fn take_natural_strains(&mut self, edges: &[Edge]) {
         for (lane, edge) in edges.iter().enumerate() {
-            self.take_natural_length(lane, edge);
+            self.natural_length[lane] = edge.natural_length;
+            self.stiffness[lane] = edge.stretching;
         }
     }
 
-    /// Takes over the natural length and the stiffness of an edge in a lane.
-    pub(crate) fn take_natural_length(&mut self, lane: usize, edge: &Edge) {
-        self.natural_length[lane] = edge.natural_length;
-        self.stiffness[lane] = edge.stretching;
+    /// Takes over the natural length and the stiffness of the edge in the lane `from` of others into a lane.
+    pub(crate) fn take_lane(&mut self, lane: usize, others: &Self, from: usize) {
+        self.natural_length[lane] = others.natural_length[from];
+        self.stiffness[lane] = others.stiffness[from];
     }
 }
 

@@ -1,8 +1,8 @@
 //! The frames of [`LANES`] edges at a time.
 
-use super::transport::parallel_transport;
 use super::edge_lanes::EdgeLanes;
 use super::topology::STRIDE;
+use super::transport::parallel_transport;
 use super::trigonometry::{is_within_reach, sine_cosine, within_reach};
 use super::vertex::EdgeFrame;
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};

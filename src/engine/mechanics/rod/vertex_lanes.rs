@@ -89,6 +89,15 @@ impl SectionLanes {
         self.twisting[lane] = vertex.stiffness.twisting;
     }
 
+    /// Takes over natural strains and stiffnesses of the vertex in the lane `from` of others into a lane.
+    pub(crate) fn take_lane(&mut self, lane: usize, others: &Self, from: usize) {
+        self.natural.set(lane, &others.natural.get(from));
+        self.bending[0][lane] = others.bending[0][from];
+        self.bending[1][lane] = others.bending[1][from];
+        self.twisting[lane] = others.twisting[from];
+        self.angle[lane] = others.angle[from];
+    }
+
     /// Puts a vertex into a lane.
     pub(crate) fn set(&mut self, lane: usize, vertex: &Vertex) {
         self.take_natural_strains(lane, vertex);
@@ -103,7 +112,13 @@ impl SectionLanes {
         reference: [&VectorLanes; 2],
     ) -> Lanes {
         let mut angle = [0.0; LANES];
-        bend(set, beside, reference, &mut self.strains.curvature, &mut angle);
+        bend(
+            set,
+            beside,
+            reference,
+            &mut self.strains.curvature,
+            &mut angle,
+        );
         angle
     }
 
@@ -245,6 +260,11 @@ impl VertexLanes {
     /// The twist of a lane, rad.
     pub(crate) fn twist(&self, lane: usize) -> f64 {
         self.sections.strains.twist[lane]
+    }
+
+    /// Strains, natural strains and stiffnesses.
+    pub(super) fn sections(&self) -> &SectionLanes {
+        &self.sections
     }
 
     /// Strains of a lane.

@@ -28,7 +28,7 @@ const ROUNDINGS: f64 = 8.0;
 const NEAR_ROUNDING: f64 = 8.0;
 
 /// Work of the remaining residual that is negligible, over the energy of a rod: such works of many steps add up.
-const NEGLIGIBLE_WORK: f64 = 1e-5;
+pub(super) const NEGLIGIBLE_WORK: f64 = 1e-5;
 
 /// Tolerances of the residual.
 pub(super) struct Tolerances {
@@ -59,6 +59,44 @@ struct RodTolerance {
     rounding: f64,
     /// Weight of its residual among those of all rods: 1 for the rod with the least tolerance.
     weight: f64,
+}
+
+/// Largest sizes on a rod, by the place of unknowns at their nodes.
+#[derive(Default)]
+struct Sizes {
+    unknowns: [f64; STRIDE],
+    /// Weighted.
+    loads: [f64; STRIDE],
+    /// Weighted masses times free unknowns.
+    inertia: [f64; STRIDE],
+}
+
+impl Sizes {
+    /// Of unknowns, loads and masses, and which unknowns are held.
+    fn of(numbers: [&[f64]; 3], held: &[bool], weights: [f64; STRIDE]) -> Self {
+        let [unknowns, loads, masses] = numbers.map(|own| own.as_chunks::<STRIDE>().0);
+        let (held, _) = held.as_chunks::<STRIDE>();
+        let mut largest = Self::default();
+        let numbers = unknowns.iter().zip(loads).zip(masses);
+        for (((unknowns, loads), masses), held) in numbers.zip(held) {
+            for k in 0..STRIDE {
+                let size = unknowns[k].abs();
+                let inertia = if held[k] {
+                    0.0
+                } else {
+                    weights[k] * masses[k] * size
+                };
+                largest.unknowns[k] = largest.unknowns[k].max(size);
+                largest.loads[k] = largest.loads[k].max(weights[k] * loads[k].abs());
+                largest.inertia[k] = largest.inertia[k].max(inertia);
+            }
+        }
+        largest
+    }
+}
+
+fn largest(of: [f64; STRIDE]) -> f64 {
+    of.into_iter().fold(0.0, f64::max)
 }
 
 /// Imbalance of forces.
@@ -107,23 +145,14 @@ impl System {
         let friction = contact.map_or(0.0, ContactSystem::steepest_friction);
         for (rod, range) in self.assembly.rods.rods.iter().enumerate() {
             let scale = &self.assembly.scales[rod];
-            let unknowns_of_rod =
-                STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
-            let mut largest_load = 0.0_f64;
-            let mut farthest = 0.0_f64;
-            let mut inertia = 0.0_f64;
+            let own = STRIDE * range.first_node..STRIDE * (range.first_node + range.nodes);
             let weights = [1.0, 1.0, 1.0, 1.0 / scale.shortest_edge];
-            for k in unknowns_of_rod {
-                let size = unknowns[k].abs();
-                largest_load =
-                    largest_load.max(weights[k % STRIDE] * self.terms.loads.present[k].abs());
-                if k % STRIDE != 3 {
-                    farthest = farthest.max(size);
-                }
-                if !self.assembly.held[k] {
-                    inertia = inertia.max(weights[k % STRIDE] * self.assembly.masses[k] * size);
-                }
-            }
+            let numbers = [unknowns, &self.terms.loads.present, &self.assembly.masses];
+            let numbers = numbers.map(|of_all| &of_all[own.clone()]);
+            let held = &self.assembly.held[own.clone()];
+            let sizes = Sizes::of(numbers, held, weights);
+            let [largest_load, inertia] = [sizes.loads, sizes.inertia].map(largest);
+            let farthest = largest([sizes.unknowns[0], sizes.unknowns[1], sizes.unknowns[2], 0.0]);
             let inertia = stage.map_or(0.0, |stage| {
                 inertia * f64::EPSILON / (stage.step * stage.acceleration_step)
             });

@@ -199,7 +199,7 @@ impl System {
         };
         Interventions {
             drives: self.assembly.drives.clone(),
-            external_forces: self.terms.loads.external.clone(),
+            external_forces: self.terms.loads.external().to_vec(),
             load_factors: self.terms.loads.factors().to_vec(),
             given: self.terms.actuators.given(),
             switched: self.switched.then(switched),
@@ -236,7 +236,7 @@ impl System {
                 term.scale_load(load, factor);
             }
         }
-        self.terms.loads.external = done.external_forces;
+        (self.terms.loads.external_mut()).copy_from_slice(&done.external_forces);
         if let Some(switched) = done.switched {
             self.terms.actuators.withdraw(&mut assembly.rods);
             assembly.held = switched.held;

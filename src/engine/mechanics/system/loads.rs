@@ -23,8 +23,11 @@ pub(crate) struct Loads {
     pub followers: Vec<FollowerForce>,
     /// Dead forces (N) and moments (N m) on the unknowns at the present time.
     pub present: Vec<f64>,
-    /// Forces (N) and moments (N m) of another solver on the unknowns, which are part of these.
-    pub external: Vec<f64>,
+    /// Factors of the dead loads of which these are sums, and whether the other part has changed since.
+    present_factors: Vec<f64>,
+    has_other_external: bool,
+    /// Forces (N) and moments (N m) of another solver on the unknowns, which are part of these from the next [`Term::drive`] on.
+    external: Vec<f64>,
     /// Acceleration of gravity, with schedules, for the potential energy.
     gravity: Vec<(Vector3, Scale)>,
     /// Masses at the tips of bodies whose centre of mass is off their node: unknown along x and mass, kg.
@@ -182,6 +185,17 @@ impl Loads {
         Ok(loads)
     }
 
+    /// Forces (N) and moments (N m) of another solver on the unknowns.
+    pub(crate) fn external(&self) -> &[f64] {
+        &self.external
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn external_mut(&mut self) -> &mut [f64] {
+        self.has_other_external = true;
+        &mut self.external
+    }
+
     /// Factor of each load of the scene in addition to its schedule.
     pub(crate) fn factors(&self) -> &[f64] {
         &self.factors
@@ -241,9 +255,16 @@ impl Term for Loads {
     }
 
     fn drive(&mut self, time: f64, _: &mut ElasticRods, _: &mut RodGeometry) {
+        let factors = self.dead.iter().map(|load| load.scale.at(time));
+        let present = self.present_factors.iter().map(|factor| factor.to_bits());
+        if !self.has_other_external && factors.clone().map(f64::to_bits).eq(present) {
+            return;
+        }
+        self.has_other_external = false;
+        self.present_factors.clear();
+        self.present_factors.extend(factors);
         self.present.fill(0.0);
-        for load in &self.dead {
-            let factor = load.scale.at(time);
+        for (load, factor) in self.dead.iter().zip(&self.present_factors) {
             for &(unknown, force) in &load.entries {
                 self.present[unknown] += factor * force;
             }

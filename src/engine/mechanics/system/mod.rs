@@ -91,6 +91,10 @@ pub(crate) use virtual_work::{OfStrains, StrainLaws};
 use super::SceneError;
 use super::rod::{ElasticEnergy, GhostEdge, ReferenceFrames, RodGeometry};
 use super::scene::{Motion, Scene};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Systems so far.
+static SYSTEMS: AtomicU64 = AtomicU64::new(0);
 
 /// Reason why Newton's method did not converge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,6 +132,8 @@ pub struct System {
     events: Vec<Event>,
     /// Whether a node was ever grasped or released.
     switched: bool,
+    /// Number among all systems of the program.
+    number: u64,
     matrix: NewtonMatrix,
     /// Border of the matrix for sliding nodes.
     border: Border,
@@ -167,6 +173,7 @@ impl System {
             corrected_residual: vec![0.0; assembly.unknowns.len()],
             events: Vec::new(),
             switched: false,
+            number: SYSTEMS.fetch_add(1, Ordering::Relaxed),
             matrix: NewtonMatrix::new(&assembly, &elements, has_potential, lists_nodes),
             border: Border::default(),
             tolerances: Tolerances::new(&assembly),

@@ -1,16 +1,19 @@
 //! Numbers of rods that go into the lanes, and geometry that returns from them.
 
-use super::super::discretization::{ElasticRods, GhostEdge};
+use super::super::discretization::GhostEdge;
 use super::super::frame_lanes::{set_vector, vector};
 use super::super::geometry::{ReferenceFrames, RodGeometry};
 use super::RodCopies;
 use crate::linalg::instruction_set::LANES;
 
-/// Rods that go into a lane, with the frames from which the present step transports and the ghost edges of the present time.
+/// Rods that go into a lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Original<'a> {
-    pub rods: &'a ElasticRods,
+    /// With the natural strains and stiffnesses of the present stage.
+    pub geometry: &'a RodGeometry,
+    /// Frames from which the present step transports.
     pub reference: &'a ReferenceFrames,
+    /// Ghost edges of the present time.
     pub ghosts: &'a [GhostEdge],
 }
 
@@ -18,14 +21,15 @@ impl RodCopies {
     /// Puts rods into the lanes.
     pub(crate) fn set(&mut self, originals: &[Original; LANES]) {
         for (place, own) in self.framed.real.iter_mut().enumerate() {
+            let [start, _] = own.nodes;
             for (lane, original) in originals.iter().enumerate() {
-                let edge = &original.rods.edges[place];
-                own.lanes.take_natural_length(lane, edge);
-                let (source, director) = (
-                    &original.reference.tangent[edge.start],
-                    &original.reference.director[edge.start],
-                );
-                own.lanes.from.set_source(lane, source, director);
+                let batch = &original.geometry.edge_lanes[place / LANES];
+                own.lanes.take_lane(lane, batch, place % LANES);
+                let ReferenceFrames {
+                    tangent, director, ..
+                } = original.reference;
+                let from = &mut own.lanes.from;
+                from.set_source(lane, &tangent[start], &director[start]);
             }
         }
         for (place, own) in self.framed.ghosts.iter_mut().enumerate() {
@@ -38,15 +42,13 @@ impl RodCopies {
         let nodes = self.framed.nodes();
         for (place, own) in self.vertices.iter_mut().enumerate() {
             for (lane, original) in originals.iter().enumerate() {
-                let vertex = &original.rods.vertices[place];
-                let spin = |edge: usize| {
-                    let ghost = edge.checked_sub(nodes);
-                    ghost.map_or(0.0, |ghost| original.ghosts[ghost].spin)
-                };
-                own.sections.set(lane, vertex);
-                let twist = original.reference.twist[place];
-                own.expected[lane] = twist + spin(vertex.after) - spin(vertex.before);
-                own.joint_twist[lane] = vertex.joint_twist;
+                let batch = &original.geometry.vertex_lanes[place / LANES];
+                (own.sections).take_lane(lane, batch.sections(), place % LANES);
+                let [before, after] = own.edges.map(|edge| match edge.checked_sub(nodes) {
+                    Some(ghost) => original.ghosts[ghost].spin,
+                    None => 0.0,
+                });
+                own.expected[lane] = original.reference.twist[place] + after - before;
             }
         }
     }

@@ -27,9 +27,8 @@ impl RodCopies {
                 false => &[0.0; LANES],
             };
             let turned = vertex.edges.map(angle);
-            let twist = [&vertex.expected, &vertex.joint_twist];
-            let twists = (vertex.sections).twists_mut();
-            find_twists(self.set, &angles, turned, twist, &mut vertex.between, twists);
+            let (between, twists) = (&mut vertex.between, vertex.sections.twists_mut());
+            find_twists(self.set, &angles, &vertex.expected, turned, between, twists);
             vertex.sections.gradients(self.set, beside, local);
             let (_, from, to) = vertex.unknowns;
             add_all(self.set, &local[from..to], &mut gradient[vertex.unknowns()]);
@@ -49,19 +48,18 @@ kernel! {
     /// ([`super::super::transport::unwrapped`]), and twists.
     fn find_twists(
         angles: &Lanes,
+        expected: &Lanes,
         turned: [&Lanes; 2],
-        expected_and_joint: [&Lanes; 2],
         between: &mut Lanes,
         twists: &mut Lanes,
     ) {
-        let [expected, joint] = expected_and_joint;
         for lane in 0..LANES {
             let turn = std::f64::consts::TAU;
             let (angle, away) = (angles[lane], expected[lane] - angles[lane]);
             let shifted = angle + turn * (away / turn).round();
             let own = if away.abs() < 0.5 * turn { angle } else { shifted };
             between[lane] = own;
-            twists[lane] = turned[1][lane] - turned[0][lane] + own - joint[lane];
+            twists[lane] = turned[1][lane] - turned[0][lane] + own;
         }
     }
 }

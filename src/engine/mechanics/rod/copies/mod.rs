@@ -75,7 +75,6 @@ struct VertexCopies {
     sections: SectionLanes,
     /// Reference twist at the start of the step, with what the ghosts have turned since, rad.
     expected: Lanes,
-    joint_twist: Lanes,
     /// Reference twist of the last evaluation, rad.
     between: Lanes,
     /// Share of the angle of turning in the strain of bending.
@@ -118,7 +117,6 @@ impl RodCopies {
             Some(VertexCopies {
                 sections: SectionLanes::new(has_angles),
                 expected: [0.0; LANES],
-                joint_twist: [0.0; LANES],
                 between: [0.0; LANES],
                 share: vertex.strain.share(),
                 edges: [vertex.before, vertex.after],

@@ -16,7 +16,7 @@ impl Copies {
     /// Puts systems into the lanes.
     pub(crate) fn set(&mut self, members: &[Member; LANES]) {
         self.rods.set(&members.map(|member| Original {
-            rods: member.system.acting_rods(),
+            geometry: &member.system.geometry,
             reference: &member.system.reference,
             ghosts: &member.system.ghosts,
         }));
@@ -32,6 +32,7 @@ impl Copies {
             let shared = assemblies.map(|own| own.consistent.chains[chain].shared.as_flattened());
             set_lanes(&mut own.masses, shared);
         }
+        self.step = stages.map(|stage| stage.step);
         self.per_step = stages.map(|stage| 1.0 / stage.step);
         self.per_acceleration_step = stages.map(|stage| 1.0 / stage.acceleration_step);
         for (rod, own) in self.allowances.iter_mut().enumerate() {
@@ -52,7 +53,9 @@ impl Copies {
         for (place, node) in self.residual.chunks(STRIDE).enumerate() {
             for (lane, system) in systems.iter_mut() {
                 let own = &mut system.residual[STRIDE * place..][..STRIDE];
-                own.iter_mut().zip(node).for_each(|(own, lanes)| *own = lanes[*lane]);
+                own.iter_mut()
+                    .zip(node)
+                    .for_each(|(own, lanes)| *own = lanes[*lane]);
             }
         }
     }

@@ -9,6 +9,7 @@ impl Copies {
     pub(crate) fn evaluate(&mut self, unknowns: &[Lanes]) {
         self.residual.fill(NONE);
         self.rods.evaluate(unknowns, &mut self.residual);
+        let (set, residual) = (self.set, &mut self.residual[..]);
         let motion = Motion {
             unknowns,
             start: &self.start,
@@ -16,26 +17,47 @@ impl Copies {
             per_step: &self.per_step,
             per_acceleration_step: &self.per_acceleration_step,
         };
-        let (set, residual) = (self.set, &mut self.residual[..]);
-        add_loads_and_inertia(set, &motion, &self.loads, &self.masses, residual);
+        for first in (0..residual.len()).step_by(STRIDE) {
+            let masses = [&self.loads, &self.masses].map(|own| node(own, first));
+            let own = residual[first..].first_chunk_mut();
+            let motion = motion.of_node(first);
+            add_loads_and_inertia(set, &motion, masses, own.expect("a whole node"));
+        }
         for chain in &self.shared {
             let first = STRIDE * chain.first_node;
-            add_shared_inertia(set, &motion.from(first), &chain.masses, &mut residual[first..]);
+            let residual = &mut residual[first..];
+            add_shared_inertia(set, &motion.from(first), &chain.masses, residual);
         }
-        add_drag(set, &motion, &self.drag, residual);
+        for first in (0..self.drag.len()).step_by(STRIDE) {
+            let own = residual[first..].first_chunk_mut();
+            let motion = motion.of_node(first);
+            add_drag(
+                set,
+                &motion,
+                node(&self.drag, first),
+                own.expect("a whole node"),
+            );
+        }
     }
 }
 
+/// Numbers of a node.
+type OfNode = [Lanes; STRIDE];
+
+fn node(lanes: &[Lanes], first: usize) -> &OfNode {
+    lanes[first..].first_chunk().expect("a whole node")
+}
+
 /// The motion of a stage, (q − qₙ)/h and vₙ.
-struct Motion<'a> {
-    unknowns: &'a [Lanes],
-    start: &'a [Lanes],
-    velocity: &'a [Lanes],
+pub(super) struct Motion<'a, T: ?Sized> {
+    unknowns: &'a T,
+    start: &'a T,
+    velocity: &'a T,
     per_step: &'a Lanes,
     per_acceleration_step: &'a Lanes,
 }
 
-impl Motion<'_> {
+impl Motion<'_, [Lanes]> {
     /// That of the unknowns from `first` on.
     fn from(&self, first: usize) -> Self {
         Self {
@@ -45,28 +67,37 @@ impl Motion<'_> {
             ..*self
         }
     }
-}
 
-/// (q − qₙ)/h − vₙ of an unknown in a lane.
-#[inline(always)]
-fn change(
-    [unknown, start, velocity, per_step]: [&Lanes; 4],
-    lane: usize,
-) -> f64 {
-    (unknown[lane] - start[lane]) * per_step[lane] - velocity[lane]
+    /// That of the node whose first unknown is `first`.
+    fn of_node(&self, first: usize) -> Motion<'_, OfNode> {
+        Motion {
+            unknowns: node(self.unknowns, first),
+            start: node(self.start, first),
+            velocity: node(self.velocity, first),
+            per_step: self.per_step,
+            per_acceleration_step: self.per_acceleration_step,
+        }
+    }
+
+    /// (q − qₙ)/h − vₙ of an unknown in a lane.
+    #[inline(always)]
+    fn change(&self, k: usize, lane: usize) -> f64 {
+        let moved = self.unknowns[k][lane] - self.start[k][lane];
+        moved * self.per_step[lane] - self.velocity[k][lane]
+    }
 }
 
 kernel! {
-    /// Adds −F + M/hₐ ((q − qₙ)/h − vₙ) with the masses lumped at each unknown.
-    fn add_loads_and_inertia(motion: &Motion, loads: &[Lanes], masses: &[Lanes], residual: &mut [Lanes]) {
-        let (per_step, per_acceleration_step) = (*motion.per_step, *motion.per_acceleration_step);
-        let forces = loads.iter().zip(masses);
-        let moved = motion.unknowns.iter().zip(motion.start).zip(motion.velocity);
-        for ((entry, (load, mass)), ((unknown, start), velocity)) in residual.iter_mut().zip(forces).zip(moved) {
+    /// Adds −F + M/hₐ ((q − qₙ)/h − vₙ) with the masses lumped at each unknown of a node: a loop over all nodes would be vectorised
+    /// across these, with gathers.
+    fn add_loads_and_inertia(motion: &Motion<OfNode>, loads_and_masses: [&OfNode; 2], residual: &mut OfNode) {
+        let [loads, masses] = loads_and_masses;
+        for k in 0..STRIDE {
             for lane in 0..LANES {
-                let mass = mass[lane] * per_acceleration_step[lane];
-                let change = change([unknown, start, velocity, &per_step], lane);
-                entry[lane] = (entry[lane] - load[lane]) + mass * change;
+                let mass = masses[k][lane] * motion.per_acceleration_step[lane];
+                let moved = motion.unknowns[k][lane] - motion.start[k][lane];
+                let change = moved * motion.per_step[lane] - motion.velocity[k][lane];
+                residual[k][lane] = (residual[k][lane] - loads[k][lane]) + mass * change;
             }
         }
     }
@@ -74,22 +105,18 @@ kernel! {
 
 kernel! {
     /// Adds what the accelerations make of the masses that neighbours share: see [`super::super::mass`].
-    fn add_shared_inertia(motion: &Motion, shared: &[Lanes], residual: &mut [Lanes]) {
-        let (per_step, per_acceleration_step) = (*motion.per_step, *motion.per_acceleration_step);
-        let change_of = |k: usize, lane: usize| {
-            let moved = [&motion.unknowns[k], &motion.start[k], &motion.velocity[k], &per_step];
-            per_acceleration_step[lane] * change(moved, lane)
-        };
+    fn add_shared_inertia(motion: &Motion<[Lanes]>, shared: &[Lanes], residual: &mut [Lanes]) {
         let mut own = [NONE; STRIDE];
         for k in 0..STRIDE {
             for lane in 0..LANES {
-                own[k][lane] = change_of(k, lane);
+                own[k][lane] = motion.per_acceleration_step[lane] * motion.change(k, lane);
             }
         }
         for (unknown, shared) in shared.iter().enumerate() {
             let own = &mut own[unknown % STRIDE];
             for lane in 0..LANES {
-                let next = change_of(unknown + STRIDE, lane);
+                let change = motion.change(unknown + STRIDE, lane);
+                let next = motion.per_acceleration_step[lane] * change;
                 let force = shared[lane] * (next - own[lane]);
                 residual[unknown][lane] += force;
                 residual[unknown + STRIDE][lane] -= force;
@@ -100,13 +127,12 @@ kernel! {
 }
 
 kernel! {
-    /// Adds C (q − qₙ)/h.
-    fn add_drag(motion: &Motion, coefficients: &[Lanes], residual: &mut [Lanes]) {
-        let per_step = *motion.per_step;
-        let moved = motion.unknowns.iter().zip(motion.start);
-        for ((entry, coefficient), (unknown, start)) in residual.iter_mut().zip(coefficients).zip(moved) {
+    /// Adds C (q − qₙ)/h of a node.
+    fn add_drag(motion: &Motion<OfNode>, coefficients: &OfNode, residual: &mut OfNode) {
+        for k in 0..STRIDE {
             for lane in 0..LANES {
-                entry[lane] += coefficient[lane] * (unknown[lane] - start[lane]) * per_step[lane];
+                let moved = motion.unknowns[k][lane] - motion.start[k][lane];
+                residual[k][lane] += coefficients[k][lane] * moved * motion.per_step[lane];
             }
         }
     }

@@ -9,16 +9,20 @@ mod exchange;
 mod forces;
 mod matrix;
 mod sweep;
+mod work;
 
 use super::{Stage, System};
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes};
 use crate::linalg::{BandedLanes, LaneVector};
 use crate::mechanics::rod::{RodCopies, STRIDE};
+use std::collections::HashSet;
 use std::ops::Range;
 
 pub(crate) use exchange::{Member, set_lanes};
 
 const NONE: Lanes = [0.0; LANES];
+/// Systems that are remembered to be of the same kind: beyond, they are compared again.
+const MOST_KEPT: usize = 1 << 16;
 
 /// Copies of a system and its stage; arrays over unknowns.
 pub(crate) struct Copies {
@@ -33,7 +37,8 @@ pub(crate) struct Copies {
     drag: LaneVector,
     start: LaneVector,
     velocity: LaneVector,
-    /// 1/h and 1/hₐ.
+    /// h, 1/h and 1/hₐ.
+    step: Lanes,
     per_step: Lanes,
     per_acceleration_step: Lanes,
     pub allowances: Vec<Allowance>,
@@ -41,6 +46,8 @@ pub(crate) struct Copies {
     pub residual: LaneVector,
     band: BandedLanes,
     sweep: Vec<sweep::Piece>,
+    /// Numbers of systems that were found to be like these.
+    fitting: HashSet<u64>,
 }
 
 /// Masses that each node of a chain shares with the next.
@@ -96,6 +103,7 @@ impl Copies {
             drag: LaneVector::new(system.terms.drag.coefficients.len()),
             start: none(),
             velocity: none(),
+            step: NONE,
             per_step: NONE,
             per_acceleration_step: NONE,
             allowances: (assembly.rods.rods.iter())
@@ -108,11 +116,29 @@ impl Copies {
                 .collect(),
             residual: none(),
             band: BandedLanes::new(unknowns),
+            fitting: HashSet::new(),
         })
     }
 
-    /// Whether a system in a stage has the rods, the held unknowns and the forces of these.
-    pub(crate) fn are_of(&self, system: &System, stage: &Stage) -> bool {
+    /// Whether a system in a stage has the rods, the held unknowns and the forces of these. Only grasps change the answer.
+    pub(crate) fn are_of(&mut self, system: &System, stage: &Stage) -> bool {
+        if system.switched {
+            return self.fit(system, stage);
+        }
+        if self.fitting.contains(&system.number) {
+            return true;
+        }
+        let fits = self.fit(system, stage);
+        if fits {
+            if self.fitting.len() == MOST_KEPT {
+                self.fitting.clear();
+            }
+            self.fitting.insert(system.number);
+        }
+        fits
+    }
+
+    fn fit(&self, system: &System, stage: &Stage) -> bool {
         let assembly = &system.assembly;
         let chains = &assembly.consistent.chains;
         self.held == assembly.held
@@ -125,6 +151,12 @@ impl Copies {
             })
             && stage.drag.is_empty()
             && system.has_copies()
+    }
+
+    /// Rods that are not held.
+    pub(crate) fn rods_that_move(&self) -> impl Iterator<Item = &Allowance> {
+        let allowances = self.allowances.iter();
+        allowances.filter(|allowance| allowance.force[0].is_finite())
     }
 
     /// Corrections of the last [`Self::solve`].

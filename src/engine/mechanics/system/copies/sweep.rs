@@ -96,10 +96,10 @@ impl Plan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::Vector3;
     use crate::mechanics::scene::{RodDescription, Scene};
     use crate::mechanics::system::System;
     use crate::mechanics::test_support::{clamp, line, section};
-    use crate::mechanics::Vector3;
 
     /// Two rods of which the first has clamps at both ends and inside.
     fn system() -> System {
@@ -147,10 +147,17 @@ mod tests {
             let at = place(Piece::Edge(edge));
             assert!(at < eliminated(own.start) && at < eliminated(own.end));
             for (vertex, beside) in reached.iter().enumerate() {
-                let is_beside = beside.start < STRIDE * (own.end + 1) && beside.end > STRIDE * own.start;
+                let is_beside =
+                    beside.start < STRIDE * (own.end + 1) && beside.end > STRIDE * own.start;
                 assert!(!is_beside || place(Piece::Vertex(vertex)) < at);
             }
         }
-        assert_eq!(pieces.last(), Some(&Piece::Node { node: 13, holds: false }));
+        assert_eq!(
+            pieces.last(),
+            Some(&Piece::Node {
+                node: 13,
+                holds: false
+            })
+        );
     }
 }
