@@ -312,4 +312,4 @@ fn scatter_hessian(
 
 #[cfg(test)]
 #[path = "elastic_tests.rs"]
-mod tests;
+pub(super) mod tests;

@@ -6,10 +6,11 @@ use crate::mechanics::rod::transport::{any_normal, rotated};
 use crate::mechanics::rod::vertex::{VertexStiffness, VertexStrains};
 use crate::mechanics::rod::{BendingStrain, GhostEdge, Placement, ReferenceFrames, VertexWeights};
 
-const NODES: usize = 21;
+pub(in crate::mechanics::rod) const NODES: usize = 21;
 
 /// A bent and twisted rod whose first node is clamped, and frames somewhat behind its present shape.
-fn clamped_rod() -> (ElasticRods, Vec<f64>, ReferenceFrames, GhostEdge) {
+pub(in crate::mechanics::rod) fn clamped_rod() -> (ElasticRods, Vec<f64>, ReferenceFrames, GhostEdge)
+{
     let nodes: Vec<Vector3> = (0..NODES)
         .map(|k| 0.1 * k as f64)
         .map(|s| Vector3::new(s, (2.0 * s).sin() * 0.4, (3.0 * s).cos() * 0.3))

@@ -1,6 +1,5 @@
 //! The frames of [`LANES`] edges at a time.
 
-use super::edge_lanes::EdgeLanes;
 use super::topology::STRIDE;
 use super::transport::parallel_transport;
 use super::trigonometry::{is_within_reach, sine_cosine, within_reach};
@@ -160,12 +159,11 @@ impl TransportLanes {
 /// Transports the frames of edges between nodes with the unknowns `start` and `end`, one in each lane: see [`transport`].
 pub(super) fn transport_between(
     set: InstructionSet,
-    start: &[Lanes; STRIDE],
-    end: &[Lanes; STRIDE],
-    edges: &mut EdgeLanes,
+    [start, end]: [&[Lanes; STRIDE]; 2],
+    from: &mut TransportLanes,
+    frames: &mut FrameLanes,
     directors: &mut VectorLanes,
 ) {
-    let EdgeLanes { from, frames, .. } = edges;
     let [.., angles] = start;
     from.angle = match angles.iter().all(|angle| is_within_reach(*angle)) {
         true => *angles,

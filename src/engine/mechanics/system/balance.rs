@@ -86,13 +86,18 @@ impl Sizes {
                 } else {
                     weights[k] * masses[k] * size
                 };
-                largest.unknowns[k] = largest.unknowns[k].max(size);
-                largest.loads[k] = largest.loads[k].max(weights[k] * loads[k].abs());
-                largest.inertia[k] = largest.inertia[k].max(inertia);
+                keep_larger(&mut largest.unknowns[k], size);
+                keep_larger(&mut largest.loads[k], weights[k] * loads[k].abs());
+                keep_larger(&mut largest.inertia[k], inertia);
             }
         }
         largest
     }
+}
+
+/// As [`f64::max`] for a number that was kept, in one instruction.
+fn keep_larger(kept: &mut f64, size: f64) {
+    *kept = if size > *kept { size } else { *kept };
 }
 
 fn largest(of: [f64; STRIDE]) -> f64 {

@@ -1,6 +1,6 @@
 //! Geometry and gradient of all copies.
 
-use super::super::edge_lanes;
+use super::super::edge_lanes::{self, EdgeLanes};
 use super::super::frame_lanes::{VectorLanes, every_lane, transport_between};
 use super::super::topology::STRIDE;
 use super::RodCopies;
@@ -11,10 +11,12 @@ impl RodCopies {
     /// Computes edges, frames and strains at `unknowns`, 4 per node, and adds the gradients to `gradient`.
     pub(crate) fn evaluate(&mut self, unknowns: &[Lanes], gradient: &mut [Lanes]) {
         for edge in &mut self.framed.real {
-            let [start, end] = edge.nodes.map(|node| STRIDE * node);
-            let start = unknowns[start..].first_chunk().expect("4 are of a node");
-            let end = unknowns[end..].first_chunk().expect("4 are of a node");
-            transport_between(self.set, start, end, &mut edge.lanes, &mut edge.director);
+            let ends = edge.nodes.map(|node| {
+                let own = unknowns[STRIDE * node..].first_chunk();
+                own.expect("4 are of a node")
+            });
+            let EdgeLanes { from, frames, .. } = &mut edge.lanes;
+            transport_between(self.set, ends, from, frames, &mut edge.director);
         }
         let (framed, nodes) = (&self.framed, self.framed.nodes());
         let local = &mut self.scratch.gradient;

@@ -181,3 +181,6 @@ fn batches_with_angles(rods: &ElasticRods) -> impl Iterator<Item = bool> {
     let batches = rods.vertices.chunks(LANES);
     batches.flat_map(|batch| std::iter::repeat_n(have_angles(batch), batch.len()))
 }
+
+#[cfg(test)]
+mod tests;
