@@ -57,6 +57,13 @@ pub enum Measured {
         /// 0 to 2 for x, y, z.
         axis: usize,
     },
+    /// The part of the position of a point of a rod along a direction, m.
+    Along {
+        /// The point.
+        place: Place,
+        /// The direction, a unit vector.
+        direction: [f64; 3],
+    },
     /// A column of a probe, or one of the derived columns.
     Column(String),
 }
@@ -91,7 +98,7 @@ impl Datum {
     /// Name of the numbers whose noise is alike: `position`, or the column.
     pub fn group(&self) -> &str {
         match &self.measured {
-            Measured::Coordinate { .. } => POSITION,
+            Measured::Coordinate { .. } | Measured::Along { .. } => POSITION,
             Measured::Column(name) => name,
         }
     }

@@ -4,12 +4,14 @@ use super::error::IdentifyError;
 use super::figure::residuals_figure;
 use super::identified::Identified;
 use super::problem::Experiment;
-use crate::experiment;
+use crate::experiment::{self, RodFile};
 use crate::run::PreparedRun;
 use libm::cbrt;
 use rodlab_files::figure::Paper;
 use rodlab_files::results::{ResultsError, write_whole};
+use rodlab_planning::plan::deployment::DeployedRod;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -37,25 +39,6 @@ struct Row<'a> {
     low_95: Option<f64>,
     high_95: Option<f64>,
     start: f64,
-}
-
-#[derive(Serialize)]
-struct RodTable {
-    title: String,
-    deployment: DeploymentTable,
-}
-
-#[derive(Serialize)]
-struct DeploymentTable {
-    rod: LaidRodTable,
-}
-
-#[derive(Serialize)]
-struct LaidRodTable {
-    gravito_bending_length: f64,
-    radius: f64,
-    length: f64,
-    density: f64,
 }
 
 /// Writes all files into a directory, which is made if it is missing, each whole or not at all. Returns their paths.
@@ -151,16 +134,16 @@ fn rod_file(prepared: &PreparedRun) -> Option<String> {
         .sum();
     let [one, other] = rod.stiffness.bending;
     let softer = one.min(other);
-    let table = RodTable {
+    let file = RodFile {
         title: prepared.title.clone(),
-        deployment: DeploymentTable {
-            rod: LaidRodTable {
-                gravito_bending_length: cbrt(softer / (2.0 * rod.mass_per_length * GRAVITY)),
-                radius: rod.radius,
-                length,
-                density: rod.mass_per_length / area,
-            },
+        rod: DeployedRod {
+            gravito_bending_length: cbrt(softer / (2.0 * rod.mass_per_length * GRAVITY)),
+            radius: rod.radius,
+            length,
         },
+        density: rod.mass_per_length / area,
+        edges: None,
+        friction: BTreeMap::new(),
     };
-    toml::to_string(&table).ok()
+    Some(file.text())
 }

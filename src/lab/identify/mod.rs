@@ -16,6 +16,7 @@
 //! | `statistics`, `advice` | noise, error bars, what the data do not determine |
 //! | `task` | the request, and all steps from it to the result |
 //! | `hanging` | a rod in a photograph that is held at one end |
+//! | `held`, `held_views` | a rod that an arm holds in several poses, each seen by a camera |
 //! | `identified`, `files`, `figure` | the result, its files, its figure |
 
 mod advice;
@@ -27,6 +28,8 @@ mod files;
 mod fit;
 mod frame;
 mod hanging;
+mod held;
+mod held_views;
 mod identified;
 mod jacobian;
 mod observe;
@@ -45,6 +48,8 @@ pub use exact::Exact;
 pub use files::{FITTED, IDENTIFIED, PARAMETERS, RESIDUALS, RESIDUALS_FIGURE, ROD, write};
 pub use fit::Loss;
 pub use hanging::{CURVATURE_KEY, HangingRod, LENGTH_KEY, measure_hanging};
+pub use held::{CURLED, HAND_ERROR, HeldRod};
+pub use held_views::{HeldView, identify_held};
 pub use identified::{Identified, IdentifiedKey, Noise, Residual, Undetermined};
 pub use jacobian::{CentralDifferences, Jacobian};
 pub use observe::CRITICAL;

@@ -29,10 +29,10 @@ const SAME_TIME: f64 = 1e-9;
 
 /// How the number of a datum follows from a simulation.
 enum Reading {
-    /// A weighted sum of a coordinate of nodes.
-    Coordinate {
+    /// A weighted sum of the positions of nodes along a direction.
+    Along {
         weights: Vec<(usize, f64)>,
-        axis: usize,
+        direction: Vector3,
     },
     /// A column of the observers, by its number.
     Column(usize),
@@ -164,7 +164,7 @@ impl Observation {
             .iter()
             .any(|reading| matches!(reading, Reading::Column(_)));
         let is_single =
-            |reading: &Reading| matches!(reading, Reading::Coordinate { .. } | Reading::Column(_));
+            |reading: &Reading| matches!(reading, Reading::Along { .. } | Reading::Column(_));
         self.readings.iter().all(is_single)
             && !run.observer::<Probes>().is_some_and(Probes::may_stop)
             && (!has_column
@@ -183,8 +183,8 @@ impl Observation {
         steps: u64,
     ) -> Option<f64> {
         match &self.readings[datum] {
-            Reading::Coordinate { weights, axis } => {
-                Some(coordinate(simulation.positions(), weights, *axis))
+            Reading::Along { weights, direction } => {
+                Some(along(simulation.positions(), weights, direction))
             }
             Reading::Column(number) => {
                 let sample = Sample {
@@ -218,8 +218,8 @@ impl Observation {
         };
         for &index in which {
             let value = match &self.readings[index] {
-                Reading::Coordinate { weights, axis } => {
-                    Some(coordinate(run.simulation.positions(), weights, *axis))
+                Reading::Along { weights, direction } => {
+                    Some(along(run.simulation.positions(), weights, direction))
                 }
                 Reading::Column(number) => columns[*number].1.number(),
                 Reading::Frequency(number) => frequencies.get(*number).copied(),
@@ -235,11 +235,11 @@ impl Observation {
     }
 }
 
-/// A weighted sum of a coordinate of nodes.
-fn coordinate(positions: &[Vector3], weights: &[(usize, f64)], axis: usize) -> f64 {
+/// A weighted sum of the positions of nodes along a direction.
+fn along(positions: &[Vector3], weights: &[(usize, f64)], direction: &Vector3) -> f64 {
     let parts = weights.iter();
     parts
-        .map(|(node, weight)| weight * positions[*node][axis])
+        .map(|(node, weight)| weight * positions[*node].dot(direction))
         .sum()
 }
 
@@ -282,9 +282,13 @@ fn reading(prepared: &PreparedRun, datum: &Datum) -> Result<Reading, String> {
         _ if is_path => Err(format!(
             "along a path of equilibria (time.mode = \"continuation\") only `{CRITICAL}` is compared"
         )),
-        Measured::Coordinate { place, axis } => Ok(Reading::Coordinate {
+        Measured::Coordinate { place, axis } => Ok(Reading::Along {
             weights: weights(prepared, place)?,
-            axis: *axis,
+            direction: Vector3::ith(*axis, 1.0),
+        }),
+        Measured::Along { place, direction } => Ok(Reading::Along {
+            weights: weights(prepared, place)?,
+            direction: Vector3::from(*direction),
         }),
         Measured::Column(name) => match frequency_of(name) {
             Some(number) => frequency(prepared, number),

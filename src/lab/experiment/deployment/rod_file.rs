@@ -3,12 +3,13 @@
 use crate::scenario::dimension::{Density, Length};
 use crate::scenario::{Issue, Issues, KeyPath, Quantity, ScenarioError, TypedFile};
 use rodlab_planning::plan::deployment::DeployedRod;
-use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A rod by its file.
+#[derive(Clone, Debug)]
 pub struct RodFile {
     /// Its name for readers.
     pub title: String,
@@ -24,6 +25,29 @@ pub struct RodFile {
 
 /// Density where none is given, kg/m³.
 const DENSITY: f64 = 1000.0;
+
+#[derive(Serialize)]
+struct Written<'a> {
+    title: &'a str,
+    deployment: WrittenDeployment<'a>,
+}
+
+#[derive(Serialize)]
+struct WrittenDeployment<'a> {
+    rod: WrittenRod<'a>,
+}
+
+#[derive(Serialize)]
+struct WrittenRod<'a> {
+    gravito_bending_length: f64,
+    radius: f64,
+    length: f64,
+    density: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    edges: Option<u32>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    friction: &'a BTreeMap<String, f64>,
+}
 
 #[derive(Debug, Deserialize)]
 struct Typed {
@@ -50,6 +74,24 @@ struct TypedRod {
 }
 
 impl RodFile {
+    /// The text of the file.
+    pub fn text(&self) -> String {
+        let written = Written {
+            title: &self.title,
+            deployment: WrittenDeployment {
+                rod: WrittenRod {
+                    gravito_bending_length: self.rod.gravito_bending_length,
+                    radius: self.rod.radius,
+                    length: self.rod.length,
+                    density: self.density,
+                    edges: self.edges,
+                    friction: &self.friction,
+                },
+            },
+        };
+        toml::to_string(&written).expect("numbers and names are TOML values")
+    }
+
     /// Reads a rod's file.
     ///
     /// # Errors
