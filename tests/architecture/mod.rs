@@ -44,7 +44,7 @@ const ROOMS: Table = &[
     ("plan", &["mechanics", "learn"]),
     ("learn", &["results", "figure"]),
     ("mechanics", &["linalg"]),
-    ("task", &["virtual_cell", "report"]),
+    ("task", &["virtual_cell", "report", "identify"]),
     ("virtual_cell", &["cell", "experiment"]),
     ("cell", &["robot", "vision", "scenario", "figure"]),
     ("robot", &["mesh"]),

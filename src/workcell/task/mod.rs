@@ -6,6 +6,7 @@
 //! | `tie` | a knot tied by two arms |
 //! | `fold` | a sheet folded by an arm, with the camera |
 //! | `exploration` | the stability of helical rods, explored along a list of directions |
+//! | `identification` | the gravito-bending length of a rod, held before the camera in three poses |
 //! | `motion` | the motions of a deployment, planned and checked before anything moves |
 //! | `room` | the room for a rod on the table and in the picture |
 //! | `correction` | its path, replanned from pictures of the camera while it is laid |
@@ -32,6 +33,7 @@ mod deploy_record;
 mod error;
 mod exploration;
 mod fold;
+mod identification;
 mod look;
 mod motion;
 mod record;
@@ -59,6 +61,9 @@ pub use exploration::{
 };
 pub use fold::{
     FoldMotion, FoldPlan, FoldRecord, FoldRequest, FoldScore, FoldTask, FoldWay, Look, heading,
+};
+pub use identification::{
+    HeldPose, HoldRequest, IdentificationPlan, IdentificationRecord, IdentificationTask,
 };
 pub use motion::{DeployMotion, MotionRequest, middle_of_table};
 pub use record::{Report, Status, TaskHead, TaskRecord, write_manifest};

@@ -91,6 +91,15 @@ impl WorkingArm<'_> {
         way.map_or(Ok(()), |way| self.follow(name, &way))
     }
 
+    /// The same with something in the gripper, as [`Self::carry`].
+    ///
+    /// # Errors
+    /// As [`Self::carry`].
+    pub fn lead(&self, name: &str, joints: &[f64], speed: f64) -> Result<(), WorkError> {
+        let way = self.way_to(joints, speed)?;
+        way.map_or(Ok(()), |way| self.carry(name, &way))
+    }
+
     /// Moves to its posture at rest, so that the camera sees the result. If something is in the way the arm stays: the work is
     /// done.
     ///

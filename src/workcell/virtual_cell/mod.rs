@@ -8,6 +8,7 @@
 //! | file | what |
 //! |---|---|
 //! | `arm` | joints that follow trajectories with latency and lag, within their limits |
+//! | `hanging` | rods of which a part hangs in the air |
 //! | `rod` | rods for grippers, handed over so that they hang on the table |
 //! | `simulated_rod` | a rod in simulation, or two: led by hands, released |
 //! | `grip` | a gripper's hold on that rod, of which there may be several |
@@ -38,6 +39,7 @@ mod connection;
 mod fault;
 mod goal_status;
 mod grip;
+mod hanging;
 mod message;
 mod pace;
 mod rod;

@@ -24,16 +24,18 @@ const FIRST_LINE: f64 = 0.05;
 
 /// Rods of one kind, one after the other, for grippers to take.
 pub struct RodSupply {
-    prepared: PreparedRun,
-    rod: DeployedRod,
+    pub(super) prepared: PreparedRun,
+    pub(super) rod: DeployedRod,
     /// Pose of the hanging end of a rod whose free end lies at the origin, along x.
-    end: Pose,
+    pub(super) end: Pose,
     /// Place in the cell of the free end, m; otherwise the rod hangs by itself.
-    free_end: Option<[f64; 2]>,
+    pub(super) free_end: Option<[f64; 2]>,
     /// Whether the rod may hang by itself where no hand reaches it with its free end there.
-    may_hang: bool,
+    pub(super) may_hang: bool,
+    /// Whether it hangs in the air.
+    pub(super) is_free: bool,
     /// Pegs on the table, and the pose of their frame in the cell.
-    fixtures: Option<(Fixtures, Pose)>,
+    pub(super) fixtures: Option<(Fixtures, Pose)>,
 }
 
 /// Reason why rods cannot be supplied.
@@ -139,6 +141,7 @@ impl RodSupply {
             end,
             free_end: None,
             may_hang: false,
+            is_free: false,
             fixtures: None,
         })
     }
@@ -153,6 +156,11 @@ impl RodSupply {
     pub fn beginning_at(self, frame: &Pose, start: Point) -> Self {
         let start = frame * Point3::new(start.x, start.y, 0.0);
         self.with_free_end([start.x, start.y])
+    }
+
+    /// Whether its rods hang in the air.
+    pub fn is_free(&self) -> bool {
+        self.is_free
     }
 
     /// The pegs on the table: where their axes begin and where their round tops are centred in the cell, m, and their radii, m.
@@ -220,7 +228,10 @@ impl RodSupply {
             radius: self.rod.radius,
         };
         let rods = [others, &[handed]].concat();
-        Ok(SimulatedRod::handed(simulation, placed, &rods, now))
+        Ok(match self.is_free {
+            true => SimulatedRod::held_by(simulation, &placed, &rods, now),
+            false => SimulatedRod::handed(simulation, placed, &rods, now),
+        })
     }
 
     /// The frame, on the table, of the simulation of a rod that hangs from a hand.
@@ -253,7 +264,8 @@ impl RodSupply {
             Some([x, y]) => (table.inverse() * nalgebra::Point3::new(x, y, 0.0)).coords,
             None => held.translation.vector - end,
         };
-        let frame = Pose::from_parts(Translation3::new(place.x, place.y, 0.0), turn);
+        let height = if self.is_free { place.z } else { 0.0 };
+        let frame = Pose::from_parts(Translation3::new(place.x, place.y, height), turn);
         let held = frame.inverse() * held;
         let (distance, angle) = distance_and_angle(&self.end, &held);
         let [most_lengths, most_angle] = REACH;

@@ -190,6 +190,10 @@ impl SimulatedCell {
 
     /// Lets go what an arm holds.
     fn open(&mut self, arm: usize) -> Result<(), String> {
+        // A person takes a rod that would fall.
+        if self.supply_of(arm).is_some_and(RodSupply::is_free) {
+            self.rod = None;
+        }
         let opened = match (&mut self.chuck, &mut self.rod) {
             (Some(chuck), _) if chuck.holder() == Some(arm) => chuck.let_go(),
             (None, Some(rod)) => rod.release_by(arm),

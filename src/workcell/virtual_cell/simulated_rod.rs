@@ -79,7 +79,13 @@ impl SimulatedRod {
         handed
     }
 
-    fn held_by(simulation: Simulation, placed: &Placed, rods: &[HandedRod], now: f64) -> Self {
+    /// The same without a table.
+    pub(super) fn held_by(
+        simulation: Simulation,
+        placed: &Placed,
+        rods: &[HandedRod],
+        now: f64,
+    ) -> Self {
         let end = rods.iter().map(|rod| rod.nodes).sum::<usize>() - 1;
         let arm = rods[rods.len() - 1].arm;
         let grip = Grip::new(arm, end, 0, placed.end).handed_by(HANDING_OVER);

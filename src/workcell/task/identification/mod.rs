@@ -1,0 +1,17 @@
+//! The gravito-bending length of a rod, which an arm holds before the camera in three poses.
+//!
+//! | file | what |
+//! |---|---|
+//! | `pose` | the poses, chosen for small error bars |
+//! | `candidate` | what the camera would see of a pose, and what it determines |
+//! | `task` | the steps: take, hold, look, fit |
+//! | `record` | the record |
+
+mod candidate;
+mod pose;
+mod record;
+mod task;
+
+pub use pose::{HeldPose, HoldRequest};
+pub use record::IdentificationRecord;
+pub use task::{IdentificationPlan, IdentificationTask};
