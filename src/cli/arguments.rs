@@ -66,7 +66,7 @@ pub enum Command {
     Measure(measure::MeasureArguments),
     /// Differentiate probes of a scenario over its keys, exactly
     Sensitivity(sensitivity::SensitivityArguments),
-    /// Fit keys of scenarios to measurements, with error bars
+    /// Fit keys of scenarios to measurements, or a rod that an arm holds
     Identify(identify::IdentifyArguments),
     /// Find the natural shape of a rod for a wanted equilibrium
     Design(design::DesignArguments),

@@ -83,6 +83,9 @@ struct ServeArguments {
     /// By default it is where the rod hangs by itself, and for a scene the start of its pattern.
     #[arg(long, hide_short_help = true, value_name = "X,Y", value_parser = place, conflicts_with = "paper", allow_hyphen_values = true)]
     free_end: Option<[f64; 2]>,
+    /// Hand rods over in the air, with this length free, as `rodlab identify --rod` needs them
+    #[arg(long, value_name = "LENGTH", value_parser = positive_length, requires = "rod", conflicts_with_all = ["free_end", "second_rod"])]
+    hanging: Option<f64>,
     /// Rod for all arms except the first, as --rod [default: the same]
     #[arg(long, value_name = "FILE", requires = "rod", value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
     second_rod: Option<PathBuf>,
@@ -148,7 +151,10 @@ pub fn cell(arguments: &CellArguments) -> Result<(), Failure> {
         .transpose()?
         .flatten();
     let supply = match rod.filter(|_| cell.chuck.is_none()) {
-        Some(rod) => Some(RodSupply::new(rod, friction)?),
+        Some(rod) => Some(match arguments.hanging {
+            Some(length) => RodSupply::hanging(rod, length)?,
+            None => RodSupply::new(rod, friction)?,
+        }),
         None => arguments.scene(&cell)?,
     };
     let supply = match (supply, arguments.free_end) {

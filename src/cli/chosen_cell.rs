@@ -8,7 +8,7 @@ use rodlab_workcell::virtual_cell::{Settings, with_cell};
 use std::io::{IsTerminal, Write as _};
 
 /// Choice of the cell, and whether its arms move without confirmation.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct CellChoice {
     /// Cell file of a served cell, or of real arms [default: a simulated preset cell]
     ///

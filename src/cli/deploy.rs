@@ -1,6 +1,7 @@
 //! `rodlab deploy`.
 
 use super::cell::FRICTION;
+use super::identify_held::HeldArguments;
 use super::in_cell::InCell;
 use super::laying::{Laying, LayingArguments};
 use super::log_directory::log_directory;
@@ -8,6 +9,7 @@ use super::plan_deployment::DeploymentPlan;
 use super::prelude::*;
 use super::run::simulate;
 use rodlab_lab::experiment::case_set;
+use rodlab_lab::identify::ROD;
 use rodlab_lab::run::RunOptions;
 use rodlab_planning::plan::deployment::Spare;
 use rodlab_workcell::task::{DeployTask, Planning, TaskCommand, Way};
@@ -19,6 +21,7 @@ Examples:
   rodlab deploy --pattern A.svg                  a drawing or a preset; in a virtual cell
   rodlab deploy --pattern U --rod green_vps --cell gantry --dry-run
   rodlab deploy --pattern letter.csv --rod pink_vps --cell cell.toml --colour red
+  rodlab deploy --pattern S --rod green_vps --identify --simulated-rod mine.toml
   rodlab deploy --pattern circle:0.08 --rod green_vps --simulate",
     "\
 The path of the gripper is planned as by `rodlab plan deployment`, that of the joints as by
@@ -26,6 +29,9 @@ The path of the gripper is planned as by `rodlab plan deployment`, that of the j
 and releases it; the camera of the cell file takes a picture, by which the rod is scored. With
 --dry-run nothing moves: look at its page first. `rodlab cell serve` starts a cell to try --cell
 with.
+
+With --identify the arm first holds the rod in three poses before the camera; --rod is then what is
+expected of it, and identify/ has the record and the rod that was found, rod.toml.
 
 All results are in one directory: manifest.json, report.md, report.html, plan/, joints.csv,
 cell.html, approach/ and laying/ (commanded.csv, state.csv, events.csv), picture.png, overlay.png,
@@ -44,6 +50,12 @@ pub struct DeployArguments {
     /// Replan the rest of the path from what the camera sees, each 0.8 gravito-bending lengths
     #[arg(long, conflicts_with_all = ["simulate", "dry_run"])]
     correct: bool,
+    /// Let the arm identify the rod first, as `rodlab identify --rod`, and plan with what it finds
+    #[arg(long, conflicts_with_all = ["simulate", "dry_run"])]
+    identify: bool,
+    /// Rod of the simulated cell, where it is not --rod, for which the path is planned
+    #[arg(long, hide_short_help = true, value_name = "FILE", conflicts_with_all = ["simulate", "cell"], value_parser = file_or_preset(PresetKind::Rod), add = presets(PresetKind::Rod))]
+    simulated_rod: Option<PathBuf>,
     /// Lay the rod in plain simulation, without a cell
     #[arg(long, conflicts_with = "dry_run")]
     simulate: bool,
@@ -62,6 +74,15 @@ pub fn deploy(command: &InCell<DeployArguments>, common: &Common) -> Result<(), 
             "--knot: a knot needs two grippers, and this command has one; use `rodlab tie`".into(),
         ));
     }
+    if command.what.identify {
+        let directory = log_directory(DeployArguments::NAME, laying.task.out.as_deref())?;
+        let identified = directory.join(HeldArguments::NAME);
+        command
+            .identification()?
+            .run_in(identified.clone(), false)?;
+        plan.use_identified(identified.join(ROD));
+        return command.run_in(directory, true);
+    }
     if !is_simulated {
         return command.run();
     }
@@ -71,6 +92,35 @@ pub fn deploy(command: &InCell<DeployArguments>, common: &Common) -> Result<(), 
     let options = RunOptions::new(directory.join("landing"));
     simulate(&case_set(&scenario, &[], &[])?, options, common)?;
     Ok(())
+}
+
+impl InCell<DeployArguments> {
+    /// The identification of the rod before it is laid.
+    fn identification(&self) -> Result<InCell<HeldArguments>, Failure> {
+        let (plan, laying) = (&self.what.plan, &self.what.laying);
+        // A cell may have a rod of its own.
+        let rod = match (plan.given_rod(), &self.choice.cell) {
+            (None, Some(_)) => None,
+            _ => Some(plan.expected_rod()?.to_owned()),
+        };
+        let task = &laying.task;
+        Ok(InCell {
+            what: HeldArguments {
+                rod,
+                free: None,
+                simulated_rod: self.what.simulated_rod.clone(),
+                arm: laying.arm.clone(),
+                hand_speed: task.hand_speed,
+                approach_speed: task.approach_speed,
+                margin: task.margin,
+                colour: task.colour.clone(),
+                dry_run: false,
+                checked: task.checked,
+                out: None,
+            },
+            choice: self.choice.clone(),
+        })
+    }
 }
 
 impl TaskCommand for DeployArguments {
@@ -90,7 +140,11 @@ impl TaskCommand for DeployArguments {
             outline: plan.outline()?,
             fixtures: None,
             is_corrected: self.correct,
-            supply: &|_| Ok(RodSupply::new(plan.rod_file()?, FRICTION)?),
+            supply: &|_| {
+                let simulated = self.simulated_rod.as_deref();
+                let rod = simulated.map_or_else(|| plan.expected_rod(), Ok)?;
+                Ok(RodSupply::new(rod, FRICTION)?)
+            },
         };
         self.laying
             .plan(planning, arms[0], laying, |spare, directory| {

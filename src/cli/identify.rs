@@ -2,6 +2,8 @@
 
 use super::candidates::keys;
 use super::exit_code::{ExitCode, INTERRUPTED};
+use super::identify_held::HeldArguments;
+use super::in_cell::InCell;
 use super::log_directory::results_directory;
 use super::prelude::*;
 use indicatif::ProgressBar;
@@ -30,7 +32,9 @@ const HELP: [&str; 2] = help!(
     "\
 Examples:
   rodlab identify swing.toml --data swing.csv --fit parameters.ei,material.viscosity
-  rodlab identify loop.toml --data loop.csv --with twist.toml:twist.csv --fit parameters.ei,parameters.gj
+  rodlab identify loop.toml --data a.csv --with twist.toml:b.csv --fit parameters.ei,parameters.gj
+  rodlab identify --rod green_vps --simulated-rod mine.toml    by an arm, in a virtual cell
+  rodlab identify --rod green_vps --cell cell.toml --out held
   rodlab identify swing.toml --data swing.csv --markers markers.csv --fit parameters.ei \\
     --prior \"parameters.ei=2e-3+-5e-4\" --noise \"position=0.5 mm\" --loss huber",
     "\
@@ -40,7 +44,13 @@ each marker instead. Centrelines: x_m,y_m,z_m, matched by arc length. Series: ti
 probes, such as grip_force_x_n. For equilibria there is no time_s; `frequency_1_hz` is then a natural
 frequency, and along a path of equilibria `critical_parameter` its first fold or bifurcation. Empty
 cells were not measured. Exit code 3: the fit has not converged. `rodlab guide identification`
-explains the error bars."
+explains the error bars.
+
+With --rod instead of a scenario an arm identifies a rod: the end of the rod is put into its gripper
+so that --free of it hangs down; the arm holds it in three poses, the camera looks, and the
+gravito-bending length and the natural curvature are fitted. Written in addition: rod.toml, which is
+--rod with the length that was found, look_1.png to look_3.png, overlay_1.png to overlay_3.png, and
+the record of a task, as by `rodlab deploy`."
 );
 
 /// Arguments of `rodlab identify`.
@@ -48,25 +58,22 @@ explains the error bars."
 #[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct IdentifyArguments {
     /// The scenario, which states a value of each key to start from
-    #[arg(value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
-    pub scenario: PathBuf,
+    #[arg(required_unless_present_any = ["rod", "cell"], value_parser = file_or_preset(PresetKind::Scenario), add = presets(PresetKind::Scenario))]
+    pub scenario: Option<PathBuf>,
     /// Measurements on this scenario, CSV files
-    #[arg(long, value_name = "FILE,...", required = true, value_delimiter = ',')]
+    #[arg(long, value_name = "FILE,...", required_unless_present_any = ["rod", "cell"], value_delimiter = ',')]
     pub data: Vec<PathBuf>,
     /// A further scenario with its measurements, which shares the keys; repeatable
     #[arg(long = "with", value_name = "SCENARIO:FILE,...")]
     pub others: Vec<String>,
     /// Keys to fit, such as rods.wire.stiffness.twisting
-    #[arg(long, value_name = "KEY,...", required = true, value_delimiter = ',', add = keys(""))]
+    #[arg(long, value_name = "KEY,...", required_unless_present_any = ["rod", "cell"], value_delimiter = ',', add = keys(""))]
     pub fit: Vec<String>,
-    /// Directory for the results [default: results/<name of the scenario>-identified]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
     /// Set a key of all scenarios, such as a start; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", add = keys("="))]
     pub overrides: Vec<String>,
     /// Where markers are on their rods: CSV with marker, rod, and node or arc_length_m
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, hide_short_help = true, value_name = "FILE")]
     pub markers: Option<PathBuf>,
     /// Range of a key; repeatable
     #[arg(long, value_name = "KEY=LEAST:MOST", value_parser = bounds)]
@@ -80,16 +87,25 @@ pub struct IdentifyArguments {
     /// Treatment of large residuals
     #[arg(long, default_value = "squares", value_parser = named(&LOSSES))]
     pub loss: Loss,
-    /// Print the result as JSON
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub held: InCell<HeldArguments>,
 }
 
 /// Fits keys of scenarios to measurements.
 pub fn identify(arguments: &IdentifyArguments, common: &Common) -> Result<(), Failure> {
-    let task = arguments.task()?;
+    let held = &arguments.held;
+    let Some(scenario) = &arguments.scenario else {
+        return held.run();
+    };
+    if held.choice.cell.is_some() {
+        return Err(Failure::Input(
+            "--cell: an arm identifies a rod, --rod; a scenario is fitted to --data".into(),
+        ));
+    }
+    let task = arguments.task(scenario)?;
     let name = task.experiments[0].scenario.name();
-    let directory = results_directory(arguments.out.as_deref(), &format!("{name}-identified"));
+    let out = held.what.out.as_deref();
+    let directory = results_directory(out, &format!("{name}-identified"));
     refuse_other_files(&directory)?;
     let interruption = Interruption::watch();
     let goes_on = || interruption.requested().is_none();
@@ -106,7 +122,7 @@ pub fn identify(arguments: &IdentifyArguments, common: &Common) -> Result<(), Fa
     bar.finish_and_clear();
     let found = found.map_err(failure)?;
     identify::write(&directory, &found, &task.experiments).map_err(failure)?;
-    if arguments.json {
+    if held.choice.json {
         print_json(&found)?;
     } else {
         print(&summary(&found, &directory))?;
@@ -120,7 +136,7 @@ pub fn identify(arguments: &IdentifyArguments, common: &Common) -> Result<(), Fa
 }
 
 impl IdentifyArguments {
-    fn task(&self) -> Result<Task, Failure> {
+    fn task(&self, scenario: &Path) -> Result<Task, Failure> {
         let markers = match &self.markers {
             Some(file) => read_markers(file).map_err(failure)?,
             None => BTreeMap::new(),
@@ -134,7 +150,7 @@ impl IdentifyArguments {
                 files: files.map_err(failure)?,
             })
         };
-        let mut experiments = vec![experiment(&self.scenario, &self.data)?];
+        let mut experiments = vec![experiment(scenario, &self.data)?];
         for other in &self.others {
             let (scenario, files) = other.split_once(':').ok_or_else(|| {
                 Failure::Input(format!(

@@ -18,7 +18,7 @@ pub struct InCell<C: Args> {
     #[command(flatten)]
     pub what: C,
     #[command(flatten)]
-    choice: CellChoice,
+    pub choice: CellChoice,
 }
 
 /// A task in a cell, with its directory and the marks of its arms.
@@ -27,6 +27,8 @@ struct Work<'a> {
     choice: &'a CellChoice,
     directory: &'a Path,
     marks: Vec<Unfinished>,
+    /// Whether the record is printed at the end.
+    prints: bool,
 }
 
 impl<C: Args + TaskCommand> InCell<C>
@@ -36,12 +38,18 @@ where
     /// Plans the task, shows the plan, and carries it out unless it is a dry run.
     pub fn run(&self) -> Result<(), Failure> {
         self.what.check()?;
+        let out = self.what.way().out;
+        let directory = match self.what.resumed_in() {
+            Some(name) => results_directory(out, &name),
+            None => empty_directory(C::NAME, out)?,
+        };
+        self.run_in(directory, true)
+    }
+
+    /// The same with its results in a directory, and with or without printing the record.
+    pub fn run_in(&self, directory: PathBuf, prints: bool) -> Result<(), Failure> {
         let way = self.what.way();
         let chosen = self.choice.read(C::CELL, way.dry_run)?;
-        let directory = match self.what.resumed_in() {
-            Some(name) => results_directory(way.out, &name),
-            None => empty_directory(C::NAME, way.out)?,
-        };
         let planning = Planning::new(&chosen.cell, &chosen.file, chosen.is_virtual, directory);
         let arms = self.what.arms(&planning)?;
         if let (false, Some(is_checked)) = (way.dry_run, way.checked) {
@@ -61,6 +69,7 @@ where
             chosen: &chosen,
             choice: &self.choice,
             directory: &directory,
+            prints,
         };
         let run = TaskRun::planned(task, std::env::args().collect());
         if way.dry_run {
@@ -121,6 +130,7 @@ impl Work<'_> {
         let report = run.conclude(self.directory)?;
         match (failure, run.task.record().answer()) {
             (Some(failure), _) => Err(failure),
+            (None, _) if !self.prints => Ok(()),
             (None, Some(answer)) => self.choice.print(&report, &answer, self.directory),
             (None, None) => self.choice.print(&report, &run.manifest(), self.directory),
         }

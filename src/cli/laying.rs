@@ -15,7 +15,7 @@ use rodlab_workcell::virtual_cell::RodSupply;
 pub struct LayingArguments {
     /// Name of the arm; optional if the cell has only one
     #[arg(long, value_name = "NAME")]
-    arm: Option<String>,
+    pub arm: Option<String>,
     #[command(flatten)]
     pub task: TaskArguments,
 }

@@ -46,6 +46,7 @@ mod guide;
 mod helix_file;
 mod help;
 mod identify;
+mod identify_held;
 mod in_cell;
 mod init;
 mod interruption;

@@ -61,6 +61,8 @@ pub struct DeploymentPlan {
     rod: Option<PathBuf>,
     #[arg(skip)]
     chosen: OnceLock<PathBuf>,
+    #[arg(skip)]
+    identified: OnceLock<PathBuf>,
     /// Scheme by which the gripper leads the rod
     #[arg(long, hide_short_help = true, default_value = "optimal", value_parser = named(&SCHEMES))]
     scheme: Scheme,
@@ -336,8 +338,26 @@ impl DeploymentPlan {
         }
     }
 
-    /// The file of the rod, as given, or of the preset that is chosen for the pattern.
+    /// Takes a rod that was identified instead of the expected one.
+    pub fn use_identified(&self, file: PathBuf) {
+        self.identified.get_or_init(|| file);
+    }
+
+    /// The file of the rod as given.
+    pub fn given_rod(&self) -> Option<&Path> {
+        self.rod.as_deref()
+    }
+
+    /// The file of the rod that was identified, otherwise of the expected one.
     pub fn rod_file(&self) -> Result<&Path, Failure> {
+        match self.identified.get() {
+            Some(identified) => Ok(identified),
+            None => self.expected_rod(),
+        }
+    }
+
+    /// The file of the rod, as given, or of the preset that is chosen for the pattern.
+    pub fn expected_rod(&self) -> Result<&Path, Failure> {
         if let Some(given) = self.rod.as_ref().or(self.chosen.get()) {
             return Ok(given);
         }

@@ -2,6 +2,7 @@
 
 mod deploy;
 mod ends;
+mod identify;
 mod place;
 mod server;
 
@@ -86,7 +87,7 @@ impl Served {
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rodlab"));
         command.args(arguments).current_dir(self.folder.path());
-        if ["deploy", "place", "tie", "fold"].contains(&arguments[0]) {
+        if ["deploy", "place", "tie", "fold", "identify"].contains(&arguments[0]) {
             command.arg("--yes");
         }
         // Marks of tasks that did not come to their end are those of this test.
