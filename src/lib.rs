@@ -31,8 +31,9 @@
 //! python         ──> cli
 //! cli            ──> sweep, identify, sensitivity, design, verify, reproduce, task, virtual_cell, guide, presets, site, cluster
 //! task           ──> virtual_cell, report
+//! design         ──> identify
 //! sweep, identify, verify ──> sensitivity
-//! sensitivity, design ──> experiment
+//! sensitivity    ──> experiment
 //! reproduce      ──> report, task, virtual_cell
 //! report         ──> experiment
 //! experiment     ──> run, knot, plan, scenario, figure
@@ -79,7 +80,7 @@
 //! | [`run`] | the run loop on a results directory |
 //! | [`sweep`], [`verify`], [`reproduce`] | many cases; physics checks; tables and figures of the thesis |
 //! | [`identify`] | keys of scenarios from measurements, with error bars |
-//! | [`design`] | the natural shape of a rod for a wanted equilibrium |
+//! | [`design`] | natural shapes, poses and loads for a wanted equilibrium |
 //! | [`sensitivity`] | derivatives of what a scenario measures over its keys |
 //! | [`report`] | figures and pages of a results directory |
 //! | [`knot`] | knots from parameters, the knot determinant, theory of tightening |

@@ -10,6 +10,7 @@ use rodlab::vision::{Camera, Lens, RenderOptions, RenderedRod, encode_picture, r
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::fs;
+use std::path::Path;
 
 /// A rod in a photograph: gravito-bending length, length, radius (m), natural curvature (1/m), direction at the clamp and turns of
 /// the camera about its axes (rad).
@@ -52,6 +53,11 @@ const PHOTOGRAPHS: [Photograph; 10] = [
 
 /// Nodes of the rod in the plane z = 0, under gravity along −y.
 fn hanging(photograph: &Photograph) -> Vec<Vector3<f64>> {
+    turned(photograph, 1.0 / 1.5, 0.0)
+}
+
+/// Nodes of the rod with a twisting stiffness over the bending stiffness, turned about its axis at the clamp, rad.
+fn turned(photograph: &Photograph, twisting: f64, roll: f64) -> Vec<Vector3<f64>> {
     const EDGES: usize = 200;
     let (sine, cosine) = photograph.angle.sin_cos();
     let along = Vector3::new(cosine, sine, 0.0);
@@ -61,11 +67,12 @@ fn hanging(photograph: &Photograph) -> Vec<Vector3<f64>> {
     let stiffness = Stiffness {
         stretching: 4.0 * bending / photograph.radius.powi(2),
         bending: [bending; 2],
-        twisting: bending / 1.5,
+        twisting: twisting * bending,
     };
     let mut rod =
         RodDescription::uniform("rod", nodes.collect(), stiffness, photograph.radius, mass);
-    rod.first_director = Some(Vector3::new(-sine, cosine, 0.0));
+    rod.first_director =
+        Some(Vector3::new(-sine, cosine, 0.0) * roll.cos() + Vector3::z() * roll.sin());
     rod.natural_shape = NaturalShape::Curved {
         curvature: [0.0, photograph.curvature],
         twist: 0.0,
@@ -112,17 +119,15 @@ fn camera(at: Vector3<f64>, [x, y, z]: [f64; 3]) -> Camera {
     }
 }
 
-/// Measures one photograph; returns the length less the truth over the truth, and over its standard error.
-fn measure(number: usize, photograph: &Photograph) -> [f64; 2] {
-    let folder = tempfile::tempdir().unwrap();
-    let place = folder.path();
-    let nodes = hanging(photograph);
+/// Writes a photograph of a rod, `name`.png, with its camera, `name`.toml.
+fn shoot(place: &Path, name: &str, nodes: &[Vector3<f64>], photograph: &Photograph, seed: u64) {
     let (mut low, mut high) = (nodes[0], nodes[0]);
-    for node in &nodes {
+    for node in nodes {
         (low, high) = (low.inf(node), high.sup(node));
     }
-    let camera = camera(0.5 * (low + high), photograph.camera);
-    fs::write(place.join("camera.toml"), camera.to_toml()).unwrap();
+    let middle = 0.5 * (low + high);
+    let camera = camera(Vector3::new(middle.x, middle.y, 0.0), photograph.camera);
+    fs::write(place.join(name).with_extension("toml"), camera.to_toml()).unwrap();
     // The wall is behind the rod.
     let wall = Camera {
         table_height: -3.0 * photograph.radius,
@@ -138,28 +143,44 @@ fn measure(number: usize, photograph: &Photograph) -> [f64; 2] {
         colour: [190, 40, 35],
     };
     let options = RenderOptions {
-        seed: number as u64 + 1,
+        seed,
         ..RenderOptions::default()
     };
     let picture = render(&wall, &[rod], |_| [225.0, 222.0, 215.0], &options);
-    fs::write(place.join("photo.png"), encode_picture(&picture)).unwrap();
+    fs::write(
+        place.join(name).with_extension("png"),
+        encode_picture(&picture),
+    )
+    .unwrap();
+}
+
+/// The answer of `rodlab measure rod`.
+fn answer(place: &Path, arguments: &[&str]) -> Value {
     let output = Command::cargo_bin("rodlab")
         .unwrap()
         .current_dir(place)
-        .args([
-            "measure",
-            "rod",
-            "photo.png",
-            "--camera",
-            "camera.toml",
-            "--colour",
-            "red",
-        ])
+        .args(["measure", "rod"])
+        .args(arguments)
+        .args(["--colour", "red"])
         .output()
         .unwrap();
     let error = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{number}: {error}");
-    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(output.status.success(), "{arguments:?}: {error}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Measures one photograph; returns the length less the truth over the truth, and over its standard error.
+fn measure(number: usize, photograph: &Photograph) -> [f64; 2] {
+    let folder = tempfile::tempdir().unwrap();
+    let nodes = hanging(photograph);
+    shoot(
+        folder.path(),
+        "photo",
+        &nodes,
+        photograph,
+        number as u64 + 1,
+    );
+    let answer = answer(folder.path(), &["photo.png", "--camera", "photo.toml"]);
     let of = |key: &str| answer[key].as_f64().unwrap_or(f64::NAN);
     let truth = photograph.gravito_bending_length;
     let found = of("gravito_bending_length_m");
@@ -192,4 +213,36 @@ fn the_gravito_bending_length_of_a_rod_is_found_from_its_photograph() {
         assert!(relative.abs() < 0.01, "{number}: {relative}");
         assert!(over_error.abs() < 3.0, "{number}: {over_error}");
     }
+}
+
+#[test]
+fn the_twisting_stiffness_of_a_rod_is_found_from_two_photographs() {
+    let one = photograph([0.12, 0.3, 1.5e-3], [5.0, 0.3], [0.0, 0.0, 0.0]);
+    let truth = 0.9;
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path();
+    shoot(place, "front", &turned(&one, truth, 0.0), &one, 1);
+    shoot(place, "side", &turned(&one, truth, 0.5 * PI), &one, 2);
+    let pictures = ["front.png", "side.png", "--camera", "front.toml,side.toml"];
+    let found = answer(place, &[&pictures[..], &["--roll", "0,90"]].concat());
+    println!("{found:#}");
+    let of = |key: &str| found[key].as_f64().unwrap();
+    let (twisting, error) = (
+        of("twisting_over_bending"),
+        of("twisting_over_bending_uncertainty"),
+    );
+    assert!((twisting / truth - 1.0).abs() < 0.05, "{twisting}");
+    assert!(
+        (twisting - truth).abs() < 3.0 * error,
+        "{twisting} ± {error}"
+    );
+    assert!((of("gravito_bending_length_m") / 0.12 - 1.0).abs() < 0.01);
+    // The same photograph twice shows a plane.
+    let pictures = ["front.png", "front.png", "--camera", "front.toml"];
+    let found = answer(place, &pictures);
+    assert!(found["twisting_over_bending"].is_null(), "{found}");
+    assert!(
+        found["remarks"].to_string().contains("--roll 0,90"),
+        "{found}"
+    );
 }

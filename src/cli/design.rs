@@ -4,19 +4,24 @@ use super::candidates::keys;
 use super::exit_code::ExitCode;
 use super::log_directory::results_directory;
 use super::prelude::*;
-use rodlab_lab::design::{self, DesignError, Designed, RESULT, Request};
+use rodlab_lab::design::{self, Design, DesignError, Designed, DesignedNumbers, RESULT, Request};
 use rodlab_lab::experiment;
+use rodlab_lab::run::Interruption;
 
 const HELP: [&str; 2] = help!(
     "\
 Examples:
   rodlab design curl --shape curl.csv --vary rods.curl.natural_curvature
-  rodlab design hook.toml --shape hook.csv --vary rods.hook.natural_curvature --out hook_designed",
+  rodlab design hook.toml --shape hook.csv --vary rods.hook.natural_curvature --out hook_designed
+  rodlab design arch.toml --shape arch.csv --vary clamps.1.pose,loads.0.force",
     "\
-The curve is a CSV file with columns x_m,y_m,z_m, from the first node of the rod to its last; the
-rod is moved onto it with its clamps. The loads are those of the scenario at time zero. designed.toml
-is the scenario with the natural shape, natural.csv its table for the key rods.natural_shape.
-`rodlab guide design` has the equations."
+The curve is a CSV file with columns x_m,y_m,z_m, from the first node of the rod to its last. With
+rods.NAME.natural_curvature alone, the rod is moved onto it with its clamps and gets a natural shape
+along its length with which it rests there; natural.csv is its table for rods.natural_shape. Other
+keys are numbers that --set takes, vectors such as loads.0.force, and clamps.N.pose: the place and
+the turn of clamp N, counted from 0. They are those with which the equilibrium is closest to the
+curve. The loads are those of the scenario at time zero. designed.toml is the scenario with what was
+found. Exit code 3: the values have not converged. `rodlab guide design` has the equations."
 );
 
 /// Arguments of `rodlab design`.
@@ -29,9 +34,12 @@ pub struct DesignArguments {
     /// The wanted curve in equilibrium, a CSV file
     #[arg(long, value_name = "FILE")]
     pub shape: PathBuf,
-    /// The key to find: rods.NAME.natural_curvature
-    #[arg(long, value_name = "KEY", add = keys(""))]
-    pub vary: String,
+    /// Keys to find: rods.NAME.natural_curvature, or numbers such as clamps.1.pose; repeatable
+    #[arg(long, value_name = "KEY,...", required = true, value_delimiter = ',', add = keys(""))]
+    pub vary: Vec<String>,
+    /// The rod whose shape is wanted, where the keys do not name it [default: the only one]
+    #[arg(long, value_name = "NAME")]
+    pub rod: Option<String>,
     /// Directory for the results [default: results/<name of the scenario>-designed]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -54,16 +62,24 @@ pub fn design(arguments: &DesignArguments) -> Result<(), Failure> {
     let request = Request {
         scenario: &scenario,
         shape: &arguments.shape,
+        rod: arguments.rod.as_deref(),
         vary: &arguments.vary,
     };
-    let found = design::design(&request).map_err(failure)?;
+    let interruption = Interruption::watch();
+    let found = design::design(&request, &|| interruption.requested().is_none());
+    let found = found.map_err(failure)?;
     let paths = design::write(&directory, &found).map_err(failure)?;
-    match arguments.json {
-        true => print_json(&found),
-        false => {
-            print(&summary(&found))?;
-            print_paths(&paths)
-        }
+    if arguments.json {
+        print_json(&found)?;
+    } else {
+        print(&summary(&found))?;
+        print_paths(&paths)?;
+    }
+    match &found {
+        Design::Numbers(found) if !found.converged => Err(Failure::Unreachable(
+            "the values have not converged; start nearer, by --set KEY=VALUE".into(),
+        )),
+        _ => Ok(()),
     }
 }
 
@@ -83,6 +99,7 @@ fn failure(error: DesignError) -> Failure {
     match error {
         DesignError::Scenario(error) => error.into(),
         DesignError::Results(error) => error.into(),
+        DesignError::Identify(error) => super::identify::failure(error),
         DesignError::Simulation(ref source) => Failure::Other {
             exit_code: source.exit_code(),
             message: error.to_string(),
@@ -92,14 +109,73 @@ fn failure(error: DesignError) -> Failure {
     }
 }
 
-fn summary(found: &Designed) -> String {
-    let stability = match found.unstable_directions {
+fn summary(found: &Design) -> String {
+    let (rows, remarks) = match found {
+        Design::Shape(found) => (rows_of_shape(found), &found.remarks),
+        Design::Numbers(found) => (rows_of_numbers(found), &found.remarks),
+    };
+    let names = rows.iter().map(|(name, _)| name.chars().count());
+    let width = names.max().unwrap_or(0).max(25) + 2;
+    let mut text = String::new();
+    for (name, value) in rows {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name:<width$}{value}");
+    }
+    for remark in remarks {
+        let _ = writeln!(text, "{remark}");
+    }
+    text
+}
+
+type Rows = Vec<(String, String)>;
+
+fn stability(unstable_directions: Option<usize>) -> String {
+    match unstable_directions {
         Some(0) => "stable".to_owned(),
         Some(1) => "unstable in 1 direction".to_owned(),
         Some(count) => format!("unstable in {count} directions"),
         None => "not determined with friction or rigid contact".to_owned(),
-    };
-    let displaced = found.distance_from_displaced_start_m;
+    }
+}
+
+fn displaced(distance: Option<f64>) -> String {
+    distance.map_or("no equilibrium".to_owned(), |one| format!("{one:.1e} m"))
+}
+
+fn rows_of_numbers(found: &DesignedNumbers) -> Rows {
+    let row = |name: &str, value: String| (name.to_owned(), value);
+    let mut rows = vec![row("rod", format!("{}, {} edges", found.rod, found.edges))];
+    rows.extend(found.keys.iter().map(|key| {
+        let (value, unit) = (format!("{:.6e}", key.value), &key.unit);
+        let space = if unit.is_empty() { "" } else { " " };
+        row(
+            &key.key,
+            format!("{value}{space}{unit} (start {:.6e})", key.start),
+        )
+    }));
+    rows.extend([
+        row(
+            "distance from the curve",
+            format!(
+                "{:.1e} m, {:.1e} of the length; mean {:.1e} m",
+                found.distance_m, found.distance_over_length, found.mean_distance_m
+            ),
+        ),
+        row(
+            "curve",
+            if found.met { "met" } else { "not met" }.to_owned(),
+        ),
+        row(
+            "from a displaced start",
+            displaced(found.distance_from_displaced_start_m),
+        ),
+        row("equilibrium", stability(found.unstable_directions)),
+        row("iterations", found.iterations.to_string()),
+    ]);
+    rows
+}
+
+fn rows_of_shape(found: &Designed) -> Rows {
     let rows = [
         ("rod", format!("{}, {} edges", found.rod, found.edges)),
         (
@@ -118,9 +194,9 @@ fn summary(found: &Designed) -> String {
         ),
         (
             "from a displaced start",
-            displaced.map_or("no equilibrium".to_owned(), |one| format!("{one:.1e} m")),
+            displaced(found.distance_from_displaced_start_m),
         ),
-        ("equilibrium", stability),
+        ("equilibrium", stability(found.unstable_directions)),
         (
             "largest natural curvature",
             format!(
@@ -137,13 +213,5 @@ fn summary(found: &Designed) -> String {
             format!("{:.1e} of stretching", found.stretching_strain),
         ),
     ];
-    let mut text = String::new();
-    for (name, value) in rows {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{name:<27}{value}");
-    }
-    for remark in &found.remarks {
-        let _ = writeln!(text, "{remark}");
-    }
-    text
+    rows.map(|(name, value)| (name.to_owned(), value)).to_vec()
 }

@@ -1,9 +1,13 @@
 //! `rodlab measure rod`: the gravito-bending length and the natural curvature of a rod that is held at one end, from a
-//! photograph.
+//! photograph; with its twisting stiffness from photographs of the rod turned about its axis.
 
 use super::prelude::*;
-use rodlab_lab::identify::{CURVATURE_KEY, HangingRod, Identified, LENGTH_KEY, measure_hanging};
+use rodlab_lab::identify::{
+    CURVATURE_KEY, HangingRod, Identified, LENGTH_KEY, Photograph, TWISTING_KEY, measure_hanging,
+    measure_photographs,
+};
 use rodlab_lab::run::Interruption;
+use rodlab_lab::scenario;
 use rodlab_vision::{
     Camera, ColourRule, Metric, Point, TraceOptions, encode_picture, overlay, read_picture, trace,
 };
@@ -12,9 +16,14 @@ const HELP: [&str; 2] = help!(
     "\
 Examples:
   rodlab measure rod photo.png --pixel \"0.2 mm\"
-  rodlab measure rod photo.jpg --camera camera.toml --down 0,-1 --colour red --out measured",
+  rodlab measure rod photo.jpg --camera camera.toml --down 0,-1 --colour red --out measured
+  rodlab measure rod front.png side.png --roll 0,90 --camera camera.toml",
     "\
-The rod is held at one end, hangs or stands free, and is seen whole and from the side. The answer is
+The rod is held at one end, hangs or stands free, and is seen whole and from the side. Several
+photographs show the same rod; where it is turned about its axis at the clamp (--roll) and naturally
+curved, its shape gives the twisting stiffness over the bending stiffness, too. The turn counts by
+the right hand about the direction in which the rod leaves the clamp, from where its natural
+curvature is in the plane of the photograph; it is taken to be right to a degree. The answer is
 JSON: gravito-bending length L_gb, m, radius, m, and natural curvature, 1/m, positive to the left
 seen from the held end, with standard errors from the scatter of the traced points and, of the
 length, from half the radius to which the ends are seen. The bending stiffness is 2 L_gb³ times the
@@ -25,11 +34,12 @@ weight per length."
 #[derive(Debug, Args)]
 #[command(after_help = HELP[0], after_long_help = HELP[1])]
 pub struct RodArguments {
-    /// PNG or JPEG image of the rod
-    image: PathBuf,
-    /// File whose table [camera] gives coordinates in metres, on the plane in which the rod hangs
-    #[arg(long, value_name = "FILE", value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell), required_unless_present = "pixel")]
-    camera: Option<PathBuf>,
+    /// PNG or JPEG images of the rod
+    #[arg(required = true)]
+    images: Vec<PathBuf>,
+    /// Files whose table [camera] gives coordinates in metres, on the plane in which the rod is held: one for all images, or one each
+    #[arg(long, value_name = "FILE,...", value_delimiter = ',', value_parser = file_or_preset(PresetKind::Cell), add = presets(PresetKind::Cell), required_unless_present = "pixel")]
+    camera: Vec<PathBuf>,
     /// Side of a pixel, where the image plane is parallel to that of the rod
     #[arg(long, value_name = "LENGTH", value_parser = positive_length, conflicts_with = "camera")]
     pixel: Option<f64>,
@@ -42,13 +52,16 @@ pub struct RodArguments {
     /// Direction of gravity: x,y in metric coordinates; without a camera y is up
     #[arg(long, value_name = "X,Y", default_value = "0,-1", value_parser = direction, allow_hyphen_values = true)]
     down: [f64; 2],
-    /// Pixel near the held end, u,v [default: the higher end]
+    /// Pixel near the held end, u,v; once for each image [default: the higher end]
     #[arg(long, value_name = "U,V", value_parser = pair)]
-    held: Option<[f64; 2]>,
+    held: Vec<[f64; 2]>,
+    /// Turn of the rod about its axis at the clamp in each image, such as 0,90: degrees, or with a unit [default: 0]
+    #[arg(long, value_name = "ANGLE,...", value_delimiter = ',', value_parser = turn, allow_hyphen_values = true)]
+    roll: Vec<f64>,
     /// Assume that the rod is straight without stress
     #[arg(long)]
     straight: bool,
-    /// Directory for the image with the traced rod on it: overlay.png
+    /// Directory for the images with the traced rod on them: overlay.png, overlay_2.png, ...
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Accepted for uniformity: the answer is always JSON
@@ -67,9 +80,37 @@ struct Answer {
     length_m: f64,
     natural_curvature_per_m: Option<f64>,
     natural_curvature_uncertainty_per_m: Option<f64>,
+    #[serde(flatten)]
+    twisting: Option<Twisting>,
     /// Root mean square distance of the traced points from the fitted rod, in each coordinate.
     misfit_m: f64,
     remarks: Vec<String>,
+}
+
+/// What several photographs give.
+#[derive(Serialize)]
+struct Twisting {
+    /// GJ/EI; none where the shapes do not determine it.
+    twisting_over_bending: Option<f64>,
+    twisting_over_bending_uncertainty: Option<f64>,
+}
+
+/// A rod as traced in an image.
+struct Traced {
+    points: Vec<[f64; 2]>,
+    radius: f64,
+    length: f64,
+    eye: Option<[f64; 3]>,
+}
+
+/// How to determine the twisting stiffness.
+const TURN_IT: &str = "the shapes do not determine the twisting stiffness: photograph a naturally curved rod that is turned out of its plane about its axis at the clamp, too (--roll 0,90)";
+
+fn turn(text: &str) -> Result<f64, String> {
+    match scenario::angle(text)? {
+        angle if angle.is_finite() => Ok(angle),
+        _ => Err("the angle is too large".to_owned()),
+    }
 }
 
 fn pair(text: &str) -> Result<[f64; 2], String> {
@@ -88,9 +129,75 @@ fn direction(text: &str) -> Result<[f64; 2], String> {
 
 /// Traces the rod, fits it and prints the result.
 pub fn measure_rod(arguments: &RodArguments) -> Result<(), Failure> {
-    let path = &arguments.image;
+    let count = arguments.images.len();
+    for (option, given) in [
+        ("--camera", arguments.camera.len()),
+        ("--held", arguments.held.len()),
+        ("--roll", arguments.roll.len()),
+    ] {
+        let one_for_all = given <= usize::from(option == "--camera");
+        if given != 0 && given != count && !one_for_all {
+            return Err(Failure::Input(format!(
+                "{option}: {given} given for {count} images; expected one for each"
+            )));
+        }
+    }
+    let traced: Result<Vec<Traced>, Failure> =
+        (0..count).map(|number| traced(arguments, number)).collect();
+    let traced = traced?;
+    let interruption = Interruption::watch();
+    let goes_on = || interruption.requested().is_none();
+    let roll = |number: usize| arguments.roll.get(number).copied().unwrap_or(0.0);
+    if let ([image], [one]) = (arguments.images.as_slice(), traced.as_slice())
+        && roll(0) == 0.0
+    {
+        let rod = HangingRod {
+            picture: image,
+            points: &one.points,
+            radius: one.radius,
+            down: arguments.down,
+            is_straight: arguments.straight,
+        };
+        let found = measure_hanging(&rod, &goes_on).map_err(super::identify::failure)?;
+        return print_json(&answer(&found, one.radius, one.length));
+    }
+    let photographs =
+        (arguments.images.iter().zip(&traced).enumerate()).map(|(number, (image, one))| {
+            Photograph {
+                picture: image,
+                points: &one.points,
+                down: arguments.down,
+                roll: roll(number),
+                eye: one.eye,
+            }
+        });
+    let photographs: Vec<Photograph<'_>> = photographs.collect();
+    let radius = traced.iter().map(|one| one.radius).sum::<f64>() / count as f64;
+    let found = measure_photographs(&photographs, radius, arguments.straight, &goes_on);
+    let found = found.map_err(super::identify::failure)?;
+    let mut answer = answer(&found.identified, radius, found.length);
+    let twisting = found.identified.parameters.iter();
+    let twisting = twisting.clone().find(|one| one.key == TWISTING_KEY);
+    let determined = twisting.filter(|one| one.standard_error.is_some());
+    if determined.is_none() {
+        answer.remarks.push(TURN_IT.to_owned());
+    }
+    answer.twisting = Some(Twisting {
+        twisting_over_bending: determined.map(|one| one.value),
+        twisting_over_bending_uncertainty: determined.and_then(|one| one.standard_error),
+    });
+    print_json(&answer)
+}
+
+/// Traces the rod in one of the images.
+fn traced(arguments: &RodArguments, number: usize) -> Result<Traced, Failure> {
+    let path = &arguments.images[number];
     let file = path.display();
-    let camera = arguments.camera.as_deref().map(Camera::read).transpose()?;
+    let camera = match arguments.camera.as_slice() {
+        [one] => Some(one),
+        several => several.get(number),
+    };
+    let camera = camera.map(|camera| Camera::read(camera)).transpose()?;
     let picture = read_picture(path)?;
     if let Some(camera) = &camera {
         camera
@@ -110,10 +217,12 @@ pub fn measure_rod(arguments: &RodArguments) -> Result<(), Failure> {
     };
     let traced = trace(&picture, &options).at(&file)?;
     if let Some(out) = &arguments.out {
-        write_files(
-            out,
-            vec![("overlay.png", encode_picture(&overlay(&picture, &traced)))],
-        )?;
+        let name = match number {
+            0 => "overlay.png".to_owned(),
+            _ => format!("overlay_{}.png", number + 1),
+        };
+        let bytes = encode_picture(&overlay(&picture, &traced));
+        write_files(out, vec![(name.as_str(), bytes)])?;
     }
     let strand = traced.strand(arguments.strand).ok_or_else(|| {
         Failure::Input(format!(
@@ -139,7 +248,7 @@ pub fn measure_rod(arguments: &RodArguments) -> Result<(), Failure> {
     let (Some(first), Some(last)) = (located.first(), located.last()) else {
         return Err(Failure::Input(format!("{file}: no rod was found")));
     };
-    let is_reversed = match arguments.held {
+    let is_reversed = match arguments.held.get(number) {
         Some(held) => {
             let far = |end: &Point| libm::hypot(end.x - held[0], end.y - held[1]);
             far(&strand.points[strand.points.len() - 1]) < far(&strand.points[0])
@@ -157,17 +266,15 @@ pub fn measure_rod(arguments: &RodArguments) -> Result<(), Failure> {
     let mut widths = strand.widths.clone();
     widths.sort_by(f64::total_cmp);
     let radius = 0.5 * widths[widths.len() / 2] * length / strand.length();
-    let rod = HangingRod {
-        picture: path,
-        points: &points,
+    Ok(Traced {
+        points,
         radius,
-        down: arguments.down,
-        is_straight: arguments.straight,
-    };
-    let interruption = Interruption::watch();
-    let found = measure_hanging(&rod, &|| interruption.requested().is_none());
-    let found = found.map_err(super::identify::failure)?;
-    print_json(&answer(&found, radius, length))
+        length,
+        eye: camera.map(|camera| {
+            let eye = camera.pose.translation.vector;
+            [eye.x, eye.y, eye.z - camera.table_height]
+        }),
+    })
 }
 
 fn height(point: &[f64; 2], down: [f64; 2]) -> f64 {
@@ -189,6 +296,7 @@ fn answer(found: &Identified, radius_m: f64, length_m: f64) -> Answer {
         length_m,
         natural_curvature_per_m: curvature.map(|one| one.value),
         natural_curvature_uncertainty_per_m: curvature.and_then(|one| one.standard_error),
+        twisting: None,
         misfit_m: found
             .groups
             .first()

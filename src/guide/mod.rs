@@ -62,6 +62,7 @@ pages! {
     results
     probes
     identification
+    photographs
     design
     figures
     robots

@@ -35,7 +35,7 @@ const ROOMS: Table = &[
     ("identify", &["sensitivity"]),
     ("verify", &["sensitivity"]),
     ("sensitivity", &["experiment"]),
-    ("design", &["experiment"]),
+    ("design", &["identify"]),
     ("reproduce", &["report", "task", "virtual_cell"]),
     ("report", &["experiment"]),
     ("experiment", &["run", "knot", "plan", "scenario", "figure"]),

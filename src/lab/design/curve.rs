@@ -3,10 +3,51 @@
 //! The parameter of the spline is the length of the chords. Its slopes at the two ends are those of the polynomial of third
 //! degree through the four points there; second derivatives are continuous, so that curvature and moment are.
 
+use super::error::DesignError;
+use crate::scenario::read_polyline;
 use rodlab_engine::mechanics::Vector3;
+use std::path::Path;
 
+/// Difference of the lengths of curve and rod that is allowed, over the length of the rod.
+const LENGTHS: f64 = 0.01;
 /// Points at which a part of the spline is measured.
 const SAMPLES: usize = 32;
+
+/// Nodes of a rod of a number of edges and a length (m) on the curve of a file, at equal distances. With a point for each node the
+/// points are the nodes, if `by_node`.
+///
+/// # Errors
+/// Faults of the file, and a curve that is not as long as the rod.
+pub fn wanted_nodes(
+    file: &Path,
+    edges: usize,
+    rod_length: f64,
+    by_node: bool,
+) -> Result<Vec<Vector3>, DesignError> {
+    let curve = read_polyline(file).map_err(DesignError::Input)?;
+    let points: Vec<Vector3> = curve.into_iter().map(Vector3::from).collect();
+    let nodes = match by_node && points.len() == edges + 1 {
+        true => points,
+        false => Spline::new(&points).nodes(edges),
+    };
+    let length = length(&nodes);
+    let longer = length / rod_length - 1.0;
+    match longer.abs() > LENGTHS {
+        true => Err(DesignError::Input(format!(
+            "{}: the curve is {length:.6} m long and the rod {rod_length:.6} m ({:+.2} %); allowed: a difference of {:.0} % at most. Change the length of the rod or scale the curve",
+            file.display(),
+            100.0 * longer,
+            100.0 * LENGTHS
+        ))),
+        false => Ok(nodes),
+    }
+}
+
+/// Length of a polyline, m.
+pub fn length(nodes: &[Vector3]) -> f64 {
+    let edges = nodes.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+    edges.sum()
+}
 
 /// A spline in space.
 pub struct Spline {

@@ -1,5 +1,6 @@
 //! What cannot be designed.
 
+use crate::identify::IdentifyError;
 use crate::scenario::ScenarioError;
 use rodlab_engine::mechanics::dynamics::SimulationError;
 use rodlab_engine::mechanics::statics;
@@ -20,6 +21,9 @@ pub enum DesignError {
     /// The equilibrium of the designed rod was not found.
     #[error("equilibrium of the designed rod: {0}")]
     Simulation(#[from] SimulationError),
+    /// The keys could not be fitted.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
     /// A result could not be written.
     #[error(transparent)]
     Results(#[from] ResultsError),

@@ -1,15 +1,15 @@
-//! The figure: wanted curve, equilibrium, and the rod without loads.
+//! The figure: wanted curve, equilibrium, and the rod without loads or before the design.
 
-use super::task::Designed;
+use super::outcome::Design;
 use rodlab_engine::mechanics::Vector3;
 use rodlab_files::figure::{Curve, Figure, LinePlot, Look, plot_to_scale};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// The three curves in the plane of the two axes along which they extend most; z is vertical where it is one of them.
-pub fn design_figure(designed: &Designed) -> Figure {
+pub fn design_figure(designed: &Design) -> Figure {
     let extent = |axis: usize| {
-        let values = designed.nodes.iter().flatten().map(|node| node[axis]);
+        let values = designed.nodes().iter().flatten().map(|node| node[axis]);
         let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), one| {
             (low.min(one), high.max(one))
         });
@@ -22,11 +22,15 @@ pub fn design_figure(designed: &Designed) -> Figure {
         let points = nodes.iter().map(|node| (node[across], Some(node[up])));
         Curve::new(name, points.collect()).looking(look)
     };
-    let [wanted, equilibrium, unloaded] = &designed.nodes;
+    let [wanted, equilibrium, other] = designed.nodes();
+    let name = match designed {
+        Design::Shape(_) => "Without loads",
+        Design::Numbers(_) => "Before",
+    };
     let curves = [
         curve("Wanted", wanted, Look::Ground),
         curve("Equilibrium", equilibrium, Look::Bare),
-        curve("Without loads", unloaded, Look::Dashed),
+        curve(name, other, Look::Dashed),
     ];
     plot_to_scale(
         LinePlot::new(format!("{} in m", AXES[up]), curves),

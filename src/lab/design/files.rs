@@ -2,6 +2,7 @@
 
 use super::error::DesignError;
 use super::figure::design_figure;
+use super::outcome::Design;
 use super::task::Designed;
 use rodlab_files::figure::Paper;
 use rodlab_files::results::{ResultsError, write_whole};
@@ -11,11 +12,11 @@ use std::path::{Path, PathBuf};
 
 /// The result in numbers.
 pub const RESULT: &str = "design.json";
-/// The scenario with the natural shape.
+/// The scenario with what was found.
 pub const DESIGNED: &str = "designed.toml";
 /// Natural strains of the nodes, for the key `natural_shape` of a rod.
 pub const NATURAL: &str = "natural.csv";
-/// Nodes as wanted, in equilibrium, and without stress.
+/// Nodes as wanted, in equilibrium, and without stress or before the design.
 pub const NODES: &str = "nodes.csv";
 /// The three curves as a figure.
 pub const FIGURE: &str = "design.svg";
@@ -24,7 +25,7 @@ pub const FIGURE: &str = "design.svg";
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(directory: &Path, designed: &Designed) -> Result<Vec<PathBuf>, DesignError> {
+pub fn write(directory: &Path, designed: &Design) -> Result<Vec<PathBuf>, DesignError> {
     let io = |path: &Path, source: io::Error| ResultsError::Io {
         action: "write",
         path: path.to_owned(),
@@ -33,16 +34,18 @@ pub fn write(directory: &Path, designed: &Designed) -> Result<Vec<PathBuf>, Desi
     std::fs::create_dir_all(directory).map_err(|error| io(directory, error))?;
     let json = serde_json::to_vec_pretty(designed);
     let json = json.map_err(|error| io(&directory.join(RESULT), error.into()))?;
-    let files = [
+    let mut files = vec![
         (RESULT, json),
-        (DESIGNED, designed.scenario_toml.clone().into_bytes()),
-        (NATURAL, natural(designed).into_bytes()),
-        (NODES, nodes(designed).into_bytes()),
-        (
-            FIGURE,
-            design_figure(designed).svg(&Paper::default()).into_bytes(),
-        ),
+        (DESIGNED, designed.scenario_toml().as_bytes().to_vec()),
     ];
+    if let Design::Shape(designed) = designed {
+        files.push((NATURAL, natural(designed).into_bytes()));
+    }
+    let figure = design_figure(designed).svg(&Paper::default());
+    files.extend([
+        (NODES, nodes(designed).into_bytes()),
+        (FIGURE, figure.into_bytes()),
+    ]);
     let mut paths = Vec::new();
     for (name, bytes) in files {
         let path = directory.join(name);
@@ -64,12 +67,18 @@ fn natural(designed: &Designed) -> String {
     text
 }
 
-fn nodes(designed: &Designed) -> String {
-    let mut text = "node,wanted_x_m,wanted_y_m,wanted_z_m,x_m,y_m,z_m,unloaded_x_m,unloaded_y_m,unloaded_z_m\n".to_owned();
-    let [wanted, equilibrium, unloaded] = &designed.nodes;
+fn nodes(designed: &Design) -> String {
+    let name = match designed {
+        Design::Shape(_) => "unloaded",
+        Design::Numbers(_) => "before",
+    };
+    let mut text = format!(
+        "node,wanted_x_m,wanted_y_m,wanted_z_m,x_m,y_m,z_m,{name}_x_m,{name}_y_m,{name}_z_m\n"
+    );
+    let [wanted, equilibrium, other] = designed.nodes();
     for (node, wanted) in wanted.iter().enumerate() {
         let _ = write!(text, "{node}");
-        for point in [wanted, &equilibrium[node], &unloaded[node]] {
+        for point in [wanted, &equilibrium[node], &other[node]] {
             let _ = write!(text, ",{:?},{:?},{:?}", point.x, point.y, point.z);
         }
         text.push('\n');

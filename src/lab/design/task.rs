@@ -1,42 +1,20 @@
 //! From a scenario and a curve to the natural strains, and their check.
 
-use super::curve::Spline;
+use super::check::Check;
+use super::curve::{length, wanted_nodes};
 use super::error::DesignError;
+use super::request::Request;
 use super::unloaded::unloaded;
 use crate::experiment;
 use crate::run::PreparedRun;
-use crate::scenario::{
-    CaseSet, Inertia, Loaded, NaturalShape, Scenario, Shape, Strains, read_polyline,
-};
+use crate::scenario::{Inertia, Loaded, NaturalShape, Scenario, Shape, Strains};
 use rodlab_engine::mechanics::Vector3;
-use rodlab_engine::mechanics::dynamics::{IntegrationParameters, Simulation};
-use rodlab_engine::mechanics::scene::{self, NaturalStrains, Scene};
+use rodlab_engine::mechanics::scene::NaturalStrains;
 use rodlab_engine::mechanics::statics::natural_strains;
 use serde::Serialize;
-use std::path::Path;
 
-/// Difference of the lengths of curve and rod that is allowed, over the length of the rod.
-const LENGTHS: f64 = 0.01;
-/// Residual of the check, over the forces of the rod.
-const FORCE_TOLERANCE: f64 = 1e-11;
-/// Displacement of the perturbed start, over the length of the rod, and its direction.
-const PERTURBATION: f64 = 0.01;
-const DIRECTION: [f64; 3] = [0.6, 0.48, 0.64];
-/// Distance over the length below which both starts lead to the same equilibrium.
-const SAME: f64 = 1e-6;
 /// Natural curvature times radius from which the theory of slender rods is inaccurate.
 const SLENDER: f64 = 0.1;
-
-/// What is wanted.
-#[derive(Clone, Copy, Debug)]
-pub struct Request<'a> {
-    /// The scenario, of one case.
-    pub scenario: &'a CaseSet,
-    /// CSV file of the wanted curve, from the first node of the rod to its last.
-    pub shape: &'a Path,
-    /// The key to find: `rods.NAME.natural_curvature`.
-    pub vary: &'a str,
-}
 
 /// A natural shape and its check.
 #[derive(Clone, Debug, Serialize)]
@@ -82,36 +60,25 @@ pub struct Designed {
     pub nodes: [Vec<Vector3>; 3],
 }
 
-/// Finds the natural shape and checks it by the equilibrium of the scenario.
+/// Finds the natural shape of the rod that `key` names and checks it by the equilibrium of the scenario.
 ///
 /// # Errors
 /// [`DesignError`]: a curve that does not fit the rod, a key that does not suit, and a curve that no natural shape holds.
-pub fn design(request: &Request<'_>) -> Result<Designed, DesignError> {
+pub fn natural_shape(request: &Request<'_>, key: &str) -> Result<Designed, DesignError> {
     let loaded = request.scenario.scenario_with(&[])?;
     let mut scenario = loaded.scenario.clone();
-    let index = rod_of(request.vary, &scenario)?;
+    let index = rod_of(key, &scenario)?;
     let before = prepared(&loaded, &scenario)?;
     let built = before.scene.rods.len() - scenario.rods.len();
     let rod = built + index;
     let edges = scenario.rods[index].edges;
     if scenario.rods[index].closed {
-        let message = format!("{}: the rod is closed; allowed: an open rod", request.vary);
+        let message = format!("--vary {key}: the rod is closed; allowed: an open rod");
         return Err(DesignError::Input(message));
     }
     let length_before = length(&before.scene.rods[rod].centreline);
-    let curve = read_polyline(request.shape).map_err(DesignError::Input)?;
-    let spline = Spline::new(&curve.into_iter().map(Vector3::from).collect::<Vec<_>>());
-    let nodes = spline.nodes(edges);
+    let nodes = wanted_nodes(request.shape, edges, length_before, false)?;
     let curve_length = length(&nodes);
-    let longer = curve_length / length_before - 1.0;
-    if longer.abs() > LENGTHS {
-        return Err(DesignError::Input(format!(
-            "{}: the curve is {curve_length:.6} m long and the rod {length_before:.6} m ({:+.2} %); allowed: a difference of {:.0} % at most. Change the length of the rod or scale the curve",
-            request.shape.display(),
-            100.0 * longer,
-            100.0 * LENGTHS
-        )));
-    }
     let target = &mut scenario.rods[index];
     target.shape = Shape::Points {
         points: nodes.iter().map(|node| (*node).into()).collect(),
@@ -119,11 +86,18 @@ pub fn design(request: &Request<'_>) -> Result<Designed, DesignError> {
     target.natural_shape = NaturalShape::AsPlaced;
     target.inertia = Inertia::Lumped;
     target.pretension = 0.0;
+    let name = target.name.clone();
+    for clamp in scenario.clamps.iter_mut().filter(|one| one.rod == name) {
+        (clamp.offset, clamp.rotation) = ([0.0; 3], [0.0; 3]);
+    }
     let placed = prepared(&loaded, &scenario)?;
     let found = natural_strains(&placed.scene, rod)?;
     scenario.rods[index].natural_shape = NaturalShape::Strains(strains(&found.natural));
     let run = prepared(&loaded, &scenario)?;
-    let check = Check::new(&run, rod, &nodes)?;
+    let check = Check::new(&run, rod, &nodes, true)?;
+    let stability = check.remarks(curve_length);
+    let wall = check.wall.unwrap_or(check.first_edge);
+    let without_loads = unloaded(&found.natural, nodes[0], wall, check.wall.is_some());
     let radius = scenario.rods[index].radius;
     let curvatures = found.natural.curvature.iter();
     let curvature = curvatures
@@ -148,28 +122,15 @@ pub fn design(request: &Request<'_>) -> Result<Designed, DesignError> {
         residual_n: found.residual,
         remarks: Vec::new(),
         scenario_toml: run.scenario_toml.clone(),
-        nodes: [nodes, check.nodes, check.unloaded],
+        nodes: [nodes, check.nodes, without_loads],
         natural: found.natural,
     };
-    designed.remarks = remarks(&designed);
+    designed.remarks = remarks(&designed, stability);
     Ok(designed)
 }
 
-fn remarks(designed: &Designed) -> Vec<String> {
-    let mut remarks = Vec::new();
-    if designed.unstable_directions.is_some_and(|count| count > 0) {
-        remarks.push(
-            "the wanted shape is an unstable equilibrium: the rod leaves it at the least disturbance"
-                .to_owned(),
-        );
-    }
-    match designed.distance_from_displaced_start_m {
-        Some(distance) if distance > SAME * designed.curve_length_m => remarks.push(format!(
-            "there are several equilibria: from a start {PERTURBATION} lengths away the rod comes to rest {distance:.3e} m from the wanted shape"
-        )),
-        None => remarks.push("from a displaced start no equilibrium was found".to_owned()),
-        Some(_) => {}
-    }
+fn remarks(designed: &Designed, stability: Vec<String>) -> Vec<String> {
+    let mut remarks = stability;
     if designed.curvature_times_radius > SLENDER {
         remarks.push(format!(
             "the natural curvature times the radius is {:.3}; the theory of slender rods assumes less than {SLENDER}",
@@ -188,6 +149,15 @@ fn remarks(designed: &Designed) -> Vec<String> {
     remarks
 }
 
+/// The rod of the key of a natural shape.
+pub fn named_rod(key: &str) -> Option<&str> {
+    let parts: Vec<&str> = key.split('.').collect();
+    match parts.as_slice() {
+        ["rods", name, "natural_curvature" | "natural_shape"] => Some(name),
+        _ => None,
+    }
+}
+
 /// The number of the rod that a key names, among those of the scenario.
 fn rod_of(key: &str, scenario: &Scenario) -> Result<usize, DesignError> {
     let fault = |what: &str| {
@@ -204,11 +174,8 @@ fn rod_of(key: &str, scenario: &Scenario) -> Result<usize, DesignError> {
             "--vary {key}: the scenario has no [[rods]]"
         )));
     }
-    let parts: Vec<&str> = key.split('.').collect();
-    let ["rods", name, "natural_curvature" | "natural_shape"] = parts.as_slice() else {
-        return Err(fault("not the natural curvature of a rod"));
-    };
-    let named = scenario.rods.iter().position(|rod| rod.name == *name);
+    let name = named_rod(key).unwrap_or_default();
+    let named = scenario.rods.iter().position(|rod| rod.name == name);
     let numbered = name
         .parse()
         .ok()
@@ -218,13 +185,6 @@ fn rod_of(key: &str, scenario: &Scenario) -> Result<usize, DesignError> {
 
 fn prepared(loaded: &Loaded, scenario: &Scenario) -> Result<PreparedRun, DesignError> {
     Ok(experiment::prepare(scenario).map_err(|issues| loaded.locate(issues))?)
-}
-
-fn length(nodes: &[Vector3]) -> f64 {
-    nodes
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]).norm())
-        .sum()
 }
 
 /// Row by row as the keys of a scenario.
@@ -238,91 +198,5 @@ fn strains(natural: &NaturalStrains) -> Strains {
         curvature_1: natural.curvature.iter().map(|one| one[0]).collect(),
         curvature_2: natural.curvature.iter().map(|one| one[1]).collect(),
         twist: natural.twist.clone(),
-    }
-}
-
-/// The equilibria of the scenario with the designed rod.
-struct Check {
-    distance: f64,
-    from_displaced_start: Option<f64>,
-    unstable_directions: Option<usize>,
-    nodes: Vec<Vector3>,
-    unloaded: Vec<Vector3>,
-}
-
-impl Check {
-    fn new(run: &PreparedRun, rod: usize, wanted: &[Vector3]) -> Result<Self, DesignError> {
-        let before = run.scene.rods[..rod].iter();
-        let first: usize = before.map(|rod| rod.centreline.len()).sum();
-        let own = first..first + wanted.len();
-        let parameters = IntegrationParameters {
-            force_tolerance: FORCE_TOLERANCE.min(run.integration.force_tolerance),
-            ..run.integration
-        };
-        let distance = |simulation: &Simulation| {
-            let pairs = simulation.positions()[own.clone()].iter().zip(wanted);
-            pairs
-                .map(|(one, other)| (one - other).norm())
-                .fold(0.0, f64::max)
-        };
-        let mut simulation = Simulation::new(&run.scene, &parameters)?;
-        let start = simulation.as_start();
-        simulation.find_equilibrium()?;
-        let (largest, nodes) = (
-            distance(&simulation),
-            simulation.positions()[own.clone()].to_vec(),
-        );
-        let unstable_directions = Simulation::new(&run.scene, &parameters)?
-            .find_nearby_equilibrium()
-            .ok();
-        let displaced = displaced(&run.scene, rod, own.start, &start);
-        let from_displaced_start = Simulation::new(&displaced, &parameters)
-            .and_then(|mut simulation| {
-                simulation.find_equilibrium()?;
-                Ok(distance(&simulation))
-            })
-            .ok();
-        let natural = match &run.scene.rods[rod].natural_shape {
-            scene::NaturalShape::Strains(natural) => natural.clone(),
-            _ => NaturalStrains::default(),
-        };
-        let wall = start.walls[first];
-        let edge = [(wanted[1] - wanted[0]).normalize(), start.directors[first]];
-        Ok(Self {
-            distance: largest,
-            from_displaced_start,
-            unstable_directions,
-            nodes,
-            unloaded: unloaded(&natural, wanted[0], wall.unwrap_or(edge), wall.is_some()),
-        })
-    }
-}
-
-/// The scene with the free nodes of a rod displaced.
-fn displaced(scene: &Scene, rod: usize, first: usize, start: &scene::Start) -> Scene {
-    let mut start = start.clone();
-    let last = scene.rods[rod].centreline.len() - 1;
-    let length = length(&scene.rods[rod].centreline);
-    let is_held = |node: usize| {
-        let clamps = scene.clamps.iter();
-        clamps
-            .filter(|clamp| clamp.rod == rod)
-            .any(|clamp| clamp.node == node)
-    };
-    for node in 0..=last {
-        let part = node as f64 / last as f64;
-        // A clamp leaves neither a displacement nor a turn.
-        let near_start = if is_held(0) { part * part } else { 1.0 };
-        let near_end = if is_held(last) {
-            (1.0 - part) * (1.0 - part)
-        } else {
-            1.0
-        };
-        let size = PERTURBATION * length * near_start * near_end;
-        start.positions[first + node] += Vector3::from(DIRECTION) * size;
-    }
-    Scene {
-        start: Some(start),
-        ..scene.clone()
     }
 }

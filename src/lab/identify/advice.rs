@@ -28,7 +28,7 @@ const EXPERIMENTS: &[(&[&str], &str)] = &[
     ),
     (
         &["friction", "mu"],
-        "let the rod slide, and record its motion or the tangential force",
+        "let the rod slide, and record its motion, the tangential force, or when it begins to slide as a load grows (`sliding_onset_s`)",
     ),
     (
         &["natural_curvature", "natural_twist", "curvature"],

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `time_s,marker,x_m,y_m,z_m` and `rod`, `node` or `arc_length_m` | positions of markers; the place of each may also be in a second file |
 //! | `x_m,y_m,z_m` | points along a centreline from its first end, matched by their part of its length |
-//! | `time_s` and names of columns | columns of probes, `critical_parameter`, `frequency_1_hz`, ... |
+//! | `time_s` and names of columns | columns of probes, `critical_parameter`, `sliding_onset_s`, `frequency_1_hz`, ... |
 //!
 //! `time_s` may be absent for equilibria, and any of the coordinates for pictures. A column `sd_m`, or the name of a column
 //! with `_sd` behind it, gives the standard deviation of the noise of each row.

@@ -17,9 +17,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Points of the curve that are compared.
-const POINTS: usize = 60;
+pub(super) const POINTS: usize = 60;
 /// Fewest points of a traced rod.
-const FEWEST: usize = 20;
+pub(super) const FEWEST: usize = 20;
 /// Edges of the simulated rod.
 const EDGES: usize = 50;
 /// Part of the length at the clamp from which its direction is first estimated.
@@ -72,7 +72,7 @@ pub fn measure_hanging(
     let scenario = case_set_from_text("rod", &scenario(rod, &lengths), Path::new(""))?;
     let file = DataFile {
         path: rod.picture.to_owned(),
-        data: data(rod.points, &lengths),
+        data: data(rod.points, &lengths, At::Part),
     };
     let mut keys = vec![
         LENGTH_KEY,
@@ -105,35 +105,24 @@ pub fn measure_hanging(
     identify(&task, &CentralDifferences::default(), goes_on, &mut |_| {})
 }
 
-/// Coordinates of points at equal distances, relative to the first.
-fn data(points: &[[f64; 2]], lengths: &[f64]) -> Vec<Datum> {
-    let last = lengths.len() - 1;
+/// Coordinates of points at equal distances, relative to the first. `place` gives the place on the rod of a part of the length.
+pub(super) fn data(points: &[[f64; 2]], lengths: &[f64], place: impl Fn(f64) -> At) -> Vec<Datum> {
     let mut data = Vec::new();
     for number in 0..=POINTS {
         let part = number as f64 / POINTS as f64;
-        let at = part * lengths[last];
-        let after = lengths
-            .partition_point(|length| *length < at)
-            .clamp(1, last);
-        let width = lengths[after] - lengths[after - 1];
-        let weight = if width > 0.0 {
-            (at - lengths[after - 1]) / width
-        } else {
-            0.0
-        };
+        let point = point_at(points, lengths, part);
         for (axis, series) in ["x", "y"].into_iter().enumerate() {
-            let value = (1.0 - weight) * points[after - 1][axis] + weight * points[after][axis];
             data.push(Datum {
                 line: number + 1,
                 time: None,
                 measured: Measured::Coordinate {
                     place: Place {
                         rod: None,
-                        at: At::Part(part),
+                        at: place(part),
                     },
                     axis,
                 },
-                value: value - points[0][axis],
+                value: point[axis] - points[0][axis],
                 deviation: None,
                 series: series.to_owned(),
             });
@@ -142,7 +131,24 @@ fn data(points: &[[f64; 2]], lengths: &[f64]) -> Vec<Datum> {
     data
 }
 
-fn arc_lengths(points: &[[f64; 2]]) -> Vec<f64> {
+/// The point of a polyline at a part of its length.
+fn point_at(points: &[[f64; 2]], lengths: &[f64], part: f64) -> [f64; 2] {
+    let last = lengths.len() - 1;
+    let at = part * lengths[last];
+    let after = lengths
+        .partition_point(|length| *length < at)
+        .clamp(1, last);
+    let width = lengths[after] - lengths[after - 1];
+    let weight = if width > 0.0 {
+        (at - lengths[after - 1]) / width
+    } else {
+        0.0
+    };
+    [0, 1].map(|axis| (1.0 - weight) * points[after - 1][axis] + weight * points[after][axis])
+}
+
+/// Lengths up to each point, m.
+pub(super) fn arc_lengths(points: &[[f64; 2]]) -> Vec<f64> {
     let mut lengths = vec![0.0];
     for pair in points.windows(2) {
         let step = [0, 1].map(|axis| pair[1][axis] - pair[0][axis]);
@@ -155,25 +161,77 @@ fn arc_lengths(points: &[[f64; 2]]) -> Vec<f64> {
 /// The scenario of a rod that is held at its first node.
 fn scenario(rod: &HangingRod<'_>, lengths: &[f64]) -> String {
     let length = lengths[lengths.len() - 1];
+    held_rod(&Held {
+        length,
+        radius: rod.radius,
+        angle: angle_at_start(rod.points, lengths),
+        down: rod.down,
+        // A rod that hangs visibly but is not limp.
+        gravito_bending_length: cbrt(length.powi(3) / 20.0),
+        curvature: 0.0,
+        twisting: TWISTING,
+        roll: 0.0,
+        suffix: "",
+    })
+}
+
+/// Direction of a traced rod at its clamp, rad from x.
+pub(super) fn angle_at_start(points: &[[f64; 2]], lengths: &[f64]) -> f64 {
+    let length = lengths[lengths.len() - 1];
     let near = lengths.partition_point(|at| *at < START * length).max(1);
-    let first = rod.points[0];
-    let towards = [0, 1].map(|axis| rod.points[near][axis] - first[axis]);
-    let angle = atan2(towards[1], towards[0]);
-    let size = (rod.down[0].powi(2) + rod.down[1].powi(2)).sqrt();
-    let gravity = rod.down.map(|part| part / size * GRAVITY);
-    let radius = rod.radius;
+    let towards = [0, 1].map(|axis| points[near][axis] - points[0][axis]);
+    atan2(towards[1], towards[0])
+}
+
+/// A rod that is held at its first node, as a fit starts.
+pub(super) struct Held<'a> {
+    /// m.
+    pub length: f64,
+    /// m.
+    pub radius: f64,
+    /// Direction at the clamp, rad from x.
+    pub angle: f64,
+    /// Direction of gravity.
+    pub down: [f64; 2],
+    /// m.
+    pub gravito_bending_length: f64,
+    /// Natural curvature, 1/m.
+    pub curvature: f64,
+    /// Twisting stiffness over the bending stiffness.
+    pub twisting: f64,
+    /// Turn of the rod about its axis at the clamp, rad.
+    pub roll: f64,
+    /// Ending of the names of the keys that are those of this photograph only.
+    pub suffix: &'a str,
+}
+
+/// Its scenario.
+pub(super) fn held_rod(held: &Held<'_>) -> String {
+    let Held {
+        length,
+        radius,
+        angle,
+        gravito_bending_length,
+        curvature,
+        twisting,
+        roll,
+        suffix,
+        ..
+    } = held;
+    let size = (held.down[0].powi(2) + held.down[1].powi(2)).sqrt();
+    let gravity = held.down.map(|part| part / size * GRAVITY);
     let weight = DENSITY * std::f64::consts::PI * radius * radius * GRAVITY;
-    // A rod that hangs visibly but is not limp.
-    let start = cbrt(length.powi(3) / 20.0);
     let stretching = STRETCHING * weight * length;
     format!(
         r#"experiment = "scene"
 [parameters]
-gravito_bending_length = {start:?}
-angle = {angle:?}
-curvature = 0.0
-x0 = 0.0
-y0 = 0.0
+gravito_bending_length = {gravito_bending_length:?}
+curvature = {curvature:?}
+twisting = {twisting:?}
+angle{suffix} = {angle:?}
+roll{suffix} = {roll:?}
+x0{suffix} = 0.0
+y0{suffix} = 0.0
 ei = "2*{weight:?}*gravito_bending_length^3"
 [material]
 youngs_modulus = "1 MPa"
@@ -183,10 +241,10 @@ density = {DENSITY:?}
 name = "rod"
 radius = {radius:?}
 edges = {EDGES}
-shape = {{ kind = "straight", start = ["x0", "y0", 0], end = ["x0 + {length:?}*cos(angle)", "y0 + {length:?}*sin(angle)", 0] }}
+shape = {{ kind = "straight", start = ["x0{suffix}", "y0{suffix}", 0], end = ["x0{suffix} + {length:?}*cos(angle{suffix})", "y0{suffix} + {length:?}*sin(angle{suffix})", 0] }}
 natural_curvature = [0, "curvature"]
-director = ["-sin(angle)", "cos(angle)", 0]
-stiffness = {{ bending_1 = "ei", bending_2 = "ei", twisting = "{TWISTING:?}*ei", stretching = {stretching:?} }}
+director = ["-sin(angle{suffix})*cos(roll{suffix})", "cos(angle{suffix})*cos(roll{suffix})", "sin(roll{suffix})"]
+stiffness = {{ bending_1 = "ei", bending_2 = "ei", twisting = "twisting*ei", stretching = {stretching:?} }}
 [[clamps]]
 rod = "rod"
 at = "start"

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `data` | files of measurements |
 //! | `observe` | what a simulation predicts for them |
+//! | `onset` | the onset of sliding among them |
 //! | `frame` | coordinates in a mirrored frame |
 //! | `parameter` | keys and their coordinates in the fit |
 //! | `problem` | predictions of all experiments, in parallel |
@@ -15,11 +16,14 @@
 //! | `fit` | least squares with a trust region, bounds, priors and robust loss |
 //! | `statistics`, `advice` | noise, error bars, what the data do not determine |
 //! | `task` | the request, and all steps from it to the result |
+//! | `closest` | keys with which a scenario comes closest to exact numbers |
 //! | `hanging` | a rod in a photograph that is held at one end |
 //! | `held`, `held_views` | a rod that an arm holds in several poses, each seen by a camera |
+//! | `photographs` | several photographs of it, turned about its clamp |
 //! | `identified`, `files`, `figure` | the result, its files, its figure |
 
 mod advice;
+mod closest;
 mod data;
 mod error;
 mod exact;
@@ -33,7 +37,9 @@ mod held_views;
 mod identified;
 mod jacobian;
 mod observe;
+mod onset;
 mod parameter;
+mod photographs;
 mod problem;
 mod statistics;
 mod task;
@@ -42,6 +48,7 @@ mod tests;
 #[cfg(test)]
 mod wires;
 
+pub use closest::{Closest, closest};
 pub use data::{At, DataFile, Datum, Measured, POSITION, Place, read_markers};
 pub use error::IdentifyError;
 pub use exact::Exact;
@@ -52,7 +59,8 @@ pub use held::{CURLED, HAND_ERROR, HeldRod};
 pub use held_views::{HeldView, identify_held};
 pub use identified::{Identified, IdentifiedKey, Noise, Residual, Undetermined};
 pub use jacobian::{CentralDifferences, Jacobian};
-pub use observe::CRITICAL;
+pub use observe::{CRITICAL, arc_lengths};
 pub use parameter::{Parameter, Request};
+pub use photographs::{Photograph, Photographed, TWISTING_KEY, measure_photographs};
 pub use problem::{Experiment, Problem};
 pub use task::{Progress, Task, identify};

@@ -5,10 +5,11 @@
 //!
 //! Derived columns: `critical_parameter` is the first fold or bifurcation of a path of equilibria (`time.mode =
 //! "continuation"`). `frequency_1_hz`, `frequency_2_hz`, ... are the natural frequencies of small vibrations about an
-//! equilibrium, f = ω/2π with K v = ω² M v, from the lowest.
+//! equilibrium, f = ω/2π with K v = ω² M v, from the lowest. `sliding_onset_s` is that of [`onset`](super::onset).
 
 use super::data::{At, DataFile, Datum, Measured, Place};
 use super::error::IdentifyError;
+use super::onset::{ONSET, Onset};
 use crate::run::probes::Probes;
 use crate::run::{LiveRun, Mode, PreparedRun, Sample};
 use nalgebra::SymmetricEigen;
@@ -40,6 +41,8 @@ enum Reading {
     Critical,
     /// A natural frequency, from 0.
     Frequency(usize),
+    /// The onset of sliding.
+    Onset,
 }
 
 /// What a simulation predicts.
@@ -129,14 +132,42 @@ impl Observation {
                 };
                 values.fill(critical.ok_or_else(missing)?);
             }
-            Mode::Dynamic { .. } => {
-                for (until, together) in self.moments() {
-                    while run.simulation.time() < until && !is_same(run.simulation.time(), until) {
-                        if !goes_on() || run.advance(until, goes_on)?.is_none() {
+            Mode::Dynamic { end, .. } => {
+                let onsets = self.onsets();
+                let mut onset = match onsets.first() {
+                    Some(first) => {
+                        Some(Onset::new(prepared).map_err(|why| self.no_value(*first, why))?)
+                    }
+                    None => None,
+                };
+                let mut advance_to = |run: &mut LiveRun, until: f64, only_onset: bool| {
+                    let is_over = |run: &LiveRun| {
+                        run.simulation.time() >= until || is_same(run.simulation.time(), until)
+                    };
+                    while !is_over(run) {
+                        let goes = goes_on()
+                            && match &mut onset {
+                                Some(onset) if only_onset && onset.found.is_some() => break,
+                                Some(onset) => onset.advance(run, until, goes_on)?,
+                                None => run.advance(until, goes_on)?.is_some(),
+                            };
+                        if !goes {
                             return Err(Unpredicted::Stopped);
                         }
                     }
+                    Ok(onset.as_ref().and_then(|onset| onset.found))
+                };
+                for (until, together) in self.moments() {
+                    advance_to(&mut run, until, false)?;
                     self.read(&mut run, &together, &mut values)?;
+                }
+                if let Some(first) = onsets.first() {
+                    let found = advance_to(&mut run, end, true)?;
+                    let found = found.ok_or_else(|| {
+                        let reason = "nothing begins to slide; extend the run by time.end";
+                        self.no_value(*first, reason.to_owned())
+                    })?;
+                    onsets.iter().for_each(|index| values[*index] = found);
                 }
             }
         }
@@ -149,12 +180,25 @@ impl Observation {
     /// The times of the data, s, each with the numbers of its data, in the order of time; an equilibrium has one.
     pub fn moments(&self) -> Vec<(f64, Vec<usize>)> {
         let time = |index: usize| self.times[index].unwrap_or(0.0);
-        let mut order: Vec<usize> = (0..self.readings.len()).collect();
+        let has_time = |index: &usize| !matches!(self.readings[*index], Reading::Onset);
+        let mut order: Vec<usize> = (0..self.readings.len()).filter(has_time).collect();
         order.sort_by(|one, other| time(*one).total_cmp(&time(*other)));
         order
             .chunk_by(|one, other| is_same(time(*one), time(*other)))
             .map(|together| (time(together[0]), together.to_vec()))
             .collect()
+    }
+
+    /// The numbers of the data that are onsets of sliding.
+    fn onsets(&self) -> Vec<usize> {
+        let all = 0..self.readings.len();
+        all.filter(|index| matches!(self.readings[*index], Reading::Onset))
+            .collect()
+    }
+
+    fn no_value(&self, index: usize, reason: String) -> Unpredicted {
+        let (file, datum) = self.origins[index];
+        Unpredicted::NoValue(file, datum, reason)
     }
 
     /// Whether all data follow from a single state of the simulation, and no observer may end the run.
@@ -195,7 +239,7 @@ impl Observation {
                 let values = run.observer::<Probes>()?.values(&sample);
                 values.get(*number).copied().flatten()
             }
-            Reading::Critical | Reading::Frequency(_) => None,
+            Reading::Critical | Reading::Frequency(_) | Reading::Onset => None,
         }
     }
 
@@ -223,12 +267,11 @@ impl Observation {
                 }
                 Reading::Column(number) => columns[*number].1.number(),
                 Reading::Frequency(number) => frequencies.get(*number).copied(),
-                Reading::Critical => None,
+                Reading::Critical | Reading::Onset => None,
             };
-            let (file, datum) = self.origins[index];
             values[index] = value.filter(|value| value.is_finite()).ok_or_else(|| {
                 let reason = "the simulation has no value for this row; forces have none at time 0 of a motion, moments none at free ends, frequencies none where an equilibrium is unstable";
-                Unpredicted::NoValue(file, datum, reason.to_owned())
+                self.no_value(index, reason.to_owned())
             })?;
         }
         Ok(())
@@ -249,6 +292,9 @@ fn is_same(one: f64, other: f64) -> bool {
 
 /// The time of a datum, checked against the run.
 fn time_of(prepared: &PreparedRun, file: &DataFile, datum: &Datum) -> Result<Option<f64>, String> {
+    if matches!(&datum.measured, Measured::Column(name) if name == ONSET) {
+        return Ok(None);
+    }
     match (prepared.mode, datum.time) {
         (Mode::Dynamic { end, .. }, Some(time)) => {
             let inside = (0.0..=end).contains(&time) || is_same(time, end);
@@ -290,6 +336,10 @@ fn reading(prepared: &PreparedRun, datum: &Datum) -> Result<Reading, String> {
             weights: weights(prepared, place)?,
             direction: Vector3::from(*direction),
         }),
+        Measured::Column(name) if name == ONSET => match prepared.mode {
+            Mode::Dynamic { .. } => Onset::new(prepared).map(|_| Reading::Onset),
+            _ => Err(format!("`{ONSET}` needs a motion: time.mode = \"dynamic\"")),
+        },
         Measured::Column(name) => match frequency_of(name) {
             Some(number) => frequency(prepared, number),
             None => column(prepared, name),
@@ -310,7 +360,7 @@ fn column(prepared: &PreparedRun, name: &str) -> Result<Reading, String> {
             false => format!("the probes have: {}", columns.join(", ")),
         };
         format!(
-            "no probe has the column `{name}`; {known}; allowed, too: {CRITICAL}, frequency_1_hz, frequency_2_hz, ..."
+            "no probe has the column `{name}`; {known}; allowed, too: {CRITICAL}, {ONSET}, frequency_1_hz, frequency_2_hz, ..."
         )
     })
 }
@@ -395,16 +445,20 @@ fn weights(prepared: &PreparedRun, place: &Place) -> Result<Vec<(usize, f64)>, S
 }
 
 /// Arc lengths of the nodes of a rod without stress, m; a closed one ends with its first node again.
-fn arc_lengths(rod: &RodDescription) -> Vec<f64> {
+pub fn arc_lengths(rod: &RodDescription) -> Vec<f64> {
     let points = match &rod.natural_shape {
         NaturalShape::Centreline(points) => points,
         _ => &rod.centreline,
     };
     let edges = points.len() - usize::from(!rod.closed);
+    let along = |edge: usize| (points[(edge + 1) % points.len()] - points[edge]).norm();
     let mut lengths = vec![0.0];
     for edge in 0..edges {
-        let last = lengths[lengths.len() - 1];
-        lengths.push(last + (points[(edge + 1) % points.len()] - points[edge]).norm());
+        let length = match &rod.natural_shape {
+            NaturalShape::Strains(natural) => natural.lengths[edge],
+            _ => along(edge),
+        };
+        lengths.push(lengths[edge] + length);
     }
     lengths
 }

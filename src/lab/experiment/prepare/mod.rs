@@ -8,6 +8,7 @@ mod flow;
 mod gripper_motion;
 mod jitter;
 mod joint;
+mod moved_clamps;
 mod natural_strains;
 mod obstacle;
 mod place;
@@ -153,6 +154,11 @@ pub fn prepare(scenario: &Scenario) -> Result<PreparedRun, Issues> {
         && let Err(message) = begin_at(&mut prepared, start)
     {
         issues.push(Issue::new(KeyPath::from("start").key("from"), message));
+    }
+    if issues.0.is_empty()
+        && let Err(issue) = moved_clamps::carry(&mut prepared, scenario)
+    {
+        issues.push(issue);
     }
     if let Err(issue) = kind.attach(scenario, &mut prepared) {
         issues.push(issue);

@@ -410,6 +410,8 @@ fn hold(
                 rod: format!("{name}_{rod}"),
                 at: Place::Number(*node),
                 hold: own,
+                offset: [0.0; 3],
+                rotation: [0.0; 3],
                 movement: Movement {
                     translation: if follows {
                         scale

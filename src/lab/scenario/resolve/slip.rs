@@ -131,6 +131,8 @@ mod tests {
             rod: "rod".into(),
             at: crate::scenario::resolved::Place::Start,
             hold: crate::scenario::resolved::Hold::Both,
+            offset: [0.0; 3],
+            rotation: [0.0; 3],
             movement: Movement::default(),
         }
     }

@@ -401,6 +401,18 @@ impl CaseSet {
         Ok(number_at(loaded.document(), &steps))
     }
 
+    /// The set with further changes as `--set` takes them.
+    ///
+    /// # Errors
+    /// The first change that is impossible.
+    pub fn changed(&self, changes: &[String]) -> Result<Self, ScenarioError> {
+        let mut changed = self.clone();
+        for text in changes {
+            overrides::apply(&mut changed.sources, &mut changed.document, text)?;
+        }
+        Ok(changed)
+    }
+
     /// The scenario of the first case with other numbers, in SI units, at dotted keys.
     ///
     /// # Errors

@@ -1,0 +1,495 @@
+//! Photographs of one rod that is held at one end and turned about its axis there.
+//!
+//! A naturally curved rod whose plane of curvature is turned out of that of gravity bends and twists under its weight: its shape depends
+//! on GJ/EI, too. Gravito-bending length, natural curvature and GJ/EI are those of the rod in all photographs; place, direction and turn
+//! at the clamp those of each.
+//!
+//! A photograph shows the rod foreshortened, and nearer parts of it larger. Both follow from the fitted rod, and the fit is repeated
+//! with them: a traced point q is seen where its line of sight meets the plane of the clamp. With the eye at a height h over the point c
+//! of this plane, a point of the rod at the depth z towards the eye is at
+//!
+//! ```text
+//! p = c + (q − c)(1 − z/h)
+//! ```
+//!
+//! and the part of the length of the curve p is matched with that of the rod seen along the normal of the plane.
+
+use super::data::{At, DataFile};
+use super::error::IdentifyError;
+use super::exact::Exact;
+use super::fit::Loss;
+use super::hanging::{
+    CURVATURE_KEY, FEWEST, HangingRod, Held, LENGTH_KEY, POINTS, angle_at_start, arc_lengths, data,
+    held_rod, measure_hanging,
+};
+use super::identified::Identified;
+use super::parameter::Request;
+use super::problem::Experiment;
+use super::task::{Task, identify};
+use crate::experiment::{case_set_from_text, prepare};
+use rodlab_engine::mechanics::Vector3;
+use rodlab_engine::mechanics::dynamics::Simulation;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Key of the twisting stiffness over the bending stiffness.
+pub const TWISTING_KEY: &str = "parameters.twisting";
+/// Twisting stiffness over the bending stiffness from which the fit starts: that of a material of constant volume, and of a rod that stays in its plane.
+const TWISTING: [f64; 2] = [2.0 / 3.0, 100.0];
+/// Sine of a turn below which the rod is in the plane of the photograph.
+const TURNED: f64 = 1e-3;
+/// Standard deviation of the stated turn, rad.
+const ROLL: f64 = 0.0175;
+/// Most fits, and the change of places on the rod, over its length, below which another one changes nothing.
+const ROUNDS: usize = 5;
+const SAME: f64 = 1e-4;
+
+/// A traced photograph.
+#[derive(Clone, Debug)]
+pub struct Photograph<'a> {
+    /// The picture, for messages.
+    pub picture: &'a Path,
+    /// Centreline from the clamp to the free end, m, as it appears in the plane of the clamp.
+    pub points: &'a [[f64; 2]],
+    /// Direction of gravity in the coordinates of the points.
+    pub down: [f64; 2],
+    /// Turn of the rod about its axis at the clamp, rad; at 0 its plane of curvature is that of the photograph.
+    pub roll: f64,
+    /// Place of the eye, m: coordinates in the plane and its distance from it; `None` looks from afar.
+    pub eye: Option<[f64; 3]>,
+}
+
+/// What a fit needs to know of the rod that it looks for.
+struct View {
+    /// Part of the length of the rod at parts of the length of the curve that is seen.
+    places: Vec<f64>,
+    /// Depth towards the eye there, m.
+    depths: Vec<f64>,
+    /// Length that is seen, over that of the rod.
+    seen: f64,
+    angle: f64,
+    roll: f64,
+}
+
+/// The rod that photographs show.
+#[derive(Clone, Debug)]
+pub struct Photographed {
+    /// The fit.
+    pub identified: Identified,
+    /// Length of the rod, m.
+    pub length: f64,
+}
+
+/// Fits one rod of a radius (m) to all photographs; the twisting stiffness, too, where the rod is turned out of its plane.
+///
+/// # Errors
+/// As [`identify`].
+pub fn measure_photographs(
+    photographs: &[Photograph<'_>],
+    radius: f64,
+    is_straight: bool,
+    goes_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Photographed, IdentifyError> {
+    for one in photographs {
+        let lengths = arc_lengths(one.points);
+        if one.points.len() < FEWEST || lengths[lengths.len() - 1] <= 0.0 {
+            return Err(IdentifyError::Input(format!(
+                "{}: the traced rod is too short to be fitted",
+                one.picture.display()
+            )));
+        }
+    }
+    let is_turned = photographs.iter().any(is_out_of_plane);
+    let mut rod = first_rod(photographs, radius, is_straight, goes_on)?;
+    rod.twisting = TWISTING[usize::from(!is_turned)];
+    let mut views: Vec<View> = photographs
+        .iter()
+        .map(|one| View {
+            places: parts().collect(),
+            depths: vec![0.0; POINTS + 1],
+            seen: 1.0,
+            angle: angle_at_start(one.points, &arc_lengths(one.points)),
+            roll: one.roll,
+        })
+        .collect();
+    // The shapes of the first rod show what is foreshortened.
+    for (number, view) in views.iter_mut().enumerate() {
+        *view = rod.seen(&photographs[number], view)?;
+    }
+    let mut round = 0;
+    loop {
+        round += 1;
+        let found = rod.fit(photographs, &views, is_straight, is_turned, goes_on)?;
+        let length = rod.length;
+        rod.take(&found);
+        let mut change = 0.0_f64;
+        for (number, view) in views.iter_mut().enumerate() {
+            let of = |name: &str| value(&found, &format!("parameters.{name}_{number}"));
+            view.angle = of("angle").unwrap_or(view.angle);
+            view.roll = of("roll").unwrap_or(view.roll);
+            let next = rod.seen(&photographs[number], view)?;
+            for (one, other) in next.places.iter().zip(&view.places) {
+                change = change.max((one - other).abs());
+            }
+            *view = next;
+        }
+        if (change < SAME && round > 1) || round == ROUNDS {
+            return Ok(Photographed {
+                identified: found,
+                length,
+            });
+        }
+    }
+}
+
+fn is_out_of_plane(photograph: &Photograph<'_>) -> bool {
+    libm::sin(photograph.roll).abs() > TURNED
+}
+
+fn parts() -> impl Iterator<Item = f64> {
+    (0..=POINTS).map(|number| number as f64 / POINTS as f64)
+}
+
+fn value(found: &Identified, key: &str) -> Option<f64> {
+    let found = found.parameters.iter().find(|one| one.key == key);
+    found.map(|one| one.value)
+}
+
+/// The rod as it is known so far.
+struct Rod {
+    length: f64,
+    radius: f64,
+    gravito_bending_length: f64,
+    curvature: f64,
+    twisting: f64,
+}
+
+/// The rod from the photograph that shows it in its plane, if one does.
+fn first_rod(
+    photographs: &[Photograph<'_>],
+    radius: f64,
+    is_straight: bool,
+    goes_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Rod, IdentifyError> {
+    let length_of = |one: &Photograph<'_>| arc_lengths(one.points).last().copied().unwrap_or(0.0);
+    let longest = photographs.iter().map(length_of).fold(0.0, f64::max);
+    let mut rod = Rod {
+        length: longest,
+        radius,
+        gravito_bending_length: libm::cbrt(longest.powi(3) / 20.0),
+        // Turned by itself, a straight rod would not become curved to either side.
+        curvature: if is_straight { 0.0 } else { 1.0 / longest },
+        twisting: TWISTING[0],
+    };
+    if let Some(flat) = photographs.iter().find(|one| !is_out_of_plane(one)) {
+        let hanging = HangingRod {
+            picture: flat.picture,
+            points: flat.points,
+            radius,
+            down: flat.down,
+            is_straight,
+        };
+        rod.take(&measure_hanging(&hanging, goes_on)?);
+        rod.length = length_of(flat);
+    }
+    Ok(rod)
+}
+
+impl Rod {
+    /// Takes the values of a fit.
+    fn take(&mut self, found: &Identified) {
+        for (key, own) in [
+            (LENGTH_KEY, &mut self.gravito_bending_length),
+            (CURVATURE_KEY, &mut self.curvature),
+            (TWISTING_KEY, &mut self.twisting),
+        ] {
+            *own = value(found, key).unwrap_or(*own);
+        }
+    }
+
+    /// The scenario of a photograph.
+    fn scenario(&self, photograph: &Photograph<'_>, view: &View, suffix: &str) -> String {
+        held_rod(&Held {
+            length: self.length,
+            radius: self.radius,
+            angle: view.angle,
+            down: photograph.down,
+            gravito_bending_length: self.gravito_bending_length,
+            curvature: self.curvature,
+            twisting: self.twisting,
+            roll: view.roll,
+            suffix,
+        })
+    }
+
+    /// What a photograph shows of the rod.
+    fn seen(&self, photograph: &Photograph<'_>, view: &View) -> Result<View, IdentifyError> {
+        let text = self.scenario(photograph, view, "");
+        let loaded = case_set_from_text("rod", &text, Path::new(""))?.scenario_of(0)?;
+        let run = prepare(&loaded.scenario).map_err(|issues| loaded.locate(issues))?;
+        let nodes = Simulation::new(&run.scene, &run.integration).and_then(|mut simulation| {
+            simulation.find_equilibrium()?;
+            Ok(simulation.positions().to_vec())
+        });
+        let nodes: Vec<Vector3> = nodes.map_err(|source| IdentifyError::Simulation {
+            scenario: photograph.picture.display().to_string(),
+            source,
+        })?;
+        let flat: Vec<[f64; 2]> = nodes.iter().map(|node| [node.x, node.y]).collect();
+        let lengths = arc_lengths(&flat);
+        let (last, whole) = (nodes.len() - 1, lengths[lengths.len() - 1]);
+        let along: Vec<f64> = lengths.iter().map(|length| length / whole).collect();
+        let place: Vec<f64> = (0..=last).map(|node| node as f64 / last as f64).collect();
+        let depth: Vec<f64> = nodes.iter().map(|node| node.z).collect();
+        Ok(View {
+            places: parts()
+                .map(|part| interpolated(&along, &place, part))
+                .collect(),
+            depths: parts()
+                .map(|part| interpolated(&along, &depth, part))
+                .collect(),
+            seen: whole / self.length,
+            ..*view
+        })
+    }
+
+    /// Fits it to all photographs.
+    fn fit(
+        &mut self,
+        photographs: &[Photograph<'_>],
+        views: &[View],
+        is_straight: bool,
+        is_turned: bool,
+        goes_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Identified, IdentifyError> {
+        let curves: Vec<Vec<[f64; 2]>> = photographs
+            .iter()
+            .zip(views)
+            .map(|(photograph, view)| without_perspective(photograph, view))
+            .collect();
+        // The length is that of the photograph that shows most of it.
+        let most = views
+            .iter()
+            .zip(&curves)
+            .fold((0.0, 0.0), |most, (view, curve)| {
+                let length = arc_lengths(curve).last().copied().unwrap_or(0.0);
+                if view.seen > most.0 {
+                    (view.seen, length)
+                } else {
+                    most
+                }
+            });
+        self.length = most.1 / most.0;
+        let length = self.length;
+        let mut keys = vec![request(LENGTH_KEY, length)];
+        if !is_straight {
+            keys.push(request(CURVATURE_KEY, length));
+        }
+        if is_turned {
+            keys.push(request(TWISTING_KEY, length));
+        }
+        let mut experiments = Vec::new();
+        for (number, (photograph, view)) in photographs.iter().zip(views).enumerate() {
+            for name in ["angle", "x0", "y0"] {
+                keys.push(request(&format!("parameters.{name}_{number}"), length));
+            }
+            if is_turned {
+                keys.push(Request {
+                    prior: Some([photograph.roll, ROLL]),
+                    ..request(&format!("parameters.roll_{number}"), length)
+                });
+            }
+            let text = self.scenario(photograph, view, &format!("_{number}"));
+            let curve = &curves[number];
+            let place = |part: f64| {
+                let at = (part * POINTS as f64).round() as usize;
+                At::ArcLength(view.places[at] * length)
+            };
+            experiments.push(Experiment {
+                scenario: case_set_from_text("rod", &text, Path::new(""))?,
+                files: vec![DataFile {
+                    path: photograph.picture.to_owned(),
+                    data: data(curve, &arc_lengths(curve), place),
+                }],
+            });
+        }
+        let task = Task {
+            experiments,
+            keys,
+            loss: Loss::Huber,
+            noise: BTreeMap::new(),
+        };
+        identify(&task, &Exact::default(), goes_on, &mut |_| {})
+    }
+}
+
+/// A key with the bounds that are the scales of the fit, too.
+fn request(key: &str, length: f64) -> Request {
+    let is_place = key.contains(".x0") || key.contains(".y0");
+    Request {
+        key: key.to_owned(),
+        bounds: match key {
+            CURVATURE_KEY => Some([-20.0 / length, 20.0 / length]),
+            _ if is_place => Some([-0.1 * length, 0.1 * length]),
+            _ => None,
+        },
+        prior: None,
+    }
+}
+
+/// The curve seen along the normal of the plane of the clamp.
+fn without_perspective(photograph: &Photograph<'_>, view: &View) -> Vec<[f64; 2]> {
+    let Some([x, y, height]) = photograph.eye else {
+        return photograph.points.to_vec();
+    };
+    let lengths = arc_lengths(photograph.points);
+    let whole = lengths[lengths.len() - 1];
+    let at: Vec<f64> = parts().collect();
+    let points = photograph.points.iter().zip(&lengths);
+    points
+        .map(|(point, length)| {
+            let nearer = 1.0 - interpolated(&at, &view.depths, length / whole) / height;
+            [x + (point[0] - x) * nearer, y + (point[1] - y) * nearer]
+        })
+        .collect()
+}
+
+/// The value at `x` of a piecewise linear function.
+fn interpolated(at: &[f64], values: &[f64], x: f64) -> f64 {
+    let after = at.partition_point(|one| *one < x).clamp(1, at.len() - 1);
+    let width = at[after] - at[after - 1];
+    let weight = if width > 0.0 {
+        (x - at[after - 1]) / width
+    } else {
+        0.0
+    };
+    let weight = weight.clamp(0.0, 1.0);
+    (1.0 - weight) * values[after - 1] + weight * values[after]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a camera at an eye shows of a rod, with waves of the size of a pixel on it.
+    fn photographed(rod: &Rod, roll: f64, eye: Option<[f64; 3]>, waves: f64) -> Vec<[f64; 2]> {
+        let view = View {
+            places: Vec::new(),
+            depths: Vec::new(),
+            seen: 1.0,
+            angle: 0.3,
+            roll,
+        };
+        let photograph = Photograph {
+            picture: Path::new("photo.png"),
+            points: &[],
+            down: [0.0, -1.0],
+            roll,
+            eye,
+        };
+        let text = rod
+            .scenario(&photograph, &view, "")
+            .replace("edges = 50", "edges = 200");
+        let mut simulation = crate::test_support::simulation("rod", &text).unwrap();
+        simulation.find_equilibrium().unwrap();
+        // As far apart as their waves are long: waves on nearer points would make the rod longer.
+        let nodes = simulation.positions().iter().step_by(4).enumerate();
+        nodes
+            .map(|(k, node)| {
+                let nearer = eye.map_or(1.0, |[_, _, height]| 1.0 / (1.0 - node.z / height));
+                let [x, y] = eye.map_or([0.0; 2], |[x, y, _]| [x, y]);
+                let wave = |phase: f64| waves * (2.9 * k as f64 + phase).sin();
+                [
+                    x + (node.x - x) * nearer + wave(0.0),
+                    y + (node.y - y) * nearer + wave(1.0),
+                ]
+            })
+            .collect()
+    }
+
+    const ROD: Rod = Rod {
+        length: 0.3,
+        radius: 1e-3,
+        gravito_bending_length: 0.12,
+        curvature: 5.0,
+        twisting: 0.8,
+    };
+
+    fn fitted(shots: &[(f64, Option<[f64; 3]>)]) -> Photographed {
+        let curves: Vec<_> = (shots.iter())
+            .map(|(roll, eye)| photographed(&ROD, *roll, *eye, 1e-4))
+            .collect();
+        let photographs: Vec<Photograph<'_>> = (shots.iter().zip(&curves))
+            .map(|((roll, eye), points)| Photograph {
+                picture: Path::new(if *roll == 0.0 {
+                    "front.png"
+                } else {
+                    "side.png"
+                }),
+                points,
+                down: [0.0, -1.0],
+                roll: *roll,
+                eye: *eye,
+            })
+            .collect();
+        let found = measure_photographs(&photographs, ROD.radius, false, &|| true).unwrap();
+        for one in &found.identified.parameters {
+            println!("{} {:.5} ± {:?}", one.key, one.value, one.standard_error);
+        }
+        println!("length {:.5}", found.length);
+        found
+    }
+
+    #[test]
+    fn the_twisting_stiffness_is_found_from_a_rod_that_is_turned_about_its_clamp() {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        for eye in [None, Some([0.1, -0.1, 0.7])] {
+            let found = fitted(&[(0.0, eye), (quarter, eye)]);
+            for (key, truth, part) in [
+                (LENGTH_KEY, ROD.gravito_bending_length, 0.01),
+                (CURVATURE_KEY, ROD.curvature, 0.03),
+                (TWISTING_KEY, ROD.twisting, 0.05),
+            ] {
+                let found = found.identified.parameters.iter();
+                let found = found.clone().find(|one| one.key == key).unwrap();
+                let error = found.standard_error.unwrap();
+                assert!((found.value / truth - 1.0).abs() < part, "{found:?}");
+                // The waves make the rod longer by more than the error bars of its curvature.
+                let is_off = (found.value - truth).abs() > 4.0 * error;
+                assert!(key == CURVATURE_KEY || !is_off, "{found:?}");
+            }
+            assert!(
+                (found.length / ROD.length - 1.0).abs() < 3e-3,
+                "{}",
+                found.length
+            );
+        }
+    }
+
+    #[test]
+    fn shapes_in_a_plane_leave_the_twisting_stiffness_open() {
+        let found = fitted(&[(0.0, None), (0.0, None)]);
+        assert_eq!(value(&found.identified, TWISTING_KEY), None);
+        let straight = Rod {
+            curvature: 0.0,
+            ..ROD
+        };
+        let points = photographed(&straight, 0.0, None, 1e-4);
+        let photographs = [0.0, 1.5].map(|roll| Photograph {
+            picture: Path::new("photo.png"),
+            points: &points,
+            down: [0.0, -1.0],
+            roll,
+            eye: None,
+        });
+        let found = measure_photographs(&photographs, ROD.radius, true, &|| true).unwrap();
+        let [open] = found.identified.undetermined.as_slice() else {
+            panic!("{:?}", found.identified.undetermined);
+        };
+        assert!(
+            open.words
+                .contains("do not determine `parameters.twisting`"),
+            "{open:?}"
+        );
+    }
+}
