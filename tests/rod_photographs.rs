@@ -119,8 +119,14 @@ fn camera(at: Vector3<f64>, [x, y, z]: [f64; 3]) -> Camera {
     }
 }
 
-/// Writes a photograph of a rod, `name`.png, with its camera, `name`.toml.
-fn shoot(place: &Path, name: &str, nodes: &[Vector3<f64>], photograph: &Photograph, seed: u64) {
+/// Writes a photograph of a rod, `name`.png, with its camera, `name`.toml; returns the pixel of the held end.
+fn shoot(
+    place: &Path,
+    name: &str,
+    nodes: &[Vector3<f64>],
+    photograph: &Photograph,
+    seed: u64,
+) -> String {
     let (mut low, mut high) = (nodes[0], nodes[0]);
     for node in nodes {
         (low, high) = (low.inf(node), high.sup(node));
@@ -152,6 +158,8 @@ fn shoot(place: &Path, name: &str, nodes: &[Vector3<f64>], photograph: &Photogra
         encode_picture(&picture),
     )
     .unwrap();
+    let held = wall.project(nodes[0]).unwrap();
+    format!("{:.0},{:.0}", held.x, held.y)
 }
 
 /// The answer of `rodlab measure rod`.
@@ -221,10 +229,12 @@ fn the_twisting_stiffness_of_a_rod_is_found_from_two_photographs() {
     let truth = 0.9;
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path();
-    shoot(place, "front", &turned(&one, truth, 0.0), &one, 1);
-    shoot(place, "side", &turned(&one, truth, 0.5 * PI), &one, 2);
+    let front = shoot(place, "front", &turned(&one, truth, 0.0), &one, 1);
+    let side = shoot(place, "side", &turned(&one, truth, 0.5 * PI), &one, 2);
+    // The free end of the one in its plane is the higher one.
     let pictures = ["front.png", "side.png", "--camera", "front.toml,side.toml"];
-    let found = answer(place, &[&pictures[..], &["--roll", "0,90"]].concat());
+    let held = ["--held", front.as_str(), "--held", side.as_str()];
+    let found = answer(place, &[&pictures[..], &held, &["--roll", "0,90"]].concat());
     println!("{found:#}");
     let of = |key: &str| found[key].as_f64().unwrap();
     let (twisting, error) = (
@@ -239,7 +249,8 @@ fn the_twisting_stiffness_of_a_rod_is_found_from_two_photographs() {
     assert!((of("gravito_bending_length_m") / 0.12 - 1.0).abs() < 0.01);
     // The same photograph twice shows a plane.
     let pictures = ["front.png", "front.png", "--camera", "front.toml"];
-    let found = answer(place, &pictures);
+    let held = ["--held", front.as_str(), "--held", front.as_str()];
+    let found = answer(place, &[&pictures[..], &held].concat());
     assert!(found["twisting_over_bending"].is_null(), "{found}");
     assert!(
         found["remarks"].to_string().contains("--roll 0,90"),

@@ -43,8 +43,8 @@ Data are CSV files. Positions of markers: time_s,marker,x_m,y_m,z_m with a colum
 each marker instead. Centrelines: x_m,y_m,z_m, matched by arc length. Series: time_s and columns of
 probes, such as grip_force_x_n; `sliding_onset_s` is when rods begin to slide. For equilibria there
 is no time_s; `frequency_1_hz` is then a natural frequency, and along a path of equilibria
-`critical_parameter` its first fold or bifurcation. Empty cells were not measured. Exit code 3: the fit has not converged. `rodlab guide identification`
-explains the error bars.
+`critical_parameter` its first fold or bifurcation. Empty cells were not measured. Exit code 3: the
+fit has not converged. `rodlab guide identification` explains the error bars.
 
 With --rod instead of a scenario an arm identifies a rod: the end of the rod is put into its gripper
 so that --free of it hangs down; the arm holds it in three poses, the camera looks, and the

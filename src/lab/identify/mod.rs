@@ -19,7 +19,7 @@
 //! | `closest` | keys with which a scenario comes closest to exact numbers |
 //! | `hanging` | a rod in a photograph that is held at one end |
 //! | `held`, `held_views` | a rod that an arm holds in several poses, each seen by a camera |
-//! | `photographs` | several photographs of it, turned about its clamp |
+//! | `photographs`, `seen` | several photographs of it, turned about its clamp, and what they show |
 //! | `identified`, `files`, `figure` | the result, its files, its figure |
 
 mod advice;
@@ -41,6 +41,7 @@ mod onset;
 mod parameter;
 mod photographs;
 mod problem;
+mod seen;
 mod statistics;
 mod task;
 #[cfg(test)]
@@ -61,6 +62,7 @@ pub use identified::{Identified, IdentifiedKey, Noise, Residual, Undetermined};
 pub use jacobian::{CentralDifferences, Jacobian};
 pub use observe::{CRITICAL, arc_lengths};
 pub use parameter::{Parameter, Request};
-pub use photographs::{Photograph, Photographed, TWISTING_KEY, measure_photographs};
+pub use photographs::{Photographed, TWISTING_KEY, measure_photographs};
 pub use problem::{Experiment, Problem};
+pub use seen::Photograph;
 pub use task::{Progress, Task, identify};

@@ -4,15 +4,7 @@
 //! on GJ/EI, too. Gravito-bending length, natural curvature and GJ/EI are those of the rod in all photographs; place, direction and turn
 //! at the clamp those of each.
 //!
-//! A photograph shows the rod foreshortened, and nearer parts of it larger. Both follow from the fitted rod, and the fit is repeated
-//! with them: a traced point q is seen where its line of sight meets the plane of the clamp. With the eye at a height h over the point c
-//! of this plane, a point of the rod at the depth z towards the eye is at
-//!
-//! ```text
-//! p = c + (q − c)(1 − z/h)
-//! ```
-//!
-//! and the part of the length of the curve p is matched with that of the rod seen along the normal of the plane.
+//! What a photograph shows of the rod depends on it, see [`seen`](super::seen): the fit is repeated with the rod that it found.
 
 use super::data::{At, DataFile};
 use super::error::IdentifyError;
@@ -25,6 +17,7 @@ use super::hanging::{
 use super::identified::Identified;
 use super::parameter::Request;
 use super::problem::Experiment;
+use super::seen::{Photograph, View};
 use super::task::{Task, identify};
 use crate::experiment::{case_set_from_text, prepare};
 use rodlab_engine::mechanics::Vector3;
@@ -43,33 +36,6 @@ const ROLL: f64 = 0.0175;
 /// Most fits, and the change of places on the rod, over its length, below which another one changes nothing.
 const ROUNDS: usize = 5;
 const SAME: f64 = 1e-4;
-
-/// A traced photograph.
-#[derive(Clone, Debug)]
-pub struct Photograph<'a> {
-    /// The picture, for messages.
-    pub picture: &'a Path,
-    /// Centreline from the clamp to the free end, m, as it appears in the plane of the clamp.
-    pub points: &'a [[f64; 2]],
-    /// Direction of gravity in the coordinates of the points.
-    pub down: [f64; 2],
-    /// Turn of the rod about its axis at the clamp, rad; at 0 its plane of curvature is that of the photograph.
-    pub roll: f64,
-    /// Place of the eye, m: coordinates in the plane and its distance from it; `None` looks from afar.
-    pub eye: Option<[f64; 3]>,
-}
-
-/// What a fit needs to know of the rod that it looks for.
-struct View {
-    /// Part of the length of the rod at parts of the length of the curve that is seen.
-    places: Vec<f64>,
-    /// Depth towards the eye there, m.
-    depths: Vec<f64>,
-    /// Length that is seen, over that of the rod.
-    seen: f64,
-    angle: f64,
-    roll: f64,
-}
 
 /// The rod that photographs show.
 #[derive(Clone, Debug)]
@@ -104,12 +70,11 @@ pub fn measure_photographs(
     rod.twisting = TWISTING[usize::from(!is_turned)];
     let mut views: Vec<View> = photographs
         .iter()
-        .map(|one| View {
-            places: parts().collect(),
-            depths: vec![0.0; POINTS + 1],
-            seen: 1.0,
-            angle: angle_at_start(one.points, &arc_lengths(one.points)),
-            roll: one.roll,
+        .map(|one| {
+            View::of_the_plane([
+                angle_at_start(one.points, &arc_lengths(one.points)),
+                one.roll,
+            ])
         })
         .collect();
     // The shapes of the first rod show what is foreshortened.
@@ -146,16 +111,12 @@ fn is_out_of_plane(photograph: &Photograph<'_>) -> bool {
     libm::sin(photograph.roll).abs() > TURNED
 }
 
-fn parts() -> impl Iterator<Item = f64> {
-    (0..=POINTS).map(|number| number as f64 / POINTS as f64)
-}
-
 fn value(found: &Identified, key: &str) -> Option<f64> {
     let found = found.parameters.iter().find(|one| one.key == key);
     found.map(|one| one.value)
 }
 
-/// The rod as it is known so far.
+/// The rod, as fitted so far.
 struct Rod {
     length: f64,
     radius: f64,
@@ -235,22 +196,7 @@ impl Rod {
             scenario: photograph.picture.display().to_string(),
             source,
         })?;
-        let flat: Vec<[f64; 2]> = nodes.iter().map(|node| [node.x, node.y]).collect();
-        let lengths = arc_lengths(&flat);
-        let (last, whole) = (nodes.len() - 1, lengths[lengths.len() - 1]);
-        let along: Vec<f64> = lengths.iter().map(|length| length / whole).collect();
-        let place: Vec<f64> = (0..=last).map(|node| node as f64 / last as f64).collect();
-        let depth: Vec<f64> = nodes.iter().map(|node| node.z).collect();
-        Ok(View {
-            places: parts()
-                .map(|part| interpolated(&along, &place, part))
-                .collect(),
-            depths: parts()
-                .map(|part| interpolated(&along, &depth, part))
-                .collect(),
-            seen: whole / self.length,
-            ..*view
-        })
+        Ok(View::of(&nodes, self.length, [view.angle, view.roll]))
     }
 
     /// Fits it to all photographs.
@@ -265,7 +211,7 @@ impl Rod {
         let curves: Vec<Vec<[f64; 2]>> = photographs
             .iter()
             .zip(views)
-            .map(|(photograph, view)| without_perspective(photograph, view))
+            .map(|(photograph, view)| view.without_perspective(photograph))
             .collect();
         // The length is that of the photograph that shows most of it.
         let most = views
@@ -337,49 +283,13 @@ fn request(key: &str, length: f64) -> Request {
     }
 }
 
-/// The curve seen along the normal of the plane of the clamp.
-fn without_perspective(photograph: &Photograph<'_>, view: &View) -> Vec<[f64; 2]> {
-    let Some([x, y, height]) = photograph.eye else {
-        return photograph.points.to_vec();
-    };
-    let lengths = arc_lengths(photograph.points);
-    let whole = lengths[lengths.len() - 1];
-    let at: Vec<f64> = parts().collect();
-    let points = photograph.points.iter().zip(&lengths);
-    points
-        .map(|(point, length)| {
-            let nearer = 1.0 - interpolated(&at, &view.depths, length / whole) / height;
-            [x + (point[0] - x) * nearer, y + (point[1] - y) * nearer]
-        })
-        .collect()
-}
-
-/// The value at `x` of a piecewise linear function.
-fn interpolated(at: &[f64], values: &[f64], x: f64) -> f64 {
-    let after = at.partition_point(|one| *one < x).clamp(1, at.len() - 1);
-    let width = at[after] - at[after - 1];
-    let weight = if width > 0.0 {
-        (x - at[after - 1]) / width
-    } else {
-        0.0
-    };
-    let weight = weight.clamp(0.0, 1.0);
-    (1.0 - weight) * values[after - 1] + weight * values[after]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// What a camera at an eye shows of a rod, with waves of the size of a pixel on it.
     fn photographed(rod: &Rod, roll: f64, eye: Option<[f64; 3]>, waves: f64) -> Vec<[f64; 2]> {
-        let view = View {
-            places: Vec::new(),
-            depths: Vec::new(),
-            seen: 1.0,
-            angle: 0.3,
-            roll,
-        };
+        let view = View::of_the_plane([0.3, roll]);
         let photograph = Photograph {
             picture: Path::new("photo.png"),
             points: &[],

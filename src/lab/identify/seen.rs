@@ -1,0 +1,112 @@
+//! What a photograph shows of a rod.
+//!
+//! A photograph shows the rod foreshortened, and nearer parts of it larger. Both follow from the fitted rod, and the fit is repeated
+//! with them: a traced point q is seen where its line of sight meets the plane of the clamp. With the eye at a height h over the point c
+//! of this plane, a point of the rod at the depth z towards the eye is at
+//!
+//! ```text
+//! p = c + (q − c)(1 − z/h)
+//! ```
+//!
+//! and the part of the length of the curve p is matched with that of the rod seen along the normal of the plane.
+
+use super::hanging::{POINTS, arc_lengths};
+use rodlab_engine::mechanics::Vector3;
+use std::path::Path;
+
+/// A traced photograph.
+#[derive(Clone, Debug)]
+pub struct Photograph<'a> {
+    /// The picture, for messages.
+    pub picture: &'a Path,
+    /// Centreline from the clamp to the free end, m, as it appears in the plane of the clamp.
+    pub points: &'a [[f64; 2]],
+    /// Direction of gravity in the coordinates of the points.
+    pub down: [f64; 2],
+    /// Turn of the rod about its axis at the clamp, rad; at 0 its plane of curvature is that of the photograph.
+    pub roll: f64,
+    /// Place of the eye, m: coordinates in the plane and its distance from it; `None` looks from afar.
+    pub eye: Option<[f64; 3]>,
+}
+
+/// The rod of a fit, as a photograph shows it.
+pub struct View {
+    /// Part of the length of the rod at parts of the length of the curve that is seen.
+    pub places: Vec<f64>,
+    /// Depth towards the eye there, m.
+    pub depths: Vec<f64>,
+    /// Length that is seen, over that of the rod.
+    pub seen: f64,
+    /// Direction at the clamp, and turn about it, rad.
+    pub angle: f64,
+    pub roll: f64,
+}
+
+impl View {
+    /// The view of a rod in the plane of the clamp, with its direction there and its turn, rad.
+    pub fn of_the_plane([angle, roll]: [f64; 2]) -> Self {
+        Self {
+            places: parts().collect(),
+            depths: vec![0.0; POINTS + 1],
+            seen: 1.0,
+            angle,
+            roll,
+        }
+    }
+
+    /// The view of a rod of a length, m, at its nodes; the plane of the clamp is z = 0.
+    pub fn of(nodes: &[Vector3], length: f64, [angle, roll]: [f64; 2]) -> Self {
+        let flat: Vec<[f64; 2]> = nodes.iter().map(|node| [node.x, node.y]).collect();
+        let lengths = arc_lengths(&flat);
+        let (last, whole) = (nodes.len() - 1, lengths[lengths.len() - 1]);
+        let along: Vec<f64> = lengths.iter().map(|length| length / whole).collect();
+        let place: Vec<f64> = (0..=last).map(|node| node as f64 / last as f64).collect();
+        let depth: Vec<f64> = nodes.iter().map(|node| node.z).collect();
+        let at_parts = |values: &[f64]| {
+            parts()
+                .map(|part| interpolated(&along, values, part))
+                .collect()
+        };
+        Self {
+            places: at_parts(&place),
+            depths: at_parts(&depth),
+            seen: whole / length,
+            angle,
+            roll,
+        }
+    }
+
+    /// The curve of a photograph, seen along the normal of the plane of the clamp.
+    pub fn without_perspective(&self, photograph: &Photograph<'_>) -> Vec<[f64; 2]> {
+        let Some([x, y, height]) = photograph.eye else {
+            return photograph.points.to_vec();
+        };
+        let lengths = arc_lengths(photograph.points);
+        let whole = lengths[lengths.len() - 1];
+        let at: Vec<f64> = parts().collect();
+        let points = photograph.points.iter().zip(&lengths);
+        points
+            .map(|(point, length)| {
+                let nearer = 1.0 - interpolated(&at, &self.depths, length / whole) / height;
+                [x + (point[0] - x) * nearer, y + (point[1] - y) * nearer]
+            })
+            .collect()
+    }
+}
+
+fn parts() -> impl Iterator<Item = f64> {
+    (0..=POINTS).map(|number| number as f64 / POINTS as f64)
+}
+
+/// The value at `x` of a piecewise linear function.
+fn interpolated(at: &[f64], values: &[f64], x: f64) -> f64 {
+    let after = at.partition_point(|one| *one < x).clamp(1, at.len() - 1);
+    let width = at[after] - at[after - 1];
+    let weight = if width > 0.0 {
+        (x - at[after - 1]) / width
+    } else {
+        0.0
+    };
+    let weight = weight.clamp(0.0, 1.0);
+    (1.0 - weight) * values[after - 1] + weight * values[after]
+}
