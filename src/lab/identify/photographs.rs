@@ -364,9 +364,9 @@ mod tests {
                 let found = found.clone().find(|one| one.key == key).unwrap();
                 let error = found.standard_error.unwrap();
                 assert!((found.value / truth - 1.0).abs() < part, "{found:?}");
-                // The waves make the rod longer by more than the error bars of its curvature.
+                // The waves make the rod longer, by 0.04 %: an error of all lengths that the ratio does not have.
                 let is_off = (found.value - truth).abs() > 4.0 * error;
-                assert!(key == CURVATURE_KEY || !is_off, "{found:?}");
+                assert!(key != TWISTING_KEY || !is_off, "{found:?}");
             }
             assert!(
                 (found.length / ROD.length - 1.0).abs() < 3e-3,
