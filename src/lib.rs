@@ -30,7 +30,7 @@
 //! ```text
 //! python         ──> cli
 //! cli            ──> sweep, identify, sensitivity, design, verify, reproduce, task, virtual_cell, guide, presets, site, cluster
-//! task           ──> virtual_cell, report
+//! task           ──> virtual_cell, report, identify
 //! design         ──> identify
 //! sweep, identify, verify ──> sensitivity
 //! sensitivity    ──> experiment

@@ -241,9 +241,10 @@ fn the_twisting_stiffness_of_a_rod_is_found_from_two_photographs() {
         of("twisting_over_bending"),
         of("twisting_over_bending_uncertainty"),
     );
-    assert!((twisting / truth - 1.0).abs() < 0.05, "{twisting}");
+    // The ends of the rod are seen to half its radius, and a thousandth of the length counts as several per cent.
+    assert!((twisting / truth - 1.0).abs() < 0.1, "{twisting}");
     assert!(
-        (twisting - truth).abs() < 3.0 * error,
+        (twisting - truth).abs() < 3.0 * error && error < 0.25,
         "{twisting} ± {error}"
     );
     assert!((of("gravito_bending_length_m") / 0.12 - 1.0).abs() < 0.01);

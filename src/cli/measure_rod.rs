@@ -184,7 +184,10 @@ pub fn measure_rod(arguments: &RodArguments) -> Result<(), Failure> {
     }
     answer.twisting = Some(Twisting {
         twisting_over_bending: determined.map(|one| one.value),
-        twisting_over_bending_uncertainty: determined.and_then(|one| one.standard_error),
+        twisting_over_bending_uncertainty: determined.and_then(|one| {
+            let of_ends = found.twisting_over_ends? * ENDS * radius / found.length;
+            Some(libm::hypot(one.standard_error?, of_ends))
+        }),
     });
     print_json(&answer)
 }

@@ -38,6 +38,8 @@ const FEWEST: usize = 10;
 const ROUNDS: usize = 8;
 /// Relative change of the gravito-bending length in a round below which the points are matched for the last time.
 const SAME: f64 = 1e-3;
+/// The same, over the standard error of the length.
+const PART: f64 = 0.1;
 /// Name of a file with the points of all pictures: the noise of all pictures is alike.
 const PICTURES: &str = "pictures";
 
@@ -83,15 +85,17 @@ pub fn identify_held(
         for (value, parameter) in values.iter_mut().zip(&found.parameters) {
             *value = parameter.value;
         }
-        let is_same = (values[0] / last - 1.0).abs() < SAME;
-        if loss == Loss::Huber {
+        let error = (found.parameters.first()).and_then(|length| length.standard_error);
+        let small = (SAME * last).max(PART * error.unwrap_or(0.0));
+        let is_same = (values[0] - last).abs() < small;
+        if loss == Loss::Huber && (is_same || rounds >= 2 * ROUNDS) {
             found.converged &= is_same;
             for (parameter, start) in found.parameters.iter_mut().zip(start) {
                 parameter.start = start;
             }
             return Ok((found, task.experiments));
         }
-        if is_same || rounds == ROUNDS {
+        if is_same || rounds >= ROUNDS {
             loss = Loss::Huber;
         }
     }

@@ -37,6 +37,9 @@ const ROLL: f64 = 0.0175;
 const ROUNDS: usize = 5;
 const SAME: f64 = 1e-4;
 
+/// Part of the length by which the rod is made shorter for the effect of what its photographs show at its ends.
+const ENDS: f64 = 2e-3;
+
 /// The rod that photographs show.
 #[derive(Clone, Debug)]
 pub struct Photographed {
@@ -44,6 +47,8 @@ pub struct Photographed {
     pub identified: Identified,
     /// Length of the rod, m.
     pub length: f64,
+    /// Change of GJ/EI where the rod ends earlier than its photographs show, over that part of its length; where it is determined.
+    pub twisting_over_ends: Option<f64>,
 }
 
 /// Fits one rod of a radius (m) to all photographs; the twisting stiffness, too, where the rod is turned out of its plane.
@@ -84,7 +89,10 @@ pub fn measure_photographs(
     let mut round = 0;
     loop {
         round += 1;
-        let found = rod.fit(photographs, &views, is_straight, is_turned, goes_on)?;
+        let fit = |rod: &mut Rod, views: &[View], shown: f64| {
+            rod.fit(photographs, views, [is_straight, is_turned], shown, goes_on)
+        };
+        let found = fit(&mut rod, &views, 1.0)?;
         let length = rod.length;
         rod.take(&found);
         let mut change = 0.0_f64;
@@ -99,9 +107,21 @@ pub fn measure_photographs(
             *view = next;
         }
         if (change < SAME && round > 1) || round == ROUNDS {
+            let of_found = found.parameters.iter();
+            let twisting = of_found.clone().find(|one| one.key == TWISTING_KEY);
+            let determined = twisting.filter(|one| one.standard_error.is_some());
+            let twisting_over_ends = match determined {
+                None => None,
+                Some(twisting) => {
+                    let shorter = fit(&mut rod, &views, 1.0 - ENDS)?;
+                    let shorter = value(&shorter, TWISTING_KEY).unwrap_or(twisting.value);
+                    Some((shorter - twisting.value) / ENDS)
+                }
+            };
             return Ok(Photographed {
                 identified: found,
                 length,
+                twisting_over_ends,
             });
         }
     }
@@ -199,13 +219,13 @@ impl Rod {
         Ok(View::of(&nodes, self.length, [view.angle, view.roll]))
     }
 
-    /// Fits it to all photographs.
+    /// Fits it to all photographs, of which a part of the length that is `shown` is the rod.
     fn fit(
         &mut self,
         photographs: &[Photograph<'_>],
         views: &[View],
-        is_straight: bool,
-        is_turned: bool,
+        [is_straight, is_turned]: [bool; 2],
+        shown: f64,
         goes_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Identified, IdentifyError> {
         let curves: Vec<Vec<[f64; 2]>> = photographs
@@ -225,8 +245,8 @@ impl Rod {
                     most
                 }
             });
-        self.length = most.1 / most.0;
-        let length = self.length;
+        let length = most.1 / most.0;
+        self.length = shown * length;
         let mut keys = vec![request(LENGTH_KEY, length)];
         if !is_straight {
             keys.push(request(CURVATURE_KEY, length));
@@ -249,7 +269,7 @@ impl Rod {
             let curve = &curves[number];
             let place = |part: f64| {
                 let at = (part * POINTS as f64).round() as usize;
-                At::ArcLength(view.places[at] * length)
+                At::ArcLength((view.places[at] * length).min(self.length))
             };
             experiments.push(Experiment {
                 scenario: case_set_from_text("rod", &text, Path::new(""))?,

@@ -128,11 +128,7 @@ pub fn identify(
                 .all(|(new, old)| is_same(new.1, old.1));
         widening = widened;
         deviations = found;
-        // The weights of a single group without priors and robust loss do not matter.
-        let matters = groups.len() > 1
-            || task.loss != Loss::Squares
-            || parameters.iter().any(|one| one.prior.is_some());
-        if is_final || !matters {
+        if is_final {
             break;
         }
     }

@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 /// Number of poses.
 const POSES: usize = 3;
 /// Angles from straight down at which the rod leaves the hand, degrees.
-const TILTS: [f64; 6] = [60.0, -60.0, 90.0, -90.0, 120.0, -120.0];
+const TILTS: [f64; 4] = [60.0, -60.0, 90.0, -90.0];
 /// Number of headings.
 const HEADINGS: u32 = 12;
 /// Places along each side of the picture.
