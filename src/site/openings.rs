@@ -93,7 +93,7 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab sensitivity spring_board.toml --to material.density",
     ],
     [
-        "identification",
+        "photographs",
         "wire_loop.svg",
         "Points of a photograph less the fitted loop of a wire",
         "rodlab measure rod photo.png --pixel \"0.2 mm\"",
