@@ -18,10 +18,10 @@
 
 use super::data::{At, DataFile, Datum, Measured, Place};
 use super::error::IdentifyError;
-use super::exact::Exact;
 use super::fit::Loss;
 use super::held::{EDGES, HeldRod, Shifts};
 use super::identified::Identified;
+use super::jacobian::CentralDifferences;
 use super::problem::Experiment;
 use super::task::{Task, identify};
 use crate::experiment::case_set_from_text;
@@ -80,7 +80,7 @@ pub fn identify_held(
             loss,
             noise: BTreeMap::new(),
         };
-        let mut found = identify(&task, &Exact::default(), goes_on, &mut |_| {})?;
+        let mut found = identify(&task, &CentralDifferences::default(), goes_on, &mut |_| {})?;
         let last = values[0];
         for (value, parameter) in values.iter_mut().zip(&found.parameters) {
             *value = parameter.value;
