@@ -7,8 +7,8 @@ use super::contact::{ContactModel, ContactParameters};
 use super::dynamics::{IntegrationParameters, Scheme, Simulation, StepSize};
 use super::rigid_body::RigidBody;
 use super::scene::{
-    Body, Clamp, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, Obstacle, Plane,
-    RodDescription, RodNode, Scene, Spring, Stiffness, Strength,
+    Body, Clamp, HingeSpring, Joint, JointKind, Load, LoadKind, Motion, NaturalShape, Obstacle,
+    Plane, RodDescription, RodNode, Scene, Spring, Stiffness, Strength,
 };
 use std::f64::consts::PI;
 use std::fmt::Debug;
@@ -133,6 +133,18 @@ pub(crate) fn joint(name: &str, nodes: [RodNode; 2], kind: JointKind) -> Joint {
 /// A hinge without a spring.
 pub(crate) fn hinge(axis: Vector3) -> JointKind {
     JointKind::Hinge { axis, spring: None }
+}
+
+/// A hinge with a spring of a stiffness (N m/rad) that rests at an angle, rad.
+pub(crate) fn sprung_hinge(axis: Vector3, stiffness: f64, rest_angle: f64) -> JointKind {
+    let spring = HingeSpring {
+        stiffness,
+        rest_angle,
+    };
+    JointKind::Hinge {
+        axis,
+        spring: Some(spring),
+    }
 }
 
 /// A spring of a stiffness (N/m) with its placed length as rest length, without torsional stiffness, unbreakable.

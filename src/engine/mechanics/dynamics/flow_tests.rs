@@ -3,11 +3,11 @@
 use super::*;
 use crate::mechanics::fluid::FluidModel;
 use crate::mechanics::scene::{
-    HingeSpring, JointKind, Load, RodDescription, Scene, Spring, Stiffness, Strength,
+    JointKind, Load, RodDescription, Scene, Spring, Stiffness, Strength,
 };
 use crate::mechanics::test_support::{
     assert_close_in, at, at_rest, body, clamp, distributed, fixed_steps, hinge, joint, line,
-    point_force, run, spring,
+    point_force, run, spring, sprung_hinge,
 };
 use crate::mechanics::{SceneError, Vector3};
 use std::f64::consts::PI;
@@ -79,13 +79,7 @@ fn joined_pieces_glide_as_one_filament() {
     let whole = glide(&filament(&[20], JointKind::Rigid, along));
     assert!(whole.x > 0.0);
     let hinge = hinge(Vector3::z());
-    let sprung = JointKind::Hinge {
-        axis: Vector3::y(),
-        spring: Some(HingeSpring {
-            stiffness: 1e-6,
-            rest_angle: 0.0,
-        }),
-    };
+    let sprung = sprung_hinge(Vector3::y(), 1e-6, 0.0);
     for kind in [JointKind::Rigid, JointKind::Ball, hinge, sprung] {
         let pieces = glide(&filament(&[7, 9, 4], kind, along));
         assert!((pieces / whole.x - Vector3::x()).norm() < 1e-3, "{kind:?}");

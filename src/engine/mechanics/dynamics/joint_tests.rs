@@ -2,11 +2,10 @@
 
 use super::*;
 use crate::mechanics::Vector3;
-use crate::mechanics::scene::{
-    HingeSpring, Joint, JointKind, Load, RodDescription, RodNode, Scene,
-};
+use crate::mechanics::scene::{Joint, JointKind, Load, RodDescription, RodNode, Scene};
 use crate::mechanics::test_support::{
     advance_to, at, at_rest, body, clamp, fixed_steps, hinge, joint, line, point_force, section,
+    sprung_hinge,
 };
 
 fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
@@ -16,17 +15,6 @@ fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
 
 fn weld(one: RodNode, other: RodNode) -> Joint {
     joint("weld", [one, other], JointKind::Rigid)
-}
-
-fn sprung(rest_angle: f64) -> JointKind {
-    let spring = HingeSpring {
-        stiffness: 0.02,
-        rest_angle,
-    };
-    JointKind::Hinge {
-        axis: Vector3::z(),
-        spring: Some(spring),
-    }
 }
 
 fn tip_load(rod: usize, node: usize) -> Load {
@@ -74,7 +62,11 @@ fn a_sprung_hinge_off_its_rest_angle_starts_with_every_scheme_for_it() {
             rod("lower", Vector3::x() * 0.2, Vector3::x() * 0.4, 4),
         ],
         clamps: vec![clamp(0, 0)],
-        joints: vec![joint("elbow", [at(0, 4), at(1, 0)], sprung(0.3))],
+        joints: vec![joint(
+            "elbow",
+            [at(0, 4), at(1, 0)],
+            sprung_hinge(Vector3::z(), 0.02, 0.3),
+        )],
         ..Scene::default()
     };
     let tip = |scheme, step| {

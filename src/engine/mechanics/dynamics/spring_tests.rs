@@ -3,12 +3,10 @@
 use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::contact::ContactModel;
-use crate::mechanics::scene::{
-    HingeSpring, JointKind, RodDescription, Scene, Spring, TurningStiffness,
-};
+use crate::mechanics::scene::{RodDescription, Scene, Spring, TurningStiffness};
 use crate::mechanics::test_support::{
     MODELS, assert_close_in, at, contact, drag, fixed_steps, gravity, ground, joint, run, section,
-    spring,
+    spring, sprung_hinge,
 };
 use std::f64::consts::TAU;
 
@@ -104,13 +102,7 @@ fn a_sprung_hinge_keeps_angular_momentum_and_its_energy() {
         joints: vec![joint(
             "hinge",
             [at(0, 0), at(1, 0)],
-            JointKind::Hinge {
-                axis: Vector3::z(),
-                spring: Some(HingeSpring {
-                    stiffness,
-                    rest_angle: 0.3,
-                }),
-            },
+            sprung_hinge(Vector3::z(), stiffness, 0.3),
         )],
         ..Scene::default()
     };

@@ -7,7 +7,7 @@ use crate::mechanics::scene::{
     HingeSpring, JointKind, NaturalShape, RodDescription, Scene, Strength,
 };
 use crate::mechanics::test_support::{
-    at, body, clamp, curved, gravity, hinge, joint, line, point_force, section,
+    at, body, clamp, curved, gravity, hinge, joint, line, point_force, section, sprung_hinge,
 };
 
 /// Schemes for scenes with frames that turn.
@@ -22,15 +22,8 @@ fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
     }
 }
 
-fn sprung(axis: Vector3) -> JointKind {
-    let spring = HingeSpring {
-        stiffness: 5e-3,
-        rest_angle: 0.3,
-    };
-    JointKind::Hinge {
-        axis,
-        spring: Some(spring),
-    }
+fn sprung() -> JointKind {
+    sprung_hinge(Vector3::z(), 5e-3, 0.3)
 }
 
 /// Two arms at an angle, the first one clamped, and a body off the end of the second one.
@@ -104,24 +97,24 @@ const NEAR: Bounds = Bounds {
 
 #[test]
 fn equilibria_of_joined_rods() {
-    for kind in [JointKind::Rigid, sprung(Vector3::z())] {
+    for kind in [JointKind::Rigid, sprung()] {
         check_all(&REST, &arms(kind), &OF_RODS[..5], &WEAK);
         check_all(&REST, &arms(kind), &OF_BODIES[..2], &WEAK);
         check_all(&REST, &arms(kind), &[PLACED], &WEAK);
     }
-    check_all(&REST, &arms(sprung(Vector3::z())), &OF_HINGE, &WEAK);
+    check_all(&REST, &arms(sprung()), &OF_HINGE, &WEAK);
 }
 
 #[test]
 fn swings_of_joined_rods_with_a_body() {
     for scheme in FOR_FRAMES {
         let course = Course::moves(scheme, 2e-3, 30);
-        for kind in [JointKind::Ball, JointKind::Rigid, sprung(Vector3::z())] {
+        for kind in [JointKind::Ball, JointKind::Rigid, sprung()] {
             check_all(&course, &arms(kind), &OF_RODS[..5], &EXACT);
             check_all(&course, &arms(kind), &OF_BODIES, &EXACT);
             check_all(&course, &arms(kind), &[PLACED], &NEAR);
         }
-        check_all(&course, &arms(sprung(Vector3::z())), &OF_HINGE, &EXACT);
+        check_all(&course, &arms(sprung()), &OF_HINGE, &EXACT);
     }
 }
 

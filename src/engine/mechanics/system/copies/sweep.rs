@@ -157,7 +157,7 @@ mod tests {
                 |piece: &Piece| matches!(piece, Piece::Node { node, holds: true } if *node == of);
             pieces.iter().any(is_held)
         };
-        // The second rod is free but for the angle after its last edge; a column reaches the two or three nodes after its own.
+        // The second rod is free, except for the angle after its last edge. A column reaches two or three nodes beyond its own.
         assert!((0..7).all(holds) && !(7..10).any(holds) && (11..14).all(holds));
     }
 }

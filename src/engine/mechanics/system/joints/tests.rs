@@ -4,12 +4,13 @@ use super::*;
 use crate::mechanics::contact::ContactModel;
 use crate::mechanics::rigid_body::RigidBody;
 use crate::mechanics::scene::{
-    Body, Clamp, HingeSpring, Joint, JointKind, RodDescription, RodNode, Scene, Spring, Strength,
+    Body, Clamp, Joint, JointKind, RodDescription, RodNode, Scene, Spring, Strength,
     TurningStiffness,
 };
 use crate::mechanics::system::{Stage, copy_positions};
 use crate::mechanics::test_support::{
-    SOFT_MODELS, at, body, clamp, contact, curved, joint, line, obstacle, section, spring, weight,
+    SOFT_MODELS, at, body, clamp, contact, curved, joint, line, obstacle, section, spring,
+    sprung_hinge, weight,
 };
 use crate::mechanics::{JointError, Matrix3, SceneError};
 
@@ -52,13 +53,7 @@ fn star() -> Scene {
             joint(
                 "hinge",
                 [at(2, 0), at(1, 3)],
-                JointKind::Hinge {
-                    axis: Vector3::new(0.6, 0.0, 0.8),
-                    spring: Some(HingeSpring {
-                        stiffness: 0.7,
-                        rest_angle: 0.2,
-                    }),
-                },
+                sprung_hinge(Vector3::new(0.6, 0.0, 0.8), 0.7, 0.2),
             ),
             joint("cross", [at(3, 2), at(0, 0)], JointKind::Rigid),
             joint("ball", [at(4, 0), at(0, 0)], JointKind::Ball),
