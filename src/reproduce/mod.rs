@@ -54,6 +54,7 @@ mod measured_deployments;
 mod overhand_law;
 mod page;
 mod prelude;
+mod prose;
 mod redraw;
 mod sideways_push;
 mod simplified_inversion;

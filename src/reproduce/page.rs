@@ -2,6 +2,7 @@
 
 use super::ReproduceOptions;
 use super::cases::{Case, Run};
+use super::prose::wrapped;
 use rodlab_files::figure::{Figure, FigureOptions};
 use rodlab_files::origin::{VERSION, commit};
 use rodlab_files::results::{CaseStatus, MANIFEST, ResultsError, check_own, write_whole};
@@ -45,7 +46,10 @@ impl PageFigure {
     /// The figure and its caption as a page shows them, from the file of an ending.
     pub fn in_markdown(&self, ending: &str) -> String {
         let Self { name, caption, .. } = self;
-        format!("![{caption}]({name}.{ending})\n\n*{caption}*")
+        format!(
+            "![{caption}]({name}.{ending})\n\n{}",
+            wrapped(&format!("*{caption}*"))
+        )
     }
 }
 
@@ -252,7 +256,7 @@ impl Page {
 
     /// Adds a paragraph to the page.
     pub fn text(&mut self, paragraph: &str) {
-        self.markdown += paragraph;
+        self.markdown += &wrapped(paragraph);
         self.markdown += "\n\n";
     }
 
@@ -296,7 +300,7 @@ fn head<R: Run>(heading: Heading, options: &ReproduceOptions, cases: &[Case<R>])
     let mut text = format!("# {}\n\n", heading.title);
     let mut add = |paragraph: String| {
         // Writing to a string cannot fail.
-        let _ = write!(text, "{paragraph}\n\n");
+        let _ = write!(text, "{}\n\n", wrapped(&paragraph));
     };
     let quick = if options.quick { " --quick" } else { "" };
     add(format!(

@@ -13,9 +13,10 @@ const FOUND: [usize; 2] = [3, 5];
 /// A table per group.
 pub fn markdown(groups: &[GroupResult]) -> String {
     let mut text = format!(
-        "# The engine against theory\n\nMade by `rodlab verify --markdown`, version {}. Errors are fractions of the \
-         expected value, or of the scale of the check: the length of the rod, its radius, a force. A test compares \
-         names, expected values and bounds with those of the program.\n",
+        "# The engine against theory\n\n\
+         Made by `rodlab verify --markdown`, version {}. Errors are fractions of the expected value,\n\
+         or of the scale of the check: the length of the rod, its radius, a force. A test compares names,\n\
+         expected values and bounds with those of the program.\n",
         env!("CARGO_PKG_VERSION")
     );
     for group in groups {
