@@ -74,6 +74,7 @@ pages! {
     accuracy
     performance
     python
+    environments
     library
 }
 

@@ -225,6 +225,12 @@ const OPENINGS: &[[&str; 4]] = &[
         "rodlab guide python",
     ],
     [
+        "environments",
+        "fig4.10/fig4.10_ways.svg",
+        "Paths of a gripper that folds letter paper",
+        "rodlab dataset Folding --format npz --count 20 --no-pictures",
+    ],
+    [
         "library",
         "net.svg",
         "A net of joined threads",

@@ -11,17 +11,18 @@ REPOSITORY = Path(__file__).parents[2]
 NOTEBOOKS = sorted((REPOSITORY / "src" / "python" / "notebooks").glob("*.ipynb"))
 
 
-def test_the_python_of_the_guide_runs(tmp_path, monkeypatch) -> None:
+@pytest.mark.parametrize("topic, least", [("python", 6), ("environments", 1)])
+def test_the_python_of_the_guide_runs(topic: str, least: int, tmp_path, monkeypatch) -> None:
     pytest.importorskip("pandas")
     pytest.importorskip("gymnasium")
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scenarios").symlink_to(REPOSITORY / "scenarios")
-    page = (REPOSITORY / "src" / "guide" / "python.md").read_text()
+    page = (REPOSITORY / "src" / "guide" / f"{topic}.md").read_text()
     blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    assert len(blocks) > 5
+    assert len(blocks) >= least
     names: dict[str, object] = {}
     for number, block in enumerate(blocks):
-        exec(compile(block, f"python.md, block {number}", "exec"), names)
+        exec(compile(block, f"{topic}.md, block {number}", "exec"), names)
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
