@@ -272,6 +272,10 @@ fn the_tools_do_not_cover_a_rod_that_comes_towards_the_eye() {
         f64::from(right - left) > 0.3 * tools,
         "{left} {right}: small"
     );
+    // The rod stays whole in a window that becomes narrow.
+    browser.resize(400, 800);
+    let [[left, right], _] = bounds_of_rods(&browser.screenshot());
+    assert!(left > 0 && right < 399, "{left} {right}: cut off");
 }
 
 #[test]

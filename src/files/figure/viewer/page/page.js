@@ -259,7 +259,8 @@ class Page {
     on("theme", "click", () => this.setTheme(!document.documentElement.classList.contains("dark")));
     on("help", "click", () => element("keys").showModal());
     watchGestures(this.canvas, this.camera, () => { this.camera.moved = true; this.changed(); });
-    new ResizeObserver(() => this.changed()).observe(this.canvas);
+    // A camera that was not moved keeps fitting the window.
+    new ResizeObserver(() => (this.camera.moved ? this.changed() : this.fit(true))).observe(this.canvas);
     // All that the graphics card held is gone: begin again.
     this.canvas.addEventListener("webglcontextlost", () => location.reload());
     document.addEventListener("keydown", (event) => this.key(event));
