@@ -112,6 +112,22 @@ fn a_column_buckles_at_eulers_load_into_two_mirrored_branches() {
     }
 }
 
+/// The Hessian is shifted by a multiple of the rounding error of its stiffest entry; loads must not depend on it.
+#[test]
+fn the_buckling_load_does_not_depend_on_a_stiff_direction() {
+    let load = |stiff: f64| {
+        let mut scene = column();
+        scene.rods[0].stiffness = section(1e5, [1.0, stiff], 10.0);
+        let (points, _) = follow(&scene, plan(4.0, PathMethod::Natural));
+        let critical = first_critical(&points);
+        (critical.parameter, critical.parameter_error)
+    };
+    let (usual, error) = load(50.0);
+    let (stiff, stiff_error) = load(5e5);
+    assert!(error < 1e-6 && stiff_error < 1e-3);
+    assert!((stiff - usual).abs() < 1e-4 * usual, "{stiff} {usual}");
+}
+
 /// Modulus k of the elastica of unit length and stiffness under the end load P: K(k) = √P.
 fn tip_modulus(load: f64) -> f64 {
     let quarter_period = |k: f64| {

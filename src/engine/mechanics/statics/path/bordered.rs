@@ -17,7 +17,7 @@ use crate::mechanics::system::{Divergence, System};
 use serde::{Deserialize, Serialize};
 
 /// Added to the Hessian, in units of EI/L³, so that motions without stiffness neither make it singular nor
-/// count as unstable. The loads of critical points are too large by some millionths for it.
+/// count as unstable. Bifurcations are corrected for it.
 const NEUTRAL: f64 = 1e-6;
 /// Lower bound: this multiple of the rounding error of the stiffest entry.
 const ROUNDINGS: f64 = 8.0;
@@ -67,6 +67,8 @@ pub(super) struct Bordered {
     pub tolerance: f64,
     /// Stiffness that counts as none and is added to the Hessian, N/m.
     pub shift: f64,
+    /// Rounding error of the stiffest entry, N/m.
+    pub rounding: f64,
     /// Motions without stiffness near the last point.
     pub neutral: NeutralModes,
 }
@@ -93,6 +95,7 @@ impl Bordered {
             range: range.abs(),
             tolerance,
             shift: (NEUTRAL * unit).max(ROUNDINGS * assembly.rounding_stiffness),
+            rounding: assembly.rounding_stiffness,
             neutral: NeutralModes::new(assembly.shortest_edge * assembly.shortest_edge),
         }
     }

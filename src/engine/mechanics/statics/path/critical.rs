@@ -16,6 +16,8 @@ const MOST_IN_A_STEP: usize = 8;
 /// The null vector v of a bifurcation has v·∂R/∂λ = 0; it is a fold where this cosine is larger. Observed
 /// values are at most 1e-9 at bifurcations and some hundredths at folds.
 const LARGEST_COUPLING: f64 = 1e-4;
+/// Share of the way to a critical point, before it, over which its eigenvalue is taken to be linear.
+const BEFORE: f64 = 0.1;
 /// Halvings of the first step onto a new branch.
 const HALVINGS: usize = 6;
 
@@ -35,8 +37,9 @@ impl Tracer {
             if low.unstable == next.unstable {
                 break;
             }
+            let start = low.clone();
             let high = self.bracket(system, &mut low, next, step);
-            self.hand_out_critical(system, &low, &high);
+            self.hand_out_critical(system, &start, &low, &high);
             low = high;
         }
         self.tangent = after;
@@ -72,8 +75,14 @@ impl Tracer {
         high
     }
 
-    /// Returns the critical point between two points next to it.
-    fn hand_out_critical(&mut self, system: &mut System, low: &Location, high: &Location) {
+    /// Hands out the critical point between `low` and `high`, two points next to it, on the way from `start`.
+    fn hand_out_critical(
+        &mut self,
+        system: &mut System,
+        start: &Location,
+        low: &Location,
+        high: &Location,
+    ) {
         let (before, after) = (low.unstable, high.unstable);
         let crossing = after.divergent.abs_diff(before.divergent);
         let (vectors, kind) = if before.flutter == after.flutter {
@@ -87,13 +96,55 @@ impl Tracer {
         } else {
             (Vec::new(), PointKind::Flutter)
         };
-        let error = (high.parameter - low.parameter).abs();
-        self.hand_out(system, high, kind, error);
+        let mut error = (high.parameter - low.parameter).abs();
+        let mut point = high.clone();
+        // The parameter of a fold is stationary there, and the shift changes it by its square only.
+        if kind == PointKind::Bifurcation
+            && system.is_symmetric()
+            && let Some((moved, rounding)) = self.without_shift(system, start, high)
+        {
+            point = moved;
+            error += rounding;
+        }
+        self.hand_out(system, &point, kind, error);
         if kind == PointKind::Bifurcation && self.plan.switch_branches && self.branch == 0 {
             for vector in vectors {
-                self.remember(high, vector);
+                self.remember(&point, vector);
             }
         }
+    }
+
+    /// The critical point of the Hessian itself, from `high`, that of the Hessian with its shift σ, and the error of its
+    /// parameter by rounding.
+    ///
+    /// The eigenvalue μ nearest to zero is −σ at `high`. A little before, on the way from `start`, it has another
+    /// value, and between the two it is taken to change linearly.
+    fn without_shift(
+        &mut self,
+        system: &mut System,
+        start: &Location,
+        high: &Location,
+    ) -> Option<(Location, f64)> {
+        let earlier = self.between(system, start, high, 1.0 - BEFORE).ok()?;
+        let at_high = self.shifted_eigenvalue(system, high)?;
+        let change = self.shifted_eigenvalue(system, &earlier)? - at_high;
+        let share = BEFORE * (self.bordered.shift - at_high) / change;
+        if !(0.0..=1.0).contains(&share) {
+            return None;
+        }
+        let mut point = self.between(system, start, high, 1.0 - share).ok()?;
+        // As it is just behind the critical point.
+        point.unstable = high.unstable;
+        let slope = change / (earlier.parameter - high.parameter);
+        Some((point, self.bordered.rounding / slope.abs()))
+    }
+
+    /// The eigenvalue nearest to zero of the Hessian with its shift, N/m.
+    fn shifted_eigenvalue(&mut self, system: &mut System, location: &Location) -> Option<f64> {
+        let unknowns = self.place(system, location);
+        self.bordered.linearize(system, &unknowns)?;
+        let mut vector = vec![0.0; unknowns.len()];
+        inverse_iteration(system, &mut vector, &location.neutral)
     }
 
     /// The vectors of so many eigenvalues that are nearest to zero, and how far the rate ∂R/∂λ drives the path along the
