@@ -45,12 +45,28 @@ pub static ARTIFACTS: &[Artifact] = &[
     super::cost::ARTIFACT,
     super::drag_steps::ARTIFACT,
     super::auto_steps::ARTIFACT,
+    super::validation::OVERVIEW,
+    super::validation::ROLL_UP,
+    super::validation::TIP_FORCE,
+    super::validation::BEND_OF_45_DEGREES,
+    super::validation::DEEP_ARCH,
+    super::validation::LEES_FRAME,
+    super::validation::HEAVY_COLUMN,
+    super::validation::STRIP_ON_EDGE,
+    super::validation::TWISTED_RING,
 ];
 
 impl Artifact {
     /// The artefact of a name.
     pub fn named(name: &str) -> Option<&'static Self> {
         ARTIFACTS.iter().find(|artifact| artifact.name == name)
+    }
+
+    /// The artefacts in the folder of this one.
+    pub(super) fn parts(&self) -> impl Iterator<Item = &'static Self> {
+        let folder = format!("{}/", self.name);
+        let parts = ARTIFACTS.iter();
+        parts.filter(move |artifact| artifact.name.starts_with(&folder))
     }
 }
 

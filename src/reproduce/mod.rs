@@ -68,6 +68,7 @@ mod table_5_3;
 mod table_5_4;
 mod table_5_4_cell;
 mod tightening;
+mod validation;
 mod virtual_laying;
 mod virtual_tying;
 
@@ -138,7 +139,8 @@ pub enum ReproduceError {
     },
 }
 
-/// Makes an artefact and returns the files written; `report` is called for each run that ended.
+/// Makes an artefact, after those in its folder, and returns the files written; `report` is called for each run that
+/// ended.
 ///
 /// # Errors
 /// See [`ReproduceError`].
@@ -147,12 +149,16 @@ pub fn reproduce(
     options: &ReproduceOptions,
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<PathBuf>, ReproduceError> {
-    let page = options.directory.join(artifact.name());
-    if options.quick && page::is_whole(&page) {
-        return Err(ReproduceError::WouldReplace { page });
+    let mut written = Vec::new();
+    for artifact in artifact.parts().chain([artifact]) {
+        let page = options.directory.join(artifact.name());
+        if options.quick && page::is_whole(&page) {
+            return Err(ReproduceError::WouldReplace { page });
+        }
+        page::check_place(&page, &artifact.heading())?;
+        written.extend(artifact.recipe.make(artifact, options, report)?);
     }
-    page::check_place(&page, &artifact.heading())?;
-    artifact.recipe.make(artifact, options, report)
+    Ok(written)
 }
 
 /// Whether tests run at full scale: `RODLAB_TESTS_FULL=1`, as `scripts/ci --full` sets it.
@@ -245,7 +251,9 @@ mod tests {
                 let svg = fs::read_to_string(page.join(name.trim_end_matches(')'))).unwrap();
                 assert!(svg.starts_with("<svg"));
             }
-            let table = fs::read_to_string(page.join(format!("{}.csv", artifact.name()))).unwrap();
+            let table =
+                fs::read_to_string(page.join(format!("{}.csv", page::stem(artifact.name()))))
+                    .unwrap();
             assert!(table.lines().count() > 1);
         });
     }

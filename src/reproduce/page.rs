@@ -22,6 +22,11 @@ pub(super) struct Heading {
     pub title: &'static str,
 }
 
+/// The last part of the name of an artefact in a folder of others, for its files.
+pub(super) fn stem(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or(name)
+}
+
 /// A figure of a page.
 #[derive(Clone, Debug)]
 pub(super) struct PageFigure {
@@ -209,7 +214,7 @@ impl Page {
             writer.serialize(row).expect("plain rows go into memory");
         }
         let bytes = writer.into_inner().expect("memory takes all bytes");
-        self.file(&format!("{}.csv", self.heading.name), &bytes)
+        self.file(&format!("{}.csv", stem(self.heading.name)), &bytes)
     }
 
     /// Writes a figure and shows it on the page.
@@ -287,7 +292,8 @@ impl Page {
         Ok(self.written)
     }
 
-    fn file(&mut self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
+    /// Writes a file beside the page.
+    pub fn file(&mut self, name: &str, bytes: &[u8]) -> Result<(), ResultsError> {
         let path = self.directory.join(name);
         write_whole(&path, bytes)?;
         self.written.push(path);

@@ -1,6 +1,6 @@
 //! Redraws the figures of a page from the table beside it, without runs.
 
-use super::page::{PageFigure, write_figures};
+use super::page::{PageFigure, stem, write_figures};
 use super::{Artifact, ReproduceError, ReproduceOptions};
 use rodlab_files::figure::Format;
 use rodlab_files::results::{ResultsError, write_whole};
@@ -19,7 +19,7 @@ pub fn redraw(
 ) -> Result<Vec<PathBuf>, ReproduceError> {
     let name = artifact.name();
     let directory = options.directory.join(name);
-    let table = directory.join(format!("{name}.csv"));
+    let table = directory.join(format!("{}.csv", stem(name)));
     let figures = match artifact.recipe.redrawn(&table) {
         None => return Err(ReproduceError::NotRedrawn { artifact: name }),
         Some(_) if !table.exists() => {

@@ -1,0 +1,258 @@
+//! A published case: scenario, quantities, exact values, and its page.
+
+use crate::reproduce::artifact::Recipe;
+use crate::reproduce::cases::{Run, prepared};
+use crate::reproduce::page::stem;
+use crate::reproduce::prelude::*;
+use crate::reproduce::table::rows_of;
+use rodlab_engine::mechanics::Vector3;
+use rodlab_files::results::{BranchKind, read_branches, read_nodes};
+use rodlab_lab::run::PreparedRun;
+use std::path::Path;
+
+/// A published case.
+pub(super) struct Benchmark {
+    /// Its name, `validation/` and that of its folder.
+    pub name: &'static str,
+    /// Its title.
+    pub title: &'static str,
+    /// What is loaded, and what is compared.
+    pub about: &'static str,
+    /// Where it was published.
+    pub source: &'static str,
+    /// How the exact values are found.
+    pub means: &'static str,
+    /// The scenario, with the number of edges as `parameters.edges`.
+    pub scene: &'static str,
+    /// Numbers of edges, each twice the one before.
+    pub edges: [usize; 3],
+    /// What is compared.
+    pub quantities: &'static [Quantity],
+    /// The exact values.
+    pub exact: fn() -> Vec<f64>,
+    /// How the values are measured.
+    pub measure: Measure,
+}
+
+/// What is compared.
+pub(super) struct Quantity {
+    /// Its name, with its unit.
+    pub name: &'static str,
+    /// The published value and half a unit of its last digit, or the error that it states.
+    pub published: Option<(f64, f64)>,
+    /// What errors are relative to; `None`: to the exact value.
+    pub scale: Option<f64>,
+}
+
+/// How values are measured.
+pub(super) enum Measure {
+    /// From the last node of the last output.
+    Tip(fn(&Vector3) -> Vec<f64>),
+    /// The parameter of the first critical point of a kind, times a factor.
+    Critical(BranchKind, f64),
+}
+
+/// A case with a number of edges.
+#[derive(Clone, Copy)]
+pub(super) struct BenchmarkRun {
+    /// The case.
+    pub benchmark: &'static Benchmark,
+    /// The number of edges of each rod.
+    pub edges: usize,
+}
+
+/// A row of the table: a quantity at a number of edges.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Row {
+    pub case: String,
+    pub quantity: String,
+    pub edges: usize,
+    pub value: f64,
+    pub exact: f64,
+    pub error: f64,
+    /// Observed order of convergence, from the number of edges before.
+    pub order: Option<f64>,
+    pub published: Option<f64>,
+    pub published_accuracy: Option<f64>,
+    pub cpu_time_s: Option<f64>,
+}
+
+impl Run for BenchmarkRun {
+    fn id(&self) -> String {
+        format!("validation_{}_{}", stem(self.benchmark.name), self.edges)
+    }
+
+    fn prepare(&self) -> PreparedRun {
+        let edges = format!("parameters.edges={}", self.edges);
+        prepared(&self.id(), self.benchmark.scene, &[edges])
+    }
+
+    fn extent(&self) -> String {
+        format!("rods of at most {} edges were loaded", self.edges)
+    }
+
+    fn cost(&self) -> f64 {
+        0.02 * self.edges as f64
+    }
+
+    #[cfg(test)]
+    fn shortened(&self) -> Self {
+        Self {
+            edges: self.benchmark.edges[0],
+            ..*self
+        }
+    }
+}
+
+impl Benchmark {
+    /// The runs; a quick version has no finest one.
+    pub fn runs(&'static self, quick: bool) -> Vec<BenchmarkRun> {
+        let edges = self.edges.iter().take(if quick { 2 } else { 3 });
+        let run = |&edges: &usize| BenchmarkRun {
+            benchmark: self,
+            edges,
+        };
+        edges.map(run).collect()
+    }
+
+    /// A row for each quantity of each of its runs.
+    pub fn rows(&self, cases: &[Case<BenchmarkRun>]) -> Result<Vec<Row>> {
+        let exact = (self.exact)();
+        let mut rows: Vec<Row> = Vec::new();
+        for case in cases {
+            let values = self.values(case)?;
+            for (index, quantity) in self.quantities.iter().enumerate() {
+                let error = (values[index] - exact[index]) / quantity.scale.unwrap_or(exact[index]);
+                let before = rows.len().checked_sub(self.quantities.len());
+                let ratio = before.map(|before| rows[before].error / error);
+                rows.push(Row {
+                    case: stem(self.name).into(),
+                    quantity: quantity.name.into(),
+                    edges: case.run.edges,
+                    value: values[index],
+                    exact: exact[index],
+                    error,
+                    order: ratio.filter(|ratio| *ratio > 0.0).map(libm::log2),
+                    published: quantity.published.map(|(value, _)| value),
+                    published_accuracy: quantity.published.map(|(_, accuracy)| accuracy),
+                    cpu_time_s: case.record.cpu_time,
+                });
+            }
+        }
+        Ok(rows)
+    }
+
+    /// The quantities of a run; NaN where the run did not come so far.
+    fn values(&self, case: &Case<BenchmarkRun>) -> Result<Vec<f64>> {
+        let values = match self.measure {
+            Measure::Tip(of) => {
+                let outputs = read_nodes(&case.directory, case.run.edges + 1)?;
+                let tip = outputs.last().and_then(|output| output.positions.last());
+                tip.map(of)
+            }
+            Measure::Critical(kind, factor) => {
+                let points = read_branches(&case.directory)?;
+                let critical = points.iter().find(|point| point.kind == kind);
+                critical.map(|point| vec![factor * point.parameter])
+            }
+        };
+        Ok(values.unwrap_or_else(|| vec![f64::NAN; self.quantities.len()]))
+    }
+}
+
+/// The page of a case.
+pub(super) struct BenchmarkPage(pub &'static Benchmark);
+
+impl BenchmarkPage {
+    /// The artefact with this page.
+    pub const fn artifact(&'static self) -> Artifact {
+        Artifact {
+            name: self.0.name,
+            title: self.0.title,
+            recipe: self,
+        }
+    }
+}
+
+impl Recipe for BenchmarkPage {
+    type Run = BenchmarkRun;
+
+    fn runs(&self, quick: bool) -> Vec<BenchmarkRun> {
+        self.0.runs(quick)
+    }
+
+    fn write(&self, page: &mut Page, cases: &[Case<BenchmarkRun>]) -> Result<()> {
+        let Self(benchmark) = self;
+        let rows = benchmark.rows(cases)?;
+        page.csv(&rows)?;
+        let scene = format!("{}.toml", stem(benchmark.name));
+        page.file(&scene, benchmark.scene.as_bytes())?;
+        page.text(benchmark.about);
+        page.text(&format!("Source: {}.", benchmark.source));
+        page.text(&format!("Exact values: {}.", benchmark.means));
+        page.text(&format!(
+            "`rodlab run {scene} --set parameters.edges=80` in this folder makes a run."
+        ));
+        page.table(columns! { row in &rows;
+            "quantity" => row.quantity.as_str(),
+            "edges" => row.edges.to_string(),
+            "rodlab" => digits(row.value),
+            "exact" => digits(row.exact),
+            "error" => format!("{:.1e}", row.error),
+            "order" => number(row.order, 2),
+            "processor time, s" => number(row.cpu_time_s, 2),
+        });
+        let published = rows.iter().take(benchmark.quantities.len());
+        let published = published.filter(|row| row.published.is_some());
+        page.table(columns! { row in published;
+            "quantity" => row.quantity.as_str(),
+            "published" => row.published.map(|value| value.to_string()).unwrap_or_default(),
+            "to" => row.published_accuracy.map(|value| value.to_string()).unwrap_or_default(),
+            "exact" => digits(row.exact),
+        });
+        for figure in figures(&rows) {
+            page.figure(&figure)?;
+        }
+        Ok(())
+    }
+
+    fn figures_of_table(&self, table: &Path) -> Option<Result<Vec<PageFigure>>> {
+        Some(rows_of(table).map(|rows| figures(&rows)))
+    }
+}
+
+/// Six significant digits.
+pub(super) fn digits(value: f64) -> String {
+    let before = libm::log10(value.abs().max(1.0)) as usize + 1;
+    format!("{value:.*}", 6usize.saturating_sub(before))
+}
+
+/// Errors over the number of edges, a curve for each quantity of each case.
+pub(super) fn figures(rows: &[Row]) -> Vec<PageFigure> {
+    let mut names: Vec<String> = rows.iter().map(name).collect();
+    names.dedup();
+    names.sort();
+    names.dedup();
+    let curves = names.iter().map(|wanted| {
+        let own = rows.iter().filter(|row| name(row) == *wanted);
+        let own = own.filter(|row| row.error != 0.0);
+        curve(wanted.as_str(), own, |row| {
+            (row.edges as f64, row.error.abs())
+        })
+        .looking(Look::Marked)
+    });
+    let style = PlotStyle {
+        horizontal: AxisScale::Logarithmic,
+        vertical: vec![AxisScale::Logarithmic],
+        ..PlotStyle::default()
+    };
+    let figure = styled_line_plots([plot("relative error", curves)], "edges of a rod", style);
+    let caption =
+        "Error over the number of edges; a line of slope −2 is convergence of second order";
+    vec![PageFigure::new("errors", caption, figure)]
+}
+
+/// Name of the curve of a row.
+fn name(row: &Row) -> String {
+    format!("{}: {}", row.case, row.quantity)
+}

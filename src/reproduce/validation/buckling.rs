@@ -1,0 +1,75 @@
+//! Critical loads at which other branches leave a path of equilibria.
+
+use super::benchmark::{Benchmark, Measure, Quantity};
+use rodlab_engine::mechanics::kirchhoff::numerics::{bisect, runge_kutta};
+use rodlab_files::results::BranchKind;
+use std::f64::consts::TAU;
+
+/// Steps of the Runge–Kutta method.
+const STEPS: usize = 2000;
+
+pub(super) static HEAVY_COLUMN: Benchmark = Benchmark {
+    name: "validation/heavy-column",
+    title: "A column that buckles under its own weight",
+    about: "An upright column of weight w per length, clamped at its foot and free at its top, buckles at w = 7.8373 \
+            EI/L³.",
+    source: "Greenhill 1881, Proc. Camb. Phil. Soc. 4, 65; Timoshenko and Gere 1961, Theory of Elastic Stability, \
+             sec. 2.12, with 7.837",
+    means: "root of θ'(0) = 0, θ'' = −w s θ, θ(L) = 0 over the length s from the top",
+    scene: include_str!("scenes/heavy-column.toml"),
+    edges: [20, 40, 80],
+    quantities: &[Quantity {
+        name: "critical weight w L³/EI",
+        published: Some((7.837, 5e-4)),
+        scale: None,
+    }],
+    exact: || vec![bisect(7.0, 9.0, |weight| free_end_to_clamp(|s| weight * s))],
+    measure: Measure::Critical(BranchKind::Bifurcation, 1.0),
+};
+
+pub(super) static STRIP_ON_EDGE: Benchmark = Benchmark {
+    name: "validation/strip-on-edge",
+    title: "A strip on edge that buckles sideways under its own weight",
+    about: "A horizontal strip on edge of weight w per length is clamped at one end. It is stiff in the vertical plane, \
+            where its stiffness is 10⁵ EI here, and turns over sideways at w = 12.85 √(EI GJ)/L³.",
+    source: "Prandtl 1899; Timoshenko and Gere 1961, Theory of Elastic Stability, sec. 6.3, with 12.85",
+    means: "root of φ'(0) = 0, φ'' = −w² s⁴/(4 EI GJ) φ, φ(L) = 0 over the length s from the free end, for a strip that \
+            is rigid in its plane",
+    scene: include_str!("scenes/strip-on-edge.toml"),
+    edges: [10, 20, 40],
+    quantities: &[Quantity {
+        name: "critical weight w L³/√(EI GJ)",
+        published: Some((12.85, 5e-3)),
+        scale: None,
+    }],
+    exact: || {
+        let rate = |weight: f64| free_end_to_clamp(|s| 0.25 * weight * weight * s.powi(4));
+        vec![bisect(11.0, 15.0, rate)]
+    },
+    measure: Measure::Critical(BranchKind::Bifurcation, 1.0),
+};
+
+pub(super) static TWISTED_RING: Benchmark = Benchmark {
+    name: "validation/twisted-ring",
+    title: "A ring that buckles under twist",
+    about: "A straight rod is bent into a ring, and its ends are turned against each other before they meet. The ring \
+            leaves its plane at the twist Θ = 2π√3 EI/GJ; here EI/GJ = 1.5.",
+    source: "Michell 1889, Messenger of Math. 19, 181; Zajac 1962, J. Appl. Mech. 29, 136",
+    means: "closed form",
+    scene: include_str!("scenes/twisted-ring.toml"),
+    edges: [40, 80, 160],
+    quantities: &[Quantity {
+        name: "critical twist Θ, rad",
+        published: None,
+        scale: None,
+    }],
+    exact: || vec![TAU * 3.0f64.sqrt() * 1.5],
+    measure: Measure::Critical(BranchKind::Bifurcation, 1.0),
+};
+
+/// y(1) of y'' = −k(s) y from y(0) = 1, y'(0) = 0.
+fn free_end_to_clamp(stiffness: impl Fn(f64) -> f64) -> f64 {
+    let slope = |s: f64, [value, rate]: &[f64; 2]| [*rate, -stiffness(s) * value];
+    let states = runge_kutta(0.0, 1.0, [1.0, 0.0], STEPS, slope);
+    states[states.len() - 1][0]
+}
