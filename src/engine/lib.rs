@@ -30,12 +30,13 @@
 //! | [`mechanics`] | rods, contact, fluid, time stepping, equilibria |
 //! | [`linalg`] | banded and sparse factorisations |
 //!
-//! The crate reads and writes no files and has no command line; loops over many pairs run on the global pool of `rayon`, and results do
-//! not depend on its size. Scenario files, results directories and the program `rodlab` are in other crates.
+//! The crate neither reads nor writes files and has no command line. Loops over many pairs run on
+//! the global pool of `rayon`; results do not depend on the number of its threads. Scenario files,
+//! results directories and the program `rodlab` are in other crates.
 
-// What is public is for users of the library.
+// Public items are meant for users of the library.
 #![warn(unreachable_pub)]
-// Tests compare with a tolerance, and may ask any mathematical library.
+// Tests compare with a tolerance, so they may use any mathematical library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 pub mod linalg;

@@ -59,7 +59,8 @@ impl BandedSymmetric {
         &self.columns
     }
 
-    /// The columns of the lower band, to scatter into. Entries below the last row must stay zero.
+    /// The columns of the lower band, for adding entries. Entries below the last row must stay
+    /// zero.
     #[inline]
     pub(crate) fn columns_mut(&mut self) -> &mut [[f64; HALF_BANDWIDTH + 1]] {
         &mut self.columns
@@ -94,8 +95,8 @@ impl BandedSymmetric {
 /// The factors of A = L D Lᵀ, with L unit lower triangular and D diagonal, not necessarily positive.
 #[derive(Clone, Debug)]
 pub struct BandedFactor {
-    /// Columns of L below the diagonal, and 1/D on it; ten columns of padding follow the matrix, so that
-    /// the update of the last columns needs no bounds.
+    /// Columns of L below the diagonal, and 1/D on it. Ten columns of padding follow the matrix,
+    /// so that the update of the last columns needs no bounds checks.
     columns: Vec<Column>,
     dimension: usize,
 }
@@ -135,7 +136,8 @@ impl BandedFactor {
         let n = self.dimension;
         assert_eq!(right_hand_side.len(), n);
         let x = right_hand_side;
-        // Ten unknowns wait in registers: those next in turn, less what the ones before them took...
+        // Forward substitution: registers hold the next ten unknowns, minus the contributions of
+        // those already found.
         let mut next = [0.0; HALF_BANDWIDTH];
         for (next, &value) in next.iter_mut().zip(&*x) {
             *next = value;
@@ -150,7 +152,8 @@ impl BandedFactor {
             }
             next[HALF_BANDWIDTH - 1] = last - column[HALF_BANDWIDTH] * known;
         }
-        // ... and those found last; the nearest comes last in the sum, which alone waits for it.
+        // Backward substitution: registers hold the last ten unknowns found. The sum subtracts the
+        // nearest of them last, so that only this term waits for it.
         let mut found = [0.0; HALF_BANDWIDTH];
         for j in (0..n).rev() {
             let column = &self.columns[j];
@@ -166,8 +169,9 @@ impl BandedFactor {
         }
     }
 
-    /// Solves A X = B in place for the unknowns from `first` on alone, which couple to none before nor after those of the
-    /// rows given; four right-hand sides at once, of which some may be zero.
+    /// Solves A X = B in place for the unknowns from `first` on, one per row given. These must not
+    /// be coupled to unknowns before or after them. Solves for four right-hand sides at once; some
+    /// may be zero.
     pub(crate) fn solve_part(&self, first: usize, rows: &mut [[f64; 4]]) {
         let columns = &self.columns[first..first + rows.len()];
         for i in 0..rows.len() {

@@ -1,8 +1,10 @@
-//! [`LANES`] symmetric band matrices of one size at a time, with a right-hand side each: the factorisation of [`super::banded`] lane
-//! by lane, with the same operations on every entry in the same order, so that every lane gets the bytes that it would get alone.
+//! [`LANES`] symmetric band matrices of one size, each with a right-hand side, factored at the
+//! same time. Each lane does the operations of [`super::banded`] on every entry in the same order,
+//! so that it gets the same bytes as alone.
 //!
-//! A column is eliminated by all before it at once, when it is complete, and before those after it need be: it is then still in
-//! the cache from when it was filled, and read and written once. The columns hold D Lᵀ, of which L follows by one product.
+//! Once a column is complete, all columns before it are eliminated from it at once, and columns
+//! after it may still be incomplete. It is then still in the cache from when it was filled, and is
+//! read and written only once. The columns hold D Lᵀ; one product turns this into L.
 
 use super::LaneVector;
 use super::banded::HALF_BANDWIDTH;
@@ -14,11 +16,12 @@ const WIDTH: usize = HALF_BANDWIDTH + 1;
 /// One column of the lower bands: entry r is row j + r of column j.
 type Column = [Lanes; WIDTH];
 
-/// Lower bands, column by column, then their factors D Lᵀ in the same place with 1/D on the diagonal; and right-hand sides, then
-/// the solutions.
+/// Lower bands, column by column, which the factors D Lᵀ replace, with 1/D on the diagonal; and
+/// right-hand sides, which the solutions replace.
 ///
-/// Ten columns of padding precede the matrices, and ten entries the right-hand sides, which are followed by as many. A pivot that
-/// is zero leaves numbers in its lane that are not finite, and no trace in the others.
+/// Ten columns of padding precede the matrices; ten entries of padding precede the right-hand
+/// sides, and ten follow them. A zero pivot leaves numbers that are not finite in its own lane and
+/// does not affect the others.
 #[derive(Debug)]
 pub(crate) struct BandedLanes {
     columns: LaneVector,
@@ -36,7 +39,8 @@ impl BandedLanes {
         }
     }
 
-    /// The columns of the lower bands, to add to. Entries below the last row must stay zero.
+    /// The columns of the lower bands, for adding entries. Entries below the last row must stay
+    /// zero.
     pub(crate) fn columns_mut(&mut self) -> &mut [[Lanes; HALF_BANDWIDTH + 1]] {
         let (columns, _) = self.columns.as_chunks_mut();
         &mut columns[HALF_BANDWIDTH..]
@@ -52,14 +56,15 @@ impl BandedLanes {
         &mut self.sides[HALF_BANDWIDTH..][..self.dimension]
     }
 
-    /// Eliminates `count` columns from `first` on: all before them must have been, and they must be complete.
+    /// Eliminates `count` columns from `first` on. They must be complete, and all columns before
+    /// them eliminated.
     pub(crate) fn eliminate(&mut self, set: InstructionSet, first: usize, count: usize) {
         let (columns, _) = self.columns.as_chunks_mut();
         let end = first + HALF_BANDWIDTH + count;
         eliminate(set, &mut columns[first..end], &mut self.sides[first..end]);
     }
 
-    /// Finds the solutions when all columns are eliminated.
+    /// Computes the solutions once all columns are eliminated.
     pub(crate) fn substitute_back(&mut self, set: InstructionSet) {
         let (columns, _) = self.columns.as_chunks();
         let sides = &mut self.sides[HALF_BANDWIDTH..];
@@ -67,7 +72,7 @@ impl BandedLanes {
     }
 }
 
-/// Subtracts what the column `$k` before takes from the one at hand.
+/// Subtracts the contribution of the column `$k` places before from the current one.
 macro_rules! subtract {
     ($before:ident, $known:ident, $own:ident, $side:ident, $lane:ident, $($k:literal)*) => {
         $({
@@ -82,7 +87,8 @@ macro_rules! subtract {
 }
 
 kernel! {
-    /// Eliminates all columns but the first ten, which have been, and substitutes forward.
+    /// Eliminates all columns except the first ten, which are eliminated already, and substitutes
+    /// forward.
     fn eliminate(columns: &mut [Column], sides: &mut [Lanes]) {
         for j in HALF_BANDWIDTH..columns.len().min(sides.len()) {
             let (before, from) = columns.split_at_mut(j);

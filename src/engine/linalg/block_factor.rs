@@ -1,16 +1,17 @@
 //! Sparse elimination node by node: A = 𝓛 𝓤 with 4×4 blocks, 𝓛 with unit diagonal.
 //!
-//! Columns that fill the same rows make one dense panel, a supernode (Ng & Peyton 1993). A panel receives L_r U_cᵀ from
-//! every earlier one with rows among its columns; then its columns receive the same from each other, one by one, and
-//! their blocks below the diagonal are divided by the diagonal block, L_r = A_rk D⁻¹ (left-looking elimination; Golub &
-//! Van Loan, 4th ed., sec. 3.2.11). The diagonal blocks are factored with partial pivoting inside the block
-//! only, so the pattern is known beforehand; what that may cost in accuracy, the residual check of
-//! [`super::CoupledSystem::solve`] finds. A symmetric matrix has U_r = A_rkᵀ at hand and needs half the
+//! Columns that fill the same rows form one dense panel, a supernode (Ng & Peyton 1993). A panel
+//! receives L_r U_cᵀ from every earlier one with rows among its columns; then its columns receive
+//! the same from each other, one by one, and their blocks below the diagonal are divided by the
+//! diagonal block, L_r = A_rk D⁻¹ (left-looking elimination; Golub & Van Loan, 4th ed., sec.
+//! 3.2.11). The diagonal blocks are factored with partial pivoting inside the block only, so the
+//! pattern is known beforehand. The residual check of [`super::CoupledSystem::solve`] detects any
+//! loss of accuracy from this. For a symmetric matrix U_r = A_rkᵀ is available, which halves the
 //! updates.
 //!
-//! Branches of the elimination tree are independent and are eliminated in parallel, then the panels of the trunk one after
-//! the other, their rows in parallel. Every block is the result of the same operations in the same order, for any
-//! number of threads.
+//! Branches of the elimination tree are independent and are eliminated in parallel. The panels of
+//! the trunk follow one after the other; the rows of each are processed in parallel. Every block
+//! is the result of the same operations in the same order, for any number of threads.
 
 use super::elimination::{Part, SMALLEST_TASK};
 use super::error::{Inertia, SingularMatrix};
@@ -25,12 +26,14 @@ pub(super) struct BlockFactor {
     symmetric: bool,
     /// The diagonal blocks, factored.
     diagonal: Vec<DiagonalFactor>,
-    /// Panels of 𝓛; before their column's turn, those of the reduced matrix. Diagonal blocks are those that the
-    /// elimination finds.
+    /// Panels of 𝓛; before a column is eliminated, its part of the reduced matrix. Diagonal blocks
+    /// are those found by the elimination.
     lower: Vec<Block>,
-    /// Blocks of 𝓤 right of the diagonal, transposed, so that they share the lower blocks' places.
+    /// Blocks of 𝓤 right of the diagonal, transposed, so that their indices are those of the lower
+    /// blocks.
     upper: Vec<Block>,
-    /// Row of the panel at work that holds each row of the matrix, for the trunk and each branch; scratch.
+    /// Row of the current panel that holds each row of the matrix, for the trunk and each branch;
+    /// scratch.
     local_rows: Vec<Vec<u32>>,
     /// A right-hand side in the order of elimination.
     vector: Vec<NodeVector>,

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// Supernodes that follow each other: whole subtrees of the elimination tree.
+/// Consecutive supernodes that form whole subtrees of the elimination tree.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Branch {
     pub(super) supernodes: Range<usize>,
@@ -10,7 +10,8 @@ pub(super) struct Branch {
 
 /// Parts into which the work of the branches is divided, for any number of threads.
 const PARTS: usize = 16;
-/// Products of blocks that a branch has at least, if there are others: to wake a thread takes as long as thousands of them.
+/// Least number of block products in a branch, if there are other branches: waking a thread takes
+/// as long as thousands of products.
 const SMALLEST_BRANCH: usize = 30_000;
 
 /// Cuts the tree into branches of about the same work, and the trunk that holds them together.
@@ -38,7 +39,7 @@ pub(super) fn branches(parents: &[Option<usize>], products: &[usize]) -> (Vec<Br
             continue;
         }
         work += products[supernode];
-        // A subtree ends where the parent belongs to the trunk or there is none.
+        // A subtree ends at a node without parent, or whose parent belongs to the trunk.
         let is_root = parents[supernode].is_none_or(|parent| of_subtree[parent] > limit);
         if is_root && work >= limit {
             branches.push(Branch {

@@ -43,11 +43,13 @@ impl CoupledSystem {
     /// Finds the pattern of a band of `dimension` unknowns together with `elements`, chooses an order of elimination that fills
     /// it little, and makes room for its factors.
     ///
-    /// `held` marks unknowns that keep their place (length `dimension`): their rows and columns are
-    /// dropped, their diagonals one. `shared` are the unknowns that are the same as another one, which is free or held
-    /// and shared with no third: their rows and columns are added to those of that one, their own are as if held. With
-    /// `symmetric`, elements must be symmetric matrices; only one triangle is read. `chains` are the first nodes of the
-    /// parts that the band does not couple with those before, in their order.
+    /// `held` marks the unknowns that keep their value (length `dimension`): their rows and
+    /// columns are dropped and their diagonals set to one. `shared` lists the unknowns that equal
+    /// another one, their owner, which may be free or held but not shared itself. Their rows and
+    /// columns are added to those of the owner; their own become those of held unknowns. With
+    /// `symmetric`, elements must be symmetric matrices; only one triangle is read. `chains`
+    /// lists, in order, the first node of each part that the band does not couple with the parts
+    /// before.
     pub fn new(
         dimension: usize,
         elements: &[Element],
@@ -58,7 +60,7 @@ impl CoupledSystem {
     ) -> Self {
         assert_eq!(held.len(), dimension);
         let nodes = dimension.div_ceil(NODE);
-        // Unknowns that only fill up the last node count as held.
+        // Unknowns that pad the last node count as held.
         let mut held = held.to_vec();
         held.resize(NODE * nodes, true);
         let mut owners: Vec<usize> = (0..held.len()).collect();
@@ -123,8 +125,8 @@ impl CoupledSystem {
         }))
     }
 
-    /// Solves A x = b in place with the factors of the last [`Self::factor`], refining the solution once
-    /// if its residual calls for it.
+    /// Solves A x = b in place with the factors of the last [`Self::factor`], and refines the
+    /// solution once if its residual is too large.
     ///
     /// # Errors
     /// A residual that stays large: the system is singular to working precision.
@@ -147,7 +149,7 @@ impl CoupledSystem {
         Ok(())
     }
 
-    /// Adds the solution for the residual to the solution.
+    /// Adds the solution of the residual equation to the solution.
     fn refine(&mut self) {
         self.factor.solve(&mut self.residual);
         for (own, correction) in self.solution.iter_mut().zip(&self.residual) {

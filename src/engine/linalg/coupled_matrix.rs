@@ -6,26 +6,27 @@ use super::node_block::{Block, BlockMatrix, NODE, NodeVector};
 use super::node_graph::{BandPattern, NodeGraph};
 use std::cmp::Ordering;
 
-/// Unknowns of a node that are its position; they are its first.
+/// Number of unknowns of a node that form its position; they come first.
 const POSITION: usize = 3;
 
-/// The assembled matrix, with the place of every entry found beforehand.
+/// The assembled matrix, with the positions of all entries found beforehand.
 #[derive(Clone, Debug)]
 pub(super) struct CoupledMatrix {
     symmetric: bool,
     graph: NodeGraph,
-    /// Diagonal blocks, blocks of the graph's pairs below the diagonal, and those right of it,
-    /// transposed (none if symmetric), one after the other.
+    /// Three groups of blocks, one after the other: diagonal blocks, blocks of the graph's pairs
+    /// below the diagonal, and blocks right of it, transposed (none if symmetric).
     blocks: Vec<Block>,
     /// Blocks that couple each node k with k + 1 and k + 2.
     band_places: Vec<[Option<usize>; 2]>,
-    /// Moves of the position blocks of two nodes from each element to the matrix.
+    /// Moves of entries that couple the positions of two nodes, from each element to the matrix.
     block_moves: Vec<BlockMove>,
-    /// Moves of its other entries to values of the matrix.
+    /// Moves of the other entries to values of the matrix.
     moves: Vec<Move>,
     /// Start of the moves of each element; those of element e end at the start of e + 1.
     element_starts: Vec<Starts>,
-    /// Entries of the band in rows and columns of unknowns that others own, and the values to which they are added.
+    /// Band entries in rows and columns of shared unknowns, and the values to which they are
+    /// added.
     band_moves: Vec<BandMove>,
     /// Values in the rows and columns of held unknowns where the band may have entries.
     held_values: Vec<u32>,
@@ -40,7 +41,8 @@ struct Starts {
     moves: usize,
 }
 
-/// The 3×3 entries of an element matrix that couple the positions of two of its nodes, and the block to which they are added.
+/// A 3×3 part of an element matrix that couples the positions of two of its nodes, and the block
+/// to which it is added.
 #[derive(Clone, Copy, Debug)]
 struct BlockMove {
     block: u32,
@@ -186,7 +188,8 @@ impl CoupledMatrix {
         }
     }
 
-    /// Residual b − A x, and in each row |A||x| + |b|, by which to judge it (Oettli & Prager 1964).
+    /// Computes the residual b − A x, and in each row |A||x| + |b|, the scale by which to judge it
+    /// (Oettli & Prager 1964).
     pub(super) fn residual(
         &self,
         x: &[NodeVector],
@@ -215,7 +218,8 @@ impl CoupledMatrix {
         }
     }
 
-    /// Finds where the entries of an element go. A symmetric matrix stores no block right of the diagonal.
+    /// Finds the destinations of the entries of an element. A symmetric matrix stores no block
+    /// right of the diagonal.
     fn place_element(&mut self, element: &Element, held: &[bool]) {
         let corners: [Option<usize>; 4] =
             std::array::from_fn(|corner| node_at(element, POSITION * corner, held));
@@ -231,7 +235,7 @@ impl CoupledMatrix {
                 }
             }
         }
-        // Neighbouring entries lie in the same block: look it up only where the nodes change.
+        // Neighbouring entries are in the same block: look it up only where the nodes change.
         let mut nodes = (usize::MAX, usize::MAX);
         let mut place = None;
         for (row, &i) in element.iter().enumerate() {
@@ -254,7 +258,7 @@ impl CoupledMatrix {
         }
     }
 
-    /// Notes where the moves of the next element begin.
+    /// Records where the moves of the next element begin.
     fn begin_element(&mut self) {
         self.element_starts.push(Starts {
             block_moves: self.block_moves.len(),
@@ -262,8 +266,8 @@ impl CoupledMatrix {
         });
     }
 
-    /// Finds where the entries of the band go that lie in rows or columns of unknowns that others own: to those of their
-    /// owners, on both sides of the diagonal.
+    /// Finds the destinations of band entries in rows or columns of shared unknowns: the rows and
+    /// columns of their owners, on both sides of the diagonal.
     fn place_shared(&mut self, band: &BandPattern) {
         let (owners, held) = (&band.owners, &band.held);
         let is_shared = |unknown: usize| owners[unknown] != unknown;
@@ -340,7 +344,8 @@ impl CoupledMatrix {
     }
 }
 
-/// The node whose whole, free position is at a place of an element.
+/// The node whose position starts at `place` of an element, if the element holds all of it and it
+/// is free.
 fn node_at(element: &Element, place: usize, held: &[bool]) -> Option<usize> {
     let unknowns = &element[place..place + POSITION];
     let node = unknowns[0] / NODE;

@@ -1,19 +1,20 @@
-//! Nested dissection (George 1973): few nodes that separate the others into two halves are eliminated last, and so on in
-//! each half.
+//! Nested dissection (George 1973): a few nodes that separate the others into two halves are
+//! eliminated last; each half is divided in the same way.
 //!
-//! Cuts are chosen by distances along the graph. Nodes far from each other are landmarks; the difference of the
-//! distances from two of them is a coordinate, straight across a net where the landmarks are two of its corners.
+//! Cuts are chosen by distances along the graph. Landmarks are nodes far from each other. The
+//! difference of the distances from two landmarks is a coordinate; in a net with landmarks at two
+//! of its corners, its level lines are straight.
 
 use super::node_graph::NodeGraph;
 use std::collections::VecDeque;
 
-/// Nodes below which a part is ordered by minimum degree.
+/// Number of nodes below which a part is ordered by minimum degree.
 const SMALLEST_PART: usize = 120;
 
 /// Landmarks of a part.
 const LANDMARKS: usize = 4;
 
-/// Least part of the nodes on each side of a separator.
+/// Least share of the nodes on each side of a separator.
 const LEAST_SIDE: f64 = 0.2;
 
 /// Not reached from a landmark.
@@ -66,7 +67,7 @@ impl Neighbours {
 
 struct Dissection {
     neighbours: Neighbours,
-    /// The part that each node is in; none once it separates others.
+    /// The part of each node; none once the node is part of a separator.
     part: Vec<Option<u32>>,
     parts: u32,
     /// Number of each node in a part; scratch.
@@ -74,13 +75,14 @@ struct Dissection {
     /// Distance of each node from each landmark of its part, in pairs of the graph.
     distances: [Vec<i32>; LANDMARKS],
     queue: VecDeque<u32>,
-    /// Nodes to separate by each value of a coordinate, and nodes up to it; scratch.
+    /// For each value of a coordinate, changes of the sizes of the separator and of the part up to
+    /// it; scratch.
     sizes: Vec<Sizes>,
     order: Vec<usize>,
 }
 
-/// The difference of distances from two landmarks, and the value at which it is cut: nodes up to it with neighbours
-/// beyond are the separator.
+/// A cut by the difference of the distances from two landmarks. Nodes up to `value` that have
+/// neighbours beyond it form the separator.
 #[derive(Clone, Copy)]
 struct Cut {
     landmarks: [usize; 2],
@@ -183,7 +185,8 @@ impl Dissection {
         self.order.extend(order.map(|k| nodes[k] as usize));
     }
 
-    /// Landmarks as far from each other as can be, the first far from everything.
+    /// Places landmarks as far from each other as possible. The first is the farthest from any
+    /// node.
     fn place_landmarks(&mut self, nodes: &[u32]) {
         self.measure_from(nodes[0], 0, nodes);
         for landmark in 0..LANDMARKS {
@@ -262,7 +265,8 @@ impl Dissection {
         best.map(|(_, cut)| cut)
     }
 
-    /// Counts the nodes that each value of a coordinate adds to those up to it and to the separator; returns the least value.
+    /// Counts, for each value of a coordinate, how many nodes it adds to the separator and to the
+    /// nodes up to it; returns the least value.
     fn count_sizes(&mut self, landmarks: [usize; 2], nodes: &[u32]) -> i32 {
         let values = || nodes.iter().map(|node| self.coordinate(landmarks, *node));
         let least = values().min().unwrap_or(0);

@@ -1,6 +1,6 @@
-//! Dense elements, which couple unknowns that lie apart in the band.
+//! Dense elements, which couple unknowns that are far apart in the band.
 
-/// Unknowns of a dense element; [`UNUSED`] fills the places that it does not need.
+/// Number of unknowns of a dense element; [`UNUSED`] fills the places that it does not need.
 pub type Element = [usize; 12];
 
 /// Entries of a dense element: row, then column, in the order of its [`Element`].
@@ -18,7 +18,8 @@ pub struct SharedUnknown {
     pub owner: usize,
 }
 
-/// Whether an element's unknown takes part in a system that keeps the place of those `held`.
+/// Whether an element's unknown takes part in a system in which the unknowns in `held` keep their
+/// value.
 pub(super) fn is_free(unknown: usize, held: &[bool]) -> bool {
     unknown != UNUSED && !held[unknown]
 }

@@ -1,5 +1,5 @@
-//! The elimination of panels in their order: branches of the elimination tree side by side, then the panels of the trunk
-//! one after the other, their rows side by side.
+//! The elimination of panels in order. Branches of the elimination tree run in parallel; then the
+//! panels of the trunk follow one after the other, and the rows of each run in parallel.
 
 use super::branches::Branch;
 use super::error::{Inertia, SingularMatrix};
@@ -11,7 +11,7 @@ use super::symbolic::{SymbolicFactor, Update};
 /// Products of blocks below which a task is not worth a thread.
 pub(super) const SMALLEST_TASK: usize = 20_000;
 
-/// Consecutive panels, which no other ones change.
+/// Consecutive panels that no other panels change.
 pub(super) struct Part<'a> {
     pub(super) set: InstructionSet,
     pub(super) matrix: &'a BlockMatrix<'a>,
@@ -35,7 +35,7 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// The panels before a branch, and those from it on.
+    /// Splits the panels into those before a branch and those from it on.
     fn split(self, branch: &Branch) -> (Self, Self) {
         let first = &self.symbolic.supernodes.list[branch.supernodes.start];
         let (lower, lower_after) = self
@@ -63,7 +63,7 @@ impl<'a> Part<'a> {
         (before, after)
     }
 
-    /// Factors branches side by side. The error is that of the first one that has any.
+    /// Factors branches in parallel. Returns the error of the first branch that has any.
     pub(super) fn eliminate_branches(
         mut self,
         branches: &[Branch],
@@ -92,8 +92,8 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Loads a panel, subtracts what the panels before it owe, and factors it, its rows side by side where a part of them
-    /// takes more products than `smallest_task`.
+    /// Loads a panel, subtracts the updates from the panels before it, and factors it. Processes
+    /// its rows in parallel if their products exceed `smallest_task`.
     pub(super) fn eliminate_panel(
         &mut self,
         index: usize,
@@ -109,7 +109,7 @@ impl<'a> Part<'a> {
             local_rows[row] = local as u32;
         }
         let local_rows = &*local_rows;
-        // Panels before this one lie before it in storage.
+        // Storage is in the order of panels: those before this one come first.
         let start = supernode.first_block - self.first_block;
         let (lower_before, lower) = self.lower.split_at_mut(start);
         let (upper_before, upper) = self.upper.split_at_mut(start);
@@ -146,7 +146,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Does the same work on at most so many rows at a time.
+/// Calls `work` in parallel on groups of at most `most` rows.
 fn side_by_side(rows: Rows, most: usize, work: &(impl Fn(Rows) + Sync)) {
     if rows.count() <= most {
         return work(rows);

@@ -1,4 +1,4 @@
-//! The order in which nodes are eliminated: the one that takes the fewest products of those tried.
+//! The order in which nodes are eliminated: of the orders tried, the one with the fewest products.
 
 use super::dissection::dissection_order;
 use super::elimination_tree::EliminationTree;
@@ -7,14 +7,16 @@ use super::supernodes::Supernodes;
 use crate::random::scrambled;
 use rayon::prelude::*;
 
-/// Products of blocks above which other orders than one by minimum degree are tried: those of some milliseconds.
+/// Number of block products, some milliseconds of work, above which other orders than one by
+/// minimum degree are tried.
 ///
-/// Minimum degree is quick to find and best for rods that touch here and there. In heaps its products vary by a third with the
-/// numbering of the nodes, which decides between equal degrees. For nets, all of whose crossings are tied to their
-/// neighbours, it takes up to seven times the products of nested dissection.
+/// Minimum degree is quick to compute and best for rods that touch at a few points. In heaps its
+/// number of products varies by a third with the numbering of the nodes, which decides between
+/// equal degrees. For nets with all crossings tied to their neighbours, it takes up to seven times
+/// the products of nested dissection.
 const MANY_PRODUCTS: usize = 1_000_000;
 
-/// Other numberings of the nodes that are tried.
+/// Number of other node numberings tried.
 const NUMBERINGS: u64 = 3;
 
 /// The elimination tree of the order chosen, and its supernodes.
@@ -40,7 +42,7 @@ pub(super) fn best_tree(graph: &NodeGraph) -> (EliminationTree, Supernodes) {
     best.expect("one is tried")
 }
 
-/// The order by minimum degree where nodes are numbered in some other way.
+/// The order by minimum degree for a pseudorandom numbering of the nodes.
 fn renumbered_order(graph: &NodeGraph, seed: u64) -> Vec<usize> {
     let mut nodes: Vec<u32> = (0..graph.nodes as u32).collect();
     nodes.sort_by_key(|node| scrambled(seed << 32 | u64::from(*node)));
@@ -52,11 +54,12 @@ fn renumbered_order(graph: &NodeGraph, seed: u64) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    /// A net whose rods share a node where they cross, with nodes coupled up to two apart along each.
+    /// A net whose rods share a node at each crossing. Nodes up to two apart along a rod are
+    /// coupled.
     fn net(rods: usize, between: usize) -> NodeGraph {
         let count = (rods - 1) * between + 1;
         let node = |rod: usize, place: usize| match (rod < rods, place % between) {
-            // The second family of rods has the nodes of the first where it crosses them.
+            // Where the second family of rods crosses the first, both have the same nodes.
             (false, 0) => (place / between * count + (rod - rods) * between) as u32,
             _ => (rod * count + place) as u32,
         };

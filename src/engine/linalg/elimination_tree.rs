@@ -1,14 +1,15 @@
-//! The elimination tree of a pattern, and an order of elimination in which its subtrees follow each other.
+//! The elimination tree of a pattern, and an elimination order in which the nodes of each subtree
+//! are consecutive.
 
 use super::node_graph::NodeGraph;
 
 /// No parent.
 pub(super) const ROOT: u32 = u32::MAX;
 
-/// An order of elimination with its tree: column k fills only columns on the way from k to its root.
+/// An elimination order with its tree: column k fills only columns on the path from k to its root.
 #[derive(Clone, Debug)]
 pub(super) struct EliminationTree {
-    /// Node eliminated as k-th; the columns of every subtree are consecutive, its root the last.
+    /// Node eliminated as k-th. The columns of each subtree are consecutive; its root comes last.
     pub(super) order: Vec<usize>,
     /// Place of each node in the order.
     pub(super) position: Vec<u32>,
@@ -63,7 +64,7 @@ fn inverse(order: &[usize]) -> Vec<u32> {
     position
 }
 
-/// Entries (row, column) below the diagonal, gathered by `key`: of each its `value`.
+/// Groups the entries (row, column) below the diagonal by `key` and returns the `value` of each.
 fn below_diagonal(
     graph: &NodeGraph,
     position: &[u32],
@@ -93,7 +94,8 @@ fn below_diagonal(
     (starts, values)
 }
 
-/// The tree from the columns left of the diagonal in each row (Liu 1990, algorithm 4.2: with compressed paths).
+/// The parent of each node, from the columns left of the diagonal in each row (Liu 1990, algorithm
+/// 4.2, with path compression).
 fn parents(starts: &[u32], columns: &[u32]) -> Vec<u32> {
     let nodes = starts.len() - 1;
     let mut parent = vec![ROOT; nodes];
@@ -113,7 +115,7 @@ fn parents(starts: &[u32], columns: &[u32]) -> Vec<u32> {
     parent
 }
 
-/// Every subtree in turn, its root last.
+/// The postorder: one subtree after the other, each with its root last.
 fn postorder(parent: &[u32]) -> Vec<usize> {
     let nodes = parent.len();
     let (mut first_child, mut sibling) = (vec![ROOT; nodes], vec![ROOT; nodes]);
@@ -140,7 +142,7 @@ fn postorder(parent: &[u32]) -> Vec<usize> {
     order
 }
 
-/// The leaf that is reached by first children.
+/// The leaf reached from `k` through first children.
 fn descend(mut k: usize, first_child: &[u32]) -> usize {
     while first_child[k] != ROOT {
         k = first_child[k] as usize;

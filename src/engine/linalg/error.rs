@@ -25,7 +25,7 @@ impl Inertia {
         largest_pivot: 0.0,
     };
 
-    /// The inertia of two matrices side by side.
+    /// The inertia of a block-diagonal matrix of two blocks.
     pub(super) fn and(self, other: Self) -> Self {
         Self {
             positive: self.positive + other.positive,
@@ -58,8 +58,8 @@ impl Inertia {
     unknown / 4
 )]
 pub struct SingularMatrix {
-    /// The unknown whose elimination failed.
+    /// The unknown at which elimination failed.
     pub unknown: usize,
-    /// The pivot met there, or what remained of the equation.
+    /// The pivot found there, or the residual of the equation.
     pub pivot: f64,
 }

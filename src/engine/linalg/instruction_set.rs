@@ -10,7 +10,7 @@ pub(crate) const LANES: usize = 8;
 /// One number per lane.
 pub(crate) type Lanes = [f64; LANES];
 
-/// An instruction set that this processor has; a value exists only where it was detected.
+/// An instruction set of this processor; a value exists only if the set was detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct InstructionSet(Kind);
 
@@ -28,7 +28,7 @@ pub(crate) enum Kind {
 }
 
 impl InstructionSet {
-    /// All sets that this processor has, the best one last.
+    /// All sets that this processor supports, the best one last.
     pub(crate) fn available() -> impl DoubleEndedIterator<Item = Self> {
         let kinds: &[Kind] = &[
             Kind::Portable,
@@ -44,15 +44,15 @@ impl InstructionSet {
             .map(Self)
     }
 
-    /// The best set that this processor has.
+    /// The best set that this processor supports.
     pub(crate) fn best() -> Self {
         Self::available()
             .next_back()
             .expect("the portable set is always there")
     }
 
-    /// The best set whose registers hold at most `lanes` numbers. Wider ones cost kernels over shorter
-    /// arrays more in shuffles than they save.
+    /// The best set whose registers hold at most `lanes` numbers. With wider registers, kernels
+    /// over shorter arrays lose more in shuffles than they gain.
     pub(crate) fn best_of_width(lanes: usize) -> Self {
         Self::available()
             .rfind(|set| set.0.register_width() <= lanes)
@@ -66,7 +66,7 @@ impl InstructionSet {
 }
 
 impl Kind {
-    /// Numbers that a register holds.
+    /// Numbers per register.
     fn register_width(self) -> usize {
         match self {
             Self::Portable => 2,

@@ -1,26 +1,26 @@
-//! Arrays of [`Lanes`] whose every entry fills one line of the cache: registers of 64 bytes load and store such entries at once,
-//! others by two halves.
+//! Arrays of [`Lanes`] aligned to cache lines: registers of 64 bytes load and store an aligned
+//! entry at once; an unaligned one takes two halves.
 
 use super::instruction_set::{LANES, Lanes};
 use std::ops::{Deref, DerefMut};
 
-/// Bytes of a line of the cache.
+/// Bytes of a cache line.
 const LINE: usize = 64;
 
-/// Entries that begin at lines of the cache.
+/// Entries that begin at cache lines.
 #[derive(Debug)]
 pub(crate) struct LaneVector {
     storage: Vec<f64>,
-    /// Place of the first number in the storage.
+    /// Index in the storage of the first number used.
     first: usize,
     length: usize,
 }
 
 impl LaneVector {
-    /// So many zeros in every lane.
+    /// A vector of `length` zeros in every lane.
     pub(crate) fn new(length: usize) -> Self {
         let storage = vec![0.0; LANES * (length + 1)];
-        // Where the place of the storage is unknown, its entries are right, and slower.
+        // If the alignment cannot be determined, results are the same, only slower.
         let first = storage.as_ptr().align_offset(LINE).min(LANES);
         Self {
             storage,

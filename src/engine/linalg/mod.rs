@@ -6,10 +6,11 @@
 //! rings couple distant nodes through small dense elements; [`CoupledSystem`] factors band and elements
 //! together.
 //!
-//! Neither factorisation allocates once it is set up, and every number is the result of the same operations in the same
-//! order on every machine, for any number of threads: the same matrix gives the same bytes. The band is factored in one
-//! thread, coupled systems in all threads of the pool.
-//! `instruction_set` compiles kernels, here and in the mechanics, for the registers of the machine at hand.
+//! Neither factorisation allocates once it is set up. Every number is the result of the same
+//! operations in the same order on every machine, for any number of threads: the same matrix gives
+//! the same bytes. The band is factored in one thread, coupled systems in all threads of the pool.
+//! `instruction_set` compiles kernels, here and in the mechanics, for the registers of the machine
+//! in use.
 
 mod banded;
 mod banded_lanes;

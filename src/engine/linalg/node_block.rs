@@ -1,5 +1,5 @@
-//! Dense 4×4 blocks, one per coupled pair of nodes, and the few operations on them that an elimination
-//! node by node is made of. Columns are contiguous, so that four rows run in the lanes of a register.
+//! Dense 4×4 blocks, one per coupled pair of nodes, and the few operations of a node-by-node
+//! elimination. Columns are contiguous, so that four rows run in the lanes of a register.
 
 /// Unknowns per node.
 pub(super) const NODE: usize = 4;
@@ -9,13 +9,13 @@ pub(super) const NODE: usize = 4;
 #[repr(C, align(32))]
 pub(super) struct Block(pub(super) [f64; NODE * NODE]);
 
-/// A matrix by the blocks of nodes and of their pairs.
+/// A matrix as the blocks of nodes and of pairs of nodes.
 pub(super) struct BlockMatrix<'a> {
     /// Diagonal blocks, node by node.
     pub(super) diagonal: &'a [Block],
     /// Blocks of the node graph's pairs below the diagonal.
     pub(super) lower: &'a [Block],
-    /// Those right of it, transposed; not read if the matrix is symmetric.
+    /// Blocks right of the diagonal, transposed; not read if the matrix is symmetric.
     pub(super) upper: &'a [Block],
 }
 
@@ -102,8 +102,8 @@ impl Block {
     }
 }
 
-/// Σⱼ Xⱼ Yⱼᵀ for several rows X of blocks and one row Y. The sums stay in registers: that is where the time of an
-/// elimination goes.
+/// Σⱼ Xⱼ Yⱼᵀ for several rows X of blocks and one row Y. An elimination spends most of its time
+/// here, so the sums stay in registers.
 #[inline(always)]
 pub(super) fn product<const ROWS: usize>(x: [&[Block]; ROWS], y: &[Block]) -> [Block; ROWS] {
     let x = x.map(|x| &x[..y.len()]);
@@ -138,8 +138,8 @@ impl DiagonalFactor {
         rows: [0; NODE],
     };
 
-    /// Factors a block by Gaussian elimination with partial pivoting. The error holds the row at which
-    /// no pivot was left, and that pivot.
+    /// Factors a block by Gaussian elimination with partial pivoting. The error holds the row in
+    /// which no pivot was found, and the pivot.
     #[inline(always)]
     pub(super) fn new(block: &Block) -> Result<Self, (usize, f64)> {
         let mut a = *block;

@@ -14,13 +14,13 @@ pub(super) struct NodeGraph {
     pub(super) nodes: usize,
     /// Pairs (p, q), p > q, sorted by q, then p.
     pairs: Vec<(u32, u32)>,
-    /// Start of the pairs of each q, and end of the last.
+    /// Start of the pairs of each q, and the end of the last.
     starts: Vec<u32>,
 }
 
 impl NodeGraph {
-    /// Neighbours up to two apart along the band and the nodes of each element, as far as they have a
-    /// free unknown in it. Unknowns of elements are those to which their rows and columns belong.
+    /// Couples neighbours up to two apart along the band, and the nodes of each element that have
+    /// a free unknown in it. Elements name the owners of shared unknowns.
     pub(super) fn new(elements: &[Element], band: &BandPattern) -> Self {
         let nodes = band.held.len().div_ceil(NODE);
         let couplings = band.couplings();
@@ -50,7 +50,7 @@ impl NodeGraph {
         Self::of_keys(nodes, keys)
     }
 
-    /// The graph of given pairs, in any order and however often.
+    /// The graph of the given pairs, in any order; pairs may repeat.
     pub(super) fn of_pairs(nodes: usize, pairs: &[(u32, u32)]) -> Self {
         let pairs = pairs.iter().filter(|(p, q)| p != q);
         let keys = pairs
@@ -82,14 +82,14 @@ impl NodeGraph {
         &self.pairs
     }
 
-    /// Place of a pair in [`Self::pairs`].
+    /// Index of a pair in [`Self::pairs`].
     pub(super) fn pair(&self, p: usize, q: usize) -> Option<usize> {
         let [first, end] = [q, q + 1].map(|q| self.starts[q] as usize);
         let place = self.pairs[first..end].binary_search_by_key(&(p as u32), |pair| pair.0);
         place.ok().map(|place| first + place)
     }
 
-    /// The same graph, its nodes numbered as they are listed.
+    /// The same graph with its nodes renumbered in the order of the list.
     pub(super) fn renumbered(&self, nodes: &[u32]) -> Self {
         let mut number = vec![0; self.nodes];
         for (own, &node) in (0..).zip(nodes) {
@@ -103,7 +103,8 @@ impl NodeGraph {
     /// The approximate minimum degree order (Amestoy, Davis & Duff 1996): entry k is the node to be
     /// eliminated as k-th.
     pub(super) fn minimum_degree_order(&self) -> Vec<usize> {
-        // The upper triangle by columns is the lower one by rows, so sort the pairs by p first; the diagonal closes each column.
+        // The upper triangle by columns is the lower triangle by rows, so sort the pairs by p
+        // first. The diagonal ends each column.
         let mut starts = vec![0; self.nodes + 1];
         for &(p, _) in &self.pairs {
             starts[p as usize + 1] += 1;
@@ -129,23 +130,27 @@ impl NodeGraph {
 /// Unknowns coupled by the band.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BandPattern {
-    /// The unknowns to which rows and columns belong: their own, except those that others own.
+    /// The owner of each unknown's row and column: a shared unknown has another owner, any other
+    /// unknown itself.
     pub(super) owners: Vec<usize>,
-    /// Unknowns that keep their place, those that others own among them.
+    /// Whether an unknown keeps its value; true for shared unknowns as well.
     pub(super) held: Vec<bool>,
-    /// First nodes of the parts that are not coupled with those before; none: all of it is one.
+    /// First nodes of the parts that are not coupled with those before; if empty, there is one
+    /// part.
     pub(super) chains: Vec<usize>,
 }
 
 impl BandPattern {
-    /// End of the nodes that the band may couple a node with, from itself on.
+    /// End of the range of nodes that the band may couple with this node; the range starts at the
+    /// node itself.
     pub(super) fn end_of_reach(&self, node: usize) -> usize {
         let next = self.chains.partition_point(|first| *first <= node);
         let end = self.chains.get(next).copied().unwrap_or(usize::MAX);
         end.min(node + 3).min(self.held.len() / NODE)
     }
 
-    /// Nodes whose free unknowns rows and columns of each node belong to: itself, where it has free ones, and others.
+    /// For each node, the nodes whose free unknowns own its rows and columns: itself, if it has
+    /// free unknowns, and the owners of its shared ones.
     fn couplings(&self) -> Vec<Vec<usize>> {
         let of_node = |(node, owners): (usize, &[usize])| {
             let unknowns = NODE * node..NODE * (node + 1);
@@ -162,7 +167,7 @@ impl BandPattern {
     }
 }
 
-/// Sorts by the smaller node first.
+/// Sort key with the smaller node first.
 fn pair_key(p: usize, q: usize) -> u64 {
     ((p.min(q) as u64) << 32) | p.max(q) as u64
 }

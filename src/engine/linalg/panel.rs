@@ -1,4 +1,5 @@
-//! Arithmetic on the rows of a panel, the blocks of a supernode: all that an elimination spends its time with.
+//! Arithmetic on the rows of a panel, the blocks of a supernode; an elimination spends all its
+//! time here.
 
 use super::error::{Inertia, SingularMatrix};
 use super::node_block::{Block, BlockMatrix, DiagonalFactor, NODE, product, symmetric_pivots};
@@ -6,9 +7,9 @@ use super::supernodes::Supernodes;
 use super::symbolic::{Entry, Update};
 use std::ops::Range;
 
-/// Rows of a panel that follow each other.
+/// Consecutive rows of a panel.
 pub(super) struct Rows<'a> {
-    /// Blocks of 𝓛, row by row, and those of 𝓤, transposed.
+    /// Blocks of 𝓛, row by row; `upper` holds those of 𝓤, transposed.
     pub(super) lower: &'a mut [Block],
     pub(super) upper: &'a mut [Block],
     /// Columns of the panel.
@@ -20,7 +21,7 @@ pub(super) struct Rows<'a> {
 /// The panels before one.
 pub(super) struct Earlier<'a> {
     pub(super) supernodes: &'a Supernodes,
-    /// The first block of the first of them.
+    /// First block of the earliest of these panels.
     pub(super) first_block: usize,
     pub(super) lower: &'a [Block],
     pub(super) upper: &'a [Block],
@@ -31,7 +32,7 @@ struct Source<'a> {
     own: &'a [Block],
     other: &'a [Block],
     width: usize,
-    /// Row of the panel at work that each row is.
+    /// Row of the matrix for each row of the source.
     rows: &'a [u32],
     local_rows: &'a [u32],
 }
@@ -53,7 +54,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// The first `count` rows and the others.
+    /// Splits the rows into the first `count` and the others.
     #[inline(always)]
     pub(super) fn split(self, count: usize) -> (Self, Self) {
         let (lower, lower_after) = self.lower.split_at_mut(count * self.width);
@@ -72,7 +73,7 @@ impl<'a> Rows<'a> {
         (before, after)
     }
 
-    /// Sets all rows of the panel of some nodes to those of a matrix.
+    /// Loads the matrix entries of all rows of the panel.
     #[inline(always)]
     pub(super) fn load(
         &mut self,
@@ -104,7 +105,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Subtracts what the panels before this one owe: L_r U_cᵀ of every one with a row c among its columns.
+    /// Subtracts the updates from earlier panels: L_r U_cᵀ of every panel with a row c among the
+    /// columns of this one.
     #[inline(always)]
     pub(super) fn update(
         &mut self,
@@ -140,7 +142,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Eliminates the columns of the panel from each other in its first rows, those of the columns themselves.
+    /// Eliminates the columns of the panel from each other in its first rows, which are the rows
+    /// of these columns.
     #[inline(always)]
     pub(super) fn factor_square(
         &mut self,
@@ -158,8 +161,9 @@ impl<'a> Rows<'a> {
             let pivot = &mut self.lower[column * width + column];
             let unknown = NODE * nodes[column];
             if symmetric {
-                // Rounding makes the two triangles differ, while the blocks beside this one are held once only. Left in,
-                // the difference E would pass on to later pivots as L E Lᵀ, which grows from node to node of a chain.
+                // Rounding makes the two triangles differ, while the blocks beside this one are
+                // held once only. If not removed, the difference E would propagate to later pivots
+                // as L E Lᵀ, which grows from node to node of a chain.
                 pivot.mirror_lower_triangle();
                 for (row, &pivot) in symmetric_pivots(pivot).iter().enumerate() {
                     inertia.count(pivot, unknown + row)?;
@@ -181,7 +185,8 @@ impl<'a> Rows<'a> {
         Ok(())
     }
 
-    /// Eliminates the columns of the panel, whose first rows are `square`, from rows below them.
+    /// Eliminates the columns of the panel from the rows below them; `square` holds the first
+    /// rows.
     #[inline(always)]
     pub(super) fn divide(&mut self, square: &Rows, diagonal: &[DiagonalFactor], symmetric: bool) {
         let width = self.width;
@@ -204,7 +209,7 @@ impl<'a> Rows<'a> {
 }
 
 impl Source<'_> {
-    /// The rows from the first of the update on that lie between two rows of the panel at work.
+    /// The rows, from the first of the update on, that are between two rows of the current panel.
     #[inline(always)]
     fn rows_between(&self, update: &Update, first: usize, end: usize) -> Range<usize> {
         let from_update = &self.rows[update.rows.start..];
@@ -221,8 +226,9 @@ impl Source<'_> {
         start..before(end)
     }
 
-    /// Subtracts X_r Y_cᵀ from the blocks (r, c) of rows of a panel of `width` columns, the first of them `first`, for the
-    /// columns c of an update and rows from c on, without c itself where `skip` is 1.
+    /// Subtracts X_r Y_cᵀ from blocks (r, c) of a panel of `width` columns whose first row is
+    /// `first`. c runs over the columns of the update, r over the rows from c on, or after c if
+    /// `skip` is 1.
     #[inline(always)]
     fn subtract_from(
         &self,
@@ -257,7 +263,8 @@ impl Source<'_> {
     }
 }
 
-/// Subtracts from the blocks of a column of a panel, from row `first` on, X_r Y_cᵀ over the columns before it.
+/// Subtracts X_r Y_cᵀ, summed over the columns before `column`, from the blocks of `column`, from
+/// row `first` on.
 #[inline(always)]
 fn subtract_columns_before(
     own: &mut [Block],
@@ -271,7 +278,7 @@ fn subtract_columns_before(
     }
 }
 
-/// The same for one row or two.
+/// Subtracts the columns before `column` from one row or two rows.
 #[inline(always)]
 fn subtract_columns_before_in_two(
     rows: &mut [Block],

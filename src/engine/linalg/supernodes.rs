@@ -3,21 +3,23 @@
 use super::elimination_tree::{EliminationTree, ROOT};
 use std::ops::Range;
 
-/// Most columns of a supernode: two rows of its blocks stay in the fastest cache, and little is left to one thread.
+/// Most columns of a supernode: two rows of its blocks stay in the fastest cache, and little work
+/// is left to a single thread.
 const WIDEST: usize = 16;
 
-/// Part of a panel that may be zeros for the sake of one panel in place of two, by its number of columns: narrow
-/// panels cost more in bookkeeping than in arithmetic.
+/// Share of zeros allowed in a panel merged from two, by its number of columns: narrow panels cost
+/// more in bookkeeping than in arithmetic.
 const ZEROS: [(usize, f64); 3] = [(2, 0.2), (6, 0.08), (WIDEST, 0.02)];
 
-/// Columns next to each other and the rows that they fill.
+/// Consecutive columns and the rows that they fill.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Supernode {
     /// Its columns.
     pub(super) columns: Range<usize>,
-    /// The rows below its last column, among those of all supernodes.
+    /// The rows below its last column, as a range of the rows of all supernodes.
     pub(super) rows: Range<usize>,
-    /// Its first block; the blocks of a row follow each other, those of its own columns' rows first.
+    /// Its first block. The blocks of a row are consecutive; the rows of its own columns come
+    /// first.
     pub(super) first_block: usize,
 }
 
@@ -28,13 +30,13 @@ impl Supernode {
         self.columns.len()
     }
 
-    /// Number of rows, those of its columns first.
+    /// Number of rows; those of its columns come first.
     #[inline(always)]
     pub(super) fn height(&self) -> usize {
         self.columns.len() + self.rows.len()
     }
 
-    /// Products of blocks among its own columns, where the matrix is symmetric.
+    /// Number of block products among its own columns if the matrix is symmetric.
     pub(super) fn products(&self) -> usize {
         let (width, below) = (self.width(), self.rows.len());
         width * (width * width / 6 + width * below / 2 + width + below)
@@ -52,7 +54,7 @@ impl Supernode {
 pub(super) struct Supernodes {
     /// Children before parents; every subtree of the elimination tree is consecutive.
     pub(super) list: Vec<Supernode>,
-    /// Rows below each, ascending, in the order of elimination.
+    /// Rows below each supernode, ascending, in the order of elimination.
     pub(super) rows: Vec<u32>,
     /// The supernode of each column.
     pub(super) of_column: Vec<u32>,
@@ -73,7 +75,7 @@ impl Supernodes {
         }
     }
 
-    /// The supernode that holds the first row below each.
+    /// The supernode that holds the first row below each supernode.
     pub(super) fn parents(&self) -> Vec<Option<usize>> {
         let parent = |supernode: &Supernode| {
             let first = self.rows[supernode.rows.clone()].first()?;
@@ -99,7 +101,7 @@ impl Supernodes {
         )
     }
 
-    /// Products of blocks that the elimination takes where the matrix is symmetric.
+    /// Number of block products of the elimination if the matrix is symmetric.
     pub(super) fn products(&self) -> usize {
         let of_panel = |supernode: &Supernode| {
             let below = supernode.rows.len()..supernode.height();
@@ -114,23 +116,23 @@ impl Supernodes {
     }
 }
 
-/// A supernode in the making; its rows may be shared with another one, which it has been merged with.
+/// A supernode under construction. It may share its rows with another one that it was merged with.
 #[derive(Clone)]
 struct Growing {
     columns: Range<usize>,
     rows: Range<usize>,
-    /// Blocks that are not zero, those on the diagonal and below.
+    /// Number of nonzero blocks on the diagonal and below.
     filled: usize,
 }
 
 impl Growing {
-    /// Blocks on the diagonal and below.
+    /// Number of blocks on the diagonal and below.
     fn blocks(&self) -> usize {
         let width = self.columns.len();
         width * (width + 1) / 2 + width * self.rows.len()
     }
 
-    /// Whether its first row below is among the columns of `parent`, which are the next.
+    /// Whether `parent` has the next columns and contains the first row below this supernode.
     fn is_child_of(&self, parent: &Self, rows: &[u32]) -> bool {
         let first = rows[self.rows.clone()].first();
         self.columns.end == parent.columns.start
@@ -154,14 +156,14 @@ impl Growing {
     }
 }
 
-/// Columns are taken together as long as each fills what the one before it fills, which is a child of it with one row more.
-/// The pattern of a column is that of the matrix and those of its children (George & Liu 1981, ch. 5).
+/// Joins consecutive columns while each is a child of the next and fills just one row more. The
+/// pattern of a column is that of the matrix and of the children (George & Liu 1981, ch. 5).
 fn fundamental(tree: &EliminationTree) -> (Vec<Growing>, Vec<u32>) {
     let columns = tree.parent.len();
     let mut supernodes: Vec<Growing> = Vec::new();
     let mut rows: Vec<u32> = Vec::new();
     let mut seen_by = vec![ROOT; columns];
-    // Supernodes below each column that have it as first row, by a list through them.
+    // Linked lists of the supernodes whose first row below is each column.
     let (mut first_child, mut sibling) = (vec![ROOT; columns], Vec::new());
     for k in 0..columns {
         let start = rows.len();
@@ -187,7 +189,7 @@ fn fundamental(tree: &EliminationTree) -> (Vec<Growing>, Vec<u32>) {
             is_child && before.rows.len() == count + 1 && before.columns.len() < WIDEST
         });
         let own = if let Some(before) = extended {
-            // The same rows except k, the first of them.
+            // The rows of the extended supernode, without its first row k.
             rows.truncate(start);
             before.columns.end = k + 1;
             before.rows.start += 1;
@@ -212,7 +214,7 @@ fn fundamental(tree: &EliminationTree) -> (Vec<Growing>, Vec<u32>) {
     (supernodes, rows)
 }
 
-/// Merges supernodes with the last of their children as long as few zeros are stored for it.
+/// Merges supernodes with the last of their children while the panel stores few zeros.
 fn merged(fundamental: Vec<Growing>, rows: &[u32]) -> (Vec<Supernode>, Vec<u32>) {
     let mut stack: Vec<Growing> = Vec::with_capacity(fundamental.len());
     for mut supernode in fundamental {

@@ -1,6 +1,5 @@
-//! Symbolic factorisation: fill of the matrix in a given order of elimination (George & Liu 1981, ch. 5;
-//! Davis 2006, ch. 4), and what depends
-//! on what in it.
+//! Symbolic factorisation: the fill of the matrix in a given elimination order (George & Liu 1981,
+//! ch. 5; Davis 2006, ch. 4), and the dependencies within it.
 
 use super::branches::{Branch, branches};
 use super::elimination_order::best_tree;
@@ -18,11 +17,11 @@ pub(super) struct SymbolicFactor {
     /// Updates of supernode s by the supernodes before it: `updates[update_starts[s]..update_starts[s + 1]]`.
     update_starts: Vec<usize>,
     updates: Vec<Update>,
-    /// Products of blocks that each supernode takes where the matrix is symmetric.
+    /// Number of block products of each supernode if the matrix is symmetric.
     pub(super) products: Vec<usize>,
-    /// Supernodes that are independent of those of other branches.
+    /// Branches: supernodes that are independent of those of other branches.
     pub(super) branches: Vec<Branch>,
-    /// The other supernodes, children before parents.
+    /// Trunk: the other supernodes, children before parents.
     pub(super) trunk: Vec<usize>,
     /// Pairs of the node graph by the supernodes that hold them: those of s are `entries[entry_starts[s]..entry_starts[s + 1]]`.
     entry_starts: Vec<usize>,
@@ -56,7 +55,7 @@ impl SymbolicFactor {
         Self::of_tree(graph, tree, supernodes)
     }
 
-    /// The pattern where nodes are eliminated in the order of a tree, which has these supernodes.
+    /// The pattern for nodes eliminated in the order of a tree with these supernodes.
     fn of_tree(graph: &NodeGraph, tree: EliminationTree, supernodes: Supernodes) -> Self {
         let (update_starts, updates) = updates(&supernodes);
         let products: Vec<usize> = (supernodes.list.iter().zip(update_starts.windows(2)))
@@ -95,7 +94,7 @@ impl SymbolicFactor {
 }
 
 impl Update {
-    /// Products of blocks, rows from each column on.
+    /// Number of block products. Each column of the update takes the rows from itself on.
     fn products(&self, source: &Supernode) -> usize {
         let (columns, below) = (self.rows.len(), source.rows.len() - self.rows.start);
         source.width() * columns * (2 * below - columns + 1) / 2
@@ -142,7 +141,7 @@ fn entries(
     gathered(supernodes.list.len(), entries)
 }
 
-/// Values gathered by supernodes, in their order: where those of each begin, and the values.
+/// Groups values by supernode, in order: the start of each group, and the values.
 fn gathered<T>(supernodes: usize, mut values: Vec<(usize, T)>) -> (Vec<usize>, Vec<T>) {
     let mut starts = vec![0; supernodes + 1];
     values
@@ -161,7 +160,7 @@ mod tests {
     use crate::linalg::dissection::dissection_order;
     use proptest::prelude::*;
 
-    /// Graphs of so many nodes with some of all pairs.
+    /// Random graphs of 1 to 39 nodes.
     fn graphs() -> impl Strategy<Value = NodeGraph> {
         (1..40usize).prop_flat_map(|nodes| {
             let pair = (0..nodes as u32, 0..nodes as u32);
@@ -170,7 +169,7 @@ mod tests {
         })
     }
 
-    /// The rows below the diagonal in each column, as Gaussian elimination fills them.
+    /// The rows below the diagonal that Gaussian elimination fills in each column.
     fn filled(graph: &NodeGraph, order: &[usize]) -> Vec<Vec<bool>> {
         let nodes = graph.nodes;
         let mut position = vec![0; nodes];

@@ -19,7 +19,7 @@ impl Numbers {
     }
 }
 
-/// A system and the same as a dense matrix.
+/// A coupled system and the same system as a dense matrix.
 struct Example {
     system: CoupledSystem,
     dense: DMatrix<f64>,
@@ -156,8 +156,9 @@ fn inertia_counts_the_eigenvalues() {
     }
 }
 
-/// Second differences have stiff and soft directions that turn from node to node. The fourth unknown of
-/// a node takes no part in those of the node before it, which keeps them in the band.
+/// Second differences have stiff and soft directions that rotate from node to node. The second
+/// differences of each node leave out the fourth unknown of the second next node, which keeps them
+/// in the band.
 #[test]
 fn a_stiff_ring_on_weak_springs_is_positive() {
     let (nodes, spring) = (120, 1e-3);
@@ -165,7 +166,7 @@ fn a_stiff_ring_on_weak_springs_is_positive() {
     let mut band = BandedSymmetric::new(dimension);
     let mut dense = DMatrix::from_diagonal_element(dimension, dimension, spring);
     (0..dimension).for_each(|k| band.add(k, k, spring));
-    // Three directions of each node, so that an element holds a whole vertex.
+    // Three unknowns of each node, so that an element holds a whole vertex.
     let elements: Vec<Element> = [nodes - 2, nodes - 1]
         .map(|k| {
             std::array::from_fn(|place| {
@@ -221,7 +222,8 @@ fn a_stiff_ring_on_weak_springs_is_positive() {
     assert!(error < 1e-5, "{error:e}");
 }
 
-/// An unknown that is another one: the system is that of the dense matrix Pᵀ A P, with P from own to all unknowns.
+/// A shared unknown equals its owner: the system is that of the dense matrix Pᵀ A P, where P maps
+/// own unknowns to all unknowns.
 #[test]
 fn shared_unknowns_are_solved_as_one() {
     for symmetric in [true, false] {
@@ -232,7 +234,8 @@ fn shared_unknowns_are_solved_as_one() {
         for i in [0, 1, 2, 3, 4, 5, 6, 21, dimension - 1] {
             held[i] = true;
         }
-        // Two positions far from each other, two neighbours' neighbours, and one shared with a held node.
+        // Two positions shared with distant nodes, one with the second next node, and one with a
+        // held node.
         let shared: Vec<SharedUnknown> = [(60, 20), (84, 20), (100, 92), (112, 4)]
             .into_iter()
             .flat_map(|(unknown, owner)| {
@@ -316,7 +319,7 @@ fn held_unknowns_keep_their_right_hand_side() {
 
 #[test]
 fn chains_that_nothing_couples_fill_nothing_between_them() {
-    // Forty rods of ten nodes, each with a zero between it and the next.
+    // Forty rods of ten nodes; entries between consecutive rods are zero.
     let (rods, nodes) = (40, 10);
     let dimension = NODE * rods * nodes;
     let mut band = BandedSymmetric::new(dimension);
