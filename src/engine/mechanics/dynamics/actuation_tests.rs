@@ -1,4 +1,4 @@
-//! Rods that bend, twist and lengthen by themselves.
+//! Rods with prescribed changes of curvature, twist and length.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -44,7 +44,7 @@ fn scene(actuations: Vec<Actuation>) -> Scene {
     }
 }
 
-/// At rest with the natural strains that the actuations end with.
+/// Finds the equilibrium with the final natural strains of the actuations.
 fn settled(mut scene: Scene) -> Simulation {
     for actuation in &mut scene.actuations {
         if let Course::Uniform(values) = &mut actuation.course {
@@ -87,7 +87,7 @@ fn actuations_add_up_and_to_the_natural_shape() {
 #[test]
 fn a_part_bends_and_the_rest_goes_straight_on() {
     let mut part = actuation(ActuatedStrain::SecondCurvature, 8.0);
-    // From a place inside of an edge on, so that a vertex gets a part.
+    // Starts inside an edge, so that the vertex there is actuated in part.
     part.part = [0.1042, 0.2];
     let simulation = settled(scene(vec![part]));
     let positions = simulation.positions();
@@ -102,7 +102,8 @@ fn a_part_bends_and_the_rest_goes_straight_on() {
 
 #[test]
 fn a_rod_that_lengthens_keeps_curvature_and_stiffness_per_length() {
-    // Clamped, curved by nature and half as long again: the arc of the same curvature, and a rod of that length under load.
+    // Clamped, naturally curved and lengthened by half: without load an arc of the same curvature;
+    // under load a rod of the new length.
     let lengthen = actuation(ActuatedStrain::Length, 0.5);
     let mut bent = scene(vec![lengthen.clone()]);
     bent.rods[0].natural_shape = curved([0.0, 3.0], 0.0);
@@ -143,7 +144,7 @@ fn every_scheme_follows_a_wave_and_a_checkpoint_is_exact() {
         assert_eq!(again.positions(), whole.positions());
         let largest = whole.positions().iter().map(|x| x.y.abs());
         assert!(largest.fold(0.0, f64::max) > 1e-3);
-        // A node that is grasped and let go leaves the wave where it is.
+        // A node that is grasped and released does not change the wave.
         whole
             .grasp(
                 15,
@@ -192,7 +193,7 @@ fn a_path_of_equilibria_takes_its_parameter_for_the_time() {
     let mut points = 0;
     while simulation.next_point(&mut tracer).unwrap().is_some() {
         points += 1;
-        // Nothing loads the rod, so that it has no stress anywhere.
+        // Without load the rod has no stress anywhere.
         assert!(simulation.energies().elastic() < 1e-12);
     }
     assert!(points > 4 && simulation.time() == 0.5);

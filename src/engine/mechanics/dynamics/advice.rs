@@ -21,7 +21,7 @@ pub(super) struct Means {
 }
 
 impl Means {
-    /// Collects them from a scene; `fluid`: whether a fluid contains rods.
+    /// Collects the properties from a scene. `fluid`: whether a fluid contains rods.
     pub(crate) fn of(system: &System, parameters: &IntegrationParameters, fluid: bool) -> Self {
         let contact = system.contact();
         Self {
@@ -33,7 +33,7 @@ impl Means {
         }
     }
 
-    /// Whether contact forces follow from gaps, within tolerances.
+    /// Whether contact forces are functions of the gaps, within tolerances.
     fn has_soft_contact(&self) -> bool {
         matches!(
             self.contact,
@@ -41,7 +41,7 @@ impl Means {
         )
     }
 
-    /// Completes a sentence about the steps that are needed with how to choose them.
+    /// Completes a sentence about the steps that are needed with advice on how to choose them.
     fn steps(&self, needed: &str) -> String {
         if self.fixed {
             format!("{needed}; use time.step = \"auto\" to choose them")
@@ -52,7 +52,8 @@ impl Means {
 }
 
 impl Failure {
-    /// Advice for a scene with these properties where steps fail repeatedly in this way; empty where there is none.
+    /// Advice for scenes with these properties in which steps fail repeatedly with this failure;
+    /// empty if there is none.
     pub(crate) fn advice(&self, means: &Means) -> String {
         let mut choices = Vec::new();
         match self {
@@ -128,7 +129,7 @@ mod tests {
     use crate::mechanics::test_support::fixed;
     use crate::mechanics::{Overlap, Vector3};
 
-    /// A failure of every kind that can happen in a scene with such means.
+    /// A failure of every kind that can occur in a scene with these properties.
     fn failures(means: &Means) -> Vec<Failure> {
         let iterations = 40;
         let mut all = vec![

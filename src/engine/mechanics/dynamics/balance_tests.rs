@@ -1,4 +1,5 @@
-//! Forces count as balanced rod by rod, at every scale of stiffness, length, density and gravity.
+//! The criterion for balanced forces holds for each rod separately, at every scale of stiffness,
+//! length, density and gravity.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -52,7 +53,7 @@ impl Round {
         )
     }
 
-    /// The rod alone, falling or, with `held`, clamped at its start.
+    /// A scene of the rod alone: falling, or with `held` clamped at its start.
     fn scene(&self, held: bool, acceleration: f64) -> Scene {
         Scene {
             rods: vec![self.described(Vector3::zeros())],
@@ -62,7 +63,8 @@ impl Round {
         }
     }
 
-    /// Drop of the tip of the clamped rod under its own weight, m, of a rod that neither stretches nor shears.
+    /// Deflection of the tip of the clamped rod under its own weight, m, for a rod that neither
+    /// stretches nor shears.
     fn sag(&self, acceleration: f64) -> f64 {
         let weight = self.mass_per_length() * acceleration;
         let ratio = weight * self.length.powi(3) / self.bending();
@@ -78,7 +80,8 @@ fn static_drop(scene: &Scene) -> f64 {
     -simulation.positions().last().unwrap().z
 }
 
-/// Largest relative error of the drop of all nodes of a falling rod, by the sum that implicit Euler makes of it.
+/// Largest relative error of the drop over all nodes of a falling rod, compared with the exact sum
+/// of implicit Euler.
 fn error_of_fall(rod: &Round, acceleration: f64, step: f64) -> f64 {
     let mut simulation = Simulation::new(&rod.scene(false, acceleration), &fixed(step)).unwrap();
     let steps = 10.0;
@@ -170,7 +173,7 @@ fn weight_acts_over_six_decades_of_stiffness_length_density_and_gravity() {
         };
         let acceleration = decades(1e-3);
         let weight = rod.mass_per_length() * acceleration;
-        // Softer ones hang down and stretch, which the theory does not include.
+        // Softer rods hang down and stretch, which the theory does not include.
         if weight * length.powi(3) / rod.bending() > 20.0 {
             continue;
         }
@@ -191,18 +194,20 @@ fn weight_acts_over_six_decades_of_stiffness_length_density_and_gravity() {
             *worst = worst.max(error.abs());
         }
     }
-    // Round-off; the error of 20 edges; what is left of the oscillation.
+    // In this order: round-off; the error of 20 edges; the remaining oscillation.
     assert!(
         worst[0] < 1e-6 && worst[1] < 5e-3 && worst[2] < 1e-6,
         "{worst:?}"
     );
 }
 
-/// Found in a random scene: one correction leaves a residual of a millionth of EI/L², which the forces that turn a slow, stiff
-/// rod do not reach. It gained 7 % of its energy in sixty steps in which it lost 10 %.
+/// Found in a random scene: one correction leaves a residual of a millionth of EI/L², which is
+/// more than the forces that turn a slow, stiff rod. The rod gained 7 % of its energy in sixty
+/// steps in which it should have lost 10 %.
 #[test]
 fn a_stiff_rod_that_turns_slowly_loses_as_much_energy_as_a_fast_one() {
-    // What implicit Euler takes of a rigid rod depends on nothing but the angle by which it turns within a step.
+    // The energy that a rigid rod loses with implicit Euler depends only on the angle of rotation
+    // per step.
     let angle = 0.03;
     let rod = Round {
         youngs_modulus: 7.7e8,

@@ -1,4 +1,4 @@
-//! Balls that rods carry, at rest on what they touch.
+//! Balls on rods, at rest on planes and bodies.
 
 use super::*;
 use crate::mechanics::contact::ContactModel;
@@ -21,7 +21,8 @@ fn rod(name: &str, middle: Vector3, along: Vector3) -> RodDescription {
     RodDescription::uniform(name, nodes, stiffness, THIN, 1e-3)
 }
 
-/// A ball whose middle is at a height above the origin, on a short rod that it hides; it falls slowly.
+/// A ball whose centre is at a height above the origin. It encloses its short rod and falls
+/// slowly.
 fn falling(height: f64, model: ContactModel) -> Scene {
     let (y, z) = (Vector3::y(), Vector3::z());
     let load = |kind: LoadKind| steady(kind);
@@ -43,7 +44,7 @@ fn falling(height: f64, model: ContactModel) -> Scene {
     }
 }
 
-/// Where the middle of the ball comes to rest, m, and the simulation.
+/// Position of the ball's centre once it has come to rest, m, and the simulation.
 fn rest(scene: &Scene) -> (Vector3, Simulation) {
     let simulation = run(scene, Scheme::ImplicitEuler, 1e-3, 0.3);
     (simulation.positions()[1], simulation)
@@ -68,7 +69,7 @@ fn a_ball_rests_on_a_plane_at_its_radius() {
 fn a_ball_rests_on_a_sphere_and_on_a_box_at_its_radius() {
     let top = Vector3::z() * -0.05;
     let upright = UnitQuaternion::identity();
-    // Away from where the triangles of the face meet.
+    // The contact point is away from the edges between the triangles of the face.
     let centre = top + Vector3::new(0.007, -0.004, 0.0);
     let bodies = [
         RigidBody::sphere(top, 0.05),

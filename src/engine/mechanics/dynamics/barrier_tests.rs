@@ -1,5 +1,5 @@
-//! Incremental potential contact in motion: nothing ever crosses, and the rest is as with the implicit
-//! contact model.
+//! Incremental potential contact in motion: nothing ever crosses, and other results agree with the
+//! implicit contact model.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -39,7 +39,8 @@ pub(super) fn rod(name: &str, middle: Vector3, direction: Vector3) -> RodDescrip
 
 /// A rod clamped at both ends, and another across it, `gap` above.
 pub(super) fn crossing(model: ContactModel, gap: f64, friction: f64) -> Scene {
-    // Not through nodes or at right angles, so that the contact is between two edges.
+    // The rods cross neither at nodes nor at right angles, so that the contact is between two
+    // edges.
     let across = Vector3::new(0.3, 1.0, 0.0).normalize();
     let middle = Vector3::new(0.006, 0.004, DIAMETER + gap);
     Scene {
@@ -55,7 +56,7 @@ pub(super) fn crossing(model: ContactModel, gap: f64, friction: f64) -> Scene {
 
 #[test]
 fn a_rod_shot_at_another_never_passes_through() {
-    // At 20 m/s the unhindered way of a step of 2 ms is four diameters.
+    // At 20 m/s a free rod moves four diameters within a step of 2 ms.
     for (step, speed) in [(1e-4, 20.0), (2e-3, 20.0), (1e-2, 5.0)] {
         let mut scene = crossing(BARRIER, 0.01, 0.0);
         scene.rods[1].velocity = Vector3::z() * -speed;
@@ -101,7 +102,7 @@ fn barrier_and_penalty_agree_on_pressed_rods() {
         let difference = (of_barrier - of_penalty).norm() / of_penalty.norm();
         println!("friction {friction}: {apart:.2e} m, forces {difference:.1e} of {of_penalty:?}");
         assert!(apart < TOLERANCE);
-        // The gaps may differ by the tolerance, of 3 mm by which the rods are bent.
+        // The gaps may differ by the tolerance; the rods are bent by 3 mm.
         assert!(difference < TOLERANCE / 3e-3);
     }
 }
@@ -125,7 +126,7 @@ fn contacts_continue_bit_for_bit() {
     }
 }
 
-/// Eight rods above each other, each across the one below, that fall on a plane.
+/// Eight stacked rods, each across the one below, that fall on a plane.
 fn heap(model: ContactModel) -> Scene {
     let rods = (0..8).map(|k| {
         let (angle, height) = (2.4 * f64::from(k), (1.5 * f64::from(k) + 1.0) * DIAMETER);
@@ -142,7 +143,8 @@ fn heap(model: ContactModel) -> Scene {
     }
 }
 
-/// Contacts that have opened keep their place in the factors, which round as they did where all that is remembered.
+/// Contacts that have opened keep their place in the factors. Rounding is the same after a restart
+/// only if the checkpoint holds these places.
 #[test]
 fn heaps_continue_bit_for_bit_while_contacts_open_and_close() {
     let scene = heap(PENALTY);

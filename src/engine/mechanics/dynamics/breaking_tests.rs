@@ -18,13 +18,15 @@ fn nodes() -> [RodNode; 2] {
     [at(0, 4), at(1, 0)]
 }
 
-/// Angular frequency of two such rods that a spring ties, rad/s, and the largest force on it when they part at [`SPEED`], N.
+/// Angular frequency of two such rods joined by a spring, rad/s, and the largest spring force when
+/// they separate at [`SPEED`], N.
 fn swing() -> (f64, f64) {
     let frequency = (2.0 * STIFFNESS / MASS).sqrt();
     (frequency, STIFFNESS * SPEED / frequency)
 }
 
-/// Two rods in a line that part, the spring between them half as strong as the force that would stop them.
+/// Two collinear rods that move apart. The spring between them is half as strong as the force that
+/// would stop them.
 fn parting() -> Scene {
     let x = Vector3::x();
     let mut rods = vec![rod("left", -0.15 * x, x), rod("right", 0.05 * x, x)];
@@ -40,7 +42,7 @@ fn parting() -> Scene {
     }
 }
 
-/// A rod that hangs from a held one by a ball joint, pulled down by a force that grows by 1 N/s.
+/// A rod that hangs from a held one by a ball joint. A force that grows by 1 N/s pulls it down.
 fn hanging() -> Scene {
     let (x, z) = (Vector3::x(), Vector3::z());
     let mut beam = rod("beam", -0.1 * x, x);
@@ -59,7 +61,7 @@ fn hanging() -> Scene {
     }
 }
 
-/// The same with a beam that a clamp holds and a joint of another kind.
+/// The same rod with a clamped beam and a joint of another kind.
 fn hanging_by(kind: JointKind) -> Scene {
     let mut scene = hanging();
     scene.rods[0].held = false;
@@ -69,7 +71,7 @@ fn hanging_by(kind: JointKind) -> Scene {
     scene
 }
 
-/// A clamped rod of two pieces, whose end is pushed aside by a force that grows by 1 N/s.
+/// A clamped rod of two pieces. A force that grows by 1 N/s pushes its end sideways.
 fn pushed_aside(kind: JointKind, moment: f64) -> Scene {
     let (x, z) = (Vector3::x(), Vector3::z());
     let mut rods = vec![rod("root", -0.1 * x, x), rod("arm", Vector3::zeros(), x)];
@@ -90,11 +92,13 @@ fn pushed_aside(kind: JointKind, moment: f64) -> Scene {
     }
 }
 
-/// Rate at which the arm of [`flail`] turns, rad/s, and when it is pushed off its hinge, s.
+/// Rotation rate of the arm of [`flail`], rad/s, and the time at which it is pushed off its hinge,
+/// s.
 const SPIN: f64 = 40.0;
 const PUSHED: f64 = 0.2;
 
-/// An arm with a body, which turns on a hinge at the end of a post until it is pushed off along the axis.
+/// An arm with a body that turns on a hinge at the end of a post until a force along the axis
+/// pushes it off.
 fn flail() -> Scene {
     let (x, z) = (Vector3::x(), Vector3::z());
     let mut rods = vec![rod("post", -0.1 * z, z), rod("arm", Vector3::zeros(), x)];
@@ -112,12 +116,13 @@ fn flail() -> Scene {
             name: "hinge".into(),
             nodes: nodes(),
             kind: hinge(z),
-            // Twice as much acts at first, as the arm swings in its length.
+            // At first twice the centripetal force acts, because the arm oscillates along its
+            // length.
             strength: Strength::of_force(3.0 * centripetal),
         }],
         bodies: vec![body("hub", nodes()[1], MASS, Some([2e-6, 3e-6, 4e-6]))],
         loads: vec![Load {
-            // On arm and body alike: it turns nothing that is free.
+            // The force acts on arm and body alike, so that it does not turn the free arm.
             kind: LoadKind::Gravity {
                 acceleration: z * (4.0 * centripetal / (2.0 * MASS)),
             },
@@ -127,7 +132,7 @@ fn flail() -> Scene {
     }
 }
 
-/// When and how the only joint or spring of a scene broke.
+/// Time and load at which the only joint or spring of a scene broke.
 fn only_break(simulation: &Simulation) -> Break {
     let [Some(found)] = simulation.breaks()[..] else {
         panic!("{:?}", simulation.breaks());
@@ -192,7 +197,7 @@ fn a_turning_spring_breaks_at_its_moment() {
     assert!((time - 0.02).abs() < 1e-3, "{time}");
     assert!(moment > 2e-3 && moment < 2.02e-3, "{moment}");
     let start = simulation.energies();
-    // Nothing is left that turns the arm back.
+    // No moment is left that turns the arm back.
     assert!(start.kinetic > 10.0 * start.bending, "{start:?}");
 }
 
@@ -232,7 +237,8 @@ fn welds_and_hinges_break_at_the_moment_that_bends_the_rod() {
         let remarks = simulation.remarks();
         let is_told = |remark: &String| remark.contains("`weld` broke") && remark.ends_with("N m");
         assert!(remarks.iter().any(is_told), "{remarks:?}");
-        // The end flies off with the impulse of the force: the middle of the arm by F/m.
+        // The free end flies off with the impulse of the force: the mean acceleration of the arm
+        // is F/m.
         let free = simulation.time() - time;
         let velocities = &simulation.velocities()[5..10];
         let mean = 0.25
@@ -252,7 +258,7 @@ fn a_rod_leaves_its_hinge_as_it_moves_and_turns() {
     let mut states = Vec::new();
     while whole.time() < end {
         whole.advance(end).unwrap();
-        // After more than a turn, before and after it has broken.
+        // States after more than a turn: one before and one after breaking.
         let counts = [whole.time() > 0.9 * PUSHED, whole.breaks()[0].is_some()];
         if states.len() < counts.iter().filter(|it| **it).count() {
             states.push(whole.state());
@@ -267,12 +273,13 @@ fn a_rod_leaves_its_hinge_as_it_moves_and_turns() {
     assert!((turning.xy().norm() / (0.1 * SPIN) - 1.0).abs() < 1e-3);
     let angle = (libm::atan2(arm.y, arm.x) - turned).rem_euclid(2.0 * PI);
     assert!(angle.min(2.0 * PI - angle) < 5e-3, "{angle}");
-    // Half of the mass is at the hub, that of the arm around its middle.
+    // Half of the mass is at the hub; the other half, that of the arm, is centred at its middle.
     let velocity = hub + turning * 0.25;
     let (sine, cosine) = libm::sincos(SPIN * time);
     let expected = Vector3::new(-sine, cosine, 0.0) * (0.025 * SPIN);
     let error = (velocity - expected).xy().norm() / expected.norm();
-    // The time of breaking is accurate to one step, in which the arm turns by so much.
+    // The time of breaking is accurate to one step; the tolerance is the rotation of the arm in
+    // one step.
     assert!(error < SPIN * STEP, "{velocity} {expected}");
     for state in states {
         let mut resumed = Simulation::new(&scene, &parameters).unwrap();
@@ -309,7 +316,7 @@ fn a_ball_joint_breaks_at_the_force_that_holds_the_rod_and_lets_it_fall() {
             "{scheme:?}: {time}"
         );
         assert!(force > 0.1 && force < 0.102, "{scheme:?}: {force}");
-        // It goes with the force, free from the beam.
+        // The rod moves with the force, free from the beam.
         let positions = simulation.positions();
         assert_eq!(positions[4], Vector3::zeros());
         let whole = run(&hanging(), scheme, step, time);

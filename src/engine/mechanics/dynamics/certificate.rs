@@ -1,4 +1,5 @@
-//! Checks of a solved step: no overlap, no passing through, no lost turns, no added energy.
+//! Checks of a solved step: no overlap, no passing through, no lost turns of twist, no added
+//! energy.
 
 use super::failure::{Crossing, Failure, Forces};
 use super::parameters::Scheme;
@@ -8,13 +9,13 @@ use crate::mechanics::system::{Stage, System, name_overlap};
 pub(super) struct Step<'a> {
     pub scheme: Scheme,
     pub stage: &'a Stage,
-    /// Unknowns where it starts and ends.
+    /// Unknowns at the start of the step; `end` holds those at its end.
     pub start: &'a [f64],
     pub end: &'a [f64],
 }
 
-/// Whether surfaces overlap beyond the bound where the stage was solved. A stiffer contact corrects this, except for forces by
-/// complementarity, whose overlap [`Step::check`] finds.
+/// Checks whether surfaces overlap beyond the bound in the solved stage. A stiffer contact
+/// corrects this, except for forces by complementarity, whose overlap [`Step::check`] finds.
 pub(super) fn check_penetration(system: &System, iterations: usize) -> Result<(), Failure> {
     let contact = system.contact();
     let Some(contact) = contact.filter(|_| !system.has_constraints()) else {
@@ -30,13 +31,15 @@ pub(super) fn check_penetration(system: &System, iterations: usize) -> Result<()
 }
 
 impl Step<'_> {
-    /// Certifies that no turns of a rod are lost, no surfaces overlap at the end beyond the bound, none have passed through
-    /// each other on the way, and neither contacts nor, with implicit Euler, elastic forces have brought energy.
+    /// Certifies that no turns of twist of a rod are lost, that surfaces do not overlap beyond the
+    /// bound at the end and have not passed through each other on the way, and that neither
+    /// contacts nor, with implicit Euler, elastic forces have added energy.
     pub(crate) fn check(&self, system: &mut System, iterations: usize) -> Result<(), Failure> {
         if let Some(turn) = system.excessive_turn() {
             return Err(Failure::Turn { iterations, turn });
         }
-        // Where contact forces are functions of the gaps at the end, these have been looked at.
+        // If contact forces are functions of the gaps at the end, these gaps have been checked
+        // already.
         let is_evaluated = !self.scheme.rules().extrapolates() && !system.has_constraints();
         if let Some(crossing) = self.crossing(system, is_evaluated) {
             return Err(Failure::Crossing {

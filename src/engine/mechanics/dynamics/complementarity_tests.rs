@@ -10,13 +10,14 @@ use crate::mechanics::test_support::{contact, fixed, ground, run_with, weight};
 
 const RIGID: ContactModel = ContactModel::Complementarity;
 
-/// Speed and acceleration down a slope of `angle`, after `time` seconds of gravity, of a rod across it.
+/// Speed and acceleration of a rod that lies across a slope of `angle`, after sliding down for
+/// `time` seconds.
 fn slide(angle: f64, friction: f64, time: f64) -> (f64, f64) {
     let speed = slide_on(angle, friction, time, Vector3::zeros());
     (speed, speed / time)
 }
 
-/// Speed down a slope after `time` seconds of a rod that begins with a velocity.
+/// Speed of this rod along the slope after `time` seconds, if it starts with `velocity`.
 fn slide_on(angle: f64, friction: f64, time: f64, velocity: Vector3) -> f64 {
     let gravity = 9.81;
     let lying = RodDescription {
@@ -47,20 +48,20 @@ fn a_rod_on_an_incline_sticks_and_slides_exactly_by_coulomb() {
         let limit = friction.atan();
         let (speed, _) = slide(limit - 1e-3, friction, 0.1);
         println!("below tan α = {friction}: {speed:.1e} m/s");
-        // No creep, where the smoothed law has ln((1+f)/(1−f)) ν/15 of it.
+        // The rod does not creep; with the smoothed law it creeps at ln((1+f)/(1−f)) ν/15.
         assert!(speed.abs() < 1e-9);
         for angle in [limit + 1e-3, limit + 0.2] {
             let (_, acceleration) = slide(angle, friction, 0.1);
             let expected = 9.81 * (angle.sin() - friction * angle.cos());
             println!("{friction}, {angle:.4}: {acceleration:.6e} of {expected:.6e} m/s²");
-            // Newton's method leaves a millionth of the weight.
+            // Newton's method leaves a residual of a millionth of the weight.
             assert!((acceleration - expected).abs() < 1e-6 * 9.81);
         }
     }
 }
 
-/// Found where friction began with the force of the step before: a rod that had slid and stuck went on at what its last
-/// correction would have stopped, 4e-10 m/s.
+/// Found when friction started from the force of the previous step: a rod that had slid and stuck
+/// kept moving at the speed that its last correction would have removed, 4e-10 m/s.
 #[test]
 fn a_rod_that_comes_to_stick_does_not_creep_on() {
     for down in [1e-3, 0.02, 0.1] {

@@ -1,26 +1,27 @@
-//! Contact forces by complementarity and the rods under them, found in turn.
+//! Alternating solution for contact forces by complementarity and for the rods under them.
 
 use super::newton::Stopping;
 use crate::mechanics::system::{ForceSearch, Stage, System};
 
-/// Times that contact forces and the rods under them are found in turn before the step counts as failed.
+/// Alternations of contact forces and rods after which the step counts as failed.
 const CONTACT_PASSES: usize = 30;
 
-/// Passes without contact forces after which the step counts as failed: the next one, with other
-/// directions of contacts, may succeed, but each costs as much as many steps.
+/// Passes without contact forces after which the step counts as failed. The next pass has other
+/// directions of contacts and may succeed, but each costs as much as many steps.
 const UNSOLVED_PASSES: usize = 3;
 
-/// The first of them, which move the rods by the linearised step with contact forces, as Newton's method would for
-/// both together; later ones leave that to its line search.
+/// Number of first passes that move the rods by the linearised step with contact forces, as
+/// Newton's method for both together would; in later ones the line search of Newton's method moves
+/// the rods.
 const COMMON_PASSES: usize = 20;
-/// Farthest that one of these moves a position, in radii.
+/// Largest move of a position in one of these passes, in radii.
 const FARTHEST_CORRECTION: f64 = 2.0;
 
-/// The passes in which contact forces by complementarity and the rods under them are found in turn.
+/// Progress of the alternation between contact forces by complementarity and the rods under them.
 #[derive(Default)]
 pub(super) struct Passes {
     count: usize,
-    /// Passes whose contact forces were not found.
+    /// Number of passes in which no contact forces were found.
     unsolved: usize,
     search: ForceSearch,
 }
@@ -28,11 +29,11 @@ pub(super) struct Passes {
 /// Result of a pass.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Pass {
-    /// Forces that no longer move a node.
+    /// The forces no longer move a node.
     Balanced,
-    /// Forces and rods of the linearised step together.
+    /// Forces and rods were corrected together, by the linearised step.
     Corrected,
-    /// Forces, for the rods to follow.
+    /// Only the forces were found; the rods must follow.
     Loaded,
 }
 
@@ -62,7 +63,8 @@ impl Passes {
         } else {
             Pass::Loaded
         };
-        // The last one, too: what it would stop, or else continues as predicted, step after step.
+        // Correct after a balanced pass as well. Otherwise a velocity that this correction would
+        // remove persists from step to step.
         if pass != Pass::Loaded {
             system.take_correction(trial, FARTHEST_CORRECTION * stopping.radius);
         }

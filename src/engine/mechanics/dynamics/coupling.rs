@@ -1,39 +1,44 @@
-//! The drag of a flow that couples nodes, found within the step.
+//! The drag of a flow that couples nodes, computed within the step.
 //!
-//! In a flow the motion of every node acts on every other: the drag is −R v with a resistance R that is dense. The Newton
-//! matrix holds its local part D alone, so a step is solved with the drag F₀ − D (v − v₀) of a predicted motion v₀.
-//! The remainder, (D − R) (v − v₀), may be left to the next step, whose prediction improves by it, only
-//! where this does not ring: see [`TimeScheme::largest_lagged_ratio`](super::scheme::TimeScheme::largest_lagged_ratio). With
-//! the inertia of the thesis' flagella it does not. Where drag dominates it does, for any step, as soon as R and D differ
-//! by half.
+//! In a flow the motion of every node acts on every other: the drag is −R v with a resistance R
+//! that is dense. The Newton matrix holds its local part D alone, so a step is solved with the
+//! drag F₀ − D (v − v₀) of a predicted motion v₀. The remainder, (D − R) (v − v₀), may be left to
+//! the next step, whose prediction improves by it, only if velocities do not ring: see
+//! [`TimeScheme::largest_lagged_ratio`](super::scheme::TimeScheme::largest_lagged_ratio). With the
+//! inertia of the thesis' flagella they do not. If drag dominates they ring for any step, as soon
+//! as R and D differ by half.
 //!
-//! There the drag is evaluated again for the motion of the solved step, and the step solved again, until the
-//! remainder is small against the drag on every rod. Then a step is one of the implicit scheme with the whole resistance, which
-//! is positive: it is stable for every ratio of drag to inertia, as the scheme is.
+//! If they ring, the drag is evaluated again for the motion of the solved step, and the step
+//! solved again, until the remainder is small compared with the drag on every rod. The step is
+//! then one of the implicit scheme with the whole resistance, which is positive: it is stable for
+//! every ratio of drag to inertia, as the scheme is.
 //!
 //! Predicting the last solution would converge only for R < 2 D. So the next prediction is the combination of all
 //! solutions so far with the least remainder, by generalised conjugate residuals (Eisenstat, Elman & Schultz 1983, Alg. 2): for
 //! a linear step this is GMRES for the whole Jacobian, preconditioned by the Newton matrix, and converges for every R.
 //!
-//! The flow is solved to a part of all velocities. A rod that only moves along with the flow of another one has almost no
-//! drag, and the error of the flow solver there may be more than a small part of it. So a stalled search also
-//! ends where the remainder of no rod exceeds the error of the flow solver.
+//! The flow is solved to a fraction of all velocities. A rod that only moves along with the flow
+//! of another one has almost no drag; the error of the flow solver there may exceed the tolerated
+//! fraction of it. So a stalled search also ends when the remainder of no rod exceeds the error of
+//! the flow solver.
 
 use crate::mechanics::Vector3;
 use crate::mechanics::fluid::Coupling;
 use crate::mechanics::system::Stage;
 
-/// Directions that are remembered; then the oldest gives way. R and D differ in few directions by much: filaments of 40
-/// edges take five to eight.
+/// Number of directions that are remembered; a further one replaces the oldest. R and D differ
+/// strongly in few directions only: filaments of 40 edges take five to eight.
 const DIRECTIONS: usize = 12;
 
-/// Solutions of the step after which it counts as failed.
+/// Number of solutions of a step after which it counts as failed.
 pub(super) const MOST_SOLUTIONS: usize = 40;
 
-/// Remainder allowed, in parts of the drag on a rod, as a multiple of the error of the flow solver.
+/// Remainder allowed, relative to the drag on a rod, as a multiple of the error of the flow
+/// solver.
 const TOLERANCE: f64 = 10.0;
 
-/// A search has stalled where the remainder of a solution is more than this part of the one before.
+/// A search has stalled if the remainder of a solution is more than this fraction of the previous
+/// one.
 const STALLED: f64 = 0.5;
 
 /// A motion, its drag, and the remainder of the step solved with it.
@@ -82,9 +87,9 @@ impl Motion {
 pub(super) struct DragCoupling {
     /// 1/D of each node, mean of the three axes, m/(N s); 0 at held nodes and out of the fluid.
     mobilities: Vec<f64>,
-    /// The prediction with the least remainder.
+    /// The prediction with the smallest remainder.
     best: Motion,
-    /// Directions whose remainders are orthonormal, the newest first.
+    /// Directions with orthonormal remainders, the newest first.
     directions: Vec<Motion>,
     /// Number of directions of this step.
     count: usize,
@@ -113,9 +118,9 @@ impl DragCoupling {
         self.mobilities.extend(mobilities);
     }
 
-    /// Adds a solution of the step: its velocities and their drag. Returns whether its remainder is below the
-    /// tolerance on each run of nodes of `rods`, or no longer falls and is what the flow solver leaves; `stage` then has the
-    /// drag of the solution itself.
+    /// Adds a solution of the step: its velocities and their drag. Returns whether its remainder
+    /// is below the tolerance on each run of nodes of `rods`, or has stalled at the error of the
+    /// flow solver. If so, `stage` has the drag of the solution itself.
     pub(crate) fn record(
         &mut self,
         stage: &mut Stage,
@@ -148,7 +153,8 @@ impl DragCoupling {
             size(&solution.left_out, 0..mobilities.len()).sqrt(),
             self.sizes[0],
         ];
-        // An error of the velocities of the flow is one of the drag by the resistance, at most so many times the local one.
+        // An error of the flow velocities causes an error of the drag, by a resistance of at most
+        // `ratio` times the local one.
         let unsolved = if self.has_stalled() {
             let local = stage.resistance.iter().map(|local| local.trace() / 3.0);
             let speed = velocity.iter().map(Vector3::norm_squared).sum::<f64>();
@@ -168,18 +174,18 @@ impl DragCoupling {
         })
     }
 
-    /// Whether the remainder of the last solution is more than half of that of the one before.
+    /// Whether the last remainder is more than half of the previous one.
     pub(crate) fn has_stalled(&self) -> bool {
         let [last, before] = self.sizes;
         last > STALLED * before
     }
 
-    /// Whether there have been too many solutions.
+    /// Whether the step has taken too many solutions.
     pub(crate) fn is_exhausted(&self) -> bool {
         self.solutions >= MOST_SOLUTIONS
     }
 
-    /// Writes the next expectation to `stage`: the best combination of the solutions so far.
+    /// Writes the next predicted motion to `stage`: the best combination of the solutions so far.
     pub(crate) fn expect(&mut self, stage: &mut Stage) {
         if self.solutions == 1 {
             self.best.copy_from(&self.solution);
@@ -234,7 +240,7 @@ mod tests {
     use crate::mechanics::Matrix3;
     use nalgebra::{DMatrix, DVector};
 
-    /// A stage of free nodes with a local resistance of one, and the search for its drag.
+    /// A stage of free nodes with a local resistance of one, and its drag search.
     fn begun(nodes: usize) -> (Stage, DragCoupling) {
         let stage = Stage {
             step: 1.0,
@@ -251,8 +257,8 @@ mod tests {
         (stage, coupling)
     }
 
-    /// A linear step (S + D) v = b + F₀ + D v₀ of nodes with a local resistance of one, and a dense resistance of which the
-    /// eigenvalues are `ratios`; returns how many solutions it takes, and their error.
+    /// A linear step (S + D) v = b + F₀ + D v₀ of nodes with a local resistance of one and a dense
+    /// resistance with the eigenvalues `ratios`. Returns the number of solutions and their error.
     fn solutions(ratios: &[f64], inertia: f64) -> (usize, f64) {
         let count = ratios.len();
         let nodes = count / 3;
@@ -303,7 +309,8 @@ mod tests {
                 [0.01, 0.1, 1.0, 10.0, 30.0, 100.0],
             ] {
                 let (solutions, error) = solutions(&ratios, inertia);
-                // As many as there are different ratios find the solution, and one more shows that it is one.
+                // The search takes one solution for each distinct ratio, and one more to confirm
+                // the result.
                 assert!(solutions <= 8, "{ratios:?} {inertia}: {solutions}");
                 assert!(error < 1e-6, "{ratios:?} {inertia}: {error}");
             }
@@ -321,7 +328,7 @@ mod tests {
     fn a_rod_that_floats_along_with_a_driven_one_is_coupled_within_the_error_of_the_flow() {
         let (nodes, tolerance, inertia) = (8, 1e-6, 1e-9);
         let mut numbers = crate::random::uniform_numbers(3);
-        // Every node moves with the others: R has 1 on its diagonal, less 0.08 everywhere.
+        // Every node moves with the others: R is the identity minus 0.08 in every entry.
         let resistance_times = |v: &[Vector3]| -> Vec<Vector3> {
             let sum: Vector3 = v.iter().sum();
             v.iter().map(|v| v - 0.08 * sum).collect()
@@ -332,7 +339,8 @@ mod tests {
             tolerance,
         };
         loop {
-            // Only the first four nodes are loaded, so that only the inertia of the others, which is next to nothing, meets their drag.
+            // Only the first four nodes are loaded. The drag of the others is balanced only by
+            // their inertia, which is almost zero.
             let velocity: Vec<_> = (0..nodes)
                 .map(|node| {
                     let load = if node < 4 {
@@ -350,7 +358,8 @@ mod tests {
                 .collect();
             let rods = [0..4, 4..8].into_iter();
             if coupling.record(&mut stage, &velocity, &drag, rods, &flow) {
-                // The load on four nodes, over what all eight leave of one.
+                // The velocity of an unloaded node: the load on four nodes, divided by one minus
+                // the sum over all eight.
                 let exact = 1.0 / (1.0 - 0.08 * 8.0) * 0.08 * 4.0;
                 let error = velocity[7].x / exact - 1.0;
                 assert!(error.abs() < 1e-4, "{error}");

@@ -43,7 +43,7 @@ fn parameters(scheme: Scheme) -> IntegrationParameters {
     fixed_steps(scheme, 2e-3)
 }
 
-/// Unknowns that are moved by some thousandths, differently with every `seed`.
+/// The unknowns displaced by some thousandths, differently for every `seed`.
 fn moved(unknowns: &[f64], held: &[bool], seed: f64) -> Vec<f64> {
     let shift = |k: usize| match held[k] {
         true => 0.0,
@@ -97,7 +97,7 @@ fn forces_are_those_of_dashpots_and_the_jacobian_is_their_derivative() {
         let step = 0.02;
         system.damp(step, step, [-0.3, 0.1]);
         let stage = stage(&system, &start, step);
-        // T/H: the dashpots hold ½ T/H K (ε − ε̂)², of which `viscous_loss` is twice where ε̂ = εₙ.
+        // T/H: the dashpots hold ½ T/H K (ε − ε̂)². If ε̂ = εₙ, `viscous_loss` is twice that.
         let mut other = System::new(&scene).unwrap();
         other.begin_damping(&start);
         other.damp(step, step, [0.0; 2]);
@@ -121,7 +121,7 @@ fn forces_are_those_of_dashpots_and_the_jacobian_is_their_derivative() {
     }
 }
 
-/// Holds the Jacobian of a stage against differences of the residual.
+/// Compares the Jacobian of a stage with differences of the residual.
 fn compare_jacobian(system: &mut System, end: &[f64], stage: &Stage) {
     let held = system.assembly.held.clone();
     let shift = 1e-6;
@@ -144,7 +144,7 @@ fn compare_jacobian(system: &mut System, end: &[f64], stage: &Stage) {
     }
 }
 
-/// A standard linear solid instead of the dashpots beside the springs.
+/// A standard linear solid instead of a spring and dashpot in parallel.
 const RELAXATION: Relaxation = Relaxation {
     ratio: 0.8,
     time: 0.03,
@@ -172,7 +172,7 @@ fn the_jacobian_of_what_relaxes_is_symmetric_and_the_derivative_of_its_forces() 
         let held = system.assembly.held.clone();
         let [earlier, start, end] = [1.0, 2.0, 3.0].map(|seed| moved(&placed, &held, seed));
         let step = 0.02;
-        // What it bears after a first step counts in the second.
+        // The stress that relaxes after the first step affects the second.
         for (from, to) in [(&placed, &earlier), (&earlier, &start)] {
             system.begin_damping(from);
             system.damp(step, step, [0.0; 2]);
@@ -187,7 +187,7 @@ fn the_jacobian_of_what_relaxes_is_symmetric_and_the_derivative_of_its_forces() 
     }
 }
 
-/// A straight rod that is stretched by clamps within 0.1 s, and held.
+/// A straight rod that clamps stretch within 0.1 s and then hold.
 fn stretched() -> Scene {
     let mut scene = scene();
     scene.loads.clear();
@@ -196,7 +196,8 @@ fn stretched() -> Scene {
             .map(|k| Vector3::x() * (0.1 * f64::from(k) * LENGTH))
             .collect(),
         natural_shape: NaturalShape::Straight,
-        // So light that waves along it, which backward differences let ring, bear nothing.
+        // The rod is so light that the stress of longitudinal waves is negligible, although they
+        // ring with backward differences.
         mass_per_length: 1e-8,
         rotational_inertia_per_length: 1e-14,
         ..relaxing(false)
@@ -217,7 +218,7 @@ fn tension_relaxes_as_that_of_the_standard_linear_solid() {
             simulation.advance(0.3).unwrap();
             let now = simulation.time();
             if (0.2..0.2021).contains(&now) || now > 0.299 {
-                // Under a strain that grows evenly for 0.1 s, and then no more.
+                // The strain grows uniformly for 0.1 s and then stays constant.
                 let grown = ratio * time / 0.1 * -(-0.1 / time).exp_m1();
                 let borne = 1.0 + grown * (-(now - 0.1) / time).exp();
                 let expected = scene.rods[0].stiffness.stretching * 0.01 * borne;
@@ -250,7 +251,7 @@ fn a_rigid_turn_meets_no_resistance() {
     assert!(turned < 1e-20 * system.viscous_loss(), "{turned}");
 }
 
-/// Energy that a rod in motion has lost after 0.4 s, and what of it dashpots took, J.
+/// Energy that a moving rod has lost after 0.4 s, and the part of it lost in dashpots, J.
 fn losses(rod: RodDescription, scheme: Scheme, step: f64) -> [f64; 2] {
     let scene = Scene {
         rods: vec![rod],
@@ -285,7 +286,8 @@ fn energy_falls_by_what_dashpots_take_and_the_scheme_damps() {
         let [fallen, lost] = losses(rod, scheme, 2e-4);
         assert_close_in(scheme, lost, fallen, 1e-2);
     }
-    // Fast modes, which relax little, are damped by implicit Euler: of slow ones in proportion to the step, of the fastest less.
+    // Implicit Euler damps fast modes, which relax little: slow ones in proportion to the step,
+    // the fastest less.
     let [coarse, fine] = [2e-4, 1e-4].map(|step| {
         let [fallen, lost] = losses(relaxing(false), Scheme::ImplicitEuler, step);
         1.0 - lost / fallen

@@ -1,5 +1,5 @@
-//! The drag of a fluid in a step: evaluated at the start or for the predicted motion, and implicit in the local part; where
-//! that is not enough, in the whole of it ([`super::coupling`]).
+//! The drag of a fluid in a step: evaluated at the start or for the predicted motion, and implicit
+//! in its local part, or, if this is not enough, in the whole of it ([`super::coupling`]).
 
 use super::coupling::DragCoupling;
 use super::flow_scene::{NodeNames, fluid_of, spins_flow};
@@ -14,10 +14,12 @@ use crate::mechanics::{Matrix3, SceneError, Vector3};
 use std::ops::Range;
 use tracing::trace;
 
-/// Safety of the estimate of the largest ratio of the resistance to its local part: rods move on from where it was made.
+/// Safety factor on the estimate of the largest ratio of the resistance to its local part, since
+/// rods move on after the estimate.
 const RATIO_MARGIN: f64 = 1.2;
 
-/// Power of the drag that the flow solver may leave of none, as a part of that against the local resistance.
+/// Power of the drag that an error of the flow solver may cause when the true power is zero,
+/// relative to the power of the local resistance.
 const ROUNDING: f64 = 1e-4;
 
 /// The fluid of a scene, if it has one, and its forces.
@@ -30,20 +32,21 @@ pub(super) struct FluidDrag {
     velocities: Vec<Vector3>,
     /// Spins of the edges that start at the nodes, rad/s; empty where their flow is ignored.
     spins: Vec<f64>,
-    /// Drag for these velocities, N; scratch.
+    /// Drag for the velocities in `velocities`, N; scratch.
     found: Vec<Vector3>,
-    /// Inertia of each node for the motion in which that is least, kg; infinite where it is held or out of the fluid.
+    /// Least inertia of each node over its directions of motion, kg; infinite if it is held or out
+    /// of the fluid.
     inertia: Vec<f64>,
     /// Nodes of the rods in the fluid.
     rods: Vec<Range<usize>>,
-    /// Number of nodes; the places of what turns with spheres come after them.
+    /// Number of nodes; entries for the rotation of spheres follow those of the nodes.
     nodes: usize,
     coupling: DragCoupling,
 }
 
 impl FluidDrag {
     /// # Errors
-    /// [`SceneError::Fluid`] where the fluid or a rod in it is beyond the theory.
+    /// [`SceneError::Fluid`] if the fluid or a rod in it is outside the range of the theory.
     pub(crate) fn new(scene: &Scene, assembly: &Assembly) -> Result<Self, SceneError> {
         let fluid = fluid_of(scene, assembly)?;
         let spheres = assembly.spheres();
@@ -92,7 +95,7 @@ impl FluidDrag {
         })
     }
 
-    /// Places on which the fluid acts.
+    /// Number of entries on which the fluid acts: nodes, then rotating spheres.
     pub(crate) fn places(&self) -> usize {
         self.forces.len()
     }
@@ -102,8 +105,8 @@ impl FluidDrag {
         &self.forces[..self.nodes.min(self.forces.len())]
     }
 
-    /// Writes drag and local resistance at the start of a step to `stage`; returns the Krylov iterations.
-    /// A step that is repeated solves for them once more, which takes no iterations.
+    /// Writes drag and local resistance at the start of a step to `stage`; returns the Krylov
+    /// iterations. A repeated step solves for them again, which takes no iterations.
     ///
     /// # Errors
     /// [`FluidError`] if the drag could not be computed.
@@ -120,7 +123,8 @@ impl FluidDrag {
         self.evaluate(stage)
     }
 
-    /// The same for the motion from the start of `stage` to the predicted unknowns.
+    /// Writes drag and local resistance for the motion from the start of `stage` to the predicted
+    /// unknowns; returns the Krylov iterations.
     ///
     /// # Errors
     /// [`FluidError`] if the drag could not be computed.
@@ -139,7 +143,7 @@ impl FluidDrag {
         self.evaluate(stage)
     }
 
-    /// Takes the mean spins of the motion from the start of `stage` to `unknowns`.
+    /// Computes the mean spins of the motion from the start of `stage` to `unknowns`.
     fn take_spins(&mut self, stage: &Stage, unknowns: &[f64]) {
         for (node, spin) in self.spins.iter_mut().enumerate() {
             let angle = STRIDE * node + 3;
@@ -165,13 +169,14 @@ impl FluidDrag {
         Ok(report.iterations)
     }
 
-    /// Solves for the drag to a smaller relative residual from now on; returns whether the fluid is exact enough for that.
+    /// Solves for the drag to a smaller relative residual from now on; returns whether the fluid
+    /// can be solved that accurately.
     pub(crate) fn sharpen(&mut self, tolerance: f64) -> bool {
         (self.fluid.as_mut()).is_none_or(|fluid| fluid.sharpen(tolerance))
     }
 
-    /// Whether the drag that the local resistance omits must be found within the step: the scheme would ring, or
-    /// might, with less inertia in comparison to the drag.
+    /// Whether the drag that the local resistance omits must be found within the step, because the
+    /// scheme rings, or might if inertia were smaller compared with the drag.
     pub(crate) fn must_be_coupled(&self, stage: &Stage, scheme: &dyn TimeScheme) -> bool {
         let Some(coupling) = self.fluid.as_ref().and_then(Fluid::coupling) else {
             return false;
@@ -194,15 +199,15 @@ impl FluidDrag {
         ratio > allowed
     }
 
-    /// Begins to find the drag of a step within it.
+    /// Begins the search for the drag within a step.
     pub(crate) fn begin_coupling(&mut self, stage: &Stage) {
         let inertia = &self.inertia;
         self.coupling
             .begin(stage, |node| inertia[node].is_infinite());
     }
 
-    /// Gives `stage` the drag of its motion to `unknowns`; returns whether the drag with which these were found is the same,
-    /// and the Krylov iterations.
+    /// Gives `stage` the drag of its motion to `unknowns`; returns whether it agrees with the drag
+    /// with which these were found, and the Krylov iterations.
     ///
     /// # Errors
     /// [`FluidError`] if the drag could not be computed.
@@ -236,9 +241,10 @@ impl FluidDrag {
         Ok((agrees, report.iterations))
     }
 
-    /// Work that the drag of a coupled step brings, J; `None` where it takes energy, as that of a fluid at rest does in every
-    /// motion. Where rods overlap, the velocities that their segments cause at each other's nodes may exceed those at their
-    /// own: the resistance is then negative for a separating motion, and the nodes jump.
+    /// Energy that the drag of a coupled step adds, J; `None` if the drag takes energy, as it does
+    /// for every motion in a fluid at rest. Where rods overlap, segments may cause greater
+    /// velocities at each other's nodes than at their own. The resistance is then negative for a
+    /// separating motion, and the nodes jump.
     pub(crate) fn work_of_coupled(&self, stage: &Stage) -> Option<f64> {
         let power = -self.fluid.as_ref().and_then(Fluid::dissipation)?;
         let against = |(velocity, local): (&Vector3, &Matrix3)| velocity.dot(&(local * velocity));
@@ -248,12 +254,14 @@ impl FluidDrag {
         (power > ROUNDING * scale).then_some(power * stage.step)
     }
 
-    /// Whether the remainder of the last solution of a coupled step is hardly less than that of the one before.
+    /// Whether the remainder of the last solution of a coupled step is hardly smaller than the
+    /// previous one.
     pub(crate) fn has_stalled(&self) -> bool {
         self.coupling.has_stalled()
     }
 
-    /// Gives `stage` the best drag found so far; `false` after as many solutions of the step as there are.
+    /// Gives `stage` the best drag found so far; `false` once the solutions allowed for a step are
+    /// exhausted.
     pub(crate) fn expect_coupled(&mut self, stage: &mut Stage) -> bool {
         if self.coupling.is_exhausted() {
             return false;
@@ -262,7 +270,7 @@ impl FluidDrag {
         true
     }
 
-    /// Takes over the forces of an accepted step that ends with a velocity.
+    /// Stores the forces of an accepted step that ends with a velocity.
     pub(crate) fn accept(&mut self, stage: &Stage, velocity: &[f64]) {
         for (node, force) in self.forces.iter_mut().enumerate() {
             let change = position(velocity, node) - stage.drag_velocity[node];
@@ -278,7 +286,7 @@ impl FluidDrag {
     /// Continues from a restart.
     ///
     /// # Errors
-    /// A description of the mismatch.
+    /// A description of the mismatch between the data and the scene.
     pub(crate) fn restore(&mut self, memory: Option<FluidMemory>) -> Result<(), String> {
         match (&mut self.fluid, memory) {
             (Some(fluid), Some(memory)) => fluid.restore(memory).map_err(|e| e.to_string()),

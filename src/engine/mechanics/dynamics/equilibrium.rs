@@ -9,7 +9,7 @@ use crate::mechanics::system::{Demand, name_overlap};
 use crate::mechanics::{Overlap, SceneError};
 use tracing::{debug, warn};
 
-/// Times that contact is made stiffer, where rods penetrate, before that is an error.
+/// Number of increases of the contact stiffness for rods that penetrate, before this is an error.
 const STIFFENINGS: usize = 8;
 
 const NOT_JUDGED: SceneError = SceneError::Unsuitable(
@@ -28,8 +28,8 @@ impl Simulation {
         Ok(found.expect("it is never stopped"))
     }
 
-    /// The same, as long as `goes_on`, which is called at every iteration, returns true; `None` where it did not. The
-    /// state is then as before.
+    /// As [`Self::find_equilibrium`], but stops and returns `None` once `goes_on`, called at every
+    /// iteration, returns false. The state is then as before.
     ///
     /// # Errors
     /// The errors of [`Self::find_equilibrium`].
@@ -84,8 +84,8 @@ impl Simulation {
         Ok(Some(report))
     }
 
-    /// Small motions about the present equilibrium, where forces have no potential; `None` where they have, with friction,
-    /// and where there are too many unknowns.
+    /// Small motions about the present equilibrium of forces without a potential; `None` if the
+    /// forces have one, with friction, or if there are too many unknowns.
     pub fn small_motions(&mut self) -> Option<SmallMotions> {
         if self.system.is_symmetric() || self.system.rubs() {
             return None;
@@ -93,7 +93,8 @@ impl Simulation {
         small_motions(&mut self.system, &self.state.unknowns)
     }
 
-    /// Determines the stability of the equilibrium by its small motions, where forces have no potential.
+    /// Determines the stability of the equilibrium from its small motions, if the forces have no
+    /// potential.
     fn judge_stability(&mut self) {
         if self.system.is_symmetric() || self.system.rubs() {
             return;
@@ -109,16 +110,17 @@ impl Simulation {
             warn!("{message}");
             self.validity.note_instability(message);
         }
-        // The residual of the equilibrium again.
+        // Restores the residual of the equilibrium.
         self.system.evaluate(&self.state.unknowns, None);
     }
 
-    /// Finds the nearest equilibrium at the present time, which need not be stable; returns the number of
-    /// directions in which its energy falls, or of small motions that grow: 0 where it is stable.
+    /// Finds the nearest equilibrium at the present time, which need not be stable. Returns the
+    /// number of unstable directions: those in which the energy decreases, or small motions that
+    /// grow; 0 if it is stable.
     ///
     /// # Errors
-    /// [`SimulationError::NoEquilibrium`], and [`SimulationError::BadScene`] with rigid contact or friction,
-    /// where forces have no energy.
+    /// [`SimulationError::NoEquilibrium`], and [`SimulationError::BadScene`] with rigid contact or
+    /// friction, whose forces have no energy.
     pub fn find_nearby_equilibrium(&mut self) -> Result<usize, SimulationError> {
         self.system.admit(Demand::NearbyEquilibrium)?;
         let tolerance = self.integrator.setting.parameters.force_tolerance;
@@ -142,7 +144,7 @@ impl Simulation {
         self.publish();
     }
 
-    /// Rods that penetrate by more than is allowed in the last evaluation.
+    /// Finds rods that penetrate by more than is allowed in the last evaluation.
     fn penetration(&self) -> Option<Overlap> {
         let contact = self.system.contact()?;
         let overlap = contact.excessive_penetration()?;

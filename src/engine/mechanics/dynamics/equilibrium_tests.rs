@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 const EDGES: usize = 60;
 const RADIUS: f64 = 5e-3;
 
-/// A metre of rod along x, of unit bending stiffness.
+/// A rod of 1 m along x with unit bending stiffness.
 fn rod() -> RodDescription {
     let centreline = (0..=EDGES)
         .map(|k| k as f64 / EDGES as f64 * Vector3::x())
@@ -47,13 +47,14 @@ fn a_heavy_cantilever_comes_to_rest_in_a_few_iterations() {
 
 #[test]
 fn an_end_moment_rolls_the_rod_up() {
-    // A moment of fixed direction has no potential; this one makes nearly a whole turn.
+    // A moment of fixed direction has no potential; this one winds the rod nearly a whole turn.
     let moment = 6.0;
     let mut simulation =
         simulation_of(&cantilever(moment_on(0, EDGES - 1, -moment * Vector3::y())));
     let report = simulation.find_equilibrium().unwrap();
     println!("{}", report.newton_iterations);
-    // The energy ½ EI (2 tan φ/2)²/l of a vertex makes its turn φ; that at the clamp is half as long.
+    // The vertex energy ½ EI (2 tan φ/2)²/l determines its turning angle φ; the vertex at the
+    // clamp has half the length.
     let length = 1.0 / EDGES as f64;
     let turn = |product: f64| {
         let tangent = (0..100).fold(0.0f64, |t, _| 0.5 * product / (1.0 + t * t));
@@ -69,7 +70,8 @@ fn an_end_moment_rolls_the_rod_up() {
 
 #[test]
 fn a_strip_turned_at_its_end_about_any_axis_comes_to_rest() {
-    // Steps that were cut short for their length were refused, and so was every step of a matrix that was shifted.
+    // A regression: steps cut short for their length were rejected, and so was every step with a
+    // shifted matrix.
     let (mut found, mut count) = (Vec::new(), 0);
     for edges in [20, 50, 60] {
         for moment in [[0.8, 0.0, 0.0], [0.0, 0.0, 0.3], [0.8, -0.5, 0.3]] {
@@ -111,7 +113,7 @@ fn a_strip_turned_at_its_end_about_any_axis_comes_to_rest() {
 fn a_straight_column_leaves_its_unstable_equilibrium_and_bends_over() {
     for (load, rests) in [(0.9, true), (1.1, false), (2.0, false)] {
         let mut scene = cantilever(point_force(0, EDGES, -load * 0.25 * PI * PI * Vector3::x()));
-        // Soft in one plane, which determines the direction.
+        // The section is soft in one plane, which determines the direction.
         scene.rods[0].stiffness.bending = [1.0, 20.0];
         let mut simulation = simulation_of(&scene);
         let report = simulation.find_equilibrium().unwrap();

@@ -1,4 +1,5 @@
-//! Events: corners of schedules and motions are hit exactly, and what begins there is resolved; error control.
+//! Events: steps end exactly at corners of schedules and motions and resolve what begins there;
+//! error control.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -15,7 +16,7 @@ fn cantilever() -> Scene {
     }
 }
 
-/// A cantilever at rest that is struck at its tip for 10 ms after 0.2 s.
+/// A cantilever at rest. After 0.2 s a force acts on its tip for 10 ms.
 fn struck() -> Scene {
     let kind = LoadKind::Force {
         rod: 0,
@@ -29,7 +30,7 @@ fn struck() -> Scene {
     }
 }
 
-/// A cantilever whose clamp jerks up and down within 20 ms after 0.2 s.
+/// A cantilever. After 0.2 s its clamp jerks up and down within 20 ms.
 fn jerked() -> Scene {
     let at = |height: f64| height * Vector3::z();
     let translation = vec![(0.2, at(0.0)), (0.21, at(0.05)), (0.22, at(0.0))];
@@ -92,7 +93,8 @@ fn automatic_steps_do_not_miss_a_blow_or_a_jerk() {
                 "{scheme:?}: {error:.1e} of {way} m in {} steps",
                 steps.len()
             );
-            // Where it is missed it is 1. What the schemes damp are the waves that a jerk sends along the rod.
+            // If the event is missed, the error is 1. The schemes damp only the waves that a jerk
+            // sends along the rod.
             let allowed = if scheme == Scheme::ImplicitEuler {
                 0.5
             } else {
@@ -136,7 +138,7 @@ fn corners_are_hit_exactly_and_the_step_after_them_is_small() {
 
 #[test]
 fn the_corners_of_a_smooth_motion_cost_little() {
-    // A clamp that swings by 5 mm in a second, given by 100 points.
+    // A clamp that oscillates by 5 mm within a second, given by 100 points.
     let mut scene = cantilever();
     scene.clamps[0].motion.translation = (0..=100)
         .map(|k| 0.01 * f64::from(k))
@@ -148,7 +150,7 @@ fn the_corners_of_a_smooth_motion_cost_little() {
         1.0,
     );
     println!("{} steps", steps.len());
-    // Three from corner to corner; small ones after each would be twelve.
+    // Three steps are taken from corner to corner; restarting with small steps would take twelve.
     assert!(steps.len() < 400, "{} steps", steps.len());
 }
 
@@ -183,7 +185,7 @@ fn a_force_that_nothing_announces_makes_steps_repeat() {
 
 #[test]
 fn automatic_steps_err_less_with_a_smaller_tolerance() {
-    // Let go from the horizontal.
+    // The cantilever is released from the horizontal.
     let kind = LoadKind::Gravity {
         acceleration: -9.81 * Vector3::z(),
     };
@@ -201,8 +203,9 @@ fn automatic_steps_err_less_with_a_smaller_tolerance() {
             apart(&found, &exact)
         });
         println!("{errors:?}");
-        // By √10 a decade with implicit Euler, whose error in a step falls with its square; backward differences take
-        // the same steps with the two larger tolerances, which their slow growth limits.
+        // With implicit Euler the error falls by √10 a decade, because its local error is
+        // proportional to the square of the step. Backward differences take the same steps with
+        // the two larger tolerances, since their slow growth limits them.
         assert!(
             errors[1] <= errors[0] && errors[2] < 0.4 * errors[0],
             "{errors:?}"

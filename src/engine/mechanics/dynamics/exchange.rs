@@ -1,13 +1,13 @@
-//! Work and losses of a step: with the energies, its balance.
+//! Work and losses of a step, which together with the energies give its balance.
 //!
 //! With the displacement Δq of the step and the forces and velocities v of its implicit stage,
 //!
 //! W = Σ r·Δq over all held unknowns, D_friction = −Σ f_t·Δx over all contacts, D_drag = Σ c v Δq,
 //!
-//! where r is the reaction, f_t the part of the contact force across the normal, and c the coefficient of drag; what the
-//! dashpots of viscous rods take counts as lost to drag.
-//! W = ΔE + D_friction + D_drag except for the numerical damping of the scheme: implicit Euler removes ½ M (Δv)² and the like, which
-//! vanishes with the step.
+//! where r is the reaction, f_t the tangential part of the contact force, and c the drag
+//! coefficient. The losses of the dashpots of viscous rods count as lost to drag. W = ΔE +
+//! D_friction + D_drag except for the numerical damping of the scheme: implicit Euler removes ½ M
+//! (Δv)² and similar terms, which vanish with the step.
 
 use super::parameters::Scheme;
 use super::report::Exchange;
@@ -17,7 +17,7 @@ use crate::mechanics::system::System;
 
 /// A step that is about to be accepted.
 pub(super) struct AcceptedStep<'a> {
-    /// With the forces of the implicit stage.
+    /// The system with the forces of the implicit stage.
     pub system: &'a System,
     /// Unknowns at the start.
     pub before: &'a [f64],
@@ -81,7 +81,7 @@ impl AcceptedStep<'_> {
             .map(|(k, coefficient)| {
                 let moved = self.after[k] - self.before[k];
                 let velocity = match self.scheme {
-                    // The next velocity is that of the end.
+                    // The next velocity is that at the end of the step.
                     Scheme::ImplicitMidpoint => moved / self.step,
                     Scheme::ImplicitEuler | Scheme::BackwardDifferences => self.velocity[k],
                 };
@@ -166,7 +166,7 @@ mod tests {
             ..Scene::default()
         };
         let (gain, exchange) = budget(&scene, 1e-3, 0.5, 1.0);
-        // Coefficient, length, speed and way.
+        // Product of coefficient, length, speed and distance.
         let expected = 2.0 * 0.2 * 1.0 * 0.5;
         assert!(gain.abs() < 1e-6 * expected);
         assert!((exchange.drag_loss / expected - 1.0).abs() < 1e-6);

@@ -15,9 +15,9 @@ pub(super) enum Failure {
     Penetration { iterations: usize, overlap: Overlap },
     /// No contact forces satisfy the laws of Signorini and Coulomb, or none were found.
     NoContactForces { iterations: usize },
-    /// The drag of the motion within the step was not found.
+    /// The drag for the motion within the step was not found.
     NoDrag { iterations: usize },
-    /// Forces would bring energy, J.
+    /// Forces would add energy, J.
     Work {
         iterations: usize,
         forces: Forces,
@@ -28,7 +28,7 @@ pub(super) enum Failure {
         iterations: usize,
         crossing: Crossing,
     },
-    /// An edge turns so far that whole turns of twist may be lost.
+    /// An edge rotates so far that whole turns of twist may be lost.
     Turn { iterations: usize, turn: Turn },
 }
 
@@ -41,12 +41,13 @@ pub(super) enum Forces {
     Drag,
 }
 
-/// Way in which a motion would make surfaces cross.
+/// How a motion would make surfaces cross.
 #[derive(Debug)]
 pub(super) enum Crossing {
     /// A clamp prescribes it.
     Clamp,
-    /// The extrapolation of the midpoint rule from the middle of the step passes through a contact.
+    /// The extrapolation of the midpoint rule from the middle of the step to its end passes
+    /// through a contact.
     Extrapolation,
     /// Surfaces overlap by more than is allowed at the end of the step.
     Overlap(Overlap),
@@ -74,7 +75,7 @@ impl fmt::Display for Crossing {
 }
 
 impl Failure {
-    /// Newton iterations that were spent.
+    /// Number of Newton iterations taken.
     pub(crate) fn iterations(&self) -> usize {
         match self {
             Self::Newton(divergence) => divergence.iterations,
@@ -87,7 +88,7 @@ impl Failure {
         }
     }
 
-    /// Whether contact forces would bring energy.
+    /// Whether contact forces would add energy.
     pub(crate) fn is_work_of_contact(&self) -> bool {
         matches!(
             self,
@@ -112,7 +113,8 @@ impl Failure {
         self
     }
 
-    /// Converts to the error of a run whose step of a size (s) from `time` (s) failed; `trial` is the last iterate of Newton's method.
+    /// Converts to the error of a run in which a step of a size (s) from `time` (s) failed;
+    /// `trial` is the last iterate of Newton's method.
     pub(crate) fn into_error(
         self,
         system: &mut System,
@@ -187,7 +189,7 @@ impl fmt::Display for Failure {
 
 /// Location of the largest residual when Newton's method failed.
 struct Place {
-    /// The term of the residual that is largest there.
+    /// The largest term of the residual there.
     term: &'static str,
     rod: String,
     /// Node along the rod.

@@ -1,4 +1,5 @@
-//! The rods of a scene in its fluid: filaments, their connections, and nodes that must not start at the same point.
+//! Setup of the rods of a scene in its fluid: filaments, their connections, and nodes that must
+//! not start at the same point.
 
 use crate::mechanics::fluid::{
     Connections, Filament, Fluid, FluidError, FluidModel, Sliding, Wall,
@@ -8,21 +9,22 @@ use crate::mechanics::scene::{RodNode, Scene};
 use crate::mechanics::system::{Assembly, copy_positions};
 use crate::mechanics::{SceneError, Vector3};
 
-/// Distance, in radii, within which nodes beside a joint may overlap: those of rods that meet at a small angle do.
+/// Distance, in radii, within which nodes next to a joint may overlap, as those of rods that meet
+/// at a small angle do.
 const BESIDE_A_JOINT: f64 = 2.0;
-/// Distance of nodes, over ε, below which an error of the fluid names them.
+/// Distance of nodes, in multiples of ε, below which an error of the fluid names them.
 const TOO_CLOSE: f64 = 0.25;
 
 /// The fluid of a scene around its rods; `None` without fluid.
 ///
 /// # Errors
-/// [`SceneError::Fluid`] if the fluid or a rod in it is outside the range of the theory, and if nodes start at the same point that may
-/// part.
+/// [`SceneError::Fluid`] if the fluid or a rod in it is outside the range of the theory, and if
+/// nodes start at the same point but may move apart.
 pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Fluid>, SceneError> {
     let Some(model) = scene.fluid else {
         return Ok(None);
     };
-    // Held rods do not move, so that they matter only where rods interact through the fluid.
+    // Held rods do not move; they matter only if rods interact through the fluid.
     let are_obstacles = matches!(model, FluidModel::RegularizedStokeslets { .. });
     let filaments: Vec<Filament> = (assembly.rods.rods.iter().zip(&scene.rods))
         .filter(|(_, rod)| are_obstacles || !rod.held)
@@ -61,14 +63,14 @@ pub(super) fn fluid_of(scene: &Scene, assembly: &Assembly) -> Result<Option<Flui
     Ok(Some(fluid))
 }
 
-/// Whether edges that spin about their axes move the fluid: not beside a wall, since rotlets have no images there, and not in
-/// fluids in which nodes do not interact.
+/// Whether edges that spin about their axes move the fluid. They do not next to a wall, since
+/// rotlets have no images there, nor in fluids in which nodes do not interact.
 pub(super) fn spins_flow(scene: &Scene) -> bool {
     let couples = matches!(scene.fluid, Some(FluidModel::RegularizedStokeslets { .. }));
     scene.spin_drag && couples && scene.wall.is_none()
 }
 
-/// The plane of the scene at which its fluid is at rest.
+/// The plane at which the fluid of the scene is at rest.
 fn wall(scene: &Scene, assembly: &Assembly) -> Result<Option<Wall>, SceneError> {
     let Some(index) = scene.wall else {
         return Ok(None);
@@ -110,7 +112,8 @@ impl NodeNames {
         format!("node {} of rod `{name}`", node - first)
     }
 
-    /// An error of the fluid with the nodes that cause it, where these are too close to each other at `positions`.
+    /// Adds to an error of the fluid the nodes that cause it, if these are too close to each other
+    /// at `positions`.
     pub(crate) fn explain(
         &self,
         error: FluidError,
@@ -154,8 +157,9 @@ fn connections(assembly: &Assembly) -> Connections {
     }
 }
 
-/// Whether two nodes at one place may move apart freely, as two rods inside each other: not where they, or others of their rods
-/// beside them, are held there or tied by a joint or spring.
+/// Whether two nodes at one place may move apart freely, as those of two rods inside each other
+/// may. They may not if they are held there, or if a joint or spring ties them or other nodes of
+/// their rods nearby.
 fn may_part(scene: &Scene, assembly: &Assembly, positions: &[Vector3], pair: [usize; 2]) -> bool {
     if pair.iter().all(|node| assembly.held[STRIDE * node]) {
         return false;
@@ -173,7 +177,7 @@ fn may_part(scene: &Scene, assembly: &Assembly, positions: &[Vector3], pair: [us
     let held_pairs = clamped_pairs(scene, assembly, rods)
         .filter(|nodes| nodes.iter().all(|node| is_near(*node)))
         .map(|[a, b]| [(rods[0], a), (rods[1], b)]);
-    // The rods that can be reached from the first one by such ties.
+    // The rods connected to the first one through such ties.
     let ties: Vec<[usize; 2]> = ties
         .chain(held_pairs)
         .map(|ends| ends.map(|end| end.0))

@@ -1,4 +1,4 @@
-//! Rods in a viscous fluid that are joined, or beside held ones.
+//! Rods in a viscous fluid that are joined or next to held rods.
 
 use super::*;
 use crate::mechanics::fluid::FluidModel;
@@ -19,7 +19,7 @@ const STOKESLETS: FluidModel = FluidModel::RegularizedStokeslets {
     far_field_error: 1e-4,
 };
 
-/// A stiff rod of a modulus of 1 GPa, without much inertia.
+/// A stiff rod with a modulus of 1 GPa and little inertia.
 fn rod(name: &str, from: Vector3, to: Vector3, edges: usize) -> RodDescription {
     let area = PI * RADIUS * RADIUS;
     let stiffness = Stiffness::circular(1e9, 0.5, RADIUS);
@@ -36,12 +36,12 @@ fn pull(force_per_length: Vector3) -> Load {
     distributed(None, force_per_length)
 }
 
-/// After so many steps of implicit Euler.
+/// The simulation after `steps` steps of implicit Euler.
 fn after(scene: &Scene, step: f64, steps: usize) -> Simulation {
     run(scene, Scheme::ImplicitEuler, step, step * steps as f64)
 }
 
-/// A filament 10 mm long, whole or of pieces with so many edges, 20 in all.
+/// A filament 10 mm long and 20 edges in all, in pieces with the given numbers of edges.
 fn filament(pieces: &[usize], kind: JointKind, force: Vector3) -> Scene {
     let (mut rods, mut joints, mut done) = (Vec::new(), Vec::new(), 0);
     for (k, edges) in pieces.iter().enumerate() {
@@ -159,7 +159,7 @@ fn a_loaded_y_comes_to_rest_where_statics_has_it() {
     );
 }
 
-/// A filament that is pulled along beside another one.
+/// A filament that is pulled along next to another one.
 fn beside(fix: impl Fn(&mut Scene)) -> Scene {
     let mut scene = filament(&[20], JointKind::Rigid, Vector3::zeros());
     let side = Vector3::y() * (5.0 * RADIUS);
@@ -183,7 +183,7 @@ fn a_held_rod_obstructs_the_flow_as_a_clamped_one_does() {
     assert!((held / clamped - 1.0).abs() < 1e-6, "{held} {clamped}");
 }
 
-/// A tail whose first node slides along a wire that is held, pulled there.
+/// A tail whose first node slides along a held wire, with a force on this node.
 fn bead(pulled: f64) -> Scene {
     let mut wire = rod("wire", Vector3::zeros(), Vector3::x() * 0.01, 20);
     wire.held = true;
@@ -222,7 +222,7 @@ fn pieces_part_in_the_fluid_where_their_weld_breaks() {
     scene.loads = vec![point_force(1, 5, Vector3::x() * 1e-5)];
     let simulation = after(&scene, 1e-2, 100);
     let [behind, before] = [10, 11].map(|node| simulation.positions()[node].x);
-    // Farther apart than the tie of the flow lasts.
+    // The distance is greater than the range of the tie in the flow.
     assert!(before - behind > 2.0 * RADIUS, "{behind} {before}");
     let velocities = simulation.velocities();
     assert!(
@@ -251,7 +251,7 @@ fn untied_nodes_at_one_place_are_refused() {
     ] {
         assert!(message.contains(part), "{message}");
     }
-    // Clamped at one root they cannot part.
+    // Both are clamped at one root, so they cannot separate.
     scene.clamps = vec![clamp(0, 10), clamp(1, 0)];
     assert!(attempt(&scene).is_ok());
     scene.clamps.pop();

@@ -1,4 +1,4 @@
-//! Balls that rods carry in a fluid, and rods that spin there.
+//! Balls on rods in a fluid, and rods that spin in a fluid.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -43,7 +43,7 @@ fn scene(rod: RodDescription, load: LoadKind) -> Scene {
 
 #[test]
 fn a_ball_turns_in_a_fluid_at_the_rate_of_the_moment_on_it() {
-    // About the axis of the rod, which the ball hides: it turns with the ball and meets no fluid.
+    // The ball encloses the rod, which turns with it about its axis and has no drag of its own.
     let moment = 1e-6;
     let load = LoadKind::Moment {
         rod: 0,
@@ -74,7 +74,7 @@ fn a_ball_with_a_tail_sinks_alike_with_all_schemes_and_steps() {
         let found = speed(scheme, step);
         assert_close_in((scheme, step), found, fine, 1e-3);
     }
-    // Slower than the ball by itself.
+    // The ball with its tail is slower than the ball alone.
     let alone = MASS * 9.81 / (6.0 * PI * VISCOSITY * BALL);
     assert!((0.85..1.0).contains(&(fine / alone)), "{}", fine / alone);
 }
@@ -84,7 +84,7 @@ fn a_rod_that_spins_drags_its_neighbour_around() {
     let (radius, speed) = (1e-3, 10.0);
     let stiff = || {
         let mut rod = rod(20, 0.1, radius);
-        // The twist of a soft one would spread slowly.
+        // In a soft rod the twist would spread slowly.
         rod.stiffness.twisting *= 1e3;
         rod
     };
@@ -110,7 +110,8 @@ fn a_rod_that_spins_drags_its_neighbour_around() {
     let moment = spun.reaction_moment(0).z;
     let expected = 4.0 * PI * VISCOSITY * radius * radius * 0.1 * speed;
     assert!((moment / expected - 1.0).abs() < 1e-3, "{moment}");
-    // Near a long rod the velocity is ω r²/d; its mean along a rod of the length L is this times (√(L² + d²) − d)/L.
+    // Near a long rod the velocity is ω r²/d. Its mean along a rod of length L is this times
+    // (√(L² + d²) − d)/L.
     let mean: Vector3 = spun.velocities()[21..].iter().sum::<Vector3>() / 21.0;
     let (length, distance) = (0.1f64, 6e-3f64);
     let part = ((length * length + distance * distance).sqrt() - distance) / length;

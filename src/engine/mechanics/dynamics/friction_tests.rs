@@ -1,4 +1,5 @@
-//! Rods that rub at high friction: few iterations, short steps that do no harm, Coulomb's law in each step.
+//! Rods that rub with high friction: few iterations, harmless short steps, Coulomb's law in each
+//! step.
 
 use super::barrier_tests::{RADIUS, crossing, rod};
 use super::*;
@@ -11,7 +12,8 @@ use crate::mechanics::test_support::{clamp, drag, fixed, ground, run_with, weigh
 
 const MODEL: ContactModel = ContactModel::ImplicitContact;
 
-/// The ends of the upper rod are lowered by 3 mm, and then moved along the lower one to and fro.
+/// The ends of the upper rod are lowered by 3 mm, and then moved back and forth along the lower
+/// one.
 fn rubbing(friction: f64) -> Simulation {
     let mut scene = crossing(MODEL, 1e-6, friction);
     for node in [0, 10] {
@@ -60,15 +62,16 @@ fn an_impact_in_short_steps_hardens_contact_no_more_than_in_a_whole_one() {
         stiffest = stiffest.max(simulation.system.contact().unwrap().stiffness());
     }
     assert!(touched);
-    // A node that turns round at twice its speed within a whole step; in a short one it would be a thousand times that.
+    // The force that reverses a node at twice its speed within a whole step; within a short step
+    // it would be a thousand times that.
     let force = mass * 2.0 * (2.0 * speed) / whole;
     let per_force = ContactParameters::default().stiffness_factor;
     assert!(stiffest < 2.0 * per_force * force);
 }
 
-/// Found where the corner of a prescribed motion cut a step: in steps that short, the last digits of the places of what
-/// sticks, over the step, are slips that friction answers with more than was allowed to be left of the forces. Such steps
-/// failed, and those after them stayed as short.
+/// Found when the corner of a prescribed motion cut a step. In steps that short, the rounding of
+/// sticking positions divided by the step is a slip, whose friction exceeded the allowed residual.
+/// Such steps failed, and those after them stayed as short.
 #[test]
 fn the_tolerance_of_friction_is_never_below_rounding() {
     let mut scene = Scene {
@@ -84,7 +87,7 @@ fn the_tolerance_of_friction_is_never_below_rounding() {
     scene.loads.push(weight(Vector3::new(3.0, 1.0, -9.81)));
     scene.planes.push(ground());
     let simulation = run_with(&scene, &fixed(5e-3), 0.2);
-    // Every digit counts: the next number along x is another residual.
+    // Every digit counts: the next floating-point number along x gives another residual.
     let positions = simulation.positions().to_vec();
     let mut system = simulation.system;
     let lying = simulation.state.unknowns;

@@ -1,8 +1,8 @@
-//! The last steps: what predictors extrapolate from and backward differences go through.
+//! The last steps, used by predictors for extrapolation and by backward differences.
 
 use serde::{Deserialize, Serialize};
 
-/// Steps that are remembered.
+/// Number of steps that are remembered.
 pub(crate) const LENGTH: usize = 3;
 
 /// The motion at the starts of the last steps, the latest first.
@@ -14,7 +14,7 @@ pub struct History {
 /// The motion at the start of a step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PastStep {
-    /// Size of the step, s; 0 where there was none.
+    /// Size of the step, s; 0 if there was none.
     pub(super) size: f64,
     /// Unknowns, 4 per node.
     pub(super) unknowns: Vec<f64>,
@@ -35,8 +35,8 @@ impl History {
         }
     }
 
-    /// Adds the start of a step of a size, s, with its unknowns and velocities; leaves in their place those of a step that is no
-    /// longer remembered.
+    /// Adds the start of a step of `size` (s) with its unknowns and velocities; the arguments
+    /// receive those of the oldest step, which is dropped.
     pub(crate) fn remember(&mut self, size: f64, [unknowns, velocity]: [&mut Vec<f64>; 2]) {
         self.steps.rotate_right(1);
         let step = &mut self.steps[0];
@@ -45,7 +45,7 @@ impl History {
         std::mem::swap(&mut step.velocity, velocity);
     }
 
-    /// Resets the history after the state was put to rest elsewhere.
+    /// Resets the history after the state was set to rest at another configuration.
     pub(crate) fn forget(&mut self) {
         for step in &mut self.steps {
             step.size = 0.0;
@@ -53,7 +53,7 @@ impl History {
         }
     }
 
-    /// The step before, and how many times as long as it a step of `size` (s) is; 0 where there was none.
+    /// The previous step, and the ratio of `size` (s) to its size; 0 if there was none.
     pub(super) fn last(&self, size: f64) -> (&PastStep, f64) {
         let last = &self.steps[0];
         let growth = if last.size > 0.0 {

@@ -1,4 +1,5 @@
-//! Impacts, and spurious energy: restitution never exceeds 1, and a run whose energy grows beyond all measure ends.
+//! Impacts and spurious energy: restitution never exceeds 1, and a run with an enormous gain of
+//! energy ends.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -8,7 +9,7 @@ use crate::mechanics::test_support::{
     SOFT_MODELS, advance_to, contact, fixed_steps, gravity, ground, pin, section, straight_rod,
 };
 
-/// A soft rod, tilted, that falls by about 5 cm on a smooth plane.
+/// A soft, tilted rod that falls by about 5 cm on a smooth plane.
 fn falling(model: ContactModel) -> Scene {
     let rod = RodDescription {
         centreline: (0..=10)
@@ -75,7 +76,8 @@ fn a_free_flight_of_the_midpoint_rule_keeps_its_energy_beside_a_plane() {
     assert!((now.total() - start).abs() < 1e-9 * now.kinetic);
 }
 
-/// A bent strip that falls from its end like a folded chain, in steps of the midpoint rule that do not resolve how it stretches.
+/// A bent strip that falls from its end like a folded chain. The steps of the midpoint rule do not
+/// resolve its stretching.
 #[test]
 fn a_run_that_gains_more_energy_than_it_had_ends() {
     let centreline = (0..=20).map(|k| {
@@ -116,7 +118,7 @@ fn a_run_that_gains_more_energy_than_it_had_ends() {
     }
 }
 
-/// Two soft rings that meet at a thousand metres per second: the report of the contacts of a step is that of its end.
+/// Two soft rings that collide at 1000 m/s: the contacts reported for a step are those at its end.
 #[test]
 fn surfaces_reported_after_an_impact_overlap_by_no_more_than_is_allowed() {
     let ring = |centre: Vector3, across: Vector3, velocity: Vector3| {

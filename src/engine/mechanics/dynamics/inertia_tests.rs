@@ -1,4 +1,5 @@
-//! Rods with consistent inertia: what a swing gains, what is conserved, contact, clamps that move and let go.
+//! Rods with consistent inertia: accuracy of a swing, conservation, contact, clamps that move and
+//! release.
 
 use super::barrier_tests::{DIAMETER, crossing};
 use super::*;
@@ -16,7 +17,7 @@ fn consistent(rod: RodDescription) -> RodDescription {
     }
 }
 
-/// A cantilever of γ = 15.7 let go from the horizontal.
+/// A cantilever of γ = 15.7 released from the horizontal.
 fn swinging(edges: usize, inertia: Inertia) -> Scene {
     Scene {
         rods: vec![RodDescription {

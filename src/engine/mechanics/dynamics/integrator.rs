@@ -1,4 +1,4 @@
-//! The time step: predict, solve, repeat where that fails, accept.
+//! The time step: predict, solve, repeat after a failure, accept.
 
 use super::advice::Means;
 use super::drag::FluidDrag;
@@ -19,17 +19,17 @@ use tracing::{debug, trace_span};
 
 /// Factor by which the contact stiffness grows when a step ends with too much penetration.
 pub(super) const STIFFENING: f64 = 10.0;
-/// Part of the time reached below which a step is lost in the rounding of times.
+/// Fraction of the current time below which a step is lost in the rounding of times.
 const RESOLVED_TIME: f64 = 64.0 * f64::EPSILON;
-/// Part of the largest step below which two times count as equal.
+/// Fraction of the largest step below which two times count as equal.
 const SAME_TIME: f64 = 1e-6;
-/// Such growths before the step is halved instead, or accepted where contacts are only deep. Where it cannot be halved they may
-/// make any energy.
+/// Number of such increases before the step is halved, or accepted if contacts are only deep. If
+/// it cannot be halved, an increase may add any amount of energy.
 const STIFFENINGS: usize = 3;
 
-/// Part of a step of the grid below which a step counts as far smaller than requested.
+/// Fraction of a step of the grid below which a step counts as far smaller than requested.
 const SMALL_PART: f64 = 0.125;
-/// Such steps in a row after which a run warns.
+/// Number of consecutive such steps after which a run warns.
 const SMALL_STEPS: usize = 100;
 
 /// Reason why a step failed.
@@ -54,21 +54,21 @@ pub(super) struct Integrator {
     pub control: StepControl,
     pub fluid: FluidDrag,
     pub workspace: Workspace,
-    /// Number of steps far smaller than requested since the last whole one.
+    /// Number of steps far smaller than requested since the last whole step.
     small_steps: usize,
     /// The last failure of a step, with advice.
     last_failure: Option<LastFailure>,
     /// Whether velocities of the last step ring.
     pub rings: bool,
-    /// A series of steps far smaller than requested, until it is taken.
+    /// A series of steps far smaller than requested, kept until the caller takes it.
     pub small_row: Option<SmallSteps>,
 }
 
 impl Integrator {
-    /// For motions of `scene` from `state`.
+    /// Creates an integrator for motions of `scene` from `state`.
     ///
     /// # Errors
-    /// [`SceneError::Fluid`] where the fluid or a rod in it is beyond the theory.
+    /// [`SceneError::Fluid`] if the fluid or a rod in it is outside the range of the theory.
     pub(crate) fn new(
         scene: &Scene,
         system: &System,
@@ -112,7 +112,8 @@ impl Integrator {
         }
     }
 
-    /// Rods too thick for resistive force theory show in the first forces, which leave no trace.
+    /// Computes the first forces of the fluid, which detects rods too thick for resistive force
+    /// theory; the state is unchanged.
     ///
     /// # Errors
     /// [`SceneError::Fluid`].
@@ -127,13 +128,13 @@ impl Integrator {
         Ok(())
     }
 
-    /// Whether two times, s, differ at most by rounding.
+    /// Whether two times, s, differ by rounding only.
     pub(crate) fn is_same_time(&self, one: f64, other: f64) -> bool {
         (one - other).abs() <= same_time(&self.setting.parameters.step)
     }
 
-    /// Begins one step that ends no later than `until` (hit exactly when it is within the step): sets up its stage and predicts its
-    /// solution.
+    /// Begins one step that ends no later than `until` (exactly there if `until` is within the
+    /// step): sets up its stage and predicts its solution.
     ///
     /// # Errors
     /// [`SimulationError::Unphysical`] without drag.
@@ -174,7 +175,8 @@ impl Integrator {
             })
     }
 
-    /// Takes the step that was begun, as long as `goes_on`; `None` where that returned false.
+    /// Takes the step that was begun, as long as `goes_on` returns true; `None` once it returns
+    /// false.
     ///
     /// # Errors
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
@@ -213,12 +215,13 @@ impl Integrator {
             let stage = &self.workspace.stage;
             let least = self.setting.parameters.minimum_step;
             let is_least = 0.5 * step < least.max(RESOLVED_TIME * goal);
-            // The midpoint rule does not conserve energy exactly, and where it extrapolates through a soft contact, no
-            // smaller step helps.
+            // The midpoint rule does not conserve energy exactly. If it extrapolates through a
+            // soft contact, no smaller step helps.
             let scheme = setting.parameters.scheme.rules();
             let bound = (!is_least && !scheme.extrapolates()).then_some(stage);
             let smaller = match attempt {
-                // Before the energy of its contacts has grown that would rise with their stiffness.
+                // Stiffen the contacts before their energy has grown, since it would increase with
+                // their stiffness.
                 Ok(attempt)
                     if attempt.is_deep
                         && deepenings < STIFFENINGS
@@ -323,15 +326,16 @@ impl Integrator {
         Ok(Some(report))
     }
 
-    /// Whether the steps after a failed one begin small: where the step is automatic, and with friction, since the
-    /// slip that fails one step fails many. (So do steps that lead through a contact, of which more follow.) Steps of a
-    /// fixed grid that fail for another reason are over when they are done.
+    /// Whether the steps after a failed one start small. They do if the step is automatic, and
+    /// with friction, since a slip that fails one step fails many. (Steps through a contact are
+    /// also followed by more failures.) On a fixed grid, the cause of other failures is over after
+    /// the step.
     fn keeps_failed_step(&self, system: &System) -> bool {
         matches!(self.setting.parameters.step, StepSize::Auto { .. }) || system.has_friction()
     }
 
-    /// Begins small again after an event in the step from `start` to `goal`: by how much velocities jump, a step errs that
-    /// uses only those before.
+    /// Restarts with small steps after an event in the step from `start` to `goal`: a step that
+    /// relies on earlier velocities errs by their jump.
     fn heed_events(&mut self, system: &System, start: f64, goal: f64) {
         let Setting { parameters, radius } = &self.setting;
         let StepSize::Auto { tolerance, maximum } = parameters.step else {
@@ -346,7 +350,8 @@ impl Integrator {
         self.control.begin_again(maximum, harmless, spacing);
     }
 
-    /// Records that steps of a fixed grid stay far smaller than requested, with the reason and the advice.
+    /// Records that steps of a fixed grid stay far smaller than requested, with the reason and the
+    /// advice.
     fn watch_small_steps(&mut self, report: &StepReport) {
         let StepSize::Fixed(whole) = self.setting.parameters.step else {
             return;
@@ -368,7 +373,7 @@ impl Integrator {
         }
     }
 
-    /// Whether a solved step is accurate enough.
+    /// Decides whether a solved step is accurate enough.
     fn decide(&mut self, step: f64, attempt: &Attempt) -> Decision {
         let Setting { parameters, radius } = &self.setting;
         let tolerance = match parameters.step {
@@ -381,7 +386,7 @@ impl Integrator {
         let error = attempt.error / (tolerance * radius);
         let law = parameters.scheme.rules().error_law();
         let decision = self.control.decide(step, error, law, attempt.iterations);
-        // The least step is accepted with any error, and grows from there like any other.
+        // The smallest step is accepted with any error; the next ones grow as usual.
         if decision != Decision::Accept && step <= parameters.minimum_step {
             self.control.accept_least(step);
             return Decision::Accept;
@@ -406,7 +411,7 @@ impl Integrator {
         }
     }
 
-    /// Takes over the step to `goal` that the workspace holds.
+    /// Accepts the step to `goal` that the workspace holds.
     pub(super) fn accept(&mut self, system: &mut System, state: &mut State, goal: f64) {
         let Workspace {
             stage,
@@ -419,7 +424,7 @@ impl Integrator {
         system.accept();
     }
 
-    /// Returns to the last accepted state; the error gives the reason of the failure.
+    /// Restores the last accepted state; the error gives the reason of the failure.
     fn give_up(
         &self,
         system: &mut System,
@@ -436,15 +441,15 @@ impl Integrator {
     }
 }
 
-/// The end of a step from `time`, no later than `until`: an event before it, except events that nearly coincide with now or
-/// then.
+/// The end of a step from `time`: the next event before `until`, or else `until`. Events that
+/// nearly coincide with either time are ignored.
 fn earlier_event(system: &System, sizes: &StepSize, time: f64, until: f64) -> f64 {
     let snap = same_time(sizes);
     let event = system.next_event(time + snap);
     if event < until - snap { event } else { until }
 }
 
-/// Times that are nearer to each other than this count as one, s.
+/// Difference below which two times count as equal, s.
 fn same_time(sizes: &StepSize) -> f64 {
     SAME_TIME * sizes.largest()
 }

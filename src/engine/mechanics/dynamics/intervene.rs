@@ -8,9 +8,9 @@ use crate::mechanics::system::Grasp;
 use crate::mechanics::{SceneError, UnitQuaternion, Vector3};
 
 impl Simulation {
-    /// Sets forces of another solver, which act in addition to the loads of the scene from the next step on: for
-    /// coupling step by step. `forces` act on the nodes, N; `moments` about the tangent of the edge that
-    /// starts at each node, N m.
+    /// Sets forces of another solver, for coupling step by step. They act in addition to the loads
+    /// of the scene from the next step on. `forces` act on the nodes, N; `moments` about the
+    /// tangent of the edge that starts at each node, N m.
     pub fn set_external_forces(&mut self, forces: &[Vector3], moments: &[f64]) {
         self.validity.stop_counting_energy();
         let entries = self.system.terms.loads.external_mut();
@@ -47,16 +47,19 @@ impl Simulation {
         set.map_err(refused)
     }
 
-    /// Replaces the motion of a clamp from the next step or equilibrium on: for ends that a robot or a
-    /// continuation moves. Clamps of the scene are counted from 0; those that [`Self::grasp`] makes follow.
+    /// Replaces the motion of a clamp from the next step or equilibrium on, for ends moved by a
+    /// robot or by continuation. Clamps of the scene are counted from 0; those made by
+    /// [`Self::grasp`] follow.
     pub fn move_clamp(&mut self, clamp: usize, motion: Motion) {
         self.validity.stop_counting_energy();
         self.system.move_clamp(clamp, motion);
     }
 
-    /// Moves a clamp from its present pose at constant speed to another one, which it reaches at the time `until`, s, and
-    /// keeps; at once if that is the present time, as before a search for an equilibrium. `position` in m; `frame` turns the axes to both material directors and the tangent, and is the present one where
-    /// it is `None`. What the clamp does not hold is ignored.
+    /// Moves a clamp from its present pose at constant speed to another one. The clamp reaches it
+    /// at the time `until`, s, and keeps it; if this is the present time, it moves at once, as
+    /// before a search for an equilibrium. `position` in m. `frame` rotates the axes to both
+    /// material directors and the tangent; `None` keeps the present frame. Components that the
+    /// clamp does not hold are ignored.
     ///
     /// # Errors
     /// [`SimulationError::BadScene`] if the clamp does not exist or was released, or if `until` has passed.
@@ -83,8 +86,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Grasps a node, counted over the whole scene, at its present place; returns the number of the clamp, for
-    /// [`Self::move_clamp`] and [`Self::release`]. A node whose position is held stops at once.
+    /// Grasps a node, counted over the whole scene, at its present position. Returns the number of
+    /// the clamp, for [`Self::move_clamp`] and [`Self::release`]. If the grasp holds the position,
+    /// the node stops at once.
     ///
     /// # Errors
     /// [`SimulationError::BadScene`] if the node does not exist or cannot be grasped.
@@ -109,7 +113,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Discards the earlier steps, whose accelerations do not apply to the motion after the intervention.
+    /// Discards the earlier steps: their accelerations do not apply after the intervention.
     pub(super) fn begin_anew(&mut self) {
         self.validity.stop_counting_energy();
         self.state.begin_anew();

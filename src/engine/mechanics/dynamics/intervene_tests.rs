@@ -59,7 +59,7 @@ fn a_position_that_is_grasped_is_a_hinge() {
     assert!(apart(&clamped, &grasped) < 1e-9);
 }
 
-/// A rod that is naturally curved and twisted, hangs from a clamp, and is twisted further.
+/// A naturally curved and twisted rod that hangs from a clamp and is twisted further.
 fn hanging() -> Scene {
     let mut scene = heavy(vec![RodDescription {
         natural_shape: curved([1.5, 0.4], 2.0),
@@ -80,7 +80,7 @@ fn taking_hold_and_letting_go_leaves_the_rod_as_it_was() {
         let part = elastic(&touched) / before - 1.0;
         assert!(part.abs() < 1e-3, "{node}: {part}");
     }
-    // Nothing pulls at a node that is held where it was.
+    // No force acts on a node that is held where it was.
     let untouched = at_rest(&scene);
     touched.find_equilibrium().unwrap();
     assert!(

@@ -31,7 +31,7 @@ fn a_rod_welded_of_two_pieces_bends_and_twists_as_one() {
         ..Scene::default()
     };
     let pieces = Scene {
-        // The second piece runs the other way.
+        // The second piece runs in the opposite direction.
         rods: vec![rod("first", a, b, 20), rod("second", c, b, 10)],
         clamps: vec![clamp(0, 0)],
         joints: vec![weld(at(0, 20), at(1, 10))],
@@ -50,7 +50,8 @@ fn a_rod_welded_of_two_pieces_bends_and_twists_as_one() {
     };
     let (one, two) = (tip(whole, 30), tip(pieces, 21));
     assert!(one.norm() > 1e-3);
-    // The two half vertices in series turn by the angle, the vertex by its tangent.
+    // Two half vertices in series bend by the sum of their angles, a vertex by a force law in the
+    // tangent of its angle.
     assert!((one - two).norm() < 1e-4 * one.norm(), "{one} {two}");
 }
 
@@ -81,7 +82,7 @@ fn a_sprung_hinge_off_its_rest_angle_starts_with_every_scheme_for_it() {
     assert!((fine - coarse).norm() < 0.02 * moved, "{fine} {coarse}");
 }
 
-/// Two rods welded at right angles with a body at the corner, free and turning.
+/// Two rods that are welded at right angles with a body at the corner, free and rotating.
 fn tumbling() -> Scene {
     let mut rods = vec![
         rod("one", Vector3::zeros(), Vector3::x() * 0.1, 5),
@@ -90,7 +91,7 @@ fn tumbling() -> Scene {
     for rod in &mut rods {
         rod.angular_velocity = Vector3::new(2.0, 3.0, 8.0);
     }
-    // About one point, each rod with the velocity of its centroid.
+    // The rods rotate about one point; each has the velocity of its centroid.
     rods[0].velocity = rods[0]
         .angular_velocity
         .cross(&Vector3::new(0.05, 0.0, 0.0));
@@ -108,7 +109,7 @@ fn tumbling() -> Scene {
 #[test]
 fn a_body_turns_about_each_of_its_axes_with_its_own_moment_of_inertia() {
     let moments = [4e-6, 5e-6, 6e-6];
-    // The first and the second director and the tangent of the rod that bears it.
+    // The columns are the first and second directors and the tangent of the rod with the body.
     let axes = [Vector3::y(), Vector3::z(), Vector3::x()];
     for (axis, moment) in axes.into_iter().zip(moments) {
         let spin = axis * 3.0;
@@ -139,7 +140,7 @@ fn a_body_that_tumbles_keeps_its_angular_momentum() {
         scene.bodies[0].offset = offset;
         let mut simulation = Simulation::new(&scene, &fixed_steps(scheme, step)).unwrap();
         let [momentum, angular] = simulation.momenta();
-        // More than a turn: rotation vectors are reset several times.
+        // The rotation exceeds a whole turn, so rotation vectors are reset several times.
         advance_to(&mut simulation, 1.0);
         let [momentum_after, angular_after] = simulation.momenta();
         assert!((momentum_after - momentum).norm() < 1e-9 * momentum.norm());
@@ -149,7 +150,7 @@ fn a_body_that_tumbles_keeps_its_angular_momentum() {
     for offset in [Vector3::zeros(), off_node] {
         let lost = |scheme, step| lost(scheme, step, offset);
         assert!(lost(Scheme::BackwardDifferences, 1e-3) < 1e-3);
-        // Implicit Euler loses in proportion to the step.
+        // The energy loss of implicit Euler is proportional to the step.
         let [whole, half] = [1e-3, 5e-4].map(|step| lost(Scheme::ImplicitEuler, step));
         assert!(whole < 0.1 && half < 0.6 * whole, "{whole} {half}");
     }

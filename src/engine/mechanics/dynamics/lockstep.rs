@@ -1,13 +1,17 @@
-//! Many simulations of one kind, stepped together: Newton's method of up to [`LANES`] stages at once, one in each lane.
+//! Simulations of one kind, stepped together: Newton's method solves up to [`LANES`] stages at
+//! once, one in each lane.
 //!
-//! Wires that are moved at their ends spend their time in kernels too short to fill vector registers, and each waits for its own
-//! factorisation. Copies of one scene that differ in numbers only do the same operations, so that a register holds one number of
-//! each ([`crate::mechanics::system`], `copies`). A step is begun and completed by every simulation itself, with its own step control and
-//! all its checks; in between the predictions of all are corrected together.
+//! For wires moved at their ends, most of the time goes into kernels too short to fill vector
+//! registers, and into waiting for one factorisation at a time. Copies of a scene with other
+//! numbers do the same operations, so that a register holds one number of each copy
+//! ([`crate::mechanics::system`], `copies`). Each simulation begins and completes a step itself,
+//! with its own step control and all its checks; in between, the predictions of all simulations
+//! are corrected together.
 //!
-//! The corrections are those of [`super::newton`] in the same order, and every lane stops where it would stop alone: a simulation gets
-//! the bytes that it gets alone. One whose correction needs a line search, leaves the trust region, or does not converge is left at
-//! its prediction, and finds its own way.
+//! The corrections are those of [`super::newton`] in the same order, and every lane stops where it
+//! would stop alone: a simulation gets the same bytes as alone. If a correction needs a line
+//! search, leaves the trust region, or does not converge, its simulation is left at its prediction
+//! and continues alone.
 
 use super::newton::{Corrected, LAST_DIGITS, SUFFICIENT_REDUCTION, Stopping};
 use super::report::{SimulationError, StepReport};
@@ -18,33 +22,35 @@ use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Allowance, Copies, Member, set_lanes};
 
 const NONE: Lanes = [0.0; LANES];
-/// Fewest simulations that are faster together than one by one.
+/// Fewest simulations for which stepping together is faster.
 const FEWEST: usize = 3;
 
-/// Scratch of steps together.
+/// Scratch for steps of several simulations.
 #[derive(Default)]
 pub struct Lockstep {
     group: Option<Group>,
-    /// Steps of simulations that were solved together.
+    /// Number of steps of simulations that were solved together.
     pub solved: usize,
 }
 
-/// Scratch of one kind of scene.
+/// Scratch for one kind of scene.
 struct Group {
     copies: Copies,
     unknowns: LaneVector,
 }
 
 impl Lockstep {
-    /// Simulations that a group holds at most.
+    /// Largest number of simulations in a group.
     pub const LANES: usize = LANES;
 
-    /// Takes one step in each of some simulations, which ends no later than the time beside it, as long as `goes_on` returns true: see
-    /// [`Simulation::advance_while`], whose result each gets.
+    /// Takes one step in each simulation, which ends no later than the time given beside it, as
+    /// long as `goes_on` returns true. Returns for each simulation the result of
+    /// [`Simulation::advance_while`].
     ///
-    /// Simulations of the same scene with other numbers are solved together, [`Self::LANES`] at a time: scenes of separate open rods
-    /// with clamps, dead loads, linear drag and material damping. All others are stepped one by one. The results do not depend on
-    /// which simulations are stepped together.
+    /// Simulations of scenes that differ in numbers only are solved together, [`Self::LANES`] at a
+    /// time, if the scenes have separate open rods with clamps, dead loads, linear drag and
+    /// material damping. All others are stepped one by one. The results do not depend on which
+    /// simulations are stepped together.
     pub fn advance(
         &mut self,
         simulations: &mut [(&mut Simulation, f64)],
@@ -83,7 +89,8 @@ impl Lockstep {
         results
     }
 
-    /// Corrects the predictions of up to [`LANES`] simulations whose steps are begun, each with its end, s.
+    /// Corrects the predictions of up to [`LANES`] simulations with begun steps, each given with
+    /// its end, s.
     fn correct(&mut self, simulations: &mut [(&mut Simulation, f64)], goes_on: &dyn Fn() -> bool) {
         let fits = |copies: &mut Copies, simulation: &Simulation| {
             copies.are_of(&simulation.system, &simulation.integrator.workspace.stage)
@@ -120,7 +127,7 @@ impl Lockstep {
 }
 
 impl Group {
-    /// For simulations like this; `None` where its scene has no copies.
+    /// Creates a group for simulations like this one; `None` if its scene has no copies.
     fn of(simulation: &Simulation) -> Option<Self> {
         let copies = Copies::new(&simulation.system)?;
         Some(Self {
@@ -129,7 +136,8 @@ impl Group {
         })
     }
 
-    /// Puts simulations whose steps are begun into the lanes, each with its end, s; those left over get what the last one has.
+    /// Loads simulations with begun steps into the lanes, each given with its end, s; spare lanes
+    /// repeat the last simulation.
     fn set(&mut self, members: &mut [&mut (&mut Simulation, f64)]) -> Vec<Stopping> {
         let stopping = members.iter_mut().map(|(simulation, goal)| {
             let Simulation {
@@ -155,7 +163,8 @@ impl Group {
         stopping
     }
 
-    /// Corrects the unknowns of the lanes by Newton's method; returns the corrections of those that have converged.
+    /// Corrects the unknowns of the lanes by Newton's method; returns the corrections of the lanes
+    /// that have converged.
     fn solve(
         &mut self,
         stopping: &[Stopping],
@@ -166,13 +175,14 @@ impl Group {
         let copies = &mut self.copies;
         let set = copies.set;
         copies.evaluate(&self.unknowns);
-        // What is balanced as predicted is the exception, and asks for more.
+        // A prediction that is balanced already is rare and needs further checks, so it is left to
+        // its simulation.
         let imbalance = copies.imbalance();
         for lane in 0..LANES {
             works[lane] &= imbalance[lane] > 1.0 && imbalance[lane].is_finite();
         }
         let mut residual_before = copies.squared_residual();
-        // No unknown of a lane is farther than that.
+        // Largest magnitude of a position unknown in each lane.
         let mut reach = largest_moves(set, &self.unknowns);
         for iteration in 0.. {
             for (lane, stopping) in stopping.iter().enumerate() {
@@ -184,7 +194,7 @@ impl Group {
             copies.solve();
             let moves = largest_moves(set, copies.direction());
             for (lane, stopping) in stopping.iter().enumerate() {
-                // A comparison with what is not a number is false.
+                // A comparison with NaN is false.
                 works[lane] &= moves[lane] <= stopping.trust_radius;
                 reach[lane] += moves[lane];
             }
@@ -238,13 +248,14 @@ impl Group {
     }
 }
 
-/// Whether a correction that moves a position by so much may be one of the last digits, where none is farther than `reach`.
+/// Whether a correction that moves a position by `moves` may be within the last digits, if no
+/// position exceeds `reach`.
 fn is_small(moves: f64, reach: f64) -> bool {
     moves <= 2.0 * LAST_DIGITS * f64::EPSILON * reach
 }
 
 impl Copies {
-    /// Largest residual of a free unknown over its tolerance; infinite or no number where one is.
+    /// Largest residual of a free unknown over its tolerance; infinite or NaN if a residual is.
     fn imbalance(&self) -> Lanes {
         let mut largest = NONE;
         for allowance in self.rods_that_move() {
@@ -281,7 +292,7 @@ impl Copies {
 }
 
 kernel! {
-    /// Moves the unknowns of the lanes at work along the direction, which becomes zero in the others.
+    /// Moves the unknowns of active lanes along the direction, which becomes zero in the others.
     fn move_lanes(works: &Lanes, direction: &mut [Lanes], unknowns: &mut [Lanes]) {
         for (direction, unknown) in direction.iter_mut().zip(unknowns) {
             for lane in 0..LANES {
@@ -294,7 +305,7 @@ kernel! {
 }
 
 kernel! {
-    /// Largest move of a position along a direction, m; no number where one is none.
+    /// Largest move of a position along a direction, m; NaN if any move is NaN or infinite.
     fn largest_moves(direction: &[Lanes]) -> Lanes {
         let (mut largest, mut broken) = ([0.0; LANES], [0.0; LANES]);
         for (k, own) in direction.iter().enumerate() {
@@ -313,7 +324,8 @@ kernel! {
 }
 
 kernel! {
-    /// Takes over the largest residual over the force that counts as none; no number where one is none.
+    /// Updates the largest ratio of a residual to the force tolerance; NaN if any residual is NaN
+    /// or infinite.
     fn worst_of(residual: &[Lanes], held: &[bool], allowance: &Allowance, largest: &mut Lanes) {
         let (mut worst, mut broken) = ([0.0; LANES], [0.0; LANES]);
         for (k, own) in residual.iter().enumerate() {
@@ -334,7 +346,8 @@ kernel! {
 }
 
 kernel! {
-    /// Adds the squares of the weighted residuals, by the places of unknowns at their nodes.
+    /// Adds the squares of the weighted residuals, separately for each of the four unknowns of a
+    /// node.
     fn add_squares(residual: &[Lanes], held: &[bool], allowance: &Allowance, sums: &mut [Lanes; STRIDE]) {
         for (k, own) in residual.iter().enumerate() {
             if held[k] {
@@ -361,7 +374,8 @@ kernel! {
 }
 
 kernel! {
-    /// Number of corrections that are more than the last digits of positions and angles, the farthest of which count for all.
+    /// Counts corrections that exceed the last digits of positions and angles. The farthest
+    /// position sets the last digit for all positions.
     fn exceed_last_digits(direction: &[Lanes], unknowns: &[Lanes]) -> Lanes {
         let mut farthest = [0.0; LANES];
         for (k, own) in unknowns.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Simulations stepped together against the same ones alone.
+//! Simulations stepped together, compared with the same ones stepped alone.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -12,7 +12,7 @@ const EDGES: usize = 9;
 /// m.
 const SWING: f64 = 0.002;
 
-/// A wire between two clamps, or one, of numbers that depend on the case.
+/// A wire with one or two clamps; its numbers depend on the case.
 fn wire(case: usize, curves: bool, ends: usize) -> Scene {
     let part = 0.1 * case as f64;
     let stiffness = section(200.0, [0.002 * (1.0 + part), 0.003], 0.002);
@@ -52,7 +52,8 @@ fn start(scenes: &[Scene], scheme: Scheme) -> Vec<Simulation> {
         .collect()
 }
 
-/// Takes steps with clamps that are carried along, so many metres in a swing, alone or together.
+/// Takes steps with clamps that oscillate by `swing` metres, each simulation alone or all
+/// together.
 fn travel(
     simulations: &mut [Simulation],
     steps: usize,
@@ -86,7 +87,8 @@ fn travel(
     }
 }
 
-/// Steps cases alone and together; returns the share of steps that were solved together.
+/// Steps the cases alone and together, compares the results, and returns the share of steps that
+/// were solved together.
 fn compare(scenes: &[Scene], scheme: Scheme, steps: usize) -> f64 {
     compare_swings(scenes, scheme, steps, SWING)
 }

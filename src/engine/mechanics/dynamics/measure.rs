@@ -1,4 +1,4 @@
-//! Measurements of a simulation: of single rods, nodes and edges, at its last step.
+//! Measurements of single rods, nodes and edges of a simulation, at its last step.
 
 use super::Simulation;
 use super::report::Energies;
@@ -7,23 +7,25 @@ use crate::mechanics::rod::{RodRange, STRIDE};
 use crate::mechanics::system::Resultants;
 use crate::mechanics::{UnitQuaternion, Vector3};
 
-/// Where a clamp is, and what it holds.
+/// Pose of a clamp, and what it holds.
 #[derive(Clone, Copy, Debug)]
 pub struct HeldPose {
     /// Node of the whole scene.
     pub node: usize,
     /// Position of the node, m.
     pub position: Vector3,
-    /// Turns the axes to the first and the second material director and the tangent of the rod there.
+    /// Rotates the axes to the first and second material directors and the tangent of the rod
+    /// there.
     pub frame: UnitQuaternion,
     /// Whether the position is held.
     pub holds_position: bool,
-    /// Whether the frame is held; otherwise `frame` is that at which the clamp took hold, as far as it turned since.
+    /// Whether the frame is held. If not, `frame` is the frame at which the clamp took hold,
+    /// rotated with it since then.
     pub holds_frame: bool,
 }
 
 impl Simulation {
-    /// Number of clamps, those that were released included: first those of the scene, then those that
+    /// Number of clamps, including released ones: first those of the scene, then those that
     /// [`Self::grasp`] made.
     pub fn clamps(&self) -> usize {
         self.system.assembly.drives.len()
@@ -55,24 +57,25 @@ impl Simulation {
         &self.system.assembly.rods.rods
     }
 
-    /// Force that a clamp exerts on its held node, N: the residual M a + ∇E − F there, inertia of the node included. It
-    /// is available after the first step or equilibrium; for the midpoint rule it is that in the middle of the step.
+    /// Force that a clamp exerts on its held node, N: the residual M a + ∇E − F there, which
+    /// includes the inertia of the node. It is available after the first step or equilibrium. With
+    /// the midpoint rule it is the force in the middle of the step.
     pub fn reaction(&self, node: usize) -> Vector3 {
         Vector3::from_column_slice(&self.system.residual[STRIDE * node..STRIDE * node + 3])
     }
 
-    /// Moment that a clamp exerts on the rod at its node, N m; zero where no frame is held.
+    /// Moment that a clamp exerts on the rod at its node, N m; zero if no frame is held.
     pub fn reaction_moment(&self, node: usize) -> Vector3 {
         self.system.clamp_moment(node)
     }
 
-    /// Tension of the edge that starts at a node, N: positive where it is longer than by nature; `None` where no edge
-    /// starts.
+    /// Tension of the edge that starts at a node, N: positive if it is longer than its natural
+    /// length; `None` if no edge starts.
     pub fn tension(&self, edge: usize) -> Option<f64> {
         self.system.tension(edge)
     }
 
-    /// Force of a spring of the scene, N: positive where it pulls, 0 after it broke.
+    /// Force of a spring of the scene, N: positive if it pulls, 0 after it broke.
     pub fn spring_force(&self, spring: usize) -> f64 {
         self.system.spring_force(spring)
     }
@@ -82,13 +85,13 @@ impl Simulation {
         self.system.node_force(number)
     }
 
-    /// Bending and twisting moments, curvature and twist at each node; `None` where the rod ends freely.
+    /// Bending and twisting moments, curvature and twist at each node; `None` at free ends.
     pub fn resultants(&self) -> Vec<Option<Resultants>> {
         self.system.resultants()
     }
 
-    /// Twist of the material frame of a rod from one end to the other, rad: including whole turns and the twist across
-    /// frames that clamps hold.
+    /// Twist of the material frame of a rod from one end to the other, rad, including whole turns
+    /// and the twist across frames that clamps hold.
     pub fn total_twist(&self, rod: usize) -> f64 {
         self.system.total_twist(rod)
     }
@@ -105,7 +108,7 @@ impl Simulation {
         contact.map_or(&[], |contact| contact.planes())
     }
 
-    /// Energies of one rod, J; that of contact is left at zero.
+    /// Energies of one rod, J; the contact energy is left at zero.
     pub fn energies_of(&self, rod: usize) -> Energies {
         let assembly = &self.system.assembly;
         let nodes = assembly.rods.rods[rod].node_indices();

@@ -1,7 +1,8 @@
 //! Time stepping: the implicit step, Newton's method, step control.
 //!
-//! [`Simulation`] is the entry point. A step is `Integrator::step`: drag at the start of the step or of the predicted motion,
-//! contact candidates, an implicit stage solved by Newton's method, smaller steps where that fails, and acceptance.
+//! [`Simulation`] is the entry point. `Integrator::step` takes a step: it evaluates the drag at
+//! the start of the step or for the predicted motion, finds contact candidates, solves an implicit
+//! stage by Newton's method, repeats a failed step with smaller ones, and accepts the result.
 //!
 //! | file | what |
 //! |---|---|

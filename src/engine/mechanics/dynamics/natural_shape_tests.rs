@@ -50,8 +50,8 @@ fn helix(part: f64) -> Vector3 {
     Vector3::new(0.04 * cos, 0.04 * sin, -0.2 * part)
 }
 
-/// Finds the natural strains and from them the equilibrium nearby; returns its largest distance from the curve over the length, and
-/// the number of directions in which it is unstable.
+/// Finds the natural strains and the equilibrium nearby. Returns its largest distance from the
+/// curve, relative to the length, and the number of directions in which it is unstable.
 fn distance(mut scene: Scene) -> (Designed, f64, usize) {
     let designed = natural_strains(&scene, 0).unwrap();
     scene.rods[0].natural_shape = NaturalShape::Strains(designed.natural.clone());
@@ -74,7 +74,7 @@ fn a_beam_that_is_level_under_its_weight_has_the_curvature_of_the_closed_form() 
     assert!(distance < 1e-10 && unstable == 0, "{distance:e}");
     let weight = 3e-3 * GRAVITY;
     for (node, curvature) in designed.natural.curvature.iter().enumerate().skip(1) {
-        // Lumped at nodes: the moment of the weights of the nodes beyond.
+        // With weights lumped at nodes, the moment of the weights of the nodes beyond.
         let beyond = LENGTH * (1.0 - node as f64 / EDGES as f64);
         let stiffness = [4e-5, 9e-5];
         let moment = libm::hypot(stiffness[0] * curvature[0], stiffness[1] * curvature[1]);
@@ -105,7 +105,7 @@ fn curves_in_space_are_equilibria_with_one_or_two_clamps() {
         );
         assert!(designed.residual < 1e-10 * designed.force, "{clamps:?}");
         assert!(distance < 1e-10, "{clamps:?}: {distance:e}");
-        // Clamped at its lower end only, the rod stands, and is too long for that.
+        // Clamped at its lower end only, the rod stands upright and is too long to be stable.
         assert_eq!(unstable > 0, clamps == [(EDGES, true, true)]);
     }
 }

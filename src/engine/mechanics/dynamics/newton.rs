@@ -1,5 +1,5 @@
-//! Newton's method for one implicit stage. The whole step is taken, with its Jacobian at once; only where
-//! it increases the residual a line search finds a shorter one.
+//! Newton's method for one implicit stage. It takes the whole step with the Jacobian at once; only
+//! if that increases the residual does a line search find a shorter one.
 
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::{Divergence, Imbalance, Stage, System};
@@ -8,34 +8,35 @@ use tracing::{Level, enabled, trace};
 /// Stopping criteria of Newton's method.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stopping {
-    /// Radius of the thinnest rod that moves, m.
+    /// Radius of the thinnest moving rod, m.
     pub radius: f64,
-    /// Largest correction of a position, m.
+    /// Largest last correction of a position at convergence, m.
     pub displacement: f64,
-    /// Farthest that an iteration may move a position, m; one that would move farther has left the solution near the
+    /// Largest move of a position in an iteration, m; a larger one has left the solution near the
     /// prediction.
     pub trust_radius: f64,
     /// Most iterations.
     pub iterations: usize,
-    /// Whether a correction of only the last digits of the unknowns ends the iteration with any residual.
+    /// Whether a correction of only the last digits of the unknowns ends the iteration, with any
+    /// residual.
     pub ends_at_last_digits: bool,
-    /// Whether to give up earlier, where the residual does not fall or a line search would be needed: a smaller
-    /// step may be the cheaper way.
+    /// Whether to give up early if the residual does not fall or a line search is needed: a
+    /// smaller step may be cheaper.
     pub gives_up: bool,
 }
 
-/// Whole corrections that were made elsewhere.
+/// Result of whole corrections made outside of this method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Corrected {
     /// Their number.
     pub iterations: usize,
-    /// Largest move of a position by the last one, m.
+    /// Largest move of a position in the last correction, m.
     pub last_move: f64,
-    /// Whether the last one was of only the last digits of the unknowns.
+    /// Whether the last correction changed only the last digits of the unknowns.
     pub changes_nothing: bool,
-    /// Whether the residual counts as none.
+    /// Whether the residual is below its tolerance.
     pub is_balanced: bool,
-    /// Whether it may do work, so that this must be looked at.
+    /// Whether the residual may do work, which must then be checked.
     pub may_do_work: bool,
 }
 
@@ -46,30 +47,33 @@ pub(crate) struct Newton {
     direction: Vec<f64>,
 }
 
-/// Iterations in which contact forces are carried along; a step that needs more begins again without.
+/// Number of iterations in which contact forces are carried along; a step that needs more restarts
+/// without carrying.
 const CARRYING_ITERATIONS: usize = 30;
-/// Farthest that such an iteration moves a position, in radii: rods that fall move a radius within a step, and beyond two
-/// contacts on the way have not been detected.
+/// Largest move of a position in such an iteration, in radii. Falling rods move a radius within a
+/// step; beyond two, contacts on the way have not been detected.
 const FARTHEST_CARRIED: f64 = 2.0;
-/// Correction of a position, in radii, from which down normals and contact points are those of the solution.
+/// Correction of a position, in radii, below which normals and contact points are close to those
+/// of the solution.
 const SLIGHT_MOVE: f64 = 1e-2;
-/// Iterations that must lower the residual to [`TRIAL_REDUCTION`] of its largest value in them, or a smaller step is
-/// the cheaper way.
+/// Number of iterations within which the residual must fall to [`TRIAL_REDUCTION`] of its largest
+/// value among them; otherwise a smaller step is cheaper.
 ///
-/// At friction coefficients near one the line search may crawl along the edge between sticking and sliding for all the
-/// iterations there are. Fewer iterations or a smaller part give up steps that would have converged.
+/// At friction coefficients near one the line search may creep along the boundary between sticking
+/// and sliding for all iterations. Fewer iterations or a smaller fraction would give up steps that
+/// would have converged.
 const TRIAL_ITERATIONS: usize = 5;
 const TRIAL_REDUCTION: f64 = 0.2;
-/// A correction of so many last digits of the unknowns is none: where contact is stiff they leave more of the residual than
-/// is requested.
+/// A correction of at most this many last digits of the unknowns counts as zero: with stiff
+/// contact, these digits leave a larger residual than is allowed.
 pub(super) const LAST_DIGITS: f64 = 4.0;
-/// Reductions of the step along one direction before it is accepted.
+/// Most reductions of the step along one direction before it is accepted.
 const LINE_SEARCH_STEPS: usize = 12;
 /// A step is accepted when the force along the direction has fallen below this fraction.
 pub(super) const SUFFICIENT_REDUCTION: f64 = 0.9;
 
 impl Newton {
-    /// Scratch for so many unknowns.
+    /// Scratch for `unknowns` unknowns.
     pub(crate) fn new(unknowns: usize) -> Self {
         Self {
             start: vec![0.0; unknowns],
@@ -77,12 +81,14 @@ impl Newton {
         }
     }
 
-    /// Solves R(q) = 0, starting from `unknowns`, which may have been `corrected` and evaluated, and leaving the solution there; returns the number of
-    /// linear solves, without those of a prediction of contact forces, which solves for no contacts. The frames and the
-    /// residual of `system` are those of the solution.
+    /// Solves R(q) = 0, starting from `unknowns`, which may have been `corrected` and evaluated,
+    /// and leaves the solution there. Returns the number of linear solves, except those of a
+    /// prediction of contact forces, which solves for no contacts. The frames and the residual of
+    /// `system` are those of the solution.
     ///
     /// # Errors
-    /// [`Divergence`] when the iterations run out or lead nowhere, a number is not finite, or `goes_on` returns false.
+    /// [`Divergence`] if the iterations are exhausted or make no progress, a number is not finite,
+    /// or `goes_on` returns false.
     pub(crate) fn solve(
         &mut self,
         system: &mut System,
@@ -138,7 +144,8 @@ impl Newton {
             self.start.copy_from_slice(unknowns);
             let before = Progress::of(system, &self.direction);
             let part = self.correct(system, unknowns, stopping, carries);
-            // The residual alone costs a quarter of the Jacobian, which the solution no longer needs.
+            // Evaluate only the residual: it costs a quarter of the Jacobian, which the solution
+            // no longer needs.
             system.evaluate(unknowns, Some(stage));
             course.last_move = part * largest_move(&self.direction);
             course.is_corrected |= part == 1.0;
@@ -179,7 +186,8 @@ impl Newton {
     /// Finds the Newton direction at the last linearisation.
     ///
     /// # Errors
-    /// [`Divergence`] if the iteration leaves the trust region, with a NaN residual where there is none.
+    /// [`Divergence`] if the iteration leaves the trust region, or, with a NaN residual, if no
+    /// direction is found.
     fn find_direction(
         &mut self,
         system: &mut System,
@@ -194,7 +202,8 @@ impl Newton {
                 ..failed
             });
         }
-        // Frames of joints without inertia turn at once to where moments balance.
+        // The trust region ignores the frames of joints without inertia: they turn at once to
+        // balanced moments.
         let of_nodes = STRIDE * system.assembly.rods.nodes;
         if largest_move(&self.direction[..of_nodes]) > stopping.trust_radius {
             return Err(failed);
@@ -202,7 +211,8 @@ impl Newton {
         Ok(())
     }
 
-    /// Moves the unknowns by the direction, or by the part of it that contact allows; returns that part.
+    /// Moves the unknowns along the direction, or along the fraction of it that contact allows;
+    /// returns that fraction.
     fn correct(
         &self,
         system: &mut System,
@@ -222,7 +232,7 @@ impl Newton {
         longest
     }
 
-    /// Writes start + length · direction.
+    /// Sets the unknowns to start + length · direction.
     fn move_by(&self, length: f64, system: &mut System, unknowns: &mut [f64]) {
         for k in 0..unknowns.len() {
             unknowns[k] = self.start[k] + length * self.direction[k];
@@ -230,9 +240,9 @@ impl Newton {
         system.complete(unknowns);
     }
 
-    /// Approaches a root of d·R along the direction d by regula falsi (Matthies and Strang 1979), after the
-    /// whole step, or the `longest` allowed, has neither lowered the residual nor the force along it; leaves the
-    /// unknowns there.
+    /// Approaches a root of d·R along the direction d by regula falsi (Matthies and Strang 1979),
+    /// if the whole step, or the `longest` allowed, has lowered neither the residual nor the force
+    /// along it. Leaves the unknowns there.
     fn line_search(
         &mut self,
         system: &mut System,
@@ -256,7 +266,8 @@ impl Newton {
                     root.clamp(low.0 + 0.1 * (end - low.0), low.0 + 0.9 * (end - low.0))
                 }
                 Some((end, _)) => 0.5 * (low.0 + end),
-                // The force has grown without changing its sign: no root within reach, take the step.
+                // The force has grown without a change of sign: no root is within reach, so take
+                // the step.
                 None => break,
             };
             self.move_by(length, system, unknowns);
@@ -275,9 +286,9 @@ impl Newton {
 struct Course {
     /// Most iterations.
     limit: usize,
-    /// Whether it is given up where the residual does not fall.
+    /// Whether to give up if the residual does not fall.
     is_on_trial: bool,
-    /// Largest imbalance of those that are compared in that.
+    /// Largest imbalance in the current iterations of the trial.
     largest_ratio: f64,
     /// Largest move of a position by the last correction, m.
     last_move: f64,
@@ -286,7 +297,8 @@ struct Course {
     refinement: Refinement,
 }
 
-/// The residual of a balanced step may still do work; the step is then corrected once more.
+/// State of the refinement: if the residual of a balanced step may still do work, the step is
+/// corrected once more.
 #[derive(Clone, Copy, PartialEq)]
 enum Refinement {
     NotAsked,
@@ -323,8 +335,9 @@ impl Course {
         is_balanced && self.last_move <= stopping.displacement
     }
 
-    /// Whether the iteration ends after a correction: where it changed nothing, or forces are balanced after a whole one and do not
-    /// want the refinement, which is due where their residual `does_work`.
+    /// Whether the iteration ends after a correction: if the correction changed nothing, or if
+    /// forces are balanced after a whole correction and no refinement is due. A refinement is due
+    /// if the residual `does_work`.
     fn ends(
         &mut self,
         is_balanced: bool,
@@ -337,7 +350,7 @@ impl Course {
         changes_nothing || is_balanced && self.refinement != Refinement::Due
     }
 
-    /// Requests the one refinement where `does_work` returns true.
+    /// Requests the single refinement if `does_work` returns true.
     fn refine(&mut self, does_work: impl FnOnce() -> bool) {
         self.refinement = match self.refinement {
             Refinement::NotAsked if does_work() => Refinement::Due,
@@ -379,14 +392,15 @@ impl Progress {
         }
     }
 
-    /// Whether the residual has fallen, or else the force along the direction.
+    /// Whether the residual has fallen or, if not, the force along the direction.
     fn suffices(&self, before: &Self) -> bool {
         self.squared_residual <= before.squared_residual
             || self.slope.abs() <= SUFFICIENT_REDUCTION * before.slope.abs()
     }
 }
 
-/// Whether a correction is one of the last digits of positions and angles, the farthest of which count for all.
+/// Whether a correction is within the last digits of positions and angles. The farthest position
+/// sets the last digit for all positions.
 fn are_last_digits(direction: &[f64], unknowns: &[f64]) -> bool {
     let farthest = largest_move(unknowns);
     direction

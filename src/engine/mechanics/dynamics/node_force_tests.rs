@@ -1,4 +1,4 @@
-//! Forces of code, in motion and at rest.
+//! Forces defined in code, in motion and at rest.
 
 use super::spring_tests::{MASS, STIFFNESS, rod};
 use super::*;
@@ -8,7 +8,7 @@ use crate::mechanics::{Matrix3, SceneError, Vector3};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// E = ½ k ‖x₁ − x₀‖² of a node, or ½ k ‖x₁ − x₂‖² of two.
+/// E = ½ k ‖x₁ − x₀‖² of a single node, or ½ k ‖x₁ − x₂‖² of two nodes.
 #[derive(Debug)]
 struct Pull {
     nodes: Vec<RodNode>,
@@ -52,7 +52,8 @@ impl NodeForce for Pull {
     }
 }
 
-/// A rod along x whose nodes springs in proportion to their masses pull towards places 5 mm above them.
+/// A rod along x. Springs with stiffness proportional to the node masses pull its nodes towards
+/// points 5 mm above them.
 fn held() -> Scene {
     let rod = rod("rod", Vector3::zeros(), Vector3::x());
     let force = |(node, place): (usize, &Vector3)| {

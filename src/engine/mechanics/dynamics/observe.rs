@@ -26,12 +26,12 @@ impl Simulation {
         &self.published.velocities
     }
 
-    /// Angle of the edge that starts at each node, rad; zero where no edge starts.
+    /// Angle of the edge that starts at each node, rad; zero if no edge starts.
     pub fn edge_angles(&self) -> &[f64] {
         &self.published.edge_angles
     }
 
-    /// First material director of the edge that starts at each node; zero where no edge starts.
+    /// First material director of the edge that starts at each node; zero if no edge starts.
     pub fn material_directors(&self) -> Vec<Vector3> {
         self.system.geometry.edges[..self.published.positions.len()]
             .iter()
@@ -56,7 +56,7 @@ impl Simulation {
             .map_or(&[], |contact| contact.contacts())
     }
 
-    /// The obstacle that a contact is with.
+    /// The obstacle of a contact.
     pub fn obstacle_at(&self, contact: &ActiveContact) -> Option<usize> {
         let system = self.system.contact()?;
         let pair = system.candidates().get(contact.candidate)?;
@@ -99,7 +99,8 @@ impl Simulation {
         }
     }
 
-    /// Present energy of the contacts, J. The midpoint rule evaluates them in the middle of its steps.
+    /// Present energy of the contacts, J. The midpoint rule evaluates them in the middle of its
+    /// steps.
     fn contact_energy(&self) -> f64 {
         let scheme = self.integrator.setting.parameters.scheme;
         match self.system.contact() {
@@ -130,8 +131,9 @@ impl Simulation {
         self.system.contact()?.mean_gap()
     }
 
-    /// Remarks on the motion so far, one sentence each: strains beyond the theory of rods, spurious
-    /// energy, steps far smaller than requested, joints that broke, contact that is ignored at roots.
+    /// Remarks on the motion so far, one sentence each: strains beyond rod theory, spurious
+    /// energy, steps far smaller than requested, joints that broke, contact that is ignored at
+    /// roots.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = self.validity.remarks(&self.system);
         remarks.extend(self.system.remarks_on_breaks());
@@ -139,12 +141,14 @@ impl Simulation {
         remarks
     }
 
-    /// Breaking of each joint that may break, if it broke: in the order of the joints of the scene, then of its springs.
+    /// Break of each joint that may break; `None` if it did not. In the order of the joints of the
+    /// scene, then of its springs.
     pub fn breaks(&self) -> Vec<Option<Break>> {
         self.system.breaks()
     }
 
-    /// Numbers of the unknowns that are not held: node k has x, y, z at 4k..4k+2, its edge's angle at 4k+3.
+    /// Indices of the unknowns that are not held: node k has x, y, z at 4k..4k+2, and the angle of
+    /// its edge at 4k+3.
     pub fn free_unknowns(&self) -> Vec<usize> {
         let assembly = &self.system.assembly;
         let mut owned = assembly.held.clone();
@@ -176,7 +180,7 @@ impl Simulation {
         nalgebra::DMatrix::from_fn(free.len(), free.len(), |i, j| dense[(free[i], free[j])])
     }
 
-    /// The present state, for another scene of the same rods to start from.
+    /// The present state, as the start of another scene with the same rods.
     pub fn as_start(&self) -> Start {
         let system = &self.system;
         let rods = &system.assembly.rods;
@@ -236,7 +240,7 @@ impl Simulation {
     /// [`SimulationError::BadScene`] if the checkpoint belongs to another scene.
     pub fn restore(&mut self, state: SimulationState) -> Result<(), SimulationError> {
         let foreign = |what: String| SimulationError::BadScene(SceneError::Checkpoint(what));
-        // Before what was grasped since.
+        // Breaks are restored before the grasps, which may have followed them.
         let restored = self.system.restore_breaks(&state.breaks);
         restored.map_err(|what| foreign(what.to_owned()))?;
         let restored = self.system.restore_interventions(state.interventions);
@@ -288,7 +292,7 @@ mod tests {
     use crate::mechanics::scene::{Plane, RodDescription, Scene};
     use crate::mechanics::test_support::{clamp, ground, run_with, section, steady};
 
-    /// A straight rod of 25 edges of 8 mm along an axis through `middle`.
+    /// A straight rod of 25 edges of 8 mm along an axis. `middle` is its midpoint.
     fn rod(name: &str, radius: f64, axis: usize, middle: [f64; 3]) -> RodDescription {
         let node = |k: i32| {
             let mut node = Vector3::from(middle);

@@ -1,4 +1,4 @@
-//! Rods in a flow beside whose drag their inertia is nothing.
+//! Rods in a flow whose drag makes their inertia negligible.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -14,8 +14,8 @@ const RADIUS: f64 = 1e-4;
 const VISCOSITY: f64 = 1.0;
 const LOAD: f64 = 1e-3;
 
-/// A filament of 1 GPa, 200 radii long, in a fluid of 1 Pa s, with a load of 1 mN/m in a direction: motions come to rest within
-/// 25 µs.
+/// A filament of 1 GPa, 200 radii long, in a fluid of 1 Pa s, with a load of 1 mN/m in a given
+/// direction. Motions decay within 25 µs.
 fn filament(edges: usize, direction: Vector3) -> Scene {
     let area = PI * RADIUS * RADIUS;
     let mut rod = straight_rod(edges, LENGTH);
@@ -35,7 +35,8 @@ fn filament(edges: usize, direction: Vector3) -> Scene {
     }
 }
 
-/// The speed with which the load drags the filament along, m/s, by a dense solution of the flow of a rigid rod.
+/// Speed at which the load moves the filament, m/s, from a dense solution for the flow of a rigid
+/// rod.
 fn gliding_speed(edges: usize) -> f64 {
     let filament = Filament {
         first_node: 0,
@@ -69,10 +70,10 @@ fn filaments_glide_at_the_speed_of_the_dense_solution_with_every_scheme_and_step
             for step in [1e-2, 1e-4] {
                 let glided = run(&scene, scheme, step, 60.0 * step);
                 let way = glided.positions()[edges / 2].x - 0.5 * LENGTH;
-                // The filament speeds up within the first step.
+                // The filament accelerates within the first step.
                 let error = way / (speed * 60.0 * step) - 1.0;
                 assert!(error.abs() < 0.02, "{scheme:?} {edges} {step}: {error}");
-                // The midpoint rule does not damp what its steps do not resolve.
+                // The midpoint rule does not damp motions that its steps do not resolve.
                 if scheme != Scheme::ImplicitMidpoint {
                     let error = glided.velocities()[edges / 2].x / speed - 1.0;
                     assert!(error.abs() < 1e-4, "{scheme:?} {edges} {step}: {error}");
@@ -141,7 +142,7 @@ fn velocities_that_ring_are_reported() {
     assert!(!remarks(Scheme::BackwardDifferences).contains("midpoint"));
 }
 
-/// A rod of a radius (m), modulus (Pa) and density (kg/m³) between two places.
+/// A rod of a radius (m), modulus (Pa) and density (kg/m³) between two points.
 fn rod_between(
     name: &str,
     [start, end]: [Vector3; 2],
@@ -155,7 +156,7 @@ fn rod_between(
     RodDescription::uniform(name, nodes, stiffness, radius, density * area)
 }
 
-/// Two rods in a fluid, one of which is loaded.
+/// Two rods in a fluid; one of them is loaded.
 fn pair(rods: Vec<RodDescription>, loaded: usize, load: Vector3, viscosity: f64) -> Scene {
     Scene {
         rods,
@@ -171,7 +172,8 @@ fn pair(rods: Vec<RodDescription>, loaded: usize, load: Vector3, viscosity: f64)
 
 #[test]
 fn a_free_filament_floats_along_with_one_that_is_pulled() {
-    // Four radii from each other, with 11 radii to an edge: the drag on the free one is next to nothing.
+    // The rods are four radii apart, with edges of 11 radii: the drag on the free rod is almost
+    // zero.
     let edges = 8;
     let numbers = [2.845_715_466e-8, 1.364_960e6, 1588.0];
     let line = [Vector3::zeros(), 2.536_960_667e-6 * Vector3::x()];

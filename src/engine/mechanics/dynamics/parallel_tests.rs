@@ -1,4 +1,4 @@
-//! Rods that become parallel in contact: contact points run along edges that are nearly parallel.
+//! Rods that become parallel in contact: contact points move far along nearly parallel edges.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -7,7 +7,7 @@ use crate::mechanics::scene::{RodDescription, Scene, Stiffness};
 use crate::mechanics::test_support::{fixed, gravity};
 use std::f64::consts::PI;
 
-/// What thirty steps of a millisecond asked for.
+/// Effort of thirty steps of a millisecond.
 #[derive(Debug)]
 struct Effort {
     steps: usize,
@@ -15,7 +15,7 @@ struct Effort {
     retries: usize,
 }
 
-/// Rods one over the other, each turned by `angle` from the last and back, that fall on the lowest, which is held.
+/// Stacked rods, turned alternately by `angle` and back, that fall on the lowest, which is held.
 fn fallen(model: ContactModel, rods: usize, angle: f64, fall: f64) -> Effort {
     let (area, radius) = (PI * 1e-6, 1e-3);
     let stiffness = Stiffness::circular(1e7, 0.5, radius);
@@ -58,7 +58,8 @@ fn fallen(model: ContactModel, rods: usize, angle: f64, fall: f64) -> Effort {
     effort
 }
 
-/// Forces and rods found in turn went to and fro, and 30 steps took 47 with 62 repeated, and 2581 iterations.
+/// A regression: alternating between forces and rods oscillated, and 30 steps took 47 with 62
+/// repeated, and 2581 iterations.
 #[test]
 fn rigid_contacts_turn_with_the_rods() {
     for (angle, fall) in [(0.02, 0.3), (0.05, 1.0)] {
@@ -67,8 +68,8 @@ fn rigid_contacts_turn_with_the_rods() {
     }
 }
 
-/// Without the rotation of contacts with accurate forces, iterations alternated along the edges, and 30 steps took 59 with 5
-/// repeated, and 437 iterations.
+/// Without the rotation of contacts with accurate forces, iterations alternated along the edges:
+/// 30 steps took 59 with 5 repeated, and 437 iterations.
 #[test]
 fn soft_contacts_whose_forces_are_known_turn_with_the_rods() {
     let effort = fallen(ContactModel::ImplicitContact, 4, 0.02, 1.0);

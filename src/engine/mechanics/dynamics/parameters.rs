@@ -3,26 +3,31 @@
 /// Settings of time stepping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegrationParameters {
-    /// Time integration scheme. Implicit Euler by default: the scheme of the thesis, which handles impacts and
-    /// friction directly, and damps motions that its steps do not resolve.
+    /// Time integration scheme. Implicit Euler by default: the scheme of the thesis. It handles
+    /// impacts and friction directly, and damps motions that its steps do not resolve.
     pub scheme: Scheme,
-    /// Size of the time step, s. 1 ms by default: a rod of a millimetre and a MPa, clamped and some centimetres long,
-    /// swings in tenths of a second, and at walking speed a rod moves by less than its own radius in it.
+    /// Size of the time step, s. 1 ms by default: a clamped rod with a radius of a millimetre, a
+    /// modulus of a MPa and a length of some centimetres swings in tenths of a second, and at
+    /// walking speed it moves by less than its own radius per step.
     pub step: StepSize,
     /// Newton stops when the residual of every degree of freedom is below this multiple of the force
     /// scale: the largest of EI/L² of the stiffest rod, the nodal loads and the contact forces.
     ///
-    /// 1e-6 by default: Newton's method converges by squares, so that one more iteration gains six digits more; at 1e-3
-    /// the errors of many steps show in the momentum, at 1e-10 rounding errors of stiff rods are reached.
+    /// 1e-6 by default. Newton's method converges quadratically, so that one more iteration gains
+    /// six digits. At 1e-3 the errors of many steps show in the momentum; at 1e-10 rounding errors
+    /// of stiff rods are reached.
     pub force_tolerance: f64,
-    /// ... and when the last correction moved no node by more than this multiple of the radius of the thinnest rod.
+    /// The last correction must also have moved every node by at most this multiple of the radius
+    /// of the thinnest rod.
     ///
-    /// 1e-4 by default, a hundredth of the gap of a contact: a larger correction may have closed one without its force.
+    /// 1e-4 by default, a hundredth of the gap of a contact: a larger correction may have closed a
+    /// contact whose force is missing.
     pub displacement_tolerance: f64,
-    /// Newton iterations after which a step counts as failed and is halved. 40 by default: steps take two to six, those
-    /// with many new contacts up to thirty, and later convergence is rare.
+    /// Newton iterations after which a step counts as failed and is halved. 40 by default: steps
+    /// take two to six, those with many new contacts up to thirty; later convergence is rare.
     pub maximum_iterations: usize,
-    /// Smallest step before the run is given up, s. 1 ns by default, a millionth of the step by default: twenty halvings.
+    /// Smallest step before the run is given up, s. 1 ns by default, a millionth of the default
+    /// step: twenty halvings.
     pub minimum_step: f64,
 }
 
@@ -33,16 +38,17 @@ pub enum Scheme {
     ImplicitEuler,
     /// Second order, conserves momentum and nearly energy, without damping.
     ImplicitMidpoint,
-    /// Third order except for inertia, which is of second; damps fast modes; drag of the predicted motion.
+    /// Third order except for inertia, which is of second order. Damps fast modes; uses the drag
+    /// of the predicted motion.
     BackwardDifferences,
 }
 
 /// Fixed or error-controlled time steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepSize {
-    /// The same step always (halved and retried only where Newton fails), s.
+    /// A constant step, s, halved and retried only if Newton's method fails.
     Fixed(f64),
-    /// Chosen by the local error, between bounds.
+    /// Steps chosen by the local error, between bounds.
     Auto {
         /// Local error allowed per step, as a multiple of the radius of the thinnest rod.
         tolerance: f64,
@@ -52,7 +58,7 @@ pub enum StepSize {
 }
 
 impl StepSize {
-    /// Largest step that may be taken, s.
+    /// Largest step allowed, s.
     pub(crate) fn largest(&self) -> f64 {
         match *self {
             Self::Fixed(step) | Self::Auto { maximum: step, .. } => step,

@@ -12,12 +12,12 @@ const TOO_MANY: SceneError = SceneError::Unsuitable(
 );
 
 impl Simulation {
-    /// A tracer of the path of equilibria that begins at the present configuration; what the scene
-    /// prescribes over time it takes from the path parameter.
+    /// Creates a tracer for the path of equilibria that begins at the present configuration. The
+    /// path parameter replaces time in what the scene prescribes.
     ///
     /// # Errors
-    /// [`SimulationError::BadScene`] with friction, with rigid contact, and where small motions without an energy would
-    /// have too many unknowns.
+    /// [`SimulationError::BadScene`] with friction, with rigid contact, and if forces have no
+    /// energy and there are too many unknowns for small motions.
     pub fn path(&self, plan: PathPlan) -> Result<Tracer, SimulationError> {
         self.system.admit(Demand::Path)?;
         if !self.system.is_symmetric() && self.state.unknowns.len() > MOST_UNKNOWNS {
@@ -32,7 +32,8 @@ impl Simulation {
         ))
     }
 
-    /// Goes to the next point of a path; `None` after the last. The time is the path parameter then.
+    /// Moves to the next point of a path; returns `None` after the last. The time of the
+    /// simulation is then the path parameter.
     ///
     /// # Errors
     /// [`SimulationError::NoEquilibrium`] where the path cannot be followed.

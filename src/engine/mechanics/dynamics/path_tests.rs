@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 const EDGES: usize = 40;
 
 fn rod(centreline: Vec<Vector3>) -> RodDescription {
-    // Soft about the first director alone: it bends in the plane of x and y.
+    // The rod is soft about the first director only: it bends in the plane of x and y.
     let stiffness = section(1e5, [1.0, 50.0], 10.0);
     RodDescription {
         first_director: Some(Vector3::z()),
@@ -19,7 +19,7 @@ fn rod(centreline: Vec<Vector3>) -> RodDescription {
     }
 }
 
-/// A force that is the parameter times `force`.
+/// A force equal to the parameter times `force`.
 fn growing(node: usize, force: Vector3) -> Load {
     Load {
         schedule: vec![(-1e3, -1e3), (1e3, 1e3)],
@@ -37,7 +37,7 @@ fn column() -> Scene {
     }
 }
 
-/// An arch between two walls, pushed down in its middle; so flat that it stays symmetric.
+/// An arch between two walls, pushed down in its middle; it is so shallow that it stays symmetric.
 fn arch() -> Scene {
     let node = |k: usize| {
         let s = k as f64 / EDGES as f64;
@@ -174,7 +174,7 @@ fn the_path_of_an_arch_turns_back_at_a_fold_where_it_loses_stability() {
     let (lowest, start) = (fold.lowest_eigenvalue, points[0].lowest_eigenvalue);
     assert!(lowest.abs() < 1e-3 * start, "{lowest} of {start}");
     for point in &points {
-        // None lies beyond the fold before the arch has turned over.
+        // No point is beyond the fold before the arch has snapped through.
         let up = point.unknowns[4 * (EDGES / 2) + 1] > 0.0;
         assert!(!up || point.parameter <= fold.parameter * (1.0 + 1e-6));
     }
@@ -223,13 +223,14 @@ fn an_end_moment_of_fixed_direction_rolls_a_rod_up_along_a_path() {
     assert!(finished);
     let last = points.last().unwrap();
     assert_eq!(last.parameter, PI);
-    // Half a circle of the diameter 2/π.
+    // Half a circle of diameter 2/π.
     let tip = Vector3::from_column_slice(&last.unknowns[4 * EDGES..4 * EDGES + 3]);
     assert!((tip - Vector3::y() * (2.0 / PI)).norm() < 3e-3, "{tip}");
     assert!(last.motions.is_some());
 }
 
-/// A column clamped at its start under a force along its end, which turns with it by this part.
+/// A column clamped at its start under an axial force at its end; the fraction `following` of the
+/// force turns with the end.
 fn followed_column(following: f64) -> Scene {
     let mut scene = column();
     scene.loads = vec![
@@ -253,7 +254,7 @@ fn a_column_under_a_force_that_turns_with_its_end_flutters_at_becks_load() {
         assert!(finished);
         let critical = first_critical(&points);
         assert_eq!(critical.kind, PointKind::Flutter);
-        // Beck 1952; second order in the edge length.
+        // Value from Beck 1952; the error is of second order in the edge length.
         assert_close(critical.parameter, 20.0509, 5e-3);
         for point in points.iter().filter(|p| p.kind == PointKind::Regular) {
             let motions = point.motions.unwrap();
@@ -267,7 +268,8 @@ fn a_column_under_a_force_that_turns_with_its_end_flutters_at_becks_load() {
 
 #[test]
 fn a_column_under_a_force_that_turns_only_a_little_diverges() {
-    // Below one half: buckling at P with a + (1 − a) cos √P = 0, a the part that follows (Kordas and Życzkowski 1963).
+    // Below one half: buckling at P with a + (1 − a) cos √P = 0, where a is the following fraction
+    // (Kordas and Życzkowski 1963).
     let following = 0.2_f64;
     let exact = (-following / (1.0 - following)).acos().powi(2);
     let (points, _) = follow(&followed_column(following), plan(4.0, PathMethod::Natural));
@@ -283,7 +285,7 @@ fn a_column_under_a_force_that_turns_only_a_little_diverges() {
 fn a_fold_and_a_bifurcation_within_one_step_are_told_apart() {
     let mut scene = arch();
     scene.rods[0].stiffness.stretching = 2e4;
-    // Just so high that it tips over about when it snaps.
+    // The height is such that sideways buckling and snap-through nearly coincide.
     for x in &mut scene.rods[0].centreline {
         x.y *= 0.0224 / 0.018;
     }
@@ -331,7 +333,7 @@ fn a_round_column_buckles_in_two_directions_at_once_and_turns_without_resistance
         let deflection = point.unknowns[4 * EDGES + 1].hypot(point.unknowns[4 * EDGES + 2]);
         assert!((deflection / tip - 1.0).abs() < 1e-3, "{deflection} {tip}");
         assert_eq!(point.negative, 0);
-        // Not that of turning about the column.
+        // The eigenvalue is not that of rotation about the column, which meets no resistance.
         assert!(
             point.lowest_eigenvalue > 0.01,
             "{}",

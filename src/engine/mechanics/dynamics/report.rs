@@ -20,7 +20,7 @@ pub struct SimulationState {
     pub unknowns: Vec<f64>,
     /// Velocities of the unknowns.
     pub velocity: Vec<f64>,
-    /// The same at the last steps.
+    /// Unknowns and velocities at the last steps.
     pub history: History,
     /// Frames of the edges.
     pub reference: ReferenceFrames,
@@ -36,7 +36,7 @@ pub struct SimulationState {
     pub fluid: Option<FluidMemory>,
     /// State of forces between steps: strains of viscous rods.
     pub strains: Vec<Vec<f64>>,
-    /// Rotations from which those of joints and bodies count.
+    /// Reference rotations of joints and bodies.
     pub frames: Vec<UnitQuaternion>,
     /// Breaking of the joints.
     pub breaks: Vec<Option<Break>>,
@@ -51,13 +51,14 @@ pub struct StepReport {
     pub step: f64,
     /// Newton iterations of the accepted step and of the retries before it.
     pub newton_iterations: usize,
-    /// Contacts with a force at the end of the step.
+    /// Number of contacts with a force at the end of the step.
     pub contacts: usize,
-    /// Times the step was repeated before it was accepted.
+    /// Number of times the step was repeated before it was accepted.
     pub retries: usize,
     /// Krylov iterations of the fluid solve.
     pub fluid_iterations: usize,
-    /// The two bodies in contact with the least ratio of their distance to the one at which their surfaces touch.
+    /// The pair of bodies in contact with the smallest ratio of their distance to the distance at
+    /// which their surfaces touch.
     pub nearest: Option<Proximity>,
     /// Work done and energy lost.
     pub exchange: Exchange,
@@ -69,14 +70,15 @@ pub struct StepReport {
     pub contact_force: f64,
 }
 
-/// Work done on rods and energy that they lost, J.
+/// Work done on rods and energy lost by them, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Exchange {
-    /// Work of the clamps by the motion of the nodes and angles that they hold; not that of tilting a held tangent.
+    /// Work of the clamps through the motion of the nodes and angles that they hold, without that
+    /// of tilting a held tangent.
     pub clamp_work: f64,
     /// Energy lost to friction between rods and on planes.
     pub friction_loss: f64,
-    /// Energy lost to the drag among the loads and to the viscosity of the rods; not that of a fluid.
+    /// Energy lost to drag loads and to the viscosity of the rods, without that lost to a fluid.
     pub drag_loss: f64,
 }
 
@@ -93,9 +95,9 @@ impl AddAssign for Exchange {
 pub struct Energies {
     /// ½ v·M v.
     pub kinetic: f64,
-    /// Stretching energy, that of springs between nodes included.
+    /// Energy of stretching, including springs between nodes.
     pub stretching: f64,
-    /// Bending energy, that of springs about hinges included.
+    /// Energy of bending, including springs about hinges.
     pub bending: f64,
     /// Twisting energy.
     pub twisting: f64,
@@ -106,12 +108,12 @@ pub struct Energies {
 }
 
 impl Energies {
-    /// Stretching, bending and twisting energy.
+    /// Sum of stretching, bending and twisting energy.
     pub fn elastic(&self) -> f64 {
         self.stretching + self.bending + self.twisting
     }
 
-    /// Kinetic, elastic, contact and gravitational energy.
+    /// Sum of kinetic, elastic, contact and gravitational energy.
     pub fn total(&self) -> f64 {
         self.kinetic + self.elastic() + self.contact + self.gravitational
     }
@@ -123,7 +125,7 @@ pub enum SimulationError {
     /// The scene is invalid, or not suitable for the requested method (exit code 2).
     #[error(transparent)]
     BadScene(#[from] SceneError),
-    /// Newton did not converge at the smallest step (exit code 3).
+    /// Newton's method did not converge at the smallest step (exit code 3).
     #[error(
         "no convergence at t = {time:.6e} s with the smallest step {step:.3e} s: {}, largest in the {term} term at node {node} of rod `{rod}`", in_words(*residual)
     )]
@@ -134,14 +136,15 @@ pub enum SimulationError {
         step: f64,
         /// Largest residual, N.
         residual: f64,
-        /// Name of the term that is largest there.
+        /// Name of the largest term of the residual there.
         term: &'static str,
         /// Name of the rod.
         rod: String,
         /// Node along that rod.
         node: usize,
     },
-    /// The contact problem of complementarity had no solution, or none was found, at the smallest step (exit code 3).
+    /// The complementarity problem of contact had no solution, or none was found, at the smallest
+    /// step (exit code 3).
     #[error(
         "no convergence at t = {time:.6e} s with the smallest step {step:.3e} s: no contact forces satisfy the laws of Signorini and Coulomb"
     )]
@@ -160,7 +163,7 @@ pub enum SimulationError {
         iterations: usize,
         /// Largest residual, N.
         residual: f64,
-        /// Name of the term that is largest there.
+        /// Name of the largest term of the residual there.
         term: &'static str,
         /// Name of the rod.
         rod: String,

@@ -19,7 +19,7 @@ pub struct Simulation {
     pub(super) validity: Validity,
 }
 
-/// The state as arrays of nodes, which observers read.
+/// The state as arrays over nodes, for observers.
 pub(super) struct Published {
     pub positions: Vec<Vector3>,
     pub velocities: Vec<Vector3>,
@@ -59,10 +59,12 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// Takes one step that ends no later than `until` (hit exactly when it is within the step).
+    /// Takes one step that ends no later than `until` (exactly there if `until` is within the
+    /// step).
     ///
-    /// If `until` differs from the current time by rounding only, no step is taken and the time is set to `until`. A velocity is a
-    /// difference divided by the step; over a step as small as rounding it would be noise.
+    /// If `until` differs from the current time by rounding only, no step is taken and the time is
+    /// set to `until`. A velocity is a difference divided by the step; over such a tiny step it
+    /// would be noise.
     ///
     /// # Errors
     /// [`SimulationError::NoConvergence`] and [`SimulationError::Unphysical`]; the state is then that of
@@ -72,8 +74,9 @@ impl Simulation {
         Ok(taken.expect("it is never stopped"))
     }
 
-    /// The same, as long as `goes_on`, which is called at every Newton iteration, returns true; `None` where it did not.
-    /// The step is then incomplete: call [`Self::restore`] before anything else.
+    /// As [`Self::advance`], but stops and returns `None` once `goes_on`, called at every Newton
+    /// iteration, returns false. The step is then incomplete: call [`Self::restore`] before
+    /// anything else.
     ///
     /// # Errors
     /// The errors of [`Self::advance`].
@@ -136,7 +139,7 @@ impl Simulation {
         result.map_err(|error| self.explain(error))
     }
 
-    /// Replaces the error where no step converges any more because rods are crushed, or about to be.
+    /// Replaces an error of convergence if rods are crushed or about to be.
     fn explain(&self, error: SimulationError) -> SimulationError {
         let Published {
             positions,
@@ -156,7 +159,7 @@ impl Simulation {
         }
     }
 
-    /// Copies the state into the arrays that observers read.
+    /// Copies the state into the arrays for observers.
     pub(super) fn publish(&mut self) {
         copy_positions(&self.state.unknowns, &mut self.published.positions);
         copy_positions(&self.state.velocity, &mut self.published.velocities);

@@ -29,7 +29,8 @@ fn slide(nodes: [[usize; 2]; 2]) -> Joint {
 
 const SLOPE: f64 = 0.5;
 
-/// A shuttle of one edge, both ends of which slide along a straight wire that is held and slopes by [`SLOPE`] (rad).
+/// A shuttle of one edge, both ends of which slide along a straight held wire with a slope of
+/// [`SLOPE`] (rad).
 fn incline() -> Scene {
     let down = Vector3::new(SLOPE.cos(), 0.0, -SLOPE.sin());
     let mut wire = rod(
@@ -46,7 +47,7 @@ fn incline() -> Scene {
     }
 }
 
-/// How far the shuttle of [`incline`] has come at time `end`, m.
+/// Distance that the shuttle of [`incline`] has covered at time `end`, m.
 fn fallen(scheme: Scheme, step: f64, end: f64) -> f64 {
     let simulation = run(&incline(), scheme, step, end);
     let ends = &simulation.positions()[41..];
@@ -66,13 +67,14 @@ fn it_falls_along_an_incline_without_friction() {
     let error = |scheme, step| fallen(scheme, step, end) / expected - 1.0;
     assert!(error(Scheme::ImplicitMidpoint, 1e-2).abs() < 1e-9);
     let [coarse, fine] = [1e-2, 5e-3].map(|step| error(Scheme::ImplicitEuler, step));
-    // With Euler the way is ½ a t (t + h).
+    // With implicit Euler the distance is ½ a t (t + h).
     assert!((coarse / (1e-2 / end) - 1.0).abs() < 1e-6, "{coarse}");
     assert!((coarse / fine - 2.0).abs() < 1e-6, "{coarse} {fine}");
     assert!(error(Scheme::BackwardDifferences, 1e-2).abs() < 1e-3);
 }
 
-/// The shuttle on half a circle of radius 0.2 m, beginning near the horizontal.
+/// The shuttle on half a circle of radius 0.2 m; it starts where the wire is near the horizontal
+/// through the centre.
 fn bowl() -> Scene {
     let (radius, edges) = (0.2, 40);
     let place = |angle: f64| Vector3::new(-angle.cos(), 0.0, -angle.sin()) * radius;
@@ -90,7 +92,7 @@ fn bowl() -> Scene {
     }
 }
 
-/// Largest deviation of the energy of a scene from that at its start over some time, J.
+/// Largest deviation of the energy of a scene from its initial value over some time, J.
 fn deviation(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> (f64, f64) {
     let mut simulation = Simulation::new(scene, &fixed_steps(scheme, step)).unwrap();
     let start = simulation.energies().total();
@@ -108,7 +110,7 @@ fn deviation(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> (f64, f64) {
 fn crossing_edges_costs_no_energy_but_the_schemes() {
     let (coarse, kinetic) = deviation(&bowl(), Scheme::ImplicitMidpoint, 1e-3, 2.0);
     let (fine, _) = deviation(&bowl(), Scheme::ImplicitMidpoint, 5e-4, 2.0);
-    // There and back several times, over some thirty edges each.
+    // The shuttle moves back and forth several times, over some thirty edges each time.
     assert!(kinetic > 0.5e-4 * GRAVITY * 0.1);
     assert!(fine < 1e-3 * kinetic, "{fine} of {kinetic}");
     assert!(coarse > 2.5 * fine, "{coarse} {fine}");
@@ -116,7 +118,7 @@ fn crossing_edges_costs_no_energy_but_the_schemes() {
     assert!(lost < 1e-2 * kinetic, "{lost} of {kinetic}");
 }
 
-/// A shuttle that moves along a slender rod that is free and at rest, slightly across it.
+/// A shuttle that moves along a slender, free rod at rest, slightly across it.
 fn free_rail() -> Scene {
     let rail = rod(
         "rail",
@@ -171,7 +173,7 @@ fn stops_hold_it_at_the_end() {
     assert!((positions[40] - positions[42]).norm() < 1e-12);
     let length = (positions[42] - positions[41]).norm();
     assert!((length / 0.05 - 1.0).abs() < 1e-3, "{length}");
-    // With less damping the edge, which is elastic, leaps back, and comes again.
+    // With less damping the elastic edge rebounds and returns.
     for scheme in [Scheme::BackwardDifferences, Scheme::ImplicitMidpoint] {
         let mut simulation = Simulation::new(&incline(), &fixed_steps(scheme, 2e-3)).unwrap();
         let start = simulation.energies().total();
@@ -194,7 +196,8 @@ fn a_run_resumes_from_a_checkpoint_bit_for_bit_and_breaks() {
         Scheme::ImplicitEuler,
     ] {
         let mut scene = bowl();
-        // Broken at the bottom, where the shuttle is pressed on the wire: 3 m g of each end.
+        // The joints break at the bottom, where the shuttle presses on the wire with 3 m g at each
+        // end.
         let pressed = 1.8 * 0.5 * 0.01 * 0.0157 * GRAVITY;
         scene
             .joints
@@ -216,7 +219,7 @@ fn a_run_resumes_from_a_checkpoint_bit_for_bit_and_breaks() {
             whole.breaks()
         );
         states.push(whole.state());
-        // The end in front has left the wire.
+        // The leading end has left the wire.
         assert!(
             whole.positions()[42].norm() > 0.201,
             "{}",
@@ -237,11 +240,11 @@ const DROP: f64 = 0.2;
 const BENDING: f64 = 8e-5;
 const WEIGHT: f64 = 0.02;
 
-/// A ring on a rope of 1 m, slack between two posts, that begins at the part `part` of the rope.
+/// A ring on a slack rope of 1 m between two posts; it starts at the fraction `part` of the rope.
 fn ring_on_rope(edges: usize, part: f64) -> (Scene, usize) {
     let start = (part * edges as f64).round();
     let (one, other) = (start / edges as f64, 1.0 - start / edges as f64);
-    // Where circles about the posts meet, below them.
+    // The lower intersection of circles about the posts.
     let across = Vector3::new(SPAN, 0.0, DROP);
     let along = (one * one - other * other + across.norm_squared()) / (2.0 * across.norm());
     let unit = across.normalize();
@@ -285,8 +288,8 @@ fn ring_on_rope(edges: usize, part: f64) -> (Scene, usize) {
     (scene, edges + 1)
 }
 
-/// Where the ring hangs: both halves of the rope make the angle α with the vertical, and turn into the horizontal at the ring
-/// as tan θ/4 ∝ e^(−s/λ), λ² = EI/T, 2T cos α = W.
+/// Rest position of the ring. Both halves of the rope make the angle α with the vertical; near the
+/// ring they turn to the horizontal as tan θ/4 ∝ e^(−s/λ), λ² = EI/T, 2T cos α = W.
 fn ring_at_rest() -> Vector3 {
     let (mut low, mut high) = (0.0, 0.5 * PI);
     let layer = |angle: f64| {
@@ -306,7 +309,7 @@ fn ring_at_rest() -> Vector3 {
         }
     }
     let (shortening, aside, strain) = layer(low);
-    // Posts at the heights 0 and DROP: the arm to the lower one is the shorter.
+    // The posts have the heights 0 and DROP: the arm to the lower post is the shorter one.
     let arm = 0.5 * (1.0 + strain - DROP / low.cos()) - shortening;
     let (sine, cosine) = low.sin_cos();
     Vector3::new(
@@ -330,7 +333,7 @@ fn a_ring_on_a_slack_rope_rests_where_both_halves_make_the_same_angle() {
     }
     let order = (errors[0].z / errors[1].z).log2();
     assert!((order - 2.0).abs() < 0.2, "{order} {errors:?}");
-    // From the other side it comes to the same place.
+    // From the other side the ring reaches the same position.
     let difference = (off(80, 0.25) - errors[1]).norm();
     assert!(difference < 1e-6, "{difference:e}");
 }
@@ -354,7 +357,7 @@ fn a_ring_comes_to_rest_on_ropes_of_any_stiffness_and_number_of_edges() {
             let mut simulation = simulation_of(&scene);
             let report = simulation.find_equilibrium().unwrap();
             println!("{edges} {factor}: {}", report.newton_iterations);
-            // What is stiffer bends as a beam does, and takes up to 1,300.
+            // Stiffer ropes bend like beams and take up to 1,300 iterations.
             if factor <= 10.0 {
                 most = most.max(report.newton_iterations);
             }
@@ -374,7 +377,7 @@ fn edges_too_long_for_what_slides_along_them_are_remarked() {
         let simulation = at_rest(&scene);
         simulation.remarks()
     };
-    // 0.1 F h²/EI: 0.31 and 0.02.
+    // The coefficients 0.1 F h²/EI are 0.31 and 0.02.
     let found = remarks(40);
     assert!(
         found.len() == 1 && found[0].contains("coefficient of up to 0.31"),
@@ -383,7 +386,7 @@ fn edges_too_long_for_what_slides_along_them_are_remarked() {
     assert!(remarks(160).is_empty(), "{:?}", remarks(160));
 }
 
-/// A ball in the way of the shuttle of [`incline`], its centre at this place along the wire, m.
+/// Position along the wire of the centre of a ball in the path of the shuttle of [`incline`], m.
 const BALL: f64 = 0.5;
 const BALL_RADIUS: f64 = 0.02;
 
@@ -410,7 +413,8 @@ fn a_bead_that_runs_against_an_obstacle_rests_on_it() {
                 simulation.advance(3.0).unwrap();
                 least = least.min(gap(&simulation));
             }
-            // It comes at half a metre a second, and sinks in by no more than a twentieth of its radius.
+            // The shuttle arrives at half a metre per second and penetrates by at most a twentieth
+            // of its radius.
             assert!(least > -1e-4, "{model:?} {scheme:?}: {least:e}");
             let gap = gap(&simulation);
             assert!(gap.abs() < 1.5 * tolerance, "{model:?} {scheme:?}: {gap:e}");

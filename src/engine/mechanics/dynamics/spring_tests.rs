@@ -1,4 +1,4 @@
-//! Rods that springs tie, in motion and in contact.
+//! Rods joined by springs, in motion and in contact.
 
 use super::*;
 use crate::mechanics::Vector3;
@@ -27,7 +27,7 @@ fn tie(nodes: [[usize; 2]; 2], rest_length: Option<f64>) -> Spring {
     }
 }
 
-/// Two rods in a line, 2 cm apart, whose spring is 5 mm longer than by nature.
+/// Two collinear rods, 2 cm apart, with a spring 5 mm longer than its rest length.
 fn pair() -> Scene {
     let x = Vector3::x();
     Scene {
@@ -37,7 +37,8 @@ fn pair() -> Scene {
     }
 }
 
-/// Largest error of the gap between the rods of [`pair`] within two periods, m, of the cosine that it is.
+/// Largest deviation of the gap between the rods of [`pair`] from the exact cosine within two
+/// periods, m.
 fn error_of_gap(scheme: Scheme, step: f64) -> f64 {
     let frequency = (2.0 * STIFFNESS / MASS).sqrt();
     let end = 2.0 * TAU / frequency;
@@ -92,7 +93,7 @@ fn a_sprung_hinge_keeps_angular_momentum_and_its_energy() {
     let (x, y) = (Vector3::x(), Vector3::y());
     let origin = Vector3::zeros();
     let stiffness = 0.02;
-    // Hardly bent, they keep for themselves next to nothing of the energy.
+    // The rods hardly bend, so that their share of the energy is negligible.
     let stiff = |mut rod: RodDescription| {
         rod.stiffness.bending = [1.0; 2];
         rod
@@ -125,7 +126,7 @@ fn a_sprung_hinge_keeps_angular_momentum_and_its_energy() {
         let change = (simulation.energies().total() / start.total() - 1.0).abs();
         assert!(change < 1e-2, "{change}");
     }
-    // It swings through the angle without a moment to the other side.
+    // The hinge swings through its rest angle, where the moment vanishes, to the other side.
     assert!((farthest - 0.6).abs() < 0.02, "{farthest}");
 }
 
@@ -143,7 +144,7 @@ fn two_rods_that_a_spring_turns_keep_momenta_and_energy() {
         (Vector3::new(0.0, 0.0, 0.9), false),
         (Vector3::new(0.5, -0.8, 0.4), true),
     ] {
-        // Neither at their ends nor at one point.
+        // The spring acts neither at the ends of the rods nor at a common point.
         let scene = Scene {
             rods: vec![
                 stiff(rod("one", Vector3::zeros(), x)),
@@ -164,8 +165,9 @@ fn two_rods_that_a_spring_turns_keep_momenta_and_energy() {
         let start = simulation.energies().total();
         let energy = 0.5 * stiffness * rest_rotation.norm_squared();
         assert!((start / energy - 1.0).abs() < 1e-9);
-        // The momenta are those of the nodes. What rods of 10 cm have beside by spinning about themselves is at most this much,
-        // with all of the energy in it; rods that are turned about an axis across both do not spin.
+        // The momenta are those of the nodes. Rods of 10 cm also have angular momentum by spinning
+        // about themselves, at most `spin` if this takes all the energy. Rods rotated about an
+        // axis perpendicular to both do not spin.
         let spin = (2.0 * 0.1 * inertia * energy).sqrt();
         let bound = if spins { spin } else { 1e-10 };
         let mut kinetic = 0.0_f64;
@@ -183,7 +185,7 @@ fn two_rods_that_a_spring_turns_keep_momenta_and_energy() {
     }
 }
 
-/// A rod that lies on the ground under its weight, half of which two springs to a beam above carry.
+/// A rod on the ground under its weight; two springs to a beam above carry half of it.
 #[test]
 fn springs_carry_what_the_ground_does_not() {
     let (radius, acceleration) = (2e-3, 9.81);
@@ -205,7 +207,7 @@ fn springs_carry_what_the_ground_does_not() {
             contact: Some(contact(model, 1e-5)),
             ..Scene::default()
         };
-        // A barrier begins where nothing touches.
+        // With a barrier, bodies must not touch at the start.
         let scene = if model == ContactModel::IncrementalPotential {
             let mut raised = scene;
             let nodes = raised.rods[0].centreline.iter_mut();

@@ -12,15 +12,16 @@ use crate::mechanics::fluid::FluidError;
 use crate::mechanics::system::{Stage, System};
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Predicted motion of rods near each other, relative to each other and in radii, from which on contact forces are first looked
-/// for where the step starts.
+/// Predicted relative motion of rods near each other, in radii, above which contact forces are
+/// first sought at the start of the step.
 const FAST: f64 = 0.5;
 
-/// Part of the free way that a shortened predictor goes: less than all, so that it is free in spite of rounding.
+/// Fraction of the free path that a shortened predictor covers: less than all, so that rounding
+/// cannot cause contact.
 const PREDICTED_PART: f64 = 0.9;
 
-/// Part of the largest step from which down Newton's method gets all its iterations and line searches. Without this a
-/// step could be halved until it is smaller than the smallest.
+/// Fraction of the largest step below which Newton's method may use all its iterations and line
+/// searches. Without this, halving could end below the smallest step.
 const FULL_EFFORT_PART: f64 = 1.0 / 64.0;
 
 /// Result of one attempt at a step.
@@ -30,12 +31,12 @@ pub(super) struct Attempt {
     pub iterations: usize,
     /// Krylov iterations of the drag found within the step.
     pub fluid_iterations: usize,
-    /// Whether velocities ring: the scheme does not damp what its steps do not resolve, and inertia is too small against
-    /// the drag for them to.
+    /// Whether velocities ring: the scheme does not damp motions that its steps do not resolve,
+    /// and inertia is too small compared with the drag to resolve them.
     pub rings: bool,
     /// Local error of the positions, m.
     pub error: f64,
-    /// Whether a contact is compressed further than by its design force.
+    /// Whether a contact is compressed beyond its design force.
     pub is_deep: bool,
 }
 
@@ -50,19 +51,20 @@ pub(super) struct Setting {
 /// Scratch of a step; its results stay here until the step is accepted.
 pub(super) struct Workspace {
     pub stage: Stage,
-    /// Where Newton's method starts and ends, then where the step ends.
+    /// Start and solution of Newton's method, later the end of the step.
     pub trial: Prediction,
     /// Velocity at the end of the step.
     pub next_velocity: Vec<f64>,
     newton: Newton,
-    /// Corrections that the prediction has had; taken by the next attempt.
+    /// Corrections already made to the prediction; taken by the next attempt.
     pub corrected: Option<Corrected>,
     /// The prediction; scratch.
     prediction: Vec<f64>,
 }
 
 impl Workspace {
-    /// For motions from `state`, of `nodes` nodes of which `wet` are in a fluid.
+    /// Creates the scratch for motions from `state` of `nodes` nodes; the fluid acts on `wet` of
+    /// them.
     pub(crate) fn new(state: &State, nodes: usize, wet: usize) -> Self {
         let (unknowns, velocity) = (&state.unknowns, &state.velocity);
         Self {
@@ -121,8 +123,8 @@ impl Workspace {
         }
     }
 
-    /// Solves the stage of a step to `goal` from its prediction; leaves the end of the step in `trial` and
-    /// `next_velocity`. Fails where `goes_on` returns false.
+    /// Solves the stage of a step to `goal` from its prediction; leaves the end of the step in
+    /// `trial` and `next_velocity`. Fails once `goes_on` returns false.
     pub(crate) fn attempt(
         &mut self,
         setting: &Setting,
@@ -189,7 +191,8 @@ impl Workspace {
         stopping(setting, system, goal - state.time)
     }
 
-    /// Solves the stage in turn with the drag of its motion until both agree; returns the Newton and the Krylov iterations.
+    /// Alternates between solving the stage and evaluating the drag of its motion until both
+    /// agree; returns the Newton and the Krylov iterations.
     fn solve_with_drag(
         &mut self,
         system: &mut System,
@@ -208,8 +211,9 @@ impl Workspace {
                 .couple(&mut self.stage, &self.trial.unknowns)
                 .map_err(|_| Failure::NoDrag { iterations })?;
             fluid_iterations += more;
-            // Reactions are what the residual leaves at clamps. A motion at rest has a drag of what Newton's method
-            // leaves alone, which differs from one solution to the next, but balances all the same.
+            // The reactions are the residual at clamps. Near rest the drag is as small as the
+            // residual left by Newton's method and differs from one solution to the next, but
+            // forces balance all the same.
             system.evaluate(&self.trial.unknowns, Some(&self.stage));
             let balanced = system.imbalance().is_balanced();
             if agrees || balanced && fluid.has_stalled() {
@@ -228,9 +232,11 @@ impl Workspace {
         }
     }
 
-    /// Newton's method from the prediction as it is, or by complementarity from where the step starts if rods near each other move
-    /// far: they may have passed each other, and be parted on the wrong sides. Where that fails with carried contact forces, from a
-    /// prediction that crosses no contact, with line searches; where no contact forces are found, from the other of the two.
+    /// Solves by Newton's method from the prediction. With complementarity, it starts from the
+    /// start of the step if rods near each other move far, since the prediction may have moved
+    /// them past each other and contact would separate them on the wrong sides. If this fails with
+    /// carried contact forces, it solves again with line searches, from a prediction that crosses
+    /// no contact; if no contact forces are found, from the other of the two starts.
     fn solve_by_either_way(
         &mut self,
         system: &mut System,
@@ -278,8 +284,8 @@ impl Workspace {
         Ok(iterations + self.solve(system, stopping, goes_on)?)
     }
 
-    /// Newton's method, in turn with the contact forces of complementarity, until no contact is missing; returns the
-    /// iterations.
+    /// Alternates Newton's method and the contact forces of complementarity until no contact is
+    /// missing; returns the iterations.
     fn solve(
         &mut self,
         system: &mut System,
@@ -303,7 +309,7 @@ impl Workspace {
                     .solve(system, &self.stage, trial, corrected, stopping, goes_on)
                     .map_err(Failure::Newton)?;
             }
-            // A contact may be missing where rods have moved far; then continue with new candidates.
+            // If rods have moved far, a contact may be missing; then continue with new candidates.
             let complete = system.candidates_are_complete(trial);
             if complete && pass == Pass::Balanced {
                 return Ok(iterations);
@@ -314,8 +320,9 @@ impl Workspace {
         }
     }
 
-    /// Predicts a motion of only the prescribed unknowns. Where rods move farther than their radius within a step, the
-    /// prediction compresses them so much that the linearised step has no solution: its matrix is indefinite.
+    /// Predicts a motion of the prescribed unknowns only. If rods move farther than their radius
+    /// within a step, the usual prediction compresses them so much that the linearised step has no
+    /// solution: its matrix is indefinite.
     fn predict_rest(&mut self, system: &System, state: &State) {
         let held = &system.assembly.held;
         for (k, unknown) in self.trial.unknowns.iter_mut().enumerate() {
@@ -349,12 +356,13 @@ impl Workspace {
         Ok(())
     }
 
-    /// Adapts the contact stiffness to the forces at the prediction, and with friction to an inertia that takes the last
-    /// change of velocity to have lasted a whole step of the grid.
+    /// Adapts the contact stiffness to the forces at the prediction. With friction, the inertia is
+    /// computed as if the last change of velocity had taken a whole step of the grid.
     ///
-    /// When rods stick or slip velocities jump within one step, however small it is. Inertia, which is among the forces
-    /// that set the stiffness (Eq. 2.19), would grow as 1/h, contact get harder, and the next event need a
-    /// smaller step still, down to the smallest.
+    /// When rods stick or slip, velocities jump within one step, however small it is. Inertia,
+    /// which is among the forces that set the stiffness (Eq. 2.19), would grow as 1/h. Contact
+    /// would become harder and the next event would need a smaller step still, down to the
+    /// smallest.
     pub(super) fn adapt_contact_stiffness(
         &mut self,
         setting: &Setting,
@@ -374,7 +382,8 @@ impl Workspace {
         let acceleration_step = self.stage.acceleration_step;
         self.stage.acceleration_step *= lengthening;
         self.prediction.copy_from_slice(&self.trial.unknowns);
-        // What a barrier stops counts among the inertia; where the motion of a clamp passes through it, Newton's method decides.
+        // Inertia includes the motion that a barrier stops. If a clamp moves through the barrier,
+        // Newton's method decides.
         let _ = self.shorten_prediction(system, state);
         let before = system.contact_stiffness();
         system.adapt_contact_stiffness(&self.trial.unknowns, Some(&self.stage));
@@ -385,7 +394,7 @@ impl Workspace {
         self.stage.acceleration_step = acceleration_step;
     }
 
-    /// Shortens the prediction where it crosses a contact that must not be crossed, to rest if need be. Held
+    /// Shortens a prediction that crosses an impassable contact, if necessary to zero. Held
     /// unknowns stay as prescribed.
     fn shorten_prediction(&mut self, system: &mut System, state: &State) -> Result<(), Failure> {
         let trial = &mut self.trial.unknowns;
@@ -420,7 +429,8 @@ fn stopping(setting: &Setting, system: &System, step: f64) -> Stopping {
         displacement: parameters.displacement_tolerance * radius,
         trust_radius: parameters.scheme.rules().trust_radius() * radius,
         iterations: parameters.maximum_iterations,
-        // The midpoint rule extrapolates from this solution, which must be more accurate than the end of a step.
+        // The midpoint rule extrapolates from this solution, which must therefore be more accurate
+        // than the end of a step.
         ends_at_last_digits: !parameters.scheme.rules().extrapolates(),
         gives_up: system.has_friction() && step > FULL_EFFORT_PART * whole,
     }

@@ -1,4 +1,4 @@
-//! The state of motion: what a step starts from, and all that it hands on.
+//! The state of motion: the start of a step, and all that it passes on to the next.
 
 use super::history::{History, LENGTH};
 
@@ -11,12 +11,12 @@ pub(super) struct State {
     pub unknowns: Vec<f64>,
     /// Their velocities, m/s and rad/s.
     pub velocity: Vec<f64>,
-    /// The states at the starts of the last steps, for predictors and schemes of several steps.
+    /// The states at the starts of the last steps, for predictors and multistep schemes.
     pub history: History,
 }
 
 impl State {
-    /// A motion that begins at time zero.
+    /// The start of a motion at time zero.
     pub(crate) fn new(unknowns: &[f64], velocity: &[f64]) -> Self {
         Self {
             time: 0.0,
@@ -26,7 +26,7 @@ impl State {
         }
     }
 
-    /// The end of a step: the state becomes that at `time`, the one before goes to the history.
+    /// Completes a step: sets the state at `time` and moves the previous one to the history.
     pub(crate) fn advance_to(&mut self, time: f64, unknowns: &[f64], velocity: &[f64]) {
         let now = [&mut self.unknowns, &mut self.velocity];
         self.history.remember(time - self.time, now);
@@ -42,12 +42,12 @@ impl State {
         [[&mut self.unknowns, &mut self.velocity], a, b, c]
     }
 
-    /// Starts a motion here: earlier steps are not extrapolated.
+    /// Starts a new motion here: earlier steps are no longer extrapolated.
     pub(crate) fn begin_anew(&mut self) {
         self.history = History::begin(&self.unknowns, &self.velocity);
     }
 
-    /// At rest at `unknowns`, where no motion led.
+    /// Sets the state to rest at `unknowns`, a configuration that no motion reached.
     pub(crate) fn rest_at(&mut self, unknowns: &[f64]) {
         self.unknowns.copy_from_slice(unknowns);
         self.velocity.fill(0.0);

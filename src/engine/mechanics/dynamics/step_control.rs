@@ -1,36 +1,42 @@
 //! The size of the next time step: a fixed grid of times, or steps chosen by the local error.
 //!
-//! Where contact is frictional and a step of the grid fails, the next ones stay small, grow slowly, and still hit every time
-//! of the grid. A tangle of rods in frictional contact that slips fails at the whole step many times in a row, and each
-//! failure costs more than all the small steps in its place.
+//! With frictional contact, if a step of the grid fails, the next ones stay small and grow slowly;
+//! they still end at every time of the grid. In a tangle of rods in frictional contact that slips,
+//! the whole step fails many times in a row, and each failure costs more than all the small steps
+//! that replace it.
 //!
-//! Automatic steps lead evenly to the times that are wanted: those of outputs and of events, which are the corners of what
-//! is prescribed. The local error does not predict events, so after an event steps begin small again; otherwise a
-//! blow shorter than a step would be missed. Steps of a fixed grid are cut at events, and return to the grid.
+//! Automatic steps approach the required times in even steps: output times and events, which are
+//! the corners of prescribed motions and schedules. The local error does not predict events, so
+//! steps start small again after an event; otherwise a blow shorter than a step would be missed.
+//! Steps of a fixed grid are cut at events and return to the grid.
 
 use super::parameters::StepSize;
 use serde::{Deserialize, Serialize};
 
-/// Steps that end closer than this fraction of a step before a wanted time end at that time.
+/// A step that would end closer than this fraction of a step before a required time ends at that
+/// time.
 const SNAP: f64 = 1e-6;
-/// Aimed-at fraction of the largest step that the error estimate would allow.
+/// Target, as a fraction of the largest step that the error estimate would allow.
 const SAFETY: f64 = 0.9;
-/// Largest decay of the step from one to the next.
+/// Smallest ratio of a step to the one before.
 const DECAY: f64 = 0.2;
-/// Iterations above which a step is thought too large for Newton's method, and shrinks.
+/// Number of iterations above which the step is considered too large for Newton's method and is
+/// reduced.
 const MANY_ITERATIONS: usize = 10;
-/// Growth of a step below that of the fixed grid, after one that succeeded. Chosen by trial in a tangle of two flagella
-/// with μ = 1, over 0.3 s: faster growth takes fewer steps and meets the next failure sooner.
+/// Growth factor of a step smaller than the fixed grid's, after a successful one. Found by trial
+/// in a tangle of two flagella with μ = 1, over 0.3 s: faster growth takes fewer steps but meets
+/// the next failure sooner.
 const RECOVERY: f64 = 1.1;
-/// First automatic step, and first after an event, as a part of the largest: the true scale is found within a few growths.
+/// First automatic step, and first after an event, as a fraction of the largest: a few growths
+/// reach the right scale.
 const FIRST_STEP: f64 = 1e-3;
-/// Lower bound, as a part of the time to the next event: many corners close to each other, as of a table, are resolved
-/// by some ten steps from one to the next.
+/// Lower bound of the step after an event, as a fraction of the time to the next event: closely
+/// spaced corners, as of a table, are resolved by some ten steps each.
 const PART_OF_SPACING: f64 = 0.1;
-/// First step of a scheme of several steps, as a part of those of its fixed grid: Euler's error, of second order in one
-/// step, is then below the third order's of a whole step.
+/// First step of a multistep scheme, as a fraction of the steps of its fixed grid: the error of
+/// Euler's method, of second order in one step, is then below that of a whole step of third order.
 const FIRST_PART: f64 = 1.0 / 64.0;
-/// Steps before a wanted time that are made even.
+/// Number of steps before a required time that are made equal.
 const EVEN_STEPS: f64 = 4.0;
 /// An error beyond this multiple of the tolerance rejects the step.
 const REJECTION: f64 = 4.0;
@@ -38,14 +44,14 @@ const REJECTION: f64 = 4.0;
 /// The memory of the step control; part of a checkpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepControl {
-    /// Next step of automatic control, or of a fixed grid where steps have failed, s.
+    /// Next automatic step, or next step of a fixed grid after a failure, s.
     proposal: f64,
 }
 
 /// Properties of a scheme that step control uses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ErrorLaw {
-    /// Power of the step with which the local error falls.
+    /// Power of the step to which the local error is proportional.
     pub order: i32,
     /// Largest growth of the step from one to the next.
     pub largest_growth: f64,
@@ -56,7 +62,7 @@ pub(crate) struct ErrorLaw {
 pub(crate) enum Decision {
     /// It is accepted.
     Accept,
-    /// It is repeated with this size, s.
+    /// The step is repeated with this size, s.
     Repeat(f64),
 }
 
@@ -70,8 +76,8 @@ impl StepControl {
         Self { proposal }
     }
 
-    /// The same for a scheme that needs earlier steps for its order: the first ones are so small that their lower order
-    /// does not show, and grow to the whole step.
+    /// The initial state for a scheme that needs earlier steps for its order: the first steps are
+    /// so small that their lower order does not matter, and grow to the whole step.
     pub(crate) fn beginning_small(size: &StepSize) -> Self {
         let whole = Self::new(size);
         match size {
@@ -86,14 +92,16 @@ impl StepControl {
     pub(crate) fn goal(&self, size: &StepSize, time: f64, until: f64) -> f64 {
         let (goal, step) = match *size {
             StepSize::Fixed(step) => {
-                // Times k·step as products: sums would drift, and a step cut short returns to the grid.
+                // Grid times are computed as k·step: sums would drift, and a step that was cut
+                // short returns to the grid.
                 let done = (time / step + SNAP).floor();
                 (self.goal_on_the_way(time, (done + 1.0) * step, step), step)
             }
             StepSize::Auto { maximum, .. } => {
                 let step = self.proposal.min(maximum);
-                // The last steps before a wanted time are even: a tiny one at the end would be followed by one so much
-                // larger that differences over several steps lose their order.
+                // The last steps before a required time are equal. A tiny last step would be
+                // followed by a much larger one, and differences over several steps would lose
+                // their order.
                 let remaining = until - time;
                 if remaining < EVEN_STEPS * step {
                     let steps = (remaining / step - SNAP).ceil().max(1.0);
@@ -110,21 +118,21 @@ impl StepControl {
         }
     }
 
-    /// End of the next step from `time` towards `next`, a time of the grid of steps `whole`: all the way, unless
-    /// steps have failed.
+    /// End of the next step from `time` towards `next`, a time of the grid of steps `whole`; equal
+    /// to `next` unless steps have failed.
     fn goal_on_the_way(&self, time: f64, next: f64, whole: f64) -> f64 {
         let remaining = next - time - SNAP * whole;
         if self.proposal >= remaining {
             next
         } else if 2.0 * self.proposal >= remaining {
-            // Two equal steps rather than a tiny one at the end.
+            // Take two equal steps rather than a tiny one at the end.
             0.5 * (time + next)
         } else {
             time + self.proposal
         }
     }
 
-    /// Increases the steps of a fixed grid towards their whole size, after one that succeeded.
+    /// Increases the steps of a fixed grid towards their whole size, after a successful one.
     pub(crate) fn recover(&mut self, whole: f64) {
         self.proposal = whole.min(RECOVERY * self.proposal);
     }
@@ -137,7 +145,8 @@ impl StepControl {
         }
     }
 
-    /// Decides on a step of automatic control by its local error as a multiple of the tolerance, and proposes the next.
+    /// Accepts or repeats an automatic step by its local error, as a multiple of the tolerance,
+    /// and proposes the next.
     pub(crate) fn decide(
         &mut self,
         step: f64,
@@ -163,8 +172,9 @@ impl StepControl {
         Decision::Accept
     }
 
-    /// Begins small after an event: with the first step of a simulation whose largest is `maximum`, unless a larger one is
-    /// `harmless`, or the next event is as near as `spacing`, all in s.
+    /// Restarts with a small step after an event: the first step of a simulation whose largest is
+    /// `maximum`, or a larger one if that is `harmless` or if the next event, after `spacing`,
+    /// allows it; all in s.
     pub(crate) fn begin_again(&mut self, maximum: f64, harmless: f64, spacing: f64) {
         let first = FIRST_STEP * maximum;
         let dense = if spacing < maximum {
@@ -175,12 +185,12 @@ impl StepControl {
         self.proposal = self.proposal.min(first.max(harmless).max(dense));
     }
 
-    /// Accepts a step that may not be smaller, with any error, and proposes the same again.
+    /// Accepts a step of the smallest size with any error, and proposes the same size again.
     pub(crate) fn accept_least(&mut self, step: f64) {
         self.proposal = step;
     }
 
-    /// A failed step proposes a smaller one.
+    /// Proposes a smaller step after a failed one.
     pub(crate) fn failed(&mut self, step: f64) {
         self.proposal = self.proposal.min(step);
     }
@@ -299,7 +309,7 @@ mod tests {
             order: 2,
             largest_growth: 1.5,
         };
-        // Local error 0.05 h²: the step that meets 1e-6 is √(1e-6/0.05).
+        // With a local error of 0.05 h², the step that meets 1e-6 is √(1e-6/0.05).
         let (tolerance, mut step) = (1e-6, 1e-3);
         for _ in 0..60 {
             match control.decide(step, 0.05 * step * step / tolerance, law, 2) {

@@ -1,4 +1,4 @@
-//! The engine against closed forms; the full table of checks is in `verify`.
+//! The engine compared with closed forms; the full table of checks is in `verify`.
 
 use super::test_log::Log;
 use super::*;
@@ -20,7 +20,7 @@ fn a_rod_begins_with_the_velocities_of_a_rigid_body() {
     };
     let scene = free_rods(vec![rod]);
     let simulation = simulation_of(&scene);
-    // A metre from its middle along x, turned about y and z.
+    // One metre from the middle along x, rotating about y and z.
     let velocities = simulation.velocities();
     assert!((velocities[8] - Vector3::new(0.1, 3.2, -3.7)).norm() < 1e-14);
     assert!((velocities[0] - Vector3::new(0.1, -2.8, 4.3)).norm() < 1e-14);
@@ -99,8 +99,8 @@ fn a_restored_simulation_continues_bit_for_bit() {
 
 #[test]
 fn a_clamp_that_holds_a_whole_edge_turns_its_frame() {
-    // Held from the middle of the first edge to the last node: the energy is ½ GJ φ²/(L − l/2), whatever
-    // the other node of the edge is.
+    // The twisted part extends from the middle of the first edge to the last node: the energy is ½
+    // GJ φ²/(L − l/2), for either node of the held edge.
     let (edges, turned) = (10, 4.0);
     for [head, neighbour, tail] in [[0, 1, edges], [edges, edges - 1, 0]] {
         let motion = Motion {
@@ -134,7 +134,8 @@ fn a_clamp_that_holds_a_whole_edge_turns_its_frame() {
     }
 }
 
-/// A rod held at both ends, or from its first whole edge on, whose head turns by a number of turns within a second.
+/// A rod held at both ends, or from its first whole edge on. Its head makes a number of turns
+/// within a second.
 fn turned(turns: f64, holds_whole_edge: bool) -> Scene {
     let motion = Motion {
         angle: vec![(0.0, 0.0), (1.0, turns * TAU)],
@@ -175,7 +176,7 @@ fn turns_of_a_clamp_count_however_long_the_steps_are() {
 
 #[test]
 fn turns_about_an_axis_across_the_rod_count_as_in_small_steps() {
-    // The head tumbles about an axis askew to its tangent, three turns in a second.
+    // The head rotates about an axis oblique to its tangent, three turns in a second.
     let twist = |step: f64| {
         let mut scene = turned(3.0, false);
         scene.clamps[0].motion.axis = Some(Vector3::new(2.0, 0.5, 0.3).normalize());
@@ -183,7 +184,7 @@ fn turns_about_an_axis_across_the_rod_count_as_in_small_steps() {
         let mut system = System::new(&scene).unwrap();
         let mut unknowns = system.assembly.unknowns.clone();
         let mut time = 0.0;
-        // The rod itself stays straight: only the clamp turns.
+        // The rod itself stays straight: only the clamp rotates.
         while time < 1.0 {
             time = (time + parameters.step.largest()).min(1.0);
             system.drive(time, &mut unknowns);
@@ -242,7 +243,8 @@ fn a_clamp_that_cannot_be_is_named() {
 
 #[test]
 fn a_short_step_to_an_output_time_converges() {
-    // At 0.1 µs the last digit of a position is 4e-5 N of inertia, a thousand times the tolerance without it.
+    // At 0.1 µs the last digit of a position is an inertial force of 4e-5 N, a thousand times the
+    // tolerance without inertia.
     for remainder in [6e-5, 1e-6, 1e-7] {
         let mut simulation = simulation_of(&heavy_cantilever(50));
         for until in [10e-3 + remainder, 20e-3 + remainder] {
@@ -284,7 +286,7 @@ fn a_time_that_differs_by_rounding_takes_no_step() {
     }
 }
 
-/// Runs `scene` and returns what was logged at the level of warnings, and the error that ended it early.
+/// Runs `scene` and returns the logged warnings and the error that ended it early.
 fn warnings(scene: &Scene, parameters: &IntegrationParameters, end: f64) -> Vec<String> {
     let log = Log::default();
     let ended = tracing::subscriber::with_default(log.clone(), || {

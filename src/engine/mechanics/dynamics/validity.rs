@@ -1,8 +1,8 @@
-//! Remarks on the validity of a simulation: strains beyond the theory, spurious energy, steps far smaller than requested
-//! for.
+//! Remarks on the validity of a simulation: strains beyond the theory, spurious energy, steps far
+//! smaller than requested.
 //!
-//! Each is a warning in the log when it first happens, and a remark at the end with its largest size: the numbers are what
-//! the model gives, but not what a rod does.
+//! Each is a warning in the log when it first happens, and a remark at the end with its largest
+//! size: the numbers are those of the model, but a real rod would behave differently.
 
 use super::parameters::StepSize;
 use super::report::{Energies, StepReport};
@@ -13,29 +13,34 @@ use crate::mechanics::scene::{Clamp, Load, LoadKind, RodDescription, Scene};
 use crate::mechanics::system::{SectionScale, Strain, System};
 use tracing::warn;
 
-/// Stretch that is remarked: Hooke's law and an area that stays the same err by as much, the first power of the strain.
+/// Stretch above which a remark is made: Hooke's law and a constant cross-section have an error of
+/// first order in the strain.
 const LARGEST_STRETCH: f64 = 0.05;
-/// Strain of the outer fibres by bending, and shear of the surface by twist, that are remarked: by the symmetry of the
-/// section the error of the theory is of the second power, 4 % of the moment at this size.
+/// Strain of the outer fibres by bending, and shear of the surface by twist, above which a remark
+/// is made: by the symmetry of the section the error of the theory is of second order, 4 % of the
+/// moment at this size.
 const LARGEST_BEND: f64 = 0.2;
 /// Apparent friction coefficient of edges above which a remark is made.
 pub const LARGEST_CATCH: f64 = 0.05;
 /// Stretch at which a lack of convergence is expected.
 const CRUSHING: f64 = 0.5;
-/// Gain of energy that can no longer be rounding, Newton's method or a swing of the midpoint rule, over the largest energy so far
-/// that is explained.
+/// Gain of energy, relative to the largest explained energy so far, above which rounding, Newton's
+/// method or oscillations of the midpoint rule cannot be the cause.
 const LARGEST_GAIN: f64 = 0.05;
-/// Gain at which a run ends: its results are then meaningless.
+/// Gain at which a run ends, because its results are meaningless.
 const RUINOUS_GAIN: f64 = 1.0;
-/// Part of all energy exchanged by which it may be counted wrongly: work is a sum of forces at the ends of steps.
+/// Fraction of all energy exchanged that may be counted wrongly: work is a sum of forces at the
+/// ends of steps.
 const MISCOUNTED: f64 = 0.1;
-/// Energy of a gain that counts as none, of what bends each rod by a radian over its length, EI/L.
+/// Gain of energy that is ignored, relative to the energy EI/L that bends each rod by a radian
+/// over its length.
 const ROUNDING: f64 = 1e-6;
-/// Part of the explained energy that a step may make by stiffer contact, which is bounded elsewhere.
+/// Fraction of the explained energy that a step may add through stiffer contact, which is bounded
+/// elsewhere.
 const STIFFENED: f64 = 1e-2;
-/// Distance of centrelines over the sum of the radii within which rods count as meeting.
+/// Ratio of the distance of centrelines to the sum of the radii below which rods count as close.
 const NEAR: f64 = 1.5;
-/// Steps between two looks, which cost some thousandths of a step each.
+/// Number of steps between checks; a check costs some thousandths of a step.
 const INTERVAL: usize = 16;
 
 /// Kind of strain.
@@ -52,11 +57,11 @@ pub(super) struct Validity {
     sections: Vec<SectionScale>,
     /// Smaller bending stiffness of each rod, N m².
     bending: Vec<f64>,
-    /// Speed √(EA/ρA) of waves of stretching in each rod, m/s; infinite in those that are held.
+    /// Speed √(EA/ρA) of stretching waves in each rod, m/s; infinite in held rods.
     wave_speeds: Vec<f64>,
     /// Whether steps are chosen by their error.
     has_automatic_steps: bool,
-    /// Distance tolerance δ of contact, m; 0 without.
+    /// Distance tolerance δ of contact, m; 0 without contact.
     distance_tolerance: f64,
     /// Energy below which a gain is ignored, J.
     rounding: f64,
@@ -95,7 +100,7 @@ impl Kind {
 }
 
 impl Validity {
-    /// For simulations of `scene`.
+    /// Creates the checks for simulations of `scene`.
     pub(crate) fn new(scene: &Scene) -> Self {
         let is_accounted_for = |load: &Load| match load.kind {
             LoadKind::Gravity { .. } => load.schedule.is_empty(),
@@ -107,7 +112,7 @@ impl Validity {
             | LoadKind::FollowerMoment { .. }
             | LoadKind::FollowerDistributed { .. } => false,
         };
-        // The work of a clamp that turns is not counted, nor that of natural strains.
+        // The work of rotating clamps is not counted, nor that of changing natural strains.
         let turns = |clamp: &Clamp| {
             let motion = &clamp.motion;
             motion.angular_velocity != 0.0
@@ -141,7 +146,7 @@ impl Validity {
         self
     }
 
-    /// Advice where a scheme adds energy.
+    /// Advice for the case that a scheme adds energy.
     fn gaining(&self) -> &'static str {
         if self.has_automatic_steps {
             "the time steps are too large for this scheme; take a smaller time.tolerance, or time.scheme = \"implicit-euler\""
@@ -150,12 +155,13 @@ impl Validity {
         }
     }
 
-    /// Stops the balance of energy: forces outside the scene act, or a clamp deviates from its prescribed motion.
+    /// Stops the energy balance: forces outside the scene act, or a clamp deviates from its
+    /// prescribed motion.
     pub(crate) fn stop_counting_energy(&mut self) {
         self.memory.is_conservative = false;
     }
 
-    /// Checks the strains of all rods at `unknowns`, where the system was evaluated last.
+    /// Checks the strains of all rods at `unknowns`, where the system was last evaluated.
     pub(crate) fn check_strains(&mut self, system: &System, unknowns: &[f64], time: f64) {
         let found = system.largest_strains(unknowns, &self.sections);
         self.note_strain(system, Kind::Stretch, found.stretch, time);
@@ -163,7 +169,7 @@ impl Validity {
         self.note_strain(system, Kind::Twist, found.twist, time);
     }
 
-    /// Checks the nodes that slide along rods: whether the edges there are short enough for the force of the slide.
+    /// Checks whether edges are short enough for the force of the nodes that slide along them.
     pub(crate) fn check_slides(&mut self, system: &System, time: f64) {
         for slide in system.slides() {
             let [node, rail] = [slide.node, slide.rail().start];
@@ -191,7 +197,7 @@ impl Validity {
         }
     }
 
-    /// Keeps the remark on an equilibrium that is not stable.
+    /// Records the remark on an unstable equilibrium.
     pub(crate) fn note_instability(&mut self, message: String) {
         self.memory.instability.get_or_insert(message);
     }
@@ -227,8 +233,9 @@ impl Validity {
         }
     }
 
-    /// Describes two rods that collide faster than stretching waves travel in one of them; such an impact cannot escape
-    /// along the rod: its strain is then of the order of one. For motions in which no time step converges any more.
+    /// Describes two rods that collide faster than stretching waves travel in one of them. Such an
+    /// impact cannot propagate along the rod, whose strain is then of the order of one. Used if no
+    /// time step converges any more.
     pub(crate) fn fast_impact(
         &self,
         system: &System,
@@ -264,7 +271,8 @@ impl Validity {
         fastest.map(|(_, reason)| reason)
     }
 
-    /// Describes a rod that is stretched or compressed beyond Hooke's law, for motions in which no time step converges any more.
+    /// Describes a rod that is stretched or compressed beyond Hooke's law. Used if no time step
+    /// converges any more.
     pub(crate) fn crushed(&self, system: &System, unknowns: &[f64]) -> Option<String> {
         let found = system.largest_strains(unknowns, &self.sections).stretch?;
         (found.size.abs() > CRUSHING).then(|| {
@@ -278,7 +286,7 @@ impl Validity {
         })
     }
 
-    /// Notes that velocities ring in the step that ended at `time`, s.
+    /// Records that velocities ring in the step that ended at `time`, s.
     pub(crate) fn note_ringing(&mut self, time: f64) {
         if self.memory.ringing.is_none() {
             self.memory.ringing = Some(time);
@@ -286,7 +294,8 @@ impl Validity {
         }
     }
 
-    /// Warns of a series of steps far smaller than requested, once for each advice, and counts later ones.
+    /// Warns of a series of steps far smaller than requested, once for each advice, and counts
+    /// later series.
     pub(crate) fn note_small_steps(&mut self, row: SmallSteps) {
         let known = &mut self.memory.small_steps;
         match known.iter_mut().find(|known| known.advice == row.advice) {
@@ -298,11 +307,13 @@ impl Validity {
         }
     }
 
-    /// Checks some of the accepted steps. Returns the reason to end the run where the spurious energy is ruinous.
+    /// Checks some of the accepted steps. Returns the reason to end the run if the spurious energy
+    /// is ruinous.
     ///
-    /// The energy E of rods and contacts less what was taken in W must not grow: the gain is (E − W) less the least of that
-    /// so far. It is measured by the largest kinetic and elastic energy that is not gain, with a tenth of all energy
-    /// exchanged; contacts that rest hold some part of their force times δ, by which it may swing.
+    /// The energy E of rods and contacts minus the energy W taken in must not grow: the gain is
+    /// (E − W) minus its least value so far. It is compared with the largest kinetic and elastic
+    /// energy that is not gain, plus a tenth of all energy exchanged. Resting contacts hold some
+    /// fraction of their force times δ, by which the energy may oscillate.
     pub(crate) fn after_step(
         &mut self,
         system: &System,
@@ -419,8 +430,8 @@ impl Validity {
     }
 }
 
-/// Apparent friction coefficient of the edges of a rod, h long, for a node that slides along it under the force F
-/// across it: 0.1 F h²/EI ([`crate::mechanics::system`], `joints::track`).
+/// Apparent friction coefficient of the edges of a rod, of length h, for a node that slides along
+/// it under a transverse force F: 0.1 F h²/EI ([`crate::mechanics::system`], `joints::track`).
 pub fn apparent_friction(force: f64, edge: f64, bending: f64) -> f64 {
     0.1 * force * edge * edge / bending
 }
@@ -442,7 +453,7 @@ fn in_words(system: &System, caught: &CaughtSlide) -> String {
     )
 }
 
-/// EI/L of the stiffer direction, J; 0 of a rod that is held.
+/// EI/L of the stiffer direction, J; 0 for a held rod.
 fn bending_energy(rod: &RodDescription) -> f64 {
     if rod.held {
         return 0.0;

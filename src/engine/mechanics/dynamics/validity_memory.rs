@@ -2,25 +2,25 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The largest strain of a kind, and since when it has been beyond its bound.
+/// The largest strain of a kind, and since when the bound has been exceeded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LargeStrain {
-    /// Its size; that of a stretch has a sign.
+    /// Its size; signed for a stretch.
     pub size: f64,
     /// Node of the whole scene.
     pub node: usize,
     /// When it was so large, s.
     pub time: f64,
-    /// Time from which one has been beyond the bound, s.
+    /// Time at which the bound was first exceeded, s.
     pub since: f64,
 }
 
-/// The largest gain of energy, over the largest energy that does not come from nowhere.
+/// The largest gain of energy, relative to the largest energy that is not spurious.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gain {
-    /// The gain over that energy.
+    /// The gain relative to that energy.
     pub relative: f64,
-    /// Since when there has been one, s.
+    /// Time at which a gain was first found, s.
     pub since: f64,
 }
 
@@ -61,9 +61,9 @@ impl SmallSteps {
 /// A node that slides along a rod and is slowed down by its corners.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaughtSlide {
-    /// The friction coefficient that this is like.
+    /// The equivalent friction coefficient.
     pub friction: f64,
-    /// Length of edges with which it would be negligible, m.
+    /// Length of edges with which the friction would be negligible, m.
     pub edge: f64,
     /// The sliding node, of the whole scene.
     pub node: usize,
@@ -82,13 +82,14 @@ pub struct ValidityMemory {
     pub taken_in: f64,
     /// Sum of the absolute values of work and losses, J.
     pub exchanged: f64,
-    /// Least energy so far less what was taken in until then, J.
+    /// Least value so far of the energy minus what was taken in until then, J.
     pub lowest: Option<f64>,
-    /// Largest kinetic and elastic energy so far that does not come from nowhere, J.
+    /// Largest kinetic and elastic energy so far that is not spurious, J.
     pub explained: f64,
-    /// Normal forces of all contacts times time, N s.
+    /// Time integral of the normal forces of all contacts, N s.
     pub impulse: f64,
-    /// Whether all that gives and takes energy is counted, so that any other gain is an error of the scheme.
+    /// Whether all sources and losses of energy are counted, so that any other gain is an error of
+    /// the scheme.
     pub is_conservative: bool,
     /// The largest stretch beyond its bound.
     pub stretch: Option<LargeStrain>,
@@ -98,12 +99,12 @@ pub struct ValidityMemory {
     pub twist: Option<LargeStrain>,
     /// The largest gain of spurious energy.
     pub gain: Option<Gain>,
-    /// Since when velocities have rung, s.
+    /// Time from which velocities have been ringing, s.
     pub ringing: Option<f64>,
     /// Steps far smaller than requested, one entry for each advice.
     pub small_steps: Vec<SmallSteps>,
-    /// The slide that its rod catches most.
+    /// The slide with the largest equivalent friction.
     pub slide: Option<CaughtSlide>,
-    /// The remark on an equilibrium that is not stable.
+    /// The remark on an unstable equilibrium.
     pub instability: Option<String>,
 }

@@ -1,4 +1,5 @@
-//! Backward differences that are exact for steady turning (Gautschi 1961), in the form of an implicit Euler stage.
+//! Backward differences that are exact for steady rotation (Gautschi 1961), in the form of an
+//! implicit Euler stage.
 //!
 //! The velocity at the end of a step h is the derivative of the function a + b t + c cos ωt + d sin ωt through the
 //! last four points, the acceleration that of a + c cos ωt + d sin ωt through the last three velocities:
@@ -9,31 +10,33 @@
 //! S₁ = S(h),   S₀ = S(h₀),   S = S(h₀ + h),   S(t) = (2/ω) sin(ωt/2)
 //! ```
 //!
-//! with the size h₀ of the step before. For ω = 0, where S(t) = t, these are BDF3 and BDF2 (Gear 1971). Differences of
-//! third order alone would feed oscillations that no drag damps (they are not A-stable); with an acceleration of second
-//! order they damp all of them, and only the inertia of a motion other than turning is of second order, which is
-//! small where drag dominates. So positions and velocities advance by an Euler stage of size H from q̂ and v̂. Contact and
-//! elasticity are those where the step ends.
+//! with the size h₀ of the step before. For ω = 0, where S(t) = t, these are BDF3 and BDF2 (Gear
+//! 1971). Differences of third order alone would feed oscillations that no drag damps (they are
+//! not A-stable). With an acceleration of second order they damp all oscillations; only the
+//! inertia of motions other than rotation is then of second order, and it is small where drag
+//! dominates. So positions and velocities advance by an Euler stage of size H from q̂ and v̂.
+//! Contact and elasticity are evaluated at the end of the step.
 //!
-//! The drag is that of the predicted motion q̂ + H v*, implicit in each node's own velocity, with the velocity v*
-//! extrapolated by a + c cos ωt + d sin ωt from the last four by least squares: of third order as well, for one solution
-//! of the fluid per step.
+//! The drag is that of the predicted motion q̂ + H v*, implicit in each node's own velocity. The
+//! velocity v* is extrapolated by a + c cos ωt + d sin ωt from the last four velocities by least
+//! squares, which is also of third order and takes one solution of the fluid per step.
 //!
-//! Four are used, where three would suffice, because the difference of the drag R and the local resistance D,
-//! (R − D) v*, is fed back from step to
-//! step. With the inertia M, y = M/(Hₐ D), and without elasticity, this grows where the polynomial
+//! Four velocities are used, although three would suffice, because the difference of the drag R
+//! and the local resistance D, (R − D) v*, is fed back from step to step. With the inertia M, y =
+//! M/(Hₐ D), and without elasticity, this grows where the polynomial
 //!
 //! ```text
 //! (y + 1) z⁴ − y (4 z³ − z²)/3 + (R/D − 1) (w₁ z³ + w₂ z² + w₃ z + w₄)
 //! ```
 //!
-//! with the weights w of v* has a root outside of the unit circle. Without inertia four velocities hold for R between 0.45
-//! and 1.42 of D, three between 0.50 and 1.14; from y = 0.3 on there is no lower bound, and the upper one is 1.42 + 0.74 y.
-//! With three velocities ten flagella in a bundle ring from steps of 1.5 ms on, with four not yet at 2.5 ms. Beyond these
+//! with the weights w of v* has a root outside the unit circle. Without inertia four velocities
+//! are stable for R between 0.45 and 1.42 of D, three between 0.50 and 1.14; from y = 0.3 on there
+//! is no lower bound, and the upper one is 1.42 + 0.74 y. With three velocities ten flagella in a
+//! bundle ring from steps of 1.5 ms on; with four they do not ring yet at 2.5 ms. Beyond these
 //! bounds the drag is found within the step: `dynamics/coupling`.
 //!
-//! Rods on clamps that turn steadily move like a sum of turning with their ω and something slow: BDF3 would get the
-//! speed of the turning wrong by (ωh)³/4, fitted differences do not.
+//! Rods on steadily rotating clamps move by a rotation at their ω plus a slow motion. BDF3 would
+//! have an error of (ωh)³/4 in the speed of the rotation; the fitted differences have none.
 
 use super::{Prediction, SolvedStep, TimeScheme};
 use crate::mechanics::dynamics::history::LENGTH;
@@ -42,44 +45,48 @@ use crate::mechanics::dynamics::step_control::ErrorLaw;
 use crate::mechanics::system::{Stage, copy_positions};
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Largest growth of automatic steps from one to the next, less than that of the other schemes: differences over several
-/// steps err more where steps grow. Two flagella turned from rest are a fifth as far from those of small steps after
-/// 2.5 s as with 1.5.
+/// Largest growth of automatic steps from one to the next. It is smaller than for the other
+/// schemes, since differences over several steps err more when steps grow: two flagella turned
+/// from rest deviate a fifth as much from small steps after 2.5 s as with 1.5.
 const LARGEST_GROWTH: f64 = 1.1;
 
-/// Farthest way of an iteration from the predictor, in radii. Where predicted contacts press hard, Newton's method may
-/// converge to another solution of the step, centimetres away, from which the rods would only slowly return.
+/// Largest distance of an iteration from the predictor, in radii. Where predicted contacts press
+/// hard, Newton's method may converge to another solution of the step, centimetres away, from
+/// which the rods would return only slowly.
 const TRUST_RADIUS: f64 = 0.2;
 
-/// Growth of the step up to which differences of second and third order are stable: 1 + √2 and 1.53 (Calvo, Grande and
-/// Grigorieff 1990). Beyond the first a step is one of implicit Euler.
+/// Growth of the step up to which differences of second and third order are stable: 1 + √2 and
+/// 1.53 (Calvo, Grande and Grigorieff 1990). Beyond the first bound, implicit Euler takes the
+/// step.
 const LARGEST_GROWTHS: [f64; 2] = [2.1, 1.51];
 
-/// Velocities that v* is extrapolated from.
+/// Number of velocities from which v* is extrapolated.
 const VELOCITIES: usize = LENGTH + 1;
 
-/// Weight of each of them in the least squares, as a part of that of the next one. Velocities of the same weight would
-/// ring sooner and err more.
+/// Weight of each velocity in the least squares, relative to the next later one. Equal weights
+/// would ring sooner and err more.
 const FADING: f64 = 0.6;
 
-/// Inertia over D Hₐ below which the drag of predicted velocities grows where the resistance is less than half of D.
+/// Inertia relative to D Hₐ below which the drag of predicted velocities is unstable if the
+/// resistance is less than half of D.
 const LEAST_INERTIA: f64 = 0.3;
 
-/// Largest angle ω(h₋₁ + h₀ + h) that is fitted, rad. What turns faster than the steps resolve is not followed but
-/// damped.
+/// Largest angle ω(h₋₁ + h₀ + h) that is fitted, rad. Faster rotations are not resolved by the
+/// steps; they are damped.
 const LARGEST_ANGLE: f64 = 1.0;
 
-/// Least number of steps, chosen by the error, in which a clamp turns once. The error of each step represents that of
-/// many: where bundled flagella press on each other, the losses of larger steps add up. Over 250 s two of them come 0.5 radii
-/// off those of steps of 1 ms with 160 steps a turn.
+/// Least number of steps, chosen by the error, per turn of a clamp. The error of each step
+/// represents that of many: where bundled flagella press on each other, the losses of larger steps
+/// add up. With 160 steps a turn, over 250 s, two flagella deviate by 0.5 radii from a run with
+/// steps of 1 ms.
 const STEPS_PER_TURN: f64 = 200.0;
 
-/// Largest step that the error may choose where clamps turn with ω, s.
+/// Largest step that the error may choose if clamps rotate at ω, s.
 pub(in crate::mechanics::dynamics) fn largest_step(turning: f64) -> f64 {
     std::f64::consts::TAU / (STEPS_PER_TURN * turning)
 }
 
-/// The stage of a step and its predictor, see above.
+/// The stage of a step and its predictor; for the symbols see above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct BackwardDifference {
     /// H, s.
@@ -90,7 +97,7 @@ struct BackwardDifference {
     pub acceleration_step: f64,
     /// Weight of vₙ₋₁ − vₙ in v̂.
     pub acceleration_weight: f64,
-    /// Weights of the last velocities in v*, the latest first.
+    /// Weights of the last velocities in v*, latest first.
     pub velocity_weights: [f64; VELOCITIES],
 }
 
@@ -101,7 +108,8 @@ impl BackwardDifference {
         Self::new(step, sizes, turning)
     }
 
-    /// For a step after others, the last first (0: there is none), all in s, and turning with ω in rad/s.
+    /// The differences for a step of size `step` after the `earlier` steps, latest first (0: there
+    /// is none), all in s, with a rotation ω in rad/s.
     pub(crate) fn new(step: f64, earlier: [f64; LENGTH], turning: f64) -> Self {
         let [second, third] = LARGEST_GROWTHS;
         if step > second * earlier[0] {
@@ -129,7 +137,8 @@ impl BackwardDifference {
         }
     }
 
-    /// Through points at the times `last` and `before` ahead of the end of the step.
+    /// The differences through points at the times `last` and `before` ahead of the end of the
+    /// step.
     fn of_second_order(last: f64, before: f64, turning: Turning) -> Self {
         let [one, both, between] = [last, before, before - last].map(|time| turning.chord(time));
         let difference = both * both - one * one;
@@ -146,8 +155,8 @@ impl BackwardDifference {
         }
     }
 
-    /// The same with velocities of third order, through a point more, and v* extrapolated from those at all `times` (at
-    /// least three) ahead of the end of the step.
+    /// Raises the velocities to third order with one more point, and extrapolates v* from the
+    /// velocities at all `times` (at least three) ahead of the end of the step.
     fn with_third_order(self, times: &[f64], turning: Turning) -> Self {
         // Each column holds the functions at one point, all zero at the end of the step.
         let slopes = Matrix3::from_columns(
@@ -175,14 +184,14 @@ impl BackwardDifference {
     }
 }
 
-/// The weights given, and none for earlier velocities.
+/// Appends zero weights for earlier velocities.
 fn padded(weights: &[f64]) -> [f64; VELOCITIES] {
     let mut all = [0.0; VELOCITIES];
     all[..weights.len()].copy_from_slice(weights);
     all
 }
 
-/// Functions of a turning motion that tend to polynomials where it is slow.
+/// Functions of a rotation that tend to polynomials if it is slow.
 #[derive(Clone, Copy)]
 struct Turning {
     /// ω, rad/s.
@@ -209,8 +218,8 @@ impl Turning {
         0.5 * self.chord(time).powi(2)
     }
 
-    /// Weights of values at `times` before the one to extrapolate by a + c cos ωt + d sin ωt, fitted by least squares in
-    /// which earlier values count less by [`FADING`] each.
+    /// Weights of values at `times` ahead of the end of the step that extrapolate to it by a + c
+    /// cos ωt + d sin ωt. The least-squares fit weights each earlier value less by [`FADING`].
     fn extrapolation(self, times: &[f64]) -> Option<[f64; VELOCITIES]> {
         let scale = times[0];
         let functions = |time: f64| {
@@ -235,7 +244,8 @@ impl Turning {
     /// (ωt − sin ωt)/ω³, t³/6 for ω = 0.
     fn lag(self, time: f64) -> f64 {
         let square = (self.rate * time).powi(2);
-        // Four terms of the series: its remainder is below rounding error for the angles that are fitted.
+        // Four terms of the series: for the angles that are fitted, the remainder is below
+        // rounding error.
         let series = 1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0));
         if square < 0.01 {
             time.powi(3) / 6.0 * series
@@ -260,7 +270,7 @@ impl TimeScheme for BackwardDifferences {
         true
     }
 
-    /// See above; rounded down, for steps that grow and angles that turn.
+    /// See above; rounded down, to allow for growing steps and rotations.
     fn largest_lagged_ratio(&self, inertia: f64) -> f64 {
         if inertia < LEAST_INERTIA {
             return 0.0;
@@ -410,12 +420,13 @@ mod tests {
         assert_eq!(order([0.1, 0.1], 0.01), 3);
     }
 
-    /// Size of the largest factor by which steps of M q̈ + R q̇ + K q = 0 multiply a motion, with the drag R of which only
-    /// D is implicit: the largest root in z of the polynomial that q = zⁿ leaves of
-    /// M (v − v̂)/Hₐ + D v + (R − D) v* + K q, v = (q − q̂)/H. All in units of the step.
+    /// The largest factor by which a step of M q̈ + R q̇ + K q = 0 multiplies a motion, if only D
+    /// of the drag R is implicit. It is the largest root z of the polynomial from q = zⁿ in M (v −
+    /// v̂)/Hₐ + D v + (R − D) v* + K q, v = (q − q̂)/H. All in units of the step.
     fn amplification(mass: f64, [drag, local]: [f64; 2], stiffness: f64) -> f64 {
         let difference = BackwardDifference::new(1.0, [1.0; LENGTH], 0.0);
-        // Coefficients of q, and of v in terms of v, by how many steps ago.
+        // Coefficients of v in terms of q, and of the acceleration in terms of v, by the number of
+        // steps ago.
         let [first, second] = difference.weights;
         let velocity = [first + second - 1.0, -first, -second].map(|c| c / difference.step);
         let velocity = [1.0 / difference.step, velocity[0], velocity[1], velocity[2]];
@@ -449,7 +460,7 @@ mod tests {
         roots.iter().map(|root| root.norm()).fold(0.0, f64::max)
     }
 
-    /// Roots of a matrix are found to about the fifth root of rounding error where they meet.
+    /// Multiple roots of a matrix are found to about the fifth root of rounding error.
     const ROUNDING: f64 = 1e-6;
 
     #[test]

@@ -1,4 +1,5 @@
-//! How large a resistance may be beside its local part before drag that lags behind makes steps ring.
+//! The largest ratio of a resistance to its local part for which steps with lagged drag do not
+//! ring.
 
 use super::super::history::History;
 use super::super::state::State;
@@ -6,8 +7,9 @@ use super::*;
 use crate::mechanics::Vector3;
 use crate::mechanics::test_support::SCHEMES;
 
-/// The largest velocity of a body without springs after many steps, one at first: of mass `inertia` hₐ D, with the drag
-/// −D v of the step and (D − R) v₀ of the motion before it or of the predicted one, D = 1 N s/m.
+/// The largest velocity of a body without springs after many steps, from a velocity of one. Its
+/// mass is `inertia` hₐ D. Its drag is −D v at the end of the stage and (D − R) v₀ at the previous
+/// or the predicted motion, D = 1 N s/m.
 fn velocity_after(scheme: Scheme, inertia: f64, resistance: f64) -> f64 {
     let rules = scheme.rules();
     let mut state = State::new(&[0.0; STRIDE], &[1.0, 0.0, 0.0, 0.0]);
@@ -34,7 +36,7 @@ fn velocity_after(scheme: Scheme, inertia: f64, resistance: f64) -> f64 {
         } else {
             state.velocity[0]
         };
-        // inertia (v − v̂) + v + (R − 1) v₀ = 0, with both in units of D.
+        // inertia (v − v̂) + v + (R − 1) v₀ = 0, with `inertia` and R in units of D.
         let stage_velocity =
             (inertia * stage.velocity[0] + (1.0 - resistance) * expected) / (inertia + 1.0);
         let mut end = vec![stage.start[0] + stage.step * stage_velocity, 0.0, 0.0, 0.0];

@@ -1,8 +1,9 @@
 //! The time integration schemes, one file each: its equations, their derivation, and its guarantees.
 //!
-//! Every scheme solves one implicit stage per step, of the form that [`Stage`] states: velocities (q − q̂)/h and
-//! accelerations (v − v̂)/hₐ, forces where the stage ends. A scheme defines where the stage starts, from what its solution is
-//! predicted, and what follows from the solution for the end of the step and the error made in it.
+//! Every scheme solves one implicit stage per step, in the form that [`Stage`] states: velocities
+//! (q − q̂)/h and accelerations (v − v̂)/hₐ, with forces at the end of the stage. A scheme defines
+//! where the stage starts, how its solution is predicted, and how the end of the step and its
+//! error follow from the solution.
 
 mod backward_differences;
 mod implicit_euler;
@@ -23,7 +24,7 @@ use implicit_midpoint::ImplicitMidpoint;
 
 pub(super) use backward_differences::largest_step;
 
-/// A scheme of one implicit stage.
+/// A time integration scheme with one implicit stage.
 pub(super) trait TimeScheme {
     /// Order of the local error in the step, and the growth allowed to automatic steps.
     fn error_law(&self) -> ErrorLaw;
@@ -38,33 +39,36 @@ pub(super) trait TimeScheme {
         false
     }
 
-    /// Largest eigenvalue of D⁻¹ R, the resistance of a flow over its local part, for which a step may leave (R − D) (v − v₀)
-    /// to the next one without ringing, where the least inertia of a node is `inertia` times D hₐ; 0 where it may not.
+    /// Largest eigenvalue of D⁻¹ R, the resistance of a flow over its local part, for which a step
+    /// may leave (R − D) (v − v₀) to the next one without ringing; 0 if it may never. The least
+    /// inertia of a node is `inertia` times D hₐ.
     fn largest_lagged_ratio(&self, inertia: f64) -> f64;
 
-    /// Whether the first steps of a motion must be small, since the scheme needs earlier ones for its order.
+    /// Whether the first steps of a motion must be small, because the scheme needs earlier steps
+    /// for its order.
     fn begins_small(&self) -> bool {
         false
     }
 
-    /// Weights α₁ and α₂ of the last two steps in the difference that the stage of a step takes, for rates of strains:
-    /// ε̂ = εₙ + α₁ (εₙ₋₁ − εₙ) + α₂ (εₙ₋₂ − εₙ).
+    /// Weights α₁ and α₂ of the last two steps in the difference quotient of the stage, for strain
+    /// rates: ε̂ = εₙ + α₁ (εₙ₋₁ − εₙ) + α₂ (εₙ₋₂ − εₙ).
     fn earlier_weights(&self, _step: f64, _state: &State, _turning: f64) -> [f64; 2] {
         [0.0; 2]
     }
 
-    /// Farthest that an iteration of Newton's method may go at once, in radii of the thinnest rod.
+    /// Largest move of an iteration of Newton's method, in radii of the thinnest rod.
     fn trust_radius(&self) -> f64 {
         f64::INFINITY
     }
 
-    /// Whether the end of the step lies beyond the solution of the stage: as far again.
+    /// Whether the end of the step is extrapolated to twice the distance of the solution of the
+    /// stage.
     fn extrapolates(&self) -> bool {
         false
     }
 
-    /// Sets up the stage of a step (s) from `state` with clamps that turn steadily by up to `turning` (rad/s), and
-    /// the prediction of its solution.
+    /// Sets up the stage of a step (s) from `state` and predicts its solution; clamps rotate
+    /// steadily by up to `turning` (rad/s).
     fn begin(
         &self,
         step: f64,
@@ -74,16 +78,16 @@ pub(super) trait TimeScheme {
         prediction: &mut Prediction,
     );
 
-    /// Writes the velocity at the end of a step and returns the local error of the positions, m.
+    /// Computes the velocity at the end of a step and returns the local error of the positions, m.
     fn finish(&self, solved: &SolvedStep, velocity: &mut [f64]) -> f64;
 }
 
 /// Prediction of the solution of a stage.
 #[derive(Clone, Debug)]
 pub(super) struct Prediction {
-    /// Unknowns at the end of the stage; Newton's method starts here, and leaves its solution here.
+    /// Unknowns at the end of the stage: the start of Newton's method, then its solution.
     pub unknowns: Vec<f64>,
-    /// Velocity at the end of the stage; only schemes that predict the drag write it.
+    /// Velocity at the end of the stage; written only by schemes that predict the drag.
     pub velocity: Vec<f64>,
 }
 
@@ -109,7 +113,8 @@ impl SolvedStep<'_> {
         (self.end[unknown] - self.state.unknowns[unknown]) / self.step
     }
 
-    /// Writes velocity and local error of all unknowns as given by `of`; returns the largest error of a position, m.
+    /// Sets velocity and local error of all unknowns as computed by `of`; returns the largest
+    /// error of a position, m.
     fn fill(&self, velocity: &mut [f64], of: impl Fn(usize) -> (f64, f64)) -> f64 {
         let mut worst = 0.0;
         for (k, velocity) in velocity.iter_mut().enumerate() {
@@ -134,8 +139,9 @@ impl Scheme {
     }
 }
 
-/// Sets up a stage of `size` (s) that starts where the step does, and predicts its solution with the acceleration of the
-/// last step, of which the part `fraction` of the stage's size is kept in the velocity.
+/// Sets up a stage of `size` (s) that starts where the step does. Predicts its solution with the
+/// acceleration of the last step; the predicted velocity uses it for the fraction `fraction` of
+/// `size`.
 fn begin_at_the_start(
     size: f64,
     fraction: f64,

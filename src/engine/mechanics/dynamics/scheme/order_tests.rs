@@ -1,4 +1,4 @@
-//! The order in time of each scheme: how the error at a given time falls with the step.
+//! The order in time of each scheme: how the error at a given time decreases with the step.
 
 use super::super::*;
 use crate::mechanics::Vector3;
@@ -8,7 +8,8 @@ use crate::mechanics::test_support::{
     clamp, fixed_steps, gravity, run_with, section, straight_rod,
 };
 
-/// A clamped rod of three soft edges, whose fastest mode of 160 rad/s all steps resolve, falls from the horizontal.
+/// A clamped rod of three soft edges that falls from the horizontal. All steps resolve its fastest
+/// mode of 160 rad/s.
 fn soft_cantilever() -> Scene {
     let mut rod = straight_rod(3, 0.3);
     rod.stiffness = section(5.0, [1e-3, 2e-3], 1e-3);
@@ -37,7 +38,7 @@ fn cantilever_in_honey() -> Scene {
     }
 }
 
-/// Where all nodes are at `end` (s).
+/// Positions of all nodes at `end` (s).
 fn positions(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Vec<Vector3> {
     let parameters = IntegrationParameters {
         force_tolerance: 1e-11,
@@ -48,7 +49,7 @@ fn positions(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Vec<Vector3>
     simulation.positions().to_vec()
 }
 
-/// Orders by which the error falls from step to half the step, twice.
+/// Orders of convergence from two successive halvings of the step.
 fn orders(scene: &Scene, scheme: Scheme, step: f64, end: f64, exact: &[Vector3]) -> [f64; 2] {
     let errors = [1.0, 0.5, 0.25].map(|part| {
         let found = positions(scene, scheme, part * step, end);
