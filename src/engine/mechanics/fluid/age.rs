@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Age {
     /// Solves with it.
     pub solves: usize,
-    /// Iterations of all of them.
+    /// Total number of iterations of these solves.
     iterations: usize,
-    /// Iterations of a solve lately, smoothed.
+    /// Smoothed number of iterations of recent solves.
     recent: f64,
 }
 
 impl Age {
-    /// Solves over which `recent` is smoothed.
+    /// Number of solves over which `recent` is smoothed.
     const MEMORY: f64 = 8.0;
 
     /// Records a solve.
@@ -29,8 +29,9 @@ impl Age {
         self.iterations += iterations;
     }
 
-    /// Whether to rebuild: once a solve costs more than solves have cost on average since the last
-    /// building, its price (in iterations) included. For costs that only grow this rule is the best one.
+    /// Whether to rebuild. This is due once a solve costs more than the average since the last
+    /// rebuild, including the price of the rebuild (in iterations). For costs that only grow, this
+    /// rule is the best one.
     pub(crate) fn is_over(&self, price: f64) -> bool {
         self.recent * self.solves as f64 > price + self.iterations as f64
     }

@@ -2,7 +2,7 @@
 
 use super::Filament;
 
-/// A node among those of all filaments, numbered one filament after the other.
+/// A node in the sequence of the nodes of all filaments, one filament after the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Link {
     /// The node before it on the same filament.

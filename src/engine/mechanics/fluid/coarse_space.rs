@@ -7,19 +7,20 @@ use super::{Filament, FluidError};
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes};
 use nalgebra::{DMatrix, DVector};
 
-/// Nodes of an aggregate, about. In the bundle of ten flagella aggregates of 8, 17 nodes and none take 7.0, 7.7 and 11.6
-/// iterations a solve; shorter ones cost more than they save.
+/// Approximate number of points per aggregate. In the bundle of ten flagella, aggregates of 8 and
+/// 17 nodes and none take 7.0, 7.7 and 11.6 iterations a solve; shorter aggregates cost more than
+/// they save.
 const NODES: usize = 17;
 
-/// The best forces Q x that are constant along aggregates: Q = Z (Zᵀ A Z)⁻¹ Zᵀ, where Z has a column for each component
-/// of the force on each aggregate, with ones at its nodes.
+/// The best forces Q x that are constant on each aggregate: Q = Z (Zᵀ A Z)⁻¹ Zᵀ, where Z has a
+/// column for each component of the force on each aggregate, with ones at its nodes.
 pub(super) struct CoarseSpace {
     set: InstructionSet,
-    /// First point of each aggregate, and the number of points.
+    /// First point of each aggregate, then the number of points.
     bounds: Vec<usize>,
-    /// The aggregates of the points of each station, and their weights.
+    /// The aggregates to which the points of each station belong, and their weights.
     shares: Vec<[(usize, f64); 2]>,
-    /// A Z, row by row, padded to whole lanes; those of the points come first.
+    /// A Z, row by row, padded to whole lanes; the rows of the points come first.
     images: Vec<SingleLanes>,
     /// (Zᵀ A Z)⁻¹.
     inverse: DMatrix<f64>,
@@ -27,7 +28,7 @@ pub(super) struct CoarseSpace {
     sums: DVector<f64>,
     /// Q x by aggregates.
     forces: DVector<f64>,
-    /// The same, padded to whole lanes.
+    /// Q x by aggregates, padded to whole lanes.
     lanes: Vec<Lanes>,
 }
 
@@ -58,7 +59,7 @@ impl CoarseSpace {
         }
     }
 
-    /// Takes over an assembled operator.
+    /// Sets up the coarse level for an assembled operator.
     ///
     /// # Errors
     /// [`FluidError::Singular`] if Zᵀ A Z has no inverse.

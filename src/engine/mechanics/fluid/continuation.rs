@@ -1,9 +1,9 @@
-//! The lengths of filaments that continue each other, for resistive force theory.
+//! The lengths of chains of joined filaments, for resistive force theory.
 //!
-//! The coefficients of resistive force theory depend on the length of a filament. Where the ends of two filaments are
-//! joined, without other joints there, the two are one filament of their common length: a rod made of pieces
-//! has the drag of one made in one piece. Where three or more nodes meet, or an end meets the middle of another
-//! filament, each keeps its own length.
+//! The coefficients of resistive force theory depend on the length of a filament. If the ends of
+//! two filaments are joined, without other joints there, the two count as one filament of their
+//! total length: a rod made of pieces has the drag of one made in one piece. Where three or more
+//! nodes meet, or an end meets the middle of another filament, each filament keeps its own length.
 
 use super::{Connections, Filament};
 use crate::mechanics::Vector3;
@@ -14,15 +14,15 @@ const JOINED: f64 = 0.1;
 /// Filaments that continue each other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Continuation {
-    /// Two filaments by their numbers, and the nodes at which they meet.
+    /// Indices of two filaments, and the nodes at which they meet.
     meetings: Vec<([usize; 2], [usize; 2])>,
-    /// Scratch: of each filament, the first one of its chain.
+    /// Scratch: the first filament of the chain of each filament.
     first: Vec<usize>,
     lengths: Vec<f64>,
 }
 
 impl Continuation {
-    /// Finds those of connected filaments.
+    /// Finds the filaments that continue each other among connected ones.
     pub(crate) fn new(filaments: &[Filament], connections: &Connections) -> Self {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for pair in &connections.joined {
@@ -55,7 +55,7 @@ impl Continuation {
         }
     }
 
-    /// Contour length of each filament with all that continue it, m.
+    /// Contour length of each filament with all those that continue it, m.
     pub(crate) fn lengths(&mut self, filaments: &[Filament], positions: &[Vector3]) -> &[f64] {
         self.first.clear();
         self.first.extend(0..filaments.len());
@@ -89,7 +89,8 @@ impl Continuation {
 mod tests {
     use super::*;
 
-    /// Straight filaments of one edge that are 1, 2, 3 and 4 long and begin where the one before ends.
+    /// Straight filaments of one edge each, 1, 2, 3 and 4 long; each begins where the previous one
+    /// ends.
     fn chain() -> (Vec<Filament>, Vec<Vector3>) {
         let filament = |k: usize| Filament {
             first_node: 2 * k,

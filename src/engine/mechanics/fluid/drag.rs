@@ -10,11 +10,11 @@ use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// Far-field errors that the expansions can guarantee. Their truncation of the regularised kernel and of the
-/// segments' lengths is less than the smallest.
+/// Far-field errors that the expansions can guarantee. Truncating the regularised kernel and using
+/// Gauss points on the segments cause a smaller error than the least of these.
 const FAR_FIELD_ERRORS: RangeInclusive<f64> = 1e-6..=1e-2;
 
-/// Part of the sum of their radii by which two spheres may overlap: rounding.
+/// Overlap of two spheres that counts as rounding, relative to the sum of their radii.
 const OVERLAP: f64 = 1e-9;
 
 /// A viscous fluid around filaments.
@@ -32,26 +32,26 @@ enum Method {
     },
 }
 
-/// Everything of a [`Fluid`] that influences its later results; what a checkpoint holds.
+/// The state of a [`Fluid`] that influences its later results; part of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FluidMemory(Option<StokesletMemory>);
 
-/// Share of the motion of others in the drag on a node.
+/// Influence of the motion of other nodes on the drag on a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
     /// Estimate of the largest eigenvalue of D⁻¹ R, with the resistance R of all nodes and its local part D.
     pub largest_ratio: f64,
-    /// Relative error of the drag that is left by its iterative solution.
+    /// Relative error of the drag left by its iterative solution.
     pub tolerance: f64,
 }
 
 impl Fluid {
-    /// A fluid around filaments, no two of which share a node, without connections.
+    /// Creates a fluid around unconnected filaments, no two of which share a node.
     ///
     /// # Errors
-    /// [`FluidError::BadInput`] for a viscosity, regularisation or radius that is not positive and finite,
-    /// for a far-field error that is neither 0 nor from 10⁻⁶ to 10⁻²,
-    /// for filaments of less than two nodes and for filaments that overlap.
+    /// [`FluidError::BadInput`] for a viscosity, regularisation or radius that is not positive and
+    /// finite, for a far-field error that is neither 0 nor from 10⁻⁶ to 10⁻², for filaments of
+    /// less than two nodes, and for filaments that share nodes.
     pub fn new(model: &FluidModel, filaments: &[Filament]) -> Result<Self, FluidError> {
         check(filaments)?;
         let method = match *model {
@@ -88,8 +88,8 @@ impl Fluid {
         })
     }
 
-    /// The same beside a plane at which the fluid is at rest, the no-slip wall of the flow; for regularized Stokeslets
-    /// only.
+    /// Creates such a fluid beside a plane at which the fluid is at rest, the no-slip wall of the
+    /// flow; for regularized Stokeslets only.
     ///
     /// # Errors
     /// As [`new`](Self::new), and [`FluidError::BadInput`] for another model, a normal that is not a unit vector, and for more
@@ -119,8 +119,9 @@ impl Fluid {
         Ok(fluid)
     }
 
-    /// Puts spheres among the filaments, before these are connected; `positions` (m) are those of all places of the scene, and
-    /// nodes that are inside a sphere now are part of it.
+    /// Adds spheres to the filaments, before these are connected. `positions` (m) has an entry for
+    /// each node and each point that rotates with a sphere; nodes that are inside a sphere now are
+    /// part of it.
     ///
     /// # Errors
     /// [`FluidError::BadInput`] for a radius that is not positive and finite, for spheres that overlap, and beside a wall.
@@ -153,7 +154,8 @@ impl Fluid {
         Ok(())
     }
 
-    /// A node that may not be there is at the wall or behind it: its number in the scene, and its height, m.
+    /// The first node that is at or behind the wall although it may not be: its index in the
+    /// scene, and its height, m.
     pub(crate) fn behind_wall(&self, positions: &[Vector3]) -> Option<(usize, f64)> {
         match &self.method {
             Method::Stokeslets(drag) => drag.wall()?.behind(positions),
@@ -161,8 +163,8 @@ impl Fluid {
         }
     }
 
-    /// Sets the connections of filaments that are placed at `positions` (m, of all nodes of the scene). Nodes
-    /// at the same point are one point of the flow, joined or not, until they separate.
+    /// Sets the connections of filaments at `positions` (m, of all nodes of the scene). Nodes at
+    /// the same point are one point of the flow, joined or not, until they separate.
     pub(crate) fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
         match &mut self.method {
             Method::Stokeslets(drag) => drag.connect(connections, positions),
@@ -172,8 +174,8 @@ impl Fluid {
         }
     }
 
-    /// Pairs of nodes that were at the same point when the filaments were placed, without a joint; none where nodes do not interact
-    /// through the fluid.
+    /// Pairs of unjoined nodes that were at the same point when the filaments were placed; empty
+    /// if nodes do not interact through the fluid.
     pub(crate) fn met_by_chance(&self) -> Vec<[usize; 2]> {
         match &self.method {
             Method::Stokeslets(drag) => drag.met_by_chance(),
@@ -181,8 +183,9 @@ impl Fluid {
         }
     }
 
-    /// The two nodes, not neighbours along a filament nor one point, that are nearest to each other, and their distance over the
-    /// smaller regularisation length; `None` where nodes do not interact through the fluid.
+    /// The two nodes closest to each other, and their distance over the smaller regularisation
+    /// length; neighbours along a filament and nodes of one point are excluded. `None` if nodes do
+    /// not interact through the fluid.
     pub(crate) fn nearest_nodes(&self, positions: &[Vector3]) -> Option<([usize; 2], f64)> {
         match &self.method {
             Method::Stokeslets(drag) => drag.nearest_nodes(positions),
@@ -190,15 +193,16 @@ impl Fluid {
         }
     }
 
-    /// Force of the fluid on every node (N) and its local resistance D (N s/m, symmetric positive
-    /// definite): a change δv of the node's own velocity changes the force on it by about −D δv, for
-    /// resistive force theory exactly.
+    /// Computes the force of the fluid on every node (N) and its local resistance D (N s/m,
+    /// symmetric positive definite): a change δv of the node's own velocity changes the force on
+    /// it by about −D δv, exactly so for resistive force theory.
     ///
-    /// All slices have one entry per node of the scene, and with spheres one per place of it, positions in m and velocities in
-    /// m/s. `spins` (rad/s) are those of the edges that start at the nodes, about their tangents; empty where their flow is
-    /// ignored, as in resistive force theory. Nodes outside all filaments get zero. The centre of a
-    /// sphere gets the force on it, and points that turn with it
-    /// get forces whose torques add up to that on it.
+    /// All slices have one entry per node of the scene and, with spheres, one per point that
+    /// rotates with a sphere; positions in m and velocities in m/s. `spins` (rad/s) are those of
+    /// the edges that start at the nodes, about their tangents; empty if their flow is ignored, as
+    /// in resistive force theory. Nodes outside all filaments get zero. The centre of a sphere
+    /// gets the force on it; the points that rotate with it get forces whose torques add up to the
+    /// torque on it.
     ///
     /// # Errors
     /// See [`FluidError`]; `forces` and `resistance` are then unspecified, while the memory stays valid
@@ -240,8 +244,9 @@ impl Fluid {
         }
     }
 
-    /// Force of the fluid on every node (N) for other velocities, m/s and rad/s, with the nodes where they were in the last
-    /// [`Self::drag`], which gave them a local `resistance`: linear in the velocities, as flow without inertia is.
+    /// Computes the force of the fluid on every node (N) for other velocities, m/s and rad/s. The
+    /// nodes stay where they were in the last [`Self::drag`], which determined the local
+    /// `resistance`. The force is linear in the velocities, as for any flow without inertia.
     ///
     /// # Errors
     /// The errors of [`Self::drag`].
@@ -261,7 +266,8 @@ impl Fluid {
         }
     }
 
-    /// Solves for the drag to a smaller relative residual from now on; returns whether the operator of the flow is exact enough for that.
+    /// Solves for the drag to a smaller relative residual from now on; returns whether the flow
+    /// operator is accurate enough for that.
     pub(crate) fn sharpen(&mut self, tolerance: f64) -> bool {
         match &mut self.method {
             Method::Stokeslets(drag) => drag.sharpen(tolerance),
@@ -269,7 +275,8 @@ impl Fluid {
         }
     }
 
-    /// Influence of the motion of other nodes; `None` where there is none, and the local resistance D is the whole one.
+    /// Influence of the motion of other nodes; `None` if there is none, so that the local
+    /// resistance D is the whole resistance.
     pub(crate) fn coupling(&self) -> Option<Coupling> {
         match &self.method {
             Method::Stokeslets(drag) => Some(Coupling {
@@ -280,8 +287,8 @@ impl Fluid {
         }
     }
 
-    /// Power that the last drag takes from the motion of the nodes, W, where the motion of nodes acts on others; `None` where
-    /// they do not. That of a fluid at rest is positive in every motion.
+    /// Power that the last drag takes from the motion of the nodes, W; `None` if nodes do not
+    /// interact. In a fluid at rest it is positive for every motion.
     pub(crate) fn dissipation(&self) -> Option<f64> {
         match &self.method {
             Method::Stokeslets(drag) => Some(drag.dissipation()),
@@ -297,10 +304,11 @@ impl Fluid {
         })
     }
 
-    /// Continues from the memory of a fluid around the same filaments, bit for bit as if never stopped.
+    /// Continues from the memory of a fluid around the same filaments, bit for bit as without an
+    /// interruption.
     ///
     /// # Errors
-    /// [`FluidError::ForeignMemory`] where the memory does not fit the filaments and the model.
+    /// [`FluidError::ForeignMemory`] if the memory does not fit the filaments and the model.
     pub(crate) fn restore(&mut self, memory: FluidMemory) -> Result<(), FluidError> {
         match (&mut self.method, memory.0) {
             (Method::Stokeslets(drag), Some(memory)) => drag.restore(memory),

@@ -1,12 +1,12 @@
 //! Errors of the fluid.
 
-/// Reason why the fluid forces could not be computed.
+/// Reason why the drag could not be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FluidError {
     /// The description of the fluid or of a filament is wrong.
     #[error("{0}")]
     BadInput(String),
-    /// A position or velocity, and so a force, is not a finite number.
+    /// A position or velocity, and therefore a force, is not a finite number.
     #[error("a position or velocity in the fluid is not a finite number")]
     NotFinite,
     /// Neighbouring nodes coincide, or are far closer than the regularisation length, so that velocities do not determine the forces.
@@ -38,7 +38,8 @@ pub enum FluidError {
         /// Relative residual reached.
         residual: f64,
     },
-    /// Two nodes of filaments that have come so close to each other that velocities do not determine the forces.
+    /// Two nodes of filaments that are so close to each other that velocities do not determine the
+    /// forces.
     #[error(
         "{first} and {second} are {regularizations:.2} regularisation lengths apart, too close for the flow between them to have a \
          solution: join them, or keep the rods apart with a [contact] table"
@@ -54,7 +55,7 @@ pub enum FluidError {
     /// The logarithm of the slender-body coefficients is not positive.
     #[error("resistive force theory needs slender rods, but length over radius is only {0:.3}")]
     NotSlender(f64),
-    /// A checkpoint of another scene.
+    /// The memory belongs to another scene.
     #[error("the stored state of the fluid belongs to other filaments")]
     ForeignMemory,
 }

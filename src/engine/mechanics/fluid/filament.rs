@@ -34,7 +34,7 @@ impl Filament {
 /// Connections of the nodes of filaments.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Connections {
-    /// Pairs of nodes that have one position, at least until a joint breaks.
+    /// Pairs of nodes that share one position, at least until a joint breaks.
     pub joined: Vec<[usize; 2]>,
     /// Nodes that slide along filaments.
     pub sliding: Vec<Sliding>,
@@ -51,7 +51,7 @@ pub struct Sliding {
     pub closed: bool,
 }
 
-/// Number of a node where those of all filaments are counted one filament after the other; `None` where it belongs to none.
+/// Index of a node in the sequence of the nodes of all filaments; `None` if it belongs to none.
 pub(super) fn station_of(filaments: &[Filament], node: usize) -> Option<usize> {
     let mut first = 0;
     for filament in filaments {

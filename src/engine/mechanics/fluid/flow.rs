@@ -1,4 +1,4 @@
-//! The flow operator of the solver: exact for few nodes, by clusters for many.
+//! The flow operator of the solver: exact for few nodes, clustered for many.
 
 use super::Filament;
 use super::hierarchy::HierarchicalOperator;
@@ -8,29 +8,31 @@ use super::spheres::Spheres;
 use super::wall::FlowWall;
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Nodes from which clusters are cheaper than all pairs. A step of 15 helices (1,020 nodes, 3 cm apart) costs
-/// the same either way; 10 helices cost 1.6 times as much by clusters, 30 cost half as much.
+/// Number of nodes from which clusters are cheaper than all pairs. A step of 15 helices (1,020
+/// nodes, 3 cm apart) costs the same either way. For 10 helices clusters cost 1.6 times as much,
+/// for 30 half as much.
 const CROSSOVER: usize = 1024;
 
-/// Products with the matrix of the points, R A W ([`Points`]), for A exact or not, and of the [`Spheres`] among them. Vectors hold
-/// three numbers per point, then six per sphere.
+/// Products with the matrix of the points, R A W ([`Points`]), with exact or clustered A, and with
+/// that of the [`Spheres`] among them. Vectors hold three numbers per point, then six per sphere.
 pub(super) struct Flow {
     stations: Stations,
     points: Points,
     spheres: Spheres,
-    /// Scratch at the stations, where they are not the points.
+    /// Scratch at the stations, used if stations and points differ.
     densities: [Vec<f64>; 3],
     velocities: [Vec<f64>; 3],
 }
 
-/// A product with A, the matrix of all stations.
+/// The matrix A of all stations.
 enum Stations {
     Exact(FlowOperator),
     Hierarchical(HierarchicalOperator),
 }
 
 impl Flow {
-    /// Exact below [`CROSSOVER`] nodes and for a `far_field_error` of zero; by clusters otherwise. Every station is a point.
+    /// Creates an exact operator below [`CROSSOVER`] nodes and for a `far_field_error` of zero,
+    /// otherwise one by clusters. Every station is a point.
     pub(crate) fn new(filaments: &[Filament], regularization: f64, far_field_error: f64) -> Self {
         let nodes: usize = filaments.iter().map(|filament| filament.nodes).sum();
         let stations = if far_field_error == 0.0 || nodes < CROSSOVER {
@@ -63,7 +65,7 @@ impl Flow {
         }
     }
 
-    /// Takes other points of the same stations.
+    /// Sets other points of the same stations.
     pub(crate) fn take_points(&mut self, points: Points) {
         let size = if points.are_plain() {
             0
@@ -104,7 +106,7 @@ impl Flow {
         3 * self.points.count() + self.spheres.unknowns()
     }
 
-    /// A where it is exact; `None` by clusters.
+    /// The matrix A if it is exact; `None` for clusters.
     pub(crate) fn exact(&self) -> Option<&FlowOperator> {
         match &self.stations {
             Stations::Exact(operator) => Some(operator),
@@ -121,8 +123,8 @@ impl Flow {
         }
     }
 
-    /// Evaluates what spheres and points do to each other, for stations of `filaments` and all places of the scene, m; after
-    /// [`assemble`](Self::assemble).
+    /// Evaluates the interaction of spheres and points at the given stations of `filaments` and
+    /// positions in the scene, m. To be called after [`assemble`](Self::assemble).
     pub(crate) fn assemble_spheres(
         &mut self,
         filaments: &[Filament],
@@ -137,7 +139,7 @@ impl Flow {
         self.block(station, station)
     }
 
-    /// The diagonal block of a point: the velocity there by the force densities of all its stations.
+    /// The diagonal block of a point: its velocity by the force densities of all its stations.
     pub(crate) fn diagonal(&self, point: usize) -> Matrix3 {
         let row = self.points.representatives()[point];
         let members = self.points.members(point).iter();
@@ -152,7 +154,7 @@ impl Flow {
         sum
     }
 
-    /// A block of A; zero by clusters for stations that are far from each other, where it is small.
+    /// A block of A. With clusters, zero for distant stations, whose block is small.
     fn block(&self, row: usize, column: usize) -> Matrix3 {
         match &self.stations {
             Stations::Exact(operator) => operator.block(row, column),
@@ -160,7 +162,7 @@ impl Flow {
         }
     }
 
-    /// `velocities` = R A W `densities`, with the spheres.
+    /// Computes `velocities` = R A W `densities`, including the spheres.
     pub(crate) fn multiply(&mut self, densities: &[f64], velocities: &mut [f64]) {
         let of_points = 3 * self.nodes();
         self.multiply_points(&densities[..of_points], &mut velocities[..of_points]);
@@ -177,7 +179,7 @@ impl Flow {
         self.points.restrict(u, velocities);
     }
 
-    /// [`multiply`](Self::multiply) for three vectors.
+    /// As [`multiply`](Self::multiply), for three vectors.
     pub(crate) fn multiply_three(
         &mut self,
         densities: &[Vec<f64>; 3],
@@ -226,9 +228,10 @@ impl Stations {
     }
 }
 
-/// Degree of the expansions for a relative error of the drag. In helices 3 mm and 3 cm apart the velocities
-/// err by about 0.015 · 0.37ᵖ at degree p, and the forces ten times as much: what expansions get wrong varies
-/// from node to node, and such velocities take larger forces than even ones.
+/// Degree of the expansions for a relative error of the drag. For helices 3 mm and 3 cm apart the
+/// velocities have errors of about 0.015 · 0.37ᵖ at degree p, and the forces ten times as much:
+/// errors of the expansions vary from node to node, and such velocities take larger forces than
+/// smooth ones.
 fn order_for(far_field_error: f64) -> usize {
     (libm::log(far_field_error / 0.2) / libm::log(0.38f64)).ceil() as usize
 }

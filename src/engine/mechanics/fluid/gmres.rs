@@ -4,7 +4,7 @@ use super::flow::Flow;
 use super::preconditioner::Preconditioner;
 use crate::linalg::instruction_set::{LANES, Lanes};
 
-/// Directions kept before a restart. A solve takes 1 to 20 iterations; a restart is rare.
+/// Directions kept before a restart. A solve takes 1 to 20 iterations, so restarts are rare.
 const RESTART: usize = 40;
 
 /// Scratch of the method.
@@ -15,10 +15,10 @@ pub(super) struct Gmres {
     columns: Vec<[f64; RESTART]>,
     /// Givens rotations (cosine, sine).
     rotations: [(f64, f64); RESTART],
-    /// Right-hand side of the small least-squares problem, rotated.
+    /// Rotated right-hand side of the small least-squares problem.
     rotated: [f64; RESTART + 1],
     combination: Vec<f64>,
-    /// A preconditioned vector: of the newest direction, at last of the combination of all.
+    /// A preconditioned vector: the newest direction, at the end the combination of all.
     preconditioned: Vec<f64>,
 }
 
@@ -43,8 +43,8 @@ impl Gmres {
         }
     }
 
-    /// Improves `solution`, whose residual b − A x is `residual`, until ‖b − A x‖ ≤ `tolerance` or
-    /// `most` iterations have been spent. Not-a-number ends the iteration too.
+    /// Improves `solution`, whose residual b − A x is `residual`, until ‖b − A x‖ ≤ `tolerance`,
+    /// `most` iterations have been spent, or a NaN occurs.
     pub(crate) fn solve(
         &mut self,
         operator: &mut Flow,
@@ -87,7 +87,7 @@ impl Gmres {
         self.rotated[0] = norm;
     }
 
-    /// Adds direction j + 1 to the basis. Returns the residual that the best combination so far leaves.
+    /// Adds direction j + 1 to the basis. Returns the residual of the best combination so far.
     fn extend(
         &mut self,
         j: usize,

@@ -3,11 +3,12 @@
 use super::flow::Flow;
 use super::gmres::{add_multiple, dot, scale};
 
-/// Earlier solutions kept. For evenly spaced steps three contain the quadratic extrapolation.
+/// Number of earlier solutions kept. For evenly spaced steps, combinations of three include the
+/// quadratic extrapolation.
 pub(super) const KEPT: usize = 3;
 
-/// A previous solution counts only where at least this part of its image is independent of the newer
-/// ones' images. Less is round-off, as after a step that was tried twice.
+/// Least share of a previous solution's image that must be independent of the newer ones' images.
+/// A smaller share is round-off, as after a repeated step.
 const INDEPENDENCE: f64 = 1e-9;
 
 /// The last solutions of A f = b and the scratch to combine them.
@@ -15,7 +16,7 @@ const INDEPENDENCE: f64 = 1e-9;
 /// The guess is the combination with the smallest residual for the present A and b (Fischer 1998). Unlike
 /// an extrapolation in time it needs no step sizes and is never worse than starting from zero.
 pub(super) struct InitialGuess {
-    /// Newest first; zero before there are any.
+    /// Newest first; zero until there are solutions.
     previous: [Vec<f64>; KEPT],
     combinations: [Vec<f64>; KEPT],
     images: [Vec<f64>; KEPT],
@@ -53,7 +54,7 @@ impl InitialGuess {
         self.previous[0].copy_from_slice(solution);
     }
 
-    /// Sets `solution` to the guess and takes its image from `residual`, which holds b.
+    /// Sets `solution` to the guess and subtracts its image from `residual`, which holds b.
     pub(crate) fn start(
         &mut self,
         operator: &mut Flow,
@@ -76,7 +77,7 @@ impl InitialGuess {
                 add_multiple(-part, other_combination, combination);
             }
             let independent = dot(image, image).sqrt();
-            // Zero vectors are not independent either.
+            // This also excludes zero vectors.
             if independent <= INDEPENDENCE * length {
                 image.fill(0.0);
                 combination.fill(0.0);

@@ -17,7 +17,7 @@ fn model(far_field_error: f64) -> FluidModel {
     }
 }
 
-/// Open filaments through these nodes.
+/// Open filaments through the given nodes.
 fn filaments(shapes: &[Vec<Vector3>]) -> (Vec<Filament>, Vec<Vector3>) {
     let mut first_node = 0;
     let filaments = shapes.iter().map(|nodes| {
@@ -32,7 +32,7 @@ fn filaments(shapes: &[Vec<Vector3>]) -> (Vec<Filament>, Vec<Vector3>) {
     (filaments.collect(), shapes.concat())
 }
 
-/// A fluid around filaments whose nodes at one place are joined.
+/// A fluid around filaments; nodes at the same position are joined.
 fn joined(model: &FluidModel, shapes: &[Vec<Vector3>]) -> (Fluid, Vec<Vector3>) {
     let (filaments, positions) = filaments(shapes);
     let mut connections = Connections::default();
@@ -58,7 +58,7 @@ fn drag(
     (forces, resistance)
 }
 
-/// Motions in which the flow is tried: steady, turning, and uneven.
+/// Test motions: steady, rotating, and uneven.
 fn motions(positions: &[Vector3]) -> [Vec<Vector3>; 3] {
     let rate = Vector3::new(3.0, -2.0, 5.0);
     [
@@ -88,12 +88,12 @@ fn helix(centre: Vector3) -> Vec<Vector3> {
         .collect()
 }
 
-/// Cuts a filament at a node, which both pieces then have.
+/// Cuts a filament at a node, which both pieces then share.
 fn cut(whole: &[Vector3], node: usize) -> [Vec<Vector3>; 2] {
     [whole[..=node].to_vec(), whole[node..].to_vec()]
 }
 
-/// Forces on the nodes of pieces as those on the nodes of the whole.
+/// Combines the forces on the nodes of the pieces into those on the nodes of the whole.
 fn put_together(forces: &[Vector3], node: usize) -> Vec<Vector3> {
     let mut whole = forces[..=node].to_vec();
     whole[node] += forces[node + 1];
@@ -118,7 +118,7 @@ fn two_pieces_have_the_drag_of_the_whole() {
 
 #[test]
 fn many_pieces_by_clusters_have_the_drag_of_the_wholes() {
-    // 1,104 nodes, of which 16 are those of others.
+    // 1,104 nodes, 16 of which coincide with others.
     let side = |k: usize| Vector3::new((k % 4) as f64, (k / 4) as f64, 0.0) * 0.03;
     let wholes: Vec<_> = (0..16).map(|k| helix(side(k))).collect();
     let pieces: Vec<_> = wholes.iter().flat_map(|whole| cut(whole, 33)).collect();
@@ -136,7 +136,7 @@ fn many_pieces_by_clusters_have_the_drag_of_the_wholes() {
     }
 }
 
-/// The arms of a Y and a rod through its middle, all with nodes at one place.
+/// The arms of a Y and a rod through its centre, all with a node there.
 fn star() -> Vec<Vec<Vector3>> {
     let o = Vector3::zeros();
     let end = |x: f64, y: f64, z: f64| Vector3::new(x, y, z) * 0.02;
@@ -152,7 +152,7 @@ fn star() -> Vec<Vec<Vector3>> {
 fn a_star_has_the_drag_of_a_dense_solution() {
     let shapes = star();
     let (mut fluid, positions) = joined(&model(0.0), &shapes);
-    // The points, and which one each node is.
+    // The distinct points, and the point of each node.
     let mut points: Vec<Vector3> = Vec::new();
     let point_of: Vec<usize> = (positions.iter())
         .map(|x| {
@@ -203,7 +203,8 @@ fn a_star_has_the_drag_of_a_dense_solution() {
 
 #[test]
 fn nodes_at_one_place_without_a_joint_resist_that_they_part() {
-    // Two rods that begin at one place, one of which moves off; the tie holds for a while and then parts.
+    // Two rods that begin at one place; one of them moves away. The tie holds for a while and then
+    // releases.
     let shapes = [
         line(Vector3::zeros(), Vector3::x() * 0.02, 8),
         line(Vector3::zeros(), Vector3::y() * 0.02, 8),
@@ -219,7 +220,8 @@ fn nodes_at_one_place_without_a_joint_resist_that_they_part() {
         let (forces, _) = drag(&mut fluid, &positions, &velocities);
         let power: f64 = forces.iter().zip(&velocities).map(|(f, v)| f.dot(v)).sum();
         assert!(power < 0.0);
-        // Where the tie parts, at the distance ε, it grows by a quarter; a tie that parted at ε/5 would make it four times as large.
+        // When the tie releases, at the distance ε, the power grows by a quarter; if it released
+        // at ε/5 it would grow fourfold.
         let change = last.map_or(0.0, |last: f64| (power / last - 1.0).abs());
         assert!(change < 0.3, "{change}");
         last = Some(power);
@@ -229,7 +231,7 @@ fn nodes_at_one_place_without_a_joint_resist_that_they_part() {
     }
 }
 
-/// A wire along x and a tail from a place on it, which slides.
+/// A wire along x, and a tail that slides along it, from a given place.
 fn tail_on_a_wire(x: f64) -> (Vec<Filament>, Vec<Vector3>, Connections) {
     let foot = Vector3::x() * x;
     let (filaments, positions) = filaments(&[
@@ -253,7 +255,7 @@ fn a_node_that_slides_passes_the_nodes_of_its_rail_smoothly() {
     let (filaments, placed, connections) = tail_on_a_wire(0.016);
     let mut fluid = Fluid::new(&model(0.0), &filaments).unwrap();
     fluid.connect(&connections, &placed);
-    // Over two edges of the wire.
+    // The tail slides over two edges of the wire.
     let mut drags = Vec::new();
     for k in 0..=40 {
         let (_, positions, _) = tail_on_a_wire(0.016 + 1e-4 * f64::from(k));
@@ -262,7 +264,7 @@ fn a_node_that_slides_passes_the_nodes_of_its_rail_smoothly() {
         let (forces, _) = drag(&mut fluid, &positions, &velocities);
         drags.push(-forces[21..].iter().map(|f| f.x).sum::<f64>());
     }
-    // A cylinder alone across the flow: 4πηLU/(ln(2L/r) − 1/2).
+    // Drag of an isolated cylinder across the flow: 4πηLU/(ln(2L/r) − 1/2).
     let alone = 4.0 * PI * VISCOSITY * 0.01 * 0.01 / (20f64.ln() - 0.5);
     let [least, most] = [f64::min, f64::max].map(|f| drags.iter().copied().reduce(f).unwrap());
     assert!(least > alone, "{least:e} {alone:e}");
@@ -294,7 +296,8 @@ fn a_tail_on_its_rail_drags_like_one_that_touches_it() {
 
 #[test]
 fn a_node_at_rest_on_a_moving_rail_moves_with_it() {
-    // Everything moves as one: a node of the wire in its stead makes little difference.
+    // Everything moves as one, so replacing the sliding node by a node of the wire makes little
+    // difference.
     let (filaments, positions, connections) = tail_on_a_wire(0.02);
     let mut slides = Fluid::new(&model(0.0), &filaments).unwrap();
     slides.connect(&connections, &positions);
@@ -318,7 +321,7 @@ fn restored_memory_of_ties_and_slides_continues_with_the_same_bytes() {
     connections.joined.push([0, 1]);
     let fluid = || {
         let mut fluid = Fluid::new(&model(0.0), &filaments).unwrap();
-        // Two nodes of the wire begin at one place, and part later.
+        // Two nodes of the wire begin at one place and separate later.
         let mut placed = placed.clone();
         placed[1] = placed[0];
         fluid.connect(&connections, &placed);
@@ -347,7 +350,7 @@ fn restored_memory_of_ties_and_slides_continues_with_the_same_bytes() {
         );
     }
     assert_eq!(whole.memory(), restored.memory());
-    // A fluid without these ties cannot take their memory.
+    // A fluid without these ties cannot restore their memory.
     let mut other = Fluid::new(&model(0.0), &filaments).unwrap();
     assert_eq!(
         other.restore(whole.memory()),

@@ -3,18 +3,18 @@
 use super::segment::{Offset, Segment, Symmetric, combine};
 use crate::linalg::instruction_set::{LANES, Lanes, kernel};
 
-/// Chunks of eight lanes that go through one stage of the segment kernel before the next stage begins.
-/// A whole pair is one dependent chain of some 150 cycles; stages keep several of them in flight. Without
-/// stages assembly takes 1.7 times as long; with eight chunks the compiler's code for AVX-512 takes twice
-/// as long.
+/// Number of chunks of eight lanes that go through one stage of the segment kernel before the next
+/// stage begins. A whole pair is one dependent chain of some 150 cycles; stages keep several of
+/// them in flight. Without stages assembly takes 1.7 times as long; with eight chunks the
+/// compiler's code for AVX-512 takes twice as long.
 const TILE: usize = 4;
 
-/// Nodes from which the work is shared among threads. Sharing out costs some ten microseconds, as much
-/// as a whole product of 136 nodes.
+/// Number of nodes from which the work is shared among threads. Sharing costs some ten
+/// microseconds, as much as a whole product of 136 nodes.
 pub(super) const PARALLEL_FROM: usize = 256;
 
-/// Eight numbers in single precision: what is stored so takes half the time to read, which is most of the time of
-/// products. All sums are of double precision.
+/// Eight numbers in single precision. They take half the time to read, which is most of the time
+/// of products. All sums are in double precision.
 pub(super) type SingleLanes = [f32; LANES];
 
 /// Eight segments, structure of arrays; meaning and units as in [`Segment`].
@@ -43,7 +43,7 @@ impl SegmentLanes {
     /// The segment in a lane.
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> Segment {
-        // Spelled out: `map` over the arrays keeps the loop over lanes from vectorising.
+        // Written out: with `map` over the arrays, the loop over lanes does not vectorise.
         let (start, tangent) = (&self.start, &self.tangent);
         Segment {
             start: [start[0][lane], start[1][lane], start[2][lane]],
@@ -55,9 +55,9 @@ impl SegmentLanes {
     }
 }
 
-/// Eight symmetric 3×3 blocks of a row of the operator, structure of arrays in the order of [`Symmetric`]. Rounding them
-/// to single precision changes each by 6e-8 at most (those of a row's first chunk by twice that), while solves leave 1e-6
-/// of the velocities.
+/// Eight symmetric 3×3 blocks of a row of the operator, structure of arrays in the order of
+/// [`Symmetric`]. Rounding to single precision changes each by at most 6e-8 (those of a row's
+/// first chunk by twice that), while solves leave errors of 1e-6 in the velocities.
 #[derive(Clone, Default)]
 #[repr(align(64))]
 pub(super) struct BlockLanes(pub [SingleLanes; 6]);
@@ -114,9 +114,10 @@ impl OffsetLanes {
 type MomentLanes = [[Lanes; 4]; 2];
 
 kernel! {
-    /// The blocks of the evaluation point `x` with all slots. A slot gets A₁ of the segment that starts
-    /// there and A₂ of the segment that ends there, which is the same lane's one chunk before; the first
-    /// chunk's come from the last chunk, one lane before.
+    /// Evaluates the blocks of the evaluation point `x` with all slots. A slot gets A₁ of the
+    /// segment that starts there and A₂ of the segment that ends there. The latter is in the same
+    /// lane of the previous chunk; for the first chunk it is in the previous lane of the last
+    /// chunk.
     fn assemble_row(x: [f64; 3], segments: &[SegmentLanes], blocks: &mut [BlockLanes]) {
         let mut ending = [[0.0; LANES]; 6];
         let mut offsets = [OffsetLanes::default(); TILE];
@@ -177,7 +178,7 @@ kernel! {
 }
 
 kernel! {
-    /// As [`multiply_row`] for three vectors at once: the row is read only once.
+    /// As [`multiply_row`], for three vectors at once; the row is read only once.
     fn multiply_row_by_three(
         blocks: &[BlockLanes],
         vectors: &[Vec<VectorLanes>; 3],
@@ -194,7 +195,7 @@ kernel! {
 }
 
 kernel! {
-    /// Products of rows, each as wide as `x`, with `x`.
+    /// Products of `x` with rows of its width.
     fn multiply_rows(rows: &[SingleLanes], x: &[Lanes], y: &mut [f64]) {
         for (row, y) in rows.chunks_exact(x.len()).zip(y) {
             let mut sums = [0.0; LANES];
@@ -228,8 +229,8 @@ fn add_products(row: [&SingleLanes; 3], vector: &[Lanes; 3], sum: &mut Lanes) {
 
 /// Sums over the lanes in a fixed order.
 ///
-/// A call of its own: inlined, it makes the compiler pack components instead of lanes in the loop before,
-/// at four times the price.
+/// Not inlined: otherwise the compiler packs components instead of lanes in the loop before, at
+/// four times the cost.
 #[inline(never)]
 pub(super) fn add_lanes(sums: &[Lanes; 3]) -> [f64; 3] {
     sums.map(|a| ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7])))

@@ -2,13 +2,14 @@
 
 /// ln(n/d) for normal positive n ≥ d, to about one unit in the last place, with a single division.
 ///
-/// `difference` is n − d, which the caller may have more accurately than by subtraction; where n/d is
-/// near 1 it decides the result.
+/// `difference` is n − d, which the caller may know more accurately than by subtraction; if n/d is
+/// near 1 it determines the result.
 ///
-/// With k the power of two nearest to n/d and d' = 2ᵏ d, ln(n/d) = k ln 2 + 2 artanh((n − d')/(n + d')).
-/// The difference of the bit patterns of n and d is 2⁵² log₂(n/d) to within 0.087·2⁵², so that rounding
-/// it gives a k with |(n − d')/(n + d')| < 0.201. There the artanh series ends after s²² with a
-/// remainder below 5·10⁻¹⁸. Where n/d is near 1, k is 0 and `difference` counts.
+/// With k the power of two nearest to n/d and d' = 2ᵏ d, ln(n/d) = k ln 2 + 2 artanh((n − d')/(n +
+/// d')). The difference of the bit patterns of n and d is 2⁵² log₂(n/d) to within 0.087·2⁵², so
+/// that rounding it gives a k with |(n − d')/(n + d')| < 0.201. Within this range the artanh
+/// series may end after s²² with a remainder below 5·10⁻¹⁸. If n/d is near 1, k is 0 and
+/// `difference` is used.
 #[inline(always)]
 pub(super) fn logarithm_of_ratio(n: f64, d: f64, difference: f64) -> f64 {
     /// 2⁵², whose last mantissa bit counts ones.
@@ -41,7 +42,7 @@ mod tests {
             let n = d * 1.0014_f64.powi(i);
             let expected = (n / d).ln();
             let error = (logarithm_of_ratio(n, d, n - d) - expected).abs();
-            // Rounding n/d already moves the logarithm by ε.
+            // Rounding n/d alone changes the logarithm by ε.
             worst = worst.max(error / (expected.abs() + 1.0));
         }
         assert!(worst < 4.0 * f64::EPSILON, "{worst:e}");

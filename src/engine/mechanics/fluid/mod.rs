@@ -28,29 +28,31 @@
 //! | `continuation` | the lengths of filaments that continue each other, for these coefficients |
 //!
 //! # Cost
-//! Per pair of nodes and core (Zen 5): assembly 3.4 ns with AVX-512 (4.3 ns where A is too large for the
-//! second-level cache), 5 ns with AVX2 and some 120 ns without either, limited by arithmetic; a product
-//! 0.31 ns while A fits the second-level cache (136 nodes) and about twice that where it streams from farther
-//! away (680 nodes, 24 bytes a pair). There is no cheaper quadrature for far pairs: three Gauss points, which
-//! 10⁻⁸ would take from some five segment lengths on, need three square roots and three divisions, more
-//! than the closed form's two and two with one logarithm.
+//! Per pair of nodes and core (Zen 5): assembly 3.4 ns with AVX-512 (4.3 ns where A is too large
+//! for the second-level cache), 5 ns with AVX2 and some 120 ns without either, limited by
+//! arithmetic; a product 0.31 ns if A fits the second-level cache (136 nodes) and about twice that
+//! if it streams from farther away (680 nodes, 24 bytes a pair). Quadrature is not cheaper for
+//! distant pairs: an error of 10⁻⁸ beyond some five segment lengths takes three Gauss points, with
+//! three square roots and three divisions. The closed form takes two of each and one logarithm.
 //!
-//! By clusters (expansions of degree 8, drag to 10⁻⁴), 6,800 nodes of helices 3 cm apart leave 3.1 million of
-//! 46 million pairs to be summed exactly: assembly takes 22 ms instead of 320, a product some 13 ms instead
-//! of 64, on one core. The helices 3 mm apart instead, it is 63 and 43 ms. Below a thousand nodes all pairs
-//! are cheaper.
+//! By clusters (expansions of degree 8, drag to 10⁻⁴), 6,800 nodes of helices 3 cm apart leave 3.1
+//! million of 46 million pairs to be summed exactly: assembly takes 22 ms instead of 320, a
+//! product some 13 ms instead of 64, on one core. With the helices 3 mm apart, the times are 63
+//! and 43 ms. Below a thousand nodes, summing all pairs is cheaper.
 //!
 //! # Limits
-//! Nodes closer than about a quarter of ε make A ill-conditioned, as always with regularized Stokeslets: at
-//! a spacing of ε/8 the tolerance of 10⁻⁶ in the velocities leaves 0.3 % in the drag, and solves get slow.
-//! Segments of different rods may come as close as they like, but within a few radii the flow between
-//! their surfaces (lubrication) is not resolved. Nodes of different rods that start at the same point are one point of the flow
-//! (`ties`); nodes that come so close later make A singular.
-//! Where the end of a rod enters another one, A has a negative eigenvalue, for the motion that separates them; a step in which such
-//! a motion dominates is refused (`Fluid::dissipation`).
+//! Nodes closer than about a quarter of ε make A ill-conditioned, as always with regularized
+//! Stokeslets: at a spacing of ε/8 the tolerance of 10⁻⁶ in the velocities leaves an error of 0.3
+//! % in the drag, and solves become slow. Segments of different rods may be arbitrarily close, but
+//! within a few radii the flow between their surfaces (lubrication) is not resolved. Nodes of
+//! different rods that start at the same point are one point of the flow (`ties`); nodes that come
+//! so close later make A singular. If the end of a rod enters another rod, A has a negative
+//! eigenvalue for the motion that separates them; a step in which such a motion dominates is
+//! rejected (`Fluid::dissipation`).
 //!
-//! The error of the drag by clusters was measured for helices, not proved: velocities that alternate from
-//! node to node, or nodes much closer than ε, may make it larger than `far_field_error`.
+//! The error of the drag by clusters was measured for helices, not proved. Velocities that
+//! alternate from node to node, or nodes much closer than ε, may make it larger than
+//! `far_field_error`.
 
 mod age;
 mod chain;

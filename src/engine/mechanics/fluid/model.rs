@@ -9,8 +9,9 @@ pub enum FluidModel {
         viscosity: f64,
         /// Regularisation ε as a multiple of the rod radius h; the thesis uses 1.02.
         regularization: f64,
-        /// Relative error allowed in the drag from approximating the flow of distant nodes, which only scenes
-        /// of a thousand nodes and more do; 10⁻⁶ to 10⁻², or 0 for none.
+        /// Relative error allowed in the drag by approximating the flow of distant nodes, which is
+        /// done only for scenes of a thousand nodes or more; 10⁻⁶ to 10⁻², or 0 for no
+        /// approximation.
         far_field_error: f64,
     },
     /// Resistive force theory: drag by local coefficients along and across the rod.

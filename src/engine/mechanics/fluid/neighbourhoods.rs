@@ -12,16 +12,17 @@ use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes};
 use crate::mechanics::Vector3;
 use rayon::prelude::*;
 
-/// Nodes of a neighbourhood per node of the group that takes its forces from it. Fewer share the price of
-/// an elimination among more nodes, but leave those at the ends of the group with few neighbours.
+/// Nodes of a neighbourhood per node of its group. A smaller number shares the cost of an
+/// elimination among more nodes, but leaves the nodes at the ends of the group with few
+/// neighbours.
 const NEIGHBOURS_PER_NODE: usize = 8;
 
-/// Restricted additive Schwarz (Cai and Sarkis 1999): consecutive nodes in small groups take their
-/// forces from the exact solution of the flow among the nodes nearest to the group, whichever filament
-/// these belong to.
+/// Restricted additive Schwarz (Cai and Sarkis 1999): the forces of consecutive nodes in small
+/// groups follow from the exact solution of the flow among the nodes nearest to the group, on any
+/// filament.
 ///
-/// Blocks of whole filaments would do as well for filaments far apart, but take 46 iterations instead of
-/// 17 in a tight bundle, where a node's next neighbours are those of other filaments.
+/// Blocks of whole filaments would do as well for distant filaments, but take 46 iterations
+/// instead of 17 in a tight bundle, where the nearest neighbours of a node are on other filaments.
 pub(super) struct Neighbourhoods {
     set: InstructionSet,
     size: usize,
@@ -29,16 +30,17 @@ pub(super) struct Neighbourhoods {
     parallel: bool,
 }
 
-/// A group and the rows of the inverse of its neighbourhood's operator that belong to it.
+/// A group, and its rows of the inverse of the neighbourhood's operator.
 #[derive(Default)]
 struct Group {
     first: usize,
     nodes: usize,
-    /// The neighbourhood, the group itself first.
+    /// The neighbourhood; the nodes of the group come first.
     neighbours: Vec<usize>,
-    /// Rows of the inverse, padded to whole lanes; single precision is more than the approximation deserves.
+    /// Rows of the inverse, padded to whole lanes; the approximation does not need more than
+    /// single precision.
     rows: Vec<SingleLanes>,
-    /// Velocities of the neighbourhood, padded likewise.
+    /// Velocities of the neighbourhood, padded to whole lanes.
     gathered: Vec<Lanes>,
 }
 
@@ -47,18 +49,19 @@ struct Site<'a> {
     links: &'a [Link],
     positions: &'a [Vector3],
     points: &'a Points,
-    /// The operator beside a wall, which holds the images; otherwise blocks are evaluated here.
+    /// The operator beside a wall, which includes the images; without a wall, blocks are evaluated
+    /// here.
     walled: Option<&'a FlowOperator>,
 }
 
 /// Scratch of building a group.
 #[derive(Default)]
 struct Workspace {
-    /// Of all points from the group.
+    /// Distances of all points from the group.
     distances: Vec<(f64, usize)>,
-    /// The stations whose rows the neighbourhood has.
+    /// The stations of the neighbourhood's rows.
     rows: Vec<usize>,
-    /// All stations with densities of the neighbourhood, in ascending order.
+    /// All stations that have densities of the neighbourhood, in ascending order.
     columns: Vec<usize>,
     /// Its part of the operator.
     patch: Patch,
@@ -67,8 +70,8 @@ struct Workspace {
 }
 
 impl Neighbourhoods {
-    /// Groups the given number of nodes; each group has a neighbourhood of the given size, or all nodes
-    /// where there are fewer.
+    /// Groups the given number of nodes. Each group has a neighbourhood of the given size, or all
+    /// nodes if there are fewer.
     pub(crate) fn new(nodes: usize, size: usize) -> Self {
         let nodes_of_a_group = size / NEIGHBOURS_PER_NODE;
         let groups = (0..nodes)
@@ -98,7 +101,8 @@ impl Neighbourhoods {
         self.groups.len() as f64 * unknowns * unknowns * unknowns * 2.0 / 3.0
     }
 
-    /// Finds the neighbourhoods of the points of stations at these positions, and inverts their part of the operator.
+    /// Finds the neighbourhoods of the points of stations at these positions, and inverts their
+    /// parts of the operator.
     ///
     /// # Errors
     /// [`FluidError::Singular`] if a neighbourhood has no inverse.
@@ -176,7 +180,8 @@ impl Group {
         let own = 3 * self.nodes;
         let order = 3 * self.neighbours.len();
         let stride = order + own;
-        // The rows W of the inverse of L solve Lᵀ Wᵀ = E, E the first columns of the identity.
+        // The rows W of the inverse of L satisfy Lᵀ Wᵀ = E, where E is the first columns of the
+        // identity.
         system.clear();
         system.resize(order * stride, 0.0);
         rows.clear();

@@ -12,20 +12,21 @@ use crate::mechanics::{Matrix3, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Rows that a thread takes at a time.
+/// Number of rows that a thread takes at a time.
 const ROWS_PER_TASK: usize = 32;
 
 /// The matrix A of 8πη u(x_i) = Σ_j A_ij f_j (thesis Eq. 2.25 and 2.27, all segments of all filaments).
 ///
-/// f is the force per length on the fluid at the nodes, N/m, linear in between; A_ij is a symmetric
-/// 3×3 block without dimension, but A as a whole is not symmetric. Vectors hold three numbers per node.
-/// A block is stored as its upper triangle in single precision: 24 bytes per pair of nodes, 11 MB for 680 nodes.
+/// f is the force per length on the fluid at the nodes, N/m, linear in between. A_ij is a
+/// dimensionless symmetric 3×3 block, but A as a whole is not symmetric. Vectors hold three
+/// numbers per node. A block is stored as its upper triangle in single precision: 24 bytes per
+/// pair of nodes, 11 MB for 680 nodes.
 ///
 /// # Slots
-/// The columns are slots: one per node, and for a closed filament one more that repeats its first node,
-/// so that segment j always runs from slot j to slot j + 1. The last slot of a filament starts a segment
-/// without length, which has no flow. Slots are stored in chunks of eight lanes: all that fit in the
-/// first lanes of the chunks, then in the second and so on, so that the neighbour of a slot is in the
+/// The columns are slots: one per node and, for a closed filament, one more that repeats its first
+/// node. So segment j always runs from slot j to slot j + 1. The last slot of a filament starts a
+/// segment without length, which has no flow. Slots are stored in chunks of eight lanes. They fill
+/// the first lanes of all chunks, then the second lanes and so on, so that the next slot is in the
 /// same lane of the next chunk.
 pub struct FlowOperator {
     set: InstructionSet,
@@ -49,10 +50,10 @@ struct SlotRange {
     regularization_squared: f64,
 }
 
-/// Slots of the column of a node, which is the sum of both.
+/// Slots of the column of a node; the column is the sum over them.
 struct Column {
     slot: usize,
-    /// The last slot of a closed filament, for its first node.
+    /// For the first node of a closed filament, the last slot, which repeats it.
     repeated: Option<usize>,
 }
 
@@ -112,7 +113,7 @@ impl FlowOperator {
         }
     }
 
-    /// The same beside a wall: blocks are those of segments and their images.
+    /// Lays out the operator beside a wall; its blocks include the images of segments.
     pub(super) fn beside_wall(filaments: &[Filament], regularization: f64, wall: FlowWall) -> Self {
         let operator = Self::new(filaments, regularization);
         let blocks = WallBlocks::new(wall, operator.nodes(), operator.segments.len());
@@ -187,8 +188,9 @@ impl FlowOperator {
         }
     }
 
-    /// Weighted sums of columns, of which there are `count`: `shares` lists for each node the sums to which it contributes, and
-    /// with which weights. Three rows per node and three columns per sum, rows padded to whole lanes.
+    /// Computes `count` weighted sums of columns: `shares` lists for each node the sums to which
+    /// it contributes, with the weights. Three rows per node and three columns per sum; rows are
+    /// padded to whole lanes.
     pub(super) fn sum_columns(
         &self,
         count: usize,
@@ -225,7 +227,7 @@ impl FlowOperator {
             .for_each_init(Vec::new, sum_row);
     }
 
-    /// `velocities` = A `densities`.
+    /// Computes `velocities` = A `densities`.
     pub fn multiply(&mut self, densities: &[f64], velocities: &mut [f64]) {
         spread(&self.slots, densities, &mut self.vectors[0]);
         let (set, vector) = (self.set, &self.vectors[0]);
@@ -247,7 +249,7 @@ impl FlowOperator {
         }
     }
 
-    /// [`multiply`](Self::multiply) for three vectors, at little more than the price of one.
+    /// As [`multiply`](Self::multiply), for three vectors, at little more than the cost of one.
     pub(super) fn multiply_three(
         &mut self,
         densities: &[Vec<f64>; 3],
@@ -288,7 +290,7 @@ impl FlowOperator {
     }
 }
 
-/// Puts a vector of nodes into the lanes of the slots.
+/// Copies a vector of nodes into the lanes of the slots.
 fn spread(slots: &[usize], nodes: &[f64], lanes: &mut [VectorLanes]) {
     let chunks = lanes.len();
     for (slot, &node) in slots.iter().enumerate() {
@@ -359,7 +361,7 @@ mod tests {
         let mut operator = FlowOperator::new(&filaments, 1.02);
         operator.assemble(&positions);
         let bounds = [0, 10, 21, 36];
-        // The last node of the first run belongs to the second, too.
+        // The last node of the first run is also in the second.
         let shares: Vec<[(usize, f64); 2]> = (0..36)
             .map(
                 |node| match bounds.partition_point(|first| *first <= node) - 1 {

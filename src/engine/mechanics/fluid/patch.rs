@@ -1,4 +1,4 @@
-//! A part of the collocation matrix: the rows of some nodes and the columns of others, stored.
+//! A stored part of the collocation matrix: the rows of some nodes and the columns of others.
 
 use super::chain::{Link, Slot, lay_out};
 use super::lanes::{
@@ -8,8 +8,8 @@ use super::segment::{Segment, full};
 use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Blocks A_ij of some nodes i with some nodes j, 24 bytes each and a few more for the neighbours
-/// of the latter. Slots are stored in lanes as in [`FlowOperator`](super::FlowOperator).
+/// Blocks A_ij of some nodes i with some nodes j, 24 bytes each, plus a few for the neighbours of
+/// the nodes j. Slots are stored in lanes as in [`FlowOperator`](super::FlowOperator).
 #[derive(Default)]
 pub(super) struct Patch {
     rows: Vec<usize>,
@@ -20,7 +20,7 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// Evaluates the blocks of `rows` with `columns`, the latter in ascending order.
+    /// Evaluates the blocks of `rows` with `columns`; `columns` must be in ascending order.
     pub(crate) fn assemble(
         &mut self,
         set: InstructionSet,
@@ -49,7 +49,7 @@ impl Patch {
         }
     }
 
-    /// The segment that starts at a place; one without length, which has no flow, where there is none.
+    /// The segment that starts at a slot; if there is none, one without length, which has no flow.
     fn segment(&self, place: usize, links: &[Link], positions: &[Vector3]) -> Segment {
         match self.slots.get(place) {
             Some(slot) if slot.joined => Segment::new(
@@ -61,27 +61,28 @@ impl Patch {
         }
     }
 
-    /// The slots of the columns, in their order: what [`block`](Self::block) counts columns by.
+    /// The slots of the columns, in order: the column index of [`block`](Self::block).
     pub(crate) fn columns(&self) -> impl Iterator<Item = usize> {
         (self.slots.iter().enumerate())
             .filter(|(_, slot)| slot.own)
             .map(|(place, _)| place)
     }
 
-    /// A_ij for a row by its number and a column by its slot.
+    /// The block A_ij for a row index and the slot of a column.
     pub(crate) fn block(&self, row: usize, slot: usize) -> Matrix3 {
         let chunks = self.segments.len();
         full(&self.blocks[row * chunks + slot % chunks].get(slot / chunks))
     }
 
-    /// A_ij of two nodes; `None` where they have no row or no column.
+    /// The block A_ij of two nodes; `None` if they have no row or no column.
     pub(crate) fn between(&self, row: usize, column: usize) -> Option<Matrix3> {
         let row = self.rows.iter().position(|&node| node == row)?;
         let slot = (self.slots.iter()).position(|slot| slot.own && slot.node == column)?;
         Some(self.block(row, slot))
     }
 
-    /// `velocities` += A `densities`; the former by rows, the latter by nodes.
+    /// Computes `velocities` += A `densities`; `velocities` are indexed by row, `densities` by
+    /// node.
     pub(crate) fn add_product(
         &mut self,
         set: InstructionSet,
@@ -98,7 +99,8 @@ impl Patch {
         }
     }
 
-    /// [`add_product`](Self::add_product) for three vectors, at little more than the price of one.
+    /// As [`add_product`](Self::add_product), for three vectors, at little more than the cost of
+    /// one.
     pub(crate) fn add_three_products(
         &mut self,
         set: InstructionSet,
@@ -120,7 +122,7 @@ impl Patch {
     }
 }
 
-/// Puts the densities of the nodes into the lanes of the slots.
+/// Copies the densities of the nodes into the lanes of the slots.
 fn spread(slots: &[Slot], densities: &[f64], lanes: &mut [VectorLanes]) {
     let chunks = lanes.len();
     for (place, slot) in slots.iter().enumerate() {

@@ -1,25 +1,26 @@
-//! The points of the flow: stations that are apart from each other.
+//! The points of the flow: stations that are distinct from each other.
 //!
-//! A *station* is a node of a filament; stations are numbered one filament after the other. A *point* is one station, or
-//! all those that are tied to each other ([`ties`](super::ties)). With the collocation matrix A of all stations the flow of
-//! the points is
+//! A *station* is a node of a filament; stations are numbered one filament after the other. A
+//! *point* is a single station, or several that are tied to each other ([`ties`](super::ties)).
+//! With the collocation matrix A of all stations, the flow of the points is
 //!
 //! ```text
 //! 8πη u_p = R A W f_p
 //! ```
 //!
-//! where W gives each station the force density of its point (so that the density is continuous where filaments meet,
-//! as it is along a filament), and R takes the row of one station for each point. Two halves of a filament that meet at
-//! their ends have exactly the flow of the whole. A station that slides along a rail has no row and the density of the
-//! rail where it is, linear between the stations there.
+//! where W gives each station the force density of its point (so that the density is continuous
+//! where filaments meet, as it is along a filament), and R takes the row of one station for each
+//! point. Two halves of a filament that meet at their ends have exactly the flow of the whole. A
+//! station that slides along a rail has no row; its density is that of the rail there, linear
+//! between the rail's stations.
 //!
-//! Stations that are tied but not joined may move against each other: the point has the mean of their velocities,
-//! weighted by their Voronoi lengths, which keeps the power of the flow.
+//! Stations that are tied but not joined may move relative to each other. Their point has the mean
+//! of their velocities, weighted by their Voronoi lengths, which preserves the power of the flow.
 
 use super::ties::{Rail, Ties};
 use crate::mechanics::Vector3;
 
-/// A part of the force density at a station: that of a point times a weight.
+/// A part of the force density at a station: the density of a point times a weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Share {
     pub point: usize,
@@ -31,7 +32,7 @@ pub(super) struct Share {
 pub(super) struct Points {
     /// The first station of each point, in ascending order.
     representatives: Vec<usize>,
-    /// All stations of each point, without those that slide.
+    /// All stations of each point, except sliding ones.
     members: Vec<Vec<usize>>,
     /// Shares of each station; the weight of the second is zero unless the station slides.
     shares: Vec<[Share; 2]>,
@@ -96,7 +97,7 @@ impl Points {
         points
     }
 
-    /// Sets the weights of sliding stations by their present places.
+    /// Sets the weights of sliding stations from their present positions.
     pub(crate) fn place(&mut self, positions: &[Vector3]) {
         for SlidingStation { station, rail } in &self.sliding {
             let foot = rail.nearest(positions, &positions[*station]);
@@ -129,12 +130,12 @@ impl Points {
         self.count() == self.stations()
     }
 
-    /// The station whose row a point has, for all points in ascending order.
+    /// The station of each point's row, for all points in ascending order.
     pub(crate) fn representatives(&self) -> &[usize] {
         &self.representatives
     }
 
-    /// The stations of a point, without those that slide.
+    /// The stations of a point, except sliding ones.
     pub(crate) fn members(&self, point: usize) -> &[usize] {
         &self.members[point]
     }
@@ -149,7 +150,7 @@ impl Points {
         self.sliding.iter().map(|sliding| sliding.station)
     }
 
-    /// Value at a station of what has these values at the points, three numbers each.
+    /// Interpolates a quantity given at the points, three numbers each, to a station.
     pub(crate) fn value_at(&self, station: usize, at_points: &[f64]) -> Vector3 {
         let [first, second] = self.shares[station];
         let of = |point: usize| Vector3::from_column_slice(&at_points[3 * point..3 * point + 3]);
@@ -161,14 +162,14 @@ impl Points {
         }
     }
 
-    /// Gives stations the densities of their points.
+    /// Sets the densities of stations from those of their points.
     pub(crate) fn spread(&self, at_points: &[f64], at_stations: &mut [f64]) {
         for (station, value) in at_stations.chunks_exact_mut(3).enumerate() {
             value.copy_from_slice(self.value_at(station, at_points).as_slice());
         }
     }
 
-    /// Takes the velocities of points from those of stations.
+    /// Sets the velocities of points from those of stations.
     pub(crate) fn restrict(&self, at_stations: &[f64], at_points: &mut [f64]) {
         for (value, station) in at_points.chunks_exact_mut(3).zip(&self.representatives) {
             value.copy_from_slice(&at_stations[3 * station..3 * station + 3]);

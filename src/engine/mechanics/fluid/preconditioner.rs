@@ -9,22 +9,26 @@ use super::neighbourhoods::Neighbourhoods;
 use super::spheres::Spheres;
 use crate::mechanics::Vector3;
 
-/// Nodes of a neighbourhood to begin with. Iterations, from neighbourhoods alone, in a bundle of ten helices (pairs 3 mm
-/// apart, 680 nodes) for 16, 24, 32, 48, 64 nodes: 27, 21, 17, 13, 11; the price of building grows with the cube.
+/// Initial number of nodes of a neighbourhood. Iterations with neighbourhoods alone, in a bundle
+/// of ten helices (pairs 3 mm apart, 680 nodes), for 16, 24, 32, 48, 64 nodes: 27, 21, 17, 13, 11.
+/// The cost of building grows with the cube.
 pub(super) const NEIGHBOURHOOD: usize = 32;
 
-/// Price of an operation of an elimination in operations of a product, as timed for 136 and 680 nodes.
+/// Cost of an operation of an elimination, in operations of a product, as timed for 136 and 680
+/// nodes.
 const PRICE_OF_ELIMINATION: f64 = 2.5;
 
-/// A Schwarz method of two levels (Smith, Bjørstad and Gropp 1996): first the force on each aggregate of a filament
-/// as a whole, from all the others, then from what flow that leaves the forces of nodes, from their neighbourhoods.
+/// A two-level Schwarz method (Smith, Bjørstad and Gropp 1996): the coarse level solves for the
+/// total force on each aggregate of a filament, with all others; then neighbourhoods solve for the
+/// forces of nodes from the remaining flow.
 ///
 /// ```text
 /// A⁻¹ ≈ Q + S (1 − A Q)
 /// ```
 ///
-/// with the [`CoarseSpace`] Q and the [`Neighbourhoods`] S. In the bundle of ten flagella Q takes iterations from 11.6 to
-/// 7.7 a solve. With clusters of nodes there is no Q: building it would take hundreds of products.
+/// with the [`CoarseSpace`] Q and the [`Neighbourhoods`] S. In the bundle of ten flagella Q
+/// reduces the iterations from 11.6 to 7.7 a solve. With clusters of nodes there is no Q: building
+/// it would take hundreds of products.
 pub(super) struct Preconditioner {
     neighbourhoods: Neighbourhoods,
     coarse: Option<CoarseSpace>,
@@ -35,7 +39,7 @@ pub(super) struct Preconditioner {
 }
 
 impl Preconditioner {
-    /// For these filaments, with neighbourhoods of the given size.
+    /// Creates a preconditioner for these filaments, with neighbourhoods of the given size.
     pub(crate) fn new(filaments: &[Filament], operator: &Flow, neighbourhood: usize) -> Self {
         let nodes = operator.nodes();
         Self {
@@ -51,7 +55,7 @@ impl Preconditioner {
         self.neighbourhoods.size()
     }
 
-    /// Price of [`build`](Self::build) in units of one iteration, from operation counts.
+    /// Cost of [`build`](Self::build) in units of one iteration, from operation counts.
     pub(crate) fn price(&self, operator: &Flow) -> f64 {
         PRICE_OF_ELIMINATION * self.operations(operator) / operator.operations()
     }
@@ -81,7 +85,7 @@ impl Preconditioner {
             .build(links, positions, operator.points(), walled)
     }
 
-    /// `y` ≈ A⁻¹ `x`; of a flow with spheres each of these for itself.
+    /// Computes `y` ≈ A⁻¹ `x`; each sphere is treated as if it were alone.
     pub(crate) fn apply(&mut self, x: &[f64], y: &mut [f64]) {
         let of_points = self.rest.len();
         let (x, w) = x.split_at(of_points);

@@ -1,10 +1,10 @@
-//! The segment integral once more, by adaptive quadrature: slow, and independent of the closed form.
+//! The segment integral by adaptive quadrature: slow, and independent of the closed form.
 
 use super::segment_integral;
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Points of the 15-point Kronrod rule on (0, 1]; the rule is even and has a last point at 0. Every second
-/// point, beginning with the second, belongs to the 7-point Gauss rule.
+/// Points of the 15-point Kronrod rule on (0, 1]; the rule is symmetric and has a last point at 0.
+/// Every second point, from the second on, belongs to the 7-point Gauss rule.
 const POINTS: [f64; 7] = [
     0.991_455_371_120_812_6,
     0.949_107_912_342_758_5,
@@ -32,11 +32,11 @@ const GAUSS: [f64; 4] = [
     0.381_830_050_505_118_9,
     0.417_959_183_673_469_4,
 ];
-/// Halvings after which an interval is accepted.
+/// Number of halvings after which an interval is accepted.
 pub(super) const DEEPEST: usize = 20;
 
-/// The result of [`segment_integral`], by adaptive Gauss–Kronrod quadrature of
-/// Eq. 2.21 to an absolute `tolerance` (A₁ and A₂ have no dimension) or to round-off.
+/// Computes the result of [`segment_integral`] by adaptive Gauss–Kronrod quadrature of Eq. 2.21,
+/// to an absolute `tolerance` (A₁ and A₂ are dimensionless) or to round-off.
 pub(crate) fn segment_integral_by_quadrature(
     x: &Vector3,
     start: &Vector3,
@@ -56,17 +56,17 @@ pub(crate) fn segment_integral_by_quadrature(
             + r * r.transpose() / cube;
         [kernel * (length * (1.0 - alpha)), kernel * (length * alpha)]
     };
-    // The integrand peaks at the foot of x: halving must not overlook it.
+    // The integrand peaks at the foot of x, which halving must not miss.
     let foot = (from_start.dot(&edge) / (length * length)).clamp(0.0, 1.0);
     let before = integrate(&integrand, 0.0, foot, tolerance, DEEPEST);
     let after = integrate(&integrand, foot, 1.0, tolerance, DEEPEST);
     [before[0] + after[0], before[1] + after[1]]
 }
 
-/// Largest relative difference between [`segment_integral`] and quadrature over so many pairs of a point
-/// and a segment: points anywhere up to 100 lengths away, on the axis beyond the ends, inside the rod,
-/// touching it and at the segment's nodes; lengths of 0.1 mm to 10 cm, ε from 1/100 to 30 lengths. The
-/// pairs are random, but the same every time.
+/// Largest relative difference between [`segment_integral`] and quadrature over `pairs` pairs of a
+/// point and a segment: points anywhere up to 100 lengths away, on the axis beyond the ends,
+/// inside the rod, touching it and at the segment's nodes; lengths of 0.1 mm to 10 cm, ε from
+/// 1/100 to 30 lengths. The pairs are random, but the same in every run.
 pub(crate) fn segment_integral_error(pairs: usize) -> f64 {
     let mut random = Random(2018);
     let mut worst: f64 = 0.0;
@@ -108,7 +108,7 @@ impl Random {
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    /// Between two magnitudes, uniform in the logarithm.
+    /// A random number between two magnitudes, uniform in the logarithm.
     pub(crate) fn magnitude(&mut self, from: f64, to: f64) -> f64 {
         from * libm::pow(to / from, 0.5 + 0.5 * self.number())
     }
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn the_rules_are_exact_to_their_degrees() {
-        // Kronrod to degree 22, Gauss to degree 13, on (−1, 1).
+        // Kronrod is exact to degree 22, Gauss to degree 13, on (−1, 1).
         for degree in (0..=22).step_by(2) {
             let exact = 2.0 / (degree as f64 + 1.0);
             let power = |x: f64| 2.0 * x.powi(degree);
@@ -180,7 +180,8 @@ mod tests {
 
     #[test]
     fn agrees_with_the_potential_of_a_thin_line_far_away() {
-        // From far away a segment is a point force of density × length, half of it for either end.
+        // At a great distance a segment acts as a point force of density × length, half of it from
+        // either end.
         let x = Vector3::new(0.0, 3000.0, 4000.0);
         let end = Vector3::new(0.002, 0.0, 0.0);
         let [a1, a2] = segment_integral_by_quadrature(&x, &Vector3::zeros(), &end, 1e-3, 1e-18);

@@ -1,8 +1,8 @@
 //! Resistive force theory: drag by local coefficients along and across the rod.
 //!
-//! A rod with unit tangent t that moves at velocity v through fluid at rest is subject to the force per length
-//! f = −ξ_∥ (v·t) t − ξ_⊥ (v − (v·t) t) = −Ξ v. It neglects that one part of a rod drags fluid past
-//! another, so that it is a rough model for coiled or neighbouring rods.
+//! A rod with unit tangent t that moves at velocity v through fluid at rest is subject to the
+//! force per length f = −ξ_∥ (v·t) t − ξ_⊥ (v − (v·t) t) = −Ξ v. The theory neglects the flow that
+//! one part of a rod causes at another, so it is a rough model for coiled or neighbouring rods.
 
 use super::{Filament, FluidError};
 use crate::mechanics::{Matrix3, Vector3};
@@ -22,7 +22,7 @@ impl DragCoefficients {
     /// Rubinow 1976): ξ_∥ = 2πη/(ln(2L/h) − 3/2), ξ_⊥ = 4πη/(ln(2L/h) − 1/2).
     ///
     /// # Errors
-    /// [`FluidError::NotSlender`] where the first denominator is not positive (L/h ≤ 2.24).
+    /// [`FluidError::NotSlender`] if the first denominator is not positive (L/h ≤ 2.24).
     pub fn slender_cylinder(viscosity: f64, length: f64, radius: f64) -> Result<Self, FluidError> {
         let logarithm = libm::log(2.0 * length / radius);
         Self::from_denominators(viscosity, length / radius, logarithm - 1.5, logarithm - 0.5)
@@ -32,7 +32,7 @@ impl DragCoefficients {
     /// with the wavelength λ.
     ///
     /// # Errors
-    /// [`FluidError::NotSlender`] where the first denominator is not positive (λ/h ≤ 0.82).
+    /// [`FluidError::NotSlender`] if the first denominator is not positive (λ/h ≤ 0.82).
     pub fn gray_hancock(viscosity: f64, wavelength: f64, radius: f64) -> Result<Self, FluidError> {
         let logarithm = libm::log(2.0 * wavelength / radius);
         Self::from_denominators(
@@ -43,11 +43,11 @@ impl DragCoefficients {
         )
     }
 
-    /// A helical filament (Lighthill 1976): ξ_∥ = 2πη/ln(0.18 Λ/h), ξ_⊥ = 4πη/(ln(0.18 Λ/h) + 1/2) with
-    /// the length Λ of the filament in one turn.
+    /// A helical filament (Lighthill 1976): ξ_∥ = 2πη/ln(0.18 Λ/h), ξ_⊥ = 4πη/(ln(0.18 Λ/h) + 1/2)
+    /// with the contour length Λ of one turn.
     ///
     /// # Errors
-    /// [`FluidError::NotSlender`] where the first denominator is not positive (Λ/h ≤ 5.56).
+    /// [`FluidError::NotSlender`] if the first denominator is not positive (Λ/h ≤ 5.56).
     pub fn lighthill(
         viscosity: f64,
         length_of_a_turn: f64,
@@ -84,9 +84,10 @@ impl DragCoefficients {
     }
 }
 
-/// Force on each node (N) and its resistance (N s/m) for the coefficients of
-/// [`DragCoefficients::slender_cylinder`] with these contour lengths of the filaments, m: every edge gives half of
-/// its length times Ξ to either node. As the force is −D v, the resistance is its exact Jacobian.
+/// Computes the force on each node (N) and its resistance (N s/m) for the coefficients of
+/// [`DragCoefficients::slender_cylinder`] with these contour lengths of the filaments, m: every
+/// edge gives half of its length times Ξ to either node. As the force is −D v, the resistance is
+/// its exact Jacobian.
 pub(super) fn drag(
     viscosity: f64,
     filaments: &[Filament],
@@ -120,8 +121,8 @@ pub(super) fn drag(
 mod tests {
     use super::*;
 
-    /// Force along and torque about the axis of the thesis' helix turning at 15 rad/s, on the fluid, by
-    /// its closed form: a 0.01 m, pitch 0.05 m, axial length 0.2 m.
+    /// Force along and torque about the axis, exerted on the fluid by the thesis' helix turning at
+    /// 15 rad/s, in closed form: a 0.01 m, pitch 0.05 m, axial length 0.2 m.
     fn turning_helix(coefficients: DragCoefficients) -> (f64, f64) {
         let (radius, wavenumber, axial, rate) = (0.01, 2.0 * PI / 0.05, 0.2, 15.0);
         let slope: f64 = radius * wavenumber;
@@ -134,7 +135,7 @@ mod tests {
 
     #[test]
     fn a_turning_helix_agrees_with_published_coefficients() {
-        // Evaluated independently for λ = 0.05 m and Λ = 0.0803 m, h = 1 mm, η = 0.1 Pa s.
+        // Values computed independently for λ = 0.05 m and Λ = 0.0803 m, h = 1 mm, η = 0.1 Pa s.
         let slope = 0.4 * PI;
         let turn = 0.05 * (1.0 + slope * slope).sqrt();
         let gray_hancock = DragCoefficients::gray_hancock(0.1, 0.05, 1e-3).unwrap();

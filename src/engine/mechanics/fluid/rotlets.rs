@@ -1,17 +1,18 @@
 //! The flow of rods that spin about their own axes.
 //!
-//! An edge of the radius r and the tangent t that spins with the angular velocity ω about itself exerts on the fluid the torque
+//! An edge of radius r and tangent t that spins about itself at ω exerts on the fluid the torque
 //! 4πη r² ω t per length, that of a long cylinder. Its flow at x is that of rotlets along it,
 //!
 //! ```text
 //! u(x) = ½ r² ω ∫₀ᴸ t × R/|R|³ ds = ½ r² ω (t × R) [ (s − a)/(q² √(q² + (s − a)²)) ]₀ᴸ
 //! ```
 //!
-//! with R from the start of the edge, a = t·R and q the distance from its line. Beside a long rod that is ω r²/q, and ω r at the
-//! surface; inside of it (q < r) it grows from zero in proportion to q. A straight rod does not move itself; a bent one does.
+//! with R from the start of the edge, a = t·R, and q the distance from its line. Beside a long rod
+//! this is ω r²/q, and ω r at the surface; inside (q < r) it grows from zero in proportion to q. A
+//! straight rod does not move itself; a bent one does.
 //!
-//! The opposite effect is omitted: an edge in the vorticity of others would spin with it. So the torque on an edge is that of its own
-//! spin alone.
+//! The reverse effect is omitted: an edge in the vorticity of others would spin with it. So the
+//! torque on an edge is that of its own spin alone.
 
 use super::Filament;
 use super::lanes::add_lanes;
@@ -41,11 +42,11 @@ pub(super) struct Rotlets {
 }
 
 impl Rotlets {
-    /// Creates those of filaments whose edges do not spin.
+    /// Creates rotlets for filaments whose edges do not spin yet.
     pub(crate) fn new(filaments: &[Filament]) -> Self {
         let edges: usize = filaments.iter().map(Filament::edges).sum();
         let void = EdgeLanes {
-            // Lanes after the last edge have no strength, but must be finite.
+            // Lanes after the last edge have no strength, but must contain finite numbers.
             radius_squared: [1.0; LANES],
             ..EdgeLanes::default()
         };
@@ -61,7 +62,8 @@ impl Rotlets {
         self.spin
     }
 
-    /// Places the edges at these stations, m, with the spins of the nodes of the scene at which they start, rad/s.
+    /// Places the edges at these stations, m. `spins` holds their spins, rad/s, at the nodes of
+    /// the scene at which they start.
     pub(crate) fn set(&mut self, filaments: &[Filament], stations: &[Vector3], spins: &[f64]) {
         self.spin = false;
         for (number, (filament, edge, ends)) in edges_of(filaments).enumerate() {
@@ -89,7 +91,7 @@ impl Rotlets {
 }
 
 kernel! {
-    /// Velocity at `x` of all edges.
+    /// Velocity at `x` due to all edges.
     fn velocity(x: [f64; 3], edges: &[EdgeLanes]) -> [f64; 3] {
         let mut sum = [[0.0; LANES]; 3];
         for edges in edges {
@@ -174,7 +176,7 @@ mod tests {
         rotlets.set(&filaments, &stations, &vec![1.0; nodes]);
         let u = rotlets.velocity(&stations[0]);
         assert!(u.x.abs() < 1e-12 && u.y.abs() < 1e-12, "{u}");
-        // Upwards in the middle of the ring, u = ½ r² ω ∮ t × R/R³ = π r² ω.
+        // Upwards at the centre of the ring, u = ½ r² ω ∮ t × R/R³ = π r² ω.
         let middle = rotlets.velocity(&Vector3::zeros());
         let expected = Vector3::z() * (std::f64::consts::PI * 1e-4);
         assert!(

@@ -24,14 +24,14 @@
 //! | J₂ | I₀ − ρ² J₀ |
 //! | J₃ | I₁ − ρ² J₁ |
 //!
-//! The right-hand forms hold no difference of nearly equal numbers, except S − L where x lies beside
-//! the segment (z₀ < 0 < z₁). There, with q = R + |z|, S + L = q₀ + q₁ and
-//! S − L = ρ²/q₀ + ρ²/q₁ = ρ² (S + L)/(q₀ q₁).
+//! The forms on the right contain no difference of nearly equal numbers, except S − L if x is
+//! beside the segment (z₀ < 0 < z₁). In this case, with q = R + |z|, S + L = q₀ + q₁ and S − L =
+//! ρ²/q₀ + ρ²/q₁ = ρ² (S + L)/(q₀ q₁).
 //!
 //! The moments of the kernel are then M_k = (I_k + ε² J_k) 1 + J_k p pᵀ − J_{k+1} (p tᵀ + t pᵀ) +
-//! J_{k+2} t tᵀ, and A₂ = (M₁ + a M₀)/L, A₁ = M₀ − A₂. They equal Eqs. 2.24–2.26 of the thesis, whose
-//! recursions T_{k,l} cancel where this form does not; r_α there runs from the segment to x, so that its
-//! e must be read as x_i − x_{i+1}.
+//! J_{k+2} t tᵀ, and A₂ = (M₁ + a M₀)/L, A₁ = M₀ − A₂. They equal Eqs. 2.24–2.26 of the thesis,
+//! whose recursions T_{k,l} suffer from cancellation, unlike this form. The r_α of the thesis runs
+//! from the segment to x, so that its e must be read as x_i − x_{i+1}.
 
 use super::logarithm::logarithm_of_ratio;
 use crate::mechanics::{Matrix3, Vector3};
@@ -60,7 +60,7 @@ pub(super) fn full(a: &Symmetric) -> Matrix3 {
     Matrix3::new(a[0], a[1], a[2], a[1], a[3], a[4], a[2], a[4], a[5])
 }
 
-/// A segment as the kernel wants it.
+/// A segment in the form that the kernel needs.
 pub(super) struct Segment {
     /// First node, m.
     pub start: [f64; 3],
@@ -68,7 +68,7 @@ pub(super) struct Segment {
     pub tangent: [f64; 3],
     /// Length L, m.
     pub length: f64,
-    /// 1/L, or zero where L is zero; A₁ and A₂ then vanish.
+    /// 1/L, or zero if L is zero, in which case A₁ and A₂ vanish.
     pub inverse_length: f64,
     /// ε², m².
     pub regularization_squared: f64,
@@ -91,8 +91,9 @@ impl Segment {
 
     /// A₁ and A₂ at `x`.
     ///
-    /// This and its parts are free of branches so that they vectorise when called in loops over lanes;
-    /// every `mul_add` is spelled out so that the results have the same bytes on every machine.
+    /// This function and its parts are free of branches, so that they vectorise when called in
+    /// loops over lanes. Every `mul_add` is written out so that the results have the same bytes on
+    /// every machine.
     #[inline(always)]
     pub(crate) fn integral(&self, x: [f64; 3]) -> [Symmetric; 2] {
         let offset = self.offset(x);
@@ -261,7 +262,7 @@ mod tests {
         let stokeslet = Matrix3::identity()
             * (1.0 / distance + epsilon * epsilon / distance.powi(3))
             + r * r.transpose() / distance.powi(3);
-        // The kernel falls off like 1/R, so that it varies by about L/R along the segment.
+        // The kernel decays like 1/R, so that it varies by about L/R along the segment.
         let variation = 3e-7 / distance;
         for a in [a1, a2] {
             assert!((a - stokeslet * 1.5e-7).norm() < 3.0 * variation * a.norm());
@@ -281,7 +282,7 @@ mod tests {
             let [a1, a2] = segment_integral(&x, &start, &end, 0.02);
             let [b1, b2] = segment_integral(&x, &start, &middle, 0.02);
             let [c1, c2] = segment_integral(&x, &middle, &end, 0.02);
-            // The density of the whole at its middle is the mean of those at its ends.
+            // The density of the whole segment at its middle is the mean of those at its ends.
             let first = b1 + (b2 + c1) * 0.5 - a1;
             let second = c2 + (b2 + c1) * 0.5 - a2;
             assert!(first.norm() + second.norm() < 1e-13 * (a1.norm() + a2.norm()));

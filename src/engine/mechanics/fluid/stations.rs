@@ -8,12 +8,13 @@ pub(super) fn are_finite(vectors: &[Vector3]) -> bool {
     vectors.iter().flatten().all(|x| x.is_finite())
 }
 
-/// The nodes of filaments among those of the scene.
+/// Indices in the scene of the nodes of filaments.
 pub(super) fn nodes_of(filaments: &[Filament]) -> impl Iterator<Item = usize> {
     filaments.iter().flat_map(Filament::range)
 }
 
-/// The edges of filaments: the filament, the number of the edge along it, and the stations at its ends.
+/// The edges of filaments: the filament, the index of the edge along it, and the stations at its
+/// ends.
 pub(super) fn edges_of(
     filaments: &[Filament],
 ) -> impl Iterator<Item = (&Filament, usize, [usize; 2])> {
@@ -36,8 +37,8 @@ pub(super) fn symmetric_inverse(block: &Matrix3) -> Result<Matrix3, FluidError> 
     Ok((inverse + inverse.transpose()) * 0.5)
 }
 
-/// Half of the lengths of the edges of its filament that meet at each station, m. An edge without length is an error: its
-/// two nodes have the same row in the operator.
+/// Half of the lengths of the edges that meet at each station, m. An edge without length is an
+/// error: its two nodes have the same row in the operator.
 pub(super) fn voronoi_lengths(
     filaments: &[Filament],
     positions: &[Vector3],

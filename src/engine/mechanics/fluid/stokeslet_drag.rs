@@ -19,43 +19,48 @@ use crate::mechanics::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Relative residual ‖b − A f‖/‖b‖ at which a solve stops. The discretisation itself errs by some 10⁻³
-/// (thesis' helix), so that 10⁻⁶ is never what limits; smaller costs about an iteration per decade.
+/// Relative residual ‖b − A f‖/‖b‖ at which a solve stops. The discretisation itself has an error
+/// of some 10⁻³ (thesis' helix), so that 10⁻⁶ never limits the accuracy; a smaller value costs
+/// about an iteration per decade.
 const TOLERANCE: f64 = 1e-6;
-/// The same over the error allowed in the drag where the operator is approximate. The operator's own error
-/// in the velocities is about a twentieth of that, so a smaller residual would not improve the result.
+/// The relative residual for an approximate operator, as a fraction of the error allowed in the
+/// drag. The operator's own error in the velocities is about a twentieth of that error, so a
+/// smaller residual would not improve the result.
 const TOLERANCE_OF_FAR_FIELD_ERROR: f64 = 0.1;
-/// Operations of a preconditioner that is not made larger any more, four times as expensive: this one takes half a minute.
+/// Number of operations above which a preconditioner is no longer enlarged. This one takes half a
+/// minute; enlarging it would be four times as expensive.
 const MOST_OPERATIONS: f64 = 2e11;
-/// Iterations after which the preconditioner is held to be too coarse. Tight bundles take some twenty.
+/// Number of iterations above which the preconditioner counts as too coarse. Tight bundles take
+/// some twenty.
 const MOST_ITERATIONS: usize = 40;
 /// Results of earlier solves, used in later ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StokesletMemory {
-    /// Stations that are one point.
+    /// Ties of stations that are one point.
     ties: Ties,
     /// The last solutions, newest first, three numbers per point.
     densities: [Vec<f64>; KEPT],
     age: Age,
     /// Positions of the stations for which the preconditioner was built; empty before the first solve.
     preconditioned_at: Vec<[f64; 3]>,
-    /// Nodes of its neighbourhoods.
+    /// Number of nodes of its neighbourhoods.
     neighbourhood: usize,
 }
 
-/// Solves A f = 8πη u again and again for nodes that move a little in between (thesis Eq. 2.27); where nodes of several
-/// filaments are one point, for the points ([`Points`]).
+/// Solver for A f = 8πη u, called repeatedly for nodes that move a little in between (thesis Eq.
+/// 2.27). If nodes of several filaments are one point, it solves for the points ([`Points`]).
 ///
-/// GMRES starts from the best combination of the last solutions and is preconditioned by inverses of
-/// neighbourhoods at some earlier time; these are rebuilt when their age has made solves too expensive.
-/// Where they do not lead to convergence even when new, the neighbourhoods double. That happens for nodes
-/// much closer than ε, whose operator is ill-conditioned, and ends when a neighbourhood holds all nodes.
+/// GMRES starts from the best combination of the last solutions and is preconditioned by inverses
+/// of neighbourhoods at some earlier time; these are rebuilt when their age has made solves too
+/// expensive. If solves do not converge even with new ones, the size of the neighbourhoods is
+/// doubled. That happens for nodes much closer than ε, whose operator is ill-conditioned, and ends
+/// when a neighbourhood contains all nodes.
 pub(super) struct StokesletDrag {
     viscosity: f64,
     filaments: Vec<Filament>,
     rails: Vec<Rail>,
     links: Vec<Link>,
-    /// Stations that are one point.
+    /// Ties of stations that are one point.
     ties: Ties,
     /// The plane at which the fluid is at rest.
     wall: Option<FlowWall>,
@@ -63,7 +68,8 @@ pub(super) struct StokesletDrag {
     /// Relative residual at which a solve stops.
     tolerance: f64,
     preconditioner: Preconditioner,
-    /// Empty before the first solve.
+    /// Positions of the stations for which the preconditioner was built; empty before the first
+    /// solve.
     preconditioned_at: Vec<Vector3>,
     age: Age,
     guess: InitialGuess,
@@ -74,13 +80,13 @@ pub(super) struct StokesletDrag {
     velocities: Vec<Vector3>,
     /// Flow of spinning edges.
     rotlets: Rotlets,
-    /// Positions of all places of a scene with spheres, m.
+    /// Positions of all nodes and sphere tips of a scene with spheres, m.
     places: Vec<Vector3>,
     /// Voronoi lengths Δl of the stations, m.
     lengths: Vec<f64>,
-    /// Inverse of A_pp of each point, its symmetric part.
+    /// Symmetric part of the inverse of A_pp of each point.
     inverses: Vec<Matrix3>,
-    /// Estimate of the largest eigenvalue of D⁻¹ R where the preconditioner was built.
+    /// Estimate of the largest eigenvalue of D⁻¹ R, when the preconditioner was built.
     largest_ratio: f64,
     right_hand_side: Vec<f64>,
     residual: Vec<f64>,
@@ -90,7 +96,7 @@ pub(super) struct StokesletDrag {
 }
 
 impl StokesletDrag {
-    /// Sets up all room that solves need.
+    /// Allocates all storage that solves need.
     pub(crate) fn new(
         viscosity: f64,
         regularization: f64,
@@ -136,7 +142,7 @@ impl StokesletDrag {
         self.wall.as_ref()
     }
 
-    /// Pairs of nodes that were at one place when the filaments were placed, without a joint.
+    /// Pairs of unjoined nodes that were at one place when the filaments were placed.
     pub(crate) fn met_by_chance(&self) -> Vec<[usize; 2]> {
         let nodes: Vec<usize> = nodes_of(&self.filaments).collect();
         let met = self.ties.pairs.iter().filter(|tie| !tie.is_joined);
@@ -169,9 +175,9 @@ impl StokesletDrag {
     /// F_i = −f_p Δl_i − D_i (u_i − u_p),   D_i = 8πη Δl_i A_pp⁻¹
     /// ```
     ///
-    /// where u_p is the velocity of the point: the nodes of a joint have no other. A node that slides has the density and the
-    /// velocity of the rail where it is for f_p and u_p, and its own block of A, so that what it moves along the rail
-    /// meets the resistance of its own length.
+    /// where u_p is the velocity of the point: joined nodes have no other velocity. For a sliding
+    /// node, f_p and u_p are the density and the velocity of the rail at its position. Its block
+    /// of A is its own, so that its motion along the rail meets the resistance of its own length.
     /// Arguments as in [`Fluid::drag`](super::Fluid::drag).
     pub(crate) fn drag(
         &mut self,
@@ -207,8 +213,8 @@ impl StokesletDrag {
         Ok(report)
     }
 
-    /// Force on each node for other velocities, with the nodes where they were in the last [`drag`](Self::drag), which gave
-    /// them a local `resistance`.
+    /// Computes the force on each node for other velocities. The nodes stay where they were in the
+    /// last [`drag`](Self::drag), which determined the local `resistance`.
     pub(crate) fn drag_of(
         &mut self,
         velocities: &[Vector3],
@@ -222,8 +228,8 @@ impl StokesletDrag {
         Ok(report)
     }
 
-    /// Relative residual at which a solve stops.
-    /// Solves to a smaller relative residual from now on; returns whether the operator is exact enough for that.
+    /// Solves to a smaller relative residual from now on; returns whether the operator is accurate
+    /// enough for that.
     pub(crate) fn sharpen(&mut self, tolerance: f64) -> bool {
         let is_exact = self.operator.exact().is_some();
         if is_exact {
@@ -236,13 +242,15 @@ impl StokesletDrag {
         self.tolerance
     }
 
-    /// Estimate of the largest eigenvalue of D⁻¹ R: how many times its local part D the resistance R of the nodes is, for
-    /// the velocities for which that is most; infinite with spheres. It belongs to the positions at which the preconditioner was built.
+    /// Estimate of the largest eigenvalue of D⁻¹ R, the largest ratio of the resistance R of the
+    /// nodes to its local part D over all velocities; infinite with spheres. It is valid for the
+    /// positions at which the preconditioner was built.
     pub(crate) fn largest_ratio(&self) -> f64 {
         self.largest_ratio
     }
 
-    /// Power that the last drag takes from nodes and spheres by their motion against the flow of spinning edges, W.
+    /// Power that the last drag takes from the motion of nodes and spheres relative to the flow of
+    /// spinning edges, W.
     pub(crate) fn dissipation(&self) -> f64 {
         let points = self.operator.points();
         let of_points = 3 * points.count();
@@ -268,7 +276,7 @@ impl StokesletDrag {
             return Err(FluidError::NotFinite);
         }
         self.average_velocities();
-        // Points in the wall and in spheres take no force, however they move.
+        // Points in the wall and in spheres take no force, for any motion.
         for point in 0..self.operator.nodes() {
             if self.takes_no_force(self.operator.points().representatives()[point]) {
                 self.right_hand_side[3 * point..3 * point + 3].fill(0.0);
@@ -284,7 +292,7 @@ impl StokesletDrag {
         Ok(())
     }
 
-    /// Takes the flow of spinning edges from the velocities that force densities must explain.
+    /// Subtracts the flow of spinning edges from the velocities that force densities must produce.
     fn subtract_rotlets(&mut self) {
         if !self.rotlets.spin() {
             return;
@@ -309,14 +317,15 @@ impl StokesletDrag {
         }
     }
 
-    /// Whether a station is in the wall or in a sphere, where it takes no force.
+    /// Whether a station is in the wall or in a sphere and so takes no force.
     fn takes_no_force(&self, station: usize) -> bool {
         self.operator.spheres().hold(station)
             || (self.wall.as_ref())
                 .is_some_and(|wall| wall.holds(station, &self.positions[station]))
     }
 
-    /// Gives each point the velocity of its stations, their mean weighted by their lengths.
+    /// Sets the velocity of each point to the mean of its stations' velocities, weighted by their
+    /// lengths.
     fn average_velocities(&mut self) {
         let points = self.operator.points();
         let of_points = 3 * points.count();
@@ -397,8 +406,8 @@ impl StokesletDrag {
     /// Continues from a checkpoint.
     ///
     /// # Errors
-    /// [`FluidError::ForeignMemory`] where sizes do not fit, [`FluidError::Singular`] where its positions
-    /// coincide.
+    /// [`FluidError::ForeignMemory`] if sizes do not fit, [`FluidError::Singular`] if its
+    /// positions coincide.
     pub(crate) fn restore(&mut self, memory: StokesletMemory) -> Result<(), FluidError> {
         let stations = self.positions.len();
         let built = memory.preconditioned_at.len();
@@ -432,7 +441,7 @@ impl StokesletDrag {
         Ok(())
     }
 
-    /// Solves A f = u for the assembled operator; f lacks the factor 8πη.
+    /// Solves A f = u for the assembled operator; the factor 8πη is left out of f.
     fn solve(&mut self, start: Start) -> Result<FluidReport, FluidError> {
         let size = dot(&self.right_hand_side, &self.right_hand_side).sqrt();
         let positions = self

@@ -11,7 +11,7 @@ const STOKESLETS: FluidModel = FluidModel::RegularizedStokeslets {
     far_field_error: 1e-4,
 };
 
-/// The right-handed helix of thesis 2.4.2 at an angle about its axis.
+/// The right-handed helix of thesis 2.4.2, rotated by an angle about its axis.
 fn helix(nodes: usize, centre: Vector3, angle: f64) -> Vec<Vector3> {
     (0..nodes)
         .map(|i| {
@@ -39,7 +39,7 @@ fn open_filaments(count: usize, nodes: usize, radius: f64) -> Vec<Filament> {
         .collect()
 }
 
-/// What [`Fluid::drag`] gives, in vectors of its own.
+/// Calls [`Fluid::drag`] and returns its results in new vectors.
 fn drag(
     fluid: &mut Fluid,
     positions: &[Vector3],
@@ -53,14 +53,15 @@ fn drag(
     (forces, resistance, report)
 }
 
-/// Force and torque about the origin of the rods on the fluid.
+/// Force and torque about the origin that the rods exert on the fluid.
 fn wrench(positions: &[Vector3], forces: &[Vector3]) -> (Vector3, Vector3) {
     let force: Vector3 = forces.iter().sum();
     let torque: Vector3 = positions.iter().zip(forces).map(|(x, f)| x.cross(f)).sum();
     (-force, -torque)
 }
 
-/// A straight rod of unit length along x in a fluid of unit viscosity: force along and across at unit speed.
+/// A straight rod of unit length along x in a fluid of unit viscosity: force along and across it
+/// at unit speed.
 fn straight_rod_drag(aspect: f64, nodes: usize) -> [f64; 2] {
     let model = FluidModel::RegularizedStokeslets {
         viscosity: 1.0,
@@ -77,7 +78,7 @@ fn straight_rod_drag(aspect: f64, nodes: usize) -> [f64; 2] {
     })
 }
 
-/// Rows of numbers of a reference file; `None`, with a message, where it is absent.
+/// Rows of numbers of a reference file; `None`, with a message, if it is absent.
 fn reference(name: &str) -> Option<Vec<Vec<f64>>> {
     let folder = concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -121,7 +122,8 @@ fn a_helix_turning_and_translating_agrees_with_dense_solves() {
 #[test]
 fn a_straight_rod_agrees_with_dense_solves() {
     for row in reference("drag_straight_rod.csv").unwrap_or_default() {
-        // Nodes an eighth of ε apart: ill-conditioned, the drag then errs by more than the residual.
+        // Nodes an eighth of ε apart are ill-conditioned: the error of the drag then exceeds the
+        // residual.
         if row[0] / (row[1] - 1.0) < 0.2 {
             continue;
         }
@@ -153,7 +155,8 @@ fn a_straight_rod_drags_like_a_slender_spheroid() {
 
 #[test]
 fn forces_leave_the_residual_they_report() {
-    // Rods of different radii, one closed, and a node that belongs to none; A by single segments.
+    // Rods of different radii, one of them closed, and a node that belongs to none; A is built
+    // from single segments.
     let mut positions = helix(20, Vector3::zeros(), 0.3);
     positions.push(Vector3::new(0.5, 0.5, 0.5));
     positions.extend((0..30).map(|i| {
@@ -233,19 +236,20 @@ fn power_is_dissipated() {
     let mut fluid = Fluid::new(&STOKESLETS, &open_filaments(1, 68, 1e-3)).unwrap();
     let (forces, _, _) = drag(&mut fluid, &positions, &velocities);
     let power: f64 = forces.iter().zip(&velocities).map(|(f, v)| f.dot(v)).sum();
-    // ω times the torque of the reference.
+    // Angular velocity ω times the torque of the reference.
     assert!(
         relative_error(power, -15.0 * 1.244818746e-4) < 1e-5,
         "{power}"
     );
 }
 
-/// Four turning helices that also draw together: their nodes at a step, and the velocities since the last.
+/// Four rotating helices that also approach each other: their nodes at a step, and their
+/// velocities since the previous one.
 fn bundle(step: usize) -> (Vec<Vector3>, Vec<Vector3>) {
     converging(4, 0.02, step)
 }
 
-/// Turning helices on a circle that draw together.
+/// Rotating helices on a circle that approach each other.
 fn converging(count: usize, radius: f64, step: usize) -> (Vec<Vector3>, Vec<Vector3>) {
     let at = |t: f64| -> Vec<Vector3> {
         (0..count)
@@ -333,7 +337,7 @@ fn restored_memory_of_many_nodes_continues_with_the_same_bytes() {
     continues_with_the_same_bytes(20, swarm, 12);
 }
 
-/// Continues from the memory after six steps.
+/// Takes six steps, then continues from the memory.
 fn continues_with_the_same_bytes(
     count: usize,
     scene: impl Fn(usize) -> (Vec<Vector3>, Vec<Vector3>),
@@ -421,7 +425,7 @@ fn wrong_numbers_are_errors() {
     let mut broken = positions.clone();
     broken[3] = broken[4];
     assert_eq!(attempt(&broken, &velocities), Err(FluidError::Singular));
-    // None of which keeps the fluid from going on.
+    // The fluid still works after each of these errors.
     assert!(attempt(&positions, &velocities).is_ok());
 }
 
@@ -475,7 +479,8 @@ proptest! {
             drag(&mut Fluid::new(&STOKESLETS, &filaments).unwrap(), &moved, &turned);
         let scale = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
         for i in 0..68 {
-            // The operator is stored in single precision, whose rounding does not turn with the scene.
+            // The operator is stored in single precision; its rounding does not rotate with the
+            // scene.
             let rounding = f64::from(f32::EPSILON);
             prop_assert!((rotation * forces[i] - moved_forces[i]).norm() < 2.0 * rounding * scale);
             let expected = rotation * resistance[i] * rotation.inverse();
@@ -501,7 +506,7 @@ proptest! {
 
 #[test]
 fn the_largest_ratio_of_the_resistance_to_its_local_part_is_that_of_the_dense_matrix() {
-    // Edges of 2.5 and of 20 radii, and a bundle.
+    // Edges of 2.5 radii and of 20 radii, and a bundle.
     for (count, nodes, length) in [(1, 41, 0.01), (1, 11, 0.02), (3, 20, 0.05)] {
         let filaments = open_filaments(count, nodes, 1e-4);
         let spacing = length / (nodes - 1) as f64;

@@ -1,15 +1,17 @@
 //! Nodes of filaments that count as one point of the flow.
 //!
-//! Two nodes at one place have the same row in the collocation matrix, and one velocity does not determine two force
-//! densities: the matrix is singular, and ill-conditioned where nodes are much closer than ε. Nodes closer than
-//! [`CLOSE`] ε are therefore one point, with one velocity and one force density, until they are farther apart than
-//! [`APART`] ε. The first distance is about the smallest at which the solution is still accurate. At the second one two
-//! nodes resist that they part about as much as each of them alone resists that it moves, which is what the tied ones do;
-//! nearer to each other they would resist it many times as much, and the force would jump where the tie is released.
+//! Two nodes at one place have the same row in the collocation matrix, and one velocity does not
+//! determine two force densities: the matrix is singular, and ill-conditioned if nodes are much
+//! closer than ε. Nodes closer than [`CLOSE`] ε are therefore one point, with one velocity and one
+//! force density, until they are farther apart than [`APART`] ε. The first distance is about the
+//! smallest at which the solution is still accurate. At the second one, the resistance to
+//! separating two nodes is about that to moving each of them alone, which is also the resistance
+//! of tied nodes. At smaller distances it would be many times as large, and the force would jump
+//! when the tie is released.
 //!
-//! Only nodes that are joined, or that begin so close, are ever tied. A node that slides along a filament is not a point of
-//! its own as long as it is on the filament: its velocity follows from that of the rail and its force density is
-//! that of the rail there ([`points`](super::points)).
+//! Only nodes that are joined, or that start so close, are ever tied. A node that slides along a
+//! filament is not a point of its own while it is on the filament: its velocity follows from that
+//! of the rail, and its force density is that of the rail there ([`points`](super::points)).
 
 use super::chain::Link;
 use super::filament::station_of;
@@ -19,26 +21,28 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// Distance below which two nodes become one point, over the smaller ε.
+/// Distance below which two nodes become one point, relative to the smaller ε.
 pub(super) const CLOSE: f64 = 0.1;
-/// Distance above which they are two points again.
+/// Distance above which they are two points again, relative to the smaller ε.
 const APART: f64 = 1.0;
-/// Length along a filament, over ε, below which its own nodes are never tied: they are neighbours.
+/// Length along a filament, relative to ε, below which its own nodes are never tied, because they
+/// are neighbours.
 const NEIGHBOURS: f64 = 1.0;
-/// Distance of a node from its rail above which it has left it, over ε and over the length of the rail's edge there: a
-/// rail is a smooth curve through its nodes, and off the straight edge by an eighth of the edge times its turning angle.
+/// Distance of a node from its rail above which it has left it, relative to ε and to the length of
+/// the rail's edge there. A rail is a smooth curve through its nodes; it deviates from the
+/// straight edge by an eighth of the edge times its turning angle.
 const OFF_THE_RAIL: [f64; 2] = [1.0, 0.25];
 
 /// Two stations that are one point while they are close.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Tie {
     pub stations: [usize; 2],
-    /// Whether a joint holds them; if not, they only begin so close.
+    /// Whether a joint holds them; if not, they were only this close at the start.
     pub is_joined: bool,
     pub holds: bool,
 }
 
-/// The ties of all filaments; what a checkpoint must hold of them.
+/// The ties of all filaments; part of a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Ties {
     pub pairs: Vec<Tie>,
@@ -54,7 +58,7 @@ pub(super) struct Rail {
     pub closed: bool,
 }
 
-/// The sliding stations; those of nodes outside of the flow are omitted.
+/// The sliding stations, without nodes outside the flow.
 pub(super) fn rails(filaments: &[Filament], connections: &Connections) -> Vec<Rail> {
     let rail = |sliding: &super::Sliding| {
         let first = station_of(filaments, sliding.rail.start)?;
@@ -68,7 +72,7 @@ pub(super) fn rails(filaments: &[Filament], connections: &Connections) -> Vec<Ra
 }
 
 impl Rail {
-    /// The edge nearest to a place, and the position of the nearest point along it, from 0 to 1.
+    /// The edge nearest to a position, and the nearest point on it as a fraction from 0 to 1.
     pub(crate) fn nearest(&self, positions: &[Vector3], x: &Vector3) -> Foot {
         let first = self.stations.start;
         let edges = self.stations.len() - usize::from(!self.closed);
@@ -90,12 +94,12 @@ impl Rail {
     }
 }
 
-/// The point of a rail nearest to a place.
+/// The point of a rail nearest to a position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Foot {
     /// Stations at the ends of the edge.
     pub ends: [usize; 2],
-    /// Place along the edge, from 0 to 1.
+    /// Fraction along the edge, from 0 to 1.
     pub part: f64,
     /// Distance, m.
     pub distance: f64,
@@ -115,7 +119,8 @@ impl Ties {
         let joined: Vec<[usize; 2]> = (connections.joined.iter())
             .filter_map(|&[a, b]| Some([station_of(filaments, a)?, station_of(filaments, b)?]))
             .collect();
-        // What slides moves against all that it passes, and against what is there at the start.
+        // A sliding station moves relative to all stations that it passes, including those near it
+        // at the start.
         let mut slides = vec![false; positions.len()];
         rails.iter().for_each(|rail| slides[rail.station] = true);
         let mut grows = !rails.is_empty();
@@ -156,7 +161,7 @@ impl Ties {
         self.pairs.is_empty() && self.on_rail.is_empty()
     }
 
-    /// Whether they are between the same stations and rails as others.
+    /// Whether these ties are between the same stations and rails as `other`.
     pub(crate) fn fit(&self, other: &Self) -> bool {
         let stations = |ties: &Self| -> Vec<[usize; 2]> {
             ties.pairs.iter().map(|tie| tie.stations).collect()
@@ -196,7 +201,8 @@ pub(super) fn smaller_regularization(links: &[Link], pair: [usize; 2]) -> f64 {
     a.min(b).sqrt()
 }
 
-/// Pairs of stations closer than [`CLOSE`] times the smaller ε, each once, its stations in ascending order.
+/// Pairs of stations closer than [`CLOSE`] times the smaller ε, without repetition; the stations
+/// of a pair are in ascending order.
 fn close_pairs(links: &[Link], positions: &[Vector3]) -> Vec<[usize; 2]> {
     let mut order: Vec<usize> = (0..positions.len()).collect();
     order.sort_by(|&a, &b| positions[a].x.total_cmp(&positions[b].x).then(a.cmp(&b)));
@@ -217,7 +223,7 @@ fn close_pairs(links: &[Link], positions: &[Vector3]) -> Vec<[usize; 2]> {
     pairs
 }
 
-/// Whether two stations belong to one filament and lie near each other along it.
+/// Whether two stations belong to one filament and are near each other along it.
 fn are_neighbours(
     filaments: &[Filament],
     links: &[Link],

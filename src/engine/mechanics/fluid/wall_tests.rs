@@ -130,7 +130,7 @@ fn a_wall_turns_with_the_scene() {
 
 #[test]
 fn resistances_beside_a_wall_are_positive_and_forces_do_not_depend_on_the_solver() {
-    // Forces of a resting fluid take energy from any motion.
+    // In a fluid at rest, drag takes energy from any motion.
     let nodes = 60;
     let positions: Vec<Vector3> = (0..nodes)
         .map(|k| {
@@ -170,7 +170,8 @@ fn a_rod_clamped_in_the_wall_takes_no_force_there() {
     assert_eq!(forces[0], Vector3::zeros());
     assert_eq!(resistance[0], Matrix3::zeros());
     assert!(forces[1..].iter().all(|force| force.x < 0.0));
-    // However deep the rod is set into the wall: its edge counts from the wall on.
+    // The result does not depend on the depth of the clamped end, since its edge starts at the
+    // wall.
     let (deep, _) = drag(Some(floor(&[0])), &upright(7.0), &velocities).unwrap();
     for (force, deep) in forces.iter().zip(&deep) {
         assert!((force - deep).norm() < 1e-6 * forces[10].norm());
@@ -184,7 +185,7 @@ fn a_rod_clamped_in_the_wall_takes_no_force_there() {
 
 #[test]
 fn more_than_a_thousand_nodes_feel_the_wall_exactly() {
-    // The same filament with every second node: a straight rod in uniform motion.
+    // Compared with the same filament with every second node: a straight rod in uniform motion.
     let at = |nodes: usize| {
         let positions = lying(nodes, 4400.0, 3.0);
         let (forces, _) = drag(Some(floor(&[])), &positions, &vec![Vector3::x(); nodes]).unwrap();

@@ -5,7 +5,8 @@ use super::translation::{Coefficient, POTENTIALS};
 use crate::linalg::instruction_set::{InstructionSet, LANES, Lanes, kernel};
 use crate::mechanics::Vector3;
 
-/// Three functions at a time: first the three B, then the gradient of each of them and of B₀.
+/// Functions are evaluated three at a time: first the three B, then the gradient of each of them
+/// and of B₀.
 const GROUPS: usize = 1 + POTENTIALS;
 
 /// The nodes of a leaf, relative to the centre of its expansion.
@@ -23,7 +24,7 @@ pub(super) struct TargetTables {
 }
 
 impl TargetTables {
-    /// For expansions up to degree `order`.
+    /// Creates the scratch for expansions up to degree `order`.
     pub(crate) fn new(order: usize) -> Self {
         Self {
             regular: vec![Default::default(); half_size(order)],
@@ -70,8 +71,8 @@ impl Targets {
     }
 }
 
-/// Factors of Re Υₙᵐ and Im Υₙᵐ, m ≥ 0, in the real functions Σ Υₙᵐ* Fₙᵐ over all m; for gradients
-/// Fₙ₊₁ᵐ takes the place of Fₙᵐ for ∂_z and −Fₙ₊₁ᵐ⁺¹ for ∂_x + i ∂_y.
+/// Factors of Re Υₙᵐ and Im Υₙᵐ, m ≥ 0, in the real functions Σ Υₙᵐ* Fₙᵐ over all m. For
+/// gradients, Fₙᵐ is replaced by Fₙ₊₁ᵐ for ∂_z and by −Fₙ₊₁ᵐ⁺¹ for ∂_x + i ∂_y.
 fn find_factors(order: usize, local: &[Coefficient], factors: &mut [Vec<Complex<3>>; GROUPS]) {
     let [values, gradients @ ..] = factors;
     for n in 0..=order {
@@ -128,7 +129,8 @@ kernel! {
     }
 }
 
-/// Three functions: sums of the real and imaginary parts in the table, times their factors.
+/// Evaluates three functions: sums of the real and imaginary parts in the table, times their
+/// factors.
 #[inline(always)]
 fn sum(table: &[Complex<LANES>], factors: &[Complex<3>]) -> [Lanes; 3] {
     let mut sums = [[0.0; LANES]; 3];

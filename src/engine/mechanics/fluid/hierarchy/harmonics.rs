@@ -35,7 +35,7 @@ pub(super) const fn whole(n: usize, m: isize) -> usize {
     (n * (n + 1)).wrapping_add_signed(m)
 }
 
-/// Real and imaginary part of W complex numbers.
+/// Real and imaginary parts of W complex numbers.
 pub(super) type Complex<const W: usize> = [[f64; W]; 2];
 
 /// Fills `table` with Υₙᵐ(r), m ≥ 0, up to degree `order`.

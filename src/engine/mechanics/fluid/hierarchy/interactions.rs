@@ -1,15 +1,16 @@
-//! Pairs of clusters that interact through expansions, and those that must be summed exactly.
+//! Pairs of clusters that interact through expansions, and pairs that must be summed exactly.
 
 use super::tree::{Cluster, Tree};
 
-/// Largest ratio of the sum of two clusters' radii to the distance of their centres at which the one acts
-/// on the other through expansions. Errors fall with the order p like OPENING^p. Smaller needs lower
-/// orders, but leaves more pairs of nodes to be summed exactly.
+/// Largest ratio of the sum of two clusters' radii to the distance of their centres for an
+/// interaction through expansions. Errors fall with the order p like OPENING^p. A smaller ratio
+/// needs lower orders, but leaves more pairs of nodes to be summed exactly.
 const OPENING: f64 = 0.5;
-/// Least distance over ε. The expansions hold the kernel's terms up to ε²/r²; the truncation is at most
-/// 15/8 (ε/r)⁴ of it, that is 10⁻⁵ here.
+/// Least distance over ε. The expansions hold the kernel's terms up to ε²/r². Truncation costs at
+/// most 15/8 (ε/r)⁴ of the kernel, that is 10⁻⁵ here.
 const REGULARIZATIONS: f64 = 20.0;
-/// Least distance over the longest segment. Two Gauss points per segment err by about 0.006 (L/r)⁴.
+/// Least distance over the longest segment. Two Gauss points per segment have an error of about
+/// 0.006 (L/r)⁴.
 const SEGMENTS: f64 = 4.0;
 
 /// The clusters that act on each cluster.
@@ -17,12 +18,12 @@ const SEGMENTS: f64 = 4.0;
 pub(super) struct Interactions {
     /// Through expansions.
     pub far: Vec<Vec<usize>>,
-    /// Node by node; both are leaves.
+    /// Summed node by node; both are leaves.
     pub near: Vec<Vec<usize>>,
 }
 
 impl Interactions {
-    /// Finds them: every pair of nodes is in exactly one pair of clusters.
+    /// Finds the interactions: every pair of nodes is in exactly one pair of clusters.
     pub(crate) fn find(&mut self, tree: &Tree) {
         for lists in [&mut self.far, &mut self.near] {
             lists.iter_mut().for_each(Vec::clear);

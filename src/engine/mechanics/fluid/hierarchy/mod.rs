@@ -6,9 +6,9 @@
 //!
 //! 8πη u(x) = 2 B − ∇(x·B + B₀),  B = f/r,  B₀ = −f·y/r + (ε²/2) f·∇(1/r),
 //!
-//! four harmonic functions. They are expanded in solid harmonics about the centres of clusters, y and x
-//! being taken relative to the centres so that nothing cancels. A node's own force density counts with its
-//! hat function over its segments, by two Gauss points each.
+//! four harmonic functions. They are expanded in solid harmonics about the centres of clusters,
+//! with y and x relative to the centres so that nothing cancels. The force density of a node
+//! enters with its hat function over its segments, by two Gauss points each.
 //!
 //! | file | idea |
 //! |---|---|

@@ -15,8 +15,8 @@ use crate::linalg::instruction_set::{InstructionSet, LANES};
 use crate::mechanics::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-/// The operator A of [`FlowOperator`](super::super::FlowOperator): exact between leaves that are near each
-/// other, by expansions up to degree `order` otherwise. Memory and cost grow like N, apart from the
+/// The operator A of [`FlowOperator`](super::super::FlowOperator): exact between nearby leaves,
+/// otherwise by expansions up to degree `order`. Memory and cost grow like N, apart from the
 /// sorting of nodes into the tree.
 pub(in super::super) struct HierarchicalOperator {
     set: InstructionSet,
@@ -28,22 +28,22 @@ pub(in super::super) struct HierarchicalOperator {
     leaves: Vec<Leaf>,
     /// The leaf of each node.
     leaf_of: Vec<usize>,
-    /// Of all clusters one after the other, as `locals`.
+    /// Expansions of all clusters, one after the other, as are `locals`.
     multipoles: Vec<Coefficient>,
     locals: Vec<Coefficient>,
-    /// Scratch of raising and lowering.
+    /// Scratch for shifting expansions between clusters.
     shifts: ShiftTables,
 }
 
 #[derive(Default)]
 struct Leaf {
     cluster: usize,
-    /// Blocks with all nodes that are near.
+    /// Blocks with all nearby nodes.
     patch: Patch,
     near: Vec<usize>,
     sources: Sources,
     targets: Targets,
-    /// At its nodes, in the order of the tree.
+    /// Velocities of its nodes, in the order of the tree.
     velocities: [Vec<[f64; 3]>; 3],
 }
 
@@ -121,7 +121,7 @@ impl HierarchicalOperator {
         });
     }
 
-    /// A_ij of nodes that are near each other; `None` of those that are far.
+    /// The block A_ij of nearby nodes; `None` for distant nodes.
     pub(crate) fn block(&self, row: usize, column: usize) -> Option<Matrix3> {
         self.leaves[self.leaf_of[row]].patch.between(row, column)
     }
@@ -135,7 +135,7 @@ impl HierarchicalOperator {
         18.0 * near as f64 + (far * operations_of_action(self.order)) as f64
     }
 
-    /// `velocities` = A `densities`.
+    /// Computes `velocities` = A `densities`.
     pub(crate) fn multiply(&mut self, densities: &[f64], velocities: &mut [f64]) {
         self.evaluate_far(densities, 0);
         let set = self.set;
@@ -146,7 +146,7 @@ impl HierarchicalOperator {
         self.collect(0, velocities);
     }
 
-    /// [`multiply`](Self::multiply) for three vectors; the near blocks are read only once.
+    /// As [`multiply`](Self::multiply), for three vectors; the near blocks are read only once.
     pub(crate) fn multiply_three(
         &mut self,
         densities: &[Vec<f64>; 3],
@@ -165,7 +165,7 @@ impl HierarchicalOperator {
         }
     }
 
-    /// Sets the given vector of the leaves' velocities to the flow of all clusters that are far.
+    /// Sets the velocities of the leaves for the given vector to the flow of all distant clusters.
     fn evaluate_far(&mut self, densities: &[f64], vector: usize) {
         self.expand(densities);
         self.raise();
@@ -183,7 +183,7 @@ impl HierarchicalOperator {
         );
     }
 
-    /// Multipole expansions of the leaves; those of all other clusters become zero.
+    /// Computes the multipole expansions of the leaves; those of all other clusters become zero.
     fn expand(&mut self, densities: &[f64]) {
         let (set, order, size) = (self.set, self.order, half_size(self.order));
         self.multipoles.fill(Coefficient::default());
@@ -201,7 +201,7 @@ impl HierarchicalOperator {
         );
     }
 
-    /// Multipole expansions of the parents.
+    /// Computes the multipole expansions of the parents from those of their children.
     fn raise(&mut self) {
         let size = half_size(self.order);
         let tables = &mut self.shifts;
@@ -217,7 +217,7 @@ impl HierarchicalOperator {
         }
     }
 
-    /// Local expansions from the multipole expansions of the clusters that are far.
+    /// Computes local expansions from the multipole expansions of distant clusters.
     fn act(&mut self) {
         let (set, order, size) = (self.set, self.order, half_size(self.order));
         let (clusters, multipoles) = (&self.tree.clusters, &self.multipoles);

@@ -17,17 +17,17 @@ pub(super) struct Sources {
     lanes: Vec<PointLanes>,
 }
 
-/// A Gauss point: its force from the densities at the two ends of the segment.
+/// A Gauss point; its force follows from the densities at the two ends of the segment.
 struct Point {
     nodes: [usize; 2],
-    /// Lengths, m; zero for an end that is not among the nodes.
+    /// Weights, as lengths in m; zero for an end that is not among the nodes.
     weights: [f64; 2],
 }
 
 /// Eight Gauss points.
 #[derive(Clone, Default)]
 pub(super) struct PointLanes {
-    /// From the centre of the expansion, m.
+    /// Offset from the centre of the expansion, m.
     offset: [Lanes; 3],
     regularization_squared: Lanes,
     forces: [Lanes; 3],
@@ -40,7 +40,7 @@ pub(super) struct SourceTables {
 }
 
 impl SourceTables {
-    /// For expansions up to degree `order`.
+    /// Creates the scratch for expansions up to degree `order`.
     pub(crate) fn new(order: usize) -> Self {
         Self {
             regular: vec![Default::default(); half_size(order)],
@@ -92,7 +92,7 @@ impl Sources {
         }
     }
 
-    /// Sets `multipoles` to the expansion of these densities, three numbers per node.
+    /// Sets `multipoles` to the expansion of these densities, which have three numbers per node.
     pub(crate) fn expand(
         &mut self,
         set: InstructionSet,

@@ -1,8 +1,8 @@
-//! Moving expansions from one centre to another.
+//! Shifts of expansions from one centre to another.
 //!
-//! The potentials of an expansion are three B (of the components of the force) and a scalar B₀ that goes
-//! with a centre c, such that the flow derives from (x − c)·B + B₀ ([module](super)). A new centre c + s
-//! therefore adds s·B to B₀.
+//! An expansion has the potentials B (one for each component of the force) and a scalar B₀ that
+//! depends on the centre c, so that the flow derives from (x − c)·B + B₀ ([module](super)). A new
+//! centre c + s therefore adds s·B to B₀.
 
 use super::harmonics::{Complex, complete, half, half_size, irregular, regular, whole, whole_size};
 use crate::linalg::instruction_set::{LANES, Lanes, kernel};
@@ -10,7 +10,7 @@ use crate::linalg::instruction_set::{LANES, Lanes, kernel};
 /// Number of potentials.
 pub(super) const POTENTIALS: usize = 4;
 
-/// A coefficient of all four potentials.
+/// A coefficient of the four potentials.
 pub(super) type Coefficient = Complex<POTENTIALS>;
 
 /// Scratch for [`raise`] and [`lower`].
@@ -21,7 +21,7 @@ pub(super) struct ShiftTables {
 }
 
 impl ShiftTables {
-    /// For expansions up to degree `order`.
+    /// Creates the scratch for expansions up to degree `order`.
     pub(crate) fn new(order: usize) -> Self {
         Self {
             half: vec![Default::default(); half_size(order)],
@@ -48,8 +48,8 @@ fn add_product(sum: &mut Coefficient, a: f64, b: f64, f: &Coefficient) {
 }
 
 kernel! {
-    /// Adds the multipole expansion `child` about c + `shift` to that about c:
-    /// Mₙᵐ += Σ Υₖˡ(shift) Mₙ₋ₖᵐ⁻ˡ.
+    /// Adds the multipole expansion `child` about c + `shift` to the one about c: Mₙᵐ += Σ
+    /// Υₖˡ(shift) Mₙ₋ₖᵐ⁻ˡ.
     fn raise(
         order: usize,
         shift: &[f64; 3],
@@ -69,7 +69,7 @@ kernel! {
                         add_product(&mut sum, a, b, &tables.from[whole(rest, m_ - l)]);
                     }
                 }
-                // B₀ belongs to −(y − c)·f, and y − c is longer by the shift.
+                // B₀ belongs to −(y − c)·f, and the shift increases y − c.
                 add_coefficient(&sum, shift, -1.0, &mut parent[half(n, m)]);
             }
         }
@@ -77,8 +77,8 @@ kernel! {
 }
 
 kernel! {
-    /// Adds the local expansion `parent` about c to that about c + `shift`:
-    /// Fₙᵐ += Σ Υₖˡ*(shift) Fₙ₊ₖᵐ⁺ˡ.
+    /// Adds the local expansion `parent` about c to the one about c + `shift`: Fₙᵐ += Σ
+    /// Υₖˡ*(shift) Fₙ₊ₖᵐ⁺ˡ.
     fn lower(
         order: usize,
         shift: &[f64; 3],
@@ -102,7 +102,7 @@ kernel! {
     }
 }
 
-/// `to` += `f`, and to B₀ also `sign` `shift`·B.
+/// Adds `f` to `to`, and `sign` `shift`·B also to its B₀.
 #[inline(always)]
 fn add_coefficient(f: &Coefficient, shift: &[f64; 3], sign: f64, to: &mut Coefficient) {
     for part in 0..2 {
@@ -115,16 +115,17 @@ fn add_coefficient(f: &Coefficient, shift: &[f64; 3], sign: f64, to: &mut Coeffi
     }
 }
 
-/// Scratch for [`act`]: multipole expansions of eight sources in lanes, and what they act with.
+/// Scratch for [`act`]: multipole expansions of eight sources in lanes, and the factors of their
+/// action.
 pub(super) struct ActionTables {
     /// Displacements from the sources' centres to the target's.
     pub displacement: [Lanes; 3],
     /// Multipole expansions of the sources.
     pub multipoles: [Vec<Complex<LANES>>; POTENTIALS],
-    /// Local expansion at the target, by sources.
+    /// Local expansion at the target, one lane per source.
     pub local: [Vec<Complex<LANES>>; POTENTIALS],
     irregular: Vec<Complex<LANES>>,
-    /// Factors of the multipole expansion in one coefficient of the local one.
+    /// Factors of the multipole expansion in one coefficient of the local expansion.
     row: Vec<Factors>,
 }
 
@@ -132,7 +133,7 @@ pub(super) struct ActionTables {
 type Factors = [Lanes; 4];
 
 impl ActionTables {
-    /// For expansions up to degree `order`.
+    /// Creates the scratch for expansions up to degree `order`.
     pub(crate) fn new(order: usize) -> Self {
         let table = || vec![Complex::default(); half_size(order)];
         Self {
@@ -153,8 +154,8 @@ pub(super) fn operations_of_action(order: usize) -> usize {
 }
 
 kernel! {
-    /// Adds what eight sources do at the target to its local expansion:
-    /// Fₙᵐ += (−1)ⁿ Σ Mₖˡ* Θₙ₊ₖᵐ⁺ˡ(D), n + k ≤ order.
+    /// Adds the action of eight sources to the local expansion of the target: Fₙᵐ += (−1)ⁿ Σ Mₖˡ*
+    /// Θₙ₊ₖᵐ⁺ˡ(D), n + k ≤ order.
     ///
     /// With a + i b = Mₖˡ, l > 0, the terms of l and −l are a (Θ⁺ + Θ⁻) + i b (Θ⁻ − Θ⁺), where
     /// Θ⁺ = Θₙ₊ₖᵐ⁺ˡ and Θ⁻ = (−1)ˡ Θₙ₊ₖᵐ⁻ˡ.
@@ -234,7 +235,7 @@ fn tesseral(
     factors
 }
 
-/// `sum` += Σ a (first two factors) + b (last two factors).
+/// Computes `sum` += Σ a (first two factors) + b (last two factors).
 #[inline(always)]
 fn add_row(row: &[Factors], multipoles: &[Complex<LANES>], sum: &mut Complex<LANES>) {
     let mut sums = [[0.0; LANES]; 4];

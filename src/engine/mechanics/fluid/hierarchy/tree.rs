@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Nodes of a leaf at most.
 const LEAF: usize = 32;
 
-/// Nodes near each other, and the ball that holds them.
+/// Nodes near each other, and the ball that encloses them.
 #[derive(Clone, Debug)]
 pub(super) struct Cluster {
     /// Their range in [`Tree::order`].
@@ -16,22 +16,22 @@ pub(super) struct Cluster {
     pub children: Option<[usize; 2]>,
     /// Centre of the ball and of all expansions, m.
     pub centre: Vector3,
-    /// Radius of the ball around the nodes, where the flow is wanted, m.
+    /// Radius of the ball around the nodes, where the flow is evaluated, m.
     pub target_radius: f64,
     /// Radius of the ball around the segments that end at the nodes, where the force acts, m.
     pub source_radius: f64,
     /// Largest ε² of the nodes, m².
     pub regularization_squared: f64,
-    /// Longest of the segments, m.
+    /// Length of the longest segment, m.
     pub longest_segment: f64,
 }
 
 /// Clusters, each halved along its longest extent down to leaves; a function of the positions alone.
 #[derive(Default)]
 pub(super) struct Tree {
-    /// All nodes, such that every cluster holds consecutive ones.
+    /// All nodes, in an order in which the nodes of each cluster are consecutive.
     pub order: Vec<usize>,
-    /// The root first, every cluster before its children.
+    /// Clusters with the root first; every cluster precedes its children.
     pub clusters: Vec<Cluster>,
 }
 

@@ -1,19 +1,21 @@
 //! Spheres in the flow of filaments.
 //!
-//! A sphere is two more unknowns of the flow, its force and its torque, and two more velocities, those of its centre and of its
-//! surface. With the collocation matrix A of the points, all velocities are
+//! A sphere adds two unknowns to the flow, its force and its torque, and two velocities, those of
+//! its centre and of its surface. With the collocation matrix A of the points, all velocities are
 //!
 //! ```text
 //! [ u ]   [ A  B ] [ f ]
 //! [ w ] = [ C  M ] [ s ],    w = (U, aΩ),  s = (φ, τ)
 //! ```
 //!
-//! where B is the flow of a sphere at the points, C is Faxén's laws for the force densities, linear along the edges, and M is that of
-//! spheres in the flow of spheres ([`sphere`]). Nodes that start inside a sphere are part of it and carry no force.
+//! where B is the flow of a sphere at the points, C is Faxén's laws for the force densities,
+//! linear along the edges, and M is the interaction of spheres ([`sphere`]). Nodes that start
+//! inside a sphere are part of it and carry no force.
 //!
-//! **Omitted.** A sphere moves as in the flow of others at its centre, with the curvature of that flow, but its surface
-//! does not shape their flow further: of a force just outside of a sphere the exact image is missing (Oseen 1927). Where a
-//! filament leaves a sphere that pulls it, the fluid moves with the sphere, and the forces there are small.
+//! **Omitted.** A sphere moves with the flow of others at its centre and the curvature of that
+//! flow, but its surface does not change their flow further: a force just outside a sphere lacks
+//! its exact image (Oseen 1927). Where a filament leaves a sphere that pulls it, the fluid moves
+//! with the sphere, so the forces there are small.
 
 mod sphere;
 #[cfg(test)]
@@ -30,8 +32,8 @@ use std::ops::Range;
 
 /// Unknowns of a sphere.
 const UNKNOWNS: usize = 6;
-/// Gauss points on an edge, and their weights, of an interval from 0 to 1. An edge as long as the radius, beside the sphere,
-/// errs by some 10⁻⁴.
+/// Gauss points on an edge, and their weights, for an interval from 0 to 1. For an edge as long as
+/// the radius, beside the sphere, the error is some 10⁻⁴.
 const GAUSS: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
@@ -43,7 +45,7 @@ const GAUSS: [(f64, f64); 4] = [
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spheres {
     spheres: Vec<Sphere>,
-    /// Whether each station is inside a sphere, of which it is part.
+    /// Whether each station is inside a sphere and thus part of it.
     inside: Vec<bool>,
     /// The same of each point.
     points_inside: Vec<usize>,
@@ -51,12 +53,13 @@ pub(super) struct Spheres {
     on_points: Vec<Influence>,
     /// Action of each point on each sphere.
     on_spheres: Vec<Influence>,
-    /// Action of each sphere on each one, row by row.
+    /// Action of each sphere on each sphere, row by row.
     on_each_other: Vec<[[Matrix3; 2]; 2]>,
 }
 
 impl Spheres {
-    /// For stations of filaments that begin at `stations`, with the centres of the spheres in `positions`, m.
+    /// Creates the spheres for filaments with stations at `stations`, m; the centres of the
+    /// spheres are in `positions`, m.
     pub(crate) fn new(spheres: &[Sphere], stations: &[Vector3], positions: &[Vector3]) -> Self {
         let is_inside = |x: &Vector3| {
             let mut spheres = spheres.iter();
@@ -94,7 +97,7 @@ impl Spheres {
         &self.points_inside
     }
 
-    /// Takes other points of the same stations.
+    /// Sets other points of the same stations.
     pub(crate) fn take_points(&mut self, points: &Points) {
         self.points_inside.clear();
         let stations = points.representatives().iter().enumerate();
@@ -148,8 +151,9 @@ impl Spheres {
         }
     }
 
-    /// Adds to the velocities of points (u = A f) and of spheres what spheres and points do to each other. Points inside spheres
-    /// have the equation u = f, which leaves them without force where u is zero.
+    /// Adds the interactions of spheres and points to the velocities of points (u = A f) and of
+    /// spheres. Points inside spheres have the equation u = f, which gives them no force if u is
+    /// zero.
     pub(crate) fn couple(&self, densities: &[f64], velocities: &mut [f64]) {
         if self.is_empty() {
             return;
@@ -189,7 +193,7 @@ impl Spheres {
         }
     }
 
-    /// Writes the velocities of spheres, U and aΩ, behind those of the points.
+    /// Appends the velocities of spheres, U and aΩ, after those of the points.
     pub(crate) fn write_velocities(
         &self,
         positions: &[Vector3],
@@ -203,7 +207,7 @@ impl Spheres {
         }
     }
 
-    /// Writes the forces on centres and tips, N, of the unknowns `s` over `factor`, 8πη.
+    /// Computes the forces on centres and tips, N, from the unknowns `s`, with `factor` 8πη.
     pub(crate) fn write_forces(
         &self,
         factor: f64,
@@ -222,7 +226,8 @@ impl Spheres {
         }
     }
 
-    /// Power that the unknowns `s` take from the velocities `w` of all spheres, over 8πη, m³/s².
+    /// Power that the unknowns `s` take from the velocities `w` of all spheres, divided by 8πη,
+    /// m³/s².
     pub(crate) fn power(&self, s: &[f64], w: &[f64]) -> f64 {
         let powers = self.spheres.iter().enumerate().map(|(number, sphere)| {
             let [force, torque] = unknowns_of(s, number);
@@ -246,7 +251,7 @@ impl Spheres {
         }
     }
 
-    /// Adds drag and resistance of each sphere for itself, as if it were alone in fluid at rest.
+    /// Adds drag and resistance of each sphere as if it were alone in fluid at rest.
     pub(crate) fn add_own_drag(
         &self,
         viscosity: f64,
@@ -262,7 +267,7 @@ impl Spheres {
         }
     }
 
-    /// Divides the velocities of all spheres by what their own unknowns do to them.
+    /// Divides the velocities of all spheres by the coefficients of their own unknowns.
     pub(crate) fn precondition(w: &[f64], s: &mut [f64]) {
         for (number, (own, velocity)) in s.chunks_exact_mut(3).zip(w.chunks_exact(3)).enumerate() {
             let inverse = if number.is_multiple_of(2) { 0.75 } else { 1.0 };
@@ -273,7 +278,7 @@ impl Spheres {
     }
 }
 
-/// Index of φ or τ of a sphere among the unknowns of all.
+/// Indices of φ or τ of a sphere among the unknowns of all spheres.
 fn range_of(number: usize, unknown: usize) -> Range<usize> {
     let first = UNKNOWNS * number + 3 * unknown;
     first..first + 3
@@ -284,7 +289,7 @@ fn unknowns_of(s: &[f64], number: usize) -> [Vector3; 2] {
     [0, 1].map(|unknown| Vector3::from_column_slice(&s[range_of(number, unknown)]))
 }
 
-/// Adds what force densities at the points, linear along the edges, do to a sphere.
+/// Adds the action of force densities at the points, linear along the edges, on a sphere.
 fn add_edges(
     sphere: &Sphere,
     centre: &Vector3,

@@ -1,32 +1,35 @@
-//! One sphere in Stokes flow: its own flow, and how it moves in that of others.
+//! A single sphere in Stokes flow: its own flow, and its motion in the flow of others.
 //!
-//! A sphere of radius a that exerts the force F and the torque T on the fluid moves it outside of itself by
+//! A sphere of radius a that exerts the force F and the torque T on the fluid causes the flow
 //!
 //! ```text
 //! 8πη u(x) = G F + T × r/r³,    G = (I/r + rrᵀ/r³) + a²/3 (I/r³ − 3 rrᵀ/r⁵)
 //! ```
 //!
-//! with r from its centre, and moves itself, in a flow u∞ of others, by Faxén's laws (Kim and Karrila 1991, chapter 3)
+//! outside itself, with r from its centre. Its motion in a flow u∞ of others follows from Faxén's
+//! laws (Kim and Karrila 1991, chapter 3)
 //!
 //! ```text
 //! U = F/(6πηa) + (1 + a²/6 ∇²) u∞,    Ω = T/(8πηa³) + ½ ∇ × u∞
 //! ```
 //!
-//! at its centre. For a force f at a distance r the operator 1 + a²/6 ∇² turns the Stokeslet into G again: what a sphere does to
-//! a point and a point to a sphere is the same.
+//! at its centre. For a force f at a distance r the operator 1 + a²/6 ∇² turns the Stokeslet into
+//! G again: the action of a sphere on a point equals that of the point on the sphere.
 //!
-//! **Unknowns.** Both are velocities here, φ = F/(8πηa) and τ = T/(8πηa²), as are U and aΩ.
+//! **Unknowns.** Force and torque are scaled to velocities, φ = F/(8πηa) and τ = T/(8πηa²), as are
+//! U and aΩ.
 
 use crate::mechanics::{Matrix3, Vector3};
 
 /// A sphere that a node of a rod carries at its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sphere {
-    /// Place of its centre among those of the scene.
+    /// Index of its centre in the positions of the scene.
     pub centre: usize,
     /// Radius a, m.
     pub radius: f64,
-    /// Place of the first of three points that turn with it, in the directions of orthogonal axes and seen from the centre.
+    /// Index of the first of three points that rotate with it. Their positions are relative to the
+    /// centre, along orthogonal axes.
     pub first_tip: usize,
     /// Their distance ℓ from the centre, m.
     pub arm: f64,
@@ -42,7 +45,7 @@ pub(in super::super) struct Influence {
 }
 
 impl Influence {
-    /// Adds another one, weighted.
+    /// Adds another influence, weighted.
     pub(crate) fn add(&mut self, weight: f64, other: &Self) {
         self.stokeslet += other.stokeslet * weight;
         self.rotlet += other.rotlet * weight;
@@ -50,7 +53,7 @@ impl Influence {
 }
 
 impl Sphere {
-    /// Places of the points that turn with it.
+    /// Indices of the points that rotate with it.
     pub(crate) fn tips(&self) -> [usize; 3] {
         [0, 1, 2].map(|axis| self.first_tip + axis)
     }
@@ -60,7 +63,7 @@ impl Sphere {
         r.norm() < self.radius
     }
 
-    /// Its angular velocity from those of the tips, rad/s: Σ p × ṗ/(2ℓ²).
+    /// Its angular velocity from the velocities of the tips, rad/s: Σ p × ṗ/(2ℓ²).
     pub(crate) fn spin(&self, positions: &[Vector3], velocities: &[Vector3]) -> Vector3 {
         let moments = self
             .tips()
@@ -68,7 +71,7 @@ impl Sphere {
         moments.iter().sum::<Vector3>() / (2.0 * self.arm * self.arm)
     }
 
-    /// Force on a tip at p of a torque, N: T × p/(2ℓ²), whose torques add up to T.
+    /// Force of a torque on a tip at p, N: T × p/(2ℓ²); the torques of these forces add up to T.
     pub(crate) fn force_on_tip(&self, torque: &Vector3, tip: &Vector3) -> Vector3 {
         torque.cross(tip) / (2.0 * self.arm * self.arm)
     }
@@ -83,7 +86,8 @@ impl Sphere {
         ]
     }
 
-    /// Velocity of the fluid at r from the centre is S φ + τ × d; in the sphere that of its rigid motion.
+    /// Influence at r from the centre: the fluid velocity is S φ + τ × d; inside the sphere it is
+    /// that of the rigid motion.
     pub(in super::super) fn influence(&self, r: &Vector3) -> Influence {
         let a = self.radius;
         let distance = r.norm();
@@ -100,8 +104,8 @@ impl Sphere {
         }
     }
 
-    /// Effect on the sphere of the force at a point, with r from it to the centre: per 8πη and unit of force its velocity is S f and
-    /// that of its surface, aΩ, f × d.
+    /// Action on the sphere of a unit force at a point, with r from the point to the centre, over
+    /// 8πη: its velocity is S f and that of its surface, aΩ, is f × d.
     pub(in super::super) fn influence_of(&self, r: &Vector3) -> Influence {
         let a = self.radius;
         let Influence { stokeslet, rotlet } = self.influence(r);
@@ -111,8 +115,9 @@ impl Sphere {
         }
     }
 
-    /// The motions (U, aΩ) of this sphere by the unknowns (φ, τ) of another one, at r from there: 6 × 6 in four blocks, rows
-    /// first (Rotne and Prager 1969; with rotation Wajnryb et al. 2013). Spheres that overlap count as touching.
+    /// Motion (U, aΩ) of this sphere per unknowns (φ, τ) of another one, with r from the other: 6
+    /// × 6 in four blocks, rows first (Rotne and Prager 1969; with rotation Wajnryb et al. 2013).
+    /// Overlapping spheres count as touching.
     pub(crate) fn by(&self, other: &Self, r: &Vector3) -> [[Matrix3; 2]; 2] {
         let (a, b) = (self.radius, other.radius);
         let distance = r.norm().max(a + b);
@@ -121,7 +126,7 @@ impl Sphere {
             None => Vector3::x() * distance,
         };
         let cubed = distance.powi(3);
-        // w × r/r³ as a matrix over w.
+        // The matrix of w ↦ w × r/r³.
         let rotlet = -r.cross_matrix() / cubed;
         let curl =
             (r * r.transpose() * (3.0 / distance.powi(5)) - Matrix3::identity() / cubed) * 0.5;
@@ -155,7 +160,7 @@ mod tests {
         arm: 0.2,
     };
 
-    /// Its flow for given unknowns.
+    /// Flow of the sphere for given unknowns.
     fn flow(r: &Vector3, force: &Vector3, torque: &Vector3) -> Vector3 {
         let Influence { stokeslet, rotlet } = BALL.influence(r);
         stokeslet * force + torque.cross(&rotlet)
@@ -205,7 +210,7 @@ mod tests {
             .map(|tip| tip.cross(&BALL.force_on_tip(&torque, tip)))
             .sum();
         assert!((sum - torque).norm() < 1e-14);
-        // Each tip alone has its part of 8πηa³.
+        // Each tip alone has its share of 8πηa³.
         let [_, of_tip] = BALL.resistances(0.7);
         let braking: Vector3 = tips
             .iter()
@@ -223,7 +228,7 @@ mod tests {
         };
         let r = Vector3::new(0.7, -0.9, 0.4);
         let whole = |rows: [[Matrix3; 2]; 2], a: f64, b: f64| {
-            // From φ, τ to F, T and from aΩ to Ω: symmetric.
+            // After conversion of φ, τ to F, T and of aΩ to Ω, the matrix is symmetric.
             let [[tt, tr], [rt, rr]] = rows;
             [[tt / b, tr / (b * b)], [rt / (a * b), rr / (a * b * b)]]
         };

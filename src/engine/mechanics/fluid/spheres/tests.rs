@@ -14,7 +14,8 @@ const RESISTIVE: FluidModel = FluidModel::Resistive {
     viscosity: VISCOSITY,
 };
 
-/// Straight filaments of some nodes, with a sphere on the first node of each, whose tips come after all nodes.
+/// Straight filaments, with a sphere on the first node of each; the tips of the spheres follow all
+/// nodes.
 struct Setting {
     filaments: Vec<Filament>,
     spheres: Vec<Sphere>,
@@ -22,7 +23,7 @@ struct Setting {
 }
 
 impl Setting {
-    /// Filaments that begin at `starts` and go along x, with these lengths and numbers of nodes.
+    /// Filaments along x, given by start, length and number of nodes.
     fn new(rods: &[(Vector3, f64, usize)]) -> Self {
         let total: usize = rods.iter().map(|rod| rod.2).sum();
         let (mut filaments, mut spheres, mut positions) = (Vec::new(), Vec::new(), Vec::new());
@@ -59,7 +60,7 @@ impl Setting {
         fluid
     }
 
-    /// Velocities of a motion of all as one rigid body.
+    /// Velocities of a rigid-body motion of the whole setting.
     fn moving(&self, velocity: Vector3, spin: Vector3) -> Vec<Vector3> {
         let nodes = self.positions.len() - 3 * self.spheres.len();
         let places = self.positions.iter().enumerate();
@@ -146,7 +147,7 @@ fn sphere_and_tail_act_on_each_other_alike_and_take_energy() {
     let mut fluid = setting.fluid(&STOKESLETS);
     let places = setting.positions.len();
     let mut numbers = crate::random::uniform_numbers(3);
-    // Smooth motions: rough ones differ by what collocation leaves.
+    // The test motions are smooth: rough motions differ by the error of collocation.
     let mut motion = || -> Vec<Vector3> {
         let [a, b, c] = [0; 3].map(|_| Vector3::from_fn(|_, _| numbers() - 0.5));
         let bent = |x: &Vector3| a + b * x.x + c * (x.x * x.x);

@@ -14,12 +14,12 @@ use crate::mechanics::fluid::wall::{FlowWall, Wall};
 use crate::mechanics::fluid::{Connections, FluidError};
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Most nodes beside a wall. All pairs are stored, 36 bytes each: this many take 0.9 GB.
+/// Most nodes beside a wall. All pairs are stored, 36 bytes each: this number takes 0.9 GB.
 const MOST_NODES_BESIDE_A_WALL: usize = 5000;
 
 impl StokesletDrag {
-    /// Adds a wall, before they are connected and anything is solved; `regularization` as in
-    /// [`new`](Self::new).
+    /// Adds a wall. To be called before filaments are connected and anything is solved;
+    /// `regularization` as in [`new`](Self::new).
     ///
     /// # Errors
     /// [`FluidError::BadInput`] for more nodes than a wall allows.
@@ -39,7 +39,7 @@ impl StokesletDrag {
         Ok(())
     }
 
-    /// Puts spheres among the filaments, before these are connected and anything is solved.
+    /// Adds spheres. To be called before filaments are connected and anything is solved.
     ///
     /// # Errors
     /// [`FluidError::BadInput`] beside a wall.
@@ -59,7 +59,7 @@ impl StokesletDrag {
         Ok(())
     }
 
-    /// Ties what joints hold together, and nodes that are at one place, in filaments placed at `positions` (m, of all nodes).
+    /// Ties joined nodes, and nodes at one place, in filaments at `positions` (m, of all nodes).
     pub(crate) fn connect(&mut self, connections: &Connections, positions: &[Vector3]) {
         for (own, node) in self.positions.iter_mut().zip(nodes_of(&self.filaments)) {
             *own = positions[node];
@@ -77,7 +77,7 @@ impl StokesletDrag {
         }
     }
 
-    /// Takes the points of the present ties.
+    /// Sets the points of the present ties.
     pub(super) fn take_points(&mut self) {
         let points = Points::new(&self.ties, &self.rails, &self.positions);
         self.operator.take_points(points);

@@ -9,7 +9,7 @@ use crate::mechanics::fluid::lanes::{BlockLanes, PARALLEL_FROM, VectorLanes};
 use crate::mechanics::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-/// Rows that a thread takes at a time.
+/// Number of rows that a thread takes at a time.
 const ROWS_PER_TASK: usize = 32;
 
 /// The part of the operator that a wall adds, in the layout of the operator's own blocks.
@@ -23,7 +23,7 @@ pub(in super::super) struct WallBlocks {
 }
 
 impl WallBlocks {
-    /// Room for an operator of so many nodes, with so many chunks of slots.
+    /// Creates storage for an operator of so many nodes, with so many chunks of slots.
     pub(crate) fn new(wall: FlowWall, nodes: usize, chunks: usize) -> Self {
         let origin = Vector3::zeros();
         let void = Image::new(&origin, &origin, 1.0, &origin, &Vector3::z());
@@ -58,8 +58,8 @@ impl WallBlocks {
         self.images[slot % chunks].set(slot / chunks, &image);
     }
 
-    /// Adds the images to all rows. The row of a node in the wall becomes that of the identity, in the slot that
-    /// `slot_of` gives, so that it takes no force.
+    /// Adds the images to all rows. The row of a node in the wall becomes that of the identity, in
+    /// the slot that `slot_of` returns, so that it takes no force.
     pub(crate) fn assemble(
         &mut self,
         set: InstructionSet,
@@ -110,7 +110,7 @@ impl WallBlocks {
         cross(&lanes.each_ref().map(|w| f64::from(w[slot / chunks])))
     }
 
-    /// Adds the antisymmetric parts' product with a vector to `velocities`.
+    /// Adds the product of the antisymmetric parts with a vector to `velocities`.
     pub(crate) fn add_product(
         &self,
         set: InstructionSet,

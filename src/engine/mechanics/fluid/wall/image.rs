@@ -1,10 +1,11 @@
 //! The image of a segment in a plane wall, in closed form.
 //!
-//! The flow of a regularized point force f at height h over a wall (the plane z = 0, unit normal n) vanishes on the
-//! wall, exactly and for any ε, with an image system at the mirrored point (Ainley et al. 2008; Cortez and Varela 2015):
-//! minus the regularized Stokeslet, a doublet of Stokeslets, a potential dipole of the companion blob
-//! 3ε²/(4π R⁵), and the difference of the rotlets of the two blobs. With X from the mirrored point to the point of evaluation at
-//! height z, R² = |X|² + ε², and g = −(1 − 2 n nᵀ) f, these terms add up to
+//! A regularized point force f acts at height h over a wall (the plane z = 0, unit normal n). An
+//! image system at the mirrored point makes its flow vanish on the wall, exactly and for any ε
+//! (Ainley et al. 2008; Cortez and Varela 2015): minus the regularized Stokeslet, a doublet of
+//! Stokeslets, a potential dipole of the companion blob 3ε²/(4π R⁵), and the difference of the
+//! rotlets of the two blobs. With X from the mirrored point to the point of evaluation at height
+//! z, R² = |X|² + ε², and g = −(1 − 2 n nᵀ) f, these terms add up to
 //!
 //! 8πη u* = −(1/R + ε²/R³) f − (f·X) X/R³ + 2h ((f·n) X − (g·X) n)/R³ + 2hz ((1/R³ − 3ε²/R⁵) g − 3 (g·X) X/R⁵).
 //!
@@ -29,14 +30,16 @@
 //! | K₃ | J₁ − ρ² K₁ |
 //! | K₄ | J₂ − ρ² K₂ |
 //!
-//! and (1 − s₀s₁)/ρ² = (ρ² + ζ₀² + ζ₁²)/((R₀R₁ + ζ₀ζ₁) R₀R₁) where ζ₀ζ₁ > 0, which has no difference of nearly
-//! equal numbers. It needs no quadrature, and therefore has no smallest height: the error is that of rounding.
+//! and (1 − s₀s₁)/ρ² = (ρ² + ζ₀² + ζ₁²)/((R₀R₁ + ζ₀ζ₁) R₀R₁) if ζ₀ζ₁ > 0, which contains no
+//! difference of nearly equal numbers. The formula needs no quadrature, and therefore has no
+//! smallest height: the only error is rounding.
 
 use super::super::segment::{Integrals, Offset, Segment, Symmetric, combine, full};
 use crate::mechanics::{Matrix3, Vector3};
 
-/// The flow of a segment at `x` that its image in a wall adds to
-/// [`segment_integral`](super::super::segment_integral), as matrices A₁ and A₂ of the force densities at `start` and `end`.
+/// The flow at `x` that the image of a segment in a wall adds to
+/// [`segment_integral`](super::super::segment_integral), as matrices A₁ and A₂ of the force
+/// densities at `start` and `end`.
 ///
 /// The wall goes through `point` with the unit normal `normal`; all points are on the side that the normal points to.
 /// `regularization` is ε, m.
@@ -74,13 +77,13 @@ impl Part {
     }
 }
 
-/// The image of a segment as the kernel wants it.
+/// The image of a segment in the form that the kernel needs.
 pub(super) struct Image {
     /// The segment mirrored in the wall.
     pub mirrored: Segment,
     /// Height of the segment's start over the wall, m.
     pub height: f64,
-    /// t·n: how its height grows along the segment.
+    /// t·n: the rate of growth of its height along the segment.
     pub slope: f64,
 }
 
@@ -115,7 +118,7 @@ impl Image {
 
     /// Coefficients of both matrices for [`combine`](Self::combine).
     ///
-    /// Free of branches, with every `mul_add` spelled out, as is the kernel of the segment itself.
+    /// Free of branches, with every `mul_add` written out, like the kernel of the segment itself.
     #[inline(always)]
     pub(crate) fn moments(&self, offset: &Offset) -> [Moments; 2] {
         let integrals = self.mirrored.integrals(offset);
@@ -229,7 +232,8 @@ impl Image {
     }
 }
 
-/// Coefficients of a matrix: those of the mirrored segment (four), the J of h and h ζ, the K of h, h ζ and h ζ².
+/// Coefficients of a matrix: four of the mirrored segment, the J of h and h ζ, and the K of h, h ζ
+/// and h ζ².
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moments(pub [f64; 9]);
 
@@ -245,8 +249,8 @@ mod tests {
         (Vector3::new(0.2, 0.1, -0.3), normal)
     }
 
-    /// The image of a point force at `y` term by term, as Ainley et al. write it: with the kernels H₁ and H₂ of the
-    /// Stokeslet and D₁ and D₂ of the dipole.
+    /// The image of a point force at `y` term by term, in the form of Ainley et al., with the
+    /// kernels H₁ and H₂ of the Stokeslet and D₁ and D₂ of the dipole.
     fn image_of_point(x: &Vector3, y: &Vector3, epsilon: f64) -> Matrix3 {
         let (point, n) = wall();
         let h = (y - point).dot(&n);

@@ -41,7 +41,7 @@ impl ImageLanes {
 #[repr(align(64))]
 pub(super) struct AxialLanes(pub [SingleLanes; 3]);
 
-/// The wall as one row of the operator meets it.
+/// Position of an evaluation point relative to the wall, for one row of the operator.
 #[derive(Clone, Copy)]
 pub(super) struct Row {
     /// Point of evaluation, m.

@@ -7,22 +7,25 @@
 //! | `blocks` | contribution of a wall to the stored operator |
 //!
 //! # Nodes in the wall
-//! The row of a node on the wall vanishes: the fluid is at rest there. A rod that is clamped in the wall has such a node.
-//! The force density of a rod at rest falls to zero there, since the fluid near the wall is at rest, too; so a
-//! node whose position is held and whose height is less than a tenth of the radius takes none. Where such a node is behind the
-//! wall, its edge counts from the wall on. Any other node at or behind the wall is an error.
+//! The row of a node on the wall vanishes: the fluid is at rest there. A rod that is clamped in
+//! the wall has such a node. Its force density falls to zero there, since both the rod and the
+//! nearby fluid are at rest. So a held node whose height is less than a tenth of the radius takes
+//! no force. If such a node is behind the wall, its edge starts at the wall. Any other node at or
+//! behind the wall is an error.
 //!
 //! # Not resolved
-//! Images act between centrelines; lubrication within the gap is not modelled. Drag of a long cylinder that glides along the wall, over the
-//! exact 2πη/arcosh(height/radius), for two regularisations:
+//! Images act between centrelines; lubrication within the gap is not modelled. Ratio of the drag
+//! of a long cylinder that moves along the wall to the exact 2πη/arcosh(height/radius), for two
+//! regularisations:
 //!
 //! | height, radii | 1.1 | 1.5 | 2 | 3 | 5 | 10 | 30 |
 //! |---|---|---|---|---|---|---|---|
 //! | ε = 1.65 radii | 0.47 | 0.80 | 0.91 | 0.97 | 0.99 | 0.998 | 1.000 |
 //! | ε = 1.02 radii | 0.33 | 0.59 | 0.69 | 0.77 | 0.82 | 0.86 | 0.89 |
 //!
-//! √e = 1.65 is the value at which a line of blobs has the drag of a slender cylinder, along and across. The thesis' 1.02
-//! makes a rod as thick as 0.62 of its radius, which matters more the closer the wall is.
+//! √e = 1.65 is the value at which a line of blobs has the drag of a slender cylinder, along and
+//! across. With the thesis' 1.02 a rod acts as if it had 0.62 of its radius, which matters more
+//! the closer the wall is.
 
 mod blocks;
 mod image;
@@ -35,7 +38,7 @@ use super::chain::Link;
 use super::{Filament, FluidError};
 use crate::mechanics::Vector3;
 
-/// Height over the radius below which a held node is in the wall.
+/// Ratio of height to radius below which a held node is in the wall.
 const IN_THE_WALL: f64 = 0.1;
 
 /// A plane at which the fluid is at rest.
@@ -45,7 +48,7 @@ pub struct Wall {
     pub point: Vector3,
     /// Unit normal; the fluid is on the side that it points to.
     pub normal: Vector3,
-    /// Nodes of the scene whose position is held: these may be in the wall, without drag.
+    /// Nodes of the scene with a held position: these may be in the wall, without drag.
     pub held: Vec<usize>,
 }
 
@@ -60,7 +63,7 @@ impl Wall {
 #[derive(Clone, Debug)]
 pub(super) struct FlowWall {
     plane: Wall,
-    /// Height below which each node is in the wall, m; `None` for nodes that may not be there.
+    /// Height below which each node is in the wall, m; `None` if the node may not be there.
     sunk_below: Vec<Option<f64>>,
     /// Node of the scene.
     nodes: Vec<usize>,
@@ -92,12 +95,13 @@ impl FlowWall {
         &self.plane
     }
 
-    /// Whether a node at `x` is in the wall, where it takes no force.
+    /// Whether a node at `x` is in the wall and so takes no force.
     pub(crate) fn holds(&self, node: usize, x: &Vector3) -> bool {
         self.sunk_below[node].is_some_and(|bound| self.plane.height(x) < bound)
     }
 
-    /// The first node, by its number in the scene, that may not be in the wall but is, and its height, m.
+    /// The first node that is at or behind the wall although it may not be: its index in the
+    /// scene, and its height, m.
     pub(crate) fn behind(&self, positions: &[Vector3]) -> Option<(usize, f64)> {
         (self.nodes.iter().zip(&self.sunk_below))
             .filter(|(_, sunk_below)| sunk_below.is_none())
@@ -105,8 +109,8 @@ impl FlowWall {
             .find(|&(_, height)| height <= 0.0)
     }
 
-    /// Checks that no other node is at or behind the wall, and moves nodes behind the wall along their edge to the wall, where
-    /// the other end of the edge is in the fluid.
+    /// Checks that no other node is at or behind the wall. Moves allowed nodes behind the wall
+    /// along their edge to the wall, if the other end of the edge is in the fluid.
     ///
     /// # Errors
     /// [`FluidError::BehindWall`].
