@@ -1,4 +1,5 @@
-//! Planar cantilevers that bend far: the elastica under its own weight or a load at its tip.
+//! Planar cantilevers with large deflection: the elastica under its own weight or a load at its
+//! tip.
 
 use super::elastica::{Elastica, Forces, Place, State};
 use super::numerics::bisect;
@@ -7,9 +8,9 @@ use std::f64::consts::FRAC_PI_2;
 /// Load of the cantilever.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CantileverLoad {
-    /// Its weight per length w: γ = w L³/EI.
+    /// Weight per length w: γ = w L³/EI.
     OwnWeight(f64),
-    /// A force F at its tip: α = F L²/EI.
+    /// Force F at the tip: α = F L²/EI.
     TipForce(f64),
 }
 
@@ -22,8 +23,9 @@ pub struct Cantilever {
 }
 
 impl Cantilever {
-    /// Solves θ'' = −q cos θ, θ'(tip) = 0, θ(root) = 0, with the transverse load q that acts between the tip and a place at
-    /// the length s from it, q = γ s or q = α (Bisshopp & Drucker 1945), by shooting from the tip.
+    /// Solves θ'' = −q cos θ, θ'(tip) = 0, θ(root) = 0 by shooting from the tip, with the
+    /// transverse load q that acts between the tip and a point at the distance s from it, q = γ s
+    /// or q = α (Bisshopp & Drucker 1945).
     pub fn new(load: CantileverLoad) -> Self {
         let (vertical, load) = match load {
             CantileverLoad::OwnWeight(gamma) => (0.0, gamma),
@@ -42,7 +44,8 @@ impl Cantilever {
             ..Place::default()
         };
         let root = |angle: f64| elastica.place_from(tip(angle), 1.0).state;
-        // A horizontal tip means a root that points upwards, a vertical tip a vertical root.
+        // A horizontal tip corresponds to a root that points upwards, a vertical tip to a vertical
+        // root.
         let angle = bisect(0.0, FRAC_PI_2, |angle| root(angle).angle);
         Self {
             elastica,
@@ -69,8 +72,9 @@ mod tests {
         for alpha in [1.0, 2.0, 5.0, 10.0] {
             let shape = Cantilever::new(CantileverLoad::TipForce(alpha));
             let (tip, root) = (shape.tip.state.angle, shape.root.curvature);
-            // θ'²/2 = α (sin θ_tip − sin θ), so the length is an integral over the angle; with
-            // sin θ = sin θ_tip (1 − u²) its root at the tip is lifted.
+            // θ'²/2 = α (sin θ_tip − sin θ), so the length is an integral over the angle; the
+            // substitution sin θ = sin θ_tip (1 − u²) removes the square-root singularity at the
+            // tip.
             assert!((root * root - 2.0 * alpha * tip.sin()).abs() < 1e-9);
             let length: f64 = gauss_legendre(60)
                 .iter()

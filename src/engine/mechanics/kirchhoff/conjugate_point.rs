@@ -7,14 +7,14 @@ use nalgebra::{Matrix6, SMatrix};
 
 /// Step of the search along the rod, as an angle: ‖(κ, τ, ω)‖ times arc length.
 const STEP: f64 = 0.05;
-/// The search for a conjugate point ends here; what is stable up to here is called unbounded. In truth only
-/// the pulled straight rod (0, 1, 2) is; around it the boundary recedes without limit.
+/// End of the search for a conjugate point: a rod stable up to here is called unbounded. In fact
+/// only the pulled straight rod (0, 1, 2) is; around it the boundary recedes without limit.
 const FARTHEST: f64 = 100.0;
-/// Directions with less curvature are taken for straight: the critical distance is even in κ, so that
-/// the error is of the order of the square.
+/// Curvature below which a direction counts as straight: the critical distance is even in κ, so
+/// that the error is of the order of its square.
 const STRAIGHT: f64 = 1e-5;
-/// Two zeros of the determinant that are nearer than this fraction of a step, squared, cannot be distinguished
-/// from one double zero in round-off.
+/// Two zeros of the determinant closer than this fraction of a step, squared, cannot be
+/// distinguished from one double zero in round-off.
 const DOUBLE_ZERO: f64 = 1e-10;
 
 /// Point at which a direction of the (κ, τ, ω) space first loses stability.
@@ -32,18 +32,19 @@ type Solutions = SMatrix<f64, 12, 6>;
 /// Distance at which the helical rod of unit length along the direction of `helix` loses stability;
 /// `None` where it stays stable up to a distance of 100.
 ///
-/// A helix with clamped ends is stable if and only if no conjugate point lies in (0, L]: no arc length s
-/// at which a solution of the linearised equations, not identically zero, has θ = ρ = 0 at 0 and at s
-/// (Borum & Bretl 2020). With J(s) the 6×6 block of exp(A s) that takes (μ, ν) at 0 to (θ, ρ) at s, that
-/// is det J(s) = 0. The rod of length 1 at distance S is, scaled, the rod of length S at distance 1: the
-/// first conjugate point of the unit direction is the critical distance.
+/// A helix with clamped ends is stable if and only if no conjugate point lies in (0, L]: no arc
+/// length s at which a solution of the linearised equations, not identically zero, has θ = ρ = 0
+/// at 0 and at s (Borum & Bretl 2020). This means det J(s) = 0, with J(s) the 6×6 block of exp(A
+/// s) that takes (μ, ν) at 0 to (θ, ρ) at s. The rod of length 1 at distance S is, scaled, the rod
+/// of length S at distance 1: the first conjugate point of the unit direction is the critical
+/// distance.
 pub fn critical_distance(helix: &Helix) -> Option<CriticalDistance> {
     let direction = helix.scaled(1.0 / helix.distance());
     if direction.curvature.abs() < STRAIGHT {
         return straight_rod(&direction);
     }
     let first = first_zero(&direction, STEP)?;
-    // Another grid, other round-off.
+    // A second search with another grid and other round-off estimates the error.
     let again = first_zero(&direction, 0.83 * STEP)?;
     Some(CriticalDistance {
         distance: first.distance,
@@ -69,7 +70,7 @@ fn first_zero(direction: &Helix, step: f64) -> Option<CriticalDistance> {
     let propagator = exponential(&(equations * step));
     let mut starts = Solutions::zeros();
     starts.fixed_view_mut::<6, 6>(6, 0).fill_with_identity();
-    // Solutions and determinant one step and two steps ago.
+    // Solutions and determinants at the last two steps.
     let mut before = Point::new(step, propagator * starts);
     let mut previous = Point::new(2.0 * step, propagator * before.solutions);
     for index in 3..=(FARTHEST / step) as usize {
@@ -114,7 +115,7 @@ struct Point {
 }
 
 impl Point {
-    /// The determinant is that of θ/s and ρ/s² for μ and s ν of unit size, which stays within bounds.
+    /// The determinant of θ/s and ρ/s² for μ and s ν of unit size; this scaling keeps it bounded.
     fn new(at: f64, solutions: Solutions) -> Self {
         let mut block: Matrix6<f64> = solutions.fixed_view::<6, 6>(0, 0).into_owned();
         let inverse = 1.0 / at;
@@ -141,8 +142,8 @@ impl Point {
         )
     }
 
-    /// The point between here and `end` where the determinant is least, in the direction of its sign
-    /// here: golden-section search.
+    /// The point between here and `end` with the least determinant, multiplied by its sign here:
+    /// golden-section search.
     fn least_determinant_before(&self, equations: &StateMatrix, end: f64) -> Self {
         let sign = self.determinant.signum();
         let at = |s: f64| self.moved(equations, s - self.at);
@@ -172,7 +173,7 @@ impl Point {
     }
 }
 
-/// exp of a matrix whose norm is far below 1, by its series to round-off.
+/// The exponential of a matrix with a norm far below 1, by its series to round-off.
 fn exponential(matrix: &StateMatrix) -> StateMatrix {
     let mut power = StateMatrix::identity();
     let mut sum = power;
@@ -245,7 +246,7 @@ mod tests {
         let mut count = 0;
         for row in rows {
             let found = critical(row[0], row[1], row[2]);
-            // The reference found none; there is one, far away.
+            // The reference found no conjugate point; there is one, far away.
             if row[3].is_nan() {
                 assert!(found.is_none_or(|distance| distance > 40.0), "{row:?}");
             } else {

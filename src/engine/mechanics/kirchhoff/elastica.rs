@@ -1,4 +1,4 @@
-//! Planar elasticas under a force and a uniform load, from one end on, by Taylor series.
+//! Planar elasticas under a force and a uniform load, integrated from one end by Taylor series.
 //!
 //! With EI = 1, the force (H, V) at the start and the load w per length, at the inclination θ:
 //!
@@ -6,23 +6,24 @@
 
 /// Number of coefficients of a series before truncation.
 const TERMS: usize = 20;
-/// A step ends where the last coefficients reach this size.
+/// Size of the last coefficients at which a step ends.
 const ACCURACY: f64 = 1e-15;
 
 type Series = [f64; TERMS + 2];
 
-/// Horizontal and vertical force that an elastica exerts on the part before its start. Of a sheet that is lifted off a table, in
-/// EI/L_gb²:
+/// Horizontal and vertical force that an elastica exerts on the part before its start. For a sheet
+/// that is lifted off a table, in EI/L_gb²:
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forces {
-    /// H; negative: it pushes the resting part away.
+    /// H; negative: it pushes the resting part away from it.
     pub horizontal: f64,
     /// V; negative: it presses on the table.
     pub vertical: f64,
 }
 
 impl Forces {
-    /// A part of the way to others; beyond them, or before these, too.
+    /// Interpolates to the fraction `part` between these and other forces; extrapolates outside of
+    /// 0 to 1.
     pub fn towards(&self, other: &Self, part: f64) -> Self {
         let between = |from: f64, to: f64| from + part * (to - from);
         Self {
@@ -41,7 +42,7 @@ pub struct Elastica {
     pub load: f64,
 }
 
-/// An elastica at an arc length, with the derivatives of all by H and by V.
+/// A point of an elastica, with the derivatives of all quantities with respect to H and V.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
     /// s.
@@ -67,7 +68,8 @@ pub struct State {
     pub curvature: f64,
 }
 
-/// An elastica between two arc lengths: θ as a power series, from which all else follows.
+/// A part of an elastica between two arc lengths: θ as a power series, from which all else
+/// follows.
 #[derive(Debug)]
 pub struct Piece {
     start: Place,
@@ -75,9 +77,9 @@ pub struct Piece {
     angle: Series,
     sine: Series,
     cosine: Series,
-    /// Derivatives of θ, sin θ and cos θ by H and by V.
+    /// Derivatives of θ, sin θ and cos θ with respect to H and V.
     tangents: [[Series; 3]; 2],
-    /// Arc length up to which the series is as good as `ACCURACY`.
+    /// Arc length up to which the error of the series is below `ACCURACY`.
     pub reach: f64,
 }
 
@@ -107,7 +109,7 @@ impl Piece {
         let mut weighted = [0.0; TERMS + 2];
         for k in 0..TERMS {
             if k > 0 {
-                // Sums beside each other: one alone waits for its last addition.
+                // Three separate sums: a single one would wait for its last addition.
                 weighted[k] = k as f64 * angle[k];
                 let [mut of_sine, mut of_cosine] = [0.0; 2];
                 let factors = sine[..k].iter().zip(&cosine[..k]).rev();
@@ -160,7 +162,7 @@ impl Piece {
         }
     }
 
-    /// The place at an arc length within reach.
+    /// The point at an arc length within reach.
     pub fn at(&self, arc_length: f64) -> Place {
         let h = arc_length - self.start.arc_length;
         let value = |series: &Series| series.iter().rev().fold(0.0, |sum, term| sum * h + term);
@@ -191,7 +193,8 @@ impl Piece {
 }
 
 impl Elastica {
-    /// A heavy one, with lengths in L_gb and forces in EI/L_gb², so that its weight per length is 1/2.
+    /// An elastica under its weight, with lengths in L_gb and forces in EI/L_gb², so that its
+    /// weight per length is 1/2.
     pub fn heavy(forces: Forces) -> Self {
         Self { forces, load: 0.5 }
     }
@@ -201,7 +204,7 @@ impl Elastica {
         self.forces.vertical + self.load * arc_length
     }
 
-    /// Derivatives by the arc length at a place.
+    /// Derivatives with respect to arc length at a point.
     pub fn slope(&self, place: &Place) -> State {
         let (sine, cosine) = libm::sincos(place.state.angle);
         State {
@@ -212,7 +215,7 @@ impl Elastica {
         }
     }
 
-    /// The place at the arc length `end` ≥ 0 of an elastica that begins at `start`.
+    /// The point at the arc length `end` ≥ 0 of an elastica that begins at `start`.
     pub fn place_from(&self, start: Place, end: f64) -> Place {
         let mut place = start;
         while place.arc_length < end {
@@ -222,12 +225,12 @@ impl Elastica {
         place
     }
 
-    /// The same of one that begins flat and without curvature.
+    /// The point at the arc length `end` of an elastica that begins flat and without curvature.
     pub fn place(&self, end: f64) -> Place {
         self.place_from(Place::default(), end)
     }
 
-    /// The places of such an elastica that divide a length into equal parts.
+    /// Points that divide such an elastica into equal parts of a length.
     pub fn places(&self, length: f64, parts: usize) -> Vec<Place> {
         let mut piece = Piece::new(Place::default(), *self);
         (0..=parts)

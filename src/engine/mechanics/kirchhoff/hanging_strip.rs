@@ -7,7 +7,7 @@ use thiserror::Error;
 const ACCURACY: f64 = 1e-11;
 const ITERATIONS: usize = 60;
 
-/// A strip of which a length ℓ, in gravito-bending lengths, hangs freely (thesis Fig. 4.9).
+/// A strip with a freely hanging length ℓ, in gravito-bending lengths (thesis Fig. 4.9).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HangingStrip {
     /// Free length ℓ in gravito-bending lengths.
@@ -23,7 +23,7 @@ pub struct HangingStrip {
 /// Reason why a strip cannot be evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum StripError {
-    /// The drop is not below the length, or too near to either limit to be used.
+    /// The drop is not below the length, or is too near to either limit.
     #[error(
         "the drop is {drop} of the length: measure one between {} and {} of it",
         HangingStrip::DROPS[0],
@@ -74,7 +74,7 @@ impl HangingStrip {
         })
     }
 
-    /// The strip that drops by a given fraction of its length, by the secant method.
+    /// The strip with a drop that is a given fraction of its length, by the secant method.
     ///
     /// # Errors
     /// The drop is outside of `Self::DROPS`.
@@ -83,7 +83,8 @@ impl HangingStrip {
         if !(least..=largest).contains(&drop) {
             return Err(StripError::Drop { drop });
         }
-        // ε/(1 − ε) by γ is smooth and near to straight: it begins as γ/8 (linear theory).
+        // As a function of γ, ε/(1 − ε) is smooth and nearly linear: it begins as γ/8 (linear
+        // theory).
         let excess = |gamma: f64| {
             let found = tip(libm::cbrt(2.0 * gamma))[1];
             found / (1.0 - found) - drop / (1.0 - drop)

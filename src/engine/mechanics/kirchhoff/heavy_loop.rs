@@ -1,4 +1,4 @@
-//! A rod folded over onto itself: the loop that its weight leaves open.
+//! A rod folded over onto itself: the open loop that remains under its weight.
 
 use super::elastica::{Elastica, Forces};
 use super::numerics::bisect;
@@ -11,10 +11,10 @@ const ITERATIONS: usize = 20;
 /// Lengths in the gravito-bending length L_gb, for which EI/(ρgA) = 2 L_gb³.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeavyLoop {
-    /// Height of the loop: 1.142240 L_gb, which is 0.906597 (EI/ρgA)^(1/3). The thesis gives 0.9066 L_gb
-    /// and means the second length.
+    /// Height of the loop: 1.142240 L_gb, which is 0.906597 (EI/ρgA)^(1/3). The thesis gives
+    /// 0.9066 L_gb but means the second length.
     pub height: f64,
-    /// Length of rod that does not lie on anything.
+    /// Length of the rod between its contacts.
     pub length: f64,
     /// Vertical force on the cross-section where the rod leaves the table, in EI/L_gb².
     pub vertical_force: f64,
@@ -24,12 +24,12 @@ impl HeavyLoop {
     /// Solves θ'' = −(V + s/2) cos θ, θ(0) = θ'(0) = 0, θ(ℓ) = π, θ'(ℓ) = 0 for the force V and the
     /// length ℓ, by shooting and Newton's method.
     ///
-    /// The rod leaves the table flat and without moment, turns over by more than π, and comes down flat and
-    /// without moment upon itself; no horizontal force acts. that it comes down to the height at which it left,
-    /// ∫ sin θ ds = 0, follows: multiply the equation by θ' and integrate. Its height is that of the point
-    /// where θ first is π.
+    /// The rod leaves the table flat and without moment, turns over by more than π, and comes down
+    /// flat and without moment upon itself; no horizontal force acts. It comes down to the height
+    /// at which it left, ∫ sin θ ds = 0; to see this, multiply the equation by θ' and integrate.
+    /// Its height is that of the point where θ first is π.
     pub fn new() -> Self {
-        // Digits enough to be drawn to the loop that winds once; Newton's method gives the rest.
+        // Enough digits to converge to the loop that winds once; Newton's method finds the rest.
         let (mut force, mut length) = (-2.36, 5.9);
         for _ in 0..ITERATIONS {
             let end = elastica(force).place(length);
@@ -49,8 +49,8 @@ impl HeavyLoop {
         }
     }
 
-    /// Nodes that divide the loop into `edges` equal parts, shape `[edges + 1][x, z]`, in L_gb: from where the rod leaves
-    /// the table, along x, to where it comes down.
+    /// Nodes that divide the loop into `edges` equal parts, shape `[edges + 1][x, z]`, in L_gb,
+    /// from the point where the rod leaves the table, along x, to the point where it comes down.
     pub fn places(&self, edges: usize) -> Vec<[f64; 2]> {
         let places = elastica(self.vertical_force).places(self.length, edges);
         places
@@ -66,7 +66,7 @@ impl Default for HeavyLoop {
     }
 }
 
-/// The rod from where it leaves the table.
+/// The rod, from the point where it leaves the table.
 fn elastica(vertical: f64) -> Elastica {
     Elastica::heavy(Forces {
         horizontal: 0.0,

@@ -54,7 +54,7 @@ impl Helix {
         }
     }
 
-    /// Radius κ/(κ² + τ²); 0 where the rod is straight.
+    /// Radius κ/(κ² + τ²); 0 for a straight rod.
     pub fn radius(&self) -> f64 {
         if self.curvature == 0.0 {
             0.0
@@ -83,11 +83,11 @@ impl Helix {
             + (sine * (Vector3::x() - along) + (1.0 - cosine) * axis.cross(&Vector3::x())) / rate
     }
 
-    /// Smallest distance between points of the centreline, of length 1, that are at least half a turn apart; `None`
-    /// where it makes less than half a turn or is straight.
+    /// Smallest distance between points of the centreline, of length 1, that are at least half a
+    /// turn apart; `None` if the centreline makes less than half a turn or is straight.
     ///
-    /// Points that are φ apart about the axis have the distance √(2a²(1 − cos φ) + (bφ)²), with a = κ/(κ² + τ²) and
-    /// b = τ/(κ² + τ²). It is least within the first turn.
+    /// Points at an angle φ from each other about the axis have the distance √(2a²(1 − cos φ) +
+    /// (bφ)²), with a = κ/(κ² + τ²) and b = τ/(κ² + τ²). It is least within the first turn.
     pub(crate) fn self_distance(&self) -> Option<f64> {
         let rate = libm::hypot(self.curvature, self.torsion);
         if self.curvature == 0.0 {
@@ -100,8 +100,9 @@ impl Helix {
         if last < PI {
             return None;
         }
-        // The derivative a² sin φ + b² φ is positive at half a turn and may have two zeros up to a whole one: where
-        // it is negative at its least, cos φ = −b²/a², the minimum lies beyond.
+        // The derivative a² sin φ + b² φ is positive at half a turn and may have two zeros up to a
+        // whole turn. If it is negative at its minimum, cos φ = −b²/a², the smallest distance is
+        // beyond that angle.
         let steepest = TAU - libm::acos((-(b / a).powi(2)).max(-1.0));
         let derivative = |angle: f64| a * a * libm::sin(angle) + b * b * angle;
         let minimum = if steepest < last && derivative(steepest) < 0.0 && derivative(last) > 0.0 {
@@ -112,10 +113,11 @@ impl Helix {
         Some(distance(PI).min(distance(minimum)))
     }
 
-    /// Distance ‖(κ, τ, ω)‖ along this direction at which a rod of length 1 first touches itself; `None` where it
-    /// does not up to `farthest`.
+    /// Distance ‖(κ, τ, ω)‖ along this direction at which a rod of length 1 first touches itself;
+    /// `None` if it does not up to `farthest`.
     ///
-    /// The rod of length 1 at distance S is, scaled, one of length S at distance 1: points come nearer as it grows.
+    /// The rod of length 1 at distance S is, scaled, one of length S at distance 1: its points
+    /// come nearer as S grows.
     pub fn contact_distance(&self, radius: f64, farthest: f64) -> Option<f64> {
         let direction = self.scaled(1.0 / self.distance());
         let gap = |distance: f64| {
@@ -137,16 +139,18 @@ impl Helix {
 
     /// Matrix A of the linearised equations y' = A y, y = (θ, ρ, μ, ν), in the frame of the centreline.
     ///
-    /// A cross-section that turns by θ and moves by ρ changes the moment by μ and the force by ν. With
-    /// d/ds = ( )' + u × ( ) in the turning frame, t = (1, 0, 0) and the stiffness K = diag(c, 1, 1),
+    /// A cross-section that rotates by θ and moves by ρ changes the moment by μ and the force by
+    /// ν. With d/ds = ( )' + u × ( ) in the rotating frame, t = (1, 0, 0) and the stiffness K =
+    /// diag(c, 1, 1),
     ///
-    /// - θ' + u × θ = K⁻¹ (μ − θ × m): bending and twist change by the part of μ that is not mere rotation,
+    /// - θ' + u × θ = K⁻¹ (μ − θ × m): bending and twist change by μ without the part due to
+    ///   rotation,
     /// - ρ' + u × ρ = θ × t: no stretch, no shear,
     /// - μ' + u × μ = −(θ × t) × n − t × ν: balance of moments,
     /// - ν' + u × ν = 0: balance of forces.
     ///
-    /// The rod is isotropic: the material frame's own turning about the tangent does not appear. Nor do
-    /// the conjugate points depend on c = GJ/EI, which is 1 here.
+    /// The rod is isotropic, so the rotation of the material frame about the tangent does not
+    /// appear. The conjugate points do not depend on c = GJ/EI either, which is 1 here.
     pub(crate) fn linearised_equations(&self) -> StateMatrix {
         let darboux = Vector3::new(self.torsion, self.curvature, 0.0);
         let moment = Vector3::new(self.twisting_moment, self.curvature, 0.0);
@@ -180,7 +184,7 @@ impl Helix {
 mod tests {
     use super::*;
 
-    /// Against the end of the rod as in the thesis, Eq. 6.2 without its misprints.
+    /// Compared with the end of the rod in the thesis, Eq. 6.2 without its misprints.
     #[test]
     fn the_centreline_is_a_helix() {
         let helix = Helix {
@@ -219,7 +223,8 @@ mod tests {
         assert_eq!(Helix::from([2.0, 2.0, 0.0]).self_distance(), None);
     }
 
-    /// The ends of a rod bent to a circle meet a rod's thickness before it is closed.
+    /// The ends of a rod bent towards a circle touch before it is closed, because of its
+    /// thickness.
     #[test]
     fn a_ring_touches_itself_at_its_ends() {
         let radius = 1e-3;
@@ -233,7 +238,7 @@ mod tests {
         );
     }
 
-    /// exp(A s) keeps the symplectic form of (θ, ρ) and their momenta (μ − ½ θ × m, ν).
+    /// exp(A s) preserves the symplectic form of (θ, ρ) and their momenta (μ − ½ θ × m, ν).
     #[test]
     fn the_equations_are_hamiltonian() {
         let helix = Helix {

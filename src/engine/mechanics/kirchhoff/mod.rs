@@ -1,7 +1,7 @@
 //! Continuous rods: inextensible, unshearable Kirchhoff rods, solved without a mesh.
 //!
-//! The limits of the discrete rod, in closed form or from ordinary differential equations; for exact
-//! solutions, and for verifying the discrete rod.
+//! These are the limits of the discrete rod, in closed form or from ordinary differential
+//! equations. They serve as exact solutions and for verifying the discrete rod.
 //!
 //! | file | contents |
 //! |---|---|

@@ -3,7 +3,7 @@
 /// Root of a continuous function between two points where its signs differ, to the last bit.
 ///
 /// # Panics
-/// If the signs at `a` and `b` agree: the caller has a wrong bracket.
+/// If the signs at `a` and `b` agree: the bracket is wrong.
 pub fn bisect(mut a: f64, mut b: f64, function: impl Fn(f64) -> f64) -> f64 {
     let sign = function(a).signum();
     assert!(
@@ -23,7 +23,7 @@ pub fn bisect(mut a: f64, mut b: f64, function: impl Fn(f64) -> f64) -> f64 {
     }
 }
 
-/// Grows from 0 to 1 between 0 and 1, at rest at both ends.
+/// Increases from 0 to 1 between 0 and 1, with zero slope at both ends.
 pub fn smooth_step(part: f64) -> f64 {
     let part = part.clamp(0.0, 1.0);
     part * part * (3.0 - 2.0 * part)

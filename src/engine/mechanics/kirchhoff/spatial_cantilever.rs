@@ -1,15 +1,17 @@
-//! Cantilevers in space: any section and natural shape, under weight and what acts at the free end.
+//! Cantilevers in space: any section and natural shape, under their weight and loads at the free
+//! end.
 
 use super::numerics::runge_kutta;
 use crate::mechanics::{Matrix3, UnitQuaternion, Vector3};
 use nalgebra::{DMatrix, DVector, Quaternion, Rotation3};
 
-/// Pieces of the rod whose ends are matched.
+/// Number of pieces of the rod for multiple shooting.
 const PIECES: usize = 8;
-/// Parts in which the load is put on.
+/// Number of load increments.
 const LOAD_PARTS: usize = 10;
 const MOST_ITERATIONS: usize = 20;
-/// Largest mismatch of an accepted solution: in quaternions, and in moments over (smallest stiffness)/length.
+/// Largest mismatch of an accepted solution: for quaternions as they are, for moments divided by
+/// (smallest stiffness)/length.
 const TOLERANCE: f64 = 1e-11;
 /// Step of the difference quotients of the matching conditions.
 const DIFFERENCE: f64 = 1e-6;
@@ -53,11 +55,13 @@ pub struct SpatialCantilever<N> {
 type State = [f64; 10];
 
 impl<N: Fn(f64) -> [f64; 3]> SpatialCantilever<N> {
-    /// Points of the equilibrium at `steps` + 1 equal natural arc lengths, m from the clamp on; `None` where it is not
-    /// found. `steps` is a multiple of 8, and the error is of fourth order in their size.
+    /// Points of the equilibrium at `steps` + 1 equal natural arc lengths from the clamp on, m;
+    /// `None` if it is not found. `steps` is a multiple of 8, and the error is of fourth order in
+    /// the step size.
     ///
-    /// By multiple shooting: orientation and moment at the starts of eight pieces are found by Newton's method, while the
-    /// load grows from zero. Of several equilibria it is that which is reached so.
+    /// Multiple shooting: Newton's method finds orientation and moment at the starts of eight
+    /// pieces, while the load grows from zero. If there are several equilibria, the result is the
+    /// one reached in this way.
     ///
     /// # Panics
     /// If `steps` is not a multiple of 8.
@@ -78,7 +82,7 @@ impl<N: Fn(f64) -> [f64; 3]> SpatialCantilever<N> {
         Some(points)
     }
 
-    /// The natural shape: no moment anywhere.
+    /// The natural shape, without any moment.
     fn unloaded(&self, steps: usize) -> DVector<f64> {
         let frame = Matrix3::from_columns(&[
             self.director,
@@ -98,7 +102,7 @@ impl<N: Fn(f64) -> [f64; 3]> SpatialCantilever<N> {
         unknowns
     }
 
-    /// Orientation at the clamp is given: the first four numbers stay.
+    /// The orientation at the clamp is given, so the first four unknowns are fixed.
     fn newton(&self, mut unknowns: DVector<f64>, steps: usize, load: f64) -> Option<DVector<f64>> {
         let count = PIECES * UNKNOWNS - 4;
         for _ in 0..MOST_ITERATIONS {
@@ -213,7 +217,7 @@ mod tests {
     use super::*;
     use crate::mechanics::kirchhoff::{Cantilever, CantileverLoad, Helix};
 
-    /// A strip, pulled and turned askew; m and N.
+    /// A strip that is pulled and twisted obliquely; m and N.
     fn askew<N>(natural: N) -> SpatialCantilever<N> {
         SpatialCantilever {
             length: 1.3,
@@ -265,7 +269,8 @@ mod tests {
 
     #[test]
     fn without_load_it_has_its_natural_shape() {
-        // Tangent, binormal and their product are x, y and z: u = (τ, κ, 0), and m₁ = binormal.
+        // Tangent, binormal and their product are x, y and z: u = (τ, κ, 0), and m₁ acts along the
+        // binormal.
         let helix = Helix::from([2.0, -3.0, 0.0]);
         let rod = SpatialCantilever {
             length: 1.0,
@@ -280,8 +285,8 @@ mod tests {
         }
     }
 
-    /// Where the natural strains are even and only the end is loaded, the Hamiltonian
-    /// Σ mᵢ (mᵢ/2Kᵢ + ûᵢ) + n·d₃ + (n·d₃)²/2EA is the same everywhere, and so is m + r × n.
+    /// If the natural strains are uniform and only the end is loaded, the Hamiltonian Σ mᵢ
+    /// (mᵢ/2Kᵢ + ûᵢ) + n·d₃ + (n·d₃)²/2EA is constant along the rod, and so is m + r × n.
     #[test]
     fn integrals_of_the_equations_are_kept() {
         let rod = askew(|_| [0.8, -0.5, 1.7]);

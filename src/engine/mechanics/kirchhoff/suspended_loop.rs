@@ -5,41 +5,44 @@ use crate::mechanics::Vector3;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
 
-/// Steps of the integration over half of the loop; doubling them changes the energy by less than 1e-7.
+/// Number of integration steps over half of the loop; doubling it changes the energy by less than
+/// 1e-7.
 const STEPS: usize = 100;
 const MOST_ITERATIONS: usize = 40;
-/// Largest residual of an accepted solution, over the length of the loop.
+/// Largest residual of an accepted solution, relative to the length of the loop.
 const TOLERANCE: f64 = 1e-10;
 /// Largest change of an unknown in one iteration.
 const LARGEST_CHANGE: f64 = 2.0;
 /// Step of the difference quotients of the boundary conditions.
 const DIFFERENCE: f64 = 1e-6;
-/// Steps from the circular arc to the requested ends.
+/// Number of steps from the circular arc to the requested ends.
 const PLANAR_STEPS: usize = 16;
 
 /// Whether the ends of a loop may spin about their tangents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EndSpin {
-    /// The ends may not turn: the loop keeps the twist of an untwisted planar loop, turned along with its ends.
+    /// The ends may not spin: the loop keeps the twist of an untwisted planar loop that is rotated
+    /// with its ends.
     Clamped {
         /// Torsional over bending stiffness GJ/EI: 1/(1 + ν) of a round rod.
         stiffness_ratio: f64,
     },
-    /// The ends may turn: no twisting moment.
+    /// The ends may spin, so there is no twisting moment.
     Free,
 }
 
 /// Supports of the ends of a loop of length 1. The loop is symmetric under half a turn about the y axis.
 ///
-/// It leaves at (−a cos θ, −a sin θ, −c/2), the mirrored end being at the top, with the tangent
-/// (sin φ sin θ, −sin φ cos θ, cos φ): at θ = 0 and a = 0 it lies in the half plane y > 0 of x = 0.
+/// Its lower end is at (−a cos θ, −a sin θ, −c/2), with the tangent (sin φ sin θ, −sin φ cos θ,
+/// cos φ); the mirrored end is at the top. At θ = 0 and a = 0 the loop is in the half plane y > 0
+/// of x = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoopEnds {
     /// Distance c of the ends along the z axis, between 0 and 1.
     pub gap: f64,
     /// Angle φ between tangents and z axis, rad.
     pub tilt: f64,
-    /// Angle θ by which the lower end is turned about the z axis, the upper one by −θ, rad.
+    /// Angle θ by which the lower end is rotated about the z axis, and the upper one by −θ, rad.
     pub rotation: f64,
     /// Distance a of the ends from the z axis.
     pub offset: f64,
@@ -53,7 +56,8 @@ pub struct LoopEnds {
 /// r' = t,  t' = M × t/EI,  d' = (M + (EI/GJ − 1) (M·t) t) × d/EI,  M' = −t × n,  n' = 0
 /// ```
 ///
-/// from the middle, which lies on the y axis, to the lower end, with a material director d. Length and EI are 1.
+/// from the middle, which is on the y axis, to the lower end, with a material director d. Length
+/// and EI are 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SuspendedLoop {
     /// Supports of its ends.
@@ -91,10 +95,10 @@ impl LoopEnds {
 }
 
 impl SuspendedLoop {
-    /// The planar loop, θ = 0: reached from the circular arc over the gap by turning and shifting its ends.
-    /// `None` where it is not found.
+    /// The planar loop, θ = 0. It is reached from the circular arc over the gap by rotating and
+    /// shifting the ends. `None` if it is not found.
     pub fn planar(gap: f64, tilt: f64, offset: f64, spin: EndSpin) -> Option<Self> {
-        // An arc of half angle α over its chord: sin α/α.
+        // Ratio of the chord of an arc with half angle α to its length: sin α/α.
         let half_angle = bisect(1e-6, PI, |angle| libm::sin(angle) / angle - gap);
         let curvature = 2.0 * half_angle;
         let height = (1.0 - libm::cos(half_angle)) / curvature;
@@ -118,12 +122,12 @@ impl SuspendedLoop {
         })
     }
 
-    /// The equilibrium near this one with other supports; `None` where Newton's method finds none.
+    /// The equilibrium near this one with other supports; `None` if Newton's method finds none.
     pub fn moved_to(&self, ends: LoopEnds) -> Option<Self> {
         self.corrected(ends, self.unknowns)
     }
 
-    /// The same, starting from the line through `before` and this one.
+    /// As [`Self::moved_to`], but starts from the extrapolation through `before` and this one.
     pub fn continued_to(&self, before: &Self, ends: LoopEnds) -> Option<Self> {
         self.corrected(ends, 2.0 * self.unknowns - before.unknowns)
     }
@@ -159,7 +163,8 @@ impl SuspendedLoop {
         2.0 * self.lower_end()[12]
     }
 
-    /// dE/dθ, over EI/length: the moment about the z axis that turns the lower end, twice for both ends.
+    /// dE/dθ, over EI/length: the moment about the z axis on the lower end, doubled to include
+    /// both ends.
     pub fn turning_moment(&self) -> f64 {
         let end = self.lower_end();
         let force = Vector3::new(self.unknowns[2], 0.0, self.unknowns[3]);
@@ -171,7 +176,7 @@ impl SuspendedLoop {
         self.unknowns[0]
     }
 
-    /// Points at equal steps from the upper end to the lower, over the length.
+    /// Points at equal steps from the upper end to the lower, in units of the length.
     #[cfg(test)]
     pub(crate) fn points(&self) -> Vec<Vector3> {
         let lower = shoot(&self.ends, &self.unknowns);
@@ -189,8 +194,8 @@ impl SuspendedLoop {
     }
 }
 
-/// The half loop of unknowns [y, β, n_x, n_z, M_x, M_z] of its middle: there the tangent is (sin β, 0, −cos β), and by
-/// symmetry n_y = M_y = 0.
+/// The half loop given by the unknowns [y, β, n_x, n_z, M_x, M_z] at its middle. There the tangent
+/// is (sin β, 0, −cos β), and by symmetry n_y = M_y = 0.
 fn shoot(ends: &LoopEnds, unknowns: &SVector<f64, 6>) -> Vec<State> {
     let [y, angle, force_x, force_z, moment_x, moment_z] = (*unknowns).into();
     let (sine, cosine) = libm::sincos(angle);
@@ -287,7 +292,8 @@ mod tests {
 
     #[test]
     fn an_arc_stays_an_arc() {
-        // A chord of sin α/α with the tangents of the arc: energy ½ (2α)², no moment about the axis.
+        // A chord of sin α/α with the tangents of the arc has the energy ½ (2α)² and no moment
+        // about the axis.
         let half_angle = 1.2f64;
         let gap = half_angle.sin() / half_angle;
         let arc = SuspendedLoop::planar(gap, PI - half_angle, 0.0, CLAMPED).unwrap();
