@@ -1,56 +1,63 @@
-//! Weights of vertices beside a clamp in the integrals of bending and twisting energy.
+//! Weights of vertices next to a clamp in the integrals of bending and twisting energy.
 //!
-//! A vertex carries the moment M of the rod at its node, exactly where nodes carry the loads, and turns by M l̄/EI with the
-//! Voronoi length l̄. The complementary energy ½ ∫ M²/EI ds is therefore summed by the trapezoidal rule, with the half
-//! vertex of a clamp as its end. The sum errs by the rule of Euler and Maclaurin,
+//! A vertex carries the moment M of the rod at its node, exactly if the loads are at nodes, and
+//! turns by M l̄/EI with the Voronoi length l̄. The complementary energy ½ ∫ M²/EI ds is therefore
+//! summed by the trapezoidal rule, with the half vertex of a clamp as its end. By the
+//! Euler–Maclaurin formula, the error of the sum follows from
 //!
 //! ```text
 //! ∫₀ f ds = h (f₀/2 + f₁ + f₂ + ...) + (h²/12) f'(0) − (h⁴/720) f‴(0) + ...,     f = M²/EI
 //! ```
 //!
-//! which vanishes at free and hinged ends, where M = 0 makes f' = 2 M M'/EI vanish. At a clamp it is
-//! h² M₀ M₀'/6EI: the rod turns too far by as much, and swings too slowly by the second order in h. Gregory's end weights
-//! take f'(0) from the first three vertices, (−3 f₀ + 4 f₁ − f₂)/2h, exactly where M is linear, as it is beside a clamp,
-//! near which the rod is at rest (M'' = ρA ẅ = 0 and M‴ = 0 there):
+//! which vanishes at free and hinged ends, where M = 0 makes f' = 2 M M'/EI vanish. At a clamp it
+//! is h² M₀ M₀'/6EI: the rod turns too far by this amount, and oscillates too slowly, with an
+//! error of second order in h. Gregory's end weights take f'(0) from the first three vertices, (−3
+//! f₀ + 4 f₁ − f₂)/2h. This is exact if M is linear, as it is next to a clamp, near which the rod
+//! is at rest (M'' = ρA ẅ = 0 and M‴ = 0 there):
 //!
 //! ```text
 //! h (½, 1, 1, 1, ...)  →  h (½ − 1/8, 1 + 1/6, 1 − 1/24, 1, ...) = h (3/8, 7/6, 23/24, 1, ...)
 //! ```
 //!
-//! So a clamp changes three lengths by which EI is divided, no more: [`VertexWeights`]. With the mass of edges that move
-//! linearly, vibrations are then of fourth order. For edges of the lengths a and b from the clamp on the same quadratic
-//! gives a²/12 f'(0) = −a(2a+b)/12(a+b) f₀ + a(a+b)/12b f₁ − a³/12b(a+b) f₂. (Two edges between two clamps get the weights
-//! of Simpson's rule. One coupling of the first two vertices, h (⅓ M₀² + ⅙ M₀M₁ + M₁²), is of the same order, with an error
-//! three times as large and a kernel of its own.)
+//! So a clamp only changes three lengths by which EI is divided: [`VertexWeights`]. With the mass
+//! of edges that move linearly, vibrations are then of fourth order. For edges of the lengths a
+//! and b from the clamp on, the same quadratic gives a²/12 f'(0) = −a(2a+b)/12(a+b) f₀ +
+//! a(a+b)/12b f₁ − a³/12b(a+b) f₂. (Two edges between two clamps get the weights of Simpson's
+//! rule. A coupling of the first two vertices, h (⅓ M₀² + ⅙ M₀M₁ + M₁²), would be of the same
+//! order, but with three times the error and a kernel of its own.)
 //!
-//! **Twist.** Angles belong to edges, whose middles are half an edge from the clamp. There θ = 0 and so T' = ρJ θ̈ = 0: the
-//! trapezoidal sum of ½ ∫ T²/GJ is right. But the moment of inertia of the first edge, which should share with an edge
-//! mirrored in the clamp, is too large by h ρJ/6. With the lengths h (½ − d, 1 + d, 1, ...) the rod turns as far beyond, but
-//! its first edge by h (½ − d) T/GJ, so that the kinetic energy is that beside a mirror where
+//! **Twist.** Angles belong to edges, whose midpoints are half an edge from the clamp. There θ = 0
+//! and so T' = ρJ θ̈ = 0: the trapezoidal sum of ½ ∫ T²/GJ is right. But the moment of inertia of
+//! the first edge, which should be shared with an edge mirrored in the clamp, is too large by h
+//! ρJ/6. With the lengths h (½ − d, 1 + d, 1, ...) the total rotation of the rod stays the same,
+//! but its first edge rotates by h (½ − d) T/GJ. The kinetic energy is then that of the mirrored
+//! rod if
 //!
 //! ```text
 //! (½ − d)² − (1 + d)²/12 = ¼ − 1/12 − 1/24,     11 d² − 14 d + ½ = 0,     d = 0.0368
 //! ```
 //!
-//! Weights change stiffness, not natural strains: the shape without stress stays the same.
+//! Weights change the stiffness, not the natural strains: the stress-free shape stays the same.
 //!
-//! Where the first edge is more than twice as long as the second, and for one edge between two clamps, the weights stay the same.
+//! If the first edge is more than twice as long as the second, and for one edge between two
+//! clamps, the weights stay the same.
 
 use super::discretization::{ElasticRods, Vertex, VertexWeights};
 use super::turning_angle::BendingStrain;
 
-/// Longest first edge over the second: beyond 2.3 the third vertex would count as none.
+/// Largest ratio of the first edge to the second: beyond 2.3 the weight of the third vertex would
+/// vanish.
 const LARGEST_RATIO: f64 = 2.0;
 
 /// Reduction of the weight of the first edge from one half in the twist at a clamp: d = (14 − √174)/22.
 const TWIST_LESS: f64 = 0.036_777_001_896_685_47;
 
-/// Largest natural strain of a vertex of a straight rod, rad: far beyond what rounding makes of one that is placed so, and
-/// so small that angles and their tangents do not differ.
+/// Largest natural strain of a vertex that counts as straight, rad: far above the rounding of a
+/// rod placed straight, and so small that angles and their tangents do not differ.
 const STRAIGHT: f64 = 1e-4;
 
-/// Correction by Gregory's rule of the lengths (m) of the first three vertices in the integral of bending, where edges of the
-/// lengths `first` and `second` (m) follow the end.
+/// Correction by Gregory's rule of the lengths (m) of the first three vertices in the integral of
+/// bending, if edges of the lengths `first` and `second` (m) follow the end.
 fn added_by_gregory(first: f64, second: f64) -> [f64; 3] {
     let both = first + second;
     [
@@ -61,8 +68,8 @@ fn added_by_gregory(first: f64, second: f64) -> [f64; 3] {
 }
 
 impl ElasticRods {
-    /// Makes the angle the strain of the vertices from number `first` on, those of one rod, if the rod is straight by
-    /// nature, and weighs those beside clamps.
+    /// Completes the vertices of one rod, which start at index `first`: makes the angle their
+    /// strain if the rod is naturally straight, and weights those next to clamps.
     pub(crate) fn refine(&mut self, first: usize) {
         let own = &mut self.vertices[first..];
         let natural = own.iter().flat_map(|vertex| vertex.natural.curvature);
@@ -160,7 +167,7 @@ mod tests {
                 .map(|(length, added)| length + added)
                 .collect();
             assert!(weights.iter().all(|weight| *weight > 0.0), "{weights:?}");
-            // The trapezoidal sum lacks a²/12 f'(0) at this end for f = 1, x, x².
+            // The error of the trapezoidal sum at this end is −a²/12 f'(0) for f = 1, x, x².
             for (power, slope) in [(0, 0.0), (1, 1.0), (2, 0.0)] {
                 let sum = |lengths: &[f64]| -> f64 {
                     let values = places.iter().map(|x: &f64| x.powi(power));

@@ -14,13 +14,13 @@ pub struct GhostEdge {
     pub tangent: Vector3,
     /// First material director.
     pub director: Vector3,
-    /// Turn of the director about the tangent since the reference frames were committed, rad. The frames show it up to
-    /// whole turns.
+    /// Rotation of the director about the tangent since the reference frames were committed, rad,
+    /// including whole turns, which the frames do not show.
     pub spin: f64,
 }
 
 impl GhostEdge {
-    /// Its frame; no move of a node turns it.
+    /// Its frame, which does not rotate with any node.
     pub(super) fn frame(&self) -> EdgeFrame {
         EdgeFrame {
             tangent: self.tangent,
@@ -46,7 +46,8 @@ pub struct Edge {
     pub stretching: f64,
 }
 
-/// Weight of a vertex in the integrals of energy, over its Voronoi length: `clamped_end` describes where and why it is not 1.
+/// Weight of a vertex in the integrals of energy, relative to its Voronoi length; `clamped_end`
+/// describes where and why it is not 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VertexWeights {
     /// In that of bending.
@@ -56,7 +57,7 @@ pub struct VertexWeights {
 }
 
 impl Default for VertexWeights {
-    /// The Voronoi length itself.
+    /// Weights of one: the Voronoi length itself.
     fn default() -> Self {
         Self {
             bending: 1.0,
@@ -65,29 +66,30 @@ impl Default for VertexWeights {
     }
 }
 
-/// A place where two edges, one of which may be a ghost, meet.
+/// A point where two edges meet, one of which may be a ghost.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Vertex {
     /// Edge before it.
     pub before: usize,
     /// Edge after it.
     pub after: usize,
-    /// Natural strains; none of bending where the angle is the strain.
+    /// Natural strains; without bending if the angle is the strain.
     pub natural: VertexStrains,
     /// The measure of bending.
     pub strain: BendingStrain,
-    /// Stiffness over Voronoi length, as this is weighed.
+    /// Stiffness divided by the weighted Voronoi length.
     pub stiffness: VertexStiffness,
-    /// Weight over its Voronoi length; not 1 beside clamps of rods with consistent inertia.
+    /// Weights relative to its Voronoi length; not 1 next to clamps of rods with consistent
+    /// inertia.
     pub weights: VertexWeights,
-    /// Twist at which the frames of a ring are glued at its joint, rad; zero elsewhere.
+    /// Twist at which the frames of a ring are joined at its closure, rad; zero elsewhere.
     pub joint_twist: f64,
-    /// Location of its derivatives.
+    /// Positions of its unknowns.
     pub unknowns: VertexUnknowns,
 }
 
 impl Vertex {
-    /// Strains of bending and twist less the natural ones, rad.
+    /// Strains of bending and twist minus the natural ones, rad.
     pub(crate) fn elastic_strains(&self, strains: &VertexStrains) -> VertexStrains {
         let (turning, natural) = (self.strain.of(strains), &self.natural);
         VertexStrains {
@@ -133,8 +135,9 @@ pub enum VertexUnknowns {
         /// Index into [`ElasticRods::elements`].
         element: usize,
     },
-    /// One of its edges is a ghost that turns with a joint or a body: its unknowns, those of the real edge and the
-    /// rotation of the ghost, are those of element number `element` (`turning_ghost`).
+    /// One of its edges is a ghost that rotates with a joint or a body. Its unknowns, those of the
+    /// real edge and the rotation of the ghost, are those of element number `element`
+    /// (`turning_ghost`).
     Turning {
         /// Index into [`ElasticRods::elements`].
         element: usize,
@@ -150,14 +153,15 @@ pub struct ElasticRods {
     pub rods: Vec<RodRange>,
     /// Real edges.
     pub edges: Vec<Edge>,
-    /// Vertices, those of ghost edges among them.
+    /// Vertices, including those with ghost edges.
     pub vertices: Vec<Vertex>,
-    /// Unknowns of the vertices that close rings, or turn with joints; they do not fit in the band.
+    /// Unknowns of the vertices that close rings or rotate with joints; they do not fit in the
+    /// band.
     pub elements: Vec<Element>,
     /// Number of nodes of all rods.
     pub nodes: usize,
     /// Number of ghost edges; their indices follow those of the nodes.
     pub ghosts: usize,
-    /// Numbers among them of those that turn with joints and bodies.
+    /// Indices among the ghost edges of those that rotate with joints and bodies.
     pub turning_ghosts: Vec<usize>,
 }

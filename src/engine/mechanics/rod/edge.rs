@@ -15,7 +15,7 @@ pub(crate) fn stretching_energy(stiffness: f64, length: f64, natural_length: f64
     0.5 * stiffness * strain * strain * natural_length
 }
 
-/// Force EA ε t, N: the gradient over the edge vector.
+/// Force EA ε t, N: the gradient with respect to the edge vector.
 #[inline(always)]
 pub(crate) fn stretching_gradient(
     stiffness: f64,
@@ -26,7 +26,7 @@ pub(crate) fn stretching_gradient(
     tangent * (stiffness * (length / natural_length - 1.0))
 }
 
-/// Hessian over the edge vector, N/m.
+/// Hessian with respect to the edge vector, N/m.
 #[inline(always)]
 pub(crate) fn stretching_hessian(
     stiffness: f64,

@@ -1,5 +1,5 @@
-//! Stretching of [`LANES`] edges at a time, and what the spin of their frames adds: the formulas of
-//! [`super::edge`] and [`super::holonomy`] lane by lane.
+//! Stretching of [`LANES`] edges at a time, and the contribution of the spin of their frames: the
+//! formulas of [`super::edge`] and [`super::holonomy`] lane by lane.
 
 use super::discretization::Edge;
 use super::edge::{stretching_gradient, stretching_hessian};
@@ -14,7 +14,7 @@ pub(super) type SymmetricLanes = [Lanes; 6];
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct EdgeLanes {
-    /// Start of the transport of frames.
+    /// Tangents and directors from which frames are transported.
     pub from: TransportLanes,
     /// The frames.
     pub frames: FrameLanes,
@@ -23,7 +23,7 @@ pub(super) struct EdgeLanes {
 }
 
 impl EdgeLanes {
-    /// Natural lengths and stiffness of `edges`; lanes out of use hold edges without stiffness.
+    /// Natural lengths and stiffness of `edges`; unused lanes hold edges without stiffness.
     pub(crate) fn new(edges: &[Edge]) -> Self {
         let mut lanes = Self {
             from: TransportLanes::new(),
@@ -35,7 +35,7 @@ impl EdgeLanes {
         lanes
     }
 
-    /// Takes over the natural lengths and stiffnesses of `edges`.
+    /// Copies the natural lengths and stiffnesses of `edges`.
     pub(crate) fn take_natural_strains(&mut self, edges: &[Edge]) {
         for (lane, edge) in edges.iter().enumerate() {
             self.natural_length[lane] = edge.natural_length;
@@ -43,7 +43,7 @@ impl EdgeLanes {
         }
     }
 
-    /// Takes over the natural length and the stiffness of the edge in the lane `from` of others into a lane.
+    /// Copies the natural length and the stiffness of an edge from the lane `from` of `others`.
     pub(crate) fn take_lane(&mut self, lane: usize, others: &Self, from: usize) {
         self.natural_length[lane] = others.natural_length[from];
         self.stiffness[lane] = others.stiffness[from];
@@ -51,7 +51,7 @@ impl EdgeLanes {
 }
 
 kernel! {
-    /// [`stretching_gradient`] of every lane.
+    /// Computes [`stretching_gradient`] in every lane.
     fn forces(edges: &EdgeLanes, forces: &mut VectorLanes) {
         for lane in 0..LANES {
             let (stiffness, natural) = (edges.stiffness[lane], edges.natural_length[lane]);
@@ -63,8 +63,8 @@ kernel! {
 }
 
 kernel! {
-    /// [`stretching_gradient`] of every lane, and [`stretching_hessian`] with [`holonomy_hessian`] for the
-    /// moments ∂E/∂φ.
+    /// Computes [`stretching_gradient`] in every lane, and [`stretching_hessian`] with
+    /// [`holonomy_hessian`] for the moments ∂E/∂φ.
     fn derivatives(
         edges: &EdgeLanes,
         moments: &Lanes,
@@ -82,7 +82,7 @@ kernel! {
 }
 
 kernel! {
-    /// The Hessians of [`derivatives`] alone.
+    /// Computes only the Hessians of [`derivatives`].
     fn hessians(edges: &EdgeLanes, moments: &Lanes, hessians: &mut SymmetricLanes) {
         for lane in 0..LANES {
             set_hessian(edges, moments, lane, hessians);

@@ -44,7 +44,8 @@ impl ElasticEnergy {
 }
 
 impl ElasticRods {
-    /// Twist per length at each node, τ/l̄ with the Voronoi length l̄ at present, rad/m; zero at free ends.
+    /// Twist per length at each node, τ/l̄ with the present Voronoi length l̄, rad/m; zero at free
+    /// ends.
     pub(crate) fn twist_rates(&self, geometry: &RodGeometry) -> Vec<f64> {
         let mut rates = vec![0.0; self.nodes];
         let half_length = |edge: usize| {
@@ -149,7 +150,7 @@ impl ElasticRods {
         }
     }
 
-    /// Edges, as many at a time as there are lanes, and the lanes that hold them.
+    /// Edges in batches of as many as there are lanes, each with the lanes that hold them.
     fn edge_batches<'a>(
         &'a self,
         geometry: &'a RodGeometry,
@@ -157,7 +158,7 @@ impl ElasticRods {
         self.edges.chunks(LANES).zip(&geometry.edge_lanes)
     }
 
-    /// Vertices, as many at a time as there are lanes, and the lanes that hold them.
+    /// Vertices in batches of as many as there are lanes, each with the lanes that hold them.
     fn vertex_batches<'a>(
         &'a self,
         geometry: &'a RodGeometry,
@@ -165,7 +166,7 @@ impl ElasticRods {
         self.vertices.chunks(LANES).zip(&geometry.vertex_lanes)
     }
 
-    /// The ghost edge of a vertex that turns with a joint.
+    /// The ghost edge of a vertex that rotates with a joint.
     fn ghost_of(&self, vertex: &Vertex, geometry: &RodGeometry, is_first: bool) -> TurningGhost {
         let edge = if is_first {
             vertex.before
@@ -190,7 +191,7 @@ impl ElasticRods {
             VertexUnknowns::Consecutive { first, from, to } => {
                 let entries = &mut gradient[first..first + to - from];
                 if let Ok(entries) = <&mut [_; VERTEX_UNKNOWNS]>::try_from(&mut *entries) {
-                    // The same loop as below, of constant length.
+                    // The same loop as below, with a constant length.
                     for k in 0..VERTEX_UNKNOWNS {
                         entries[k] += local[k][lane];
                     }
@@ -220,7 +221,8 @@ impl ElasticRods {
         }
     }
 
-    /// An edge that closes a ring is the edge before the ring's first vertex, which has an element.
+    /// An edge that closes a ring is the edge before the first vertex of the ring, which has an
+    /// element.
     fn scatter_edge_hessian(
         &self,
         edge: &Edge,
@@ -261,7 +263,7 @@ impl ElasticRods {
     }
 }
 
-/// Adds the gradients over edge vectors to those over their nodes.
+/// Adds the gradients with respect to edge vectors to those of their nodes.
 fn scatter_forces(edges: &[Edge], forces: &VectorLanes, gradient: &mut [f64]) {
     for (lane, edge) in edges.iter().enumerate() {
         let force = vector(forces, lane);
@@ -282,7 +284,7 @@ fn scatter_hessian(
         VertexUnknowns::Consecutive { first, from, to } => {
             let columns = &mut band.columns_mut()[first..first + to - from];
             if let Ok(columns) = <&mut [_; VERTEX_UNKNOWNS]>::try_from(&mut *columns) {
-                // The same loops as below, of constant lengths.
+                // The same loops as below, with constant lengths.
                 for j in 0..VERTEX_UNKNOWNS {
                     for r in 0..VERTEX_UNKNOWNS - j {
                         columns[j][r] += hessians[j][r][lane];

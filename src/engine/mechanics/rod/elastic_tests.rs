@@ -1,4 +1,4 @@
-//! The lanes that compute gradient and Hessian: every instruction set, and both ways to the gradient.
+//! Gradient and Hessian computed in lanes: every instruction set, and both paths to the gradient.
 
 use super::*;
 use crate::linalg::instruction_set::InstructionSet;
@@ -8,7 +8,8 @@ use crate::mechanics::rod::{BendingStrain, GhostEdge, Placement, ReferenceFrames
 
 pub(in crate::mechanics::rod) const NODES: usize = 21;
 
-/// A bent and twisted rod whose first node is clamped, and frames somewhat behind its present shape.
+/// A bent and twisted rod with a clamped first node, and frames that lag somewhat behind its
+/// present shape.
 pub(in crate::mechanics::rod) fn clamped_rod() -> (ElasticRods, Vec<f64>, ReferenceFrames, GhostEdge)
 {
     let nodes: Vec<Vector3> = (0..NODES)

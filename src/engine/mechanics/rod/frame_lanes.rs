@@ -13,7 +13,7 @@ pub(super) type VectorLanes = [Lanes; 3];
 /// The vector in a lane.
 #[inline(always)]
 pub(super) fn vector(lanes: &VectorLanes, lane: usize) -> Vector3 {
-    // Spelled out: `map` over the arrays keeps the loop over lanes from vectorising.
+    // Written out: with `map` over the arrays, the loop over lanes does not vectorise.
     Vector3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane])
 }
 
@@ -30,7 +30,7 @@ pub(super) fn every_lane(vector: Vector3) -> VectorLanes {
     [[vector.x; LANES], [vector.y; LANES], [vector.z; LANES]]
 }
 
-/// Moves every vector of `from` into the next lane of `to`.
+/// Copies every vector of `from` to the next lane of `to`.
 pub(super) fn shift(to: &mut VectorLanes, from: &VectorLanes) {
     for (to, from) in to.iter_mut().zip(from) {
         to[1..].copy_from_slice(&from[..LANES - 1]);
@@ -50,7 +50,7 @@ pub(super) struct FrameLanes {
 }
 
 impl FrameLanes {
-    /// Edges along x, so that lanes out of use hold numbers.
+    /// Edges along x, so that unused lanes hold valid numbers.
     pub(crate) fn new() -> Self {
         Self {
             tangent: every_lane(Vector3::x()),
@@ -73,7 +73,7 @@ impl FrameLanes {
         set_vector(&mut self.holonomy, lane, &edge.holonomy);
     }
 
-    /// Takes over every edge of `other` into the next lane.
+    /// Copies every edge of `other` to the next lane.
     pub(crate) fn shift_from(&mut self, other: &Self) {
         shift(&mut self.tangent, &other.tangent);
         self.length[1..].copy_from_slice(&other.length[..LANES - 1]);
@@ -109,15 +109,15 @@ impl FrameLanes {
 pub(super) struct TransportLanes {
     /// Edge vectors, m.
     edge: VectorLanes,
-    /// Tangents and reference directors from which to transport.
+    /// Tangents (`source`) and reference directors from which to transport.
     source: VectorLanes,
     director: VectorLanes,
-    /// From the reference to the material director, rad.
+    /// Angle from the reference to the material director, rad.
     angle: Lanes,
 }
 
 impl TransportLanes {
-    /// Edges along x, so that lanes out of use hold numbers.
+    /// Edges along x, so that unused lanes hold valid numbers.
     pub(crate) fn new() -> Self {
         Self {
             edge: every_lane(Vector3::x()),
@@ -156,7 +156,8 @@ impl TransportLanes {
     }
 }
 
-/// Transports the frames of edges between nodes with the unknowns `start` and `end`, one in each lane: see [`transport`].
+/// Transports the frames of edges between nodes with the unknowns `start` and `end`, one edge per
+/// lane: see [`transport`].
 pub(super) fn transport_between(
     set: InstructionSet,
     [start, end]: [&[Lanes; STRIDE]; 2],
@@ -190,8 +191,8 @@ kernel! {
 }
 
 kernel! {
-    /// Transports the reference directors of every lane to the present tangents, and turns the material
-    /// frames from them.
+    /// Transports the reference directors of every lane to the present tangents, and rotates the
+    /// material frames relative to them.
     fn transport(from: &TransportLanes, frames: &mut FrameLanes, directors: &mut VectorLanes) {
         transport_lanes(from, frames, directors);
     }

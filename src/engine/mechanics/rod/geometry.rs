@@ -12,7 +12,7 @@ use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// Frames at the start of a step, from which the step transports them in time.
+/// Frames at the start of a step, from which frames are transported during the step.
 ///
 /// Arrays over edges have one entry per node (the edge that starts there; unused at the last node of an
 /// open rod), `twist` one per vertex.
@@ -29,7 +29,7 @@ pub struct ReferenceFrames {
 /// Geometry of all rods at one set of unknowns; its storage is reused.
 #[derive(Clone, Debug)]
 pub struct RodGeometry {
-    /// Instructions that kernels may use.
+    /// Instruction set for kernels.
     pub(super) set: InstructionSet,
     /// Framed edges, one per node, then the ghost edges.
     pub edges: Vec<EdgeFrame>,
@@ -40,9 +40,10 @@ pub struct RodGeometry {
     /// Reference directors, one per node, then those of the ghost edges.
     reference_director: Vec<Vector3>,
     reference_twist: Vec<f64>,
-    /// Turn of each ghost edge since the reference frames were committed, rad.
+    /// Rotation of each ghost edge since the reference frames were committed, rad.
     ghost_spin: Vec<f64>,
-    /// Whether the batches hold the frames; otherwise these were taken over, and only strains are in the batches.
+    /// Whether the batches hold the frames. If not, the geometry was copied, and the batches hold
+    /// only strains.
     has_batches: bool,
 }
 
@@ -70,7 +71,8 @@ impl RodGeometry {
         }
     }
 
-    /// Takes over natural strains, natural lengths and stiffnesses of `rods`, which otherwise equal this storage.
+    /// Copies natural strains, natural lengths and stiffnesses of `rods`, which must otherwise
+    /// match this storage.
     pub(crate) fn take_natural_strains(&mut self, rods: &ElasticRods) {
         for (vertices, lanes) in rods.vertices.chunks(LANES).zip(&mut self.vertex_lanes) {
             lanes.take_natural_strains(vertices);
@@ -80,7 +82,7 @@ impl RodGeometry {
         }
     }
 
-    /// Strains of a vertex, by its number.
+    /// Strains of a vertex, by its index.
     pub(crate) fn strains(&self, index: usize, vertex: &Vertex) -> VertexStrains {
         VertexStrains {
             curvature: curvatures(&self.edges[vertex.before], &self.edges[vertex.after]),
@@ -100,7 +102,7 @@ impl RodGeometry {
         self.update_edges(rods, unknowns, reference);
         self.place_ghosts(rods.nodes, ghosts);
         for ghost in &rods.turning_ghosts {
-            // A unit vector, over which forces are derivatives of the energy.
+            // A unit vector, so that forces are derivatives of the energy with respect to it.
             let edge = &mut self.edges[rods.nodes + ghost];
             (edge.length, edge.inverse_length) = (1.0, 1.0);
         }
@@ -116,25 +118,27 @@ impl RodGeometry {
         }
     }
 
-    /// Begins to take over an evaluation of rods with so many `nodes`, edge by edge and vertex by vertex.
+    /// Prepares to receive the evaluation of rods with so many `nodes`, edge by edge and vertex by
+    /// vertex.
     pub(super) fn begin_taking(&mut self, nodes: usize, ghosts: &[GhostEdge]) {
         self.has_batches = false;
         self.place_ghosts(nodes, ghosts);
     }
 
-    /// Takes over the edge that starts at a node, with its reference director.
+    /// Stores the edge that starts at a node, with its reference director.
     pub(super) fn take_edge(&mut self, start: usize, edge: &EdgeFrame, director: Vector3) {
         self.edges[start] = *edge;
         self.reference_director[start] = director;
     }
 
-    /// Takes over the strains and the reference twist (rad) of a vertex.
+    /// Stores the strains and the reference twist (rad) of a vertex.
     pub(super) fn take_vertex(&mut self, vertex: usize, strains: &VertexStrains, twist: f64) {
         self.vertex_lanes[vertex / LANES].set_strains(vertex % LANES, strains);
         self.reference_twist[vertex] = twist;
     }
 
-    /// This geometry with the frames in its batches, except those from which it was transported.
+    /// This geometry with the frames filled into its batches, except the frames from which it was
+    /// transported.
     pub(super) fn with_batches(&self, rods: &ElasticRods) -> Cow<'_, Self> {
         if self.has_batches {
             return Cow::Borrowed(self);
@@ -226,7 +230,7 @@ impl RodGeometry {
         self.vertex_lanes[vertex / LANES].twist(vertex % LANES)
     }
 
-    /// Makes the present frames the source of the next step.
+    /// Stores the present frames as the source of the next step.
     pub fn commit(&self, reference: &mut ReferenceFrames) {
         for k in 0..reference.tangent.len() {
             reference.tangent[k] = self.edges[k].tangent;

@@ -1,10 +1,11 @@
-//! Derivative of the spin of a transported frame over its edge: ∇c of the holonomy c = −(s×t)/((1+s·t) l).
+//! Derivative of the spin of a transported frame with respect to its edge: ∇c of the holonomy c =
+//! −(s×t)/((1+s·t) l).
 
 use super::vertex::{EdgeFrame, curvature_binormal};
 use crate::mechanics::{Matrix3, Vector3};
 
-/// ∇c over the edge vector, 1/m²: [κb⊗(t̃ + t) − 2/χ s×]/2l², where κb, t̃ and χ are those of the source
-/// tangent s and the present tangent t; see [`super::vertex`].
+/// ∇c with respect to the edge vector, 1/m²: [κb⊗(t̃ + t) − 2/χ s×]/2l², where κb, t̃ and χ belong
+/// to the source tangent s and the present tangent t; see [`super::vertex`].
 #[inline(always)]
 pub(crate) fn holonomy_jacobian(source: &Vector3, frame: &EdgeFrame) -> Matrix3 {
     let tangent = &frame.tangent;

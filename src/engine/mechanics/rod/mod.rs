@@ -1,14 +1,15 @@
 //! The discrete elastic rod: topology, frames, strains, energies and their derivatives.
 //!
-//! [`vertex`] holds bending and twisting, [`edge`] stretching; [`ElasticRods`] adds them up over all rods
-//! into a gradient and a band matrix; `clamped_end` weighs vertices beside clamps, `turning_ghost` lets the wall of a
-//! clamp turn, as joints and bodies do. [`RodGeometry`] computes edges, frames and strains from the
-//! unknowns. Both go through edges and vertices in lanes, several at a time (`frame_lanes`, `edge_lanes`,
-//! `vertex_lanes`), with the formulas written for one; `trigonometry` has sines and angles for that.
+//! [`vertex`] contains bending and twisting, [`edge`] stretching; [`ElasticRods`] sums them over
+//! all rods into a gradient and a band matrix. `clamped_end` weights vertices next to clamps, and
+//! `turning_ghost` allows a ghost edge to rotate with a joint or body. [`RodGeometry`] computes
+//! edges, frames and strains from the unknowns. Both process several edges or vertices at a time,
+//! in lanes (`frame_lanes`, `edge_lanes`, `vertex_lanes`), with the formulas of a single one;
+//! `trigonometry` provides sines and angles for that.
 //!
-//! Papers: Bergou et al. 2008 (Discrete elastic rods), Bergou et al. 2010 (Discrete viscous threads:
-//! time-parallel frames), Kaldor et al. 2010 (twist that counts turns), Panetta et al. 2019 (the corrected
-//! Hessian).
+//! Papers: Bergou et al. 2008 (Discrete elastic rods), Bergou et al. 2010 (Discrete viscous
+//! threads: time-parallel frames), Kaldor et al. 2010 (twist that includes whole turns), Panetta
+//! et al. 2019 (the corrected Hessian).
 
 mod clamped_end;
 mod copies;

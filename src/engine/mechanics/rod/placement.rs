@@ -1,4 +1,4 @@
-//! A polyline with material frames: how a rod is placed, and what its natural strains are.
+//! A polyline with material frames: the placement of a rod and its natural strains.
 
 use super::discretization::GhostEdge;
 use super::topology::RodRange;
@@ -26,7 +26,7 @@ pub(crate) struct Placement {
     pub lengths: Vec<f64>,
     /// First reference directors: parallel transported along the rod, without twist.
     pub directors: Vec<Vector3>,
-    /// Angles from reference to material directors, rad: the twist put in, evenly spread.
+    /// Angles from reference to material directors, rad: the imposed twist, evenly spread.
     pub angles: Vec<f64>,
     /// Twist of each inner vertex, rad.
     pub vertex_twist: f64,
@@ -38,7 +38,8 @@ impl Placement {
     /// Frames along `nodes`; `twist` is the total from first to last edge (once around for a ring).
     ///
     /// # Errors
-    /// [`PlacementError`]: the first edge that has no length, or vertex at which the polyline turns back.
+    /// [`PlacementError`]: the first edge without length, or the first vertex at which the
+    /// polyline turns back.
     pub(crate) fn new(
         nodes: &[Vector3],
         closed: bool,
@@ -107,7 +108,7 @@ impl Placement {
         )
     }
 
-    /// Tangent and material frame of the smooth rod at `node`: that of a clamp there.
+    /// Tangent and material frame of the smooth rod at `node`, as a clamp there holds it.
     pub(crate) fn frame_at_node(&self, node: usize) -> GhostEdge {
         let last = self.tangents.len() - 1;
         let (edge, tangent, turn) = if !self.closed && node == 0 {
@@ -133,7 +134,8 @@ impl Placement {
         }
     }
 
-    /// Reference twist from the last edge of a ring to its first, rad: what transport once around leaves.
+    /// Reference twist from the last edge of a ring to its first, rad: the angle left by transport
+    /// once around.
     pub(crate) fn joint_reference_twist(&self) -> f64 {
         let last = self.tangents.len() - 1;
         let carried = parallel_transport(
@@ -180,7 +182,7 @@ fn frame(tangent: &Vector3, director: Vector3) -> EdgeFrame {
     }
 }
 
-/// Tangent at the outer end of an edge, continued from its neighbour to second order.
+/// Tangent at the outer end of an edge, extrapolated from its neighbour to second order.
 fn extrapolated(edge: &Vector3, neighbour: Option<&Vector3>) -> Vector3 {
     match neighbour {
         Some(neighbour) => (edge * 1.5 - neighbour * 0.5).normalize(),

@@ -1,9 +1,10 @@
 //! Numbering of the nodes and edges of all rods.
 //!
-//! Nodes of all rods are numbered through, rod after rod. Edge `k` starts at node `k`; at the last node
-//! of an open rod no edge starts. Unknowns have stride four: the position of node `k` at 4k..4k+2 and the
-//! angle of edge `k` at 4k+3, so that a rod of N edges has the 4N + 3 unknowns x₀, θ⁰, x₁, θ¹, …, x_N
-//! (thesis Eq. 1.1) and one that is held at zero, and a vertex couples eleven consecutive unknowns.
+//! Nodes of all rods are numbered consecutively, rod after rod. Edge `k` starts at node `k`; no
+//! edge starts at the last node of an open rod. Unknowns have stride four: the position of node
+//! `k` is at 4k..4k+2 and the angle of edge `k` at 4k+3. So a rod of N edges has the 4N + 3
+//! unknowns x₀, θ⁰, x₁, θ¹, …, x_N (thesis Eq. 1.1) and one that is held at zero; a vertex couples
+//! eleven consecutive unknowns.
 
 use crate::mechanics::Vector3;
 
@@ -61,7 +62,7 @@ pub fn position(unknowns: &[f64], node: usize) -> Vector3 {
     )
 }
 
-/// The same of a motion, which vertices of obstacles, numbered beyond the nodes, do not take part in.
+/// Motion of node `k`; zero for vertices of obstacles, which are numbered after the nodes.
 pub(crate) fn motion_of(motion: &[f64], node: usize) -> Vector3 {
     if STRIDE * node < motion.len() {
         position(motion, node)

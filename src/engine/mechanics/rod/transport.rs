@@ -1,4 +1,4 @@
-//! Parallel transport of directors, and the angle it leaves behind.
+//! Parallel transport of directors, and the angle that remains after it.
 
 use crate::mechanics::Vector3;
 
@@ -35,14 +35,14 @@ pub fn any_normal(tangent: &Vector3) -> Vector3 {
     (axis - tangent * axis.dot(tangent)).normalize()
 }
 
-/// The part of `hint` normal to `tangent`, normalised; `None` where the two are parallel.
+/// The part of `hint` normal to `tangent`, normalised; `None` if the two are parallel.
 pub fn normal_part(hint: &Vector3, tangent: &Vector3) -> Option<Vector3> {
     let part = hint - tangent * hint.dot(tangent);
     let length = part.norm();
     (length > 1e-9 * hint.norm()).then(|| part / length)
 }
 
-/// `vector` turned by `angle` about the unit vector `axis` (Rodrigues).
+/// `vector` rotated by `angle` about the unit vector `axis` (Rodrigues).
 pub fn rotated(vector: &Vector3, axis: &Vector3, angle: f64) -> Vector3 {
     let (sin, cos) = libm::sincos(angle);
     vector * cos + axis.cross(vector) * sin + axis * (axis.dot(vector) * (1.0 - cos))

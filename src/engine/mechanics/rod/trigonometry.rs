@@ -1,11 +1,12 @@
-//! Sine, cosine and the angle of a plane vector without branches, so that loops over lanes vectorise.
+//! Sine, cosine and the angle of a plane vector, without branches so that loops over lanes
+//! vectorise.
 //!
-//! Polynomials by interpolation at Chebyshev's nodes, right to 2·10⁻¹⁷ before rounding; results to about one unit in the
-//! last place.
+//! Polynomials from interpolation at Chebyshev nodes, with an error of 2·10⁻¹⁷ before rounding;
+//! results to about one unit in the last place.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-/// Angles below it count as they are, rad: their number of quarter turns has at most 20 bits.
+/// Largest angle that is not reduced first, rad: its number of quarter turns has at most 20 bits.
 const LARGEST_ANGLE: f64 = 1e6;
 /// π/2 in three parts, the first two of 33 bits, so that their products with a number of quarter turns are exact.
 const QUARTER_TURN: [f64; 3] = [
@@ -13,7 +14,8 @@ const QUARTER_TURN: [f64; 3] = [
     6.077100506303966e-11,
     2.0222662487959506e-21,
 ];
-/// Added to a number and taken off again, it rounds to an integer, which is then in the lowest bits of the sum.
+/// Adding and subtracting this constant rounds a number to an integer; the lowest bits of the sum
+/// hold the integer.
 const ROUNDING: f64 = 1.5 * (1u64 << 52) as f64;
 /// (sin √z/√z − 1)/z for z ≤ (π/4)².
 const SINE: [f64; 6] = [
@@ -51,7 +53,8 @@ const ARC_TANGENT: [f64; 12] = [
 /// tan(π/8) = √2 − 1.
 const TANGENT_OF_EIGHTH: f64 = std::f64::consts::SQRT_2 - 1.0;
 
-/// An angle (rad) that [`sine_cosine`] takes: itself, or a large one less its whole turns.
+/// An argument for [`sine_cosine`]: the angle (rad) itself, or, if large, the angle without its
+/// whole turns.
 #[inline(always)]
 pub(super) fn within_reach(angle: f64) -> f64 {
     if is_within_reach(angle) {
@@ -61,7 +64,7 @@ pub(super) fn within_reach(angle: f64) -> f64 {
     }
 }
 
-/// Whether [`sine_cosine`] takes an angle (rad) as it is.
+/// Whether [`sine_cosine`] takes an angle (rad) without reduction.
 #[inline(always)]
 pub(super) fn is_within_reach(angle: f64) -> bool {
     angle.abs() < LARGEST_ANGLE
@@ -83,13 +86,14 @@ pub(super) fn sine_cosine(angle: f64) -> (f64, f64) {
     } else {
         (sine, cosine)
     };
-    // Quadrants 2 and 3 turn the sign of the sine, 1 and 2 that of the cosine.
+    // Quadrants 2 and 3 change the sign of the sine, 1 and 2 that of the cosine.
     let across = f64::from_bits(across.to_bits() ^ (quadrant >> 1) << 63);
     let along = f64::from_bits(along.to_bits() ^ ((quadrant + 1) >> 1 & 1) << 63);
     (across, along)
 }
 
-/// Angle of a plane vector in (−π, π], from multiples of its sine and cosine; zero for that of no length.
+/// Angle of a plane vector in (−π, π], from multiples of its sine and cosine; zero for the zero
+/// vector.
 #[inline(always)]
 pub(super) fn angle_of(sine: f64, cosine: f64) -> f64 {
     let (height, width) = (sine.abs(), cosine.abs());
@@ -113,8 +117,8 @@ pub(super) fn angle_of(sine: f64, cosine: f64) -> f64 {
     angle.copysign(sine)
 }
 
-/// A polynomial of z with an even number of coefficients, those of even and odd powers by themselves: two short chains
-/// of operations instead of a long one.
+/// A polynomial in z with an even number of coefficients. Even and odd powers are summed
+/// separately: two short chains of operations instead of a long one.
 #[inline(always)]
 fn polynomial<const N: usize>(coefficients: &[f64; N], z: f64) -> f64 {
     let square = z * z;
@@ -130,7 +134,7 @@ fn polynomial<const N: usize>(coefficients: &[f64; N], z: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Angles over all quadrants and decades, the multiples of π/4 among them.
+    /// Angles over all quadrants and decades, including multiples of π/4.
     fn angles() -> impl Iterator<Item = f64> {
         let decades = (-12..6).flat_map(|exponent| {
             (0..500).map(move |k| 10f64.powi(exponent) * (1.0 + 0.018 * f64::from(k)))

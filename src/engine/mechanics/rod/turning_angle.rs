@@ -1,20 +1,24 @@
-//! Bending by the angle of turning, for rods that are straight by nature.
+//! Bending by the turning angle, for naturally straight rods.
 //!
-//! The curvature binormal κb of two edges that turn by φ has the length 2 tan(φ/2), too large by φ³/12. A straight rod that
-//! loads bend turns by its curvature times its length, so that the angle itself is the strain to take. A factor λ makes it
-//! of κb, exact up to φ⁷/840, that takes neither a root nor a division, and still resists a fold, φ = π, without bound:
-//! with c = cos²(φ/2) and q = |κb|² = 4/c − 4, which is the sum of two squares in the frame of each edge,
+//! The curvature binormal κb of two edges that turn by φ has the length 2 tan(φ/2), which is too
+//! large by φ³/12. A straight rod bent by loads turns by its curvature times its length, so that
+//! the angle itself is the right strain. A factor λ converts |κb| to the angle, exact up to
+//! φ⁷/840. It needs neither a root nor a division, and the energy still grows without bound at a
+//! fold, φ = π. With c = cos²(φ/2) and q = |κb|² = 4/c − 4, which is the sum of two squares in the
+//! frame of each edge,
 //!
 //! ```text
 //! E = Σⱼ [EI₂ (λκ¹ʲ)² + EI₁ (λκ²ʲ)²] / 4l̄
 //! λ = (8 + 9c − 2c²)/15,   dλ/dq = −c² (9 − 4c)/60,   d²λ/dq² = c³ (3 − 2c)/40
 //! ```
 //!
-//! (The angle is less accurate for rods with a large natural curvature: around them a polygon of the right length turns by
-//! 2 tan(φ/2) where its edges touch the arc, which is the strain κb.)
+//! (The angle is less accurate for rods with a large natural curvature. A polygon of the right
+//! length around such an arc turns by 2 tan(φ/2) if its edges touch the arc, which is the strain
+//! κb.)
 //!
-//! **Derivatives** over the components of κb, of which [`super::vertex`] has those over the unknowns: with the moments Q and
-//! the stiffness K over λκ, for the two components in the frame of an edge,
+//! **Derivatives** with respect to the components of κb, whose derivatives with respect to the
+//! unknowns are in [`super::vertex`]. With the moments Q and the stiffness K for λκ, for the two
+//! components in the frame of an edge,
 //!
 //! ```text
 //! ∂E/∂κ = λ Q + 2λ' (Q·κ) κ
@@ -24,7 +28,7 @@
 use super::vertex::{Moments, VertexStiffness, VertexStrains};
 use serde::{Deserialize, Serialize};
 
-/// Measure of the turning at a vertex that bends the rod.
+/// Measure of the bending at a vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BendingStrain {
     /// Twice the tangent of half the angle: the curvature binormal.
@@ -34,7 +38,8 @@ pub enum BendingStrain {
     Angle,
 }
 
-/// Turning angle over the length of the curvature binormal, and its derivatives over the square of that length.
+/// Ratio of the turning angle to the length of the curvature binormal, and its derivatives with
+/// respect to the square of that length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AngleRatio {
     value: f64,
@@ -43,7 +48,8 @@ pub(super) struct AngleRatio {
 }
 
 impl AngleRatio {
-    /// Of edges with the squared cosine c of half their angle; with the `share` 0 that of the tangent, which is 1.
+    /// The ratio for edges with the squared cosine c of half their turning angle. With `share` 0
+    /// the strain is the tangent, and the ratio is 1.
     #[inline(always)]
     pub(super) fn of(c: f64, share: f64) -> Self {
         Self {
@@ -70,10 +76,10 @@ impl AngleRatio {
         std::array::from_fn(|k| self.value * change[k] + self.first * of_square * kappa[k])
     }
 
-    /// Moments on κ, from those on λκ.
+    /// Moments with respect to κ, from those with respect to λκ.
     #[inline(always)]
     pub(super) fn over_components(&self, moments: &Moments, kappa: &[f64; 4]) -> Moments {
-        // Spelled out: loops over the two edges keep those over lanes from vectorising.
+        // Written out: with loops over the two edges, those over lanes do not vectorise.
         let q = &moments.bending;
         let twice = 2.0 * self.first;
         let before = twice * (q[0] * kappa[0] + q[1] * kappa[1]);
@@ -99,7 +105,7 @@ impl BendingStrain {
         }
     }
 
-    /// Strain of bending, from the components of the curvature binormal.
+    /// Bending strain, from the components of the curvature binormal.
     pub(crate) fn of(self, strains: &VertexStrains) -> VertexStrains {
         if self == Self::Tangent {
             return *strains;
@@ -110,7 +116,8 @@ impl BendingStrain {
     }
 }
 
-/// Second derivatives over the two components of the curvature binormal in the frame of an edge.
+/// Second derivatives with respect to the two components of the curvature binormal in the frame of
+/// an edge.
 pub(super) struct PairHessian {
     pub(super) first: f64,
     pub(super) mixed: f64,
@@ -118,7 +125,7 @@ pub(super) struct PairHessian {
 }
 
 impl PairHessian {
-    /// At the components κ, with the moments Q over λκ.
+    /// Computes them at the components κ, with the moments Q with respect to λκ.
     #[inline(always)]
     pub(super) fn new(
         [kappa_1, kappa_2]: [f64; 2],

@@ -1,16 +1,19 @@
-//! Half vertices between a rod and a joint or body: their ghost edge turns with it.
+//! Half vertices between a rod and a joint or body, whose ghost edge rotates with the joint or
+//! body.
 //!
-//! The energy of a vertex is a function of two edges and of the spins of their frames. The ghost edge is a unit vector t
-//! with a material frame, both of which turn by the rotation ψ of the joint: along t(s) = exp(s[ψ]×) t the frame spins by
-//! s ψ·t against parallel transport, up to terms of the third order. So with g = ∂E/∂t and the spin moment m
+//! The energy of a vertex is a function of two edges and of the spins of their frames. The ghost
+//! edge is a unit vector t with a material frame. Both rotate by the rotation ψ of the joint:
+//! along t(s) = exp(s[ψ]×) t the frame spins by s ψ·t relative to parallel transport, up to terms
+//! of third order. So with g = ∂E/∂t and the spin moment m
 //!
 //! ```text
 //! ∂E/∂ψ = T = t × g + m t                                    the moment of the joint on the rod
 //! ∂²E/∂ψ² = Aᵀ H A + sym(g⊗t) − (g·t) 1,    A ψ = (ψ × t, ψ·t)
 //! ```
 //!
-//! with the Hessian H over t and its spin; the second derivative is that along exp(s[ψ]×). The first node of the edge
-//! of the ghost moves with the node of the joint, so that what acts on both acts on the one.
+//! with the Hessian H with respect to t and its spin; the second derivative is that along
+//! exp(s[ψ]×). The first node of the ghost edge is the node of the joint, so that the forces on
+//! both add up.
 
 use super::vertex_lanes::{GradientLanes, HessianLanes, VERTEX_UNKNOWNS};
 use crate::linalg::ElementMatrix;
@@ -35,7 +38,8 @@ impl TurningGhost {
     fn jacobian(&self) -> SMatrix<f64, VERTEX_UNKNOWNS, TURNING_UNKNOWNS> {
         let mut jacobian = SMatrix::zeros();
         let turn = -self.tangent.cross_matrix();
-        // Where the real edge begins, its end lies, and the far end of the ghost, among the unknowns of the vertex.
+        // Start indices, among the unknowns of the vertex, of the real edge, of the far end of the
+        // ghost, of its near end, and of its spin.
         let (real, far, near, spin) = if self.is_first {
             (4, 0, 0, 3)
         } else {
@@ -55,19 +59,19 @@ impl TurningGhost {
         jacobian
     }
 
-    /// Force over the unit vector, g, N m.
+    /// Force with respect to the unit vector, g, N m.
     fn force(&self, local: &GradientLanes, lane: usize) -> Vector3 {
         let (far, sign) = if self.is_first { (0, -1.0) } else { (8, 1.0) };
         Vector3::from_fn(|axis, _| sign * local[far + axis][lane])
     }
 
-    /// The gradient over the unknowns of the half vertex.
+    /// The gradient with respect to the unknowns of the half vertex.
     pub(crate) fn gradient(&self, local: &GradientLanes, lane: usize) -> [f64; TURNING_UNKNOWNS] {
         let local = SVector::<f64, VERTEX_UNKNOWNS>::from_fn(|k, _| local[k][lane]);
         (self.jacobian().transpose() * local).into()
     }
 
-    /// Adds the Hessian over the unknowns of the half vertex to an element.
+    /// Adds the Hessian with respect to the unknowns of the half vertex to an element.
     pub(crate) fn add_hessian(
         &self,
         local: &GradientLanes,

@@ -1,7 +1,8 @@
 //! Bending and twisting at one vertex: energy, gradient and Hessian in closed form.
 //!
-//! A vertex joins two edges e⁰ and e¹ with unit tangents t⁰, t¹, lengths l⁰, l¹ and material directors
-//! m₁ʲ, m₂ʲ. Its strains are the curvature binormal seen by each edge's own frame and the twist,
+//! A vertex joins two edges e⁰ and e¹ with unit tangents t⁰, t¹, lengths l⁰, l¹ and material
+//! directors m₁ʲ, m₂ʲ. Its strains are the curvature binormal in the frame of each edge, and the
+//! twist,
 //!
 //! ```text
 //! κb = 2 t⁰×t¹ / χ,  χ = 1 + t⁰·t¹                (Bergou et al. 2008, Eq. 1; thesis Eq. 1.3)
@@ -10,9 +11,10 @@
 //! E = Σⱼ [EI₂(κ¹ʲ−κ̃¹ʲ)² + EI₁(κ²ʲ−κ̃²ʲ)²] / 4l̄ + GJ(τ−τ̃)² / 2l̄
 //! ```
 //!
-//! with the Voronoi length l̄. The superscript gives the director towards which the rod bends: κ¹ is the curvature towards m₁,
-//! that is, about m₂, and κ² that about −m₁. Cross-sections are described by the axes *about* which they bend (second
-//! moments, natural curvatures); `VertexStrains::about_directors` and [`VertexStiffness::about_directors`] translate.
+//! with the Voronoi length l̄. The superscript gives the director towards which the rod bends: κ¹
+//! is the curvature towards m₁, that is, about m₂, and κ² that about −m₁. Second moments and
+//! natural curvatures of cross-sections refer to the axes *about* which they bend;
+//! `VertexStrains::about_directors` and [`VertexStiffness::about_directors`] convert.
 //!
 //! ```text
 //!          m₂ ↑                  I₁ = ∫ y₂² dA = w h³/12 resists bending about m₁ (curvature κb·m₁),
@@ -26,7 +28,8 @@
 //! squares agrees with it to second order in the edge length and does not soften under strong twist: for
 //! an isotropic, naturally straight rod the bending energy is EI|κb|²/2l̄ for any frames.
 //!
-//! Rods that are straight by nature may bend by the angle φ instead of |κb| = 2 tan(φ/2): [`super::BendingStrain`].
+//! Naturally straight rods may bend by the angle φ instead of |κb| = 2 tan(φ/2):
+//! [`super::BendingStrain`].
 //!
 //! **Derivatives.** With t̃ = (t⁰+t¹)/χ, any S = κb·(M⁰+M¹), where Mʲ is a fixed combination of the
 //! directors of edge j, and Σ = 2(M⁰+M¹)/χ, Nʲ = tʲ×Mʲ, has under a change of the edges that carries the
@@ -39,11 +42,11 @@
 //! ∂S/∂φʲ = κb·Nʲ,   ∂²S/∂φʲ² = −κb·Mʲ
 //! ```
 //!
-//! (the twist: ∂τ/∂eʲ = κb/2lʲ). Frames are not free of spin: they are parallel transported in time from
-//! the source tangent s of the step's start, so that the spin is dφ = dθ + c·de with
-//! c = −(s×t)/((1+s·t) l). With these c the energy is one function of the unknowns during a whole step, and
-//! gradient and Hessian are exact and symmetric everywhere, not only at the source: the antisymmetric
-//! part of κb⊗M cancels against (∂E/∂φ) ∇c, the correction of Panetta et al. 2019.
+//! (the twist: ∂τ/∂eʲ = κb/2lʲ). Frames are not free of spin: they are parallel transported in
+//! time from the source tangent s at the start of the step. So the spin is dφ = dθ + c·de with c =
+//! −(s×t)/((1+s·t) l). With these c the energy is a single function of the unknowns during a whole
+//! step, and gradient and Hessian are exact and symmetric everywhere, not only at the source: the
+//! antisymmetric part of κb⊗M cancels against (∂E/∂φ) ∇c, the correction of Panetta et al. 2019.
 
 use crate::mechanics::Vector3;
 use serde::{Deserialize, Serialize};
@@ -89,7 +92,7 @@ impl VertexStrains {
 /// Stiffness of a vertex: EI/2l̄ for each curvature and GJ/l̄ for the twist, N m.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VertexStiffness {
-    /// That of κ¹, EI₂/2l̄, and that of κ², EI₁/2l̄.
+    /// Stiffnesses for κ¹, EI₂/2l̄, and for κ², EI₁/2l̄.
     pub bending: [f64; 2],
     /// GJ/l̄.
     pub twisting: f64,
@@ -107,7 +110,8 @@ impl VertexStiffness {
     }
 }
 
-/// Gradient over (e⁰, φ⁰, e¹, φ¹): forces, N, and moments, N m. Also the gradient of a single strain.
+/// Gradient with respect to (e⁰, φ⁰, e¹, φ¹): forces, N, and moments, N m. Also the gradient of a
+/// single strain.
 #[derive(Clone, Copy, Debug)]
 pub struct VertexGradient {
     /// Over e⁰.
@@ -228,7 +232,7 @@ impl Moments {
         }
     }
 
-    /// Gradient of an energy of these derivatives.
+    /// Gradient of an energy with these derivatives.
     #[inline(always)]
     pub(super) fn gradient(&self, before: &EdgeFrame, after: &EdgeFrame) -> VertexGradient {
         let common = Common::new(before, after);

@@ -6,8 +6,9 @@ use super::turning_angle::{AngleRatio, PairHessian};
 use super::vertex::{Common, EdgeFrame, Moments, VertexStiffness, VertexStrains};
 use crate::mechanics::{Matrix3, Vector3};
 
-/// Blocks of the lower triangle of the Hessian over (e⁰, φ⁰, e¹, φ¹), except (∂E/∂φ)∇c, which is added
-/// once per edge. The block of eⁱ and φʲ is a vector over eⁱ on either side of the diagonal.
+/// Blocks of the lower triangle of the Hessian with respect to (e⁰, φ⁰, e¹, φ¹), except (∂E/∂φ)∇c,
+/// which is added once per edge. The block of eⁱ and φʲ is a vector with respect to eⁱ on either
+/// side of the diagonal.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // the names are the rows and columns
 pub(crate) struct VertexHessian {
@@ -47,7 +48,8 @@ pub(crate) fn hessian(
     hessian
 }
 
-/// Hessian of the energy of a vertex of which a `share` bends by the angle ([`super::turning_angle`]).
+/// Hessian of the energy of a vertex that bends by the turning angle with weight `share`
+/// ([`super::turning_angle`]).
 #[inline(always)]
 pub(crate) fn hessian_of_angle(
     before: &EdgeFrame,
@@ -73,7 +75,8 @@ pub(crate) fn hessian_of_angle(
     hessian
 }
 
-/// Gradient of a strain in the frame of one edge, over e⁰, e¹ and the angle of that edge.
+/// Gradient of a strain in the frame of one edge, with respect to e⁰, e¹ and the angle of that
+/// edge.
 struct SeenGradient {
     e0: Vector3,
     e1: Vector3,
@@ -81,7 +84,7 @@ struct SeenGradient {
 }
 
 impl SeenGradient {
-    /// `own` times this and `factor` times another.
+    /// The sum of `own` times this gradient and `factor` times another.
     #[inline(always)]
     fn combined(&self, own: f64, other: &Self, factor: f64) -> Self {
         Self {
@@ -111,7 +114,7 @@ fn slopes_before(
     ]
 }
 
-/// The same of the edge after.
+/// Gradients of the two components in the frame of the edge after.
 #[inline(always)]
 fn slopes_after(
     after: &EdgeFrame,
@@ -140,7 +143,7 @@ impl VertexHessian {
         self.phi0phi0 += g.phi * phi;
     }
 
-    /// The same of a strain in the frame of the edge after.
+    /// Adds `weight` g⊗g of a strain in the frame of the edge after.
     #[inline(always)]
     fn add_square_after(&mut self, weight: f64, g: &SeenGradient) {
         let phi = g.phi * weight;
@@ -150,7 +153,7 @@ impl VertexHessian {
         self.phi1phi1 += g.phi * phi;
     }
 
-    /// Adds f⊗g of strains in the frame of the edge before, which with others makes a symmetric matrix.
+    /// Adds f⊗g of strains in the frame of the edge before; with other terms the sum is symmetric.
     #[inline(always)]
     fn add_outer_before(&mut self, f: &SeenGradient, g: &SeenGradient) {
         self.add_outer_of_edges(f, g);
@@ -159,7 +162,7 @@ impl VertexHessian {
         self.phi0phi0 += f.phi * g.phi;
     }
 
-    /// The same of strains in the frame of the edge after.
+    /// Adds f⊗g of strains in the frame of the edge after.
     #[inline(always)]
     fn add_outer_after(&mut self, f: &SeenGradient, g: &SeenGradient) {
         self.add_outer_of_edges(f, g);
@@ -223,7 +226,7 @@ fn strain_curvature(
     let (g0, g1) = common.natural_gradient(s, &sigma);
     let s_chi = s * inverse_chi;
 
-    // Spins: ∂S/∂φʲ and its gradients, from Nʲ = tʲ × Mʲ in the place of Mʲ.
+    // Spins: ∂S/∂φʲ and its gradients, from Nʲ = tʲ × Mʲ instead of Mʲ.
     let (n0, n1) = (t0.cross(&m0), t1.cross(&m1));
     let (s_phi0, s_phi1) = (binormal.dot(&n0), binormal.dot(&n1));
     let (g0_phi0, g1_phi0) = common.natural_gradient(s_phi0, &(n0 * common.two_over_chi));

@@ -55,12 +55,12 @@ pub(super) struct SectionLanes {
     natural: StrainLanes,
     bending: [Lanes; 2],
     twisting: Lanes,
-    /// 1 where the angle of turning is the strain, 0 where the curvature binormal is.
+    /// Whether the strain of each lane is the turning angle (1) or the curvature binormal (0).
     angle: Lanes,
     has_angles: bool,
 }
 
-/// Whether the angle of turning is the strain of one of the vertices that are in lanes together.
+/// Whether any of these vertices, which share lanes, bends by the turning angle.
 pub(super) fn have_angles(vertices: &[Vertex]) -> bool {
     vertices.iter().any(|vertex| vertex.strain.share() > 0.0)
 }
@@ -69,7 +69,8 @@ pub(super) fn have_angles(vertices: &[Vertex]) -> bool {
 pub(super) type Beside<'a> = [&'a FrameLanes; 2];
 
 impl SectionLanes {
-    /// Straight rods without stiffness. With `has_angles` the derivatives are those of angles of turning in every lane.
+    /// Straight rods without stiffness. With `has_angles` the derivatives of every lane allow for
+    /// turning angles.
     pub(crate) fn new(has_angles: bool) -> Self {
         Self {
             strains: StrainLanes::new(),
@@ -81,7 +82,7 @@ impl SectionLanes {
         }
     }
 
-    /// Takes over the natural strains and stiffnesses of a vertex into a lane.
+    /// Copies the natural strains and stiffnesses of a vertex to a lane.
     fn take_natural_strains(&mut self, lane: usize, vertex: &Vertex) {
         self.natural.set(lane, &vertex.natural);
         self.bending[0][lane] = vertex.stiffness.bending[0];
@@ -89,7 +90,7 @@ impl SectionLanes {
         self.twisting[lane] = vertex.stiffness.twisting;
     }
 
-    /// Takes over natural strains and stiffnesses of the vertex in the lane `from` of others into a lane.
+    /// Copies the natural strains and stiffnesses of a vertex from the lane `from` of `others`.
     pub(crate) fn take_lane(&mut self, lane: usize, others: &Self, from: usize) {
         self.natural.set(lane, &others.natural.get(from));
         self.bending[0][lane] = others.bending[0][from];
@@ -104,7 +105,8 @@ impl SectionLanes {
         self.angle[lane] = vertex.strain.share();
     }
 
-    /// Computes the curvatures of every lane between edges with their reference directors, and the angle between these.
+    /// Computes the curvatures of every lane, and the angle between the reference directors of its
+    /// edges.
     pub(crate) fn bend(
         &mut self,
         set: InstructionSet,
@@ -122,7 +124,7 @@ impl SectionLanes {
         angle
     }
 
-    /// The twists of all lanes, rad, to be set.
+    /// The twists of all lanes, rad, for setting them.
     pub(crate) fn twists_mut(&mut self) -> &mut Lanes {
         &mut self.strains.twist
     }
@@ -132,7 +134,7 @@ impl SectionLanes {
         self.strains.get(lane)
     }
 
-    /// Gradient and Hessian of every lane.
+    /// Computes gradient and Hessian of every lane.
     pub(crate) fn derivatives(
         &self,
         set: InstructionSet,
@@ -196,7 +198,8 @@ pub(super) struct VertexLanes {
 }
 
 impl VertexLanes {
-    /// Natural strains and stiffness of `vertices`; lanes out of use hold a straight rod without stiffness.
+    /// Natural strains and stiffness of `vertices`; unused lanes hold a straight rod without
+    /// stiffness.
     pub(crate) fn new(vertices: &[Vertex]) -> Self {
         let mut sections = SectionLanes::new(have_angles(vertices));
         for (lane, vertex) in vertices.iter().enumerate() {
@@ -214,7 +217,7 @@ impl VertexLanes {
         }
     }
 
-    /// Takes over the natural strains and stiffnesses of `vertices`.
+    /// Copies the natural strains and stiffnesses of `vertices`.
     pub(crate) fn take_natural_strains(&mut self, vertices: &[Vertex]) {
         for (lane, vertex) in vertices.iter().enumerate() {
             self.sections.take_natural_strains(lane, vertex);
@@ -233,12 +236,12 @@ impl VertexLanes {
         set_vector(&mut self.reference[1], lane, reference);
     }
 
-    /// Whether every lane is in use and the edge after each vertex is that before the next.
+    /// Whether every lane is in use and the edge after each vertex is the edge before the next.
     pub(crate) fn is_chain(&self) -> bool {
         self.is_chain
     }
 
-    /// Puts the edge after each vertex before the next.
+    /// Copies the edge after each vertex to the edge before the next.
     pub(crate) fn chain(&mut self) {
         self.before.shift_from(&self.after);
         let [before, after] = &mut self.reference;
@@ -277,7 +280,7 @@ impl VertexLanes {
         self.sections.strains.set(lane, strains);
     }
 
-    /// Gradient and Hessian of every lane.
+    /// Computes gradient and Hessian of every lane.
     pub(crate) fn derivatives(
         &self,
         set: InstructionSet,
@@ -296,8 +299,8 @@ impl VertexLanes {
 }
 
 kernel! {
-    /// [`vertex::curvatures`] of every lane, and the angle from the reference director before, transported, to that
-    /// after.
+    /// Computes [`vertex::curvatures`] in every lane, and the angle from the transported reference
+    /// director before to the one after.
     fn bend(
         beside: Beside,
         reference: [&VectorLanes; 2],
@@ -320,14 +323,15 @@ kernel! {
     }
 }
 
-/// Gradients over (x₋, θ⁰, x, θ¹, x₊).
+/// Gradients with respect to (x₋, θ⁰, x, θ¹, x₊).
 pub(super) type GradientLanes = [Lanes; VERTEX_UNKNOWNS];
 
-/// Lower triangles of Hessians over (x₋, θ⁰, x, θ¹, x₊): entry (i, j) at `[j][i - j]`, as in a band matrix.
+/// Lower triangles of Hessians with respect to (x₋, θ⁰, x, θ¹, x₊): entry (i, j) at `[j][i - j]`,
+/// as in a band matrix.
 pub(super) type HessianLanes = [[Lanes; VERTEX_UNKNOWNS]; VERTEX_UNKNOWNS];
 
 kernel! {
-    /// [`vertex::gradient`] and [`vertex_hessian::hessian`] of every lane.
+    /// Computes [`vertex::gradient`] and [`vertex_hessian::hessian`] in every lane.
     fn derivatives_of_tangents(vertices: &SectionLanes, beside: Beside, gradients: &mut GradientLanes, hessians: &mut HessianLanes) {
         for lane in 0..LANES {
             let (before, after) = (beside[0].get(lane), beside[1].get(lane));
@@ -342,7 +346,7 @@ kernel! {
 }
 
 kernel! {
-    /// [`vertex::gradient`] of every lane.
+    /// Computes [`vertex::gradient`] in every lane.
     fn gradients_of_tangents(vertices: &SectionLanes, beside: Beside, gradients: &mut GradientLanes) {
         for lane in 0..LANES {
             let (before, after) = (beside[0].get(lane), beside[1].get(lane));
@@ -355,7 +359,7 @@ kernel! {
 }
 
 kernel! {
-    /// The same with the angle of turning as the strain of some lanes.
+    /// Computes gradient and Hessian if some lanes bend by the turning angle.
     fn derivatives_of_angles(vertices: &SectionLanes, beside: Beside, gradients: &mut GradientLanes, hessians: &mut HessianLanes) {
         for lane in 0..LANES {
             let (before, after) = (beside[0].get(lane), beside[1].get(lane));

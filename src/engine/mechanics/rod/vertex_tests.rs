@@ -1,5 +1,5 @@
-//! The vertex energy, its gradient and Hessian against dual numbers: random states far from the source
-//! frames, curved and twisted natural shapes, over decades of length.
+//! The vertex energy, its gradient and Hessian, compared with dual numbers: random states far from
+//! the source frames, curved and twisted natural shapes, over decades of length.
 
 use super::*;
 use crate::mechanics::rod::transport::{any_normal, parallel_transport, rotated, signed_angle};
@@ -142,7 +142,8 @@ fn derivatives_match_dual_numbers() {
             Vector3::new(1.0 + 0.6 * random(), random(), 0.8 * random()) * scale
         };
         let (e0, e1) = (edge(&mut random), edge(&mut random));
-        // Sources up to about half a radian away from the present tangents, and equal to them every third time.
+        // Source tangents up to about half a radian away from the present ones; every third time
+        // they are equal.
         let mut source = |e: &Vector3| {
             let away = if trial % 3 == 0 { 0.0 } else { 0.5 };
             (e.normalize() + Vector3::new(random(), random(), random()) * away).normalize()
@@ -191,7 +192,7 @@ fn derivatives_match_dual_numbers() {
         let (bending, twisting) = vertex.energies(&strains);
         assert!(((bending + twisting) / value - 1.0).abs() < 1e-11);
 
-        // Lengths in units of the edge, so that forces and moments weigh alike.
+        // Lengths are in units of the edge, so that forces and moments have comparable sizes.
         let unit = |k: usize| if k % 4 == 3 { 1.0 } else { scale };
         let ours = vertex.gradient([&before, &after], &strains);
         let blocks = match strain {

@@ -1,7 +1,7 @@
 //! Strains along a virtual motion: their first variations.
 //!
-//! Where the edges e⁰ and e¹ of a vertex move by δeʲ and their frames spin by φʲ = δθʲ + cʲ·δeʲ about the tangents (see
-//! [`super::vertex`]),
+//! If the edges e⁰ and e¹ of a vertex move by δeʲ and their frames spin by φʲ = δθʲ + cʲ·δeʲ about
+//! the tangents (see [`super::vertex`]),
 //!
 //! ```text
 //! δt = (1 − t⊗t) δe/l,   δm₁ = φ m₂ − (m₁·δt) t,   δm₂ = −φ m₁ − (m₂·δt) t
@@ -10,7 +10,8 @@
 //! δτ = φ¹ − φ⁰ + ½ κb·(δe⁰/l⁰ + δe¹/l¹)
 //! ```
 //!
-//! (t·κb = 0, so that the turn of the tangents drops out of δm·κb), and of the angle λκ, δ(λκ) = λ δκ + κ λ' δ|κb|².
+//! (t·κb = 0, so that the rotation of the tangents drops out of δm·κb), and for the angle λκ,
+//! δ(λκ) = λ δκ + κ λ' δ|κb|².
 
 use super::discretization::Vertex;
 use super::turning_angle::AngleRatio;
@@ -29,14 +30,14 @@ pub(crate) struct EdgeMotion {
 }
 
 impl EdgeMotion {
-    /// Of an edge that a wall holds.
+    /// No motion: an edge held by a wall.
     pub(crate) const NONE: Self = Self {
         stretch: Vector3::new(0.0, 0.0, 0.0),
         tangent: Vector3::new(0.0, 0.0, 0.0),
         spin: 0.0,
     };
 
-    /// Of an edge whose ends move apart by `change` while its angle changes.
+    /// Motion of an edge whose ends move apart by `change` while its angle changes by `angle`.
     pub(crate) fn new(frame: &EdgeFrame, change: &Vector3, angle: f64) -> Self {
         let stretch = change * frame.inverse_length;
         Self {
@@ -48,7 +49,7 @@ impl EdgeMotion {
 }
 
 impl Vertex {
-    /// Changes of the strains κ¹⁰, κ²⁰, κ¹¹, κ²¹, as they are measured, and τ.
+    /// Changes of the strains κ¹⁰, κ²⁰, κ¹¹, κ²¹, in the measure of the vertex, and τ.
     pub(crate) fn strains_along(
         &self,
         [before, after]: [&EdgeFrame; 2],

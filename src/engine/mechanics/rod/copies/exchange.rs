@@ -1,4 +1,4 @@
-//! Numbers of rods that go into the lanes, and geometry that returns from them.
+//! Transfer of rods into the lanes and of their geometry back.
 
 use super::super::discretization::GhostEdge;
 use super::super::frame_lanes::{set_vector, vector};
@@ -9,11 +9,11 @@ use crate::linalg::instruction_set::LANES;
 /// Rods that go into a lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Original<'a> {
-    /// With the natural strains and stiffnesses of the present stage.
+    /// Geometry, with the natural strains and stiffnesses of the present stage.
     pub geometry: &'a RodGeometry,
-    /// Frames from which the present step transports.
+    /// Reference frames from which the present step transports.
     pub reference: &'a ReferenceFrames,
-    /// Ghost edges of the present time.
+    /// Ghost edges at the present time.
     pub ghosts: &'a [GhostEdge],
 }
 
@@ -53,7 +53,8 @@ impl RodCopies {
         }
     }
 
-    /// Gives the geometry of the last evaluation to copies, each with its lane and its ghost edges.
+    /// Copies the geometry of the last evaluation to rods, each given with its lane and its ghost
+    /// edges.
     pub(crate) fn give(&self, copies: &mut [(usize, &mut RodGeometry, &[GhostEdge])]) {
         for (_, geometry, ghosts) in copies.iter_mut() {
             geometry.begin_taking(self.framed.nodes(), ghosts);

@@ -46,8 +46,9 @@ impl RodCopies {
 }
 
 kernel! {
-    /// Reference twists, the `angles` between reference directors shifted by full turns to what is expected
-    /// ([`super::super::transport::unwrapped`]), and twists.
+    /// Computes reference twists and twists. A reference twist is the angle in `angles` between
+    /// reference directors, shifted by full turns to the expected one
+    /// ([`super::super::transport::unwrapped`]).
     fn find_twists(
         angles: &Lanes,
         expected: &Lanes,
@@ -77,7 +78,7 @@ kernel! {
 }
 
 kernel! {
-    /// Adds the gradient over an edge vector to those over its nodes.
+    /// Adds the gradient with respect to an edge vector to those of its nodes.
     fn add_force(force: &VectorLanes, gradient: &mut [Lanes; STRIDE + 3]) {
         for axis in 0..3 {
             for lane in 0..LANES {

@@ -1,4 +1,5 @@
-//! Hessians of all copies, vertex by vertex and edge by edge: the order in which a band is filled is that of its elimination.
+//! Hessians of all copies, vertex by vertex and edge by edge: the band is filled in the order of
+//! its elimination.
 
 use super::super::edge_lanes::{self, SymmetricLanes};
 use super::super::topology::STRIDE;
@@ -11,12 +12,13 @@ use crate::linalg::instruction_set::{LANES, Lanes, kernel};
 type Columns = [[Lanes; HALF_BANDWIDTH + 1]];
 
 impl RodCopies {
-    /// Forgets the Hessians that were added.
+    /// Clears the sums of the Hessians added so far.
     pub(crate) fn begin_hessians(&mut self) {
         self.spin_moments.fill([0.0; LANES]);
     }
 
-    /// Adds the Hessians of a vertex at the last evaluation to `columns`, those of all unknowns.
+    /// Adds the Hessians of a vertex at the last evaluation to `columns`, which are those of all
+    /// unknowns.
     pub(crate) fn add_vertex(&mut self, vertex: usize, columns: &mut Columns) {
         let vertex = &self.vertices[vertex];
         let beside = vertex.edges.map(|edge| self.framed.of(edge).0);
@@ -31,7 +33,7 @@ impl RodCopies {
         add_hessian(self.set, hessian, from, &mut columns[vertex.unknowns()]);
     }
 
-    /// Adds the Hessians of an edge, of which those of the vertices beside it must have been.
+    /// Adds the Hessians of an edge; those of the vertices next to it must have been added before.
     pub(crate) fn add_edge(&mut self, edge: usize, columns: &mut Columns) {
         let edge = &self.framed.real[edge];
         let [start, _] = edge.nodes;
@@ -59,7 +61,7 @@ kernel! {
 }
 
 kernel! {
-    /// Adds the Hessians of an edge over its vector to the columns of its two nodes.
+    /// Adds the Hessians with respect to an edge vector to the columns of its two nodes.
     fn add_edge_hessian(hessian: &SymmetricLanes, columns: &mut [[Lanes; HALF_BANDWIDTH + 1]; STRIDE + 3]) {
         let rows = [[0, 1, 2], [1, 3, 4], [2, 4, 5]];
         for j in 0..3 {

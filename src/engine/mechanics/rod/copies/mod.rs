@@ -1,7 +1,8 @@
 //! [`LANES`] copies of the same rods, one in each lane: geometry, gradient and Hessian of all of them at once.
 //!
-//! The formulas, and the order of all sums, are those of one rod ([`super::geometry`], [`super::elastic`]), so that every copy gets the
-//! bytes that it would get alone. The copies may differ in stiffness, natural strains, clamps and configuration.
+//! The formulas, and the order of all sums, are those of a single rod ([`super::geometry`],
+//! [`super::elastic`]), so that every copy gets the same bytes as alone. The copies may differ in
+//! stiffness, natural strains, clamps and configuration.
 
 mod exchange;
 mod forces;
@@ -20,12 +21,13 @@ use std::ops::Range;
 
 pub(crate) use exchange::Original;
 
-/// Rods without rings and without clamps that turn with joints, in all lanes.
+/// Rods in all lanes, without rings and without clamps that rotate with joints.
 pub(crate) struct RodCopies {
     set: InstructionSet,
     framed: FramedEdges,
     vertices: Vec<VertexCopies>,
-    /// Moments ∂E/∂φ on the spins of edges, ghosts included, of the vertices whose Hessians were added so far.
+    /// Moments ∂E/∂φ on the spins of edges, ghosts included, from the vertices whose Hessians have
+    /// been added.
     spin_moments: LaneVector,
     scratch: Box<Scratch>,
 }
@@ -41,7 +43,8 @@ struct Scratch {
 struct FramedEdges {
     real: Vec<EdgeCopies>,
     ghosts: Vec<GhostCopies>,
-    /// Place among the real ones of the edge that starts at each node; none at the last node of a rod.
+    /// For each node, the index among real edges of the edge that starts there; none at the last
+    /// node of a rod.
     places: Vec<Option<usize>>,
 }
 
@@ -50,7 +53,8 @@ impl FramedEdges {
         self.places.len()
     }
 
-    /// Frames and reference directors of an edge by its number; those of ghosts follow those of the nodes.
+    /// Frames and reference directors of an edge by its index; ghost edges follow those of the
+    /// nodes.
     fn of(&self, edge: usize) -> (&FrameLanes, &VectorLanes) {
         match edge.checked_sub(self.nodes()) {
             Some(ghost) => (&self.ghosts[ghost].frames, &self.ghosts[ghost].director),
@@ -73,15 +77,15 @@ struct EdgeCopies {
 #[repr(align(64))]
 struct VertexCopies {
     sections: SectionLanes,
-    /// Reference twist at the start of the step, with what the ghosts have turned since, rad.
+    /// Reference twist at the start of the step plus the rotation of the ghosts since then, rad.
     expected: Lanes,
     /// Reference twist of the last evaluation, rad.
     between: Lanes,
-    /// Share of the angle of turning in the strain of bending.
+    /// Weight of the turning angle in the bending strain.
     share: f64,
     /// Edges before and after, ghosts included.
     edges: [usize; 2],
-    /// Number of the first unknown in the band, and which of the local ones are.
+    /// Index of the first unknown in the band, and the range of its local unknowns.
     unknowns: (usize, usize, usize),
 }
 
@@ -100,7 +104,7 @@ struct GhostCopies {
 }
 
 impl RodCopies {
-    /// Storage for copies of `rods`; `None` for rings and for clamps that turn with joints.
+    /// Storage for copies of `rods`; `None` for rings and for clamps that rotate with joints.
     pub(crate) fn new(rods: &ElasticRods) -> Option<Self> {
         if rods.edges.iter().any(|edge| edge.end != edge.start + 1) {
             return None;
@@ -149,7 +153,7 @@ impl RodCopies {
         })
     }
 
-    /// Whether `rods` have the edges and vertices of these.
+    /// Whether `rods` have the same edges and vertices as these copies.
     pub(crate) fn are_of(&self, rods: &ElasticRods) -> bool {
         self.framed.nodes() == rods.nodes
             && self.framed.ghosts.len() == rods.ghosts
@@ -165,18 +169,18 @@ impl RodCopies {
             })
     }
 
-    /// Unknowns of the vertices, in the order in which these add to the band.
+    /// Unknowns of the vertices, in the order in which the vertices are added to the band.
     pub(crate) fn unknowns_of_vertices(&self) -> impl Iterator<Item = Range<usize>> {
         self.vertices.iter().map(VertexCopies::unknowns)
     }
 
-    /// Place among the edges of the one that starts at a node.
+    /// Index of the edge that starts at a node.
     pub(crate) fn edge_from(&self, node: usize) -> Option<usize> {
         self.framed.places[node]
     }
 }
 
-/// Of each vertex, whether one of those that are evaluated with it alone bends by the angle of turning.
+/// For each vertex, whether any vertex of its batch bends by the turning angle.
 fn batches_with_angles(rods: &ElasticRods) -> impl Iterator<Item = bool> {
     let batches = rods.vertices.chunks(LANES);
     batches.flat_map(|batch| std::iter::repeat_n(have_angles(batch), batch.len()))

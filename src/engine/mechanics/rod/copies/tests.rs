@@ -1,4 +1,4 @@
-//! Rods in lanes against the same ones alone.
+//! Rods in lanes, compared with the same rods alone.
 
 use super::super::discretization::GhostEdge;
 use super::super::elastic::tests::{NODES, clamped_rod};
@@ -7,7 +7,7 @@ use super::super::topology::STRIDE;
 use super::*;
 use crate::linalg::{BandedSymmetric, HALF_BANDWIDTH};
 
-/// Numbers of a rod in a lane.
+/// Parameters of the rod in a lane.
 struct Alone {
     rods: ElasticRods,
     unknowns: Vec<f64>,
@@ -30,7 +30,7 @@ fn rods_in_lanes_get_the_bytes_that_they_get_alone() {
             }
             (rods.edges.iter_mut()).for_each(|edge| edge.natural_length += part);
             let moved = unknowns.iter().enumerate();
-            // Turns of a half and more between reference directors are counted.
+            // Rotations of half a turn and more between reference directors are counted.
             let unknowns = moved.map(|(k, own)| own + part * (k as f64).sin());
             let unknowns: Vec<f64> = unknowns.collect();
             let mut geometry = RodGeometry::new(&rods);
