@@ -1,7 +1,7 @@
 //! Description of a simulation: rods, clamps, loads, planes and models, in SI units.
 //!
 //! A [`Scene`] is plain data. Experiments build it; [`super::dynamics::Simulation`] and
-//! [`super::statics`] run it. Node indices inside a scene count along their own rod.
+//! [`super::statics`] run it. Node indices in a scene are counted along each rod.
 
 mod actuation;
 mod joint;
@@ -31,9 +31,9 @@ pub struct Scene {
     pub joints: Vec<Joint>,
     /// Springs between nodes.
     pub springs: Vec<Spring>,
-    /// Masses and rigid bodies that rods carry.
+    /// Point masses and rigid bodies on rods.
     pub bodies: Vec<Body>,
-    /// Forces between nodes, or on nodes, that are described by code.
+    /// Forces between nodes, or on nodes, that are defined in code.
     pub forces: Vec<Arc<dyn NodeForce>>,
     /// External loads.
     pub loads: Vec<Load>,
@@ -47,27 +47,29 @@ pub struct Scene {
     pub contact: Option<ContactParameters>,
     /// Surrounding fluid; `None` is a vacuum.
     pub fluid: Option<FluidModel>,
-    /// Whether the fluid resists that rods spin about their own axes.
+    /// Whether the fluid resists the spin of rods about their own axes.
     pub spin_drag: bool,
-    /// Index of the plane at which the fluid is at rest, its no-slip wall, for regularized Stokeslets; the flow ignores all
-    /// other planes, and obstacles.
+    /// Index of the plane at which the fluid is at rest, its no-slip wall, for regularized
+    /// Stokeslets. The flow ignores all other planes, and obstacles.
     pub wall: Option<usize>,
-    /// Initial positions and velocities, if not those of the descriptions.
+    /// Initial positions and velocities that replace those of the descriptions.
     pub start: Option<Start>,
 }
 
-/// The state in which a scene of the same rods ended. Arrays are over all nodes, rod after rod.
+/// The final state of a scene with the same rods. Arrays are over all nodes, rod after rod.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Start {
     /// Positions, m.
     pub positions: Vec<Vector3>,
-    /// First material director of the edge that starts at each node; zero where none starts.
+    /// First material director of the edge that starts at each node; zero if none starts.
     pub directors: Vec<Vector3>,
-    /// Twist between the edges on either side of each node, rad, whole turns included; 0 at free ends.
+    /// Twist between the edges on either side of each node, rad, including whole turns; 0 at free
+    /// ends.
     pub twist: Vec<f64>,
-    /// Velocities, m/s; empty where rods start with the velocities of their descriptions.
+    /// Velocities, m/s; empty if rods start with the velocities of their descriptions.
     pub velocities: Vec<Vector3>,
-    /// Rate at which the edge that starts at each node turns about itself, rad/s; as long as `velocities`.
+    /// Rate at which the edge that starts at each node spins about itself, rad/s; of the same
+    /// length as `velocities`.
     pub spins: Vec<f64>,
     /// Tangent and first director of the clamp that held the frame at each node.
     pub walls: Vec<Option<[Vector3; 2]>>,
@@ -91,8 +93,8 @@ pub struct RodDescription {
     pub twist: f64,
     /// The shape without stress.
     pub natural_shape: NaturalShape,
-    /// Tension T in the placed rod, N, negative for a push: edges without stress are those of the natural shape over
-    /// 1 + T/EA.
+    /// Tension T in the placed rod, N, negative for compression. Natural edge lengths are those of
+    /// the natural shape divided by 1 + T/EA.
     pub pretension: f64,
     /// Elastic stiffness of the cross-section.
     pub stiffness: Stiffness,
@@ -102,7 +104,7 @@ pub struct RodDescription {
     pub mass_per_length: f64,
     /// Moment of inertia about the centreline per length, ρ(I₁ + I₂), kg m.
     pub rotational_inertia_per_length: f64,
-    /// Distribution of the mass of edges to their nodes.
+    /// Distribution of the mass of edges among their nodes.
     pub inertia: Inertia,
     /// Retardation time T of Kelvin–Voigt damping, s: viscosity of the material over its modulus; 0 without damping.
     pub retardation_time: f64,
@@ -112,29 +114,31 @@ pub struct RodDescription {
     pub velocity: Vector3,
     /// Angular velocity about the rod's centroid at time zero, rad/s (nodes' velocities only).
     pub angular_velocity: Vector3,
-    /// A rigid obstacle: every node and edge stays where it was placed.
+    /// Whether the rod is a rigid obstacle: every node and edge stays where it was placed.
     pub held: bool,
 }
 
-/// The spring and the dashpot in series that are parallel to the spring of a standard linear solid.
+/// The spring and dashpot in series that act in parallel to the spring of a standard linear solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relaxation {
-    /// Modulus of that spring over Young's modulus, r = E₁/E; the same for stretching, bending and twisting.
+    /// Modulus of that spring relative to Young's modulus, r = E₁/E; the same for stretching,
+    /// bending and twisting.
     pub ratio: f64,
-    /// Relaxation time τ, s, in which the stress of the two at constant strain falls to 1/e.
+    /// Relaxation time τ, s, in which the stress of spring and dashpot at constant strain falls to
+    /// 1/e.
     pub time: f64,
 }
 
 impl RodDescription {
-    /// Lengths without tension of edges whose lengths under the tension of the placed rod are given.
+    /// Natural lengths of edges whose lengths under the tension of the placed rod are given.
     pub fn relaxed(&self, mut lengths: Vec<f64>) -> Vec<f64> {
         let stretch = 1.0 + self.pretension / self.stiffness.stretching;
         lengths.iter_mut().for_each(|length| *length /= stretch);
         lengths
     }
 
-    /// A rod with the same circular section everywhere, open and at rest, naturally straight and untwisted: what most
-    /// rods are, to be varied by the syntax of struct updates.
+    /// A rod with the same circular section everywhere, open and at rest, naturally straight and
+    /// untwisted. Most rods are of this kind; use struct update syntax to vary it.
     ///
     /// `stiffness` in N and N m², `radius` in m, `mass_per_length` in kg/m. The moment of inertia about the centreline
     /// is that of a solid circular section, ρ(I₁ + I₂) = ½ ρA h² per length.
@@ -168,19 +172,19 @@ impl RodDescription {
     }
 }
 
-/// Distribution of the mass of edges to nodes, and of the weights of vertices beside clamps.
+/// Distribution of the mass of edges among nodes, and of the weights of vertices next to clamps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Inertia {
-    /// Half of the edge at either node: vibrations of second order in the edge length.
+    /// Half of the edge at either node. Vibrations are of second order in the edge length.
     #[default]
     Lumped,
-    /// By the motion of the edges, linear from node to node, with Gregory's weights beside clamps: vibrations of straight rods of
-    /// fourth order.
+    /// Consistent with edges that move linearly from node to node, with Gregory's weights next to
+    /// clamps. Vibrations of straight rods are of fourth order.
     Consistent,
 }
 
-/// The shape of a rod without stress.
+/// The stress-free shape of a rod.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NaturalShape {
     /// Curvature, twist and lengths as placed.
@@ -197,7 +201,7 @@ pub enum NaturalShape {
     },
     /// Curvature, twist and lengths of another polyline with the same number of nodes.
     Centreline(Vec<Vector3>),
-    /// Lengths, curvatures and twists of their own for each edge and each node.
+    /// Individual lengths, curvatures and twists of each edge and each node.
     Strains(NaturalStrains),
 }
 
@@ -206,7 +210,8 @@ pub enum NaturalShape {
 pub struct NaturalStrains {
     /// Natural lengths of the edges, m.
     pub lengths: Vec<f64>,
-    /// Natural curvatures about the two material directors at the nodes, 1/m; at the ends those of the half vertices at clamps.
+    /// Natural curvatures about the two material directors at the nodes, 1/m; at the ends, those
+    /// of the half vertices at clamps.
     pub curvature: Vec<[f64; 2]>,
     /// Natural twist at the nodes, rad/m.
     pub twist: Vec<f64>,
@@ -224,7 +229,8 @@ pub struct Stiffness {
 }
 
 impl Stiffness {
-    /// Stiffness of a round rod of a radius (m): E π r², E π r⁴/4 and G π r⁴/2 with Young's modulus E (Pa) and G = E/(2 + 2 ν).
+    /// Stiffness of a round rod of a radius (m): E π r², E π r⁴/4 and G π r⁴/2 with Young's
+    /// modulus E (Pa) and G = E/(2 + 2 ν).
     pub fn circular(youngs_modulus: f64, poissons_ratio: f64, radius: f64) -> Self {
         let stretching = youngs_modulus * std::f64::consts::PI * radius * radius;
         let bending = 0.25 * stretching * radius * radius;
@@ -238,11 +244,11 @@ impl Stiffness {
 
 /// A held or driven node.
 ///
-/// Holding the frame adds a ghost half edge at the node: an edge of prescribed direction and material
-/// frame with a Voronoi length of half an edge, so that the wall is at the node itself. At an inner
-/// node there is one on either side. Where another clamp holds the position, but not the frame, of the
-/// node at the other end of an edge, the edge itself is the wall: its material frame is held, without a
-/// ghost edge.
+/// Holding the frame adds a ghost half edge at the node: an edge of prescribed direction and
+/// material frame with a Voronoi length of half an edge, so that the wall is at the node itself.
+/// At an inner node there is one on either side. If another clamp holds the position, but not the
+/// frame, of the node at the other end of an edge, the edge itself is the wall: its material frame
+/// is held, without a ghost edge.
 #[derive(Clone, Debug)]
 pub struct Clamp {
     /// Index of the rod.
@@ -257,26 +263,28 @@ pub struct Clamp {
     pub motion: Motion,
 }
 
-/// Prescribed motion: x(t) = pivot + R(t)(x(0) − pivot) + translation(t), frame(t) = R(t) frame(0),
-/// where R(t) turns by `angle(t) + angular_velocity · t` about `axis` first and to `orientation(t)` then.
+/// Prescribed motion: x(t) = pivot + R(t)(x(0) − pivot) + translation(t), frame(t) = R(t)
+/// frame(0). R(t) rotates first by `angle(t) + angular_velocity · t` about `axis` and then to
+/// `orientation(t)`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Motion {
     /// Displacement in m at given times in s.
     pub translation: Vec<(f64, Vector3)>,
-    /// Unit vector about which the clamp turns; `None` is the tangent of the clamp at time zero.
+    /// Unit vector about which the clamp rotates; `None` is the tangent of the clamp at time zero.
     pub axis: Option<Vector3>,
     /// Angle in rad at given times in s.
     pub angle: Vec<(f64, f64)>,
-    /// Steady rate of turning, rad/s.
+    /// Constant angular velocity, rad/s.
     pub angular_velocity: f64,
-    /// Orientation, relative to that at time zero, at given times in s; between them the shorter way, at constant
-    /// speed.
+    /// Orientation, relative to that at time zero, at given times in s; in between, the shorter
+    /// rotation at constant speed.
     pub orientation: Vec<(f64, UnitQuaternion)>,
     /// Fixed point of the rotation; `None` is the node.
     pub pivot: Option<Vector3>,
 }
 
-/// An external load. `schedule` multiplies it: factor at given times, piecewise linear, 1 where empty.
+/// An external load, multiplied by `schedule`: factors at given times, piecewise linear; 1 if
+/// empty.
 #[derive(Clone, Debug)]
 pub struct Load {
     /// The kind of load.
@@ -318,30 +326,30 @@ pub enum LoadKind {
         /// Force per length.
         force_per_length: Vector3,
     },
-    /// A force on a node that turns with the rod, N.
+    /// A force on a node that rotates with the rod, N.
     FollowerForce {
         /// Index of the rod.
         rod: usize,
         /// Index of the node along the rod.
         node: usize,
-        /// Along the two material directors and the tangent at the node; inside of a rod the mean of those of the two
-        /// edges.
+        /// Components along the two material directors and the tangent at the node; at an inner
+        /// node, the mean over the two edges.
         force: Vector3,
     },
-    /// A moment on an edge that turns with it, N m.
+    /// A moment on an edge that rotates with it, N m.
     FollowerMoment {
         /// Index of the rod.
         rod: usize,
         /// Index of the edge along the rod.
         edge: usize,
-        /// Along the two material directors and the tangent of the edge.
+        /// Components along the two material directors and the tangent of the edge.
         moment: Vector3,
     },
-    /// A force per natural length that turns with the rod, N/m, on one rod or on all.
+    /// A force per natural length that rotates with the rod, N/m, on one rod or on all.
     FollowerDistributed {
         /// Index of the rod; `None` means all rods.
         rod: Option<usize>,
-        /// Along the two material directors and the tangent of each edge.
+        /// Components along the two material directors and the tangent of each edge.
         force_per_length: Vector3,
     },
     /// Linear drag −c v per length, with c in N s/m², on nodes, and −c_θ θ̇ per length on edges.
@@ -375,7 +383,7 @@ pub struct Obstacle {
     pub body: RigidBody,
     /// Friction coefficient between obstacle and rods; overrides that of the contact model.
     pub friction: Option<f64>,
-    /// Motion, by default about the centre of its vertices and the z axis.
+    /// Motion of the body, by default about the centre of its vertices and the z axis.
     pub motion: Motion,
 }
 
@@ -408,7 +416,7 @@ pub(crate) fn piecewise_turning(
     Some(a * rotation::from_vector(rotation::to_vector(&difference) * fraction))
 }
 
-/// The corners on both sides of time `t` and the part of the way from the one to the other.
+/// The corners on both sides of time `t`, and the position of `t` between them as a fraction.
 fn piece<T: Copy>(corners: &[(f64, T)], t: f64) -> Option<(T, T, f64)> {
     let (first, last) = (corners.first()?, corners.last()?);
     if t <= first.0 {
@@ -417,7 +425,7 @@ fn piece<T: Copy>(corners: &[(f64, T)], t: f64) -> Option<(T, T, f64)> {
     if t >= last.0 {
         return Some((last.1, last.1, 0.0));
     }
-    // A NaN time, as after an overflow, is in no piece: the value is NaN, too.
+    // A NaN time, as after an overflow, is in no piece: the value is then NaN.
     let after = corners
         .partition_point(|corner| corner.0 <= t)
         .clamp(1, corners.len() - 1);
@@ -435,7 +443,7 @@ mod tests {
         assert_eq!(piecewise_linear(&corners, 2.0), Some(1.0));
         let value = piecewise_linear(&corners, f64::NAN);
         assert!(value.is_some_and(f64::is_nan), "{value:?}");
-        // One corner alone is a constant.
+        // A single corner gives a constant function.
         assert_eq!(piecewise_linear(&corners[..1], 7.0), Some(1.0));
     }
 }

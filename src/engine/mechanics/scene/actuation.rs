@@ -1,16 +1,18 @@
-//! Natural strains that change over time: rods that bend, twist and lengthen by themselves.
+//! Natural strains that change over time: actuated rods that bend, twist and lengthen.
 
 use super::piecewise_linear;
 use std::f64::consts::TAU;
 
-/// A natural strain of a rod in addition to that of its shape, as a function of place and time. Those of one rod add up.
+/// A natural strain of a rod in addition to that of its shape, as a function of position and time.
+/// Several actuations of a rod add up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuation {
     /// Index of the rod.
     pub rod: usize,
     /// The strain.
     pub strain: ActuatedStrain,
-    /// Start and end of the actuated part, m of the natural length without actuation; infinite: to the end.
+    /// Start and end of the actuated part, in m of the natural length without actuation; an
+    /// infinite end is the end of the rod.
     pub part: [f64; 2],
     /// Its size.
     pub course: Course,
@@ -29,15 +31,16 @@ pub enum ActuatedStrain {
     Length,
 }
 
-/// The size of a natural strain.
+/// The course of a natural strain.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Course {
-    /// The same all along the part, at given times in s, piecewise linear and constant outside them.
+    /// Uniform over the part, at given times in s; piecewise linear in between and constant
+    /// outside them.
     Uniform(Vec<(f64, f64)>),
     /// A wave that travels along the rod.
     Wave(Wave),
-    /// Values at places along the rod, which [`Simulation::set_actuation`] changes; each holds up to the middle between its
-    /// place and the next.
+    /// Values at positions along the rod, set by [`Simulation::set_actuation`]. Each value applies
+    /// up to the midpoints between its position and the neighbouring ones.
     ///
     /// [`Simulation::set_actuation`]: crate::mechanics::dynamics::Simulation::set_actuation
     Given {
@@ -53,19 +56,19 @@ pub enum Course {
 pub struct Wave {
     /// A, in the unit of the strain.
     pub amplitude: f64,
-    /// λ, m; infinite where the strain is the same along the whole rod.
+    /// λ, m; infinite if the strain is the same along the whole rod.
     pub wavelength: f64,
-    /// ν, 1/s; below zero the wave runs towards the start of the rod.
+    /// ν, 1/s; if negative, the wave runs towards the start of the rod.
     pub frequency: f64,
     /// φ, rad.
     pub phase: f64,
-    /// f at given times in s, piecewise linear; 1 where empty.
+    /// f at given times in s, piecewise linear; 1 if empty.
     pub schedule: Vec<(f64, f64)>,
 }
 
 impl Course {
-    /// Two functions of time with which the [`Self::shares`] of a piece are weighted: their sum is the integral of the strain
-    /// over the piece.
+    /// Two functions of time. The integral of the strain over a piece is their sum, weighted by
+    /// the [`Self::shares`] of the piece.
     pub(crate) fn weights(&self, time: f64) -> [f64; 2] {
         match self {
             Self::Uniform(values) => [piecewise_linear(values, time).unwrap_or(0.0), 0.0],
@@ -78,8 +81,8 @@ impl Course {
         }
     }
 
-    /// Share of a piece of a rod, given by the distances of its ends from the start of the rod (m), in the strain: its length,
-    /// or ∫ sin(ks + φ) ds and ∫ cos(ks + φ) ds.
+    /// Share of a piece of a rod in the strain: its length, or ∫ sin(ks + φ) ds and ∫ cos(ks + φ)
+    /// ds. The piece is given by the distances of its ends from the start of the rod (m).
     pub(crate) fn shares(&self, [from, to]: [f64; 2]) -> [f64; 2] {
         let length = to - from;
         match self {
@@ -107,7 +110,7 @@ impl Course {
         }
     }
 
-    /// Times at which it changes its rate, s; not those of the wave itself, which has none.
+    /// Times at which its rate changes, s; the wave itself has none.
     pub(crate) fn corners(&self) -> impl Iterator<Item = f64> {
         let schedule = match self {
             Self::Uniform(values) => values.as_slice(),

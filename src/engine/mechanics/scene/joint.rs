@@ -11,26 +11,28 @@ pub struct RodNode {
     pub node: usize,
 }
 
-/// Two nodes, of one rod or of two, that are the same point from time zero on, or start as one where the first slides along
-/// the rod of the second.
+/// Two nodes, of one rod or of two, that are the same point from time zero on, or only at time
+/// zero if the first slides along the rod of the second.
 ///
-/// They keep one position, exactly: it is one set of unknowns. Any number of joints may meet at a point.
+/// They share one position exactly, as one set of unknowns. Any number of joints may meet at a
+/// point.
 #[derive(Clone, Debug)]
 pub struct Joint {
     /// Name in scenarios and messages.
     pub name: String,
     /// The nodes, which are placed at one point.
     pub nodes: [RodNode; 2],
-    /// Relative rotation that the joint leaves free.
+    /// Relative motion that the joint leaves free.
     pub kind: JointKind,
-    /// Strength; only for slides, and for joints that share their point with no other one.
+    /// Strength; only for slides, and for joints that are alone at their point.
     pub strength: Strength,
 }
 
-/// Strength of a joint or spring: it breaks at the end of a step with a larger load.
+/// Strength of a joint or spring, which breaks at the end of a step with a larger load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strength {
-    /// Largest force, N: of a spring its tension or compression, of a joint the force between the two rods.
+    /// Largest force, N: for a spring the tension or compression, for a joint the force between
+    /// the two rods.
     pub force: f64,
     /// Largest moment between the rods, N m.
     pub moment: f64,
@@ -47,7 +49,7 @@ impl Default for Strength {
 }
 
 impl Strength {
-    /// Strength of a joint that breaks under a force (N) alone.
+    /// Strength of a joint that breaks under a force (N) only.
     pub fn of_force(force: f64) -> Self {
         Self {
             force,
@@ -55,7 +57,7 @@ impl Strength {
         }
     }
 
-    /// Strength of a joint that breaks under a moment (N m) alone.
+    /// Strength of a joint that breaks under a moment (N m) only.
     pub fn of_moment(moment: f64) -> Self {
         Self {
             moment,
@@ -63,25 +65,25 @@ impl Strength {
         }
     }
 
-    /// Whether there is a force or moment under which it breaks.
+    /// Whether any force or moment breaks it.
     pub(crate) fn may_break(&self) -> bool {
         self.force.min(self.moment) < f64::INFINITY
     }
 }
 
-/// Two nodes, of one rod or of two, that a spring pulls together and pushes apart, or whose material frames it turns towards
-/// each other; they need not be at one point.
+/// Two nodes, of one rod or of two, between which a spring pulls or pushes, or whose material
+/// frames it rotates relative to each other. They need not be at one point.
 #[derive(Clone, Debug)]
 pub struct Spring {
     /// Name in scenarios and messages.
     pub name: String,
     /// The nodes.
     pub nodes: [RodNode; 2],
-    /// Force per lengthening k, N/m; 0 where it neither pulls nor pushes.
+    /// Force per extension k, N/m; 0 if it neither pulls nor pushes.
     pub stiffness: f64,
     /// Torsional spring between the material frames of the rods at its nodes.
     pub turning: Option<TurningStiffness>,
-    /// Length without force, m; `None` is the distance of the nodes as placed.
+    /// Rest length, m; `None` is the distance of the nodes as placed.
     pub rest_length: Option<f64>,
     /// Strength.
     pub strength: Strength,
@@ -92,8 +94,8 @@ pub struct Spring {
 pub struct TurningStiffness {
     /// Moment per angle c, N m/rad.
     pub stiffness: f64,
-    /// Rotation vector of the second frame against the first, from where they are placed and in the axes of the scene there,
-    /// at which it exerts no moment, rad.
+    /// Rotation vector of the second frame relative to the first at which there is no moment, rad.
+    /// It counts from the placed frames, in the axes of the scene.
     pub rest_rotation: Vector3,
 }
 
@@ -102,17 +104,18 @@ pub struct TurningStiffness {
 pub enum JointKind {
     /// Every rotation.
     Ball,
-    /// None: the angles between the rods, and between their cross-sections, stay as placed.
+    /// No freedom: the angles between the rods, and between their cross-sections, stay as placed.
     Rigid,
-    /// A rotation of the second rod against the first about an axis that turns with the first, here as placed.
+    /// A rotation of the second rod relative to the first about an axis that rotates with the
+    /// first; the axis is given as placed.
     Hinge {
         /// Unit vector.
         axis: Vector3,
         /// A spring that resists the rotation.
         spring: Option<HingeSpring>,
     },
-    /// Every rotation, and moves along the rod of the second node, between stops at its ends. Along its own rod a node slides
-    /// on the side of it where the second one is.
+    /// All rotations, and sliding along the rod of the second node, between stops at its ends. A
+    /// node on its own rod slides on the side of it where the second one is.
     Slide,
 }
 
@@ -121,7 +124,7 @@ pub enum JointKind {
 pub struct HingeSpring {
     /// Moment per angle c, N m/rad.
     pub stiffness: f64,
-    /// Angle from the hinge as placed at which it exerts no moment, rad.
+    /// Angle, counted from the hinge as placed, at which there is no moment, rad.
     pub rest_angle: f64,
 }
 
@@ -134,10 +137,12 @@ pub struct Body {
     pub at: RodNode,
     /// Mass, kg.
     pub mass: f64,
-    /// From the node to its centre of mass along the two material directors and the tangent of the rod there, m.
+    /// Vector from the node to its centre of mass, in components along the two material directors
+    /// and the tangent of the rod there, m.
     pub offset: Vector3,
-    /// Principal moments of inertia (kg m²) about its centre of mass and axes along the two material directors and the tangent;
-    /// `None` for a point mass at the node, which the rod carries without being stiffened.
+    /// Principal moments of inertia (kg m²) about axes through its centre of mass along the two
+    /// material directors and the tangent; `None` for a point mass at the node, which does not
+    /// stiffen the rod.
     pub inertia: Option<[f64; 3]>,
     /// Contact radius of the ball around the node, m; `None` without contact.
     pub ball: Option<f64>,

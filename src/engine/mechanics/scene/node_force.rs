@@ -1,4 +1,4 @@
-//! Forces that are described by code instead of numbers.
+//! Forces that are defined in code instead of by numbers.
 
 use super::RodNode;
 use crate::mechanics::{Matrix3, Vector3};
@@ -9,8 +9,9 @@ pub type NodeHessian = [[Matrix3; 4]; 4];
 
 /// A force on one to four nodes that has a potential E(x₁, …, xₖ) of their positions: F = −∂E/∂x.
 ///
-/// A scene has any number of them ([`Scene::forces`](super::Scene::forces)), of any kinds, without a change of this crate. E must be
-/// twice differentiable where nodes may come, and must not depend on time. Here, a spring to a point of the ground, E = ½ k ‖x − x₀‖²:
+/// A scene may have any number and any kinds of them ([`Scene::forces`](super::Scene::forces)),
+/// without a change of this crate. E must be twice differentiable wherever nodes may move, and
+/// must not depend on time. Here, a spring to a fixed point of the ground, E = ½ k ‖x − x₀‖²:
 ///
 /// ```
 /// use rodlab_engine::mechanics::scene::{NodeForce, NodeHessian, RodNode};
