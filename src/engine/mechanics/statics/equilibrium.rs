@@ -1,19 +1,22 @@
 //! Equilibrium of a system, ∇E(q) = F, where it would come to rest: Newton's method with decreasing energy.
 //!
-//! - Where the Hessian has negative pivots, a multiple of the unit matrix is added, large enough that they are
-//!   all positive (Nocedal & Wright, Numerical Optimization, 2nd ed., algorithm 3.3).
-//! - A rod hardly stretches, but a straight step on which an edge turns by φ lengthens it by φ²/2, which soon costs
-//!   more than bending gains. Each step is therefore bent back by one more solution with the same factors: the
-//!   second-order correction of constrained optimisation (ibid., sec. 15.6), with the lengths for constraints.
+//! - If the Hessian has negative pivots, a multiple of the unit matrix is added that makes all of
+//!   them positive (Nocedal & Wright, Numerical Optimization, 2nd ed., algorithm 3.3).
+//! - A rod hardly stretches, but a straight step that rotates an edge by φ lengthens it by φ²/2,
+//!   which soon costs more energy than bending releases. So each step is bent back by another
+//!   solution with the same factors: the second-order correction of constrained optimisation
+//!   (ibid., sec. 15.6), with the lengths as constraints.
 //! - A step is halved until the potential E − F·q falls.
-//! - An equilibrium that is not stable is left along the lowest eigenvector.
-//! - Near the solution the potential falls by less than its rounding error. There its fall is judged by its slope at the end
-//!   of the step (Hager & Zhang 2005, "approximate Wolfe"), whole corrections of a residual that counts as none are made
-//!   unasked, and a residual that none lowers any more is accepted if it is as small as rounding leaves it
+//! - The search leaves an unstable equilibrium along the lowest eigenvector.
+//! - Near the solution the potential falls by less than its rounding error. There its decrease is
+//!   judged by its slope at the end of the step (Hager & Zhang 2005, "approximate Wolfe"). Once
+//!   the residual is below its tolerance, whole corrections are made without a check. A residual
+//!   that no correction lowers is accepted if it is as small as rounding allows
 //!   ([`System::is_at_rounding`]).
 //!
-//! Moments of fixed direction, and friction, have no potential. With them a step is halved until the solution for
-//! the forces where it ends is shorter than itself (Deuflhard, Newton Methods for Nonlinear Problems, sec. 3.3).
+//! Moments of fixed direction, and friction, have no potential. With them, a step is halved until
+//! the solution for the forces at its end is shorter than the step itself (Deuflhard, Newton
+//! Methods for Nonlinear Problems, sec. 3.3).
 
 use super::neutral::NeutralModes;
 use super::spectrum::inverse_iteration;
@@ -21,46 +24,51 @@ use crate::mechanics::rod::{STRIDE, topology::position};
 use crate::mechanics::system::{Divergence, System};
 use tracing::trace;
 
-/// Most iterations. Strongly bent shapes from a straight start take some tens, stiff lines on which a weight slides a thousand
-/// and more; rods that settle on each other take
+/// Most iterations. Strongly bent shapes from a straight start take some tens; stiff lines with a
+/// weight that slides along them take a thousand or more. Rods that settle on each other take
 /// many, since no step may be longer than their radius.
 const ITERATIONS: usize = 10_000;
 /// Largest move of a node in one iteration, as a fraction of the extent of all rods. Larger jumps skip
 /// solution branches; smaller ones only cost iterations.
 const LARGEST_MOVE: f64 = 0.3;
-/// Largest turn of an edge in one iteration, rad: of the order that a corrected step can follow.
+/// Largest rotation of an edge in one iteration, rad: about as large as a corrected step can
+/// follow.
 const LARGEST_TURN: f64 = 0.8;
 /// Largest factor by which a step may exceed the solution with the shifted Hessian.
 const LENGTHENING: f64 = 8.0;
-/// Stiffness that counts as none, over EI/L³: motions without stiffness are not followed.
+/// Stiffness that counts as zero, over EI/L³: motions with less are not followed.
 const NEUTRAL: f64 = 1e-6;
-/// Lower bound: this multiple of the rounding error of the stiffest entry of each rod.
+/// Lower bound of that stiffness: this multiple of the rounding error of the stiffest entry of
+/// each rod.
 const ROUNDINGS: f64 = 8.0;
-/// Whole corrections that suffice where the residual is small against EI/L², but not against the loads: the first
-/// has the relative error of the addition to the Hessian, a millionth, the second its square.
+/// Number of whole corrections that suffice if the residual is small compared with EI/L², but not
+/// with the loads. The first leaves a relative error of a millionth, from the addition to the
+/// Hessian, the second its square.
 const CORRECTIONS: usize = 2;
-/// Growth of the shift until the pivots are positive, and where no step lowers the potential; and the smallest,
-/// over EI/L³.
+/// Growth factor of the shift, until the pivots are positive or if no step lowers the potential;
+/// and the smallest shift, over EI/L³.
 const SHIFT_GROWTH: f64 = 4.0;
 const SMALLEST_SHIFT: f64 = 1e-3;
-/// Most growths of the shift at once: by then it is beyond every stiffness.
+/// Most increases of the shift in a row, after which it exceeds every stiffness.
 const SHIFT_GROWTHS: usize = 60;
 /// Most halvings of one step.
 const HALVINGS: usize = 12;
-/// Fall of the potential over that of its linear model that is enough (Armijo).
+/// Sufficient decrease of the potential, relative to that of its linear model (Armijo).
 const SUFFICIENT_FALL: f64 = 1e-4;
-/// The same by the slope of the potential at the end of the step over that at its start, where the potential itself changes by
-/// at most so many roundings of its terms.
+/// Sufficient decrease by slope: the largest ratio of the slope of the potential at the end of the
+/// step to that at its start. Used if the potential itself changes by at most this multiple of the
+/// rounding error of its terms.
 const LARGEST_END_SLOPE: f64 = 0.8;
 const ROUNDINGS_OF_POTENTIAL: f64 = 64.0;
-/// Fall of the squared residual that is enough where the Hessian is positive: near the solution the potential
-/// falls by less than its rounding error.
+/// Sufficient ratio of the squared residuals if the Hessian is positive: near the solution the
+/// potential decreases by less than its rounding error.
 const SUFFICIENT_REDUCTION: f64 = 0.5;
-/// Displacement from an unstable equilibrium: the largest move of a node over the extent, and halvings of it.
+/// Displacement from an unstable equilibrium: the largest move of a node over the extent, and the
+/// number of halvings.
 const DEPARTURE: f64 = 0.05;
 const DEPARTURE_HALVINGS: usize = 20;
 
-/// A search for an equilibrium: its scratch.
+/// Scratch of a search for an equilibrium.
 #[derive(Clone, Debug)]
 pub(crate) struct Descent {
     direction: Vec<f64>,
@@ -76,9 +84,9 @@ struct Scale {
     largest_move: f64,
     /// EI/L³, N/m.
     stiffness: f64,
-    /// Square of the shortest edge: N m per rad over N/m.
+    /// Square of the shortest edge, which converts N/m to N m per rad.
     spin: f64,
-    /// Stiffness that counts as none, N/m.
+    /// Stiffness that counts as zero, N/m.
     neutral: f64,
 }
 
@@ -117,12 +125,12 @@ impl Scale {
     }
 }
 
-/// Quantity that a step must decrease.
+/// A quantity that a step must decrease.
 struct Start {
     potential: f64,
     /// Rounding error of the potential, J.
     rounding: f64,
-    /// R·d: the rate of the potential along the direction, negative.
+    /// R·d: the slope of the potential along the direction, negative.
     slope: f64,
     squared_residual: f64,
     /// Whether the Hessian is positive without a shift.
@@ -139,9 +147,9 @@ impl Descent {
         }
     }
 
-    /// Finds an equilibrium from `unknowns`, stable where forces have a potential; returns the iterations, or
-    /// `None` where `goes_on` has returned false before. `tolerance` is the residual
-    /// left, as a multiple of the forces of each rod ([`System::set_tolerances`]).
+    /// Finds an equilibrium from `unknowns`, a stable one if forces have a potential. Returns the
+    /// iterations, or `None` once `goes_on` returns false. `tolerance` is the final residual, as a
+    /// multiple of the forces of each rod ([`System::set_tolerances`]).
     ///
     /// # Errors
     /// [`Divergence`] with the largest residual after the last iteration.
@@ -157,9 +165,9 @@ impl Descent {
         let scale = Scale::of(system, unknowns);
         system.set_tolerances(tolerance, unknowns, None);
         let mut shift = 0.0;
-        // Whole corrections by the Hessian itself.
+        // Number of whole corrections with the unshifted Hessian.
         let mut corrections = 0;
-        // Whether no correction lowers a residual that is one of rounding.
+        // Whether the residual is at rounding level and no correction lowers it.
         let mut is_exhausted = false;
         for iterations in 0..=ITERATIONS {
             if !goes_on() {
@@ -187,7 +195,7 @@ impl Descent {
             let least = if balanced { 0.0 } else { shift };
             shift = stabilise(system, unknowns, &scale, least).ok_or(failed)?;
             if balanced && (shift == 0.0 || !self.leave(system, unknowns, &scale)) {
-                // The residual of this configuration, in case a departure was tried.
+                // Restore the residual of this configuration, in case a departure was tried.
                 system.evaluate(unknowns, None);
                 system.commit_frames();
                 return Ok(Some(iterations));
@@ -227,7 +235,8 @@ impl Descent {
         unreachable!("the last iteration returns")
     }
 
-    /// Ratio of the distance to the minimum along the direction to its length, by the Hessian without its shift.
+    /// Ratio of the distance to the minimum along the direction, by the unshifted Hessian, to the
+    /// length of the direction.
     fn lengthening(&self, system: &System, shift: f64, scale: &Scale) -> f64 {
         if shift == 0.0 || !system.is_symmetric() {
             return 1.0;
@@ -241,8 +250,9 @@ impl Descent {
         }
     }
 
-    /// Searches for a better configuration along the direction, which was cut to `factor` of the solution; leaves it in
-    /// `trial` and returns its part of the whole step, `None` where there is none.
+    /// Searches for a better configuration along the direction, which is `factor` times the
+    /// solution. Leaves it in `trial` and returns the fraction of the whole step taken; `None` if
+    /// there is none.
     fn step(
         &mut self,
         system: &mut System,
@@ -275,8 +285,8 @@ impl Descent {
                 } else {
                     self.correction.copy_from_slice(&system.residual);
                     let solved = system.solve(&mut self.correction).is_ok();
-                    // Part of the way to the unlimited solution that this step covers. With a shift that solution is not one of
-                    // the equations: the remainder may be as long.
+                    // Fraction of the unlimited solution that this step covers. With a shift, that
+                    // solution does not solve the equations, and the remainder may be as long.
                     let part = if positive { length * factor } else { 0.0 };
                     solved && factor * scale.norm(&self.correction) <= (1.0 - 0.25 * part) * whole
                 };
@@ -289,15 +299,17 @@ impl Descent {
         None
     }
 
-    /// Makes the whole correction without a check of improvement; returns false where a contact is in its way.
+    /// Makes the whole correction without a check of improvement; returns false if a contact is in
+    /// its way.
     fn correct(&mut self, system: &mut System, unknowns: &[f64]) -> bool {
         self.move_by(system, unknowns, 1.0);
         system.largest_step(unknowns, &self.trial) >= 1.0
     }
 
-    /// Takes from `trial`, which is `part` of the direction from `unknowns`, what it has lengthened the edges by beyond
-    /// first order, with the factors of the Hessian at the start; false where that cannot be solved. Straight ways lengthen
-    /// edges that turn, and so do ways around a curve those of what slides along it.
+    /// Corrects `trial`, which is `part` of the direction from `unknowns`, for the lengthening of
+    /// edges beyond first order, with the factors of the Hessian at the start; returns false if
+    /// that fails. Straight paths lengthen edges that rotate, and edges of nodes that slide around
+    /// a curve.
     fn bend_back(&mut self, system: &mut System, unknowns: &[f64], part: f64) -> bool {
         self.correction.fill(0.0);
         for edge in &system.assembly.rods.edges {
@@ -320,14 +332,15 @@ impl Descent {
         solved
     }
 
-    /// Leaves an unstable equilibrium along the lowest eigenvector, whose sign its largest entry decides, as far as
-    /// the potential is lower there; false where it is not. `system` holds the factors of the shifted Hessian.
+    /// Leaves an unstable equilibrium along the lowest eigenvector, in the direction of its
+    /// largest entry, as far as the potential decreases; returns false if it does not. `system`
+    /// holds the factors of the shifted Hessian.
     fn leave(&mut self, system: &mut System, unknowns: &[f64], scale: &Scale) -> bool {
         let neutral = NeutralModes::new(scale.spin);
         if inverse_iteration(system, &mut self.direction, &neutral).is_none() {
             return false;
         }
-        // Angles count as they would move the far end.
+        // Angles are weighted as if they moved the far end.
         let lengths = [1.0, 1.0, 1.0, scale.extent];
         let largest = (self.direction.iter().enumerate())
             .map(|(k, d)| lengths[k % STRIDE] * d)
@@ -364,8 +377,8 @@ impl Descent {
 }
 
 impl Start {
-    /// Whether the last evaluation, at `trial`, is better by enough for a step of this length, at the end of which the
-    /// potential changes at the rate `end_slope` along the direction.
+    /// Whether the last evaluation, at `trial`, is a sufficient improvement for a step of this
+    /// length; `end_slope` is the slope of the potential along the direction at its end.
     fn is_improved(&self, system: &System, trial: &[f64], length: f64, end_slope: f64) -> bool {
         let rise = system.potential(trial) - self.potential;
         rise <= SUFFICIENT_FALL * length * self.slope
@@ -375,7 +388,7 @@ impl Start {
     }
 }
 
-/// [`Descent::run`] to its end, without scratch to keep.
+/// Runs [`Descent::run`] to its end, without keeping the scratch.
 ///
 /// # Errors
 /// [`Divergence`] with the largest residual after the last iteration.
@@ -388,8 +401,8 @@ pub(crate) fn find_equilibrium(
     Ok(found.expect("it is never stopped"))
 }
 
-/// Factors the Jacobian of the last linearisation, shifted by at least `least` and until no pivot is negative;
-/// returns the shift over EI/L³. What counts as no stiffness is always added.
+/// Factors the Jacobian of the last linearisation, shifted by at least `least` and until no pivot
+/// is negative; returns the shift over EI/L³. The stiffness that counts as zero is always added.
 fn stabilise(system: &mut System, unknowns: &[f64], scale: &Scale, least: f64) -> Option<f64> {
     let mut shift = if least < SMALLEST_SHIFT { 0.0 } else { least };
     for growth in 0..SHIFT_GROWTHS {
@@ -415,8 +428,8 @@ fn stabilise(system: &mut System, unknowns: &[f64], scale: &Scale, least: f64) -
     None
 }
 
-/// Scales `direction` up to `lengthening` times, but so that no node moves farther than `largest` (m) and no edge
-/// turns too far; returns the factor.
+/// Scales `direction` by up to `lengthening`, such that no node moves farther than `largest` (m)
+/// and no edge rotates too far; returns the factor.
 fn limit(direction: &mut [f64], system: &System, largest: f64, lengthening: f64) -> f64 {
     let mut excess = 1.0 / lengthening;
     for (k, entry) in direction.iter().enumerate() {

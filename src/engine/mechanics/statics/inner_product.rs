@@ -1,5 +1,5 @@
-//! The inner product a·B b of motions. B weighs angles by the square of the shortest edge, so that eigenvalues of the
-//! Hessian are in N/m.
+//! The inner product a·B b of motions. B weights angles by the square of the shortest edge, so
+//! that eigenvalues of the Hessian are in N/m.
 
 use crate::mechanics::rod::STRIDE;
 
@@ -17,7 +17,7 @@ pub(super) fn inner(a: &[f64], b: &[f64], weight: f64) -> f64 {
         .sum()
 }
 
-/// Brings a vector to B-norm 1.
+/// Scales a vector to B-norm 1.
 pub(super) fn normalise(vector: &mut [f64], weight: f64) {
     let norm = inner(vector, vector, weight).sqrt();
     vector.iter_mut().for_each(|entry| *entry /= norm);

@@ -1,8 +1,9 @@
 //! Equilibria: Newton's method without inertia.
 //!
-//! `Descent` decreases the energy, so that it ends where a rod would come to rest; `nearby_equilibrium` finds the
-//! nearest one, and whether it is stable; [`Tracer`] follows equilibria along a path of loads or of clamps
-//! that move; [`natural_strains`] finds the natural shape of a rod whose equilibrium is given.
+//! `Descent` decreases the energy, so that it ends where a rod would come to rest.
+//! `nearby_equilibrium` finds the nearest equilibrium and whether it is stable. [`Tracer`] follows
+//! equilibria along a path of loads or moving clamps. [`natural_strains`] finds the natural shape
+//! of a rod whose equilibrium is given.
 
 mod equilibrium;
 mod inner_product;

@@ -1,24 +1,29 @@
 //! The natural shape of a rod whose equilibrium is given.
 //!
-//! The nodes x_j of the equilibrium are given, and so are all forces but the elastic ones of this rod. The gradient of the
-//! energy of the vertices and edges of the rod over the vectors e_k of its edges and over their angles φ_k is
+//! The nodes x_j of the equilibrium are given, and so are all forces except the elastic ones of
+//! this rod. The gradient of the energy of its vertices and edges with respect to the edge vectors
+//! e_k and angles φ_k is
 //!
 //! ```text
 //! q_k = EA (l/l̃ − 1) t_k + ∂E_k/∂e¹ + ∂E_{k+1}/∂e⁰,      0 = m_k + ∂E_k/∂φ¹ + ∂E_{k+1}/∂φ⁰
 //! q_{j−1} − q_j = f_j
 //! ```
 //!
-//! with the vertices k before and k + 1 after the edge k, the external force f_j on node j and moment m_k on edge k. The force q_k in
-//! an edge follows from the last node by summation; its part along t_k fixes the natural length l̃ of the edge. The gradient of
-//! a vertex is linear in its natural curvatures and twist. Three equations of the edge k, two across t_k and one of moments,
-//! fix the three of vertex k, from the last edge to the first: a recursion with a 3×3 matrix for each node.
+//! with the vertices k before and k + 1 after the edge k, the external force f_j on node j and
+//! moment m_k on edge k. The force q_k in an edge follows from the last node by summation; its
+//! part along t_k fixes the natural length l̃ of the edge. The gradient of a vertex is linear in
+//! its natural curvatures and twist. Three equations of the edge k, two across t_k and one of
+//! moments, fix the three strains of vertex k, from the last edge to the first: a recursion with a
+//! 3×3 matrix for each node.
 //!
-//! A last node that is held adds the three components of its reaction to the unknowns, and a clamped one those of its
-//! moment. A first node that is not held, and a first frame that is not clamped, must be in balance by themselves: three
-//! equations each. Of all solutions the one with the least elastic energy in the given shape is returned.
+//! A held last node adds the three components of its reaction to the unknowns, and a clamped one
+//! those of its moment. A first node that is not held, and a first frame that is not clamped, must
+//! be in balance by themselves: three equations each. Of all solutions, the one with the least
+//! elastic energy in the given shape is returned.
 //!
-//! Weights and stiffnesses depend on natural lengths. The residual of the scene with the natural strains found so far is
-//! corrected in the same way until rounding is left; each correction multiplies it by about the largest strain of stretching.
+//! Weights and stiffnesses depend on natural lengths. So the residual of the scene with the
+//! natural strains found so far is corrected in the same way until only rounding is left; each
+//! correction multiplies it by about the largest stretching strain.
 
 use crate::mechanics::rod::vertex::VertexStrains;
 use crate::mechanics::rod::{RodRange, STRIDE, Vertex};
@@ -29,17 +34,17 @@ use nalgebra::{DMatrix, DVector, RowSVector, SMatrix, SVector};
 
 /// Most corrections.
 const CORRECTIONS: usize = 30;
-/// Corrections that do not halve the residual, after which rounding is left.
+/// Number of corrections without halving the residual after which only rounding is left.
 const STALLED: usize = 3;
-/// Corrections that choose the least elastic energy; later ones choose the least change.
+/// Number of corrections that minimise the elastic energy; later ones minimise the change.
 const CHOSEN: usize = 2;
-/// Residual over the largest force in the rod that rounding may leave.
+/// Residual that rounding may leave, relative to the largest force in the rod.
 const TOLERANCE: f64 = 1e-9;
-/// Columns: what is known, the reaction and the moment at the last node.
+/// Columns: the known part, and the reaction and the moment at the last node.
 const COLUMNS: usize = 7;
-/// Singular values over the largest that count as none.
+/// Singular values that count as zero, relative to the largest.
 const SINGULAR: f64 = 1e-12;
-/// Strain of compression beyond which no natural length exists.
+/// Compressive strain beyond which no natural length exists.
 const CRUSHED: f64 = -0.9;
 
 type Affine = SMatrix<f64, 3, COLUMNS>;
@@ -51,7 +56,7 @@ pub enum DesignError {
     /// The scene is wrong.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The rod is not open, or clamped elsewhere than at its ends.
+    /// The rod is not open, or is clamped at inner nodes.
     #[error("{0}")]
     Unsuitable(&'static str),
     /// The external forces are not in balance with reactions at the clamps.
@@ -62,7 +67,7 @@ pub enum DesignError {
         /// Force that is left, N.
         imbalance: f64,
     },
-    /// An edge is pushed together too far.
+    /// An edge is compressed too much.
     #[error("edge {edge} would be compressed by {:.0} %; use a stiffer or shorter rod", -100.0 * strain)]
     Crushed {
         /// The edge.
@@ -91,15 +96,16 @@ pub struct Designed {
     pub residual: f64,
     /// Largest force in an edge, or external force on a node, N.
     pub force: f64,
-    /// Largest strain of stretching, without its sign.
+    /// Largest absolute stretching strain.
     pub largest_strain: f64,
 }
 
-/// Finds the natural lengths, curvatures and twists of an open rod with which the placed nodes of `scene` are an equilibrium. All other
-/// forces are those of the scene at time zero: loads, springs and contact. The rod may be clamped at its ends.
+/// Finds the natural lengths, curvatures and twists of an open rod for which the placed nodes of
+/// `scene` are an equilibrium. All other forces are those of the scene at time zero: loads,
+/// springs and contact. The rod may be clamped at its ends.
 ///
 /// # Errors
-/// [`DesignError`]: an invalid scene, and a curve that no natural shape holds.
+/// [`DesignError`]: an invalid scene, or a curve for which no natural shape exists.
 pub fn natural_strains(scene: &Scene, rod: usize) -> Result<Designed, DesignError> {
     let description = &scene.rods[rod];
     let last = description.centreline.len().saturating_sub(1);
@@ -177,7 +183,7 @@ struct Design<'a> {
     holds: [bool; 2],
 }
 
-/// Integrated natural strains as linear functions of what is unknown at the last node.
+/// Integrated natural strains as linear functions of the unknowns at the last node.
 struct Recursion {
     /// Change of the natural curvatures and the twist of each vertex, rad.
     strains: Vec<Option<Affine>>,
@@ -254,7 +260,7 @@ impl<'a> Design<'a> {
         0.5 * (before + lengths.get(node).unwrap_or(&0.0))
     }
 
-    /// The present natural strains, frames of both edges averaged.
+    /// The present natural strains, averaged over the frames of both edges.
     fn natural(&self) -> NaturalStrains {
         let of = |node: usize| {
             let [a, b, twist] = self.vertex(node).map_or([0.0; 3], |vertex| {
@@ -277,7 +283,8 @@ impl<'a> Design<'a> {
         Vector3::new(2.0 * towards_2, 2.0 * towards_1, vertex.stiffness.twisting)
     }
 
-    /// Derivatives of the gradient of a vertex over its natural strains: e⁰, φ⁰, e¹, φ¹.
+    /// Derivatives of the gradient of a vertex with respect to its natural strains: e⁰, φ⁰, e¹,
+    /// φ¹.
     fn derivatives(&self, node: usize) -> Option<([Matrix3; 2], [Vector3; 2])> {
         let index = self.vertices[node]?;
         let vertex = &self.system.assembly.rods.vertices[index];
@@ -307,7 +314,7 @@ impl<'a> Design<'a> {
         Some((forces, moments))
     }
 
-    /// From the last edge to the first.
+    /// Runs from the last edge to the first.
     fn recursion(&self) -> Result<Recursion, DesignError> {
         let edges = self.range.edges();
         let length: f64 = self.lengths.iter().sum();
@@ -317,7 +324,7 @@ impl<'a> Design<'a> {
             strains: vec![None; edges + 1],
             tensions: vec![AffineRow::zeros(); edges],
             constraints: Vec::new(),
-            // At a held node the reaction.
+            // At a held node, adds the reaction.
             force: self.force_on(edges).norm(),
         };
         let mut force = Affine::zeros();
@@ -378,7 +385,7 @@ impl<'a> Design<'a> {
         Ok(result)
     }
 
-    /// Two rows across an edge and one of moments over its length.
+    /// Two rows across an edge, and a row of moments divided by its length.
     fn across(&self, axes: &Matrix3, forces: &Matrix3, moments: &Vector3, edge: usize) -> Matrix3 {
         let mut rows = axes.transpose() * forces;
         rows.set_row(2, &(moments / self.lengths[edge]).transpose());
@@ -430,8 +437,8 @@ impl<'a> Design<'a> {
         self.stretching * (self.lengths[edge] / self.natural_lengths[edge] - 1.0)
     }
 
-    /// Values of the columns, of which the first is 1: those without imbalance, and of these those of the least energy: `is_total` that
-    /// of the rod, else that of the change.
+    /// Values of the columns, the first of which is 1, that leave no imbalance and minimise the
+    /// energy: with `is_total` that of the rod, otherwise that of the change.
     fn least_energy(
         &self,
         recursion: &Recursion,

@@ -1,4 +1,4 @@
-//! The equilibrium next to a configuration, stable or not, and the inertia of its Hessian.
+//! The equilibrium nearest to a configuration, stable or not, and the inertia of its Hessian.
 
 use crate::linalg::Inertia;
 use crate::mechanics::system::{Divergence, System};
@@ -6,13 +6,13 @@ use crate::mechanics::system::{Divergence, System};
 /// Most iterations. From a configuration within the error of the mesh it takes three to six.
 const ITERATIONS: usize = 30;
 
-/// Finds the equilibrium near `unknowns` by plain Newton steps, which converge to saddle points as well
-/// as to minima; returns the inertia of the Hessian there, `None` where the Jacobian is not symmetric. The
-/// equilibrium is stable where no pivot is negative. `tolerance` is the residual left as a multiple of the forces of each
-/// rod ([`System::set_tolerances`]).
+/// Finds the equilibrium near `unknowns` by plain Newton steps, which converge to saddle points as
+/// well as to minima. Returns the inertia of the Hessian there; `None` if the Jacobian is not
+/// symmetric. The equilibrium is stable if no pivot is negative. `tolerance` is the final residual
+/// as a multiple of the forces of each rod ([`System::set_tolerances`]).
 ///
 /// # Errors
-/// [`Divergence`] where the start was too far away, or the Hessian is singular.
+/// [`Divergence`] if the start was too far away or the Hessian is singular.
 pub(crate) fn nearby_equilibrium(
     system: &mut System,
     unknowns: &mut [f64],

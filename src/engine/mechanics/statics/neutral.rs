@@ -1,9 +1,9 @@
-//! Motions without stiffness: a ring that rolls through itself, a column that bends over in any plane, a rod
-//! without supports.
+//! Motions without stiffness: a ring that rolls through itself, a column that is bent in any
+//! plane, a rod without supports.
 //!
-//! The energy is constant along them for any position of the rod, so that forces have no component along them except
-//! rounding errors, which the inverse of the Hessian would magnify without bound. They are the null vectors of
-//! the Hessian all along a path, which distinguishes them from the one that belongs to a critical point.
+//! The energy is constant along them in any configuration. So forces have no component along them
+//! except rounding errors, which the inverse of the Hessian would amplify without bound. They are
+//! null vectors of the Hessian all along a path, unlike the null vector of a critical point.
 
 use super::inner_product::{inner, normalise, scale_angles};
 use crate::linalg::SingularMatrix;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// The null vectors of a Hessian.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct NeutralModes {
-    /// B-orthonormal, with B as in [`super::inner_product`].
+    /// B-orthonormal vectors, with B as in [`super::inner_product`].
     vectors: Vec<Vec<f64>>,
     /// Weight of the squares of angles in B, m².
     weight: f64,
@@ -38,10 +38,10 @@ impl NeutralModes {
         self.vectors.len()
     }
 
-    /// Follows the Hessian, whose factors `system` holds, by one inverse iteration.
+    /// Updates them to the Hessian, whose factors `system` holds, by one inverse iteration.
     ///
     /// # Errors
-    /// A system that is singular to working precision.
+    /// [`SingularMatrix`] if the system is singular to working precision.
     pub(crate) fn refine(&mut self, system: &mut System) -> Result<(), SingularMatrix> {
         for k in 0..self.vectors.len() {
             let (before, rest) = self.vectors.split_at_mut(k);
@@ -54,12 +54,12 @@ impl NeutralModes {
         Ok(())
     }
 
-    /// Removes from `vector` its component along them.
+    /// Removes from `vector` its components along these motions.
     pub(crate) fn remove_from(&self, vector: &mut [f64]) {
         remove(&self.vectors, vector, self.weight);
     }
 
-    /// Adds a B-orthonormal vector to those that are taken out.
+    /// Adds a B-orthonormal vector to these motions.
     pub(crate) fn push(&mut self, vector: Vec<f64>) {
         self.vectors.push(vector);
     }

@@ -1,13 +1,16 @@
 //! Stability of an equilibrium whose forces have no potential, by its small motions M ü + K u = 0.
 //!
-//! With loads that turn with the rod, and with moments of fixed direction, K is not symmetric, and the signs of its pivots
-//! do not determine stability. The motions u ∝ e^{λt} have λ² = −μ with the eigenvalues μ of M⁻¹K. All is stable where these
-//! are real and positive. A negative one diverges; two that have met and are no longer real **flutter**, oscillations that grow
-//! (Bolotin 1963; Langthjem & Sugiyama 2000). Damping is not in it, which may destabilise such loads further (Ziegler 1952).
+//! With loads that rotate with the rod, and with moments of fixed direction, K is not symmetric,
+//! and the signs of its pivots do not determine stability. The motions u ∝ e^{λt} have λ² = −μ
+//! with the eigenvalues μ of M⁻¹K. The equilibrium is stable if all of them are real and positive.
+//! A negative one diverges; two that have met and are no longer real **flutter**, oscillations
+//! that grow (Bolotin 1963; Langthjem & Sugiyama 2000). Damping is not included, although it may
+//! destabilise such loads further (Ziegler 1952).
 //!
-//! The eigenvalues nearest to zero are found by Arnoldi's method on (K + σM)⁻¹M, whose eigenvalues are 1/(μ + σ), in the
-//! inner product of M (Saad, Numerical Methods for Large Eigenvalue Problems, 2nd ed., sec. 8.1). Only such count as have
-//! converged: the lowest ten and more. Motions that lose stability are among the lowest in all known cases.
+//! The eigenvalues nearest to zero are found by Arnoldi's method on (K + σM)⁻¹M, whose eigenvalues
+//! are 1/(μ + σ), in the inner product of M (Saad, Numerical Methods for Large Eigenvalue
+//! Problems, 2nd ed., sec. 8.1). Only converged eigenvalues are used: the lowest ten or more.
+//! Motions that lose stability are among the lowest in all known cases.
 
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::System;
@@ -17,24 +20,29 @@ use std::f64::consts::TAU;
 
 /// Most vectors of the Krylov space.
 const DIMENSION: usize = 40;
-/// Eigenvalues of the inverse that are smaller than this part of the largest are those of high modes, and not looked at.
+/// Eigenvalues of the inverse below this fraction of the largest belong to high modes and are
+/// ignored.
 const HIGH: f64 = 1e-5;
-/// Residual of an eigenvalue, over it, at which it counts as converged.
+/// Relative residual of an eigenvalue at which it counts as converged.
 const CONVERGED: f64 = 1e-9;
-/// Imaginary part, over |μ + σ|, from which on an eigenvalue is not real. Rounding leaves as much of two that are
-/// equal by symmetry, as those of a round rod are.
+/// Imaginary part, relative to |μ + σ|, above which an eigenvalue is not real. Rounding causes
+/// smaller ones in pairs that are equal by symmetry, as those of a round rod are.
 const NOT_REAL: f64 = 1e-6;
-/// Part of σ that an eigenvalue is below zero from which on it is negative: that of a motion without stiffness is not.
+/// Bound, as a fraction of σ, by which a negative eigenvalue must lie below zero; that of a motion
+/// without stiffness does not.
 const NEGATIVE: f64 = 1e-7;
-/// A last vector so small, over the one before, ends the space: it holds all that there is.
+/// Norm of a new vector, relative to that before orthogonalisation, below which the space is
+/// complete.
 const EXHAUSTED: f64 = 1e-13;
-/// σ over EI/L³ and the mass of all rods; the lowest μ of a cantilever is 12.4 times that.
+/// σ relative to EI/L³ over the mass of all rods; the lowest μ of a cantilever is 12.4 times that
+/// unit.
 const SHIFT: f64 = 10.0;
 
 /// Number of growing small motions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Unstable {
-    /// Growing motions without oscillation; for forces with a potential, directions in which it falls.
+    /// Growing motions without oscillation; for forces with a potential, directions in which it
+    /// decreases.
     pub divergent: usize,
     /// Growing oscillations, in pairs of conjugate eigenvalues.
     pub flutter: usize,
@@ -52,14 +60,14 @@ impl Unstable {
 pub struct SmallMotions {
     /// The growing motions.
     pub unstable: Unstable,
-    /// Rate at which the fastest of them grows, 1/s; 0 where none does.
+    /// Rate at which the fastest of them grows, 1/s; 0 if none does.
     pub growth_rate: f64,
-    /// Its frequency, or the lowest of all where none grows, Hz.
+    /// Its frequency, or the lowest of all if none grows, Hz.
     pub frequency: f64,
 }
 
-/// The small motions at an equilibrium; `None` where there are too many unknowns, without free unknowns, and where K + σM
-/// is singular.
+/// The small motions at an equilibrium; `None` if there are too many unknowns, no free unknowns,
+/// or K + σM is singular.
 pub(crate) fn small_motions(system: &mut System, unknowns: &[f64]) -> Option<SmallMotions> {
     let shift = SHIFT * lowest_scale(system, unknowns)?;
     system.factor_with_masses(unknowns, shift).ok()?;
@@ -79,7 +87,7 @@ pub(crate) fn small_motions(system: &mut System, unknowns: &[f64]) -> Option<Sma
         let real = inverse.re / (size * size) - shift;
         let imaginary = -inverse.im / (size * size);
         if imaginary.abs() > NOT_REAL / size {
-            // Of two that are conjugate one counts.
+            // Count only one of a conjugate pair.
             if imaginary > 0.0 {
                 found.unstable.flutter += 1;
                 let modulus = libm::hypot(real, imaginary);
@@ -101,14 +109,14 @@ pub(crate) fn small_motions(system: &mut System, unknowns: &[f64]) -> Option<Sma
 }
 
 impl SmallMotions {
-    /// Keeps the one that grows fastest.
+    /// Keeps the fastest-growing motion.
     fn note(&mut self, growth_rate: f64, frequency: f64) {
         if growth_rate > self.growth_rate {
             (self.growth_rate, self.frequency) = (growth_rate, frequency);
         }
     }
 
-    /// Describes the fastest growth of an unstable equilibrium; `None` where it is stable.
+    /// Describes the fastest growth of an unstable equilibrium; `None` if it is stable.
     pub(crate) fn in_words(&self) -> Option<String> {
         let Self {
             unstable,
@@ -143,8 +151,8 @@ fn lowest_scale(system: &System, unknowns: &[f64]) -> Option<f64> {
     (scale > 0.0 && scale.is_finite()).then_some(scale)
 }
 
-/// (K + σM)⁻¹M, of which `system` holds the factors, on a Krylov space: its matrix there, and how far the last vector leads
-/// out of it.
+/// Projects (K + σM)⁻¹M, of which `system` holds the factors, on a Krylov space. Returns its
+/// matrix there, and the norm of the part of the last vector outside the space.
 fn project(
     system: &mut System,
     masses: &[(usize, usize, f64)],
@@ -158,7 +166,7 @@ fn project(
         weighed
     };
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    // A start that no symmetry is orthogonal to; the same on every machine.
+    // A start vector that is orthogonal to no symmetric motion; the same on every machine.
     let mut next: Vec<f64> = (0..unknowns)
         .map(|k| ((k + 1) as f64 * 0.618_033_988_75).fract() - 0.4)
         .collect();
@@ -192,7 +200,7 @@ fn project(
         next.clone_from(&weighed[column]);
         system.solve(&mut next).ok()?;
         size = dot(&next, &weigh(&next)).max(0.0).sqrt();
-        // Twice is enough (Parlett).
+        // Orthogonalising twice is enough (Parlett).
         for _ in 0..2 {
             for row in 0..=column {
                 let part = dot(&weighed[row], &next);
@@ -213,13 +221,14 @@ fn project(
     })
 }
 
-/// Residual of an eigenvalue θ of the projected matrix as one of the whole: what the last entry of its vector leads out.
+/// Residual, in the full space, of an eigenvalue θ of the projected matrix: the last entry of its
+/// vector times the part outside the space.
 fn residual(projected: &DMatrix<f64>, last: f64, value: Complex<f64>) -> f64 {
     if last == 0.0 {
         return 0.0;
     }
     let size = projected.nrows();
-    // Beside the eigenvalue, where the matrix is not singular.
+    // Shifted slightly from the eigenvalue, where the matrix is not singular.
     let beside = value * (1.0 + 1e-10);
     let shifted = DMatrix::from_fn(size, size, |row, column| {
         let entry = Complex::new(projected[(row, column)], 0.0);

@@ -1,25 +1,26 @@
-//! Eigenpairs of the Hessian, H v = μ B v, by inverse iteration (Golub & Van Loan, Matrix Computations,
-//! 4th ed., sec. 8.2.2). B weighs angles by the square of the shortest edge, so that μ is in N/m.
+//! Eigenpairs of the Hessian, H v = μ B v, by inverse iteration (Golub & Van Loan, Matrix
+//! Computations, 4th ed., sec. 8.2.2). B weights angles by the square of the shortest edge, so
+//! that μ is in N/m.
 
 use super::inner_product::{inner, normalise, scale_angles};
 use super::neutral::NeutralModes;
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::system::System;
 
-/// Most iterations. The lowest two eigenvalues of a rod are seldom closer than a tenth of the lowest;
-/// where they coincide any vector of their plane is accepted.
+/// Most iterations. The lowest two eigenvalues of a rod are seldom closer than a tenth of the
+/// lowest; if they coincide, any vector of their plane is accepted.
 const ITERATIONS: usize = 60;
-/// Relative change at which the eigenvalue counts as found.
+/// Relative change below which an eigenvalue counts as found.
 const TOLERANCE: f64 = 1e-10;
-/// Largest eigenvalue of a motion without stiffness over the shift of the Hessian.
+/// Largest eigenvalue of a motion without stiffness, relative to the shift of the Hessian.
 const LARGEST_NEUTRAL_EIGENVALUE: f64 = 0.1;
-/// Growth of the shift until the Hessian is positive.
+/// Growth factor of the shift until the Hessian is positive.
 const SHIFT_GROWTH: f64 = 2.0;
-/// Most growths: by then the shift is beyond every stiffness.
+/// Most increases of the shift, after which it exceeds every stiffness.
 const GROWTHS: usize = 100;
 
-/// The lowest eigenvalue at `unknowns` but those of motions without stiffness, N/m; the search begins below
-/// `−shift`. `None` where the Hessian cannot be factored.
+/// The lowest eigenvalue at `unknowns`, except those of motions without stiffness, N/m; the search
+/// begins below `−shift`. `None` if the Hessian cannot be factored.
 pub(super) fn lowest_eigenvalue(
     system: &mut System,
     unknowns: &[f64],
@@ -27,7 +28,7 @@ pub(super) fn lowest_eigenvalue(
     mut shift: f64,
     scratch: &mut [f64],
 ) -> Option<f64> {
-    // Below the lowest eigenvalue, so that it is the one that is nearest.
+    // Shift below the lowest eigenvalue, which is then the nearest one.
     for _ in 0..GROWTHS {
         system.linearize(unknowns, None);
         system.shift(shift, shift * neutral.weight());
@@ -39,8 +40,9 @@ pub(super) fn lowest_eigenvalue(
     Some(inverse_iteration(system, scratch, neutral)? - shift)
 }
 
-/// The eigenvalue (N/m) that is nearest to zero of the matrix whose factors `system` holds; leaves its vector, of
-/// B-norm 1 and B-orthogonal to `neutral`, in `vector`. `None` where that matrix is singular.
+/// The eigenvalue (N/m) nearest to zero of the matrix whose factors `system` holds. Leaves its
+/// vector, of B-norm 1 and B-orthogonal to `neutral`, in `vector`. `None` if the matrix is
+/// singular.
 pub(super) fn inverse_iteration(
     system: &mut System,
     vector: &mut [f64],
@@ -49,7 +51,8 @@ pub(super) fn inverse_iteration(
     let weight = neutral.weight();
     let units = [1.0, 1.0, 1.0, 1.0 / weight.sqrt()];
     for (k, entry) in vector.iter_mut().enumerate() {
-        // Any start that no symmetry is orthogonal to; the same on every machine, and in every unit of length.
+        // A start vector that is orthogonal to no symmetric motion; the same on every machine and
+        // in every unit of length.
         let number = ((k + 1) as f64 * 0.618_033_988_75).fract() - 0.4;
         *entry = units[k % STRIDE] * number;
     }
@@ -103,7 +106,7 @@ mod tests {
 
     const EDGES: usize = 24;
 
-    /// A free ring that is straight by nature.
+    /// A free ring that is naturally straight.
     fn ring(bending: [f64; 2]) -> Scene {
         let node = |k: usize| {
             let angle = TAU * k as f64 / EDGES as f64;
@@ -131,7 +134,7 @@ mod tests {
             let mut modes = NeutralModes::new(weight);
             find_neutral_modes(&mut modes, &mut system, unknowns.len(), shift);
             assert_eq!(modes.count(), expected);
-            // A shift of the whole ring is one of them, or a sum of some.
+            // A translation of the whole ring is one of these motions or a combination of them.
             let mut rigid: Vec<f64> = (0..unknowns.len()).map(|k| f64::from(k % 4 == 1)).collect();
             modes.remove_from(&mut rigid);
             assert!(rigid.iter().all(|entry| entry.abs() < 1e-6));

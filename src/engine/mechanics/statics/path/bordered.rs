@@ -5,10 +5,10 @@
 //! | cᵀ  d | |dλ| = − |g|        g = c·(q − q₀) + d (λ − λ₀)
 //! ```
 //!
-//! by block elimination with the factors of J (Keller 1977): J z₁ = −R, J z₂ = −b, then
-//! dλ = −(g + c·z₁)/(d + c·z₂), dq = z₁ + dλ z₂. Rounding errors near a singular J are left to the next
-//! iteration, whose residual is computed afresh; those along motions without stiffness, by which nothing would
-//! call them back, are taken out of z₁ and z₂.
+//! by block elimination with the factors of J (Keller 1977): J z₁ = −R, J z₂ = −b, then dλ = −(g +
+//! c·z₁)/(d + c·z₂), dq = z₁ + dλ z₂. The next iteration, with a fresh residual, corrects rounding
+//! errors near a singular J. Rounding errors along motions without stiffness, which nothing would
+//! correct, are removed from z₁ and z₂.
 
 use crate::mechanics::rod::STRIDE;
 use crate::mechanics::statics::neutral::NeutralModes;
@@ -16,23 +16,24 @@ use crate::mechanics::statics::small_motions::{Unstable, small_motions};
 use crate::mechanics::system::{Divergence, System};
 use serde::{Deserialize, Serialize};
 
-/// Added to the Hessian, in units of EI/L³, so that motions without stiffness neither make it singular nor
-/// count as unstable. Bifurcations are corrected for it.
+/// Added to the Hessian, in units of EI/L³, so that motions without stiffness neither make it
+/// singular nor count as unstable. Bifurcations are corrected for it.
 const NEUTRAL: f64 = 1e-6;
-/// Lower bound: this multiple of the rounding error of the stiffest entry.
+/// Lower bound of that addition: this multiple of the rounding error of the stiffest entry.
 const ROUNDINGS: f64 = 8.0;
-/// Largest move of a node, over the rods' extent, that the next iteration may make at a point of the path. Near
-/// a critical point a small residual alone allows large errors along its null vector.
+/// Largest expected move of a node in the next iteration, over the extent of the rods, at which a
+/// point of the path is accepted. Near a critical point a small residual alone allows large errors
+/// along the null vector.
 const PRECISION: f64 = 1e-9;
-/// Rounding errors may cause larger corrections: iterations end when a correction is at least this part of the one
-/// before.
+/// Rounding errors may cause larger corrections: iterations end when a correction is at least this
+/// fraction of the previous one.
 const STAGNATION: f64 = 0.1;
 /// Most iterations; a step that needs more is too long.
 const ITERATIONS: usize = 12;
-/// Step of the parameter over its range in the difference quotient of ∂R/∂λ.
+/// Step of the parameter, relative to its range, in the difference quotient of ∂R/∂λ.
 const DIFFERENCE: f64 = 1e-3;
 
-/// The condition that singles out a point of the path: c·(q − q₀) + d (λ − λ₀) = 0.
+/// The condition that selects a point of the path: c·(q − q₀) + d (λ − λ₀) = 0.
 #[derive(Clone, Debug)]
 pub(super) struct Condition {
     /// c and d.
@@ -55,7 +56,8 @@ impl Condition {
 /// Scratch of the bordered system.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Bordered {
-    /// z₁ and z₂ of the last factorisation; z₂ is the rate of the unknowns with the parameter.
+    /// Vectors z₁ and z₂ of the last factorisation; z₂ is the derivative of the unknowns with
+    /// respect to the parameter.
     newton: Vec<f64>,
     pub rate: Vec<f64>,
     probe: Vec<f64>,
@@ -65,7 +67,7 @@ pub(super) struct Bordered {
     range: f64,
     /// Residual allowed, as a multiple of the forces of each rod.
     pub tolerance: f64,
-    /// Stiffness that counts as none and is added to the Hessian, N/m.
+    /// Stiffness that counts as zero and is added to the Hessian, N/m.
     pub shift: f64,
     /// Rounding error of the stiffest entry, N/m.
     pub rounding: f64,
@@ -76,7 +78,7 @@ pub(super) struct Bordered {
 /// Result of an iteration.
 pub(super) struct Converged {
     pub iterations: usize,
-    /// Small motions that grow there.
+    /// Growing small motions at the last point.
     pub unstable: Unstable,
 }
 
@@ -100,7 +102,7 @@ impl Bordered {
         }
     }
 
-    /// Finds the point of the path that meets `condition`; `rate` is ∂q/∂λ there.
+    /// Finds the point of the path that satisfies `condition`; `rate` is ∂q/∂λ there.
     pub(crate) fn correct(
         &mut self,
         system: &mut System,
@@ -172,8 +174,9 @@ impl Bordered {
         unreachable!("the last iteration returns")
     }
 
-    /// Linearises at `unknowns` and factors the Jacobian, to which a tiny multiple is added; returns the
-    /// number of negative pivots, 0 where it is not symmetric, and `None` where it cannot be factored.
+    /// Linearises at `unknowns` and factors the Jacobian, to which a tiny multiple is added.
+    /// Returns the number of negative pivots, or 0 if the Jacobian is not symmetric; `None` if it
+    /// cannot be factored.
     pub(crate) fn linearize(&self, system: &mut System, unknowns: &[f64]) -> Option<usize> {
         system.linearize(unknowns, None);
         system.shift(self.shift, self.shift * self.neutral.weight());
@@ -181,7 +184,7 @@ impl Bordered {
         Some(inertia.map_or(0, |inertia| inertia.negative))
     }
 
-    /// Writes b = ∂R/∂λ into `rate`, by central differences at fixed free unknowns.
+    /// Computes b = ∂R/∂λ into `rate`, by central differences at fixed free unknowns.
     pub(crate) fn differentiate(
         &mut self,
         system: &mut System,
@@ -201,8 +204,8 @@ impl Bordered {
         system.drive(parameter, unknowns);
     }
 
-    /// Weights of the squares of the unknowns in a length without unit: a root mean square over the
-    /// nodes, of displacements over `extent` and of angles over a turn.
+    /// Weights of the squares of the unknowns in a dimensionless length: a root mean square over
+    /// the nodes, of displacements over `extent` and of angles over a turn.
     pub(crate) fn weights(unknowns: usize, extent: f64) -> [f64; 2] {
         let nodes = (unknowns / STRIDE) as f64;
         let turn = std::f64::consts::TAU;

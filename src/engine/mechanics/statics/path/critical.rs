@@ -1,5 +1,5 @@
-//! Critical points: where other small motions grow at one of two points of a path than at the other, and
-//! where other branches leave from there.
+//! Critical points, at which the number of growing small motions changes and other branches may
+//! begin.
 
 use super::location::{Location, Origin, PointKind, Tangent};
 use super::tracer::Tracer;
@@ -7,18 +7,20 @@ use crate::mechanics::statics::inner_product::{inner, scale_angles};
 use crate::mechanics::statics::spectrum::inverse_iteration;
 use crate::mechanics::system::System;
 
-/// Arclength to which a critical point is located; 1 is the range of the parameter.
+/// Arclength within which a critical point is located; 1 is the range of the parameter.
 const TOLERANCE: f64 = 1e-8;
-/// Points at which a bracket is divided: its middle, or beside it where Newton's method fails there.
+/// Fractions at which a bracket may be divided: its middle, or another one if Newton's method
+/// fails there.
 const SHARES: [f64; 5] = [0.5, 0.3, 0.7, 0.1, 0.9];
 /// Most critical points between two neighbouring points.
 const MOST_IN_A_STEP: usize = 8;
-/// The null vector v of a bifurcation has v·∂R/∂λ = 0; it is a fold where this cosine is larger. Observed
-/// values are at most 1e-9 at bifurcations and some hundredths at folds.
+/// Bound on the cosine of the null vector v to ∂R/∂λ, which is zero at a bifurcation; a point with
+/// a larger one is a fold. Observed values are at most 1e-9 at bifurcations and some hundredths at
+/// folds.
 const LARGEST_COUPLING: f64 = 1e-4;
 /// Share of the way to a critical point, before it, over which its eigenvalue is taken to be linear.
 const BEFORE: f64 = 0.1;
-/// Halvings of the first step onto a new branch.
+/// Number of halvings of the first step onto a new branch.
 const HALVINGS: usize = 6;
 
 impl Tracer {
@@ -45,8 +47,8 @@ impl Tracer {
         self.tangent = after;
     }
 
-    /// Narrows the way from `low` to `next` to the first change of the number of negative eigenvalues that
-    /// bisection meets; returns its far end.
+    /// Narrows the path from `low` to `next` by bisection to a change of the number of negative
+    /// eigenvalues; returns the far end of the bracket.
     fn bracket(
         &mut self,
         system: &mut System,
@@ -60,7 +62,8 @@ impl Tracer {
             let divided = SHARES
                 .into_iter()
                 .find_map(|share| Some((share, self.between(system, low, &high, share).ok()?)));
-            // Too near the critical point for Newton's method to converge.
+            // If all fail, the bracket is too near the critical point for Newton's method to
+            // converge.
             let Some((share, middle)) = divided else {
                 break;
             };
@@ -147,8 +150,8 @@ impl Tracer {
         inverse_iteration(system, &mut vector, &location.neutral)
     }
 
-    /// The vectors of so many eigenvalues that are nearest to zero, and how far the rate ∂R/∂λ drives the path along the
-    /// first of them.
+    /// The eigenvectors of the `count` eigenvalues nearest to zero, and the cosine of the rate
+    /// ∂R/∂λ to the first of them.
     fn null_vectors(
         &mut self,
         system: &mut System,
@@ -188,8 +191,9 @@ impl Tracer {
         product.abs() / self.norm_of_rate()
     }
 
-    /// The same without the left null vector w of a matrix J that is not symmetric: J⁻¹b is about v (w·b)/(μ w·v) with the
-    /// eigenvalue μ nearest to zero, so that |μ| ‖J⁻¹b‖/‖b‖ is none where w·b is.
+    /// The coupling for a matrix J that is not symmetric, without its left null vector w: J⁻¹b is
+    /// about v (w·b)/(μ w·v) with the eigenvalue μ nearest to zero, so that |μ| ‖J⁻¹b‖/‖b‖
+    /// vanishes if w·b does.
     fn general_coupling(&self, system: &mut System, eigenvalue: f64) -> f64 {
         let mut answer = self.bordered.rate.clone();
         if system.solve(&mut answer).is_err() {
@@ -208,7 +212,7 @@ impl Tracer {
         inner(&force, &force, weight).sqrt()
     }
 
-    /// Notes the two branches that leave at a bifurcation along a null vector.
+    /// Records the two branches that leave a bifurcation along a null vector.
     fn remember(&mut self, location: &Location, vector: Vec<f64>) {
         let mut direction = Tangent {
             unknowns: vector,
@@ -225,7 +229,7 @@ impl Tracer {
         }
     }
 
-    /// Steps onto a branch; returns false where none is found.
+    /// Steps onto a branch; returns false if none is found.
     pub(super) fn switch(&mut self, system: &mut System, origin: &Origin) -> bool {
         self.begin_branch();
         let Origin {

@@ -41,7 +41,7 @@ pub enum PointKind {
     Fold,
     /// Stability changes, and another branch crosses.
     Bifurcation,
-    /// Two small motions meet, and oscillations begin to grow or cease to.
+    /// Two small motions coincide, and oscillations begin or cease to grow.
     Flutter,
 }
 
@@ -52,22 +52,23 @@ pub struct PathPoint {
     pub branch: usize,
     /// The path parameter λ.
     pub parameter: f64,
-    /// Bound on the difference of λ to that of the critical point; 0 where the point is not critical.
+    /// Bound on the difference of λ to that of the critical point; 0 if the point is not critical.
     pub parameter_error: f64,
     /// Unknowns, 4 per node.
     pub unknowns: Vec<f64>,
     /// Frames of the edges.
     pub reference: ReferenceFrames,
-    /// Directions in which the energy falls, or small motions that grow where forces have none; at a critical point those
-    /// just behind it.
+    /// Number of directions in which the energy decreases, or of growing small motions if forces
+    /// have no energy; at a critical point, those just beyond it.
     pub negative: usize,
-    /// Lowest eigenvalue of the Hessian over motions of the nodes in m and of the edges in rad times the
-    /// shortest edge, except motions without stiffness, N/m; NaN where forces have no energy.
+    /// Lowest eigenvalue of the Hessian, except those of motions without stiffness, N/m; NaN if
+    /// forces have no energy. Motions are those of the nodes in m and of the edges in rad times
+    /// the shortest edge.
     pub lowest_eigenvalue: f64,
-    /// Small motions, where forces have no energy.
+    /// Small motions, if forces have no energy.
     pub motions: Option<SmallMotions>,
-    /// Whether the point is critical.
+    /// Event at the point.
     pub kind: PointKind,
-    /// Newton iterations spent on it and on the way to it.
+    /// Newton iterations for this point and the steps towards it.
     pub iterations: usize,
 }

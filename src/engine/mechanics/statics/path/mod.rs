@@ -1,9 +1,9 @@
 //! Paths of equilibria R(q, λ) = 0 (continuation).
 //!
 //! The path parameter λ replaces time, so that everything that a scene prescribes over time may
-//! drive the path: clamps that move and loads with a schedule. [`Tracer`] follows a path by steps of
-//! λ or of pseudo-arclength (Keller 1977; Riks 1979), finds folds and bifurcations by the inertia of the
-//! Hessian, and switches to the branches that leave there along the null vector.
+//! drive the path: moving clamps and loads with a schedule. [`Tracer`] follows a path by steps of
+//! λ or of pseudo-arclength (Keller 1977; Riks 1979), finds folds and bifurcations by the inertia
+//! of the Hessian, and switches to the branches that leave there along the null vector.
 
 mod bordered;
 mod critical;

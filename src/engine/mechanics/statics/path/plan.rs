@@ -11,14 +11,14 @@ pub struct PathPlan {
     pub to: f64,
     /// First step of the parameter, positive.
     pub step: f64,
-    /// Largest step: neither does the parameter change by more, nor does the root mean square of the
-    /// nodes' displacement over the rods' extent by more than this part of the whole range of λ.
+    /// Largest step, as a fraction of the whole range of λ: bounds the change of the parameter and
+    /// the root mean square of the nodes' displacement over the rods' extent.
     pub largest_step: f64,
     /// Quantity that a step holds fixed.
     pub method: PathMethod,
-    /// Whether branches that leave at bifurcations are followed, too.
+    /// Whether branches that leave at bifurcations are followed.
     pub switch_branches: bool,
-    /// Most points on one branch; a branch may turn back for ever.
+    /// Most points on one branch; a branch may turn back without end.
     pub most_points: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Walking along a path: predict along the tangent, correct, look for critical points, adapt the step.
+//! Following a path: predict along the tangent, correct, look for critical points, adapt the step.
 
 use super::bordered::{Bordered, Condition};
 use super::location::{Location, Origin, PathPoint, PointKind, Tangent};
@@ -12,34 +12,35 @@ use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use tracing::debug;
 
-/// A step that needs no more iterations than this may be followed by a longer one.
+/// Largest number of iterations after which the next step may be longer.
 const FEW_ITERATIONS: usize = 4;
 const GROWTH: f64 = 1.5;
-/// Steps shorter than this part of the first one lead nowhere.
+/// Fraction of the first step below which a step counts as failed.
 const SHORTEST_STEP: f64 = 1e-4;
 /// Smallest cosine between the tangents before and after a step of the arclength. Sharper turns might lead
 /// to another branch.
 const SMALLEST_COSINE: f64 = 0.8;
 
-/// Largest distance of a point from its prediction, over the step.
+/// Largest distance of a point from its prediction, relative to the step.
 const LARGEST_CORRECTION: f64 = 0.5;
-/// The error of a point that is on no way between its neighbours.
+/// The error for a point that is not between its neighbours on the path.
 const NOT_BETWEEN: Divergence = Divergence {
     iterations: 0,
     residual: f64::NAN,
     unknown: 0,
 };
 
-/// Branches that ended within the range of the parameter.
+/// Numbers of branches that ended within the range of the parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EndedEarly {
-    /// The limit of points of the plan was reached.
+    /// Branches that reached the plan's limit of points.
     pub long: usize,
-    /// Branches but the first: they could not be followed by the smallest step, or not be found.
+    /// Branches other than the first that were not found, or could not be followed with the
+    /// smallest step.
     pub lost: usize,
 }
 
-/// Follows a path point by point; all that a checkpoint must hold of it.
+/// Follows a path point by point; part of a checkpoint.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Tracer {
     pub(super) plan: PathPlan,
@@ -62,8 +63,8 @@ pub struct Tracer {
 }
 
 impl Tracer {
-    /// A tracer at `unknowns`, near which the path of `plan` begins; `tolerance` is the residual left at a
-    /// point as a multiple of the forces of each rod.
+    /// Creates a tracer at `unknowns`, near which the path of `plan` begins; `tolerance` is the
+    /// residual at a point as a multiple of the forces of each rod.
     pub(crate) fn new(system: &System, unknowns: &[f64], plan: PathPlan, tolerance: f64) -> Self {
         let extent = extent(unknowns);
         let bordered = Bordered::new(system, extent, plan.range(), tolerance);
@@ -98,8 +99,8 @@ impl Tracer {
     /// The next point of the path; `None` after the last.
     ///
     /// # Errors
-    /// [`Divergence`] where no equilibrium was found at the start, and where the first branch cannot be followed by the
-    /// smallest step.
+    /// [`Divergence`] if no equilibrium was found at the start, or if the first branch cannot be
+    /// followed with the smallest step.
     pub(crate) fn next(&mut self, system: &mut System) -> Result<Option<PathPoint>, Divergence> {
         while self.waiting.is_empty() {
             if !self.started {
@@ -129,7 +130,7 @@ impl Tracer {
         self.ended_early
     }
 
-    /// Finds the equilibrium at the start and the direction in which to leave it.
+    /// Finds the equilibrium at the start and the initial direction of the path.
     fn start(&mut self, system: &mut System) -> Result<(), Divergence> {
         let start = self.here.take().expect("a tracer starts somewhere");
         let condition = self.at_parameter(start.parameter, &start.unknowns);
@@ -199,7 +200,7 @@ impl Tracer {
                     if self.step < SHORTEST_STEP * self.plan.step / self.plan.range().abs() {
                         return match attempt {
                             Err(divergence) => Err(divergence),
-                            // A corner of the path: go round it.
+                            // At a corner of the path, continue with the tangent beyond it.
                             Ok(next) => {
                                 self.turn_tangent(None);
                                 self.arrive_or_end(system, &here, next)
@@ -220,7 +221,7 @@ impl Tracer {
     ) -> Result<Location, Divergence> {
         let mut length = step;
         if self.plan.method == PathMethod::Natural {
-            // The parameter grows evenly; the last step ends at the end of its range.
+            // The parameter grows in equal steps; the last step ends at the end of its range.
             length /= (self.tangent.parameter / self.plan.range()).abs();
             let left = (self.end_ahead() - from.parameter) / self.tangent.parameter;
             length = length.min(left);
@@ -236,10 +237,12 @@ impl Tracer {
         self.correct_along(system, from, parameter, predicted, largest)
     }
 
-    /// The point of the path between two of its points, at a share of the way from the first to the second.
+    /// The point of the path between two of its points, at the fraction `share` from the first to
+    /// the second.
     ///
     /// # Errors
-    /// [`Divergence`] where Newton's method fails, or ends farther away than the two are apart.
+    /// [`Divergence`] if Newton's method fails, or ends farther from its start than the two points
+    /// are from each other.
     pub(super) fn between(
         &mut self,
         system: &mut System,
@@ -255,8 +258,8 @@ impl Tracer {
         self.correct_along(system, low, parameter, predicted, way)
     }
 
-    /// Corrects a prediction to the path: at its parameter, or across the tangent; no farther than `largest`, for
-    /// there another branch may lie.
+    /// Corrects a prediction to the path, at its parameter or normal to the tangent. The
+    /// correction may be at most `largest`, since another branch may be farther away.
     fn correct_along(
         &mut self,
         system: &mut System,
@@ -279,7 +282,7 @@ impl Tracer {
         Ok(found)
     }
 
-    /// The end of the range of λ that the path moves towards.
+    /// The end of the range of λ towards which the path runs.
     fn end_ahead(&self) -> f64 {
         if self.tangent.parameter * self.plan.range() >= 0.0 {
             self.plan.to
@@ -288,7 +291,7 @@ impl Tracer {
         }
     }
 
-    /// Ends the branch at the end of the range of the parameter; otherwise continues.
+    /// Accepts a point; ends the branch at the end of the range of the parameter.
     fn arrive_or_end(
         &mut self,
         system: &mut System,
@@ -360,7 +363,7 @@ impl Tracer {
         });
     }
 
-    /// Takes `system` to a place; returns the unknowns there.
+    /// Sets `system` to a location; returns the unknowns there.
     pub(super) fn place(&mut self, system: &mut System, location: &Location) -> Vec<f64> {
         system.resume(location.parameter, &location.unknowns, &location.reference);
         let mut unknowns = location.unknowns.clone();
@@ -368,7 +371,7 @@ impl Tracer {
         unknowns
     }
 
-    /// Newton's method from `unknowns` with the frames of `from`.
+    /// Runs Newton's method from `unknowns` with the frames of `from`.
     pub(super) fn correct(
         &mut self,
         system: &mut System,
@@ -403,7 +406,7 @@ impl Tracer {
         }
     }
 
-    /// Prescribes a plane across `tangent` through a point.
+    /// The condition for a plane normal to `tangent` through a point.
     pub(super) fn across(&self, tangent: &Tangent, parameter: f64, unknowns: &[f64]) -> Condition {
         let range = self.plan.range();
         Condition {
@@ -416,8 +419,8 @@ impl Tracer {
         }
     }
 
-    /// Takes the direction (∂q/∂λ, 1) of the last correction, pointing like `before`, or else towards the
-    /// end of the range.
+    /// Sets the tangent to the direction (∂q/∂λ, 1) of the last correction, oriented like `before`
+    /// or, without it, towards the end of the range.
     pub(super) fn turn_tangent(&mut self, before: Option<&Tangent>) {
         let mut tangent = Tangent {
             unknowns: self.bordered.rate.clone(),
@@ -461,7 +464,7 @@ impl Tracer {
         self.plan.step / self.plan.range().abs()
     }
 
-    /// Begins a branch with its first steps short again.
+    /// Begins a branch with short steps.
     pub(super) fn begin_branch(&mut self) {
         self.points = 0;
         self.step = self.first_step();
