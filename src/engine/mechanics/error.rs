@@ -35,13 +35,13 @@ pub enum SceneError {
         /// The fault.
         reason: JointError,
     },
-    /// A force of code names nodes that do not exist, none, or too many.
+    /// The nodes of a force defined in code do not exist, are missing, or are too many.
     #[error("force `{0}`: it needs one to four nodes of the scene")]
     Force(String),
     /// The scene is not suitable for the method.
     #[error("{0}")]
     Unsuitable(&'static str),
-    /// A node cannot be grasped or released, or a load not be scaled.
+    /// A node cannot be grasped or released, or a load cannot be scaled.
     #[error("{0}")]
     Intervention(String),
     /// A checkpoint belongs to another scene.
@@ -68,7 +68,7 @@ pub enum RodError {
         /// Nodes of the rod.
         nodes: usize,
     },
-    /// A clamp at a node that does not exist.
+    /// A clamp is at a node that does not exist.
     #[error("a clamp names node {node}, but the rod has {nodes} nodes")]
     ClampOutside {
         /// The node.
@@ -98,7 +98,7 @@ pub enum JointError {
         /// Nodes of the rod.
         nodes: usize,
     },
-    /// It joins a node to itself.
+    /// A joint joins a node to itself.
     #[error("joins a node to itself")]
     SameNode,
     /// The nodes are not at one point.
@@ -107,15 +107,15 @@ pub enum JointError {
         /// Their distance, m.
         distance: f64,
     },
-    /// A spring between nodes that are one point.
+    /// A spring between nodes that are joined in one point.
     #[error("other joints already unite its nodes in one point, where a spring cannot act")]
     OnePoint,
-    /// A spring between frames that are one.
+    /// A spring between frames that rotate as one.
     #[error(
         "its nodes turn as one, because other joints unite them or neither can turn: a spring between them cannot act"
     )]
     OneFrame,
-    /// A spring without a direction in which to push.
+    /// A spring that has no direction in which to push.
     #[error(
         "its nodes are at one point, where a spring of rest length {rest_length:e} m has no direction: set the rest length to 0, or place the nodes apart"
     )]
@@ -123,18 +123,18 @@ pub enum JointError {
         /// Its length without force, m.
         rest_length: f64,
     },
-    /// A joint that should break, but whose force cannot be determined.
+    /// A breakable joint whose force cannot be determined.
     #[error(
         "cannot break, because other joints share its point and its own force cannot be determined: only a joint that is alone at its point can break"
     )]
     Unbreakable,
-    /// Other joints already hold the same.
+    /// Other joints already impose the same constraint.
     #[error("is redundant: other joints at this point already hold the same")]
     Twice,
-    /// A hinge between two frames that both turn on hinges.
+    /// A hinge between two frames that both rotate on hinges.
     #[error("is connected to another hinge at this point: all hinges there must share one rod")]
     HingeOnHinge,
-    /// A sliding node that is one point with a node of the rod along which it slides.
+    /// A sliding node that is joined to a node of the rod along which it slides.
     #[error(
         "its first node is joined to the rod along which it should slide: remove one of the joints"
     )]
@@ -166,7 +166,7 @@ pub enum JointError {
     /// Two bodies are welded to each other.
     #[error("is welded to another rigid body: give one body the mass and inertia of both")]
     TwoBodies,
-    /// Clamps hold several of its nodes.
+    /// Clamps hold several of the joined nodes.
     #[error(
         "clamps hold rods `{first}` and `{second}` at this point: only one clamp may hold the point; at a ball joint the other may hold the frame of its rod with `hold = \"frame\"`, at a rigid joint remove the other"
     )]
@@ -176,7 +176,7 @@ pub enum JointError {
         /// Name of another one.
         second: String,
     },
-    /// A clamp holds the frame of a node that a joint or body would turn.
+    /// A clamp holds the frame of a node that a joint or body would rotate.
     #[error(
         "a clamp holds the frame of rod `{rod}` at this point, which turns with a hinge, a body, a joint that may break or another clamp: let the clamp hold only the position, or clamp each rod without a joint"
     )]
@@ -226,7 +226,7 @@ pub struct Overlap {
     pub distance: f64,
     /// Least distance allowed, m.
     pub least: f64,
-    /// Whether that distance itself is forbidden: a barrier is infinite there.
+    /// Whether that distance itself is forbidden, because a barrier is infinite there.
     pub exclusive: bool,
 }
 

@@ -1,7 +1,7 @@
 //! The mechanics of slender rods.
 //!
-//! [`rod`], [`contact`] and [`fluid`] do not import each other; [`dynamics`] and [`statics`] join them.
-//! [`scene`] describes a simulation, in SI units and plain types.
+//! [`rod`], [`contact`] and [`fluid`] do not import each other; [`dynamics`] and [`statics`]
+//! combine them. [`scene`] describes a simulation, in SI units and plain types.
 
 pub mod contact;
 pub mod dynamics;

@@ -1,6 +1,7 @@
-//! Rotations from their vectors and back, θ = φ a for a turn by φ about the unit vector a.
+//! Rotations from their vectors and back: θ = φ a for a rotation by φ about the unit vector a.
 //!
-//! nalgebra has all of these; but it takes sines from the C library, and two of those differ in the last bit.
+//! nalgebra provides all of these, but uses sines of the C library, which may differ in the last
+//! bit between libraries.
 
 use super::{Matrix3, UnitQuaternion, Vector3};
 use nalgebra::Quaternion;
@@ -30,7 +31,8 @@ pub(crate) fn angle(rotation: &UnitQuaternion) -> f64 {
     2.0 * libm::atan2(rotation.imag().norm(), rotation.w.abs())
 }
 
-/// The left Jacobian of the rotation group: a change dφ of the rotation vector φ turns the body by J dφ, seen from outside,
+/// The left Jacobian of the rotation group: a change dφ of the rotation vector φ rotates the body
+/// by J dφ, in fixed axes,
 ///
 /// ```text
 /// J(φ) = 1 + a [φ]× + b [φ]×²,     a = (1 − cos φ)/φ²,     b = (φ − sin φ)/φ³
@@ -41,7 +43,7 @@ pub(crate) fn left_jacobian(vector: &Vector3) -> Matrix3 {
     Matrix3::identity() + cross * a + cross * cross * b
 }
 
-/// Derivative over φ of Jᵀ(φ) T = T − a φ×T + b φ×(φ×T) for a moment T that is kept.
+/// Derivative with respect to φ of Jᵀ(φ) T = T − a φ×T + b φ×(φ×T) for a constant moment T.
 pub(crate) fn left_jacobian_derivative(vector: &Vector3, moment: &Vector3) -> Matrix3 {
     let [a, b, a_slope, b_slope] = coefficients(vector.norm());
     let cross = vector.cross(moment);
@@ -59,7 +61,7 @@ pub(crate) fn left_jacobian_derivative(vector: &Vector3, moment: &Vector3) -> Ma
 pub(crate) fn inverse_left_jacobian(vector: &Vector3) -> Matrix3 {
     let square = vector.norm_squared();
     let coefficient = if square < 1e-2 {
-        // Five terms of the series: the next is below rounding.
+        // Five terms of the series: the next is below rounding error.
         let terms: [f64; 5] = [
             1.0 / 12.0,
             1.0 / 720.0,
@@ -77,11 +79,11 @@ pub(crate) fn inverse_left_jacobian(vector: &Vector3) -> Matrix3 {
     Matrix3::identity() - cross * 0.5 + cross * cross * coefficient
 }
 
-/// a, b, and their derivatives over φ divided by φ.
+/// The factors a and b, and their derivatives with respect to φ divided by φ.
 fn coefficients(angle: f64) -> [f64; 4] {
     let square = angle * angle;
     if square < 1e-2 {
-        // Five terms of each series: the next is below rounding.
+        // Five terms of each series: the next is below rounding error.
         let series = |terms: [f64; 5]| {
             terms
                 .iter()
@@ -149,7 +151,7 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// The matrix that acts on (x, y, z, 1), column after column.
+    /// The matrix that acts on (x, y, z, 1), in column-major order.
     pub fn matrix(&self) -> [f64; 16] {
         let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| self.rotation * axis);
         let [a, b, c] = columns;
@@ -159,12 +161,12 @@ impl Pose {
         ]
     }
 
-    /// Where a point of the body is.
+    /// Position of a point of the body.
     pub fn of(&self, point: &Vector3) -> Vector3 {
         self.rotation * point + self.translation
     }
 
-    /// The point of the body that is there.
+    /// The point of the body at a position.
     pub(crate) fn back_of(&self, point: &Vector3) -> Vector3 {
         self.rotation.inverse() * (point - self.translation)
     }
@@ -188,7 +190,7 @@ mod tests {
                 assert!((to_vector(&found) - vector).norm() < 1e-15, "{degrees}");
             }
         }
-        // Of the two vectors of a half turn either will do.
+        // Half a turn has two rotation vectors; either is correct.
         let half = to_vector(&from_vector(PI * direction));
         assert!(
             (half - PI * direction)

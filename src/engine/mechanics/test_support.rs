@@ -1,6 +1,7 @@
-//! Helpers of the tests of mechanics: small parts of scenes, simulations of them, and comparisons of numbers.
+//! Helpers of the tests of mechanics: small parts of scenes, their simulations, and comparisons of
+//! numbers.
 //!
-//! Parts are the plainest of their kind and are varied by the syntax of struct updates.
+//! Parts are the simplest of their kind; tests vary them with struct update syntax.
 
 use super::Vector3;
 use super::contact::{ContactModel, ContactParameters};
@@ -20,7 +21,7 @@ pub(crate) const SCHEMES: [Scheme; 3] = [
     Scheme::BackwardDifferences,
 ];
 
-/// The contact models that press by a law of the gap.
+/// The contact models with a force law of the gap.
 pub(crate) const SOFT_MODELS: [ContactModel; 2] = [
     ContactModel::ImplicitContact,
     ContactModel::IncrementalPotential,
@@ -42,12 +43,12 @@ pub(crate) fn section(stretching: f64, bending: [f64; 2], twisting: f64) -> Stif
     }
 }
 
-/// A shape without stress of constant curvatures (1/m) and twist (rad/m).
+/// A stress-free shape of constant curvatures (1/m) and twist (rad/m).
 pub(crate) fn curved(curvature: [f64; 2], twist: f64) -> NaturalShape {
     NaturalShape::Curved { curvature, twist }
 }
 
-/// The nodes of so many equal edges between two places.
+/// The nodes of so many equal edges between two points.
 pub(crate) fn line(from: Vector3, to: Vector3, edges: usize) -> Vec<Vector3> {
     let node = |k: usize| from + (to - from) * (k as f64 / edges as f64);
     (0..=edges).map(node).collect()
@@ -159,7 +160,7 @@ pub(crate) fn spring(name: &str, nodes: [RodNode; 2], stiffness: f64) -> Spring 
     }
 }
 
-/// A body of a mass (kg) whose centre is at its node, and which has no contact.
+/// A body of a mass (kg) with its centre at its node, without contact.
 pub(crate) fn body(name: &str, at: RodNode, mass: f64, inertia: Option<[f64; 3]>) -> Body {
     Body {
         name: name.into(),
@@ -225,7 +226,7 @@ pub(crate) fn ground() -> Plane {
     }
 }
 
-/// A body at rest in the way of rods, with the friction of the contact model.
+/// A resting body near rods, with the friction of the contact model.
 pub(crate) fn obstacle(name: &str, body: RigidBody) -> Obstacle {
     Obstacle {
         name: name.into(),
@@ -278,19 +279,19 @@ pub(crate) fn advance_to(simulation: &mut Simulation, end: f64) {
     }
 }
 
-/// The simulation of a scene at a time (s), with some parameters.
+/// A simulation of a scene, run to a time (s) with some parameters.
 pub(crate) fn run_with(scene: &Scene, parameters: &IntegrationParameters, end: f64) -> Simulation {
     let mut simulation = Simulation::new(scene, parameters).unwrap();
     advance_to(&mut simulation, end);
     simulation
 }
 
-/// The simulation of a scene with steps of a size (s) at a time (s).
+/// A simulation of a scene, run to a time (s) with steps of a size (s).
 pub(crate) fn run(scene: &Scene, scheme: Scheme, step: f64, end: f64) -> Simulation {
     run_with(scene, &fixed_steps(scheme, step), end)
 }
 
-/// Another simulation of a scene that begins with the state of one.
+/// Another simulation of a scene, restored from the state of `from`.
 pub(crate) fn resumed(
     scene: &Scene,
     parameters: &IntegrationParameters,
@@ -301,7 +302,7 @@ pub(crate) fn resumed(
     simulation
 }
 
-/// Largest distance between nodes of the same number, m.
+/// Largest distance between nodes with the same index, m.
 pub(crate) fn farthest(a: &[Vector3], b: &[Vector3]) -> f64 {
     assert_eq!(a.len(), b.len());
     let distances = a.iter().zip(b).map(|(a, b)| (a - b).norm());
@@ -314,7 +315,7 @@ pub(crate) fn assert_close(found: f64, expected: f64, tolerance: f64) {
     assert_close_in((), found, expected, tolerance);
 }
 
-/// The same, with the case in the message.
+/// Asserts the same, with the case in the message.
 #[track_caller]
 pub(crate) fn assert_close_in(case: impl Debug, found: f64, expected: f64, tolerance: f64) {
     let error = found / expected - 1.0;
@@ -324,7 +325,8 @@ pub(crate) fn assert_close_in(case: impl Debug, found: f64, expected: f64, toler
     );
 }
 
-/// The rows of numbers of a table of the reference solutions; `None`, with a note, where it is not here.
+/// The rows of numbers of a table of the reference solutions; `None`, with a note, if it is
+/// absent.
 pub(crate) fn reference_rows(file: &str) -> Option<Vec<Vec<f64>>> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/reference/");
     let Ok(text) = std::fs::read_to_string(format!("{folder}{file}")) else {

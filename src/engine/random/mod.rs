@@ -1,15 +1,16 @@
 //! Repeatable random numbers for disturbances and checks: SplitMix64 (Steele, Lea & Flood 2014). Evenly spread points: [`sobol`].
 //!
-//! Published tables and figures use these draws, so the generator must never change; generators of libraries may change.
+//! Published tables and figures use these draws, so the generator must never change; generators of
+//! libraries may change.
 
 mod sobol;
 
 pub use sobol::{MOST_DIMENSIONS, MOST_POINTS, sobol, sobol_coordinate};
 
-/// Step of the state between two numbers.
+/// Increment of the state between two numbers.
 const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The first number of the stream of a seed: bits that depend on every bit of the seed.
+/// The first number of the stream of a seed; each of its bits depends on every bit of the seed.
 pub(crate) fn scrambled(seed: u64) -> u64 {
     let z = seed.wrapping_add(STEP);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,9 +1,9 @@
-//! Sobol' points: a sequence that fills the unit cube ever more evenly (Sobol' 1967), with the direction numbers of Joe and
-//! Kuo (2008), in the order of Antonov and Saleev's Gray code.
+//! Sobol' points: a sequence that fills the unit cube increasingly evenly (Sobol' 1967), with the
+//! direction numbers of Joe and Kuo (2008), in the order of Antonov and Saleev's Gray code.
 
 /// Most dimensions.
 pub const MOST_DIMENSIONS: usize = 10;
-/// Most points: the numbers have 32 bits.
+/// Most points, since the numbers have 32 bits.
 pub const MOST_POINTS: u64 = 1 << 32;
 
 /// Degree and coefficients of the primitive polynomial of a dimension, and its first direction numbers; the first dimension
@@ -20,10 +20,10 @@ const POLYNOMIALS: [(u32, u32, &[u32]); MOST_DIMENSIONS - 1] = [
     (5, 7, &[1, 1, 7, 11, 19]),
 ];
 
-/// The point of a number, from 0, each coordinate in [0, 1).
+/// The point with a number, from 0; each coordinate is in [0, 1).
 ///
 /// # Panics
-/// More than [`MOST_DIMENSIONS`], or a number from [`MOST_POINTS`] on.
+/// Panics for more than [`MOST_DIMENSIONS`], or for a number of at least [`MOST_POINTS`].
 pub fn sobol<const DIMENSIONS: usize>(number: u64) -> [f64; DIMENSIONS] {
     let number = u32::try_from(number).expect("a number below MOST_POINTS");
     std::array::from_fn(|dimension| {
@@ -31,10 +31,10 @@ pub fn sobol<const DIMENSIONS: usize>(number: u64) -> [f64; DIMENSIONS] {
     })
 }
 
-/// A coordinate of the point of a number, as 32 bits after the binary point.
+/// A coordinate of the point with a number, as 32 bits after the binary point.
 ///
 /// # Panics
-/// The dimension is [`MOST_DIMENSIONS`] or more.
+/// Panics if the dimension is [`MOST_DIMENSIONS`] or more.
 pub fn sobol_coordinate(number: u32, dimension: usize) -> u32 {
     let gray = number ^ (number >> 1);
     let directions = directions(dimension);

@@ -7,7 +7,8 @@ pub use surface::neighbourhood;
 use super::{UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 
-/// Sine of the angle between two faces up to which they count as one plane, without contact of their common side.
+/// Sine of the angle between two faces up to which they count as one plane, so that their common
+/// side makes no contact.
 const FLAT: f64 = 1e-6;
 
 /// A rigid body at time zero.
@@ -15,16 +16,17 @@ const FLAT: f64 = 1e-6;
 pub struct RigidBody {
     /// Vertices, m.
     pub vertices: Vec<Vector3>,
-    /// Pairs of vertices; a vertex twice is a point.
+    /// Pairs of vertices; a pair of equal vertices is a point.
     pub segments: Vec<[usize; 2]>,
-    /// Vertices opposite to the first segments, which are sides of triangles, in their two triangles; `None` for a side
-    /// of one triangle alone.
+    /// For each side of a triangle, which are the first segments: the opposite vertices in its two
+    /// triangles; `None` for a side of a single triangle.
     pub opposite: Vec<Option<[usize; 2]>>,
     /// Triangles, anticlockwise as seen from outside.
     pub faces: Vec<[usize; 3]>,
-    /// Whether the faces enclose the body, which is touched from outside alone; otherwise from both sides.
+    /// Whether the faces enclose the body, so that it is touched from outside only; otherwise from
+    /// both sides.
     pub closed: bool,
-    /// Whether it is a tube around its only segment, with rods inside.
+    /// Whether the body is a tube around its only segment, with rods inside.
     pub hollow: bool,
     /// Distance of the surface from segments and faces, m.
     pub radius: f64,
@@ -52,7 +54,7 @@ pub enum MeshFault {
     /// A triangle without area.
     #[error("triangle {0} has no area: two of its corners coincide, or all three are on one line")]
     Degenerate(usize),
-    /// Neighbours with opposite orientation.
+    /// Neighbouring triangles have opposite orientations.
     #[error(
         "triangles {0} and {1} face opposite ways: one of the two has its corners in the wrong order"
     )]
@@ -96,15 +98,16 @@ impl RigidBody {
         }
     }
 
-    /// A cylinder around a line through a point along a unit vector, to be taken as without ends: they are `half_length` (m)
-    /// away, farther than any rod.
+    /// A cylinder around a line through a point along a unit vector, treated as endless: its ends
+    /// are `half_length` (m) away, farther than any rod.
     pub fn cylinder(point: Vector3, axis: Vector3, radius: f64, half_length: f64) -> Self {
         let half = axis * half_length;
         Self::capsule([point - half, point + half], radius)
     }
 
-    /// A tube of an inner radius (m) around the segment between two points, open at both ends: what is inside stays there,
-    /// rods outside pass by, and rods that leave through an end touch the rim.
+    /// A tube of an inner radius (m) around the segment between two points, open at both ends.
+    /// Rods inside stay inside, rods outside ignore it, and rods that leave through an end touch
+    /// the rim.
     pub fn tube(ends: [Vector3; 2], radius: f64) -> Self {
         Self {
             hollow: true,
@@ -112,8 +115,8 @@ impl RigidBody {
         }
     }
 
-    /// A box of three side lengths (m) around a centre, turned, whose edges are rounded to a radius (m) of less than half of
-    /// the shortest side.
+    /// A rotated box of three side lengths (m) around a centre. Its edges are rounded to a radius
+    /// (m) of less than half of the shortest side.
     pub fn cuboid(
         centre: Vector3,
         sides: Vector3,
@@ -152,11 +155,12 @@ impl RigidBody {
             .unwrap_or_default()
     }
 
-    /// The body of a mesh: `closed` encloses a body that is touched from outside, otherwise it is a sheet that is touched from
-    /// both sides. Vertices without a triangle are left out of it.
+    /// Creates the body of a mesh. A `closed` mesh encloses a body that is touched from outside;
+    /// otherwise it is a sheet that is touched from both sides. Vertices without a triangle are
+    /// omitted.
     ///
     /// # Errors
-    /// [`MeshFault`] names the triangle that cannot be.
+    /// [`MeshFault`] names the faulty triangle.
     pub fn of_mesh(
         vertices: Vec<Vector3>,
         faces: Vec<[usize; 3]>,
@@ -209,7 +213,7 @@ impl RigidBody {
                     }
                     if normals[*one].cross(&normals[*other]).norm() > FLAT {
                         segments.push(*ends);
-                        // The sum of the corners less the two ends is the third.
+                        // The third corner is the sum of all corners minus the two ends.
                         let third = |face: usize| {
                             let corners = faces[face];
                             corners.iter().sum::<usize>() - ends[0] - ends[1]

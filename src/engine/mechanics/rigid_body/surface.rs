@@ -8,7 +8,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 const AROUND: usize = 48;
 const TO_POLE: usize = 12;
 
-/// The middle of points and the distance of the farthest from it, m: how far surfaces without end show.
+/// The centre of points and the distance of the farthest one from it, m: the range in which
+/// endless surfaces are shown.
 pub fn neighbourhood<'a>(points: impl Iterator<Item = &'a Vector3> + Clone) -> (Vector3, f64) {
     let count = points.clone().count().max(1) as f64;
     let centre = points.clone().sum::<Vector3>() / count;
@@ -17,8 +18,8 @@ pub fn neighbourhood<'a>(points: impl Iterator<Item = &'a Vector3> + Clone) -> (
 }
 
 impl RigidBody {
-    /// The triangles of its surface, as three corners each (m). Of a cylinder without ends the part shows that is within a
-    /// `reach` (m) of a point.
+    /// The triangles of its surface, as three corners each (m). An endless cylinder is shown only
+    /// within `reach` (m) of a point.
     pub fn surface(&self, point: &Vector3, reach: f64) -> Vec<[Vector3; 3]> {
         let mut triangles = Vec::new();
         for face in &self.faces {
@@ -36,7 +37,7 @@ impl RigidBody {
         triangles
     }
 
-    /// Adds the surface around a segment: a tube without its ends, or with round ones.
+    /// Adds the surface around a segment: a tube without ends, or a capsule with round ones.
     fn add_capsule(&self, [start, end]: [Vector3; 2], triangles: &mut Vec<[Vector3; 3]>) {
         let axis = (end - start).try_normalize(0.0).unwrap_or_else(Vector3::z);
         let first = if axis.x.abs() < 0.9 {
@@ -76,7 +77,7 @@ impl RigidBody {
                 let [a, b, c, d] = [pair[0][k], pair[0][next], pair[1][next], pair[1][k]];
                 for triangle in [[a, b, c], [a, c, d]] {
                     let [a, b, c] = triangle;
-                    // Those at the poles have no area.
+                    // Triangles at the poles have no area.
                     if (b - a).cross(&(c - a)).norm() > 1e-9 * self.radius * self.radius {
                         triangles.push(triangle);
                     }
@@ -86,7 +87,7 @@ impl RigidBody {
     }
 }
 
-/// The part of a segment that is within a distance of a point, if that is shorter.
+/// The part of a segment within a distance of a point, or the whole segment if that is shorter.
 fn clipped([start, end]: [Vector3; 2], point: &Vector3, reach: f64) -> [Vector3; 2] {
     let along = end - start;
     let length = along.norm();
