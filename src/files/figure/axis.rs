@@ -5,15 +5,16 @@ use std::ops::Range;
 /// Scale of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AxisScale {
-    /// Equal steps are differences.
+    /// A linear scale: equal steps are differences.
     #[default]
     Linear,
-    /// Equal steps are ratios; only positive numbers have a position.
+    /// A logarithmic scale: equal steps are ratios. Only positive numbers have a position.
     Logarithmic,
 }
 
 impl AxisScale {
-    /// Logarithmic where all numbers are positive and range over more than a decade.
+    /// The logarithmic scale if all numbers are positive and range over more than a decade,
+    /// otherwise the linear one.
     pub fn fitting(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = extremes(values);
         if low > 0.0 && high > 10.0 * low {
@@ -45,13 +46,13 @@ pub(super) struct Ticks {
     pub labelled: Vec<(f64, String)>,
     /// Values between them.
     pub small: Vec<f64>,
-    /// The power of ten by which labels are multiplied, as shown at the end of the axis.
+    /// Factor of the labels, a power of ten, as shown at the end of the axis.
     pub factor: Option<String>,
 }
 
-/// Numbers closer to zero count as zero: sums of steps have rounding errors.
+/// Size below which numbers count as zero: sums of steps have rounding errors.
 const ZERO: f64 = 1e-290;
-/// Ranges smaller than this share of their numbers are round-off: the axis shows a constant.
+/// Share of their numbers below which a range is round-off: the axis then shows a constant.
 const ROUND_OFF: f64 = 1e-12;
 
 impl Axis {
@@ -112,7 +113,7 @@ impl Axis {
         }
     }
 
-    /// The smallest round step that makes at most `most` ticks.
+    /// The smallest round step that results in at most `most` ticks.
     fn linear_ticks(&self, most: usize) -> Ticks {
         let Range { start, end } = self.range;
         let count = |step: f64| (end / step).floor() - (start / step).ceil() + 1.0;
@@ -153,7 +154,7 @@ impl Axis {
         let (first, last) = (power_of(start), power_of(end) + 1);
         let decades = libm::log10(end / start);
         if decades < 0.5 {
-            // Too short for ratios: round numbers are more useful.
+            // The range is too short for ratios: round numbers are more useful.
             return Self {
                 scale: AxisScale::Linear,
                 ..self.clone()
@@ -204,13 +205,13 @@ impl Axis {
     }
 }
 
-/// The power of ten that is not above a size.
+/// The largest power of ten that is not above a size.
 fn power_of(size: f64) -> i32 {
-    // Rounding must not push a power of ten below itself.
+    // Guard against rounding, which could give a smaller power.
     (libm::log10(size) + 1e-12).floor() as i32
 }
 
-/// Least and greatest of the finite values; reversed where there are none.
+/// Least and greatest of the finite values; reversed if there are none.
 fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let finite = values.filter(|value| value.is_finite());
     finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
@@ -218,7 +219,7 @@ fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     })
 }
 
-/// A number with at most a number of decimals, without trailing zeros.
+/// A number with at most the given number of decimals, without trailing zeros.
 fn number_label(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = match text.split_once('.') {

@@ -10,7 +10,8 @@ use super::plot_axes::{Axes, Frame, widest_label};
 /// Space between the plot and the bar, and width of the bar, em.
 const GAP: f64 = 1.2;
 const WIDTH: f64 = 0.9;
-/// Between the bar and the labels of its ticks, between those and the name, and height of the name, em.
+/// Space between the bar and its tick labels and between these and the name, and height of the
+/// name, em.
 const BESIDE: f64 = 0.35;
 const NAME: f64 = 1.3;
 /// Steps of colour in the bar.
@@ -29,7 +30,7 @@ pub struct ColourField {
     pub cell: Option<[f64; 2]>,
     /// Scale of the colours.
     pub scale: AxisScale,
-    /// Largest value that has a colour of its own; larger ones have the last colour.
+    /// Largest value with a colour of its own; larger values have the last colour.
     pub most: Option<f64>,
 }
 
@@ -67,7 +68,8 @@ impl<'a> DrawnField<'a> {
                 Some([width, height]) => {
                     let [left, right] = [-0.5, 0.5].map(|side| axes.x(x + side * width));
                     let [below, above] = [-0.5, 0.5].map(|side| axes.y(y + side * height));
-                    // A little larger, so that no background shines through between neighbours.
+                    // The rectangles are slightly enlarged, so that no background shows between
+                    // neighbours.
                     let (left, above) = (left - 0.15, above - 0.15);
                     let (across, down) = (right - left + 0.15, below - above + 0.15);
                     format!(

@@ -17,7 +17,7 @@ pub struct LinePlot {
 }
 
 impl LinePlot {
-    /// Curves over the name and unit of their vertical axis.
+    /// A plot of curves with the name and unit of the vertical axis.
     pub fn new(label: impl Into<String>, curves: impl IntoIterator<Item = Curve>) -> Self {
         Self {
             label: label.into(),
@@ -32,7 +32,7 @@ impl LinePlot {
 pub struct Curve {
     /// Name in the legend; no legend is drawn for a single curve.
     pub name: String,
-    /// The points; the curve is interrupted where there is no value.
+    /// The points; the curve is interrupted at points without a value.
     pub points: Vec<(f64, Option<f64>)>,
     /// Its style.
     pub look: Look,
@@ -43,21 +43,21 @@ pub struct Curve {
 /// Style of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Look {
-    /// A line; several lines have a few marks that distinguish them.
+    /// A line. If there are several, a few marks on each distinguish them.
     #[default]
     Line,
-    /// A line that never has marks: an outline, of which marks would seem to be a part.
+    /// A line without marks, for outlines, of which marks would seem to be a part.
     Bare,
-    /// A line with a mark at each point: few points, joined by straight lines.
+    /// A line with a mark at each point, for few points that straight lines join.
     Marked,
-    /// A mark at each point and no line: data compared with a curve, or without values between its
-    /// points.
+    /// A mark at each point and no line, for data that are compared with a curve or have no values
+    /// between their points.
     Marks,
-    /// The same with open marks: results of others.
+    /// Open marks and no line, for results of others.
     OpenMarks,
     /// A dashed line: a law, a prediction, unstable states.
     Dashed,
-    /// A broad pale line below the others: their reference.
+    /// A broad pale line below the other curves, which refer to it.
     Ground,
 }
 
@@ -76,7 +76,7 @@ impl Curve {
         Self { look, ..self }
     }
 
-    /// The same curve with the colour and the mark of number `style_index`.
+    /// The same curve with the colour and mark of index `style_index`.
     pub fn like(self, style_index: usize) -> Self {
         Self {
             style_index: Some(style_index),
@@ -121,7 +121,7 @@ pub(super) struct Style {
 }
 
 impl Style {
-    /// The same in white and wider, to be drawn below it.
+    /// The style of a wider white line, drawn below the curve.
     pub fn casing(&self) -> Self {
         Self {
             color: Color::WHITE,
@@ -139,10 +139,10 @@ impl Style {
 /// Width of a curve, and of a reference curve, em.
 const WIDTH: f64 = 0.13;
 const BROAD: f64 = 0.6;
-/// Fading of the latter towards white.
+/// Fading of a reference curve towards white.
 const PALE: f64 = 0.72;
 
-/// Points of a curve with marks.
+/// Which points of a curve have marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Marked {
     None,
@@ -150,7 +150,7 @@ pub(super) enum Marked {
     All,
 }
 
-/// Dashes and gaps of dashed curves, one after the other, em.
+/// Dashes and gaps of dashed curves, used in turn, em.
 const DASHES: [&[f64]; 4] = [
     &[0.55, 0.35],
     &[0.12, 0.28],

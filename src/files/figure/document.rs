@@ -9,8 +9,8 @@ use pulldown_cmark::{CowStr, Event, Options, Parser, Tag, TagEnd, html};
 
 const PAGE: &str = include_str!("document.html");
 
-/// Markdown (CommonMark with tables) as HTML. `address` replaces the address of each link and
-/// picture. Headings have anchors, as on repository hosts.
+/// Converts Markdown (CommonMark with tables) to HTML. `address` replaces the address of each link
+/// and picture. Headings have anchors, as on repository hosts.
 pub fn markdown_html(markdown: &str, address: &mut dyn FnMut(&str) -> Option<String>) -> String {
     let mut events: Vec<Event<'_>> = Parser::new_ext(markdown, Options::ENABLE_TABLES).collect();
     let mut slugs = Slugs::default();
@@ -46,7 +46,8 @@ fn words_of(events: &[Event<'_>]) -> String {
     words.collect()
 }
 
-/// A page that holds Markdown and its pictures: `picture` returns the bytes of one by its address, or `None` to leave the address.
+/// An HTML page that contains Markdown and its pictures. `picture` returns the bytes of a picture
+/// by its address, or `None` to keep the address.
 pub fn document_page(
     title: &str,
     markdown: &str,

@@ -29,7 +29,7 @@ pub(super) struct Words<'a> {
     pub size: f64,
     /// Its alignment.
     pub anchor: Anchor,
-    /// Whether it is rotated, to be read upwards.
+    /// Whether the text is rotated, to be read upwards.
     pub upright: bool,
 }
 
@@ -184,7 +184,7 @@ mod tests {
         let svg = drawing.finish(40.0);
         assert!(svg.contains("aria-label=\"a &lt; &quot;b&quot; &amp; a\""));
         assert!(!svg.contains("<text") && !svg.contains("font"));
-        // Nine letters, of which the space and the `a` are repeated.
+        // Nine letters; the space and the `a` occur repeatedly.
         assert_eq!(svg.matches("<use").count(), 11);
         assert_eq!(svg.matches("<path id").count(), 6);
     }

@@ -1,7 +1,7 @@
-//! The letters of figures: outlines of an embedded font, so that text looks the same everywhere.
+//! Letters of figures: outlines of an embedded font, so that text looks the same everywhere.
 //!
-//! DejaVu Sans without hints, reduced to Latin, Greek, Cyrillic, signs of mathematics and arrows;
-//! its licence is beside it. Missing letters are drawn as boxes.
+//! DejaVu Sans without hints, reduced to Latin, Greek, Cyrillic, mathematical symbols and arrows;
+//! its licence is in the same folder. Missing letters are drawn as boxes.
 
 use std::fmt::Write;
 use std::sync::LazyLock;
@@ -21,7 +21,7 @@ pub(super) struct Glyph {
     pub number: u16,
     /// Advance to the next letter.
     pub advance: f64,
-    /// Left, right and top of its ink.
+    /// Left, right and top of its outline.
     pub left: f64,
     pub right: f64,
     pub top: f64,
@@ -47,7 +47,7 @@ pub(super) fn glyph(character: char) -> Glyph {
 /// The outline of a letter as SVG path data in font units, y upwards; empty for a space.
 pub(super) fn outline(number: u16) -> String {
     let mut pen = PathData::default();
-    // Letters without ink have no outline.
+    // Letters without outline, such as the space.
     let _ = FONT.outline_glyph(GlyphId(number), &mut pen);
     pen.0
 }

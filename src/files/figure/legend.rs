@@ -19,7 +19,7 @@ pub(super) struct Legend {
 }
 
 impl Legend {
-    /// A legend between two edges, pixels.
+    /// A legend between a left and a right edge, pixels.
     pub fn between(left: f64, right: f64, names: Vec<String>, em: f64) -> Self {
         let (mut x, mut row) = (left, 0);
         let mut places = Vec::new();
@@ -45,8 +45,8 @@ impl Legend {
         ROW * self.em * self.rows as f64
     }
 
-    /// Draws it below `top`. `sample` draws the sample of an index between two positions at one
-    /// height.
+    /// Draws the legend below `top`. `sample` draws the sample of an index between two positions
+    /// at one height.
     pub fn draw(
         &self,
         top: f64,

@@ -115,7 +115,8 @@ impl LineFigure {
             .iter()
             .enumerate()
             .map(|(index, plot)| {
-                // Marks over names are compared by their height above zero.
+                // Marks at named positions are compared by their height above zero, so the axis
+                // includes zero.
                 let zero = (places > 0 && scale(index) == AxisScale::Linear).then_some(0.0);
                 let values = points(plot).filter_map(|(_, y)| y);
                 Axis::around(scale(index), values.chain(zero))
@@ -285,7 +286,7 @@ mod tests {
         for words in ["Energy in J", "Power in W", "Contacts", "Time in s"] {
             assert_eq!(count(&svg, words), 1, "{words}");
         }
-        // A tick that the vertical axes do not have.
+        // This tick is not on the vertical axes.
         assert_eq!(count(&svg, "4"), 1);
         // A legend is drawn above the first of two plots with the same names, and not for a single
         // curve.
@@ -350,7 +351,7 @@ mod tests {
         };
         let svg = plot_to_scale(with_field, "x").svg(&Paper::default());
         assert_eq!((count(&svg, "force"), count(&svg, "and above")), (1, 1));
-        // A value above the largest has its colour.
+        // A value above the largest has the colour of the largest.
         let highest = Color::of_part(1.0 / 1.06 + 0.03 / 1.06).hex();
         let cells = svg.lines().filter(|line| line.contains(&highest));
         assert_eq!(cells.count(), 2, "{highest}");

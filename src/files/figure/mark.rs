@@ -27,8 +27,8 @@ impl Mark {
         Self::Plus,
     ];
 
-    /// Path data of the mark about a point; all shapes have approximately the area of a disc of the
-    /// given radius.
+    /// Path data of the mark around a point; all shapes have approximately the area of a disc of
+    /// the given radius.
     pub fn path(self, [x, y]: [f64; 2], radius: f64) -> String {
         let polygon = |corners: &[(f64, f64)]| {
             let corner = |(index, (turn, distance)): (usize, &(f64, f64))| {

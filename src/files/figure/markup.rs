@@ -18,8 +18,8 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// Text escaped for a line of Markdown, also in headings and table cells: file names and server
-/// messages add no markup, links, HTML or lines.
+/// Text escaped for a line of Markdown, also in headings and table cells. File names and server
+/// messages then add no markup, links, HTML or lines.
 pub fn escape_markdown(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -54,7 +54,7 @@ pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     filled + rest
 }
 
-/// Whether the beginning of a file is that of a rodlab page.
+/// Whether the beginning of a file is that of a page written by rodlab.
 pub fn is_page(head: &[u8]) -> bool {
     let head = String::from_utf8_lossy(head);
     head.starts_with("<!DOCTYPE html>")
@@ -62,7 +62,7 @@ pub fn is_page(head: &[u8]) -> bool {
         && head.contains(r#"<meta name="generator" content="rodlab"#)
 }
 
-/// Whether the beginning of a file is that of a rodlab picture: SVG, PNG or PDF.
+/// Whether the beginning of a file is that of a picture written by rodlab: SVG, PNG or PDF.
 pub fn is_picture(head: &[u8]) -> bool {
     let beginnings: [&[u8]; 4] = [b"<svg", b"<?xml", b"\x89PNG", b"%PDF-"];
     beginnings

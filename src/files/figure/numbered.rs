@@ -1,4 +1,4 @@
-//! A picture of strokes with their numbers, to choose from.
+//! A picture of numbered strokes, to choose from.
 
 use super::drawing::{Anchor, Drawing, Stroke, Words, number};
 use super::palette::Color;
@@ -13,8 +13,8 @@ const LETTERS: f64 = 12.0;
 const MOST_STROKES: usize = 2000;
 const MOST_POINTS: usize = 2000;
 
-/// Draws strokes, y upwards, each with its number from 1 at its middle, as SVG. Of very many, only
-/// the first are drawn.
+/// Draws strokes, y upwards, as SVG. Each has its number, counted from 1, at its middle. If there
+/// are very many, only the first are drawn.
 pub fn numbered_strokes(strokes: &[&[[f64; 2]]]) -> String {
     let all = || strokes.iter().copied().flatten();
     let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];

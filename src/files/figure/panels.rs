@@ -17,7 +17,7 @@ use std::ops::Range;
 pub struct Panel {
     /// Its title.
     pub title: String,
-    /// The curves, in the order of the legend; one without points keeps its entry there.
+    /// The curves, in the order of the legend; a curve without points keeps its entry.
     pub curves: Vec<Curve>,
 }
 
@@ -63,7 +63,8 @@ impl Extent {
                 up.start.min(y)..up.end.max(y),
             )
         });
-        // Straight lines along an axis have no extent across it, to which no pixels correspond.
+        // Straight lines along an axis have zero extent across it, which cannot be scaled to
+        // pixels.
         let size = (across.end - across.start).max(up.end - up.start);
         let widened = |range: Range<f64>| {
             let by = if range.start < range.end {
@@ -228,7 +229,7 @@ mod tests {
             Some(x(next)? - x(first)?)
         };
         let widths: Vec<f64> = sides.filter_map(width).collect();
-        // The sample of the legend, two sides and the bar.
+        // Widths of the sample in the legend, the two sides and the bar.
         assert_eq!(widths.len(), 4, "{widths:?}");
         assert!((widths[2] / widths[1] - 2.0).abs() < 1e-2, "{widths:?}");
         assert!((widths[3] / widths[2] - 0.25).abs() < 1e-2, "{widths:?}");

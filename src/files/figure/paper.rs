@@ -8,7 +8,7 @@ const PIXELS_PER_METRE: f64 = 96.0 / 0.0254;
 /// Pixels per point, which is a 72nd of an inch.
 const PIXELS_PER_POINT: f64 = 96.0 / 72.0;
 
-/// The size of a figure: all lengths follow from its width and its font.
+/// The size of a figure; all lengths follow from its width and font size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paper {
     /// Width of the figure, pixels.
@@ -72,7 +72,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The ending of the names of files.
+    /// The extension of file names.
     pub fn ending(self) -> &'static str {
         match self {
             Self::Svg => "svg",
@@ -91,17 +91,17 @@ impl Format {
     }
 }
 
-/// Size and formats of drawn figures.
+/// Size and formats of figures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FigureOptions {
     /// Their size.
     pub paper: Paper,
-    /// Formats in which each is written.
+    /// Formats in which each figure is written.
     pub formats: Vec<Format>,
 }
 
 impl Default for FigureOptions {
-    /// SVG and PNG of the default size.
+    /// Default: SVG and PNG of the default size.
     fn default() -> Self {
         Self {
             paper: Paper::default(),

@@ -1,4 +1,4 @@
-//! SVG as PDF: the paths of a figure as a page of its size, in vectors.
+//! Conversion of SVG to PDF: the paths of a figure as a page of its size, in vectors.
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
@@ -113,7 +113,7 @@ fn trace(path: &Path, place: Transform, content: &mut Content) {
                 content.line_to(last.x, last.y);
             }
             PathSegment::QuadTo(over, to) => {
-                // The same curve as a cubic one.
+                // Converts a quadratic curve to a cubic one.
                 let (over, to) = (on_page(over), on_page(to));
                 let towards = |end: Point| {
                     let part = |from: f32, over: f32| from + 2.0 / 3.0 * (over - from);

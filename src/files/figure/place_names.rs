@@ -21,7 +21,7 @@ pub(super) struct PlaceNames {
 }
 
 impl PlaceNames {
-    /// Names of equally wide positions on an axis of a width, pixels.
+    /// Names for positions of equal width on an axis of the given width, pixels.
     pub fn within(width: f64, names: &[String], em: f64) -> Self {
         let room = width / (names.len().max(1) as f64 * em) - BESIDE;
         let broken: Option<Vec<_>> = names.iter().map(|name| broken_into(name, room)).collect();
@@ -44,7 +44,7 @@ impl PlaceNames {
         (GAP + height) * self.em
     }
 
-    /// Draws the names below an axis; `x` gives the position of an index.
+    /// Draws the names below an axis; `x` returns the position of an index.
     pub fn draw(&self, axis: f64, x: impl Fn(f64) -> f64, drawing: &mut Drawing) {
         for (index, lines) in self.names.iter().enumerate() {
             let middle = x(index as f64 + 1.0);
@@ -68,8 +68,8 @@ impl PlaceNames {
     }
 }
 
-/// A name in lines that are no wider than `room` (em), broken after commas or else at spaces;
-/// `None` if a word is wider or there are too many.
+/// Breaks a name into lines no wider than `room` (em), after commas or else at spaces; `None` if a
+/// word is wider or there are too many lines.
 fn broken_into(name: &str, room: f64) -> Option<Vec<String>> {
     let parts = name.split_inclusive(", ").map(str::trim_end);
     let after_commas = lines_of(parts, room);

@@ -32,13 +32,13 @@ pub(super) struct Axes<'a> {
 }
 
 impl Axes<'_> {
-    /// Position of a value, pixels.
+    /// Horizontal position of a value, pixels.
     pub fn x(&self, value: f64) -> f64 {
         let Frame { left, right, .. } = self.frame;
         left + (right - left) * self.horizontal.part(value)
     }
 
-    /// Position of a value, pixels.
+    /// Vertical position of a value, pixels.
     pub fn y(&self, value: f64) -> f64 {
         let Frame { top, bottom, .. } = self.frame;
         bottom - (bottom - top) * self.vertical.part(value)
@@ -53,7 +53,7 @@ pub(super) fn widest_label(ticks: &Ticks) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// As many ticks as fit with their labels side by side.
+/// As many ticks as fit with their labels beside each other.
 pub(super) fn ticks_that_fit(axis: &Axis, width: f64, em: f64) -> Ticks {
     let fits = |ticks: &Ticks| {
         let room = em * (widest_label(ticks) + 1.2) * ticks.labelled.len() as f64;
@@ -116,7 +116,7 @@ pub(super) fn draw_vertical(
         anchor: Anchor::Start,
         upright: false,
     });
-    // Beside the labels of the ticks; smaller where the axis is short.
+    // The label is next to the tick labels, and smaller on a short axis.
     let beside = left - (TICK + 2.0 * GAP + widest_label(ticks)) * em - 0.3 * em;
     let room = (bottom - top + 1.5 * em) / (Line::of(label).width * em);
     drawing.text(Words {

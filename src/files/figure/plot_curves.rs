@@ -21,14 +21,14 @@ fn draw_mark(style: &Style, at: [f64; 2], em: f64, drawing: &mut Drawing) {
     let path = style.mark.path(at, MARK * em);
     if style.is_open {
         let edge = Stroke::solid(style.color, 0.09 * em);
-        // Not filled: another mark may be below.
+        // The mark is not filled, because another one may be below it.
         drawing.path(&path, &edge, None);
     } else {
         drawing.area(&path, style.color);
     }
 }
 
-/// The sample in the legend before the name of a curve.
+/// Draws the sample before the name of a curve in the legend.
 pub(super) fn draw_sample(
     style: &Style,
     [from, to]: [f64; 2],
@@ -82,7 +82,7 @@ pub(super) fn draw_curve(
     }
 }
 
-/// Path data through points, without those that would not be visible.
+/// Path data through points, without points that would not be visible.
 fn path_through(points: &[[f64; 2]]) -> String {
     const SEEN: f64 = 0.1;
     let mut path = String::new();

@@ -3,7 +3,7 @@
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
-/// Pixels of a picture for each of the SVG: 300 per inch.
+/// Pixels of a picture per pixel of the SVG: 300 per inch.
 const FINENESS: f32 = 300.0 / 96.0;
 
 /// Draws an SVG as PNG, 300 pixels per inch.

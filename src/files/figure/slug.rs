@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// Names of the anchors of a page, each once.
+/// Names of the anchors of a page, without repetition.
 #[derive(Default)]
 pub struct Slugs {
     used: BTreeMap<String, usize>,

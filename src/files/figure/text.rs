@@ -5,7 +5,7 @@
 
 use super::font::{Glyph, glyph};
 
-/// Size of indices and powers relative to that of the line.
+/// Size of indices and powers relative to the line.
 const SMALL: f64 = 0.7;
 /// Their shift below and above the line, em.
 const DOWN: f64 = -0.2;
@@ -23,11 +23,11 @@ pub(super) struct Placed {
     pub glyph: u16,
     /// Its start on the line.
     pub at: [f64; 2],
-    /// Its size over that of the line.
+    /// Its size relative to the line.
     pub size: f64,
 }
 
-/// A line of text laid out; lengths are in em, y upwards, the line begins at 0.
+/// A line of text laid out; lengths are in em, y upwards, and the line begins at 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Line {
     /// The letters.

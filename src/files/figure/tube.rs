@@ -17,7 +17,7 @@ pub struct RodCurve {
     pub held: bool,
 }
 
-/// The colour of a rod of a number; obstacles are grey.
+/// The colour of the rod with the given index; obstacles are grey.
 pub(super) fn rod_color(index: usize, held: bool) -> Color {
     if held {
         Color::BLACK.towards(Color::WHITE, 0.55)
@@ -40,7 +40,8 @@ impl Placement {
     }
 }
 
-/// A piece of a tube between two nodes, a cubic curve with its shading; or a face of a body among them.
+/// A piece of a tube between two nodes, a cubic curve with its shading; or a face of a body,
+/// sorted with them.
 pub(super) struct Piece {
     /// Its nearness to the eye, m.
     pub nearness: f64,
@@ -59,8 +60,7 @@ const BODY: f64 = 0.78;
 /// Fading towards white at the back, 0 to 1.
 const HAZE: f64 = 0.45;
 
-/// The rods of a scene, and the pieces of other objects among them, as SVG elements, far pieces
-/// first.
+/// The rods of a scene and pieces of other objects, as SVG elements, far pieces first.
 ///
 /// Each piece is one segment of the Catmull–Rom spline through the nodes, which is a cubic Bézier
 /// curve. It is painted as an outline, the body, and a highlight on the side of the light. To avoid
@@ -80,7 +80,7 @@ pub(super) fn tubes(
         (far.min(depth), near.max(depth))
     });
     let thickest = rods.iter().map(|rod| rod.radius).fold(0.0, f64::max);
-    // Flat scenes have no significant depth.
+    // The depth of flat scenes is not significant.
     let depth = (near - far).max(20.0 * thickest);
     let mut pieces = among;
     for (index, rod) in rods.iter().enumerate() {
@@ -129,7 +129,7 @@ fn rod_pieces(
             let outline = color.towards(Color::BLACK, 0.55);
             let mut svg = String::new();
             let is_thick = width > 2.0 * MINIMUM_WIDTH;
-            // A free end is round, its outline as well.
+            // Draw the round free end, including its outline.
             for (is_end, node) in [(segment == 0, 0), (next + 1 == pixels.len(), next)] {
                 if is_end && is_thick && !rod.closed {
                     let dot = format!("M{}l0.01 0", pair(pixels[node]));
@@ -169,7 +169,8 @@ impl Spline<'_> {
         }
     }
 
-    /// Half the difference of the neighbours; at an open end the difference to the only one.
+    /// Half the difference of the neighbours; at an open end, the difference to the only
+    /// neighbour.
     fn tangent(&self, node: usize) -> Vector2<f64> {
         let last = self.nodes.len() - 1;
         let (before, after) = match node {
@@ -189,11 +190,12 @@ impl Spline<'_> {
         let side = across
             .try_normalize(f64::MIN_POSITIVE)
             .unwrap_or_else(Vector2::zeros);
-        // Fades out where the curve runs along the light, so that the highlight is continuous.
+        // Fade out where the curve runs along the light, so that the highlight is continuous.
         side * side.dot(&Vector2::new(-0.6, -0.8)).clamp(-0.5, 0.5) * 2.0
     }
 
-    /// The curve from a node to the next, and a straight bit of the given length beyond both ends.
+    /// The curve from a node to the next, with a short straight piece of the given length beyond
+    /// both ends.
     fn path(&self, segment: usize, beyond: f64) -> String {
         let next = (segment + 1) % self.nodes.len();
         let (start, end) = (self.nodes[segment], self.nodes[next]);
@@ -236,7 +238,7 @@ mod tests {
     };
 
     fn bar(depth: f64) -> RodCurve {
-        // Seen from −y, nearer bars have smaller y.
+        // Viewed from −y, nearer bars have smaller y.
         RodCurve {
             points: (0..4)
                 .map(|k| Vector3::new(0.01 * k as f64, depth, 0.0))

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-/// An orthographic view: lengths across it are true everywhere, so that one scale bar is valid for
-/// all.
+/// An orthographic view: lengths across it are true everywhere, so that one scale bar applies to
+/// the whole picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Unit vector to the right of the picture.
@@ -22,12 +22,12 @@ pub(super) struct Projected {
     pub nearness: f64,
 }
 
-/// Elevations of oblique views: of most scenes, and of those that lie flat, rad.
+/// Elevations of oblique views: of most scenes, and of flat horizontal ones, rad.
 const LOW: f64 = 15.0 * std::f64::consts::PI / 180.0;
 const HIGH: f64 = 40.0 * std::f64::consts::PI / 180.0;
-/// Angle between the thin axis of a scene that lies flat and the vertical, at most, rad.
+/// Largest angle between the thin axis of a flat horizontal scene and the vertical, rad.
 const STEEP: f64 = 30.0 * std::f64::consts::PI / 180.0;
-/// Least extent over the next larger one, as variances, below which a scene is thin.
+/// Ratio of the least extent to the next larger one, as variances, below which a scene is thin.
 const THIN: f64 = 0.05;
 
 impl View {
@@ -52,7 +52,8 @@ impl View {
         Self::turned(0.0, LOW)
     }
 
-    /// View from the front, turned about z by an angle, slightly from the right; from above by an elevation, rad.
+    /// View from the front, rotated about z by an angle, slightly from the right; from above by an
+    /// elevation, rad.
     fn turned(angle: f64, elevation: f64) -> Self {
         let azimuth = angle + 20f64.to_radians();
         Self::from(Vector3::new(
@@ -62,7 +63,8 @@ impl View {
         ))
     }
 
-    /// The same view, from slightly above if it is level: in three dimensions the ground is then seen as a plane.
+    /// The same view, or one from slightly above if it is level, so that the ground is seen as a
+    /// plane in three dimensions.
     pub(super) fn raised(&self) -> Self {
         let horizontal = libm::hypot(self.eye.x, self.eye.y);
         if self.eye.z.abs() >= libm::sin(LOW) || horizontal == 0.0 {
@@ -72,10 +74,10 @@ impl View {
         Self::from(Vector3::new(x, y, libm::sin(LOW)))
     }
 
-    /// A view that shows the points well: normal to the plane of flat scenes, oblique for all others, along the axis of
-    /// their least extent where that is much smaller than the others.
+    /// A view that shows the points well: normal to the plane of flat scenes; along the axis of
+    /// the least extent if that is much smaller than the others; otherwise oblique.
     pub fn fitting<'a>(points: impl Iterator<Item = &'a Vector3<f64>> + Clone) -> Self {
-        // Extents (as variances) below these shares of the next larger one count as zero.
+        // Extents (as variances) below these fractions of the next larger one count as zero.
         const FLAT: f64 = 1e-4;
         const STRAIGHT: f64 = 1e-6;
         let count = points.clone().count().max(1) as f64;
@@ -92,7 +94,8 @@ impl View {
         let [small, middle, large] = order.map(|axis| eigenvalues[axis]);
         if small < FLAT * middle && middle > STRAIGHT * large {
             let normal = eigenvectors.column(order[0]).into_owned();
-            // Of the two sides, the one from which x points right, or y if x is not visible.
+            // Of the two sides, choose the one from which x points right, or y if x is not
+            // visible.
             Self::from(normal * normal.dot(&Vector3::new(1.0, -1.0, 1.0)).signum())
         } else if small < THIN * middle {
             Self::across(&eigenvectors.column(order[0]).into_owned())
@@ -106,7 +109,7 @@ impl View {
         if normal.z.abs() > libm::cos(STEEP) {
             return Self::turned(0.0, HIGH);
         }
-        // Of both sides the one that is nearer to the front, or the right one.
+        // Of the two sides, choose the one nearer to the front, or the right one.
         let side = if normal.y.abs() > 1e-6 {
             -normal.y
         } else {

@@ -27,7 +27,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The triangles in the picture, between two outputs.
+    /// The corners of the triangles in the picture, between two outputs.
     pub fn corners(
         &self,
         [from, to]: [usize; 2],
@@ -59,7 +59,8 @@ fn pose_of_directions(pose: &[f64; 16]) -> [f64; 16] {
     directions
 }
 
-/// The mean normal at each corner of the faces around it, weighted by their areas, without those beyond a crease.
+/// The mean normal at each corner of the adjacent faces, weighted by their areas, without those
+/// beyond a crease.
 fn normals(triangles: &[[Vector3<f64>; 3]]) -> Vec<[Vector3<f64>; 3]> {
     let key =
         |corner: &Vector3<f64>| [corner.x, corner.y, corner.z].map(|x| (x as f32 + 0.0).to_bits());

@@ -18,8 +18,8 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// View from an azimuth, which is zero at the front (−y) and grows towards the right (+x), and
-    /// an elevation, rad.
+    /// Axes of a view from an azimuth, which is zero at the front (−y) and grows towards the right
+    /// (+x), and an elevation, rad.
     pub fn from(azimuth: f64, elevation: f64) -> Self {
         let (sa, ca) = libm::sincos(azimuth);
         let (se, ce) = libm::sincos(elevation);
@@ -42,20 +42,21 @@ impl Axes {
     }
 }
 
-/// The camera at one time: an orthographic one, so that lengths across the view are true everywhere.
+/// The camera at one time. It is orthographic, so that lengths across the view are true
+/// everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Camera {
     pub axes: Axes,
     /// Point in the middle of the free part of the picture, m.
     pub target: Vector3<f64>,
-    /// Its position in the picture, samples.
+    /// Position of the target in the picture, samples.
     pub middle: [f64; 2],
     /// Samples per metre.
     pub scale: f64,
 }
 
 impl Camera {
-    /// A point in samples: to the right, downwards, towards the eye.
+    /// Position of a point in samples: to the right, downwards, towards the eye.
     pub fn place(&self, point: &Vector3<f64>) -> [f32; 3] {
         let seen = self.axes.of(&(point - self.target)) * self.scale;
         [
@@ -65,7 +66,7 @@ impl Camera {
         ]
     }
 
-    /// A direction in the same axes.
+    /// Components of a direction along the same axes.
     pub fn turn(&self, vector: &Vector3<f64>) -> [f32; 3] {
         let seen = self.axes.of(vector);
         [seen.x as f32, -seen.y as f32, seen.z as f32]
@@ -87,13 +88,13 @@ pub(super) struct CameraPath {
     azimuth: f64,
     elevation: f64,
     turn: f64,
-    /// Its target, m; relative to the middle of the followed rod, if there is one.
+    /// Target of the camera, m; relative to the middle of the followed rod, if there is one.
     target: Vector3<f64>,
-    /// From there to the middle of the picture, along right and up, m.
+    /// Vector from the target to the middle of the picture, along right and up, m.
     shift: [f64; 2],
     middle: [f64; 2],
     scale: f64,
-    /// The nodes of the rod that it follows.
+    /// The nodes of the followed rod.
     follow: Option<std::ops::Range<usize>>,
 }
 
@@ -101,7 +102,7 @@ impl CameraPath {
     /// The path that shows the whole motion in the free part of the picture.
     pub fn around(case: &MovieCase, options: &FilmOptions, free: FreePart) -> Self {
         let eye = case.view.eye();
-        // From above or below x runs to the right.
+        // In a view from above or below, x runs to the right.
         let is_upright = libm::hypot(eye.x, eye.y) < 1e-6;
         let azimuth = if is_upright {
             0.0

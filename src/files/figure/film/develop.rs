@@ -1,4 +1,4 @@
-//! From surfaces to pixels, and from pictures to a film.
+//! Conversion of surfaces to pixels, and of pictures to a film.
 
 use super::super::motion::MoviePlane;
 use super::camera::Camera;
@@ -11,22 +11,22 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::{LazyLock, Mutex};
 
-/// Levels of light in the table of pixel brightness.
+/// Number of light levels in the table of pixel brightness.
 const LEVELS: usize = 4096;
 
-/// Brightness of a pixel by its share of the light of white.
+/// Brightness of a pixel by its light, relative to that of white.
 static BRIGHTNESS: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let light = |level: usize| level as f64 / (LEVELS - 1) as f64;
     let brightness = |level| (255.0 * libm::pow(light(level), 1.0 / 2.2)).round() as u8;
     (0..LEVELS).map(brightness).collect()
 });
 
-/// Buffers that are reused from picture to picture, so that a film allocates them once per thread.
+/// Buffers that are reused for all pictures, so that a film allocates them once per thread.
 pub(super) struct Workspace {
     pub positions: Vec<Vector3<f64>>,
     pub nodes: Vec<Place>,
     pub across: Vec<Place>,
-    /// Surfaces of rods and bodies, and of translucent bodies.
+    /// Surfaces of rods and bodies; `clear` holds those of translucent bodies.
     pub solid: Mesh,
     pub clear: Mesh,
     /// The picture: red, green, blue by row.
@@ -174,12 +174,13 @@ fn pixels_of(samples: &Samples, row: usize) -> Range<usize> {
     span.start / FINENESS..span.end.div_ceil(FINENESS)
 }
 
-/// Whether the samples of a pixel show one nearly flat surface, or nothing: one of them then
+/// Whether the samples of a pixel show one nearly flat surface, or nothing: a single sample then
 /// represents all.
 fn is_smooth(samples: &Samples, corners: [usize; FINENESS * FINENESS]) -> bool {
-    /// Steps of normals from sample to sample, of two thousand.
+    /// Largest difference of normals between samples, in levels; there are two thousand from zero
+    /// to one.
     const TURN: u32 = 60;
-    /// Steps of the depth, samples.
+    /// Largest difference of depth between samples, in samples.
     const STEP: f32 = 6.0;
     let [first, rest @ ..] = corners;
     let (surface, depth) = (samples.surface[first], samples.depth[first]);
@@ -202,17 +203,18 @@ const CLOUD: f32 = 0.4;
 const SUNNY: f32 = 0.86;
 const SHADY: f32 = 0.42;
 
-/// A plane in the view: its depth over the picture.
+/// A plane in the view, with its depth over the picture.
 struct Ground {
     at: Place,
     normal: Place,
-    /// Middle of the scene on it, and the distance from there over which it fades, samples.
+    /// Centre of the scene on the plane, and the distance from it at which the plane has faded,
+    /// samples.
     middle: Place,
     reach: f32,
 }
 
 impl Ground {
-    /// A plane viewed from its front; `None` from behind or edge-on.
+    /// Creates it for a plane viewed from its front; `None` for one viewed from behind or edge-on.
     fn of(plane: &MoviePlane, camera: &Camera, radius: f64) -> Option<Self> {
         let normal = camera.turn(&plane.normal.into());
         let at = camera.place(&plane.point.into());
@@ -232,7 +234,7 @@ impl Ground {
     }
 }
 
-/// Light of the nearest plane at a pixel; that of white paper if there is none.
+/// Light of the nearest plane at a pixel, or of white paper if there is none.
 fn ground_light(
     grounds: &[Ground],
     shadows: &ShadowMap,
@@ -261,7 +263,7 @@ fn ground_light(
 }
 
 impl Film<'_> {
-    /// Draws all pictures in parallel, and passes on each in order after packing.
+    /// Draws all pictures in parallel and passes each one on in order after packing.
     ///
     /// `watch` is called with the number of pictures done, and returns whether to continue. The
     /// result is the same for any number of threads.
@@ -306,7 +308,7 @@ impl Film<'_> {
         Ok(())
     }
 
-    /// Some evenly spread pictures, for decisions before the first one is passed on.
+    /// Some evenly spread pictures, which are needed before the first one is passed on.
     pub(super) fn some_pictures(&self, count: usize) -> Vec<Vec<u8>> {
         let count = count.min(self.pictures());
         let last = self.pictures() - 1;

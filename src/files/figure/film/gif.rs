@@ -1,4 +1,4 @@
-//! A film as GIF: one palette for all pictures, and only the changed part of each picture.
+//! A film as GIF, with one palette for all pictures and only the changed part of each picture.
 
 use super::{Film, FilmError};
 use color_quant::NeuQuant;
@@ -18,7 +18,7 @@ const BITS: u32 = 6;
 const FASTEST: f64 = 50.0;
 
 impl Film<'_> {
-    /// The film as GIF, which repeats.
+    /// Encodes the film as a repeating GIF.
     ///
     /// `watch` is called with the number of pictures done, and returns whether to continue.
     ///
@@ -54,7 +54,7 @@ impl Film<'_> {
     }
 }
 
-/// The rectangle of a picture that differs from the one before, with equal pixels marked as
+/// The rectangle in which a picture differs from the previous one, with equal pixels marked as
 /// unchanged.
 fn changes(before: &[u8], after: &[u8], width: usize) -> Frame<'static> {
     let frame = |rectangle: [usize; 4], buffer: Vec<u8>| Frame {
@@ -85,7 +85,7 @@ fn changes(before: &[u8], after: &[u8], width: usize) -> Frame<'static> {
         (top, bottom) = (top.min(row), row + 1);
     }
     if top == usize::MAX {
-        // A frame has at least a pixel.
+        // A frame has at least one pixel.
         return frame([0, 0, 1, 1], vec![UNCHANGED]);
     }
     let mut buffer = Vec::with_capacity((right - left) * (bottom - top));
@@ -101,7 +101,7 @@ fn changes(before: &[u8], after: &[u8], width: usize) -> Frame<'static> {
 struct Palette {
     /// Red, green, blue of each.
     colours: Vec<u8>,
-    /// Number of the nearest one by the leading bits of red, green and blue.
+    /// Index of the nearest colour by the leading bits of red, green and blue.
     nearest: Vec<u8>,
 }
 
@@ -112,8 +112,8 @@ impl Palette {
         for pixel in pictures.iter().flat_map(|pixels| pixels.chunks_exact(3)) {
             *counts.entry([pixel[0], pixel[1], pixel[2]]).or_default() += 1;
         }
-        // Rare colours have more weight than their share; otherwise all colours would be those of
-        // the background.
+        // Rare colours have more weight than their share; otherwise all colours would be similar
+        // to the background.
         let weighted = counts.iter().flat_map(|([red, green, blue], count)| {
             let weight = f64::from(*count).sqrt().ceil().min(48.0) as usize;
             std::iter::repeat_n([*red, *green, *blue, 255], weight)
@@ -147,7 +147,7 @@ impl Palette {
         }
     }
 
-    /// The number of the nearest colour of each pixel.
+    /// The index of the nearest colour of each pixel.
     fn numbers(&self, pixels: &[u8]) -> Vec<u8> {
         let leading = |channel: u8| usize::from(channel >> (8 - BITS));
         let cell = |pixel: &[u8]| {

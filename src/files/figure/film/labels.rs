@@ -29,7 +29,7 @@ impl Stamp {
         }
     }
 
-    /// Prints it onto a picture, its top left corner at a pixel.
+    /// Prints the stamp onto a picture; `left` and `top` are the pixel of its top left corner.
     pub fn print(&self, picture: &mut [u8], picture_width: usize, [left, top]: [usize; 2]) {
         let width = 3 * self.width.min(picture_width.saturating_sub(left));
         for (row, light) in self.light.chunks_exact(3 * self.width).enumerate() {
@@ -58,7 +58,8 @@ pub(super) fn text(text: &str, em: f64) -> Stamp {
     Stamp::of(drawing, width as usize, (1.5 * em).ceil() as usize)
 }
 
-/// A bar of round length with its label, at most `widest` pixels wide; `scale`: pixels per metre.
+/// A bar of round length with its label, at most `widest` pixels wide. `scale` is in pixels per
+/// metre.
 pub(super) fn scale_bar(scale: f64, widest: f64, em: f64) -> Stamp {
     let length = round_length_below(widest / scale);
     let label = length_label(length);
@@ -86,12 +87,12 @@ mod tests {
 
     #[test]
     fn a_scale_bar_is_as_long_as_it_says() {
-        // 3000 pixels per metre: 5 cm are 150.
+        // At 3000 pixels per metre, 5 cm are 150 pixels.
         let stamp = scale_bar(3000.0, 200.0, 20.0);
         let row = 37;
         let pixels = stamp.light[3 * row * stamp.width..][..3 * stamp.width].chunks_exact(3);
         let dark = pixels.filter(|pixel| pixel[0] < 128).count() as f64;
-        // Its round ends extend it by half of its thickness each.
+        // Each round end extends the bar by half of its thickness.
         assert!((dark - 150.0 - 3.2).abs() < 2.5, "{dark}");
     }
 
@@ -102,7 +103,7 @@ mod tests {
         stamp.print(&mut picture, 40, [2, 2]);
         assert!(picture.iter().any(|light| *light < 60));
         assert_eq!(picture[0], 200);
-        // Nothing is drawn beyond the edge.
+        // Nothing is drawn outside the picture.
         stamp.print(&mut picture, 40, [39, 28]);
         stamp.print(&mut picture, 40, [60, 60]);
     }

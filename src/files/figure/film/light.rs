@@ -4,7 +4,7 @@
 use super::mesh::{Mesh, Place, cross, dot, norm, plus, times, unit};
 use super::samples::{Corner, NOTHING, Samples, unpacked};
 
-/// Side of the shadow map, samples of it.
+/// Side of the shadow map, in its samples.
 const MAP: usize = 1400;
 /// Sample points of the ambient occlusion: a spiral in the unit disk (Vogel 1979).
 const TAPS: usize = 16;
@@ -78,7 +78,7 @@ impl Light {
         let shine = dot(normal, self.halfway).max(0.0);
         // To the 64th power.
         let shine = (0..6).fold(shine, |power, _| power * power);
-        // Rims that turn from the eye are darker, which separates crossing rods.
+        // Surfaces that turn away from the eye are darker, which separates crossing rods.
         let rim = 0.55 + 0.45 * smooth(normal[2] / 0.5);
         let diffuse = (open * (0.22 + 0.3 * sky) + 0.72 * lit) * rim;
         let far = smooth((self.haze[0] - at[2]) / (self.haze[0] - self.haze[1]).max(1e-6));
@@ -132,12 +132,12 @@ fn smooth(x: f32) -> f32 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// The view of the key light: nearness to it, over the axes of its own picture.
+/// The view of the key light: nearness to the light, over the axes of its own picture.
 pub(super) struct ShadowMap {
     samples: Samples,
     /// Right, down and towards the light.
     axes: [Place; 3],
-    /// Origin of the map, and its samples per sample of the picture.
+    /// Origin of the map, and number of its samples per sample of the picture.
     origin: [f32; 2],
     scale: f32,
 }
@@ -170,7 +170,7 @@ impl ShadowMap {
             }
         }
         let extent = (high[0] - low[0]).max(high[1] - low[1]);
-        // Half the resolution of the picture is enough: shadows are soft.
+        // Half the resolution of the picture is enough, because shadows are soft.
         self.scale = ((MAP - 8) as f32 / extent.max(1.0)).min(0.6);
         self.origin = [0, 1].map(|k| low[k] - 4.0 / self.scale);
         self.samples.clear();
@@ -183,7 +183,7 @@ impl ShadowMap {
         });
     }
 
-    /// A position of the picture in the map.
+    /// Converts a position of the picture to one of the map.
     fn seen(&self, place: Place) -> Place {
         let [x, y, z] = self.axes.map(|axis| dot(axis, place));
         [
@@ -205,7 +205,7 @@ impl ShadowMap {
 
     /// The share of the key light that reaches a point of a surface.
     pub fn light(&self, at: Place, normal: Place, taps: &[[f32; 2]; TAPS]) -> f32 {
-        // The map is coarse, and a surface must not shadow itself.
+        // The map is coarse, so an offset keeps a surface from shadowing itself.
         let offset = 2.2 / self.scale;
         let at = self.seen(plus(at, times(normal, offset)));
         let hidden = taps
@@ -214,10 +214,10 @@ impl ShadowMap {
         1.0 - hidden.count() as f32 / TAPS as f32
     }
 
-    /// The share of the key light that reaches a point of the ground: shadows are sharper near the
-    /// casting surface.
+    /// The share of the key light that reaches a point of the ground. Shadows are sharper near the
+    /// surface that casts them.
     pub fn light_on_ground(&self, at: Place, light: &Light, column: usize, row: usize) -> f32 {
-        /// Width of the penumbra over the distance.
+        /// Ratio of the width of the penumbra to the distance.
         const SOFTNESS: f32 = 0.16;
         /// Largest width of the penumbra, samples of the map.
         const WIDEST: f32 = 26.0;

@@ -1,4 +1,4 @@
-//! Surfaces as triangles in the axes of the picture: tubes, strips and rigid bodies.
+//! Surfaces as triangles in picture axes: tubes, strips and rigid bodies.
 //!
 //! The arrays are reused from picture to picture, so that a film allocates them once.
 
@@ -8,7 +8,7 @@ use std::ops::Range;
 /// A vector in samples: right, down, towards the eye.
 pub(super) type Place = [f32; 3];
 
-/// Minimum thickness of drawn things, samples: thinner ones would be invisible.
+/// Minimum drawn thickness, samples: thinner objects would be invisible.
 const LEAST_RADIUS: f32 = 1.4;
 /// Tolerance of the outline of a tube, samples.
 const SAGITTA: f32 = 0.12;
@@ -48,7 +48,7 @@ pub(super) struct DrawnRod<'a> {
     /// Directions along the width of a strip at each node; empty for a tube.
     pub across: &'a [Place],
     pub closed: bool,
-    /// Radius of a tube, or half of the width and of the thickness of a strip.
+    /// Radius of a tube, or half the width and half the thickness of a strip.
     pub half: [f32; 2],
     pub material: u8,
 }
@@ -61,7 +61,7 @@ impl Mesh {
         self.parts.clear();
     }
 
-    /// Whether nothing was added.
+    /// Whether the mesh is empty.
     pub fn is_empty(&self) -> bool {
         self.triangles.is_empty()
     }
@@ -100,7 +100,7 @@ impl Mesh {
         self.corners.push(Corner { at, normal });
     }
 
-    /// Adds a rod as a surface around the Catmull–Rom spline through its nodes.
+    /// Adds the surface of a rod around the Catmull–Rom spline through its nodes.
     pub fn add_rod(&mut self, rod: &DrawnRod) {
         if rod.nodes.len() < 2 {
             return;
@@ -118,7 +118,7 @@ impl Mesh {
         self.end_part(first, rod.material, rod.across.is_empty());
     }
 
-    /// Cross-sections along a rod, more where it bends more. On tubes their first direction is
+    /// Cross-sections along a rod, denser where it bends more. On tubes their first direction is
     /// transported without twist.
     fn lay_rings(&mut self, rod: &DrawnRod) {
         self.rings.clear();
@@ -161,12 +161,13 @@ impl Mesh {
         }
     }
 
-    /// A tube around the rings, with round ends.
+    /// Adds a tube around the rings, with round ends.
     fn add_tube(&mut self, radius: f32, closed: bool) {
         let count = (std::f32::consts::PI / (2.0 * SAGITTA / radius).sqrt()).ceil();
         let count = (count as usize).clamp(6, 64);
         self.turn_around(count);
-        // Half way from the inscribed polygon to the one around the circle: as wide as the circle on average.
+        // The mean of the radii for an inscribed and a circumscribed polygon: the tube has the
+        // width of the circle on average.
         let radius = radius * (1.5 - 0.5 * libm::cosf(std::f32::consts::PI / count as f32));
         let first = self.corners.len();
         let mut rows = 0;
@@ -208,8 +209,8 @@ impl Mesh {
         }
     }
 
-    /// A ring of corners; `cap`: position on the round end, from −1 at its first to 1 at its last
-    /// point.
+    /// Adds a ring of corners. `cap` is its position on the round end, from −1 at the first point
+    /// to 1 at the last.
     fn add_ring(&mut self, ring: &Ring, radius: f32, cap: f32) {
         let other = cross(ring.tangent, ring.across);
         // Rows of a cap are evenly spaced along its meridians.
@@ -222,7 +223,8 @@ impl Mesh {
         }
     }
 
-    /// A strip along the rings: two faces, two edges and two ends, each with normals of its own.
+    /// Adds a strip along the rings: two faces, two edges and two ends, each with normals of its
+    /// own.
     fn add_strip(&mut self, half: [f32; 2], closed: bool) {
         let rings = std::mem::take(&mut self.rings);
         for side in [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0f32]] {
@@ -373,7 +375,7 @@ mod tests {
             );
             let (_, normal) = unpacked(samples.surface[middle]);
             assert!(normal[2] > 0.99, "{normal:?}");
-            // Above the middle the tube turns upwards, towards smaller rows.
+            // Above the middle the tube faces upwards, towards smaller rows.
             if across.is_empty() {
                 let (_, normal) = unpacked(samples.surface[170 * samples.width + 300]);
                 assert!(normal[1] < -0.5, "{normal:?}");
@@ -389,7 +391,8 @@ mod tests {
                 [301.6, 193.9, 40.0],
                 [452.9, 287.6, 80.0],
             ];
-            // Seen obliquely the cylinder is shorter, and the ends are still half circles of the radius.
+            // In an oblique view the cylinder is shorter; the ends are still half circles with its
+            // radius.
             let length = (302.6f64 * 302.6 + 187.4 * 187.4).sqrt();
             let radius_m = f64::from(radius);
             let area = 2.0 * radius_m * length + PI * radius_m * radius_m;

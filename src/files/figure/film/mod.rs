@@ -48,14 +48,14 @@ pub struct FilmOptions {
     pub turn: f64,
     /// Magnification.
     pub zoom: f64,
-    /// Number of the rod that the camera follows.
+    /// Index of the rod that the camera follows.
     pub follow: Option<usize>,
 }
 
 /// Speed of a film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// Ten seconds of film, or fewer where there are few outputs.
+    /// Ten seconds of film, or fewer if there are few outputs.
     Usual,
     /// Length of the film, s.
     Duration(f64),
@@ -63,7 +63,7 @@ pub enum Pace {
     Speed(f64),
 }
 
-/// Why a film cannot be made.
+/// Reason why a film cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmError {
     /// A static scene has no speed.
@@ -102,9 +102,9 @@ pub struct Film<'a> {
     radius: f64,
 }
 
-/// Samples of a pixel along each side.
+/// Samples per pixel along each side.
 const FINENESS: usize = 2;
-/// Material of held rods and of bodies, after the colours of rods.
+/// Materials of held rods and of bodies, after the colours of rods.
 const HELD: u8 = 7;
 const BODY: u8 = 8;
 
@@ -155,7 +155,7 @@ impl<'a> Film<'a> {
         self.pictures() as f64 / self.pictures_per_second
     }
 
-    /// Draws a picture; its pixels, red, green, blue by row, are then in the workspace.
+    /// Draws a picture into the workspace; its pixels are stored as red, green, blue by row.
     fn draw(&self, picture: usize, work: &mut Workspace) {
         let moment = self.timeline.moment(picture);
         let [from, to] = [moment.from, moment.to].map(|frame| &self.case.frames[frame].positions);
@@ -246,8 +246,8 @@ impl<'a> Film<'a> {
         }
     }
 
-    /// The text at the top: the time, or the parameter of a path of equilibria; nothing for a
-    /// single output.
+    /// The text at the top: the time, or the parameter of a path of equilibria; empty for a single
+    /// output.
     fn label(&self, moment: &Moment) -> Option<String> {
         if self.case.frames.len() < 2 {
             return None;
@@ -277,7 +277,8 @@ pub(super) mod tests {
     use super::super::motion::{MovieFrame, MovieObstacle, MoviePlane, MovieRod};
     use super::*;
 
-    /// A rod above a floor that makes a quarter turn in a second, with a number of outputs.
+    /// A rod above a floor that makes a quarter turn in a second, with the given number of
+    /// outputs.
     pub fn swinging(outputs: usize) -> MovieCase {
         let rod = MovieRod {
             name: "rod".into(),
@@ -340,7 +341,7 @@ pub(super) mod tests {
         pixel.iter().max().unwrap() - pixel.iter().min().unwrap() > 50
     }
 
-    /// Least and largest column and row with a colour, and how many pixels have one.
+    /// Least and largest column and row with a colour, and the number of pixels with one.
     fn coloured(pixels: &[u8], width: usize) -> ([usize; 4], usize) {
         let seen = pixels
             .chunks_exact(3)
@@ -409,7 +410,7 @@ pub(super) mod tests {
     fn a_body_before_a_rod_hides_it_and_a_hollow_one_lets_it_show() {
         let mut case = swinging(1);
         let free = coloured(&pixels(&case, &options(), 0), 320).1;
-        // A large sheet, seen from the front at y = −1, far before the rod.
+        // A large sheet, seen from the front at y = −1, far in front of the rod.
         let corner = |x: f64, z: f64| Vector3::new(9.0 * x, -1.0, 9.0 * z);
         let sheet = vec![
             [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0)],

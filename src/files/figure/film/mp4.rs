@@ -18,7 +18,7 @@ use std::num::NonZeroU32;
 
 /// Clock ticks of the file per second.
 const TICKS: u32 = 90_000;
-/// Quantiser of the encoder, low enough for fine lines.
+/// Quantiser of the encoder, low enough to preserve fine lines.
 const COARSENESS: QpRange = QpRange::new(10, 24);
 /// Seconds between key frames, to which players can jump.
 const WHOLE_EVERY: f64 = 2.0;
@@ -59,7 +59,8 @@ impl Mp4File {
             .profile(Profile::High)
             .skip_frames(false)
             .vui(VuiConfig::bt601())
-            // Results do not depend on the number of threads; pictures are drawn in parallel instead.
+            // One thread: pictures are drawn in parallel instead, and results do not depend on the
+            // number of threads.
             .num_threads(1);
         let encoder =
             Encoder::with_api_config(OpenH264API::from_source(), config).map_err(fault)?;

@@ -1,4 +1,5 @@
-//! Triangles into a depth buffer: the visible surface at each sample of a picture, and its normal.
+//! Rasterises triangles into a depth buffer: the visible surface at each sample of a picture, and
+//! its normal.
 
 /// A corner of a triangle in samples: x to the right, y downwards, nearness to the eye; and the unit normal of the surface there, in
 /// the same axes.
@@ -58,12 +59,12 @@ impl Samples {
     /// Draws a triangle of a material. `one_sided`: it is part of a closed surface, whose back
     /// faces are hidden.
     ///
-    /// Samples on an edge belong to both triangles; of equally near ones, the first one drawn is
-    /// kept.
+    /// Samples on an edge belong to both triangles; if both are equally near, the first one drawn
+    /// is kept.
     pub fn fill(&mut self, corners: [&Corner; 3], material: u8, one_sided: bool) {
         let [a, b, c] = corners.map(|corner| corner.at);
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        // With y downwards, triangles that run clockwise around the page face the eye.
+        // Since y is downwards, triangles that run clockwise on the page face the eye.
         if area.is_nan() || area == 0.0 || (one_sided && area < 0.0) {
             return;
         }
@@ -74,7 +75,7 @@ impl Samples {
             return;
         };
         let one_over_area = 1.0 / area;
-        // Barycentric coordinates of b and c grow evenly along rows and columns.
+        // Barycentric coordinates of b and c vary linearly along rows and columns.
         let along_x = [(c[1] - a[1]) * one_over_area, (a[1] - b[1]) * one_over_area];
         let along_y = [(a[0] - c[0]) * one_over_area, (b[0] - a[0]) * one_over_area];
         for row in top..=bottom {
@@ -112,7 +113,8 @@ impl Samples {
     }
 }
 
-/// The steps, of 0 to `most`, at which three numbers that grow evenly from `start` may all be positive: first, and one beyond the last.
+/// The steps from 0 to `most` at which three numbers that vary linearly from `start` may all be
+/// positive: the first step, and one beyond the last.
 fn inside(start: [f32; 3], slopes: [f32; 3], most: usize) -> [usize; 2] {
     let (mut low, mut high) = (0.0, most as f32);
     for (start, slope) in start.into_iter().zip(slopes) {
@@ -133,8 +135,8 @@ fn inside(start: [f32; 3], slopes: [f32; 3], most: usize) -> [usize; 2] {
     [from.min(to), to]
 }
 
-/// The samples whose centres may lie between the least and the largest of three coordinates; `None`
-/// if there are none in the picture.
+/// The samples whose centres may be between the least and the largest of three coordinates; `None`
+/// if none of them is in the picture.
 fn covered(coordinates: [f32; 3], count: usize) -> Option<[usize; 2]> {
     let low = coordinates.iter().copied().fold(f32::INFINITY, f32::min);
     let high = coordinates
@@ -152,11 +154,11 @@ fn covered(coordinates: [f32; 3], count: usize) -> Option<[usize; 2]> {
     (first <= last).then_some([first, last])
 }
 
-/// A material and a normal in 32 bits: twelve for each component in the picture. The third follows,
-/// because visible surfaces face the eye.
+/// A material and a normal in 32 bits: twelve for each component in the picture. The third
+/// component follows, because visible surfaces face the eye.
 fn packed(material: u8, [x, y, z]: [f32; 3]) -> u32 {
     let length = (x * x + y * y + z * z).sqrt().max(1e-12);
-    // A back face is seen from behind.
+    // A back face is seen from behind, so its normal is reversed.
     let scale = if z < 0.0 { -1.0 } else { 1.0 } / length;
     let level = |component: f32| (component * scale * LEVELS + LEVELS + 0.5) as u32 & 0xfff;
     u32::from(material) << 24 | level(x) << 12 | level(y)
@@ -203,7 +205,8 @@ mod tests {
         assert!((seen(&samples) as f64 - area).abs() < 0.005 * area);
         samples.clear();
         assert_eq!(seen(&samples), 0);
-        // For a closed body only its front is visible: the side from which it runs clockwise.
+        // Only the front of a closed body is visible: the side from which its triangles run
+        // clockwise.
         samples.fill([a, c, b], 1, true);
         assert_eq!(seen(&samples), 0);
         samples.fill([a, b, c], 1, true);
@@ -212,7 +215,7 @@ mod tests {
 
     #[test]
     fn the_nearer_of_two_triangles_that_cross_is_seen_in_any_order() {
-        // One is nearer on the left, the other on the right.
+        // One triangle is nearer on the left, the other on the right.
         let tilted = |left: f32, right: f32| {
             [
                 corner(0.0, 0.0, left),

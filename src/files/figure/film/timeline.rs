@@ -17,7 +17,7 @@ pub const MOST_PICTURES: usize = 20_000;
 pub(super) struct Moment {
     pub from: usize,
     pub to: usize,
-    /// Fraction between them, 0 to 1.
+    /// Position between them as a fraction from 0 to 1.
     pub blend: f64,
     /// Fraction of the film that has passed, 0 to 1.
     pub part: f64,
@@ -28,7 +28,7 @@ pub(super) struct Moment {
 /// The pictures of a film.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Timeline {
-    /// Positions of the outputs along the film: their times, or their numbers on a path of
+    /// Positions of the outputs along the film: their times, or their indices on a path of
     /// equilibria.
     places: Vec<f64>,
     times: Vec<f64>,

@@ -11,7 +11,7 @@ pub struct Movie {
     pub title: String,
     /// A line below it.
     pub subtitle: String,
-    /// The cases; a single run is one.
+    /// The cases; a single run is one case.
     pub cases: Vec<MovieCase>,
     /// Seconds after which the page reloads during a run; `None` for a static page.
     pub reload: Option<f64>,
@@ -40,8 +40,8 @@ pub struct MovieCase {
     pub fields: Vec<Field>,
     /// Series that can be plotted beside the motion.
     pub series: Vec<MovieSeries>,
-    /// Branches of the frames if these are equilibria along a path; their time is then its
-    /// parameter.
+    /// Branches of the frames if these are equilibria along a path; the time of a frame is then
+    /// the path parameter.
     pub branches: Option<Vec<usize>>,
 }
 
@@ -87,11 +87,13 @@ pub struct MoviePlane {
 pub struct MovieObstacle {
     /// The triangles of its surface at time zero, m.
     pub triangles: Vec<[Vector3<f64>; 3]>,
-    /// The transformation from there to each frame, column after column; empty if it does not move.
+    /// The transformation from time zero to each frame, in column-major order; empty if the body
+    /// does not move.
     pub poses: Vec<[f64; 16]>,
     /// Whether rods are inside: it is then drawn translucent.
     pub hollow: bool,
-    /// Whether rods carry it: it then moves with them, and counts for the bounds of pictures.
+    /// Whether it belongs to rods: it then moves with them and is included in the bounds of
+    /// pictures.
     pub is_carried: bool,
 }
 
@@ -106,7 +108,7 @@ pub struct MovieFrame {
     pub contacts: Vec<Vector3<f64>>,
 }
 
-/// A number at each node that rods can be coloured by.
+/// A number at each node, by which rods can be coloured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// Its name for people.

@@ -5,15 +5,16 @@ use super::movie::MovieCase;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Bounds of the scene other than nodes, and the box around all of it.
+/// Bounds of the objects other than nodes, and the box around the whole scene.
 pub(in crate::figure) struct Outline {
-    /// Farthest point of each carried body from its origin along each axis of its own: corners of a box.
+    /// Corners of a box in the axes of each carried body, from its farthest points along each
+    /// axis.
     boxes: Vec<Option<[Vector3<f64>; 8]>>,
     lower: Vector3<f64>,
     upper: Vector3<f64>,
 }
 
-/// The outline of a case; if a rod is followed, that of this rod alone, about its middle.
+/// The outline of a case. If a rod is followed, only that of this rod, relative to its middle.
 pub(in crate::figure) fn outline(case: &MovieCase, follow: Option<&Range<usize>>) -> Outline {
     let boxes = case.obstacles.iter().map(|body| {
         let corners = body.triangles.iter().flatten();
@@ -131,7 +132,7 @@ pub(in crate::figure) fn centre(points: &[Vector3<f64>]) -> Vector3<f64> {
     points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
 }
 
-/// A point transformed by a matrix, column after column.
+/// A point transformed by a matrix in column-major order.
 pub(in crate::figure) fn placed(pose: &[f64; 16], point: &Vector3<f64>) -> Vector3<f64> {
     Vector3::from_fn(|row, _| {
         pose[row] * point.x + pose[4 + row] * point.y + pose[8 + row] * point.z + pose[12 + row]

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 /// The rectangle of a rod's cross-section, and its orientation as placed.
 ///
 /// Results hold positions of nodes, not the rotation of rods about their tangents: pictures rotate
-/// a strip the shortest way from its placed orientation. Strips that bend about their width alone,
-/// such as sheets, are drawn exactly.
+/// a strip by the smallest rotation from its placed orientation. This is exact for strips that
+/// bend about their width only, such as sheets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
     /// Extent along the width, m.
@@ -18,8 +18,8 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// A strip with its width along `director` at its first node, transported along the rod without
-    /// twist.
+    /// A strip with its width along `director` at its first node and transported along the rod
+    /// without twist.
     pub fn placed(
         width: f64,
         thickness: f64,
@@ -43,7 +43,7 @@ impl Strip {
         }
     }
 
-    /// Unit vector along the width at a node, with the nodes of the rod at these positions.
+    /// Unit vector along the width at a node, for the given positions of the nodes.
     pub(in crate::figure) fn across(
         &self,
         node: usize,
@@ -55,7 +55,7 @@ impl Strip {
     }
 }
 
-/// Unit tangent of a rod at a node: between its neighbours, or at an open end along the edge.
+/// Unit tangent of a rod at a node, from its neighbours; at an open end, along the edge.
 fn tangent(node: usize, points: &[Vector3<f64>], closed: bool) -> Vector3<f64> {
     let last = points.len() - 1;
     let (before, after) = match (closed, node) {
@@ -66,8 +66,8 @@ fn tangent(node: usize, points: &[Vector3<f64>], closed: bool) -> Vector3<f64> {
     along.try_normalize(0.0).unwrap_or_else(Vector3::x)
 }
 
-/// A unit vector normal to `from`, rotated with it the shortest way to `to`; for opposite vectors,
-/// a half turn.
+/// A unit vector normal to `from`, after the smallest rotation from `from` to `to`; for opposite
+/// vectors, after half a turn.
 fn turned(vector: &Vector3<f64>, from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     let along = from.dot(to);
     if along < -1.0 + 1e-9 {

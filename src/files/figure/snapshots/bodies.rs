@@ -1,4 +1,4 @@
-//! Rigid bodies among rods: pale faces, darker where they turn from the light.
+//! Rigid bodies among rods: pale faces, darker if they turn away from the light.
 
 use super::super::drawing::number;
 use super::super::palette::Color;
@@ -18,7 +18,8 @@ pub struct Body {
     pub hollow: bool,
 }
 
-/// The faces of a body, sorted by their farthest corners: a rod on a face is painted over it.
+/// The faces of a body, sorted by their farthest corners, so that a rod on a face is painted over
+/// it.
 pub(super) fn faces(body: &Body, view: &View, placement: &Placement) -> Vec<Piece> {
     let light = (view.eye() + Vector3::new(-0.3, 0.2, 0.8)).normalize();
     let face = |corners: &[Vector3<f64>; 3]| {

@@ -18,7 +18,7 @@ pub struct Plane {
 
 /// Margin of a patch beyond the rods, as a share of their extent.
 const ROOM: f64 = 0.06;
-/// A plane seen at less than this sine is a line.
+/// Sine of the angle of view below which a plane is drawn as a line.
 const EDGE_ON: f64 = 0.04;
 
 impl Plane {
@@ -26,7 +26,7 @@ impl Plane {
     pub(super) fn patch(&self, snapshots: &[Snapshot], view: &View) -> Option<[Vector3<f64>; 4]> {
         let rods = snapshots.iter().flat_map(|snapshot| &snapshot.rods);
         let points: Vec<Vector3<f64>> = rods.flat_map(|rod| rod.points.iter().copied()).collect();
-        // Along the axis with the smallest angle to the plane.
+        // Project along the axis with the smallest angle to the plane.
         let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
         let flattest = axes.into_iter().min_by(|a, b| {
             let slope = |axis: &Vector3<f64>| axis.dot(&self.normal).abs();
@@ -78,12 +78,12 @@ pub(super) fn draw_plane(
     }
     let corner = |corner: &Vector2<f64>| format!("{} {}", number(corner.x), number(corner.y));
     let path = format!("M{}Z", corners.each_ref().map(corner).join("L"));
-    // From behind, a plane would hide the rods on it.
+    // Viewed from behind, a plane would hide the rods on it.
     let fill = (facing > 0.0).then(|| Color::BLACK.towards(Color::WHITE, 0.93));
     drawing.path(&path, &edge, fill);
 }
 
-/// A line with hatches on the side of the solid.
+/// Draws a line with hatches on the side of the solid.
 fn draw_line(
     plane: &Plane,
     corners: &[Vector2<f64>; 4],

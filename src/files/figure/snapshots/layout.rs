@@ -22,8 +22,8 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The grid with the largest pictures; of equal ones, that with the fewest rows. `head`: space
-    /// for the title of each, pixels.
+    /// The grid with the largest pictures; if several are equal, the one with the fewest rows.
+    /// `head`: space for the title of each picture, pixels.
     pub fn largest(pictures: usize, extent: &Extent, paper: &Paper, head: f64) -> Self {
         let with_rows = |rows| Self::with_rows(rows, pictures, extent, paper, head);
         let grids = (1..=pictures).map(with_rows);
@@ -42,7 +42,7 @@ impl Grid {
         let columns = pictures.div_ceil(rows);
         let (size, margin) = (extent.size(), MARGIN * paper.em);
         let width = (paper.width - margin) / columns as f64;
-        // Titles of many rows do not shrink the pictures.
+        // The titles of many rows do not shrink the pictures.
         let height = (HEIGHT_OVER_WIDTH * paper.width / rows as f64 - head).max(2.0 * head);
         let scale = ((width - margin) / size.x).min(height / size.y);
         Self {

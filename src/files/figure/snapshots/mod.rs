@@ -68,7 +68,8 @@ impl RodsFigure {
     /// Draws the figure as SVG.
     ///
     /// Wide scenes are placed in several rows if that makes them larger. Lengths across the view
-    /// are true; farther parts are paler. The scale bar and the axes of the scene are below.
+    /// are true; distant parts are paler. The scale bar and the axes of the scene are below the
+    /// pictures.
     pub(super) fn svg(&self, paper: &Paper) -> String {
         let em = paper.em;
         let mut drawing = Drawing::new(paper.width);
@@ -143,7 +144,7 @@ impl RodsFigure {
     }
 }
 
-/// A bar of round length, at most twelve letters long, that starts at `start`.
+/// Draws a bar of round length, at most twelve letters long, that starts at `start`.
 fn draw_scale_bar(start: Vector2<f64>, scale: f64, em: f64, drawing: &mut Drawing) {
     let length = round_length_below(12.0 * em / scale);
     let end = start.x + scale * length;
@@ -164,7 +165,7 @@ fn draw_scale_bar(start: Vector2<f64>, scale: f64, em: f64, drawing: &mut Drawin
     });
 }
 
-/// The three axes as seen, each named at its tip; one that points at the eye is omitted.
+/// Draws the three axes as seen, each named at its tip; an axis that points at the eye is omitted.
 fn draw_axes(centre: Vector2<f64>, view: &View, em: f64, drawing: &mut Drawing) {
     let length = 1.5 * em;
     let placement = Placement {

@@ -8,7 +8,8 @@ use serde_json::json;
 
 const PAGE: &str = include_str!("page.html");
 
-/// The program of the page; camera, gestures and colours are those of the page of rods in motion.
+/// The program of the page; camera, gestures and colours are the same as on the page of rods in
+/// motion.
 const SCRIPTS: [&str; 4] = [
     include_str!("../viewer/page/colours.js"),
     include_str!("../viewer/page/camera.js"),
@@ -35,7 +36,7 @@ pub struct ColouredSurface<'a> {
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// The page as HTML. Browsers need WebGL 2, which all have since 2021.
+/// Returns the page as HTML. Browsers need WebGL 2, which all have had since 2021.
 pub fn surface_page(surface: &ColouredSurface<'_>) -> String {
     let (low, high) = surface
         .values

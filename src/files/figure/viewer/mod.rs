@@ -1,4 +1,4 @@
-//! The 3-D page: one HTML file that shows rods in motion, without a network and without any other file.
+//! The 3-D page: a single HTML file that shows rods in motion, without a network or other files.
 //!
 //! `page/` holds the sources of the page; [`movie_page`] combines them with the packed movie.
 
@@ -42,7 +42,7 @@ const SCRIPTS: [&str; 10] = [
     include_str!("page/page.js"),
 ];
 
-/// The page as HTML. Browsers need WebGL 2, which all have since 2021.
+/// Returns the page as HTML. Browsers need WebGL 2, which all have had since 2021.
 ///
 /// # Panics
 /// If a case has no frames, or arrays of different lengths.
@@ -113,7 +113,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
         .iter()
         .map(|obstacle| {
             let corners = obstacle.triangles.iter().flatten();
-            // Graphics cards use single precision.
+            // Single precision, which graphics cards use.
             let numbers: Vec<f32> = corners.flat_map(|x| x.iter().map(|c| *c as f32)).collect();
             json!({ "corners": numbers, "poses": obstacle.poses, "carried": obstacle.is_carried })
         })
@@ -155,7 +155,7 @@ fn describe(case: &MovieCase, bounds: &Bounds, fields: &[(&Field, ColorRange)]) 
     })
 }
 
-/// A strip: its extents, and tangent and width of each node as placed, one after the other.
+/// A strip: its extents, followed by tangent and width direction of each node as placed.
 fn describe_strip(strip: &Strip) -> Value {
     let placed = strip.placed.iter().flatten();
     let placed: Vec<f32> = placed.flat_map(|v| v.iter().map(|c| *c as f32)).collect();
@@ -170,7 +170,8 @@ mod tests {
     use super::*;
     use nalgebra::Vector3;
 
-    /// Two rods of three nodes that spin about the origin for five frames; they touch in the last.
+    /// Two rods of three nodes that rotate about the origin for five frames; they touch in the
+    /// last.
     pub(super) fn spinning() -> MovieCase {
         let rod = |name: &str| MovieRod {
             name: name.into(),

@@ -7,7 +7,8 @@ use nalgebra::Vector3;
 const COORDINATE_LEVELS: f64 = 65535.0;
 /// Levels of a colour.
 const COLOR_LEVELS: f64 = 255.0;
-/// Share of the largest values beyond the colour range, so that a spike does not hide the rest.
+/// Share of the largest values that may exceed the colour range, so that a spike does not hide the
+/// rest.
 const CLIPPED: f64 = 0.002;
 
 /// An axis-aligned box around the whole motion.
@@ -36,7 +37,7 @@ impl Bounds {
         Self { lower, size }
     }
 
-    /// Appends the levels of a point.
+    /// Appends the quantised coordinates of a point.
     fn pack(&self, point: &Vector3<f64>, bytes: &mut Vec<u8>) {
         for axis in 0..3 {
             let part = (point[axis] - self.lower[axis]) / self.size[axis];
@@ -56,10 +57,10 @@ pub(super) struct ColorRange {
 }
 
 impl ColorRange {
-    /// A range that shows the field well; `None` if it is constant.
+    /// A range that shows the field well; `None` if the field is constant.
     ///
-    /// The largest 0.2 % of the non-zero values may be beyond it. A range without sign starts at
-    /// zero unless the values vary little; one with sign is symmetric.
+    /// The largest 0.2 % of the non-zero values may exceed it. A range without sign starts at zero
+    /// unless the values vary little; a signed range is symmetric.
     pub fn of(field: &Field) -> Option<Self> {
         let all = field.values.iter().flatten().copied();
         let (minimum, maximum) = all.clone().fold(
